@@ -1,4 +1,4 @@
-//! A controller of your own: build it, then `timegap run following --service controller=PROGRAM`.
+//! A controller of your own in Rust: build it, then `timegap run following --service controller=PROGRAM`.
 
 use controller::law::{Descriptor, Formulation, GapPolicy, Input, Law, Output, TargetSource};
 

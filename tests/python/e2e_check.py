@@ -11,7 +11,7 @@ for line in sys.stdin:
     data_id, text = line.split()
     data_id = int(data_id)
     message = bytearray.fromhex(text)
-    # Behind this is what is not in use.
+    # The rest is unused.
     message = message[: int.from_bytes(message[8:12], "big")]
     intact = p07.e2e_p07_check(bytes(message), data_id)
     flipped = bytearray(message)

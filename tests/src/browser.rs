@@ -1,4 +1,4 @@
-//! A headless browser with one page, spoken to in the DevTools protocol through two pipes.
+//! A headless browser with one page, controlled by the DevTools protocol over two pipes.
 
 use crate::cases::Needed;
 use crate::{Corner, wait_for};
@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 
-/// Debian's chromium, or another of its kind.
+/// Debian's chromium, or a similar browser.
 fn program() -> Option<PathBuf> {
     let path = std::env::var_os("PATH")?;
     std::env::split_paths(&path)
@@ -21,7 +21,7 @@ fn program() -> Option<PathBuf> {
 /// A browser on the search path.
 ///
 /// # Errors
-/// The reason where there is none.
+/// The reason, if there is none.
 pub fn chromium() -> Needed {
     program().map(|_| ()).ok_or_else(|| "no chromium".to_owned())
 }
@@ -37,7 +37,7 @@ pub struct Browser {
 }
 
 impl Browser {
-    /// Opens `address`. The browser's files stand in the corner, told apart by `number`.
+    /// Opens `address`. The browser's files are in the corner, under `number`.
     ///
     /// # Panics
     /// If there is no browser, or it does not answer.
@@ -47,7 +47,7 @@ impl Browser {
         let (to, from) = (path("to"), path("from"));
         let made = Command::new("mkfifo").args([&to, &from]).status().expect("mkfifo is there");
         assert!(made.success());
-        // The browser reads its orders on descriptor 3 and answers on 4.
+        // The browser reads commands on descriptor 3 and answers on 4.
         let process = Command::new("sh")
             .args(["-c", "exec \"$0\" \"$@\" 3<\"$TO\" 4>\"$FROM\""])
             .arg(program().expect("looked for before"))
@@ -74,10 +74,10 @@ impl Browser {
         browser
     }
 
-    /// Calls a method of the protocol and answers its result.
+    /// Calls a method of the protocol and returns its result.
     ///
     /// # Panics
-    /// If the browser is gone, or refuses.
+    /// If the browser has ended or refuses.
     pub fn call(&mut self, method: &str, params: Value) -> Value {
         self.asked += 1;
         let mut order = json!({ "id": self.asked, "method": method, "params": params });
@@ -111,19 +111,19 @@ impl Browser {
         self.call("Runtime.evaluate", params)["result"]["value"].clone()
     }
 
-    /// Waits until an expression is true in the page; false if it does not become so.
+    /// Waits until an expression is true in the page; false after a timeout.
     pub fn becomes(&mut self, expression: &str) -> bool {
         wait_for(|| self.evaluate(expression) == true)
     }
 
-    /// A mouse event at a place of the window, px.
+    /// Sends a mouse event at a place of the window, px.
     pub fn mouse(&mut self, kind: &str, (x, y): (f64, f64)) {
         let pressed = if kind == "mouseMoved" { "none" } else { "left" };
         let params = json!({ "type": kind, "x": x, "y": y, "button": pressed, "clickCount": 1 });
         self.call("Input.dispatchMouseEvent", params);
     }
 
-    /// Errors that the page wrote to its console so far.
+    /// Errors in the page's console so far.
     #[must_use]
     pub fn errors(&self) -> &[String] {
         &self.errors

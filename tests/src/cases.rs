@@ -1,39 +1,39 @@
 //! Tests that need more than a Rust toolchain: a Python with packages from PyPI, a browser, a kernel that
 //! grants mount namespaces.
 //!
-//! Rust's own harness cannot skip a test once it runs, and a test that returns early counts as passed. The
-//! files that use this module have `harness = false` and look for what is needed first: a test without it
-//! is *ignored*, with the reason in its line and in the count of the closing line. `.ci/run` prints those
-//! lines again at its end, and fails on one that is not expected. cargo-nextest does not run what is ignored in its
-//! list: for it, what is needed is looked for when it asks for the list.
+//! Rust's own harness cannot skip a running test, and a test that returns early counts as passed. Files with
+//! this module have `harness = false` and check the needs first. A test without them is *ignored*, with the
+//! reason in its line and in the count of the closing line. `.ci/run` repeats these lines at its end, and
+//! fails on an unexpected one. cargo-nextest skips tests that its list marks as ignored, so that needs are
+//! checked when it asks for the list.
 
 use libtest_mimic::{Arguments, Trial};
 use std::path::Path;
 use std::process::{Command, ExitCode};
 
-/// What a test needs is there, or why it is not.
+/// Whether a need is met, or the reason why not.
 pub type Needed = Result<(), String>;
 
-/// A test and what it needs.
+/// A test and its need.
 pub struct Case {
     name: &'static str,
     needs: fn() -> Needed,
     run: fn(),
 }
 
-/// A test that needs nothing more.
+/// A test without further needs.
 #[must_use]
 pub const fn case(name: &'static str, run: fn()) -> Case {
     Case { name, needs: || Ok(()), run }
 }
 
-/// A test that needs something more.
+/// A test with a need.
 #[must_use]
 pub const fn needing(needs: fn() -> Needed, name: &'static str, run: fn()) -> Case {
     Case { name, needs, run }
 }
 
-/// Runs the cases as Rust's own harness would; what is needed is looked for in cases that were asked for.
+/// Runs the cases like Rust's own harness; checks the needs of the requested ones.
 #[must_use]
 pub fn run(cases: &[Case]) -> ExitCode {
     let arguments = Arguments::from_args();
@@ -58,10 +58,10 @@ pub fn run(cases: &[Case]) -> ExitCode {
     libtest_mimic::run(&arguments, cases.iter().map(trial).collect()).exit_code()
 }
 
-/// A mount namespace of one's own, with a file system in it.
+/// A mount namespace with a file system of its own.
 ///
 /// # Errors
-/// The reason where the kernel does not grant one.
+/// The reason, if the kernel refuses.
 pub fn mount_namespace() -> Needed {
     let script = "mount -t tmpfs -o size=64k none /mnt";
     let output = Command::new("unshare")
@@ -80,7 +80,7 @@ pub fn mount_namespace() -> Needed {
 /// A program on the search path.
 ///
 /// # Errors
-/// Its name where there is none.
+/// Its name, if it is missing.
 pub fn program(name: &str) -> Needed {
     let path = std::env::var_os("PATH").unwrap_or_default();
     let found = std::env::split_paths(&path).any(|directory| directory.join(name).is_file());
@@ -90,7 +90,7 @@ pub fn program(name: &str) -> Needed {
 /// The Python of [`crate::python`] below `directory`.
 ///
 /// # Errors
-/// The reason where there is no Python, no pip or no network.
+/// The reason: no Python, no pip or no network.
 pub fn python(directory: &Path) -> Needed {
     crate::python::interpreter(directory).map(|_| ()).map_err(|why| why.0)
 }

@@ -1,6 +1,5 @@
-//! One function for each thing that reads bytes from outside: none may panic, whatever comes, and each
-//! says what is wrong in one error. The targets in `fuzz/` call them with libFuzzer, a test calls them
-//! with mutations of good examples.
+//! One function for each reader of bytes from outside. None may panic on any input, and each reports the fault
+//! in one error. The targets in `fuzz/` call them with libFuzzer, a test calls them with mutated examples.
 
 use messages::e2e::{Channel, Outcomes, profile7};
 use openscenario::variation::Variation;
@@ -13,13 +12,13 @@ use std::path::{Path, PathBuf};
 
 /// A reader of bytes from outside.
 pub struct Target {
-    /// Its name, that of the file in `fuzz/fuzz_targets`.
+    /// Its name, and of its file in `fuzz/fuzz_targets`.
     pub name: &'static str,
-    /// Reads.
+    /// The reader.
     pub read: fn(&[u8]),
 }
 
-/// All of them.
+/// All readers.
 pub const TARGETS: [Target; 10] = [
     Target { name: "scenario", read: scenario },
     Target { name: "speed_table", read: speed_table },
@@ -33,7 +32,7 @@ pub const TARGETS: [Target; 10] = [
     Target { name: "frame", read: frame },
 ];
 
-/// Scenario files. One that is accepted can be written and read again, and its law can be built.
+/// Scenario files. An accepted one can be written and read again, and its law can be built.
 pub fn scenario(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     if let Ok(scenario) = Scenario::parse("fuzz.toml", text) {
@@ -49,7 +48,7 @@ pub fn speed_table(bytes: &[u8]) {
     let _ = scenario::read_speed_table("fuzz.csv", text);
 }
 
-/// Tables of a road's height or grade. One that is accepted has a slope everywhere.
+/// Tables of a road's height or grade. An accepted one has a slope everywhere.
 pub fn road(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     if let Ok(profile) = scenario::read_road("fuzz.csv", text) {
@@ -59,7 +58,7 @@ pub fn road(bytes: &[u8]) {
     }
 }
 
-/// Designs of the quadratic-bounded law. One that is accepted keeps its promise.
+/// Designs of the quadratic-bounded law. An accepted one keeps its bounds.
 pub fn design(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     let _ = controller::laws::quadratic_bounded::Design::load(text);
@@ -74,7 +73,7 @@ pub fn recording(bytes: &[u8]) {
     }
 }
 
-/// Captures of radio frames. One that is accepted plays no more than it holds.
+/// Captures of radio frames. An accepted one plays at most its frames.
 pub fn capture(bytes: &[u8]) {
     if let Ok(mut capture) = radio::Capture::read(bytes) {
         let played = std::iter::from_fn(|| capture.receive(i64::MAX)).count();
@@ -82,7 +81,7 @@ pub fn capture(bytes: &[u8]) {
     }
 }
 
-/// What launcher, services and clients say to each other.
+/// Messages between launcher, services and clients.
 pub fn link(bytes: &[u8]) {
     let _ = serde_json::from_slice::<FromService>(bytes);
     let _ = serde_json::from_slice::<ToService>(bytes);
@@ -93,7 +92,7 @@ pub fn link(bytes: &[u8]) {
     }
 }
 
-/// The end-to-end check: what it accepts was protected.
+/// The end-to-end check: accepted messages were protected.
 pub fn end_to_end(bytes: &[u8]) {
     let (mut channel, mut outcomes) = (Channel::default(), Outcomes::default());
     if channel.accept(bytes, 7, 0, &mut outcomes) {
@@ -104,7 +103,7 @@ pub fn end_to_end(bytes: &[u8]) {
     }
 }
 
-/// OpenSCENARIO files, scenarios and variations alike. A scenario that is accepted moves and stays finite.
+/// OpenSCENARIO files: scenarios and variations. An accepted scenario moves and stays finite.
 pub fn openscenario(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     let path = Path::new("fuzz.xosc");
@@ -123,7 +122,7 @@ pub fn openscenario(bytes: &[u8]) {
     }
 }
 
-/// A file that is everywhere a scenario names one.
+/// A file that every path of a scenario names.
 struct OneFile<'a>(&'a str);
 
 impl Source for OneFile<'_> {
@@ -136,7 +135,7 @@ impl Source for OneFile<'_> {
     }
 }
 
-/// Frames on air. Whatever the on-board unit makes of one, it counts it once.
+/// Radio frames. The on-board unit counts each frame once.
 pub fn frame(bytes: &[u8]) {
     let start_ns = scenario::radio::SIMULATED_START_NS;
     let moment = obu::clock::Moment { now_ns: 0, utc_start_ns: start_ns, ahead_ns: 0 };

@@ -1,4 +1,4 @@
-//! What the whole-system tests share: a command in a corner of its own, and what it leaves there.
+//! Shared parts of the whole-system tests: a command in a directory of its own, and its leftovers.
 
 pub mod browser;
 pub mod cases;
@@ -11,10 +11,10 @@ use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-/// Time after which a test that waits for an event gives up: a watchdog, not a measurement.
+/// Time after which waiting for an event fails: a watchdog, not a measurement.
 pub const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A temporary directory of a test's own, in which its commands run.
+/// A temporary directory of one test, in which its commands run.
 #[derive(Debug)]
 pub struct Corner {
     path: PathBuf,
@@ -26,7 +26,7 @@ impl Corner {
     #[must_use]
     pub fn new(program: &str) -> Self {
         static COUNT: AtomicU32 = AtomicU32::new(0);
-        // Short: event sockets below it must fit in 108 bytes.
+        // Short: paths of event sockets below it must fit into 108 bytes.
         let name = format!("tgt{:x}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
         let path = PathBuf::from("/tmp").join(name);
         std::fs::create_dir_all(&path).expect("the temporary directory is writable");
@@ -39,7 +39,7 @@ impl Corner {
         &self.path
     }
 
-    /// A command whose runs live in this corner.
+    /// A command whose runs are in this corner.
     #[must_use]
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(&self.program);
@@ -47,7 +47,7 @@ impl Corner {
             .args(arguments)
             .current_dir(&self.path)
             .env("TMPDIR", &self.path)
-            // Where runs keep their small files: below it, so that this corner's are told from others'.
+            // Small files of runs are below it, so that this corner's runs are distinct.
             .env("XDG_RUNTIME_DIR", &self.path)
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -67,7 +67,7 @@ impl Corner {
         self.command(arguments).spawn().expect("the command starts")
     }
 
-    /// Runs `timegap ARGUMENTS --json`, which must end with status 0, and reads what it printed.
+    /// Runs `timegap ARGUMENTS --json`, which must end with status 0, and parses its output.
     #[must_use]
     pub fn json(&self, arguments: &[&str]) -> Value {
         let arguments: Vec<_> = arguments.iter().copied().chain(["--json"]).collect();
@@ -76,7 +76,7 @@ impl Corner {
         serde_json::from_slice(&output.stdout).expect("--json prints one JSON object")
     }
 
-    /// Directories of runs that have not been removed.
+    /// Directories of existing runs.
     #[must_use]
     pub fn roots(&self) -> Vec<PathBuf> {
         let base = std::fs::read_dir(&self.path).into_iter().flatten().flatten();
@@ -87,7 +87,7 @@ impl Corner {
         roots.flatten().map(|entry| entry.path()).collect()
     }
 
-    /// Living processes of runs in this corner, with the name that they go by.
+    /// Living processes of runs in this corner, with their names.
     #[must_use]
     pub fn processes(&self) -> Vec<(i32, String)> {
         let needle = self.path.to_string_lossy().into_owned();
@@ -100,7 +100,7 @@ impl Corner {
             let line = String::from_utf8_lossy(&line).into_owned();
             let mut words = line.split('\0');
             let name = words.next().unwrap_or_default().to_owned();
-            // Also those that were started ahead and are no services yet.
+            // Also processes that were started ahead and are not services yet.
             let is_ours = name.starts_with("timegap-") || name.starts_with("prepare-");
             if is_ours && words.any(|word| word.starts_with(&needle)) {
                 found.push((pid, name));
@@ -123,10 +123,10 @@ impl Corner {
         names.filter(|name| ids.iter().any(|id| name.starts_with(id.as_str()))).collect()
     }
 
-    /// Waits until nothing of `roots` is left: no process, no directory, no shared memory.
+    /// Waits until no process, directory or shared memory of `roots` is left.
     ///
     /// # Panics
-    /// When something is still there after [`PATIENCE`].
+    /// If something is left after [`PATIENCE`].
     pub fn expect_nothing_left(&self, roots: &[PathBuf]) {
         let left = || (self.processes(), self.roots(), Self::shared_memory(roots));
         let gone = wait_for(|| {
@@ -136,10 +136,10 @@ impl Corner {
         assert!(gone, "left behind: {:?}", left());
     }
 
-    /// Waits until a service of this name is alive, and returns its process id.
+    /// Waits until a service of this name runs, and returns its process id.
     ///
     /// # Panics
-    /// When none appears in [`PATIENCE`].
+    /// If none appears within [`PATIENCE`].
     #[must_use]
     pub fn wait_for_process(&self, name: &str) -> i32 {
         let mut pid = 0;
@@ -159,7 +159,7 @@ impl Drop for Corner {
     }
 }
 
-/// Polls `condition` until it holds; false when it does not within [`PATIENCE`].
+/// Polls `condition` until it holds; false after [`PATIENCE`].
 pub fn wait_for(mut condition: impl FnMut() -> bool) -> bool {
     let begun = Instant::now();
     while begun.elapsed() < PATIENCE {
@@ -171,7 +171,7 @@ pub fn wait_for(mut condition: impl FnMut() -> bool) -> bool {
     false
 }
 
-/// Everything that a command printed.
+/// Output and errors of a command.
 #[must_use]
 pub fn text(output: &Output) -> String {
     format!(
@@ -184,7 +184,7 @@ pub fn text(output: &Output) -> String {
 /// Rows of a CSV file as numbers, by the named columns. An empty field is NaN.
 ///
 /// # Panics
-/// When a column is missing or a field is not a number.
+/// If a column is missing or a field is not a number.
 #[must_use]
 pub fn csv(text: &str, columns: &[&str]) -> Vec<Vec<f64>> {
     let mut lines = text.lines();

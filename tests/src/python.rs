@@ -1,4 +1,4 @@
-//! A Python of the tests' own, with the packages that read what timegap writes.
+//! A Python for the tests, with packages that read timegap's files.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -21,19 +21,19 @@ pub struct NoInterpreter(pub String);
 /// Packages that run a notebook.
 const NOTEBOOK_PACKAGES: [&str; 2] = ["ipykernel==6.29.5", "nbclient==0.10.2"];
 
-/// The interpreter of a virtual environment below `directory` that runs notebooks, made at the first call.
+/// The interpreter of a virtual environment below `directory` that runs notebooks, created at the first call.
 ///
 /// # Errors
-/// The reason where there is no Python, no pip or no network.
+/// The reason: no Python, no pip or no network.
 pub fn notebook_interpreter(directory: &Path) -> Result<PathBuf, NoInterpreter> {
     static FOUND: OnceLock<Result<PathBuf, NoInterpreter>> = OnceLock::new();
     FOUND.get_or_init(|| prepare(&directory.join("notebook-venv"), &NOTEBOOK_PACKAGES)).clone()
 }
 
-/// The interpreter of a virtual environment below `directory`, made at the first call.
+/// The interpreter of a virtual environment below `directory`, created at the first call.
 ///
 /// # Errors
-/// The reason where there is no Python, no pip or no network.
+/// The reason: no Python, no pip or no network.
 pub fn interpreter(directory: &Path) -> Result<PathBuf, NoInterpreter> {
     static FOUND: OnceLock<Result<PathBuf, NoInterpreter>> = OnceLock::new();
     FOUND.get_or_init(|| prepare(&directory.join("interop-venv"), &PACKAGES)).clone()

@@ -1,5 +1,5 @@
-//! ASAM's own scenarios for UN R157, which are not part of this repository: run where `OPENSCENARIO_FILES` names
-//! folders (separated by `:`) that hold them, at any depth.
+//! ASAM's scenarios for UN R157, which are not part of this repository. The test runs if `OPENSCENARIO_FILES`
+//! names folders with them, separated by `:`, at any depth.
 
 use openscenario::variation::Variation;
 use openscenario::{Disk, ReadError, World, read};
@@ -20,7 +20,7 @@ fn folders() -> Needed {
     }
 }
 
-/// The files that hold `element`: at least one.
+/// Files with `element`: at least one.
 fn files(element: &str) -> Vec<PathBuf> {
     let folders = std::env::var("OPENSCENARIO_FILES").expect("it was looked for");
     let mut open: Vec<PathBuf> = folders.split(':').map(PathBuf::from).collect();
@@ -41,7 +41,7 @@ fn files(element: &str) -> Vec<PathBuf> {
     files
 }
 
-/// Reads and moves one scenario; when it ended, in s.
+/// Reads and moves one scenario; returns its end, s.
 fn end_of(path: &Path) -> Option<f64> {
     let read = read::scenario(path, &Disk, &[]).unwrap_or_else(|error| panic!("{error}"));
     let mut world = World::new(read.script).unwrap_or_else(|e| panic!("{}: {e}", path.display()));

@@ -1,5 +1,4 @@
-//! The files for array jobs in `examples`: what the engines read of them is there, and every command in
-//! them is one that `timegap` takes.
+//! The files for array jobs in `examples`: the engines' keys are present, and `timegap` accepts every command.
 
 use std::collections::BTreeSet;
 use std::os::unix::fs::PermissionsExt;
@@ -11,7 +10,7 @@ use yaml_rust2::{Yaml, YamlLoader};
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 const EXAMPLES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples");
 
-/// A stand-in for `timegap` that writes down how it was called, a word a line.
+/// A replacement for `timegap` that records its arguments, a word per line.
 fn stand_in(corner: &Corner) -> String {
     let path = corner.path().join("timegap");
     let script = format!("#!/bin/sh\nprintf '%s\\n' \"$@\" > {}/words\n", corner.path().display());
@@ -20,19 +19,19 @@ fn stand_in(corner: &Corner) -> String {
     path.to_str().expect("plain letters").to_owned()
 }
 
-/// How the stand-in was called.
+/// Arguments of the replacement.
 fn words(corner: &Corner) -> Vec<String> {
     let words = std::fs::read_to_string(corner.path().join("words")).expect("it was called");
     words.lines().map(str::to_owned).collect()
 }
 
-/// The command line is understood to its end; nothing runs.
+/// Parses a whole command line without running it.
 fn understood(corner: &Corner, words: &[String]) {
     let line: Vec<&str> = words.iter().map(String::as_str).collect();
     let parsed = |line: &[&str]| corner.run(&[line, &["--help"]].concat());
     let output = parsed(&line);
     assert!(output.status.success(), "{line:?}: {}", text(&output));
-    // Help hides no unknown option before it.
+    // Help would hide an unknown option before it.
     let output = parsed(&[&line[..], &["--no-such-option"]].concat());
     assert_eq!(output.status.code(), Some(2), "{line:?}");
 }
@@ -42,7 +41,7 @@ fn read(path: &str) -> String {
         .unwrap_or_else(|e| panic!("{path}: {e}"))
 }
 
-/// A batch script as Slurm would start it for one task of its array.
+/// Runs a batch script like Slurm for one task of its array.
 fn task(corner: &Corner, path: &str, program: &str, task: u32) -> Output {
     Command::new("bash")
         .arg(Path::new(EXAMPLES).join(path))
@@ -77,10 +76,10 @@ fn batch_scripts_ask_for_an_array_that_can_be_requeued() {
             let at = words.iter().position(|word| word == option);
             at.and_then(|at| words.get(at + 1)).unwrap_or_else(|| panic!("{path}: no {option}"))
         };
-        // Each task keeps what it did in a directory of its own, where a requeued one goes on.
+        // Each task has a directory of its own, where a requeued one continues.
         assert_eq!((after("--shard").as_str(), after("--resume").as_str()), ("auto", "shards/3"));
         understood(&corner, &words);
-        // What its comments tell to type.
+        // Commands in its comments.
         let typed = script.lines().filter_map(|line| line.strip_prefix("#   timegap "));
         let typed: Vec<&str> = typed.collect();
         assert!(!typed.is_empty(), "{path} says how to merge");
@@ -98,7 +97,7 @@ fn a_task_of_the_sweep_does_its_part() {
     assert!(output.status.success(), "{}", text(&output));
     let journal = corner.path().join("shards/3/runs.jsonl");
     let runs = std::fs::read_to_string(journal).expect("the journal").lines().count();
-    // 21 delays and 20 seeds; eight do not divide them.
+    // 21 delays and 20 seeds, not divisible by eight.
     assert!((52..=53).contains(&runs), "{runs} of {}", 21 * 20);
     corner.expect_nothing_left(&[]);
 }
@@ -135,7 +134,7 @@ fn job<'a>(documents: &'a [Yaml], claims: &[&str]) -> &'a Yaml {
     let pod = at(job, "spec.template.spec");
     let container = at(pod, "containers.0");
     assert_eq!(string(container, "image"), "timegap:latest");
-    // Every place that is mounted is a volume, and every claim is made.
+    // Every mounted place is a volume, and every claim exists.
     let volumes: Vec<&str> =
         at(pod, "volumes").as_vec().expect("a list").iter().map(|v| string(v, "name")).collect();
     for mount in at(container, "volumeMounts").as_vec().expect("a list") {
@@ -168,7 +167,7 @@ fn the_indexed_job_has_what_kubernetes_reads() {
         "metadata.annotations['batch.kubernetes.io/job-completion-index']"
     );
     let arguments = strings(container, "args");
-    // The number of parts is not in a pod's environment: it must be the number of completions.
+    // A pod's environment lacks the number of parts: it must equal the number of completions.
     assert!(arguments.contains(&format!("auto/{completions}")), "{arguments:?}");
     let own = "/results/shard-$(JOB_COMPLETION_INDEX)";
     assert!(arguments.iter().any(|word| word == own), "{arguments:?}");

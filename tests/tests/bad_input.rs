@@ -1,5 +1,5 @@
-//! Bad input gets one clear error that says where and what was expected, exit status 2 (or 3 when
-//! the machine is to blame), and leaves nothing.
+//! Bad input gets one clear error with its place and the expected value, exit status 2 (3 for a fault of the
+//! machine), and leaves nothing.
 
 use std::path::Path;
 use std::process::{Command, ExitCode};
@@ -8,7 +8,7 @@ use system_tests::{Corner, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
-/// Runs the command, which must end with `status` and say all of `words`.
+/// Runs the command, which must end with `status` and print all `words`.
 fn refused(arguments: &[&str], status: i32, words: &[&str]) {
     let corner = Corner::new(PROGRAM);
     refused_in(&corner, arguments, status, words);
@@ -27,7 +27,7 @@ fn refused_in(corner: &Corner, arguments: &[&str], status: i32, words: &[&str]) 
     corner.expect_nothing_left(&[]);
 }
 
-/// A scenario file with these lines after the head, which are lines 1 to 3.
+/// A scenario file with these lines after the head of lines 1 to 3.
 fn scenario(corner: &Corner, lines: &str) -> String {
     let text = format!("schema_version = 1\nname = \"mine\"\nduration_s = 1\n{lines}");
     std::fs::write(corner.path().join("mine.toml"), text).expect("our own directory");
@@ -61,7 +61,7 @@ fn scenario_files() {
     two_models_of_the_radar();
 }
 
-/// `ideal` alone is a model of the radar; with another one beside it nothing says which is meant.
+/// `ideal` is a complete model of the radar: another one beside it is ambiguous.
 fn two_models_of_the_radar() {
     refused_scenario(
         "[perception]\nideal = true\nradar.model = \"object-list\"\n",
@@ -71,7 +71,7 @@ fn two_models_of_the_radar() {
     refused(&more, 2, &["--set perception.radar.model=detections", "perception.ideal = false"]);
 }
 
-/// What has no meaning for driver assistance.
+/// OpenSCENARIO features outside driver assistance.
 fn driver_assistance() {
     refused_scenario(
         "[aebs]\nenabled = true\ndeceleration_mps2 = 4\n",
@@ -166,7 +166,7 @@ fn radios() {
     run("morse", &["--radio", "`morse` is no radio", "udp://"]);
     run("tcp://1.2.3.4:5", &["`tcp://1.2.3.4:5` is no radio"]);
     run("udp://somewhere:5520", &["no IP address with a port"]);
-    // An address of documentation is no host's own (RFC 5737).
+    // An address for documentation, which no host has (RFC 5737).
     run("udp://192.0.2.7:5520", &["cannot listen on 192.0.2.7:5520"]);
     run("udp://239.255.3.1:5520?interface=nowhere0", &["no network interface `nowhere0`"]);
     run("pcap:no-such.pcap", &["no-such.pcap", "No such file"]);
@@ -208,8 +208,7 @@ fn zenoh() {
     zenoh::wrong_certificates();
 }
 
-/// What zenoh makes of a network that is not as its configuration says: one error of the vehicle and of the
-/// roadside unit, and no wait without an end.
+/// zenoh with a wrong configuration: one error of the vehicle and of the roadside unit, and no endless wait.
 #[cfg(feature = "zenoh")]
 mod zenoh {
     use super::{PROGRAM, refused_in};
@@ -227,7 +226,7 @@ mod zenoh {
         std::fs::write(corner.path().join("zenoh.json5"), text).expect("our own directory");
     }
 
-    /// The vehicle and the roadside unit, with this configuration.
+    /// Runs the vehicle and the roadside unit with this configuration.
     fn refused_both(configuration: &str, words: &[&str]) {
         let corner = Corner::new(PROGRAM);
         write(&corner, configuration);
@@ -247,7 +246,7 @@ mod zenoh {
         all.join(name).display().to_string()
     }
 
-    /// TLS with a certificate, and the one that the other's must be signed by.
+    /// TLS with a certificate and the issuer of the peer's certificate.
     fn tls(place: &str, name: &str, root: &str) -> String {
         let [root, own, key] =
             [root, &format!("{name}.pem"), &format!("{name}.key.pem")].map(certificate);
@@ -278,7 +277,7 @@ mod zenoh {
         refused_both(&format!("mode: \"client\", {endpoints}"), &["is the router there"]);
     }
 
-    /// Something listens at the router's port and never answers.
+    /// Another program listens at the router's port and never answers.
     pub(super) fn a_router_that_says_nothing() {
         let (_silent, port) = free_port();
         let endpoints = format!("connect: {{ endpoints: [\"tcp/127.0.0.1:{port}\"] }}");
@@ -289,7 +288,7 @@ mod zenoh {
         );
     }
 
-    /// A peer waits for others, which may come later: the vehicle drives, and what it heard is counted.
+    /// A peer waits for others, which may come later: the vehicle drives and counts received frames.
     pub(super) fn a_peer_that_is_not_there() {
         let corner = Corner::new(PROGRAM);
         let (socket, port) = free_port();
@@ -305,8 +304,8 @@ mod zenoh {
         corner.expect_nothing_left(&[]);
     }
 
-    /// A router that wants certificates of its clients: one of an unknown issuer, one that does not trust the router,
-    /// and files that are not there.
+    /// A router that requires client certificates: one of an unknown issuer, one that does not trust the
+    /// router, and missing files.
     pub(super) fn wrong_certificates() {
         let (socket, port) = free_port();
         drop(socket);
@@ -325,7 +324,7 @@ mod zenoh {
 }
 
 fn output_directories() {
-    // Below a file no directory can be made, not even by root.
+    // Not even root can create a directory below a file.
     refused(&["run", "--out", "/dev/null/results"], 2, &["/dev/null/results", "cannot"]);
     refused(&["run", "--out", "/proc/results"], 2, &["/proc/results", "cannot"]);
 }
@@ -339,14 +338,14 @@ fn a_service_that_exits_at_once() {
     refused(&["run", "--service", "plant=/no/such/program"], 2, &["/no/such/program"]);
 }
 
-/// Endless output is neither kept nor waited for.
+/// Endless output is neither kept nor awaited.
 fn a_service_that_floods_its_output() {
     let program = ["/usr/bin/yes", "/bin/yes"].into_iter().find(|path| Path::new(path).exists());
     let service = format!("controller={}", program.expect("yes is everywhere"));
     refused(&["run", "--service", &service], 2, &["controller", "endless text"]);
 }
 
-/// A pipe, which would be waited for, is no scenario file.
+/// A pipe is not a scenario file: reading would wait for it.
 fn a_pipe_as_a_scenario() {
     let corner = Corner::new(PROGRAM);
     let pipe = corner.path().join("pipe.toml");
@@ -387,7 +386,7 @@ fn unknown_commands_and_faults_without_meaning() {
     );
 }
 
-/// Two files that are cut off before their first message are not equal.
+/// Two files truncated before their first message are not equal.
 fn recordings_without_a_message_that_can_be_read() {
     let corner = Corner::new(PROGRAM);
     let run = ["run", "cacc-a", "--mode", "lockstep", "--duration", "1", "--out", "x"];
@@ -412,7 +411,7 @@ fn recordings_without_a_message_that_can_be_read() {
     );
 }
 
-/// What cannot be printed is an error.
+/// A failed print is an error.
 fn a_full_standard_output() {
     let corner = Corner::new(PROGRAM);
     for arguments in [["list"].as_slice(), &["run", "cacc-a", "--mode", "lockstep", "--json"]] {
@@ -444,7 +443,7 @@ fn a_foreign_base_directory() {
     assert!(text(&output).contains("belongs to this user alone"), "{}", text(&output));
 }
 
-/// A full /dev/shm needs one of our own: a mount namespace, where the kernel grants it.
+/// A full /dev/shm of our own, in a mount namespace if the kernel grants one.
 fn full_shared_memory() {
     let script = |size: &str| {
         format!(
@@ -470,7 +469,7 @@ fn full_shared_memory() {
     }
 }
 
-/// A /dev/shm that cannot be written: one sentence that names it.
+/// A read-only /dev/shm: one sentence that names it.
 fn read_only_shared_memory() {
     let corner = Corner::new(PROGRAM);
     let script = "mount -t tmpfs -o ro none /dev/shm && exec \"$0\" run cacc-a --mode lockstep";
@@ -485,7 +484,7 @@ fn read_only_shared_memory() {
     assert!(!corner.path().join("runs").exists(), "nothing is left of a run that never was");
 }
 
-/// A full disk: what was measured is told, then the failure, and no half file is left.
+/// A full disk: the results are printed, then the error, and no partial file is left.
 fn full_disk() {
     let corner = Corner::new(PROGRAM);
     let disk = corner.path().join("disk");

@@ -1,5 +1,4 @@
-//! `timegap bench`: the shape of what it says, and that it leaves nothing behind. No test here
-//! asserts how fast.
+//! `timegap bench`: the form of its output, and that it leaves nothing behind. No test asserts a speed.
 
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
@@ -27,12 +26,12 @@ fn assert_percentiles(value: &Value, what: &str) {
     );
 }
 
-/// One run serves for the shape, for saving and for comparing: it takes a while.
+/// One slow run serves to check the form, saving and comparing.
 #[test]
 fn a_quick_bench_says_everything_that_it_promises() {
     let corner = Corner::new(PROGRAM);
     let quick = ["bench", "--quick", "--seconds", "0.1", "--save", "base.json", "--out", "out"];
-    // A busy machine may miss a goal, which is status 1.
+    // A busy machine may miss a goal, with status 1.
     let output = corner.run(&[&quick[..], &["--json"]].concat());
     assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
     let report: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
@@ -115,7 +114,7 @@ fn a_quick_bench_says_everything_that_it_promises() {
     }
     assert!(itself.count() >= 1, "the floor against itself is always a row");
 
-    // A histogram for each figure that is one, in a file that other tools read.
+    // Each measured figure has a histogram, in a file that other tools read.
     let log = std::fs::read_to_string(corner.path().join("out/histograms.hlog")).expect("written");
     let lines: Vec<_> = log.lines().filter(|line| line.starts_with("Tag=")).collect();
     assert!(lines.len() > loaned.len() && lines.iter().all(|line| line.contains(",HISTFAAA")));
@@ -156,7 +155,7 @@ fn nothing_outlives_a_bench_that_is_killed_or_interrupted() {
     }
 }
 
-/// Compiles one file again and again until it is told to stop: the other work of a developer's machine.
+/// Compiles one file repeatedly until it is stopped, like other work on a developer's machine.
 fn compile(directory: &std::path::Path, stop: &AtomicBool) -> u32 {
     let file = directory.join("busy.rs");
     let functions: String = (0..400)

@@ -1,5 +1,5 @@
-//! Frames that are not simulated in the run: a capture that is played into it, a roadside unit of another
-//! process, and what cannot be had.
+//! Frames from outside the run: a played capture, a roadside unit of another process, and unavailable
+//! carriers.
 
 use group::in_process;
 use its::geonetworking::{Headers, Source, StationType};
@@ -25,8 +25,8 @@ fn corridor() -> Scenario {
     Scenario::parse("corridor", text).expect("it is right")
 }
 
-/// What `corridor`'s units send in so many seconds; once in a second also a frame of another profile (the
-/// version of its first header is 2) and one of a message that is not read here (its BTP port is 2002).
+/// Frames of `corridor`'s units in `seconds`. Each second adds a frame of another profile (version 2 in its
+/// first header) and one of another message (BTP port 2002).
 fn capture(path: &Path, seconds: u64) {
     let units = Frames::new(&corridor().v2x);
     let mut writer = Writer::new(File::create(path).expect("our own directory")).expect("a file");
@@ -65,20 +65,20 @@ fn a_capture_is_heard_on_its_own_clock_and_repeats_byte_for_byte() {
     let summary = play(&path);
     let verdicts = &summary["radio"]["verdicts"];
     assert_eq!(summary["outcome"], "completed");
-    // At 0 s, 1 s, ... 15 s, of a SPATEM and a MAPEM each.
+    // At 0 s, 1 s, ... 15 s, for a SPATEM and a MAPEM each.
     assert_eq!(verdicts["other_profile"], 32, "{verdicts}");
     assert_eq!(verdicts["unknown_message"], 32, "{verdicts}");
     assert!(verdicts["accepted"].as_u64() > Some(450), "{verdicts}");
     for verdict in ["too_old", "contradicting", "duplicated", "malformed"] {
         assert_eq!(verdicts[verdict], 0, "{verdicts}");
     }
-    // What another maker's signals really showed is not known, and nothing is made up.
+    // The true signals of another maker's units are not known, and not invented.
     assert_eq!(summary["link"]["truth_known"], false);
     assert_eq!(play(&path)["messages"], summary["messages"]);
 }
 
-/// Messages of other programs' making: of North America's profile, of a kind that is not read, and CAMs with
-/// the vehicle's own station id. Each is counted under its own verdict, and the drive is the same.
+/// Messages of other programs: of North America's profile, of another kind, and CAMs with the vehicle's own
+/// station id. Each has its own verdict, and the drive is unchanged.
 #[test]
 fn frames_of_others_are_counted_under_their_own_verdicts() {
     let corner = Corner::new(PROGRAM);
@@ -106,7 +106,7 @@ fn frames_of_others_are_counted_under_their_own_verdicts() {
         }
     }
     writer.finish().expect("a file");
-    // WAVE short messages are behind another EtherType.
+    // WAVE short messages have another EtherType.
     let message =
         [&[0xff; 6][..], &[2; 6], &[0x88, 0xdc, 3, 0, 0x80, 2, 24], &foreign("sae_spat")].concat();
     let mut file = File::options().append(true).open(&path).expect("our own file");
@@ -119,7 +119,7 @@ fn frames_of_others_are_counted_under_their_own_verdicts() {
     let verdicts = &summary["radio"]["verdicts"];
     assert_eq!(summary["outcome"], "completed");
     assert_eq!(summary["link"]["malformed"], 1, "{}", summary["link"]);
-    // Once in each of 15 seconds.
+    // One per second for 15 s.
     for (verdict, kinds) in [("other_profile", 2), ("unknown_message", 3), ("same_station_id", 2)] {
         assert_eq!(verdicts[verdict], 15 * kinds, "{verdict}: {verdicts}");
     }
@@ -128,7 +128,7 @@ fn frames_of_others_are_counted_under_their_own_verdicts() {
     }
 }
 
-/// A message that pycrate made.
+/// A message of pycrate.
 fn foreign(name: &str) -> Vec<u8> {
     let all = include_str!("../../shared/its/tests/foreign.txt");
     let mut lines = all.lines().filter_map(|line| line.split_once(' '));
@@ -179,7 +179,7 @@ fn two_vehicles_with_one_station_id_are_told_apart_and_named() {
     assert_ne!(heard[0]["position_m"], heard[1]["position_m"], "{unit}");
 }
 
-/// The command's own roadside unit and its own vehicle on one host; the vehicle begins first.
+/// The command's own roadside unit and vehicle on one host; the vehicle starts first.
 #[test]
 fn a_vehicle_drives_by_the_signals_of_a_unit_that_runs_alone() {
     let corner = Corner::new(PROGRAM);

@@ -1,13 +1,13 @@
-//! Rules that hold in the whole workspace: dependence points one way between its crates and between the files of
-//! each, and errors are types.
+//! Rules for the whole workspace: dependence points one way between its crates and between the files of each,
+//! and errors are types.
 
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Layers, lowest first: a crate depends on crates of lower layers alone, and the command at the top is
-/// imported by none.
+/// Layers, lowest first. A crate depends on crates of lower layers only; no crate imports the command at the
+/// top.
 const LAYERS: [&[&str]; 9] = [
     &["messages", "mpc-solver", "truck-model"],
     &["scenario"],
@@ -15,13 +15,13 @@ const LAYERS: [&[&str]; 9] = [
     &["runtime"],
     &["services/"],
     &["group", "report"],
-    // Tools that run one group know no study.
+    // Tools that run one group do not depend on studies.
     &["tools/"],
     &["frame"],
     &["studies/"],
 ];
 
-/// Crates that stand in one layer and depend on each other in this order.
+/// Crates of one layer that depend on each other in this order.
 const WITHIN: [(&str, &str); 2] = [("report", "group"), ("openscenario", "random")];
 
 fn layer(name: &str, path: &str) -> usize {
@@ -30,7 +30,7 @@ fn layer(name: &str, path: &str) -> usize {
         None => *entry == name,
     };
     let found = LAYERS.iter().position(|layer| layer.iter().any(&of));
-    // A library that only services and tools use stands with the lowest ones.
+    // A library for services and tools belongs to the lowest layer.
     found.or(path.contains("/shared/").then_some(0)).unwrap_or(LAYERS.len())
 }
 
@@ -56,7 +56,7 @@ fn a_crate_depends_on_lower_layers_alone() {
     for package in packages {
         let name = text(&package["name"]);
         for dependency in package["dependencies"].as_array().expect("a list") {
-            // What tests alone use does not reach the program.
+            // Dev-dependencies do not reach the program.
             let other = text(&dependency["name"]);
             let Some(lower) = layers.get(&other).filter(|_| dependency["kind"].is_null()) else {
                 continue;
@@ -71,7 +71,7 @@ fn a_crate_depends_on_lower_layers_alone() {
     }
 }
 
-/// Files of Rust in the folders `src` below `folder`.
+/// Rust files in the folders `src` below `folder`.
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).expect("a folder of the workspace") {
         let path = entry.expect("an entry").path();
@@ -105,7 +105,7 @@ fn no_public_function_has_a_text_for_an_error() {
     }
 }
 
-/// Modules of a crate by their paths, with what each imports: a name, and the path that it stands for.
+/// Modules of a crate by path, with the imports of each: a name and its path.
 type Modules = BTreeMap<Vec<String>, Vec<(String, Vec<String>)>>;
 
 /// The module of a file below `src`: `a/b.rs` and `a/b/mod.rs` are `[a, b]`.
@@ -118,7 +118,7 @@ fn module(file: &Path) -> Vec<String> {
     path
 }
 
-/// The paths of a `use` tree such as `a::{b, c::{d, e as f}}`, each with the name that it gives.
+/// The paths of a `use` tree such as `a::{b, c::{d, e as f}}`, each with its local name.
 fn flat(tree: &str, before: &[String], paths: &mut Vec<(String, Vec<String>)>) {
     let (mut depth, mut begin) = (0, 0);
     for (place, letter) in tree.char_indices().chain([(tree.len(), ',')]) {
@@ -177,7 +177,7 @@ fn imports(text: &str, module: &[String], known: &Modules) -> Vec<(String, Vec<S
     paths.into_iter().filter_map(own).collect()
 }
 
-/// The module in which what `path` names is defined; names that a module only hands on are followed.
+/// The module that defines the item at `path`, through re-exports.
 fn defined_in(path: &[String], known: &Modules, hops: usize) -> Option<Vec<String>> {
     let length = (0..=path.len()).rev().find(|length| known.contains_key(&path[..*length]))?;
     let module = path[..length].to_vec();
@@ -202,7 +202,7 @@ fn no_modules_side_by_side_import_each_other_in_a_circle() {
             let source = entry.expect("an entry").path().join("src");
             let mut files = Vec::new();
             sources(&source, &mut files);
-            // Beside a library it only calls that.
+            // A program beside a library only calls it.
             let is_library = source.join("lib.rs").exists();
             files.retain(|file| !is_library || *file != source.join("main.rs"));
             let texts: BTreeMap<Vec<String>, String> = files
@@ -223,14 +223,14 @@ fn no_modules_side_by_side_import_each_other_in_a_circle() {
                     |(name, _): &&(String, Vec<String>)| own.matches(name.as_str()).count() > 1;
                 let paths = known[module].iter().filter(used);
                 let found = paths.filter_map(|(_, path)| defined_in(path, &known, 5));
-                // A module and those inside it are one place.
+                // A module and its submodules count as one.
                 let is_elsewhere =
                     |other: &Vec<String>| !module.starts_with(other) && !other.starts_with(module);
                 found.filter(is_elsewhere).collect()
             };
             let mut graph: BTreeMap<_, _> = texts.keys().map(|m| (m.clone(), of(m))).collect();
             arrows += graph.values().map(Vec::len).sum::<usize>();
-            // What imports nothing that is left is in no circle.
+            // Modules without remaining imports are in no cycle.
             loop {
                 let free: Vec<_> =
                     graph.iter().filter(|(_, to)| to.is_empty()).map(|(m, _)| m.clone()).collect();

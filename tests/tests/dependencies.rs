@@ -1,6 +1,5 @@
-//! What the workspace is made of: licences that let a program be passed on, one registry, no repository, and
-//! a checksum for each package. `deny.toml` says what is allowed; `cargo deny` reads it too, where it can be
-//! had, and looks for advisories.
+//! Dependencies of the workspace: licences that permit redistribution, one registry, no repository, and a
+//! checksum for each package. `deny.toml` has the rules; `cargo deny` reads it too and checks advisories.
 
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -12,12 +11,12 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the tests are a folder of the workspace")
 }
 
-/// The packages that a build for this machine uses.
+/// The packages in a build for this machine.
 fn packages() -> Vec<Value> {
     let version = Command::new("rustc").arg("-vV").output().expect("what compiled this test");
     let version = String::from_utf8_lossy(&version.stdout).into_owned();
     let host = version.lines().find_map(|line| line.strip_prefix("host: ")).expect("a host");
-    // Packages of other platforms need not be on this machine.
+    // Packages of other platforms may be missing here.
     let output = Command::new(env!("CARGO"))
         .args(["metadata", "--locked", "--offline", "--format-version", "1"])
         .args(["--filter-platform", host])
@@ -33,8 +32,8 @@ fn packages() -> Vec<Value> {
     }
 }
 
-/// Whether a licence expression can be met with the allowed ones: `OR`, `AND`, `WITH`, brackets, and `/` as it
-/// was once written for `OR`.
+/// Whether a licence expression can be met with the allowed ones: `OR`, `AND`, `WITH`, brackets, and the old
+/// `/` for `OR`.
 fn is_allowed(expression: &str, allowed: &BTreeSet<String>) -> bool {
     let spaced = expression.replace('/', " OR ").replace('(', " ( ").replace(')', " ) ");
     let mut words = spaced.split_whitespace().peekable();
@@ -68,7 +67,7 @@ fn one(words: &mut Words<'_>, allowed: &BTreeSet<String>) -> bool {
         assert_eq!(words.next(), Some(")"));
         return ok;
     }
-    // An exception to a licence is a licence of its own.
+    // A licence with an exception counts as a licence of its own.
     match words.next_if_eq(&"WITH") {
         Some(_) => {
             let exception = words.next().expect("an exception");
@@ -117,7 +116,7 @@ fn every_package_has_an_allowed_licence_and_comes_from_the_one_registry() {
         let licence = text("license").unwrap_or("none");
         assert!(is_allowed(licence, &allowed), "{name} {version}: {licence}");
         used.extend(allowed.iter().filter(|allowed| licence.contains(allowed.as_str())));
-        // Those of the workspace have no source.
+        // Packages of the workspace have no source.
         if let Some(source) = text("source") {
             assert!(source.starts_with("registry+"), "{name} {version}: {source}");
             assert!(with_checksum.contains(&(name, version)), "{name} {version} has no checksum");

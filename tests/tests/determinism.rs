@@ -1,5 +1,4 @@
-//! Lockstep: the same scenario and seed give the same bytes on every topic, whatever the machine
-//! does meanwhile.
+//! Lockstep: equal scenario and seed give equal bytes on every topic, under any load of the machine.
 
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
 use serde_json::Value;
@@ -13,7 +12,7 @@ fn digests(corner: &Corner, scenario: &str, seed: &str) -> Vec<(String, Value)> 
     let arguments = ["run", scenario, "--mode", "lockstep", "--seed", seed, "--duration", "10"];
     let summary = corner.json(&arguments);
     let messages = summary["messages"].as_object().expect("topics");
-    // With the emergency brake there are two more: the detections that it reads, and its requests.
+    // The emergency brake adds two topics: its detections and its requests.
     let topics = if scenario == "cacc-a" { 10 } else { 12 };
     assert_eq!(messages.len(), topics, "every topic is there");
     messages
@@ -44,7 +43,7 @@ fn under_load<T>(work: impl FnOnce() -> T) -> T {
     })
 }
 
-/// Runs `work` with this thread, and what it starts, on one core.
+/// Runs `work` with this thread and its children on one core.
 fn on_one_core<T>(work: impl FnOnce() -> T) -> T {
     let before = sched_getaffinity(None).expect("readable");
     let first = (0..CpuSet::MAX_CPU).find(|&core| before.is_set(core)).expect("some core");

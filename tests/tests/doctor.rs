@@ -1,4 +1,4 @@
-//! The doctor's report has its shape on any machine, and its status says whether anything can run.
+//! The doctor's report has its form on any machine, and its status states whether runs can start.
 
 use system_tests::{Corner, text};
 
@@ -19,7 +19,7 @@ fn every_finding_has_its_shape() {
         assert!(finding["found"].as_str().is_some_and(|found| !found.is_empty()), "{finding}");
         assert_eq!(finding["costs"].is_null(), verdict == "ok", "{finding}");
     }
-    // What a run is granted is what the doctor said.
+    // A run gets the scheduling that the doctor reported.
     let named = |name| findings.iter().find(|finding| finding["check"] == name).expect("a check");
     let fifo = named("real-time priority")["verdict"] == "ok";
     let summary = corner.json(&["run", "cacc-a", "--duration", "0.2"]);

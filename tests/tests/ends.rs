@@ -1,4 +1,4 @@
-//! However a run ends, nothing of it is left: no process, no shared memory, no socket, no file.
+//! No end of a run leaves a process, shared memory, a socket or a file.
 
 use rustix::process::{Pid, Signal, kill_process};
 use signal_hook::consts::SIGHUP;
@@ -47,7 +47,7 @@ fn completion() {
 
 #[test]
 fn interrupt_and_termination() {
-    // Under `nohup` the tests ignore SIGHUP, and so would the run: what is handled here is not inherited.
+    // Under `nohup` the tests ignore SIGHUP, and so would the run; a handled signal is not inherited.
     let handled = Arc::new(AtomicBool::new(false));
     signal_hook::flag::register(SIGHUP, handled).expect("SIGHUP can be handled");
     for (kind, from) in [(Signal::INT, 130), (Signal::TERM, 130), (Signal::HUP, 130)] {
@@ -75,7 +75,7 @@ fn interrupt_before_anything_was_started() {
             "--out",
             "out",
         ]);
-        // The first that a run does.
+        // The first action of a run.
         while !corner.path().join("out/scenario.toml").exists() {
             std::thread::yield_now();
         }
@@ -129,7 +129,7 @@ fn death_of_the_launcher_at_any_instant_of_its_start() {
         let roots = corner.roots();
         signal(pid(&child), Signal::KILL);
         let _ = finished(child);
-        // A launcher that dies before it could start its janitor leaves an empty root to the next.
+        // A launcher that dies before its janitor starts leaves an empty root to the next run.
         let gone = || corner.processes().is_empty() && Corner::shared_memory(&roots).is_empty();
         assert!(wait_for(gone), "after {delay_ms} ms: {:?}", corner.processes());
     }

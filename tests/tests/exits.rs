@@ -1,4 +1,4 @@
-//! Every way in which a process of the group can end has one outcome (the table of `group::exits`).
+//! Every end of a process of the group has one outcome (the table of `group::exits`).
 
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
@@ -11,7 +11,7 @@ const ROAD: &str = "schema_version = 1\nname = \"road\"\nset_speed_mps = 20\n\
     [plant]\ninitial_speed_mps = 15\n[controller]\nname = \"cacc-mpc\"\n\
     [[actors]]\nname = \"lead\"\ngap_m = 40\ninitial_speed_mps = 12\n";
 
-/// A drive behind a lead, with these keys more.
+/// A drive behind a lead with additional keys.
 fn corner(duration_s: f64, more: &str) -> Corner {
     let corner = Corner::new(PROGRAM);
     let text = format!("duration_s = {duration_s}\n{ROAD}{more}");
@@ -26,7 +26,7 @@ fn start(corner: &Corner, more: &[&str]) -> Child {
     child
 }
 
-/// How often a process has waited: in lockstep several times in a step.
+/// Number of waits of a process: several per step in lockstep.
 fn waits(pid: i32) -> Option<u64> {
     let status = std::fs::read_to_string(format!("/proc/{pid}/status")).ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("voluntary_ctxt_switches:"))?;
@@ -44,7 +44,7 @@ fn send(pid: i32, signal: Signal) {
     kill_process(Pid::from_raw(pid).expect("a process id"), signal).expect("it lives");
 }
 
-/// Reports count from the start of a run, whatever died in it.
+/// Reports count from the start of a run, through any death.
 fn count(summary: &Value, path: &str) -> u64 {
     summary.pointer(path).and_then(Value::as_u64).unwrap_or_else(|| panic!("{path}: {summary}"))
 }
@@ -57,7 +57,7 @@ fn a_service_that_is_told_to_end_from_outside_is_replaced_and_its_past_counts() 
     let running = start(&corner, &[]);
     for (service, signal) in services.into_iter().zip([Signal::TERM, Signal::INT].repeat(2)) {
         let pid = corner.wait_for_process(service);
-        // Each has a past that can be lost.
+        // Each has a history that could be lost.
         std::thread::sleep(std::time::Duration::from_millis(900));
         send(pid, signal);
         assert!(wait_for(|| corner.wait_for_process(service) != pid), "{service} is not replaced");
@@ -75,7 +75,7 @@ fn a_service_that_is_told_to_end_from_outside_is_replaced_and_its_past_counts() 
         assert!(fault["detected_after_us"].is_null(), "its instant was not measured: {fault}");
         assert!(fault["recovered_after_us"].is_f64(), "{fault}");
     }
-    // 600 steps, 60 control cycles: what the dead did is not forgotten.
+    // 600 steps, 60 control cycles: the counts of dead processes remain.
     let odometry = "/messages/vehicle~1odometry";
     assert!(count(&summary, &format!("{odometry}/sent")) > 560, "{}", summary["messages"]);
     let (sent, received) = (
@@ -84,7 +84,7 @@ fn a_service_that_is_told_to_end_from_outside_is_replaced_and_its_past_counts() 
     );
     assert!(received <= sent && received > 300, "{}", summary["messages"]);
     assert!((50..=64).contains(&count(&summary, "/timing/cycles")), "{}", summary["timing"]);
-    // The percentiles are of all processes too: at most the cycle that was running is missing in each.
+    // Percentiles include all processes; each lacks at most its last cycle.
     let cycles = count(&summary, "/timing/cycles");
     for times in ["release_jitter_us", "solve_us"] {
         let counted = count(&summary, &format!("/timing/{times}/count"));
@@ -124,7 +124,7 @@ fn a_plant_that_is_gone_ends_the_run_with_its_last_figures() {
     }
 }
 
-/// In lockstep all wait for the one that is stopped: it is named, and how far the drive came.
+/// In lockstep all wait for a stopped process: the error names it and the reached time.
 #[test]
 fn a_stopped_service_is_named_in_lockstep() {
     let corner = corner(3000.0, "");
@@ -146,7 +146,7 @@ fn a_stopped_service_is_named_in_lockstep() {
     }
 }
 
-/// Late at the plant is late, whatever the controller says of itself.
+/// A command late at the plant is late, whatever the controller reports.
 #[test]
 fn commands_that_do_not_come_are_missed_at_the_plant() {
     let silence = "[[faults]]\nkind = \"drop\"\ntopic = \"control/command\"\nat_s = 1\nfor_s = 1\n";

@@ -1,5 +1,5 @@
-//! A law in any language: the examples as they are, and programs that misbehave in every way. Each has one
-//! clear outcome, and nothing is left behind.
+//! A law in any language: the examples unchanged, and programs that misbehave in every way. Each has one clear
+//! outcome and leaves nothing behind.
 
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
@@ -13,7 +13,7 @@ const ODD_LAW: &str = env!("CARGO_BIN_EXE_odd-law");
 const MY_CONTROLLER: &str = env!("CARGO_BIN_EXE_my-controller");
 const EXAMPLES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples");
 
-/// The options of a run by the program of these words.
+/// Options of a run with the program of these words.
 fn by(words: &[&str]) -> Vec<String> {
     let words = serde_json::to_string(words).expect("texts");
     ["--controller", "external", "--set"]
@@ -23,7 +23,7 @@ fn by(words: &[&str]) -> Vec<String> {
         .collect()
 }
 
-/// `timegap run following` by that program, with more options.
+/// `timegap run following` with that program and more options.
 fn run_by<'a>(law: &'a [String], more: &[&'a str]) -> Vec<&'a str> {
     let law: Vec<&str> = law.iter().map(String::as_str).collect();
     [&["run", "following"], more, &law].concat()
@@ -53,7 +53,7 @@ fn alive(word: &str) -> Vec<i32> {
     found
 }
 
-/// A copy of the odd law under a name of this test's own, so that its processes are told from others'.
+/// A copy of the odd law under a unique name, so that its processes are distinct.
 fn odd_law(corner: &Corner) -> String {
     let path = corner.path().join("odd-law");
     std::fs::copy(ODD_LAW, &path).expect("our own directory");
@@ -64,7 +64,7 @@ fn gone(law: &str) {
     assert!(wait_for(|| alive(law).is_empty()), "orphans: {:?}", alive(law));
 }
 
-/// The same program gives the same bytes in a group, again, and in one process; who drove is told right.
+/// One program gives equal bytes in a group, in a repetition, and in one process; its name is reported.
 fn the_same_bytes_by_pipe_in_a_group_and_in_one_process() {
     let corner = Corner::new(PROGRAM);
     let law = odd_law(&corner);
@@ -90,7 +90,7 @@ fn the_same_bytes_by_pipe_in_a_group_and_in_one_process() {
     assert_eq!(info["programs"]["controller"], *program);
     let page = std::fs::read_to_string(corner.path().join("one/report.html")).expect("written");
     assert!(page.contains("external (") && page.contains("odd-law follow"), "the page says who");
-    // The program runs again, and answers the same.
+    // The program runs again with equal answers.
     let replayed = corner.json(&["replay", "one"]);
     assert_eq!(replayed["identical"], true, "{replayed}");
     assert_eq!(replayed["replayed_program"]["sha256"], program["sha256"]);
@@ -98,7 +98,7 @@ fn the_same_bytes_by_pipe_in_a_group_and_in_one_process() {
     corner.expect_nothing_left(&[]);
 }
 
-/// A first answer that is wrong, or none, keeps the run from beginning: one error, status 2.
+/// A wrong or missing first answer prevents the run: one error, status 2.
 fn what_is_no_law_is_refused() {
     let corner = Corner::new(PROGRAM);
     let law = odd_law(&corner);
@@ -131,7 +131,7 @@ fn what_is_no_law_is_refused() {
     }
 }
 
-/// A command that names no program is shown at its key.
+/// A command without a program is shown at its key.
 fn a_command_that_is_none() {
     let corner = Corner::new(PROGRAM);
     let scenario = |line: &str| {
@@ -153,7 +153,7 @@ fn a_command_that_is_none() {
     corner.expect_nothing_left(&[]);
 }
 
-/// In simulated time a law that fails during the run ends it: its repetition would be another run.
+/// In simulated time a failing law ends the run, since a repetition would differ.
 fn in_simulated_time_a_failure_ends_the_run() {
     let corner = Corner::new(PROGRAM);
     let law = odd_law(&corner);
@@ -179,7 +179,7 @@ fn in_simulated_time_a_failure_ends_the_run() {
     }
 }
 
-/// An answer that no vehicle can follow is one for the backup, in both clocks.
+/// The backup replaces an answer that no vehicle can follow, in both clocks.
 fn an_answer_that_is_no_number_is_refused_in_its_cycle() {
     let corner = Corner::new(PROGRAM);
     let law = odd_law(&corner);
@@ -192,7 +192,7 @@ fn an_answer_that_is_no_number_is_refused_in_its_cycle() {
     assert!(failure.contains("request_mps2 = NaN"), "{failure}");
 }
 
-/// In real time the backup drives while the law is late, and a law that fails is replaced.
+/// In real time the backup drives while the law is late, and a failed law is replaced.
 fn in_real_time_the_backup_drives_and_the_law_is_replaced() {
     let corner = Corner::new(PROGRAM);
     let law = odd_law(&corner);
@@ -220,7 +220,7 @@ fn in_real_time_the_backup_drives_and_the_law_is_replaced() {
     corner.expect_nothing_left(&[]);
 }
 
-/// However the controller goes, its law goes with it.
+/// The law ends with its controller, however that ends.
 fn no_orphan_when_the_controller_or_all_of_it_is_killed() {
     let corner = Corner::new(PROGRAM);
     let law = odd_law(&corner);
@@ -243,14 +243,14 @@ fn no_orphan_when_the_controller_or_all_of_it_is_killed() {
     };
     kill(corner.wait_for_process("timegap-controller"));
     assert!(wait_for(|| laws().len() == 1 && laws() != before), "another one: {:?}", laws());
-    // The launcher dies: the services see it, and nothing stays.
+    // The launcher dies: the services notice it, and nothing stays.
     kill(launcher);
     let _ = child.wait_with_output();
     gone(&law);
     corner.expect_nothing_left(&roots);
 }
 
-/// A controller of one's own process is told by its name, and replayed by its program alone.
+/// A controller program is reported by its name, and replayed by its program only.
 fn a_controller_program_is_told_and_replayed() {
     let corner = Corner::new(PROGRAM);
     let service = format!("controller={MY_CONTROLLER}");
@@ -268,7 +268,7 @@ fn a_controller_program_is_told_and_replayed() {
     corner.expect_nothing_left(&[]);
 }
 
-/// Batches and comparisons drive it, at 1 kHz too.
+/// Batches and comparisons drive it, also at 1 kHz.
 fn it_compares_and_sweeps_and_runs_at_one_kilohertz() {
     let corner = Corner::new(PROGRAM);
     let law = odd_law(&corner);
@@ -303,7 +303,7 @@ fn the_python_example_drives() {
         (&program["command"], &program["name"]),
         (&"python3 my_law.py".into(), &"my_law".into())
     );
-    // The module that `layouts` prints makes the same law in three lines.
+    // The module of `layouts` gives the same law in three lines.
     let module = corner.run(&["layouts", "--law", "--python"]);
     std::fs::write(corner.path().join("timegap_law.py"), module.stdout).expect("ours");
     let short = "import timegap_law\n\ndef law(q):\n    v = q.speed_mps\n    print('for people')\n    \
@@ -316,7 +316,7 @@ fn the_python_example_drives() {
     let again = corner.json(&run_by(&command, &[&LOCKSTEP[..], &["--no-record"]].concat()));
     let digest = |summary: &Value| summary["messages"]["vehicle/odometry"]["digests"].clone();
     assert_eq!(digest(&again), digest(&summary), "the same law, the same drive");
-    // An error of Python's is shown.
+    // Python's errors are shown.
     std::fs::write(corner.path().join("wrong.py"), "import no_such_module\n").expect("ours");
     let output = corner.run(&run_by(&by(&["python3", "wrong.py"]), &LOCKSTEP));
     assert_eq!(output.status.code(), Some(2), "{}", text(&output));

@@ -1,4 +1,4 @@
-//! Services killed, stopped, silenced and impersonated, in whole process groups.
+//! Killed, stopped, silenced and impersonated services in whole process groups.
 
 use iceoryx2::prelude::*;
 use messages::Command as Message;
@@ -25,7 +25,7 @@ fn fault(kind: &str, at_s: f64, more: &str) -> String {
     format!("[[faults]]\nkind = \"{kind}\"\nat_s = {at_s}\n{more}\n")
 }
 
-/// Runs the scenario; its exit status and summary.
+/// Runs the scenario; returns its exit status and summary.
 fn run(corner: &Corner, mode: &str) -> (Option<i32>, Value) {
     let arguments =
         ["run", "faulty.toml", "--mode", mode, "--out", "out", "--force", "--no-record", "--json"];
@@ -58,7 +58,7 @@ fn every_service_is_killed_once_and_the_drive_goes_on() {
         let recovered = fault["recovered_after_us"].as_f64().expect("it came back");
         assert!(0.0 < detected && detected < recovered, "{fault}");
     }
-    // No vehicle vanished with its process: the gap is that of the drive, not of a new one.
+    // No vehicle vanished with its process: the drive's gap continues.
     let text = std::fs::read_to_string(corner.path().join("out/trajectory.csv")).expect("kept");
     let gaps: Vec<f64> = (csv(&text, &["gap_m"]).iter().map(|row| row[0]))
         .filter(|gap_m| gap_m.is_finite())
@@ -77,7 +77,7 @@ fn recorder_and_janitor_may_be_killed_and_so_may_what_has_just_been_started() {
         + &fault("kill-helper", 3.0, "helper = \"launcher\"");
     let corner = corner(600.0, &faults);
     let output = corner.run(&["run", "faulty.toml", "--out", "out"]);
-    // The janitor that took the place of the first one cleans up after the launcher.
+    // The second janitor cleans up after the launcher.
     assert_eq!(output.status.code(), None, "{}", text(&output));
     corner.expect_nothing_left(&[]);
     let whole =
@@ -104,7 +104,7 @@ fn the_next_process_of_each_service_is_started_ahead() {
         rustix::process::kill_process(pid, signal).expect("of our own run");
     };
     kill(corner.wait_for_process("timegap-controller"), rustix::process::Signal::KILL);
-    // The same process, by a service's name.
+    // The same process under its service's name.
     assert!(wait_for(|| corner.processes().contains(&(ahead, "timegap-controller".into()))));
     assert_ne!(corner.wait_for_process("prepare-controller"), ahead);
     kill(i32::try_from(child.id()).expect("fits"), rustix::process::Signal::INT);
@@ -120,7 +120,7 @@ fn a_stopped_service_is_replaced_and_a_short_stop_is_not() {
     let corner = corner(3.0, &faults);
     let (status, summary) = run(&corner, "realtime");
     assert_eq!(status, Some(0), "{summary}");
-    // In the order of the data's way: plant, perception-sim, v2x-sim, controller, aebs.
+    // In order of the data flow: plant, perception-sim, v2x-sim, controller, aebs.
     assert_eq!(restarts(&summary)[1], 1, "{summary}");
     assert_eq!(restarts(&summary)[2], 0, "{summary}");
     let hung = &summary["faults"].as_array().expect("a list")[1];
@@ -183,7 +183,7 @@ fn message_faults_repeat_byte_by_byte_and_no_corruption_passes() {
     assert!(disturbed("corrupt") > 0 && disturbed("drop") > 40);
     let future = &first.1["messages"]["v2x/spat"]["e2e"]["from_the_future"];
     assert!(future.as_u64() > Some(5), "{future}");
-    // Two and a half seconds without radar: predicted, then braked for, then trusted again.
+    // 2.5 s without radar: the lead is predicted, then the vehicle brakes, then it trusts the radar again.
     let rungs = &first.1["rungs"]["controller"];
     assert!(rungs["time_s"]["lead-predicted"].as_f64() > Some(0.5), "{rungs}");
     assert!(rungs["time_s"]["lead-lost"].as_f64() > Some(0.5), "{rungs}");
@@ -288,8 +288,8 @@ fn process_faults_in_lockstep_and_senseless_ones_are_refused_before_anything_run
     }
 }
 
-/// A process of the same user opens `control/command` with the right type and the right names in the
-/// header, and asks for full braking.
+/// A process of the same user opens `control/command` with correct type and header names, and requests full
+/// braking.
 #[test]
 fn an_unknown_sender_on_the_command_topic_is_not_heard_and_is_reported() {
     let corner = corner(3.0, "");

@@ -1,4 +1,4 @@
-//! Signals by frames: roadside units, the air, the on-board unit and the controller in whole runs.
+//! Signals by frames: roadside units, air, on-board unit and controller in whole runs.
 
 use group::in_process;
 use report::summary::Summary;
@@ -10,7 +10,7 @@ use system_tests::{Corner, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
-/// `corridor` with more keys, which may repeat none of it.
+/// `corridor` with additional keys, which must be new.
 fn corridor(keys: &str) -> Scenario {
     let builtin = scenario::builtin::find("corridor").expect("it is built in").text;
     let text = format!("{builtin}\n{keys}");
@@ -27,7 +27,7 @@ fn verdict(summary: &Summary, name: &str) -> u64 {
     summary.radio.as_ref().expect("frames were on air").verdicts[name]
 }
 
-/// Time on a level of the controller's ladder, s.
+/// Time on a degradation level of the controller, s.
 fn on(summary: &Summary, level: &str) -> f64 {
     summary.rungs["controller"].time_s.get(level).copied().unwrap_or(0.0)
 }
@@ -46,7 +46,7 @@ fn a_drive_by_frames_is_the_drive_by_structs() {
     let crossed = |summary: &Summary| summary.control.figures.stop_line_crossing_s.expect("it did");
     assert!((crossed(&frames) - crossed(&direct)).abs() < 0.5);
     let radio = frames.radio.as_ref().expect("frames were on air");
-    // Until the first map comes, timing of its intersection is unknown.
+    // Timing of an intersection is unknown until its first map.
     let used = verdict(&frames, "accepted") + verdict(&frames, "unknown_intersection");
     assert_eq!((used, radio.left_out), (radio.frames, 0), "{:?}", radio.verdicts);
     assert!(radio.frames > 500 && radio.cams_sent > 200, "{radio:?}");
@@ -104,7 +104,7 @@ fn whatever_is_wrong_on_air_is_counted_and_no_red_light_is_run() {
     for (keys, name) in cases {
         let summary = drive(&corridor(keys));
         assert!(verdict(&summary, name) > 0, "{keys}: {:?}", summary.radio);
-        // Of a unit that seems to be the vehicle itself nothing is known.
+        // A unit that seems to be the vehicle itself is not known.
         let is_heard = name != "same_station_id";
         assert!(summary.outcome != Outcome::RedLight || !is_heard, "{keys}: {:?}", summary.outcome);
     }

@@ -1,5 +1,4 @@
-//! Readers of bytes from outside against mutations of good examples. `fuzz/` has the same readers as
-//! targets for libFuzzer.
+//! Readers of bytes from outside, with mutated examples. `fuzz/` has the same readers as libFuzzer targets.
 
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64Mcg;
@@ -24,7 +23,7 @@ fn examples(name: &str) -> Vec<Vec<u8>> {
         ],
         "openscenario" => {
             let example = |name: &str| file(&format!("examples/openscenario/{name}.xosc"));
-            // The road is the same file, so none is named.
+            // The road is the same file, so that none is named.
             let road = "<LogicFile filepath=\"./straight.xodr\"/>";
             let scenario = String::from_utf8(example("cut_in")).expect("it is text");
             vec![
@@ -47,12 +46,12 @@ fn examples(name: &str) -> Vec<Vec<u8>> {
             vec![message]
         }
         "capture" => {
-            // Classic, of microseconds, little-endian; one packet that is a frame as it is.
+            // Classic, microseconds, little-endian; one packet that is a bare frame.
             let header = [0xa1b2_c3d4, 0x0004_0002, 0, 0, 65_535, 147, 1, 0, 4, 4, 0x1111_1111];
             vec![header.iter().flat_map(|word: &u32| word.to_le_bytes()).collect()]
         }
         "recording" => {
-            // A whole one of a short drive.
+            // A complete one of a short drive.
             let corner = Corner::new(env!("CARGO_BIN_EXE_timegap-under-test"));
             let _ =
                 corner.json(&["run", "--mode", "lockstep", "--duration", "0.2", "--out", "out"]);
@@ -82,7 +81,7 @@ fn mutate(example: &[u8], random: &mut Pcg64Mcg) -> Vec<u8> {
             2 => bytes.insert(at.min(bytes.len()), byte),
             3 if !bytes.is_empty() => drop(bytes.remove(at)),
             4 => bytes.truncate(at),
-            // A number becomes an absurd one.
+            // A number becomes extreme.
             _ => {
                 let digit = bytes.iter().skip(at).position(u8::is_ascii_digit);
                 if let Some(digit) = digit {

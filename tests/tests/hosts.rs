@@ -1,8 +1,8 @@
-//! A vehicle and a roadside unit on two hosts, as network namespaces with air between them: the drive through
-//! `corridor` with delay, jitter, losses, and a link that is cut and joined again.
+//! A vehicle and a roadside unit on two hosts, as network namespaces with simulated air. They drive through
+//! `corridor` with delay, jitter, losses, and a cut link that recovers.
 //!
-//! Needs root, network namespaces and Python for the air (`shared/radio/tests/hosts/air.py`); without them
-//! the tests are skipped.
+//! Needs root, network namespaces and Python for the air (`shared/radio/tests/hosts/air.py`); without them the
+//! tests are skipped.
 
 #[path = "../../shared/radio/tests/hosts/namespaces.rs"]
 #[allow(dead_code, reason = "stations are for the carriers' own tests")]
@@ -36,7 +36,7 @@ fn main() -> ExitCode {
     ])
 }
 
-/// A command of timegap on a host, which ends by itself or with this.
+/// A command of timegap on a host, which ends by itself or with this handle.
 struct Running(Option<Child>);
 
 impl Running {
@@ -51,7 +51,7 @@ impl Running {
         Ok(Pid::from_raw(i32::try_from(id)?).ok_or("no process")?)
     }
 
-    /// Waits for its end, which must be a good one, and reads what it printed.
+    /// Waits for its successful end and parses its output.
     fn finish(mut self) -> Result<Value, Failed> {
         let child = self.0.take().ok_or("it has ended")?;
         let output = child.wait_with_output()?;
@@ -70,7 +70,7 @@ impl Running {
 impl Drop for Running {
     fn drop(&mut self) {
         if let Some(child) = &mut self.0 {
-            // It may have ended.
+            // It may have ended already.
             let _ = child.kill();
             let _ = child.wait();
         }
@@ -81,8 +81,8 @@ fn pause(seconds: u64) {
     std::thread::sleep(Duration::from_secs(seconds));
 }
 
-/// The vehicle drives before the unit begins, so that it hears all; the unit ends before the vehicle, over
-/// good air. Between: 5 % loss, 30 % for 5 s, no link for 5 s, 5 % again.
+/// The vehicle starts before the unit, so that it receives all; the unit ends before the vehicle, over good
+/// air. Between them: 5 % loss, 30 % for 5 s, no link for 5 s, 5 % again.
 fn drive(hosts: &mut Hosts, unit: &str, vehicle: &str) -> Result<(Value, Value), Failed> {
     let corner = Corner::new("ip");
     let arguments = ["run", "corridor", "--radio", vehicle, "--duration", "75"];
@@ -126,14 +126,14 @@ fn only_station(of: &Value) -> Result<&Value, Failed> {
     }
 }
 
-/// Both hosts are one machine: their clocks are one.
+/// Both hosts are one machine with one clock.
 fn check_clock(station: &Value) -> Result<(), Failed> {
     let offset_us = station["clock_offset_us"].as_f64().ok_or("no clock was compared")?;
     let uncertainty_us = station["clock_uncertainty_us"].as_f64().ok_or("no uncertainty")?;
     if offset_us.abs() <= uncertainty_us { Ok(()) } else { Err(format!("{station:#}").into()) }
 }
 
-/// The vehicle's own frames are heard too, and no more of them than it sent.
+/// The unit receives the vehicle's frames, at most as many as it sent.
 fn check_vehicle(unit: &Value, link: &Value) -> Result<(), Failed> {
     let back = only_station(unit)?;
     let heard = count(back, "received")?;

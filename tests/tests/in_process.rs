@@ -1,4 +1,4 @@
-//! Lockstep runs whose services take turns in one process: the same bytes as a group of processes.
+//! Lockstep runs in one process give the same bytes as process groups.
 
 use group::{Error, GroupOutcome, in_process};
 use rand_core::Rng;
@@ -27,8 +27,8 @@ fn digests(scenario: &Scenario) -> Value {
     Value::Object(digests.collect())
 }
 
-/// The figures that a run's clocks on the wall have no part in. Of a run that ended before its time they have one in
-/// what was received: a service that is told to stop may have taken the last message or not.
+/// The figures that wall clocks do not affect. In a run that ends early, counts of received messages are
+/// affected too: a stopped service may have read the last message or not.
 fn repeatable(summary: &Value) -> Value {
     let control = &summary["control"];
     let [faults, rungs] = ["faults", "rungs"].map(|key| &summary[key]);
@@ -44,13 +44,13 @@ fn repeatable(summary: &Value) -> Value {
     serde_json::json!([outcome, control, messages, faults, rungs])
 }
 
-/// Runs the same in one process and in a group; both must say the same.
+/// Runs the scenario in one process and in a group; results must agree.
 fn same_in_both(scenario: &str, options: &[&str]) {
     let corner = Corner::new(PROGRAM);
     let run = |extra: &[&str]| {
         let own = ["run", scenario, "--mode", "lockstep", "--no-record"];
         let output = corner.run(&[&own, options, extra, &["--json"]].concat());
-        // A collision is a result like any other, if it is the same one.
+        // A collision is a valid result, if it is the same one.
         serde_json::from_slice::<Value>(&output.stdout)
             .unwrap_or_else(|_| panic!("{}", text(&output)))
     };
@@ -118,7 +118,7 @@ fn faults_of_messages_do_the_same_in_one_process_and_in_a_group() {
     }
 }
 
-/// A mix of one to four faults of messages over all topics, by its number.
+/// A random mix of one to four message faults over all topics, by its number.
 fn random_mix(number: u64) -> String {
     let mut random = Pcg64::new(number.into(), 0x313);
     let mut draw = |below: u64| (random.next_u64() >> 11) % below;
@@ -185,7 +185,7 @@ fn without_crcs_and_digests_a_run_is_the_same() {
     }
 }
 
-/// All of them, or those from `FAULT_MIXES_FROM` to before `FAULT_MIXES_TO`.
+/// All mixes, or those from `FAULT_MIXES_FROM` to before `FAULT_MIXES_TO`.
 #[test]
 #[ignore = "an hour on a busy machine: run it with --ignored"]
 fn a_thousand_random_fault_mixes_do_the_same_in_one_process_and_in_a_group() {
@@ -207,7 +207,7 @@ fn a_longer_run_allocates_no_more() {
         plant.expect("it ran")["allocations_in_loop"].as_u64().expect("this program counts")
     };
     let [short, long] = ["10", "60"].map(allocations);
-    // 5,000 more steps of the plant: what is left is room that queues grow to in the first seconds.
+    // 5,000 more steps of the plant; queues reach their size in the first seconds.
     assert!(long < short + 20, "{short} allocations in 10 s, {long} in 60 s");
 }
 

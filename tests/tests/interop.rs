@@ -1,5 +1,5 @@
-//! Others read what timegap writes and hear what it says: PyPI's `mcap`, `rosbags`, `pandas` and
-//! `iceoryx2`, and a C compiler.
+//! Other programs read timegap's files and messages: PyPI's `mcap`, `rosbags`, `pandas` and `iceoryx2`, and a
+//! C compiler.
 
 use messages::{Odometry, TOPICS, Topic};
 use recorder::Recording;
@@ -35,7 +35,7 @@ fn succeeded(command: &mut Command) -> String {
     String::from_utf8(output.stdout).expect("text")
 }
 
-/// What `timegap ARGUMENTS` prints.
+/// Output of `timegap ARGUMENTS`.
 fn printed(corner: &Corner, arguments: &[&str]) -> String {
     succeeded(&mut corner.command(arguments))
 }
@@ -78,7 +78,7 @@ fn keyed(lines: &str) -> Lines {
     let (sequence, source) = (at("header.sequence"), at("header.source"));
     lines
         .lines()
-        // Beside ours there are topics for viewers.
+        // Viewers have topics of their own.
         .filter(|line| TOPICS.iter().any(|topic| line.starts_with(&format!("{} ", topic.name()))))
         .map(|line| {
             let mut words = line.split(' ').map(str::to_owned);
@@ -164,7 +164,7 @@ fn a_python_process_hears_a_running_group() {
     rustix::process::kill_process(pid, rustix::process::Signal::INT).expect("our child");
     run.wait().expect("our child");
     assert!(output.status.success(), "{}", text(&output));
-    // What Python heard is what was recorded, byte for byte.
+    // Python received the recorded bytes.
     let recording = Recording::open(&corner.path().join("runs/mine")).expect("a recording");
     let recorded: Vec<String> = recording
         .records()
@@ -225,15 +225,15 @@ fn wireshark_reads_the_frames_of_a_run() {
     let heard = recording.messages::<messages::RadioFrames>().map(|timed| timed.message.count);
     let sent = recording.messages::<messages::RadioSent>().count();
     assert_eq!(lines.lines().count(), heard.sum::<u64>() as usize + sent, "{lines}");
-    // A SPATEM in each period and a MAPEM in each second, then the ego's own CAMs.
+    // A SPATEM per period and a MAPEM per second, then the ego's own CAMs.
     let count = |what: &str| lines.lines().filter(|line| line.ends_with(what)).count();
     assert_eq!((count("\t100001\t2004"), count("\t100001\t2003")), (31, 4), "{lines}");
     assert_eq!(count("\t4711\t2001"), sent, "{lines}");
     assert!(lines.starts_with("1780315200.000000"), "{lines}");
 }
 
-/// An independent implementation of AUTOSAR E2E profile 7 finds every recorded message intact, none
-/// with a flipped bit, and protects each with the same bytes.
+/// An independent implementation of AUTOSAR E2E profile 7 accepts every recorded message and no message with a
+/// flipped bit, and protects each with the same bytes.
 fn another_implementation_of_the_end_to_end_protection_agrees() {
     let python = interpreter().expect("looked for before");
     let corner = Corner::new(PROGRAM);
@@ -259,7 +259,7 @@ fn another_implementation_of_the_end_to_end_protection_agrees() {
     }
 }
 
-/// The directory of results opens as a rosbag2, with the types of the package alone.
+/// The results directory opens as a rosbag2 with the types of the package only.
 fn a_run_is_a_rosbag2_in_the_order_of_time() {
     let python = interpreter().expect("looked for before");
     let corner = Corner::new(PROGRAM);
@@ -280,7 +280,7 @@ fn a_run_is_a_rosbag2_in_the_order_of_time() {
     }
 }
 
-/// What the format's own library writes is read: the same messages, however they are packed.
+/// Files of the format's own library are read: the same messages in any packing.
 fn recordings_of_another_writer_are_the_same() {
     let python = interpreter().expect("looked for before");
     let corner = Corner::new(PROGRAM);
@@ -298,11 +298,11 @@ fn recordings_of_another_writer_are_the_same() {
     let whole = std::fs::read(corner.path().join("zstd.mcap")).expect("just written");
     std::fs::write(corner.path().join("cut.mcap"), &whole[..whole.len() / 2]).expect("writable");
     let cut = corner.run(&["export", "cut.mcap", "--csv", "--out", "csv"]);
-    // Its metadata was behind the messages.
+    // Its metadata followed the messages.
     assert_eq!(cut.status.code(), Some(2), "{}", text(&cut));
 }
 
-/// The layout for Foxglove names topics and fields that a recording has.
+/// The layout for Foxglove names topics and fields of a recording.
 fn the_shipped_layout_shows_what_is_there() {
     let layout = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples/foxglove-layout.json");
     let layout: Value =

@@ -1,5 +1,5 @@
-//! Listening is harmless: a program of another's that joins a run, on every topic, and never reads holds
-//! up nothing; and `live.json` tells such a program all that it needs.
+//! Listening is harmless: a foreign program that joins a run on every topic and never reads delays nothing.
+//! `live.json` has all that such a program needs.
 
 use iceoryx2::prelude::*;
 use messages::{Command, Message, Odometry, RadarTracks, Spat, Topic};
@@ -10,10 +10,10 @@ use std::process::Output;
 use system_tests::{Corner, text, wait_for};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
-/// Long enough for the attack to begin while the run drives.
+/// Long enough for the attack to begin during the drive.
 const SIMULATED_S: &str = "600";
 
-/// A subscriber that is no member of the group: this test's process is none.
+/// A subscriber outside the group: this test's process is not a member.
 type Deaf<T> = iceoryx2::port::subscriber::Subscriber<ipc::Service, T, ()>;
 
 fn node(group: &Group) -> Node<ipc::Service> {
@@ -34,7 +34,7 @@ fn attach<T: Message + Debug>(node: &Node<ipc::Service>) -> Deaf<T> {
     topic.subscriber_builder().create().expect("there is room for observers")
 }
 
-/// Starts a run and gives what `live.json` says as soon as it drives.
+/// Starts a run and returns `live.json` as soon as the vehicle drives.
 fn started(corner: &Corner, arguments: &[&str]) -> (std::process::Child, Value) {
     let child = corner.start(arguments);
     let live = corner.path().join("out/live.json");
@@ -49,8 +49,8 @@ fn started(corner: &Corner, arguments: &[&str]) -> (std::process::Child, Value) 
     (child, serde_json::from_str(&said.expect("read")).expect("JSON"))
 }
 
-/// Attaches to every topic that the controller reads or sends, never reads, and waits for the end. With
-/// the number of messages that the subscriber of odometry could have read.
+/// Attaches to every topic of the controller, never reads, and waits for the end. Returns the number of
+/// odometry messages in its queue too.
 fn attacked(corner: &Corner, arguments: &[&str]) -> (Output, usize) {
     let (child, live) = started(corner, arguments);
     let group: Group = serde_json::from_value(live).expect("live.json is a group file and more");

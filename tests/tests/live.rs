@@ -1,4 +1,4 @@
-//! The live page in a real browser, and the run that it does not disturb.
+//! The live page in a real browser, and its run.
 
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
@@ -10,7 +10,7 @@ use system_tests::{Corner, text, wait_for};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
-/// Starts a run that serves itself, and reads from it where.
+/// Starts a run with `--serve` and reads its address.
 fn serve(corner: &Corner, seconds: &str) -> (Child, String, std::thread::JoinHandle<String>) {
     let fault = "faults=[{ kind = \"kill\", service = \"controller\", at_s = 0.5 }]";
     let arguments = ["run", "--duration", seconds, "--serve", "0", "--out", "out", "--json"];
@@ -27,7 +27,7 @@ fn serve(corner: &Corner, seconds: &str) -> (Child, String, std::thread::JoinHan
     (run, address.expect("the run says where it is served"), rest)
 }
 
-/// What the page shows: frames taken, points of each curve, status.
+/// State of the page: frames received, points of each curve, status.
 const SHOWN: &str = "({ frames: Number(document.body.dataset.frames ?? 0),
     over: document.body.dataset.over === 'true',
     status: document.getElementById('status').textContent,
@@ -40,7 +40,7 @@ const SHOWN: &str = "({ frames: Number(document.body.dataset.frames ?? 0),
 
 fn the_page_draws_updates_and_survives_the_end_of_the_run() {
     let corner = Corner::new(PROGRAM);
-    // Long: the test ends it when it has seen enough.
+    // Long: the test ends it.
     let (run, address, rest) = serve(&corner, "600");
     let mut browsers = [0, 1].map(|number| Browser::open(&corner, number, &address));
     for browser in &mut browsers {

@@ -1,4 +1,4 @@
-//! OpenSCENARIO files run: storyboard, variation, refusals.
+//! OpenSCENARIO files: storyboard, variation, refusals.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ fn examples() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples/openscenario")
 }
 
-/// A corner with the examples in it.
+/// A corner with the example files.
 fn corner() -> Corner {
     let corner = Corner::new(PROGRAM);
     copy(&examples(), &corner.path().join("examples"));
@@ -44,10 +44,10 @@ fn a_cut_in_happens_at_its_gap_and_ends_the_run() {
     assert_eq!(summary["outcome"], "completed");
     let duration_s = summary["duration_s"].as_f64().expect("a time");
     assert!((10.0..60.0).contains(&duration_s), "the stop trigger ends the run: {duration_s}");
-    // In path from about half of the lane change on, when the gap is still most of 30 m.
+    // The cut-in is in the path from about half of the lane change, while most of the 30 m gap is left.
     let gap_m = summary["control"]["min_gap_m"].as_f64().expect("a gap");
     assert!((5.0..30.0).contains(&gap_m), "{gap_m}");
-    // What took effect is kept, and runs by itself.
+    // The effective scenario is kept, and runs by itself.
     let kept = std::fs::read_to_string(corner.path().join("a/scenario.toml")).expect("it is kept");
     assert!(kept.contains("Ego_Speed_kph = \"90\""), "{kept}");
     std::fs::remove_dir_all(corner.path().join("examples")).expect("our own directory");
@@ -56,7 +56,7 @@ fn a_cut_in_happens_at_its_gap_and_ends_the_run() {
     assert!(corner.roots().is_empty());
 }
 
-/// The same in TOML: an actor beside the ego cuts in when the ego has come to 30 m.
+/// The same in TOML: an actor beside the ego cuts in when the ego is 30 m behind.
 #[test]
 fn an_actor_of_a_toml_scenario_cuts_in_at_30_m() {
     const SCENE: &str = r#"
@@ -87,7 +87,7 @@ speed = { to_mps = 15, rate_mps2 = 2 }
     let table = std::fs::read_to_string(corner.path().join("a/trajectory.csv")).expect("written");
     let rows = system_tests::csv(&table, &["time_s", "gap_m", "lead_speed_mps"]);
     let first = rows.iter().find(|row| !row[1].is_nan()).expect("it is in the lane at last");
-    // Half of the second of the cut-in has gone, at a closing speed of 5 m/s.
+    // Half of the 1 s cut-in has passed, at a closing speed of 5 m/s.
     assert!((24.0..30.0).contains(&first[1]), "in the lane at {} m, {} s", first[1], first[0]);
     assert!((9.5..12.0).contains(&first[0]), "80 - 5 t = 30 at 10 s: {}", first[0]);
     let last = rows.last().expect("rows");

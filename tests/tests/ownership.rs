@@ -1,4 +1,4 @@
-//! A directory of results has one owner, and holds the results of one command.
+//! A results directory has one owner, and holds the results of one command.
 
 use rustix::process::{Pid, Signal, kill_process};
 use std::path::Path;
@@ -14,7 +14,7 @@ fn files(directory: &Path) -> Vec<String> {
     names
 }
 
-/// The names and the bytes of a directory's files.
+/// Names and bytes of a directory's files.
 fn contents(directory: &Path) -> Vec<(String, Vec<u8>)> {
     let of = |name: String| (name.clone(), std::fs::read(directory.join(name)).unwrap_or_default());
     files(directory).into_iter().map(of).collect()

@@ -8,13 +8,13 @@ use system_tests::{Corner, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
-/// Number of charts whose canvas has something in it, for a page whose charts are all drawn.
+/// Number of non-empty chart canvases of a completely drawn page.
 const DRAWN: &str = "[...document.querySelectorAll('.chart canvas')].filter((canvas) =>
     canvas.width && canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data
         .some((channel) => channel > 0)).length";
-/// Number of charts of the page that are not hidden.
+/// Number of visible charts of the page.
 const CHARTS: &str = "document.querySelectorAll('.chart').length";
-/// Place of the first chart's axes in the window, and the values that its legend shows.
+/// Place of the first chart's axes in the window, and the values in its legend.
 const FIRST: &str = "(() => { const box = document.querySelector('.u-over').getBoundingClientRect();
     return { left: box.left, top: box.top, width: box.width, height: box.height,
         values: [...document.querySelector('.u-legend').querySelectorAll('.u-value')].map((cell) => cell.textContent) }; })()";
@@ -69,7 +69,7 @@ fn the_pointer_shows_values_and_a_zoom_is_linked() {
     browser.evaluate("document.querySelector('.whole').click()");
     let whole = format!("{RANGES}.every(([low, high]) => low === 0 && high === 20)");
     assert!(browser.becomes(&whole), "{}", browser.evaluate(RANGES));
-    // A series goes off by a click on its name.
+    // A click on its name hides a series.
     browser.evaluate("document.querySelector('.u-series th').click()");
     assert!(browser.becomes("document.querySelectorAll('.u-off').length > 0"));
     assert_eq!(browser.errors(), [""; 0]);
@@ -108,7 +108,7 @@ fn a_page_without_scripts_shows_verdict_and_tables() {
     browser.call("Emulation.setScriptExecutionDisabled", json!({ "value": true }));
     let page = format!("file://{}", corner.path().join("out/report.html").display());
     browser.call("Page.navigate", json!({ "url": page }));
-    // The protocol evaluates even where the page may not.
+    // The protocol evaluates also where the page may not.
     assert!(browser.becomes(
         "document.readyState === 'complete' && document.querySelector('.verdict') !== null"
     ));

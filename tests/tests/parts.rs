@@ -1,4 +1,4 @@
-//! Studies in parts: what array jobs do, what a merge says of what is missing, and what survives.
+//! Studies in parts: array jobs, merges with missing parts, and survival.
 
 use rustix::process::{Pid, Signal, kill_process};
 use std::process::{Child, Command, ExitCode, Stdio};
@@ -68,7 +68,7 @@ fn a_sweep_in_parts_gives_the_bytes_of_one_machine() {
         let shard = format!("{index}/3");
         succeed(&corner, &[&SWEEP[..], &["--shard", &shard, "--out", out]].concat());
     }
-    // Part 2 is begun by the command that the merge names.
+    // The merge names the command that begins part 2.
     let output = corner.run(&["sweep", "--merge", "c", "a", "--out", "incomplete"]);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output));
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
@@ -111,7 +111,7 @@ fn a_comparison_and_a_matrix_in_parts_give_the_figures_of_one_machine() {
             let text = file(&corner, &format!("{directory}/{name}.json"));
             let mut json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
             for row in json["rows"].as_array_mut().into_iter().flatten() {
-                // Time on the wall.
+                // Wall-clock time.
                 row["timing"] = serde_json::Value::Null;
             }
             json
@@ -157,7 +157,7 @@ fn journals_that_do_not_fit_are_refused() {
     let journal = corner.path().join("2/runs.jsonl");
     let good = std::fs::read_to_string(&journal).expect("a journal");
     let first = good.lines().next().expect("a run").to_owned() + "\n";
-    // Lines of before have no checksum.
+    // Old lines have no checksum.
     let plain = |line: &str| line.split(",\"xxh3\"").next().expect("a record").to_owned() + "}\n";
     let plain: String = good.lines().map(plain).collect();
     for (bad, words) in [
@@ -173,7 +173,7 @@ fn journals_that_do_not_fit_are_refused() {
     }
     std::fs::write(&journal, b"\xff\xfe\n").expect("our own file");
     refused(&corner, &merge, &["runs.jsonl"]);
-    // A torn line is a run that is missing, and is named.
+    // A torn line is a missing run, which is named.
     std::fs::write(&journal, &good[..good.len() - 5]).expect("our own file");
     let output = corner.run(&merge);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output));
@@ -222,7 +222,7 @@ fn nothing_is_gone_on_with_that_was_not_begun() {
     }
 }
 
-/// A full disk: an error, and what was kept goes on when there is room again.
+/// A full disk: an error, and the journal continues when there is room again.
 fn a_journal_survives_a_full_disk() {
     let corner = Corner::new(PROGRAM);
     std::fs::write(corner.path().join("small.toml"), CAMPAIGN).expect("our own directory");
@@ -244,7 +244,7 @@ fn a_journal_survives_a_full_disk() {
     assert_eq!((&json["runs"], &json["planned"]), (&40.into(), &40.into()), "{said}");
 }
 
-/// The daemons of a Slurm of our own.
+/// The daemons of a private Slurm.
 struct Slurm {
     daemons: Vec<Child>,
     configuration: String,
@@ -253,7 +253,7 @@ struct Slurm {
 impl Drop for Slurm {
     fn drop(&mut self) {
         for daemon in self.daemons.iter_mut().rev() {
-            // Asked first: a node that is killed leaves its steps behind.
+            // Asked first: a killed node leaves its steps behind.
             let pid = i32::try_from(daemon.id()).ok().and_then(Pid::from_raw);
             let _ = pid.map(|pid| kill_process(pid, Signal::TERM));
             let gone = wait_for(|| matches!(daemon.try_wait(), Ok(Some(_)) | Err(_)));
@@ -266,7 +266,7 @@ impl Drop for Slurm {
 }
 
 impl Slurm {
-    /// One node, its controller and munge, with all their files in a corner; or why they do not start.
+    /// One node, its controller and munge, with all files in a corner; or the reason why they do not start.
     fn start(corner: &Corner) -> Result<Self, String> {
         let base = corner.path().join("slurm");
         for directory in ["", "state", "spool"] {
@@ -336,7 +336,7 @@ impl Slurm {
         self.daemons.push(command.spawn().expect("it was looked for"));
     }
 
-    /// What a client prints.
+    /// Output of a client.
     fn command(&self, name: &str, arguments: &[&str]) -> String {
         let mut command = Command::new(name);
         let output = command.args(arguments).env("SLURM_CONF", &self.configuration).output();
@@ -362,7 +362,7 @@ fn slurm() -> Needed {
         return Err("slurmd asks for root".into());
     }
     cases::program("sbatch")?;
-    // Installed is not enough: a container may forbid what the daemons need.
+    // Installed is not enough: a container may forbid the daemons' needs.
     Slurm::start(&Corner::new(PROGRAM)).map(|_| ())
 }
 
@@ -380,7 +380,7 @@ fn an_array_of_eight_with_a_killed_task_gives_the_bytes_of_one_machine() {
     let job = said.split_whitespace().next().expect("a number").to_owned();
     assert!(job.parse::<u32>().is_ok(), "{said}");
 
-    // The fifth task is killed when it has kept a run.
+    // The fifth task is killed after its first run.
     let journal = corner.path().join("shards/5/runs.jsonl");
     let kept = || std::fs::read_to_string(&journal).unwrap_or_default().lines().count();
     let mut victim = None;
@@ -395,7 +395,7 @@ fn an_array_of_eight_with_a_killed_task_gives_the_bytes_of_one_machine() {
     assert!(wait_for(|| state().contains("JobState=FAILED")), "{}", state());
     assert!((1..20).contains(&kept()), "{} runs were kept", kept());
     slurm.command("scontrol", &["requeue", &task]);
-    // A requeued job waits for its node to be cleaned up: not here.
+    // A requeued job would wait for its node's cleanup.
     slurm.command("scontrol", &["update", &format!("JobId={task}"), "StartTime=now"]);
     let done = || slurm.command("squeue", &["-h", "-j", &job]).trim().is_empty();
     assert!(wait_for(|| done() && kept() == 20), "{}\n{}", state(), slurm.log(&corner));
@@ -413,7 +413,7 @@ fn an_array_of_eight_with_a_killed_task_gives_the_bytes_of_one_machine() {
     }
 }
 
-/// The process of a campaign whose command line names a directory.
+/// The campaign process whose command line names a directory.
 fn process_with(directory: &str) -> Option<Pid> {
     for entry in std::fs::read_dir("/proc").ok()?.flatten() {
         let Some(pid) = entry.file_name().to_str().and_then(|name| name.parse().ok()) else {

@@ -1,5 +1,4 @@
-//! The predictive truck through the real processes: planning beside the loop, maps that are wrong,
-//! roads that are none.
+//! The predictive truck through the real processes: planning beside the loop, wrong maps, missing roads.
 
 use serde_json::Value;
 use std::fmt::Write;
@@ -55,7 +54,7 @@ fn where_the_map_ends_the_truck_cruises() {
     let changes = changes(&summary);
     let (_, mode, reason) = changes.last().expect("it planned, then did not");
     assert_eq!((mode.as_str(), reason.as_str()), ("cruise", "no_plan"), "{changes:?}");
-    // Behind the end of the map nothing is invented: the set speed, on any grade.
+    // Beyond the end of the map: the set speed, on any grade.
     let table = std::fs::read_to_string(corner.path().join("out/trajectory.csv")).expect("written");
     let rows = csv(&table, &["position_m", "speed_mps"]);
     let late: Vec<_> = rows.iter().filter(|row| row[0] > 4000.0).collect();
@@ -77,7 +76,7 @@ fn a_map_of_another_road_is_given_up() {
     );
 }
 
-/// Neither the planning nor the messages make one in the loop, but for a first block of the pool.
+/// Neither planning nor messages allocate in the loop, except for a first block of the pool.
 #[test]
 fn planning_costs_the_loop_no_allocation() {
     let corner = Corner::new(PROGRAM);

@@ -1,5 +1,5 @@
-//! Random signals, speeds and leads through the real processes: never a red light, never a collision.
-//! A sample of what the property tests of the law do by the thousand.
+//! Random signals, speeds and leads through the real processes: no red light and no collision. The law's
+//! property tests check thousands of such drives.
 
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -18,7 +18,7 @@ impl Random {
     }
 }
 
-/// A road with three signals and a lead that may stop and go, seen by a noisy radar.
+/// A road with three signals and a lead that may stop and go, with a noisy radar.
 fn scenario(seed: u64) -> String {
     let mut random = Random(Pcg64::seed_from_u64(seed));
     let speed = random.between(5.0, 18.0);

@@ -1,4 +1,4 @@
-//! A realtime run: nothing lost, every chain accounted for. No test here asserts how fast.
+//! A realtime run: nothing lost, every chain counted. No test asserts a speed.
 
 use serde_json::Value;
 use system_tests::Corner;
@@ -41,7 +41,7 @@ fn a_realtime_run_is_measured_whole() {
         let tag = format!("Tag={name},");
         assert_eq!(log.lines().filter(|line| line.starts_with(&tag)).count(), 1, "{name}");
     }
-    // The plant looks ten times for each command.
+    // The plant acts ten times per command.
     assert!(timing["data_age_us"]["count"].as_u64() > Some(count));
     for figure in ["reaction_time_us", "data_age_us", "solve_us", "release_jitter_us"] {
         let order =
@@ -52,10 +52,10 @@ fn a_realtime_run_is_measured_whole() {
     for service in summary["services"].as_array().expect("services") {
         assert_eq!(service["exit"], "ok", "{service}");
         let rss = service["peak_rss_kib"].as_u64().expect("read");
-        // With the radar's detections, 48 KiB each, in flight.
+        // With the radar's detections of 48 KiB each in flight.
         assert!(rss < 32 * 1024, "{service}");
         let scheduling = &service["scheduling"];
-        // Whatever was granted is what the kernel said, and what was refused is named.
+        // The grant is the kernel's answer, and refusals are named.
         let granted = scheduling["granted"].as_str().expect("read back");
         if granted != scheduling["requested"].as_str().expect("asked") {
             assert!(!scheduling["refused"].as_array().expect("a list").is_empty(), "{service}");
@@ -63,7 +63,7 @@ fn a_realtime_run_is_measured_whole() {
     }
 }
 
-/// The longest chains come first, and each is the sum of its parts, stamp for stamp.
+/// The longest chains come first, and each is the sum of its parts by its stamps.
 fn worst_chains_are_whole(timing: &Value) {
     let chains = timing["worst_chains"].as_array().expect("a list");
     let count = timing["reaction_time_us"]["count"].as_u64().expect("counted");
@@ -78,7 +78,7 @@ fn worst_chains_are_whole(timing: &Value) {
         assert!(number(&chain["radar_age_us"]) <= reaction(chain), "{chain}");
         assert!(chain["voluntary_switches"].is_u64() && chain["minor_faults"].is_u64());
     }
-    // The longest is the largest that the histogram holds, to its two digits.
+    // The longest is the histogram's maximum, to two digits.
     let max = number(&timing["reaction_time_us"]["max"]);
     assert!((reaction(&chains[0]) - max).abs() <= max * 0.02, "{max} {}", chains[0]);
 }
@@ -91,7 +91,7 @@ fn the_timer_releases_as_well_as_the_radar() {
     assert_eq!(summary["outcome"], "completed");
     let cycles = summary["timing"]["cycles"].as_u64().expect("counted");
     assert!((1..=21).contains(&cycles), "{cycles}");
-    // In simulated time there is no difference: the sample of the step is there either way.
+    // In simulated time both are equal: the sample of the step is always present.
     let drive = |release: &str| {
         let key = format!("controller.release={release}");
         corner.json(&["run", "--mode", "lockstep", "--set", &key])["control"].clone()
@@ -99,12 +99,11 @@ fn the_timer_releases_as_well_as_the_radar() {
     assert_eq!(drive("timer"), drive("radar"));
 }
 
-/// Neither the loops nor what they send messages by: iceoryx2's reference counts come from a pool, which
-/// has what it needs after the first message of each port. Frames are encoded and decoded by generated types,
-/// which allocate, outside the control loop.
+/// Loops and message transport allocate nothing: iceoryx2's reference counts come from a pool, which is filled
+/// after the first message of each port. Encoding and decoding of frames allocates outside the control loop.
 #[test]
 fn the_loops_allocate_nothing() {
-    /// Blocks of the pool that a loop may be the first to need: one for each message it writes at a time.
+    /// Blocks of the pool that a loop may be the first to need: one for each message that it writes at a time.
     const FIRST: u64 = 2;
     let corner = Corner::new(PROGRAM);
     for mode in ["realtime", "lockstep"] {

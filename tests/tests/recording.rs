@@ -1,4 +1,4 @@
-//! The recording: complete, harmless to the run, and readable whatever happened to it.
+//! The recording: complete, harmless to the run, and readable after any damage.
 
 use recorder::Recording;
 use rustix::process::{Pid, Signal, kill_process};
@@ -19,7 +19,7 @@ fn sent(summary: &Value) -> u64 {
     topics.values().map(|topic| topic["sent"].as_u64().expect("a count")).sum()
 }
 
-/// A run that is being recorded and has written something.
+/// A run with a recording that holds messages.
 fn started(corner: &Corner, mode: &str) -> Child {
     let arguments =
         ["run", "following", "--mode", mode, "--duration", "3000", "--out", "out", "--json"];
@@ -83,7 +83,7 @@ fn lockstep_recordings_lose_nothing_and_repeat() {
 fn at_one_kilohertz_every_message_is_recorded_or_counted() {
     let corner = Corner::new(PROGRAM);
     let fast = ["plant", "perception", "v2x", "controller"].map(|s| format!("{s}.period_ms=1"));
-    // The one law that runs at such a period.
+    // The only law that runs at such a period.
     let mut arguments =
         vec!["run", "cacc-a", "--controller", "six-mode", "--duration", "3", "--out", "out"];
     for key in &fast {
@@ -105,7 +105,7 @@ fn the_recorder_is_no_real_time_process() {
     let corner = Corner::new(PROGRAM);
     let child = started(&corner, "realtime");
     let pid = corner.wait_for_process("timegap-recorder");
-    // The policy of each thread, field 41 of stat(5), counted behind the name: 0 is SCHED_OTHER.
+    // The policy of each thread, field 41 of stat(5), counted after the name: 0 is SCHED_OTHER.
     let tasks = std::fs::read_dir(format!("/proc/{pid}/task")).expect("it lives");
     let policies: Vec<_> = tasks
         .flatten()
@@ -158,7 +158,7 @@ fn a_recording_outlives_its_run() {
     kill(i32::try_from(child.id()).expect("fits"));
     for (pid, name) in processes {
         if name != "timegap-janitor" {
-            // Some went by themselves when the launcher did.
+            // Some ended with the launcher.
             let _ = kill_process(Pid::from_raw(pid).expect("a process id"), Signal::KILL);
         }
     }
@@ -249,7 +249,7 @@ fn a_damaged_recording_is_used_as_far_as_it_goes_and_said() {
         assert!(text(&output).contains("never ended"), "{}", text(&output));
     }
     assert_eq!(corner.json(&["info", "out"])["ended"], false);
-    // Without one message nothing is written over anything.
+    // Without a message, no file is overwritten.
     let first = &whole[..9000.min(whole.len())];
     std::fs::write(&file, first).expect("ours");
     let output = corner.run(&["recover", "out"]);
@@ -260,7 +260,7 @@ fn a_damaged_recording_is_used_as_far_as_it_goes_and_said() {
     assert!(names.iter().all(|name| !name.to_string_lossy().ends_with(".part")), "{names:?}");
 }
 
-/// Lengths that nothing stands behind are refused in an address space that has no room for them.
+/// Announced lengths without data are refused, in an address space without room for them.
 #[test]
 fn lengths_of_gigabytes_need_no_memory() {
     let corner = Corner::new(PROGRAM);

@@ -1,4 +1,4 @@
-//! The pages of the documentation that are made from the code are those of this code.
+//! Generated pages of the documentation match the code.
 
 use system_tests::Corner;
 
@@ -17,7 +17,7 @@ fn references_are_of_this_code() {
     }
 }
 
-/// The table of all ends stands beside the code and in the documentation.
+/// The table of all ends is both in the code and in the documentation.
 #[test]
 fn the_table_of_exits_is_that_of_the_code() {
     let read = |path: &str| {

@@ -1,4 +1,4 @@
-//! Replay: the recorded inputs give the recorded commands again, through the real controller.
+//! Replay: recorded inputs give the recorded commands again, through the real controller.
 
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
@@ -6,7 +6,7 @@ use system_tests::{Corner, text, wait_for};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
-/// Replays `out` and expects every command of `cycles` to be the recorded one.
+/// Replays `out` and expects all `cycles` commands to be identical.
 fn expect_identical(corner: &Corner, cycles: u64) -> Value {
     let replayed = corner.json(&["replay", "out"]);
     assert_eq!(replayed["identical"], true, "{replayed}");
@@ -93,7 +93,7 @@ fn a_disturbed_run_repeats_with_its_silent_cycles() {
     let summary = corner.json(&["run", "faulty.toml", "--duration", "4", "--out", "out"]);
     let cycles = summary["timing"]["cycles"].as_u64().expect("a count");
     let replayed = expect_identical(&corner, cycles);
-    // A silent cycle sends an empty plan: it is one command like any other.
+    // A silent cycle sends an empty plan, which is a command too.
     assert_eq!(replayed["commands"], cycles, "{replayed}");
     let silent = summary["rungs"]["controller"]["time_s"]["silent"].as_f64();
     assert!(silent > Some(0.3), "no cycle was silent: {}", summary["rungs"]);
@@ -121,7 +121,7 @@ fn another_law_and_a_changed_one_are_compared() {
     corner.expect_nothing_left(&[]);
 }
 
-/// Every byte of what the on-board unit said, from the raw frames; other settings of it are compared.
+/// Every byte of the on-board unit from the raw frames; other settings of it are compared.
 #[test]
 fn recorded_frames_are_decoded_again_to_the_same_signals() {
     let corner = Corner::new(PROGRAM);

@@ -7,7 +7,7 @@ use system_tests::{Corner, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
-/// Claims of the papers, each with its row.
+/// Claims of the papers with their rows.
 const PAPERS: &str = include_str!("../../docs/papers.md");
 /// Papers in the order of the results, with their headings.
 const SECTIONS: [(&str, &str); 4] = [
@@ -17,7 +17,7 @@ const SECTIONS: [(&str, &str); 4] = [
     ("cacc", "## CACC at signals (2024)"),
 ];
 
-/// The row's `ok` is what its numbers say.
+/// The row's `ok` agrees with its numbers.
 fn consistent(row: &Value) {
     let kind = row["kind"].as_str().expect("every row says its source");
     assert!(["paper", "reconstruction", "requirement"].contains(&kind), "{row}");
@@ -43,11 +43,11 @@ fn consistent(row: &Value) {
 struct Section<'a> {
     /// Ids named beside the claims.
     named: BTreeSet<&'a str>,
-    /// Id and set of the rows that are known to be outside.
+    /// Id and set of the rows with a known deviation.
     outside: BTreeSet<(&'a str, &'a str)>,
 }
 
-/// Ids in a cell: its words in backticks that have a dot.
+/// Ids in a cell: its words in backticks with a dot.
 fn ids(cell: &str) -> impl Iterator<Item = &str> {
     cell.split('`').skip(1).step_by(2).filter(|word| word.contains('.'))
 }
@@ -73,8 +73,8 @@ fn section<'a>(document: &'a str, heading: &str) -> Section<'a> {
     read
 }
 
-/// All papers in one command. Status 1 is allowed: rows that are outside are listed with their
-/// reasons in `docs/papers.md`, and the list and the run agree.
+/// All papers in one command. Status 1 is allowed: rows outside are listed with reasons in `docs/papers.md`,
+/// and the list agrees with the run.
 #[test]
 fn every_paper_has_the_rows_that_its_table_names() {
     let corner = Corner::new(PROGRAM);

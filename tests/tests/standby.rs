@@ -45,7 +45,7 @@ fn every_service_that_is_killed_is_taken_over_by_its_standby() {
         assert!(service["standby_cost"]["private_kib"].as_u64() > Some(0), "{service}");
     }
     assert!(service(&summary, "plant")["take_overs"].is_null());
-    // What the standby had computed silently is not what the service did.
+    // Silent computations of the standby do not count for the service.
     let cycles = summary["timing"]["cycles"].as_u64().expect("counted");
     assert!((25..=45).contains(&cycles), "of 41: {cycles}");
     let trajectory = corner.path().join("out/trajectory.csv");
@@ -95,14 +95,14 @@ fn killed_stopped_and_continued_at_random_there_is_one_accepted_sender() {
     interleave(40, 1);
 }
 
-/// The whole number of the claim: `cargo test --release -p system-tests --test standby -- --ignored`.
+/// All rounds: `cargo test --release -p system-tests --test standby -- --ignored`.
 #[test]
 #[ignore = "some 20 minutes"]
 fn the_same_ten_thousand_times() {
     interleave(10_000, 2);
 }
 
-/// What is done to the processes of one service in a round, one after the other.
+/// Actions on the processes of one service in a round, in order.
 #[derive(Clone, Copy, Debug)]
 enum Act {
     Kill,
@@ -110,7 +110,7 @@ enum Act {
     Continue,
 }
 
-/// Does random things to the controller and its standby, round by round, and listens to the commands.
+/// Performs random actions on the controller and its standby, round by round, and listens to the commands.
 fn interleave(rounds: u32, seed: u64) {
     let corner = Corner::new(PROGRAM);
     let mut run = corner.start(&[
@@ -159,14 +159,14 @@ fn interleave(rounds: u32, seed: u64) {
                 Act::Continue => stopped.iter().for_each(|&pid| signal(pid, Signal::CONT)),
             }
             acts.push((act, pid));
-            // From none to two control periods and a take-over.
+            // From zero to two control periods and a take-over.
             let wait_us = [0, 200, 2_000, 15_000, 60_000][random.next_u32() as usize % 5];
             std::thread::sleep(Duration::from_micros(wait_us));
             listener.listen();
         }
         stopped.iter().for_each(|&pid| signal(pid, Signal::CONT));
         let heard = listener.heard;
-        // Some process drives, and not only with what was on its way.
+        // Some process drives, beyond messages in flight.
         while listener.heard < heard + 3 {
             listener.listen();
             let ended = run.try_wait().expect("our own child");
@@ -197,11 +197,11 @@ fn interleave(rounds: u32, seed: u64) {
 }
 
 fn signal(pid: i32, signal: Signal) {
-    // It may be gone, and by the members' list it was the run's.
+    // It may have ended, and belonged to the run by the members' list.
     let _ = kill_process(Pid::from_raw(pid).expect("a process id"), signal);
 }
 
-/// Processes of the controller that live, by the members' list.
+/// Living processes of the controller, by the members' list.
 fn controllers(group: &Group) -> Vec<i32> {
     let list = std::fs::read_to_string(group.root.join("members")).unwrap_or_default();
     let controller = Service::Controller.to_wire().to_string();
@@ -215,7 +215,7 @@ fn controllers(group: &Group) -> Vec<i32> {
     list.lines().filter_map(of).collect()
 }
 
-/// A consumer of commands as the plant is one: it takes what the end-to-end check and the epoch let pass.
+/// A consumer of commands like the plant: it reads what end-to-end check and epoch accept.
 struct Listener {
     observer: Observer,
     commands: runtime::Observed<Command>,
@@ -239,7 +239,7 @@ impl Listener {
             *heard += 1;
         };
         self.commands.drain(each).expect("the topic is there");
-        // Ports of dead processes are the launcher's to remove.
+        // The launcher removes ports of dead processes.
         let _ = &self.observer;
     }
 }

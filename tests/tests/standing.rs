@@ -1,4 +1,4 @@
-//! Behind a lead that has stopped every own law stands, on any grade, and goes when the lead goes.
+//! Behind a stopped lead every own law stands, on any grade, and drives when the lead drives.
 
 use system_tests::{Corner, csv};
 
@@ -24,7 +24,7 @@ fn scenario(vehicle: &str, grade_percent: f64) -> String {
     )
 }
 
-/// Every law stands from 100 s until the lead drives off at 320 s; `goes` tells whether it can follow.
+/// Every law stands from 100 s until the lead drives off at 320 s; `goes` states whether it can follow.
 fn stands(vehicle: &str, grade_percent: f64, goes: bool) {
     let corner = Corner::new(PROGRAM);
     let file = corner.path().join("stand.toml");
@@ -41,7 +41,7 @@ fn stands(vehicle: &str, grade_percent: f64, goes: bool) {
         let rows = csv(&table, &["time_s", "position_m", "speed_mps"]);
         let waiting = rows.iter().filter(|row| (100.0..320.0).contains(&row[0]));
         let places: Vec<_> = waiting.map(|row| row[1]).collect();
-        // A car's law may put its gap right by a millimetre; a creeping vehicle goes metres.
+        // A car's law may correct its gap by a millimetre; a creeping vehicle moves metres.
         let moved_m = places.last().expect("rows") - places[0];
         assert!(moved_m < 0.01, "{place}: creeps {moved_m} m");
         let last = rows.last().expect("rows")[2];

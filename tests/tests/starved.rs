@@ -1,7 +1,7 @@
-//! A service that does not get the processor is waited for, and it is said: another process would wait as well.
+//! A service without the processor is awaited and reported: a new process would wait as well.
 //!
-//! The controller gets the lowest policy of all, on a core that it shares with an endless loop of the highest
-//! priority that an ordinary process has. To raise a priority is a privilege.
+//! The controller gets the lowest policy of all, on a core with an endless loop of the highest ordinary
+//! priority. Raising a priority needs a privilege.
 
 use rustix::process::{Pid, setpriority_process};
 use rustix::thread::{CpuSet, sched_getaffinity, sched_setaffinity};
@@ -14,7 +14,7 @@ use system_tests::{Corner, text, wait_for};
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 /// The priority of the endless loop.
 const NICE: i32 = -20;
-/// For so long the controller is kept from the processor: three times what a silent service is given.
+/// Time without the processor for the controller: three times the limit for a silent service.
 const STARVED: Duration = Duration::from_millis(1_050);
 
 fn privileges() -> Needed {
@@ -42,7 +42,7 @@ impl Drop for Hog {
     }
 }
 
-/// Leaves a process one core.
+/// Limits a process to one core.
 fn pin(process: Pid, core: usize) {
     let mut only = CpuSet::new();
     only.set(core);
@@ -50,11 +50,11 @@ fn pin(process: Pid, core: usize) {
 }
 
 fn a_starved_controller_is_not_replaced_and_it_is_said() {
-    // The kernel does not always keep the one from the processor that it has to: then the run says nothing.
+    // The kernel does not always withhold the processor as required; then the run proves nothing.
     assert!((0..5).any(|_| is_starved_and_said()), "no controller was seen to starve");
 }
 
-/// False if the controller got the processor all the same. Replaced it must not be in any case.
+/// False if the controller got the processor nevertheless. It must not be replaced in either case.
 fn is_starved_and_said() -> bool {
     let corner = Corner::new(PROGRAM);
     let arguments = [

@@ -1,4 +1,4 @@
-//! A string of cars: gains, a first car that collides, limits, and what does not fit.
+//! A string of cars: gains, a colliding first car, limits, and invalid options.
 
 use serde_json::Value;
 use system_tests::{Corner, csv, text};
@@ -21,7 +21,7 @@ fn every_car_follows_the_true_motion_of_the_one_before() {
     let vehicles = string["vehicles"].as_array().expect("cars");
     let laws: Vec<_> = vehicles.iter().map(|car| &car["controller"]).collect();
     assert_eq!(laws, ["acc-mpc", "six-mode", "acc-mpc", "six-mode", "acc-mpc"]);
-    // The norm of a car's speed is that of the disturbance of the next one.
+    // A car's speed is the next car's disturbance.
     let product = vehicles
         .iter()
         .map(|car| car["speed_gain_l2"].as_f64().expect("a gain"))
@@ -89,8 +89,7 @@ fn behind_a_car_that_collides_the_others_still_have_a_result() {
     );
 }
 
-/// A run of more steps than a table of speeds has points gives every second one, and as it ends early its
-/// motion has every one: the car behind must begin anew.
+/// A long run keeps every second step, an early end every step: the car behind must restart its table.
 #[test]
 fn cars_driven_at_once_do_what_they_do_one_after_the_other() {
     let corner = Corner::new(PROGRAM);

@@ -1,5 +1,4 @@
-//! A sweep gives the same bytes every time, on any number of cores, and refuses a bad key before
-//! anything runs.
+//! A sweep gives the same bytes each time, on any number of cores, and refuses a bad key before any run.
 
 use rustix::process::{Pid, Signal, kill_process};
 use system_tests::{Corner, csv, text, wait_for};
@@ -89,7 +88,7 @@ fn an_interrupted_sweep_keeps_what_it_has() {
     let arguments = ["sweep", "cacc-a", "--jobs", "1", "--out", "out"];
     let arguments: Vec<_> = arguments.into_iter().chain(grid).collect();
     let child = corner.start(&arguments);
-    // The second run's services show that the first run is done.
+    // The second run's services show the end of the first run.
     let first = corner.wait_for_process("timegap-plant");
     let second = || corner.processes().iter().any(|(pid, n)| n == "timegap-plant" && *pid > first);
     assert!(wait_for(second), "only one run was begun");

@@ -1,4 +1,4 @@
-//! `timegap trace`: what Perfetto's own definitions make of it.
+//! `timegap trace`, read with Perfetto's own definitions.
 
 use serde_json::Value;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use system_tests::{Corner, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
-/// Reads a trace with the public protos and prints what a reader sees, as JSON.
+/// Reads a trace with the public protos and prints its contents as JSON.
 const READER: &str = r#"
 import collections, json, sys
 from perfetto.protos.perfetto.trace import perfetto_trace_pb2 as pb
@@ -45,8 +45,7 @@ print(json.dumps({"tracks": list(names.values()), "slices": slices, "flows": lis
                   "counters": counters, "instants": instants, "clocks": clocks}))
 "#;
 
-/// A Python with PyPI's `perfetto`, in a virtual environment that later runs use again; none where
-/// there is no Python, no pip or no network.
+/// A Python with PyPI's `perfetto` in a reused virtual environment; `None` without Python, pip or network.
 fn python() -> Option<PathBuf> {
     let target = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
     let environment = target.join("perfetto-venv");
@@ -99,7 +98,7 @@ fn perfetto_reads_what_was_written() {
         assert!(seen["counters"][figure].as_u64() > Some(0), "{figure}");
     }
 
-    // Every cycle of the controller is a slice, and the arrows go the chain's way.
+    // Every cycle of the controller is a slice, and the arrows follow the chain.
     let slices = list("slices");
     let of = |track: &str, name: &str| {
         slices
@@ -128,7 +127,7 @@ fn perfetto_reads_what_was_written() {
     // The last command may have reached the plant after its last message.
     assert!(whole + 1 >= chains && whole <= chains, "{whole} arrows of {chains} chains");
 
-    // What was missed is marked, and nothing else.
+    // Misses are marked, and nothing else.
     let missed = |items: Vec<Value>, at: usize| {
         let marked = items.into_iter().filter(|item| {
             item[at].as_array().into_iter().flatten().any(|category| category == "deadline-miss")
@@ -147,7 +146,7 @@ fn what_went_wrong_is_marked() {
     let run = corner.run(&["run", "stopped.toml", "--out", "out", "--json"]);
     assert!(matches!(run.status.code(), Some(0 | 1)), "{}", text(&run));
     let written = corner.json(&["trace", "out"]);
-    // The fault itself, and what a controller that stood still for two periods missed.
+    // The fault, and the misses of a controller that stopped for two periods.
     assert!(written["incidents"].as_u64() >= Some(2), "{written}");
 
     let python = python().expect("looked for before");

@@ -1,4 +1,4 @@
-//! The tutorial's end: a controller of the reader's own in the group, while a fault strikes.
+//! The end of the tutorial: the reader's own controller in the group, with a fault.
 
 use serde_json::Value;
 use system_tests::Corner;
@@ -18,7 +18,7 @@ fn a_controller_of_ones_own_follows_in_lockstep() {
     assert_eq!(summary["outcome"], "completed", "{summary}");
     let gap_m = summary["control"]["min_gap_m"].as_f64().expect("there is a lead");
     assert!(gap_m > 5.0, "{gap_m}");
-    // The scenario's own law, which does not drive, aims at another gap.
+    // The scenario's own law, which does not drive, has another target gap.
     assert_eq!(summary["control"]["final_gap_error_m"], Value::Null, "{}", summary["control"]);
     assert!(corner.roots().is_empty());
 }

@@ -1,4 +1,4 @@
-//! A run in a terminal, and without the terminal that it was started in.
+//! A run in a terminal, and after the terminal was closed.
 
 use rustix::process::{Pid, Signal, kill_process};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
@@ -9,7 +9,7 @@ use system_tests::{Corner, text, wait_for};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
-/// A terminal of our own: the end that a terminal emulator has, and the end that a program has.
+/// A pseudo-terminal: the end of a terminal emulator, and the end of a program.
 fn terminal() -> (OwnedFd, File) {
     let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC)
         .expect("a pseudo-terminal");
@@ -21,7 +21,7 @@ fn terminal() -> (OwnedFd, File) {
     (master, slave)
 }
 
-/// The terminal is not the run's controlling one, so that no SIGHUP comes to its help.
+/// The terminal does not control the run, so that no SIGHUP helps.
 #[test]
 fn a_run_ends_with_its_terminal() {
     let corner = Corner::new(PROGRAM);
@@ -41,7 +41,7 @@ fn a_run_ends_with_its_terminal() {
         drop(slave);
         assert!(wait_for(|| corner.path().join(name).join("live.json").exists()), "never drove");
         if prints_there {
-            // What a closed terminal sends to those that it controls.
+            // The signal of a closed terminal to its processes.
             let pid = Pid::from_raw(i32::try_from(run.id()).expect("fits")).expect("not zero");
             kill_process(pid, Signal::HUP).expect("our own process, not yet waited for");
         }

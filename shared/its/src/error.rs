@@ -18,7 +18,7 @@ pub enum DecodeError {
     #[error("GeoNetworking version {0}, expected 1")]
     Version(u8),
     /// A signed packet (IEEE 1609.2, ETSI TS 103 097): signatures are not checked here.
-    #[error("a signed packet, which is not read")]
+    #[error("a signed packet, which is not supported")]
     Secured,
     /// Not a single-hop broadcast with BTP-B.
     #[error("header type {header_type:#04x} with next header {next_header}, expected 0x50 with 2")]

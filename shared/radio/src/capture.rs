@@ -57,7 +57,7 @@ pub enum CaptureError {
     },
     /// Packets of a pcapng capture are in blocks without a stamp.
     #[error(
-        "{unstamped} of {packets} packets are simple packet blocks, which do not say when they are due, \
+        "{unstamped} of {packets} packets are simple packet blocks, which have no time stamp, \
          expected enhanced packet blocks"
     )]
     Unstamped {

@@ -138,7 +138,9 @@ fn a_file_is_read_as_its_bytes_are() {
 fn what_holds_no_frame_is_one_error() {
     let said = |file: &[u8]| open(file).expect_err("no frames").to_string();
     assert!(said(b"").contains("is not a capture"));
-    assert!(said(b"schema_version = 1\nname = \"no capture at all\"\n").contains("is not a capture"));
+    assert!(
+        said(b"schema_version = 1\nname = \"no capture at all\"\n").contains("is not a capture")
+    );
     assert!(said(&pcap(1, &[])).contains("none of 0 packets"));
     let arp = ethernet(0x0806, b"who has");
     assert!(said(&pcap(1, &[(1, 0, &arp)])).contains("none of 1 packets is a GeoNetworking"));

@@ -518,7 +518,6 @@ bits = [1, 3]
 
     #[test]
     fn the_repeating_command_survives_a_shell() {
-
         let runs = runs(FAULTS);
         let said = runs[0].repeat("realtime");
         assert!(said.contains("--set 'faults=[{ "), "{said}");

@@ -1,5 +1,5 @@
-//! A foreign law for tests: it follows as `examples/my_law.py` does, or misbehaves in the way that its first
-//! argument names, from the question on that its second one names (1 is the first).
+//! A foreign law for tests. It follows like `examples/my_law.py`, or misbehaves as its first argument says,
+//! from the question on whose number is its second argument (1 is the first).
 
 use bytemuck::Zeroable;
 use messages::{LawAnswer, LawInput};

@@ -72,8 +72,7 @@ pub fn idle_states(states: &[IdleState]) -> Finding {
     };
     let found = format!("down to {}, left in {} µs", deepest.name, deepest.latency_us);
     if deepest.name.starts_with("haltpoll") {
-        let costs =
-            "an idle core returns to the host, and a wake-up on it waits for the host";
+        let costs = "an idle core returns to the host, and a wake-up on it waits for the host";
         return Finding::warn(CHECK, found, costs, Some(HOLD_IDLE_STATES_OFF.into()));
     }
     if deepest.latency_us < DEEP_US {

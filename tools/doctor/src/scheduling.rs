@@ -49,7 +49,12 @@ pub fn throttling(runtime_us: Option<&str>, period_us: Option<&str>) -> Finding 
     };
     let fix = || Some("sudo sysctl kernel.sched_rt_runtime_us=950000".to_owned());
     match runtime {
-        0 => Finding::bad(CHECK, "real-time loops get no time", "SCHED_FIFO cannot be granted", fix()),
+        0 => Finding::bad(
+            CHECK,
+            "real-time loops get no time",
+            "SCHED_FIFO cannot be granted",
+            fix(),
+        ),
         _ if runtime < 0 || runtime >= period => Finding::ok(CHECK, "off"),
         _ if 2 * runtime < period => Finding::warn(
             CHECK,
@@ -59,7 +64,9 @@ pub fn throttling(runtime_us: Option<&str>, period_us: Option<&str>) -> Finding 
         ),
         _ => Finding::ok(
             CHECK,
-            format!("real-time loops get {runtime} µs of each {period} µs; loops that sleep need less"),
+            format!(
+                "real-time loops get {runtime} µs of each {period} µs; loops that sleep need less"
+            ),
         ),
     }
 }

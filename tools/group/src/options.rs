@@ -18,13 +18,13 @@ pub struct ScenarioOptions {
     /// Length of the run, s
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     pub duration: Option<String>,
-    /// Change any key of the scenario, by its dotted path; may be given again
+    /// Change a key of the scenario, by its dotted path (repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
     /// Parameters of an OpenSCENARIO file, `NAME=VALUE`: an option of the commands that take one.
     #[arg(skip)]
     pub parameters: Vec<String>,
-    /// How the signals reach the vehicle, for `v2x.radio`: an option of the commands that drive in realtime.
+    /// Carrier of the signals, for `v2x.radio`: an option of the commands that drive in realtime.
     #[arg(skip)]
     pub radio: Option<String>,
     /// Refuses a set key that the law does not read; a study of several laws notes it instead.
@@ -35,13 +35,13 @@ pub struct ScenarioOptions {
 /// How a group is brought up.
 #[derive(Clone, Debug, Args)]
 pub struct GroupOptions {
-    /// Run PROGRAM in the place of a service; may be given again
+    /// Replace a service with PROGRAM (repeatable)
     #[arg(long = "service", value_name = "NAME=PROGRAM", value_parser = service_program)]
     pub programs: Vec<(Service, PathBuf)>,
-    /// Time in which all services must be ready, s
+    /// Longest time until all services are ready, s
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = positive_seconds)]
     pub ready_timeout: f64,
-    /// Run every service as a process of its own, in lockstep too
+    /// Run every service as a separate process in lockstep too
     #[arg(long)]
     pub processes: bool,
 }

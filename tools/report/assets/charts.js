@@ -173,6 +173,16 @@
     return ctx.createPattern(tile, "repeat");
   };
 
+  // The background of a series in the legend: dashes and stripes as in the chart.
+  const swatch = ({ tone, dash, stripes }) => {
+    const base = `var(--${tone})`;
+    if (stripes) return `repeating-linear-gradient(${["0deg", "135deg", "45deg"][stripes % 3]}, ${base} 0 2px, transparent 2px 5px)`;
+    if (!dash || !dash.length) return base;
+    let end = 0;
+    const stops = dash.map((length, index) => `${index % 2 ? "transparent" : base} ${end}px ${end += length}px`);
+    return `repeating-linear-gradient(90deg, ${stops})`;
+  };
+
   // The point of a line under the pointer: by x, or the nearest one where x turns back.
   const sample = (u, own, series) => {
     const [x, y] = u.data[own], at = u.posToVal(u.cursor.left, "x");
@@ -306,13 +316,13 @@
     return chart.series.map((series) => {
       const common = { facets, label: series.label, points: { show: false }, value: () => "", width: 0, class: series.kind };
       if (series.kind === "box") {
-        const kind = chart.y.rows ? boxes.indexOf(series) % 4 : boxes.indexOf(series);
+        const kind = series.stripes = chart.y.rows ? boxes.indexOf(series) % 4 : boxes.indexOf(series);
         return { ...common, paths: boxPath(series), width: chart.y.rows ? 1 : 0, alpha: chart.y.rows ? 0.45 : 1,
           stroke: () => colour(series.tone), fill: () => hatched(series.tone, kind) };
       }
       if (series.kind === "bar") return { ...common, paths: barPath(series), fill: () => colour(series.tone) };
       if (series.kind === "shade") return { ...common, paths: shadePath(chart.map, series.step), fill: () => colour(series.tone) };
-      const dash = DECLARED[series.stroke] || DASHES[solid.indexOf(series.tone) % DASHES.length];
+      const dash = series.dash = DECLARED[series.stroke] || DASHES[solid.indexOf(series.tone) % DASHES.length];
       return { ...common, paths: linePath(series), width: series.width, cap: dash.length ? "butt" : "round",
         dash: dash.map((length) => length * uPlot.pxRatio), stroke: () => colour(series.tone),
         value: (u, _, own, index) => series.repeated ? "" : told(chart.y, index === null ? null : sample(u, own, series)?.y) };
@@ -376,12 +386,7 @@
       series: [null, ...seriesOf(chart)],
       legend: {
         live: chart.series.some((series) => series.kind === "line"),
-        markers: {
-          width: (u, index) => (chart.series[index - 1].kind === "line" ? 2 : 0),
-          stroke: (u, index) => `var(--${chart.series[index - 1].tone})`,
-          dash: (u, index) => (u.series[index].dash.length ? (chart.series[index - 1].stroke === "dotted" ? "dotted" : "dashed") : "solid"),
-          fill: (u, index) => (chart.series[index - 1].kind === "line" ? "none" : `var(--${chart.series[index - 1].tone})`),
-        },
+        markers: { fill: (u, index) => swatch(chart.series[index - 1]) },
       },
       cursor: {
         y: false, drag: { x: !chart.live, y: false, dist: 4 },
@@ -400,6 +405,7 @@
     u.root.querySelectorAll(".u-series").forEach((row, index) => {
       row.style.order = chart.series[index].order;
       row.hidden = repeats(index)[0] !== index;
+      if (chart.series[index].px) row.querySelector(".u-marker").style.height = chart.series[index].px + "px";
     });
     whole.onclick = () => u.setScale("x", { min: low, max: high });
     dots.push(...chart.series.map((series) => {

@@ -56,8 +56,10 @@ pub fn gap(run: &RunPicture) -> Option<Plot> {
     })
 }
 
-/// Longest time gap and time to collision that are drawn, s. Longer ones do not concern following.
-const LONGEST_S: f64 = 10.0;
+/// Longest time gap that is drawn, s. Longer ones do not concern following.
+const LONGEST_GAP_S: f64 = 10.0;
+/// Longest time to collision that is drawn, s.
+const LONGEST_TTC_S: f64 = 30.0;
 
 /// Time gap to the vehicle ahead beside the desired one; `None` without a vehicle ahead.
 pub fn time_gap(run: &RunPicture) -> Option<Plot> {
@@ -68,18 +70,17 @@ pub fn time_gap(run: &RunPicture) -> Option<Plot> {
         Some((*time_s, if speed_mps >= 1.0 { gap_m / speed_mps } else { f64::NAN }))
     });
     let curves = vec![
-        Curve::new("time gap", EGO, short(&run.time_gap_s)),
-        Curve::new("desired", Tone::Muted, short(&desired.collect::<Vec<_>>()))
+        Curve::new("time gap", EGO, up_to(LONGEST_GAP_S, &run.time_gap_s)),
+        Curve::new("desired", Tone::Muted, up_to(LONGEST_GAP_S, &desired.collect::<Vec<_>>()))
             .stroke(Stroke::Dashed),
     ];
-    is_drawn(&run.time_gap_s).then(|| from_zero(run, "Time gap", "s", curves))
+    from_zero(run, "Time gap", curves)
 }
 
 /// Time to collision; `None` if the ego never approached a vehicle ahead.
 pub fn time_to_collision(run: &RunPicture) -> Option<Plot> {
-    let points = &run.time_to_collision_s;
-    let curve = Curve::new("time to collision", EGO, short(points));
-    is_drawn(points).then(|| from_zero(run, "Time to collision", "s", vec![curve]))
+    let points = up_to(LONGEST_TTC_S, &run.time_to_collision_s);
+    from_zero(run, "Time to collision", vec![Curve::new("time to collision", EGO, points)])
 }
 
 /// Jerk of the ego.
@@ -104,23 +105,19 @@ pub fn profile(run: &RunPicture) -> Vec<Plot> {
     ]
 }
 
-/// True if a time short enough to be drawn is among the points.
-fn is_drawn(points: &[(f64, f64)]) -> bool {
-    points.iter().any(|point| point.1 <= LONGEST_S)
-}
-
-/// The points, with gaps where a time is too long to be drawn.
-fn short(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
-    let cut = |value: f64| if value <= LONGEST_S { value } else { f64::NAN };
+/// The points, with gaps where a time is longer than `longest_s`.
+fn up_to(longest_s: f64, points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+    let cut = |value: f64| if value <= longest_s { value } else { f64::NAN };
     points.iter().map(|(time_s, value)| (*time_s, cut(*value))).collect()
 }
 
-/// A plot whose vertical axis begins at 0.
-fn from_zero(run: &RunPicture, title: &str, unit: &str, curves: Vec<Curve>) -> Plot {
-    let plot = Plot::over_time(title, run.duration_s, unit, curves);
+/// A plot of times whose vertical axis begins at 0; `None` if the first curve has no point.
+fn from_zero(run: &RunPicture, title: &str, curves: Vec<Curve>) -> Option<Plot> {
+    curves.first()?.points.iter().find(|point| point.1.is_finite())?;
+    let plot = Plot::over_time(title, run.duration_s, "s", curves);
     let values = plot.curves.iter().flat_map(|curve| &curve.points).map(|point| point.1);
-    let y = Axis::holding(unit, values.chain([0.0]));
-    Plot { y, ..plot }.marked(&marks(run))
+    let y = Axis::holding("s", values.chain([0.0]));
+    Some(Plot { y, ..plot }.marked(&marks(run)))
 }
 
 /// Acceleration and request.

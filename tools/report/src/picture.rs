@@ -231,7 +231,6 @@ fn phases_of(levels: &Levels, until_s: f64) -> Vec<Phased> {
     phases([(0.0, first)].into_iter().chain(changes), until_s, |level| level.name().to_owned())
 }
 
-
 /// Difference of two acceleration samples over their time, at the later sample. As for the referee, the step
 /// to standstill is not a jerk of the drive.
 fn jerk(steps: &[DriveStep]) -> Points {

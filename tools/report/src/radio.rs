@@ -54,10 +54,7 @@ pub(crate) fn page(summary: &Summary) -> String {
         ("Time on air", radio.and_then(|radio| radio.air_us)),
         ("Age of the forwarded signal timing", radio.and_then(|radio| radio.age_us)),
         ("Time to decode and check a frame", radio.and_then(|radio| radio.decode_us)),
-        (
-            "Signal's change to the first actuation that uses it",
-            summary.timing.signal_reaction_us,
-        ),
+        ("Signal's change to the first actuation that uses it", summary.timing.signal_reaction_us),
     ];
     let hops = hops.iter().map(|(name, of_part)| (name.as_str(), *of_part));
     let times = timing::table(times.into_iter().chain(hops));

@@ -87,7 +87,9 @@ fn verdict(summary: &Summary) -> (bool, String) {
             (true, format!("Completed: {at} driven without a collision or a red light{helped}"))
         }
         Outcome::Collision => (false, format!("Collision after {at}")),
-        Outcome::RedLight => (false, format!("Red light: a stop line was crossed at red after {at}")),
+        Outcome::RedLight => {
+            (false, format!("Red light: a stop line was crossed at red after {at}"))
+        }
         Outcome::SafeStop => {
             (false, format!("Safe stop: the plant received no valid commands; {at} driven"))
         }
@@ -122,7 +124,8 @@ fn figures(summary: &Summary) -> Vec<Tile> {
     let reaction = timing.reaction_time_us.filter(|_| summary.mode == "realtime");
     let missed = timing.deadline_misses.zip(timing.cycles);
     let late = timing.missed_at_plant.zip(timing.due_at_plant);
-    let deadline = timing.deadline_us.map_or_else(String::new, print::duration);
+    let deadline = timing.deadline_us.map(print::duration);
+    let deadline = deadline.map_or_else(String::new, |time| format!("deadline {time}"));
     [
         tile(
             "Smallest gap",
@@ -139,11 +142,7 @@ fn figures(summary: &Summary) -> Vec<Tile> {
                 .map_or_else(String::new, |median| format!("median {median:.2} s")),
         ),
         tile("Smallest time to collision", number(control.min_ttc_s, 1, "s"), String::new()),
-        tile(
-            "Gap error at the end",
-            number(control.final_gap_error_m, 2, "m"),
-            String::new(),
-        ),
+        tile("Gap error at the end", number(control.final_gap_error_m, 2, "m"), String::new()),
         tile("First stop line", crossed, past),
         tile(
             "Last stop line",
@@ -183,7 +182,7 @@ fn figures(summary: &Summary) -> Vec<Tile> {
             deadline,
         ),
         tile(
-            "The law, median",
+            "Solve time, median",
             timing.solve_us.map(|p| print::duration(p.p50)),
             timing.solve_us.map_or_else(String::new, |p| {
                 format!("max {}, n = {}", print::duration(p.max), p.count)

@@ -72,7 +72,6 @@ pub enum Command {
     /// List scenarios, controllers and campaigns
     List(crate::list::ListArguments),
     /// Write shell completions, the man page or a reference page
-    #[command(hide = true)]
     Generate(crate::generate::GenerateArguments),
     /// Run one service; used by the launcher
     #[command(hide = true)]

@@ -6,9 +6,9 @@ use group::{Error, Failure};
 use serde::de::DeserializeOwned;
 
 use super::journal::JournalError;
-use runtime::command_line;
 use super::{FILE, Line, Shard, Study, journal, read_file};
 use crate::batch::{ProcessesSample, Repetition};
+use runtime::command_line;
 
 /// Why directories are not put together.
 #[derive(Debug, thiserror::Error)]

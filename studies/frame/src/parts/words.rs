@@ -25,7 +25,6 @@ pub fn of_study(arguments: impl Iterator<Item = OsString>) -> Vec<String> {
     words
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -36,5 +35,4 @@ mod tests {
         let words = of_study(line.split(' ').map(OsString::from));
         assert_eq!(words.join(" "), "sweep cacc-a --param a=1,2 --seeds 1..3");
     }
-
 }

@@ -40,7 +40,10 @@ pub(super) fn timing(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         line("", format!("medians of its parts: {}", parts.join(", ")));
     }
     if let Some(net) = timing.net_reaction_us {
-        line("", format!("software overhead {} (radar latency and waits for the next period removed)", percentiles(&net)));
+        line(
+            "",
+            format!("software overhead {}, without radar latency and waits", percentiles(&net)),
+        );
     }
     if let Some(worst) = timing.worst_chains.first() {
         line("", longest(worst));

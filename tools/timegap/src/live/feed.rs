@@ -256,8 +256,6 @@ impl LiveFeed {
     }
 }
 
-
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -45,7 +45,10 @@ pub fn receive(mut stream: &TcpStream) -> std::io::Result<Option<Request>> {
         match parse(&text) {
             None if text.len() <= MAX_REQUEST => {}
             None => {
-                refuse(stream, ("431 Request Header Fields Too Large", "the request is too long\n"))?;
+                refuse(
+                    stream,
+                    ("431 Request Header Fields Too Large", "the request is too long\n"),
+                )?;
                 return Ok(None);
             }
             Some(Ok(request)) => return Ok(Some(request)),
@@ -145,7 +148,8 @@ mod tests {
 
     #[test]
     fn other_methods_and_other_protocols_are_refused() {
-        for (text, status) in [("POST / HTTP/1.1\r\n\r\n", "405"), ("\x16\x03\x01\x02\x00", "400")] {
+        for (text, status) in [("POST / HTTP/1.1\r\n\r\n", "405"), ("\x16\x03\x01\x02\x00", "400")]
+        {
             let refused = parse(text.as_bytes()).expect("it is clear").expect_err("refused");
             assert!(refused.0.starts_with(status), "{refused:?}");
         }

@@ -101,8 +101,10 @@ fn as_text(recording: &Recording, survey: &Survey) -> String {
         let (label, value) = (printable(label), printable(&value));
         writeln!(text, "  {label:<14} {value}").expect("a string takes all");
     };
-    let at = jiff::Timestamp::from_nanosecond(metadata.started_unix_ns.into())
-        .map_or_else(|_| "at an unknown time".into(), |time| time.strftime("%F %T UTC").to_string());
+    let at = jiff::Timestamp::from_nanosecond(metadata.started_unix_ns.into()).map_or_else(
+        |_| "at an unknown time".into(),
+        |time| time.strftime("%F %T UTC").to_string(),
+    );
     let started = if metadata.mode == Mode::Lockstep { "in simulated time".into() } else { at };
     line("recorded", format!("{started} by {}", metadata.program));
     if let Some(host) = &metadata.host {

@@ -30,7 +30,7 @@ pub enum RecoverError {
     #[error("{} is still being recorded: wait for its run's end", .0.display())]
     InProgress(PathBuf),
     /// It has no complete message.
-    #[error("{} holds no whole message: nothing to recover", .0.display())]
+    #[error("{} holds no complete message: nothing to recover", .0.display())]
     Empty(PathBuf),
 }
 

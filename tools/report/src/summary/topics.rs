@@ -1,0 +1,60 @@
+//! Counts of the messages of a run.
+
+use group::Drive;
+use messages::Service;
+use messages::e2e::Outcomes;
+use runtime::report::{ReceivedTopic, ServiceReport};
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Messages of one topic.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct TopicCounts {
+    /// Messages sent by all of the topic's senders.
+    pub sent: u64,
+    /// Fewest messages that one of the topic's readers received; null if it has no readers.
+    pub received: Option<u64>,
+    /// Most messages that one of the topic's readers missed.
+    pub lost: Option<u64>,
+    /// Messages that each late reader missed.
+    pub lost_by: BTreeMap<&'static str, u64>,
+    /// Messages that the topic's readers refused; null if it has no readers.
+    pub e2e_errors: Option<u64>,
+    /// Outcomes of the end-to-end check, summed over the topic's readers.
+    pub e2e: Outcomes,
+    /// XXH3 over the bytes of all messages of each sender, in lockstep.
+    pub digests: BTreeMap<String, String>,
+}
+
+/// Counts of all topics, from the services' reports and the launcher's own reading.
+pub(super) fn of(
+    reports: &BTreeMap<Service, ServiceReport>,
+    drive: &Drive,
+) -> BTreeMap<String, TopicCounts> {
+    let mut topics: BTreeMap<String, TopicCounts> = BTreeMap::new();
+    for report in reports.values() {
+        for sent in &report.sent {
+            let counts = topics.entry(sent.topic.clone()).or_default();
+            counts.sent += sent.sent;
+            if let Some(digest) = &sent.digest {
+                counts.digests.insert(report.service.name().into(), digest.clone());
+            }
+        }
+    }
+    let of_services = reports.values().flat_map(|report| {
+        report.received.iter().map(|received| (report.service.name(), received))
+    });
+    let of_launcher = drive.received.iter().map(|received| ("launcher", received));
+    for (reader, received) in of_services.chain(of_launcher) {
+        let ReceivedTopic { topic, received, lost, e2e, .. } = received;
+        let counts = topics.entry(topic.clone()).or_default();
+        counts.received = Some(counts.received.map_or(*received, |least| least.min(*received)));
+        counts.lost = Some(counts.lost.map_or(*lost, |most| most.max(*lost)));
+        if *lost > 0 {
+            counts.lost_by.insert(reader, *lost);
+        }
+        counts.e2e.add(e2e);
+        counts.e2e_errors = Some(counts.e2e.refused());
+    }
+    topics
+}
