@@ -210,6 +210,23 @@ fn a_controller_whose_clock_is_behind_stops_at_a_red_light() {
 }
 
 #[test]
+fn a_controller_whose_clock_is_a_little_ahead_drives_as_without_a_fault() {
+    let corner = Corner::new(PROGRAM);
+    let run = ["run", "cacc-a", "--mode", "lockstep", "--in-process", "--duration", "6"];
+    let whole = corner.json(&run);
+    // Up to the tolerance of a receiver, 5 ms.
+    for ahead_s in [0.0001, 0.002, 0.0049] {
+        let fault = format!(
+            "faults=[{{ kind = \"clock-step\", service = \"controller\", amount = {ahead_s}, at_s = 1 }}]"
+        );
+        let summary = corner.json(&[&run[..], &["--set", &fault]].concat());
+        assert!(summary["faults"][0]["messages"].as_u64() > Some(50), "{}", summary["faults"]);
+        assert_eq!(summary["rungs"]["plant"]["time_s"], whole["rungs"]["plant"]["time_s"]);
+        assert_eq!(summary["control"], whole["control"], "{ahead_s}");
+    }
+}
+
+#[test]
 fn what_a_fault_did_outlives_the_process_in_which_it_did_it() {
     let corner = corner(
         3.0,

@@ -2,9 +2,12 @@
 //! adds to it.
 //!
 //! A command arrives `extra_delay_ms` after its publication, plus a time drawn uniformly from the
-//! whole periods of the plant up to `extra_jitter_ms`; with `miss_probability` it never does, as if
-//! its control cycle had missed. One that a newer one overtook is dropped. Each command takes two
-//! numbers of the random stream, so that the jitter does not depend on the misses, nor they on it.
+//! whole periods of the plant up to `extra_jitter_ms`. With `miss_probability` it never arrives, as if
+//! its control cycle had missed. A command that a newer one overtook is dropped. Each command takes two
+//! numbers of the random stream, so that jitter and misses do not depend on each other.
+//!
+//! The stamps of a command are of its sender's clock, which may differ from the plant's. The plant corrects a
+//! stamp that contradicts what it knows: no command was sent after it was here.
 
 use messages::{Command, Origins};
 use rand_core::SeedableRng;
@@ -22,15 +25,21 @@ pub struct Arrival {
     pub command: Command,
     /// By how much it was delayed, ns.
     pub delay_ns: i64,
+    /// True if it has the content of the command before it, under new stamps.
+    pub is_repeated: bool,
+    /// When the plant found it on the topic, ns of run time.
+    taken_ns: i64,
 }
 
 impl Arrival {
     /// Release of the cycle that made the command, ns of run time.
     ///
-    /// It is the command's stamp, unless that is wrong: a cycle of before the next one's release does not know
-    /// what was measured after that. Where the stamp says otherwise, the sender's clock is behind, and the
-    /// newest sample tells when the cycle was. Else a plan that says what to do from now on would be
-    /// followed from its middle on. Samples of after `now_ns` tell nothing: there are none.
+    /// It is the command's stamp, unless the sender's clock differs from the plant's. Two observations show that:
+    ///
+    /// * The stamp is later than the arrival. The clock is ahead, and the release was no later than the arrival.
+    /// * A sample that the cycle used is newer than the end of the stamp's period. The clock is behind, and the
+    ///   newest sample shows when the cycle was. Else the gateway would follow the plan from its middle on.
+    ///   A sample stamped after `now_ns` shows nothing.
     #[must_use]
     pub fn released_ns(&self, now_ns: i64) -> i64 {
         let Command { header, plan_period_ns, .. } = &self.command;
@@ -38,10 +47,16 @@ impl Arrival {
         let samples = [odometry, radar, spat, map, powertrain, preview];
         let stamps = samples.into_iter().map(|sample| sample.acquisition_ns);
         let newest_ns = stamps.filter(|stamp_ns| *stamp_ns <= now_ns).max();
+        let stamp_ns = header.acquisition_ns.min(self.taken_ns);
         match newest_ns {
-            Some(newest_ns) if newest_ns > header.acquisition_ns + plan_period_ns => newest_ns,
-            _ => header.acquisition_ns,
+            Some(newest_ns) if newest_ns > stamp_ns + plan_period_ns => newest_ns,
+            _ => stamp_ns,
         }
+    }
+
+    /// When it reaches the actuators, ns of run time.
+    fn due_ns(&self) -> i64 {
+        self.command.header.publish_ns.min(self.taken_ns) + self.delay_ns
     }
 }
 
@@ -58,6 +73,8 @@ pub struct Delivery {
     on_their_way: VecDeque<Arrival>,
     /// Incarnation and sequence number of the last command taken.
     taken: Option<(u32, u64)>,
+    /// Start of the cycle that made it, by its own account, ns of run time.
+    started_ns: Option<i64>,
     undelivered: u64,
 }
 
@@ -77,6 +94,7 @@ impl Delivery {
             random: Pcg64::seed_from_u64(scenario.seed.value() ^ STREAM),
             on_their_way: VecDeque::with_capacity(longest as usize + 2),
             taken: None,
+            started_ns: None,
             undelivered: 0,
         }
     }
@@ -86,13 +104,15 @@ impl Delivery {
         self.undelivered = undelivered;
     }
 
-    /// Takes the topic's newest command, unless it has been taken before.
-    pub fn take(&mut self, newest: &Command) {
+    /// Takes the topic's newest command at `now_ns`, unless it has been taken before.
+    pub fn take(&mut self, newest: &Command, now_ns: i64) {
         let identity = (newest.header.incarnation, newest.header.sequence);
         if self.taken == Some(identity) || self.on_their_way.len() == self.on_their_way.capacity() {
             return;
         }
         self.taken = Some(identity);
+        // No two cycles begin at one instant, whatever the sender's clock shows.
+        let is_repeated = self.started_ns.replace(newest.start_ns) == Some(newest.start_ns);
         let [miss, jitter] = [(); 2].map(|()| random::uniform(&mut self.random));
         if miss < self.miss_probability {
             self.undelivered += 1;
@@ -100,13 +120,13 @@ impl Delivery {
         }
         let periods = (jitter * (self.jitter_periods + 1) as f64) as i64;
         let delay_ns = self.delay_ns + periods * self.period_ns;
-        self.on_their_way.push_back(Arrival { command: *newest, delay_ns });
+        let arrival = Arrival { command: *newest, delay_ns, is_repeated, taken_ns: now_ns };
+        self.on_their_way.push_back(arrival);
     }
 
     /// The newest command that has arrived by `now_ns`, once.
     pub fn arrived(&mut self, now_ns: i64) -> Option<Arrival> {
-        let due = |way: &Arrival| now_ns >= way.command.header.publish_ns + way.delay_ns;
-        let newest = self.on_their_way.iter().rposition(due)?;
+        let newest = self.on_their_way.iter().rposition(|way| now_ns >= way.due_ns())?;
         let overtaken = self.on_their_way.drain(..newest).count() as u64;
         self.undelivered += overtaken;
         self.on_their_way.pop_front()
@@ -127,7 +147,7 @@ mod tests {
     const PERIOD_NS: i64 = 10_000_000;
 
     #[test]
-    fn a_clock_that_is_behind_is_told_by_what_the_cycle_knew() {
+    fn a_clock_that_differs_from_the_plants_is_corrected() {
         let released_ms = |stamp_ms: i64, odometry_ms: i64, spat_ms: i64| {
             let mut command = Command::zeroed();
             command.plan_period_ns = 100_000_000;
@@ -135,8 +155,11 @@ mod tests {
             command.header.origins = Origins::NONE;
             command.header.origins.odometry.acquisition_ns = odometry_ms * 1_000_000;
             command.header.origins.spat.acquisition_ns = spat_ms * 1_000_000;
-            Arrival { command, delay_ns: 0 }.released_ns(5_050_000_000) / 1_000_000
+            let taken_ns = 5_050_000_000;
+            let arrival = Arrival { command, delay_ns: 0, is_repeated: false, taken_ns };
+            arrival.released_ns(taken_ns) / 1_000_000
         };
+        assert_eq!(released_ms(5_052, 5_000, 4_900), 5_050, "the clock is ahead");
         assert_eq!(released_ms(5_000, 5_000, 4_900), 5_000);
         assert_eq!(released_ms(5_000, 5_040, 4_900), 5_000, "the cycle began late");
         assert_eq!(
@@ -163,8 +186,9 @@ mod tests {
             if step % 10 == 0 {
                 newest.header.sequence = step as u64 / 10;
                 newest.header.publish_ns = now_ns;
+                newest.start_ns = now_ns;
             }
-            delivery.take(&newest);
+            delivery.take(&newest, now_ns);
             if let Some(arrival) = delivery.arrived(now_ns) {
                 arrivals.push((arrival.command.header.sequence, now_ns));
             }
@@ -177,6 +201,39 @@ mod tests {
         let (arrivals, undelivered) = drive(delivery(""), 3);
         assert_eq!(arrivals, [(0, 0), (1, 10 * PERIOD_NS), (2, 20 * PERIOD_NS)]);
         assert_eq!(undelivered, 0);
+    }
+
+    #[test]
+    fn a_clock_that_is_ahead_delays_no_command_and_makes_none_a_repetition() {
+        for ahead_ns in [0, 100_000, 2_000_000, 20_000_000] {
+            let mut delivery = delivery("");
+            let mut command = Command::zeroed();
+            command.plan_period_ns = 100_000_000;
+            for cycle in 0..20 {
+                let now_ns = cycle * 10 * PERIOD_NS;
+                command.header.sequence += 1;
+                command.start_ns = now_ns;
+                command.header.acquisition_ns = now_ns + ahead_ns;
+                command.header.publish_ns = now_ns + ahead_ns;
+                delivery.take(&command, now_ns);
+                let arrival = delivery.arrived(now_ns).expect("it is here");
+                assert!(!arrival.is_repeated, "{ahead_ns}");
+                assert_eq!(arrival.released_ns(now_ns), now_ns, "{ahead_ns}");
+            }
+        }
+    }
+
+    #[test]
+    fn frozen_content_under_new_stamps_is_a_repetition() {
+        let mut delivery = delivery("");
+        let mut command = Command::zeroed();
+        let repeated = [0, 100, 100, 100, 400].map(|start_ms| {
+            command.header.sequence += 1;
+            command.start_ns = start_ms * 1_000_000;
+            delivery.take(&command, 0);
+            delivery.arrived(0).expect("it is here").is_repeated
+        });
+        assert_eq!(repeated, [false, false, true, true, false]);
     }
 
     #[test]

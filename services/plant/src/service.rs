@@ -354,17 +354,13 @@ impl Plant {
     /// Lets the newest due command act on the actuators.
     fn actuate(&mut self, release: &Release, now_ns: i64) -> Actuation {
         if let Some(command) = self.command.newest() {
-            self.delivery.take(command);
+            self.delivery.take(command, now_ns);
         }
         if let Some(arrival) = self.delivery.arrived(now_ns) {
             let released_ns = arrival.released_ns(now_ns);
-            let Arrival { command, delay_ns } = arrival;
+            let Arrival { command, delay_ns, is_repeated, .. } = arrival;
             let plan_len = usize::try_from(command.plan_len).map_or(0, |len| len.min(PLAN_LEN));
-            // A cycle does not begin before its release: what says so is an earlier cycle's command under
-            // fresh stamps.
-            let repeated =
-                command.start_ns != 0 && command.start_ns < command.header.acquisition_ns;
-            let plan_len = if repeated { 0 } else { plan_len };
+            let plan_len = if is_repeated { 0 } else { plan_len };
             if plan_len > 0 {
                 self.timeliness.arrived(released_ns);
             }
