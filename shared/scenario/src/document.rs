@@ -36,6 +36,8 @@ enum Origin<'a> {
     Text { source: &'a str, text: &'a str },
     /// A file of another format; positions count its keys.
     Foreign(&'a ForeignKeys),
+    /// Values from another process, without positions.
+    Values,
 }
 
 impl Origin<'_> {
@@ -44,6 +46,7 @@ impl Origin<'_> {
         match self {
             Self::Text { text, .. } => text.len(),
             Self::Foreign(keys) => keys.len(),
+            Self::Values => 0,
         }
     }
 }
@@ -74,6 +77,11 @@ impl<'a> Document<'a> {
         overrides: &'a Overrides,
     ) -> Result<Self, ScenarioError> {
         Self::with(Origin::Foreign(keys), keys.root(), overrides)
+    }
+
+    /// Takes the values that another process wrote.
+    pub(super) fn of_values(root: Placed) -> Self {
+        Self { origin: Origin::Values, options: Vec::new(), is_shared: false, root }
     }
 
     fn with(
@@ -134,6 +142,7 @@ impl<'a> Document<'a> {
             }
             (None, Origin::Text { source, text }) => ScenarioError::at(source, text, span, message),
             (None, Origin::Foreign(keys)) => keys.error(span.start, message),
+            (None, Origin::Values) => ScenarioError::whole("scenario", message),
         }
     }
 

@@ -59,6 +59,7 @@ pub mod supervision;
 pub mod v2x;
 
 mod accepted;
+mod binary;
 mod check;
 mod document;
 mod error;
@@ -76,6 +77,7 @@ mod refusal;
 mod table;
 
 pub use accepted::accepted;
+pub use binary::DecodeError;
 pub use document::MAX_TEXT_BYTES;
 pub use error::ScenarioError;
 pub use foreign::ForeignKeys;

@@ -42,7 +42,11 @@ pub fn read(keys: toml::Table) -> Result<Fault, Problem> {
     of_table(&Placed::at(toml::Value::Table(keys), &(0..0)), "fault")
 }
 
-fn of_table(table: &Placed, path: &str) -> Result<Fault, Problem> {
+/// The fault of a table, whose place in the document is `path`.
+///
+/// # Errors
+/// The first thing that is wrong.
+pub(crate) fn of_table(table: &Placed, path: &str) -> Result<Fault, Problem> {
     let mut keys = Written::new(table, path, "a fault")?;
     let kind: Kind = keys.required("kind")?;
     keys.describe(format!("a fault of kind `{kind}`"));
@@ -190,12 +194,14 @@ mod tests {
     ];
 
     #[test]
-    fn each_kind_is_read_and_written_back_in_files_and_in_messages() {
+    fn each_kind_is_read_and_written_back_in_files_in_bytes_and_in_json() {
         for (fault, kind) in EACH.into_iter().zip(Kind::ALL) {
             let scenario = Scenario::parse("x.toml", &text(fault)).expect("it is right");
             assert_eq!(scenario.faults[0].effect.kind(), kind);
             let again = Scenario::parse("again.toml", &scenario.to_toml()).expect("it was written");
             assert_eq!(again.faults, scenario.faults, "{}", scenario.to_toml());
+            let bytes = scenario.faults[0].to_bytes();
+            assert_eq!(Fault::from_bytes(&bytes).as_ref(), Ok(&scenario.faults[0]));
             let json = serde_json::to_string(&scenario.faults[0]).expect("plain data");
             assert_eq!(serde_json::from_str::<Fault>(&json).expect(&json), scenario.faults[0]);
         }

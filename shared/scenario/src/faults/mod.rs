@@ -15,7 +15,7 @@ pub use effect::{
     Target,
 };
 pub use file::read;
-pub(super) use file::{keys_of, take_from, written};
+pub(super) use file::{keys_of, of_table, take_from, written};
 pub use kind::Kind;
 pub use topic::{BiasedField, NoSuchTopic, TopicName};
 
