@@ -192,6 +192,16 @@ impl Perception {
         self.ego_speed.measured()
     }
 
+    /// Share of the detections that the radar should give which it does give: 1 of exact tracks.
+    #[must_use]
+    pub fn seen_share(&self) -> f64 {
+        match &self.sensor {
+            Sensor::Ideal(_) => 1.0,
+            Sensor::ObjectList(both) => both.1.seen_share(),
+            Sensor::Detections(both) => both.1.seen_share(),
+        }
+    }
+
     /// How many detections the last step wrote, and how many found no room.
     #[must_use]
     pub fn received(&self) -> Received {

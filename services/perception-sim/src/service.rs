@@ -76,7 +76,11 @@ pub fn run_behind(mut runtime: Runtime, mut ahead: Ahead) -> Result<(), RuntimeE
         let header = Header::new(release.step, release.scheduled_ns, origins);
         let acquired = Header { acquisition_ns: list.acquisition_ns, ..header };
         let measured = perception.measured_ego_speed();
-        tracks.send_with(|message| write_tracks(message, acquired, &list, measured))?;
+        let seen_share = perception.seen_share();
+        tracks.send_with(|message| {
+            write_tracks(message, acquired, &list, measured);
+            message.seen_share = seen_share;
+        })?;
         if let Some(detections) = detections {
             output.send(detections, acquired, &perception)?;
         }

@@ -9,6 +9,7 @@
 //! | [`Level::LeadPredicted`] | controller | no valid `radar/tracks` for three of its periods and the radar's latency | two releases in a row with a fresh one |
 //! | [`Level::LeadLost`] | controller | the same for 1 s longer, or at the start none yet for as long | five releases in a row with a fresh one |
 //! | [`Level::EgoEstimated`] | controller | no valid `vehicle/odometry` for 0.1 s, or one that contradicts itself, the radar or the commands: the radar's measurement of the ego's speed takes its place for up to 10 s, the commands for up to 1.5 s | a fresh one that contradicts nothing |
+//! | [`Level::SensorLimited`] | controller | the radar reports that it sees less than it should (`seen_share` of `radar/tracks`) | it sees enough again |
 //! | [`Level::Silent`] | controller | the same for longer, or at the start | two releases in a row with odometry |
 //! | [`Level::PlanFollowed`] | plant | a control period passed without a new valid command | a valid command |
 //! | [`Level::StopInLane`] | plant | the plan was followed for `plant.fallback.follow_plan_s`, or the launcher asked for it | a valid command; never, if the launcher asked |
@@ -52,6 +53,8 @@ numbered! {
         OutsideEnvelope = 10 "outside-envelope",
         /// The ego's motion is estimated without its odometry.
         EgoEstimated = 11 "ego-estimated",
+        /// The radar sees less than it should; its tracks are used.
+        SensorLimited = 12 "sensor-limited",
     }
 }
 

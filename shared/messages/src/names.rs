@@ -48,7 +48,7 @@ pub fn of_field(layout: &str, field: &str) -> Option<&'static Enumeration> {
 }
 
 /// Endings of names and the units that they stand for, longer ones first.
-const UNITS: [(&str, &str); 14] = [
+const UNITS: [(&str, &str); 15] = [
     ("_mps3", "m/s³"),
     ("_mps2", "m/s²"),
     ("_dbsm", "dB relative to 1 m²"),
@@ -63,6 +63,7 @@ const UNITS: [(&str, &str); 14] = [
     ("_s", "s"),
     ("_n", "N"),
     ("_g", "g"),
+    ("_share", "1"),
 ];
 
 /// The unit that the ending of a field's name stands for; `None` for a field without one.

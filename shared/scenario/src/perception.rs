@@ -97,7 +97,8 @@ pub struct Radar {
     pub range_rate_sigma_mps: Sigma,
     /// Standard deviation of the azimuth, degrees.
     pub azimuth_sigma_deg: Sigma,
-    /// Probability that a visible vehicle is missing from one scan, whatever its echoes are like.
+    /// Probability that a visible vehicle, or an object beside the road, is missing from one scan, whatever its
+    /// echoes are like.
     pub dropout_probability: Probability,
     /// Time from the acquisition to the publication of a scan, ms: a multiple of the period.
     pub latency_ms: DelayMs,

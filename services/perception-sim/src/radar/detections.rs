@@ -59,6 +59,7 @@ impl DetectionRadar {
                 offset_m: keys.roadside_offset_m.value(),
                 area_m2: ratio(keys.standing_object_rcs_dbsm.value()),
                 fluctuation,
+                dropout_probability: radar.dropout_probability.value(),
                 hidden_factor: ratio(-keys.hidden_loss_db.value()),
             },
             receiver: receiver(keys),

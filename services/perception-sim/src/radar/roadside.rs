@@ -25,6 +25,8 @@ pub struct Roadside {
     pub area_m2: f64,
     /// How each fluctuates from scan to scan.
     pub fluctuation: Fluctuation,
+    /// Probability that an object is missing from a scan, whatever its echo is like.
+    pub dropout_probability: f64,
     /// Factor on the power of what a vehicle hides; 1: nothing hides anything.
     pub hidden_factor: f64,
 }
@@ -45,6 +47,9 @@ impl Roadside {
                 let object = hash(seed, STREAM.wrapping_add_signed(2 * cell + side));
                 let x_m = (cell as f64 + fixed(object, 0)) * cell_m - ego.position_m;
                 let y_m = sign * (self.offset_m + DEPTH_M * fixed(object, 1));
+                let scanned = hash(object, scene.time_ns as u64);
+                let is_missing =
+                    self.dropout_probability > 0.0 && fixed(scanned, 3) < self.dropout_probability;
                 // Drawn also for what is out of sight: the others' draws do not depend on it.
                 let fluctuation = self.fluctuation.draw(&mut random);
                 let mean_m2 = || -self.area_m2 * libm::log(1.0 - fixed(object, 2));
@@ -53,6 +58,9 @@ impl Roadside {
                 else {
                     continue;
                 };
+                if is_missing {
+                    continue;
+                }
                 if self.hidden_factor < 1.0 && hidden(scene, usize::MAX, x_m, y_m) {
                     echo.power *= self.hidden_factor;
                 }
@@ -72,6 +80,7 @@ mod tests {
         offset_m: 8.0,
         area_m2: 100.0,
         fluctuation: Fluctuation::None,
+        dropout_probability: 0.0,
         hidden_factor: 1.0,
     };
 

@@ -15,6 +15,7 @@ use super::longitudinal::{Kind, Maneuver, Measured, Model};
 use super::mirror;
 use super::path::{Across, PathLimits};
 use super::road_edge::RoadEdge;
+use super::sight::{Sight, TRACK_REACH_M};
 use super::track::{DetectedTrack, FieldOfView, Life, Sighting};
 use crate::radar::receiver::Receiver;
 use crate::radar::scene::Ego;
@@ -38,6 +39,7 @@ pub struct DetectionTracker {
     points: Vec<Point>,
     outlines: Vec<Outline>,
     edge: RoadEdge,
+    sight: Sight,
     last_ns: Option<i64>,
     next_id: u32,
 }
@@ -63,6 +65,7 @@ impl DetectionTracker {
     pub fn new(scenario: &Scenario, receiver: &Receiver) -> Self {
         let perception = &scenario.perception;
         let keys = &perception.tracker;
+        let radar = &perception.radar.detections;
         Self {
             model: model_of(scenario),
             limits: PathLimits::new(&perception.target_selection, false),
@@ -81,6 +84,7 @@ impl DetectionTracker {
             points: Vec::with_capacity(messages::MAX_DETECTIONS),
             outlines: Vec::with_capacity(MAX_KEPT),
             edge: RoadEdge::default(),
+            sight: Sight::new(radar.threshold_db.value(), radar.standing_objects_per_km.value()),
             last_ns: None,
             next_id: 1,
         }
@@ -92,8 +96,10 @@ impl DetectionTracker {
         self.last_ns = Some(time_ns);
         self.predict(dt_s, ego.acceleration_mps2);
         self.read(detections, ego);
+        self.sight.take_scan(dt_s, ego.speed_mps, &self.points, detections, &self.view);
         self.associate();
         self.update(dt_s, ego.acceleration_mps2);
+        self.watch();
         self.begin();
         self.unite();
         self.end_images();
@@ -138,6 +144,31 @@ impl DetectionTracker {
             track.moved |= moving;
         }
         self.share(&seen);
+    }
+
+    /// Compares the tracks that should have been seen with those that were.
+    fn watch(&mut self) {
+        for track in self.tracks.iter().filter(|track| track.id != 0) {
+            let (gap_m, lateral_m) = (track.along.estimate().gap_m, track.across.position_m());
+            let is_near = gap_m < TRACK_REACH_M && self.view.surely_shows(gap_m, lateral_m);
+            // What another vehicle hides, or what has merged with one, is not expected.
+            let is_hidden = self.tracks.iter().any(|other| {
+                let nearer = other.id != track.id && other.along.estimate().gap_m < gap_m + 5.0;
+                nearer && (other.across.position_m() - lateral_m).abs() < HIDES_M
+            });
+            if is_near && !is_hidden {
+                self.sight.observe_track(track.is_seen());
+            }
+            if track.is_seen() {
+                self.sight.saw_a_vehicle();
+            }
+        }
+    }
+
+    /// Share of the expected detections that came.
+    #[must_use]
+    pub fn seen_share(&self) -> f64 {
+        self.sight.share()
     }
 
     /// A track that is not seen while another one in its cell is has gone into that one's echo.
@@ -284,6 +315,8 @@ impl DetectionTracker {
     }
 }
 
+/// A nearer vehicle within this distance across the lanes may hide another one, m.
+const HIDES_M: f64 = 2.5;
 /// A track that is faster than this over ground has moved, m/s.
 const MOVING_MPS: f64 = 2.0;
 

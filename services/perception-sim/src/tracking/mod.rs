@@ -19,6 +19,7 @@ pub mod mirror;
 pub mod object_tracker;
 pub mod path;
 pub mod road_edge;
+pub mod sight;
 pub mod track;
 
 pub use list::{Track, TrackList};

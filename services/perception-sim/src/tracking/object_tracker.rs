@@ -8,6 +8,8 @@ use super::lateral;
 use super::list::{Track, TrackList};
 use super::longitudinal::{Filter, Measured, Model, Step};
 use super::path::{Across, Approach, Membership, PathLimits};
+use super::sight::Share;
+use super::track::FieldOfView;
 use crate::radar::object_list::{Measurement, Scan};
 use crate::radar::scene::Ego;
 
@@ -25,7 +27,9 @@ pub struct ObjectTracker {
     range_rate_sigma_mps: f64,
     azimuth_sigma_rad: f64,
     coast_s: f64,
+    view: FieldOfView,
     tracks: [Option<ObjectTrack>; MAX_TRACKS],
+    share: Share,
     last_ns: Option<i64>,
     next_id: u32,
 }
@@ -56,7 +60,12 @@ impl ObjectTracker {
             range_rate_sigma_mps: radar.range_rate_sigma_mps.value(),
             azimuth_sigma_rad: radar.azimuth_sigma_deg.value().to_radians(),
             coast_s: perception.tracker.coast_s.value(),
+            view: FieldOfView {
+                half_rad: 0.5 * radar.field_of_view_deg.value().to_radians(),
+                resolution_rad: 0.0,
+            },
             tracks: [None; MAX_TRACKS],
+            share: Share::default(),
             last_ns: None,
             next_id: 1,
         }
@@ -67,6 +76,7 @@ impl ObjectTracker {
         let first = self.last_ns.is_none();
         let dt_s = self.last_ns.map_or(0.0, |last| (time_ns - last) as f64 * 1e-9);
         self.last_ns = Some(time_ns);
+        self.share.forget(dt_s);
         let step = self.model.step(dt_s, ego.acceleration_mps2);
         let mut list = TrackList::new(time_ns);
         for (index, measurement) in scan.iter().enumerate() {
@@ -76,6 +86,9 @@ impl ObjectTracker {
                 known.across.predict(dt_s);
                 known.unseen_s += dt_s;
                 known.measured = false;
+                if self.view.surely_shows(known.along.estimate().gap_m, known.across.position_m()) {
+                    self.share.observe(1.0, measurement.is_some());
+                }
             }
             if let Some(measurement) = *measurement {
                 track = Some(match track {
@@ -90,6 +103,12 @@ impl ObjectTracker {
         }
         list.finish();
         list
+    }
+
+    /// Share of the expected measurements that came.
+    #[must_use]
+    pub fn seen_share(&self) -> f64 {
+        self.share.value()
     }
 
     fn range(&self, measurement: &Measurement) -> Measured {

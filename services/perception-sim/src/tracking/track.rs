@@ -82,6 +82,14 @@ pub struct FieldOfView {
     pub resolution_rad: f64,
 }
 
+impl FieldOfView {
+    /// True if a vehicle at this place is well within the field of view.
+    #[must_use]
+    pub fn surely_shows(&self, gap_m: f64, lateral_m: f64) -> bool {
+        gap_m > 1.0 && libm::atan2(lateral_m.abs(), gap_m) < self.half_rad - 2.0 * EDGE_RAD
+    }
+}
+
 /// What the detections of one vehicle in one scan say together.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sighting {

@@ -1,0 +1,246 @@
+//! How much of what the radar should see it does see.
+//!
+//! Each scan is compared with what the scan before promises: a vehicle that is tracked and in view should give a
+//! detection again, and so should a post beside the road, moved on by the ego's own motion. The share is
+//!
+//! ```text
+//!           Σ w · seen            seen: 1 if a detection came, else 0
+//! share  =  ──────────            expected: probability of detection of a sound radar
+//!           Σ w · expected        w: exp(-age / MEMORY_S)
+//! ```
+//!
+//! A radar that sees nothing at all has nothing to compare. The map promises posts then: if none comes over
+//! [`UNSEEN_S`], though [`PROMISED`] were to be seen, the share is 0.
+//!
+//! ```
+//! use perception_sim::tracking::sight::Share;
+//!
+//! let mut share = Share::default();
+//! for scan in 0..200 {
+//!     share.forget(0.05);
+//!     share.observe(1.0, scan % 4 == 0);
+//! }
+//! assert!((share.value() - 0.25).abs() < 0.05);
+//! ```
+
+use messages::Detection;
+
+use super::association::Point;
+use super::birth;
+use super::track::FieldOfView;
+
+/// Memory of the share, s. Chosen: 20 scans, so that a car's chance misses stay below a tenth.
+const MEMORY_S: f64 = 1.0;
+/// Weight of what is assumed before the first scan: a sound radar.
+const ASSUMED: f64 = 4.0;
+/// A post is expected again if its detection was this much stronger than the threshold, dB. Chosen: an echo with
+/// Swerling's case 1 that is 10 dB above comes again in nine of ten scans.
+const STRONG_DB: f64 = 10.0;
+/// Probability that such a post is seen again, measured over the built-in scenarios without dropout.
+const POST_AGAIN: f64 = 0.9;
+/// Probability that a tracked vehicle within [`TRACK_REACH_M`] is seen again, measured the same way.
+const TRACK_AGAIN: f64 = 0.95;
+/// Vehicles farther than this are not counted, m: their echoes are weak.
+pub const TRACK_REACH_M: f64 = 80.0;
+/// Posts are at least this far off the ego's axis, m: the next lanes and their vehicles are nearer.
+const POSTS_FROM_M: f64 = 5.0;
+/// Posts are counted up to this distance ahead, m.
+const POSTS_TO_M: f64 = 80.0;
+/// A post may be this far from where it is expected, m along and across.
+const POST_GATE_M: (f64, f64) = (1.0, 2.0);
+/// Margin at the edge of the field of view, rad.
+const EDGE_RAD: f64 = 0.05;
+/// Most posts that are compared.
+const MAX_POSTS: usize = 128;
+/// Time without any detection of a post or a tracked vehicle after which the radar may be blind, s.
+const UNSEEN_S: f64 = 0.5;
+/// Posts, times scans, that the map promised in this time. Chosen: in each of them the probability to see none by
+/// chance, with two of three hidden by vehicles, is below e^-10.
+const PROMISED: f64 = 30.0;
+
+/// A share of expected events with a fading memory.
+#[derive(Clone, Copy, Debug)]
+pub struct Share {
+    seen: f64,
+    expected: f64,
+}
+
+impl Default for Share {
+    fn default() -> Self {
+        Self { seen: ASSUMED, expected: ASSUMED }
+    }
+}
+
+impl Share {
+    /// Lets `dt_s` pass.
+    pub fn forget(&mut self, dt_s: f64) {
+        let kept = libm::exp(-dt_s / MEMORY_S);
+        self.seen *= kept;
+        self.expected *= kept;
+    }
+
+    /// Takes an event that was expected with a probability, and whether it came.
+    pub fn observe(&mut self, probability: f64, came: bool) {
+        self.expected += probability;
+        self.seen += f64::from(u8::from(came));
+    }
+
+    /// The share, at most 1. It stays as it is while nothing is expected.
+    #[must_use]
+    pub fn value(&self) -> f64 {
+        if self.expected > 0.0 { (self.seen / self.expected).min(1.0) } else { 1.0 }
+    }
+}
+
+/// A post where it was last seen, m ahead and to the left.
+#[derive(Clone, Copy, Debug)]
+struct Post {
+    x_m: f64,
+    y_m: f64,
+}
+
+/// The estimate of a radar that gives detections.
+#[derive(Clone, Debug)]
+pub struct Sight {
+    share: Share,
+    posts: Vec<Post>,
+    /// Posts that a scan should show according to the map.
+    promised_per_scan: f64,
+    strong_db: f64,
+    unseen_s: f64,
+    promised: f64,
+}
+
+impl Sight {
+    /// A radar with this threshold, dB, on a road with this number of posts on each side of a kilometre.
+    #[must_use]
+    pub fn new(threshold_db: f64, posts_per_km: f64) -> Self {
+        Self {
+            share: Share::default(),
+            posts: Vec::with_capacity(MAX_POSTS),
+            promised_per_scan: 2e-3 * posts_per_km * POSTS_TO_M,
+            strong_db: threshold_db + STRONG_DB,
+            unseen_s: 0.0,
+            promised: 0.0,
+        }
+    }
+
+    /// Takes a vehicle that was tracked before this scan and should be in it.
+    pub fn observe_track(&mut self, seen: bool) {
+        self.share.observe(TRACK_AGAIN, seen);
+    }
+
+    /// Takes that this scan showed a tracked vehicle, wherever: a near one hides all posts.
+    pub fn saw_a_vehicle(&mut self) {
+        self.unseen_s = 0.0;
+    }
+
+    /// Takes the posts of a scan, `dt_s` after the one before, of an ego with `ego_mps`. Allocates nothing.
+    pub fn take_scan(
+        &mut self,
+        dt_s: f64,
+        ego_mps: f64,
+        points: &[Point],
+        detections: &[Detection],
+        view: &FieldOfView,
+    ) {
+        self.share.forget(dt_s);
+        let stands = |point: &&Point| {
+            !birth::moves(point) && point.y_m.abs() > POSTS_FROM_M && point.x_m > 0.0
+        };
+        for post in &self.posts {
+            let (x_m, y_m) = (post.x_m - ego_mps * dt_s, post.y_m);
+            let is_in_view = x_m > 0.0 && libm::atan2(y_m.abs(), x_m) < view.half_rad - EDGE_RAD;
+            if is_in_view {
+                let again = points.iter().filter(stands).any(|point| {
+                    (point.x_m - x_m).abs() < POST_GATE_M.0
+                        && (point.y_m - y_m).abs() < POST_GATE_M.1
+                });
+                self.share.observe(POST_AGAIN, again);
+            }
+        }
+        self.posts.clear();
+        let mut any = false;
+        for point in points.iter().filter(stands).filter(|point| point.x_m < POSTS_TO_M) {
+            any = true;
+            let is_strong = detections[point.detection].snr_db > self.strong_db;
+            if is_strong && self.posts.len() < MAX_POSTS {
+                self.posts.push(Post { x_m: point.x_m, y_m: point.y_m });
+            }
+        }
+        self.unseen_s = if any { 0.0 } else { self.unseen_s + dt_s };
+        self.promised =
+            if self.unseen_s > 0.0 { self.promised + self.promised_per_scan } else { 0.0 };
+    }
+
+    /// Share of the expected detections that came.
+    #[must_use]
+    pub fn share(&self) -> f64 {
+        if self.unseen_s >= UNSEEN_S && self.promised >= PROMISED {
+            0.0
+        } else {
+            self.share.value()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::association::tests::point;
+    use super::*;
+    use bytemuck::Zeroable;
+
+    const VIEW: FieldOfView = FieldOfView { half_rad: 0.52, resolution_rad: 0.05 };
+
+    /// The share after 4 s of posts every 10 m at 20 m/s, of which the scans `sees` says show all.
+    fn drive(sees: impl Fn(u32) -> bool) -> f64 {
+        let mut sight = Sight::new(12.0, 50.0);
+        let strong = [Detection { snr_db: 30.0, ..Detection::zeroed() }; 16];
+        for scan in 0..80 {
+            let moved_m = f64::from(scan % 10);
+            let posts = (0..6).map(|k| Point {
+                ground_speed_mps: 0.0,
+                ..point(20.0 + 10.0 * f64::from(k) - moved_m, 8.0, -20.0)
+            });
+            let points: Vec<Point> = if sees(scan) { posts.collect() } else { Vec::new() };
+            sight.take_scan(0.05, 20.0, &points, &strong, &VIEW);
+        }
+        sight.share()
+    }
+
+    #[test]
+    fn a_radar_that_sees_every_post_again_sees_all() {
+        assert_eq!(drive(|_| true), 1.0);
+    }
+
+    #[test]
+    fn scans_that_are_missing_lower_the_share() {
+        let share = drive(|scan| scan % 4 != 3);
+        assert!((0.6..0.85).contains(&share), "{share}");
+    }
+
+    #[test]
+    fn nothing_at_all_is_blind_where_the_map_promises_posts() {
+        assert_eq!(drive(|_| false), 0.0);
+        let mut nowhere = Sight::new(12.0, 0.0);
+        for _ in 0..80 {
+            nowhere.take_scan(0.05, 20.0, &[], &[], &VIEW);
+        }
+        assert_eq!(nowhere.share(), 1.0, "no posts are promised");
+    }
+
+    #[test]
+    fn tracked_vehicles_count_and_the_past_fades() {
+        let mut sight = Sight::new(12.0, 0.0);
+        let mut see = |seen: bool, scans: u32| {
+            for _ in 0..scans {
+                sight.take_scan(0.05, 20.0, &[], &[], &VIEW);
+                sight.observe_track(seen);
+            }
+            sight.share()
+        };
+        assert!(see(true, 100) > 0.99);
+        assert!(see(false, 60) < 0.1, "3 s later");
+        assert!(see(true, 60) > 0.9, "and back");
+    }
+}
