@@ -1,8 +1,100 @@
 //! What all studies have in common. A study drives many runs and judges them.
 //!
-//! [`batch`] does runs with all workers and repeats a sample of them in process groups, [`parts`] splits a study into
-//! parts, keeps a journal of it and puts the parts together, and [`param`] reads lists and ranges of values.
+//! ```text
+//! arguments ─ plan ─► run 0 … run N-1 ─ job ─► drive ─ record ─► journal ─ judge ─► Document
+//!                     └─ workers, parts, resume, sample in process groups ─┘        every output
+//! ```
+//!
+//! A study implements [`Study`]. The frame does the rest: workers, `--shard`, `--resume` and `--merge`, the sample
+//! that is repeated as separate processes, the progress bar, interrupts, the exit status, and every output.
+//!
+//! # A new study
+//!
+//! 1. A folder in `studies` with an arguments struct. It flattens [`parts::PartOptions`], `GroupOptions` and
+//!    `report::results::ResultOptions`, and [`Study::options`] names them.
+//! 2. A plan: [`Study::plan`] reads and checks everything before the first run. [`Study::job`] makes run `n`.
+//!    The scenarios of all runs do not fit in memory, so a job is made when its turn comes.
+//! 3. A record: the plain data of a run that the verdict needs. [`Study::record`] makes it in the worker's thread.
+//!    What only pictures need is the other half of its result ([`Study::Seen`]).
+//! 4. Columns: `report::results::Column`, one line each. A column's name is the path of its value in the record's
+//!    JSON. Tables of them make a `Document`, with a verdict that answers the command's question.
+//! 5. `pub fn run(arguments) { frame::study::run::<MyStudy>(arguments) }`, and its row in timegap's `cli.rs`.
+//!
+//! Runs that are not one drive implement [`Study::drive`] with a [`Crew`]. Runs begin in the order of their numbers,
+//! so that a run may wait for an earlier one. [`Study::is_alone`] names runs beside which no other may go on.
+//! [`Study::NEEDS`] says whether some of the runs are worth a result. With [`Study::KEEPS_JOURNAL`] records stay on
+//! the disk, and [`Records::each`](parts::Records::each) reads them back one by one.
+//!
+//! ```
+//! use clap::Args;
+//! use frame::batch::{Done, Job};
+//! use frame::parts::PartOptions;
+//! use frame::{Found, Options, Study};
+//! use group::{Error, GroupOptions, ScenarioOptions};
+//! use report::results::{Column, Document, ResultOptions, Table, count, number};
+//! use serde::{Deserialize, Serialize};
+//!
+//! #[derive(Debug, Args)]
+//! struct Arguments {
+//!     #[arg(long, default_value_t = 2)]
+//!     seeds: usize,
+//!     #[command(flatten)]
+//!     parts: PartOptions,
+//!     #[command(flatten)]
+//!     group: GroupOptions,
+//!     #[command(flatten)]
+//!     results: ResultOptions,
+//! }
+//!
+//! #[derive(Serialize, Deserialize)]
+//! struct Record { seed: usize, min_gap_m: Option<f64> }
+//!
+//! const COLUMNS: &[Column<Record>] = &[
+//!     count("seed", "seed", "Seed of the run"),
+//!     number("min_gap_m", "min gap", "m", 1, "Smallest gap to the vehicle ahead").more(),
+//! ];
+//!
+//! struct Gaps { seeds: usize }
+//!
+//! impl Study for Gaps {
+//!     type Arguments = Arguments;
+//!     type Record = Record;
+//!     type Seen = ();
+//!     const NAME: &'static str = "gaps";
+//!
+//!     fn options(arguments: &Arguments) -> Options<'_> {
+//!         let Arguments { parts, group, results, .. } = arguments;
+//!         Options { parts: Some(parts), jobs: None, group, results }
+//!     }
+//!     fn plan(arguments: &Arguments) -> Result<Self, Error> {
+//!         Ok(Self { seeds: arguments.seeds })
+//!     }
+//!     fn runs(&self) -> usize {
+//!         self.seeds
+//!     }
+//!     fn job(&self, run: usize) -> Result<Job, Error> {
+//!         let seed = Some((run + 1).to_string());
+//!         let options = ScenarioOptions { seed, ..ScenarioOptions::default() };
+//!         Ok(Job::lockstep(group::open("following", &options)?))
+//!     }
+//!     fn record(&self, run: usize, _: &Job, result: Result<Done, Error>) -> Result<(Record, ()), Error> {
+//!         let min_gap_m = result?.summary.control.figures.min_gap_m;
+//!         Ok((Record { seed: run + 1, min_gap_m }, ()))
+//!     }
+//!     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
+//!         let rows: Vec<Record> = found.records.all()?.into_iter().map(|(_, record)| record).collect();
+//!         let ok = rows.iter().all(|row| row.min_gap_m.is_none_or(|gap| gap > 2.0));
+//!         let table = Table::new("Seeds", COLUMNS, &rows);
+//!         let whole = serde_json::json!({"schema_version": 1, "ok": ok, "rows": rows});
+//!         Ok(Document::new("gaps", "Gaps", &whole).verdict(ok, "smallest gaps above 2 m").table(table))
+//!     }
+//! }
+//! assert!(Gaps { seeds: 2 }.job(1).is_ok());
+//! ```
 
 pub mod batch;
 pub mod param;
 pub mod parts;
+pub mod study;
+
+pub use study::{Crew, Found, Gave, Needs, Options, Study};

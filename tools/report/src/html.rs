@@ -148,6 +148,8 @@ pub enum Cell {
     Good(String),
     /// A check that did not.
     Bad(String),
+    /// The best value of its column.
+    Best(String),
 }
 
 impl From<String> for Cell {
@@ -182,6 +184,7 @@ fn classed_table<C: Clone + Into<Cell>>(
                 Cell::Plain(text) => escape(&text),
                 Cell::Good(text) => format!("<b class=\"good\">{}</b>", escape(&text)),
                 Cell::Bad(text) => format!("<b class=\"bad\">{}</b>", escape(&text)),
+                Cell::Best(text) => format!("<b>★ {}</b>", escape(&text)),
             };
             write!(text, "<td{}>{inner}</td>", column.class()).expect("a string takes all");
         }

@@ -32,6 +32,7 @@ mod picture;
 pub mod print;
 pub mod progress;
 mod radio;
+pub mod results;
 mod run;
 pub mod summary;
 pub mod table;

@@ -172,7 +172,8 @@ pub fn merge(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     merged.check(numbers.count, &job(numbers.number(0))?.scenario)?;
     name_incomplete(&merged.incomplete);
     let output = OutputDirectory::create(&arguments.output, RADIO)?;
-    conclude(arguments, merged.results, &output, merged.incomplete.is_empty())
+    let is_whole = merged.incomplete.is_empty();
+    conclude(arguments, merged.into_results()?.0, &output, is_whole)
 }
 
 /// Adds up, writes and prints.

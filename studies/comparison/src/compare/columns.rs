@@ -1,69 +1,111 @@
-//! The columns of a comparison, written once for the terminal and for the page.
+//! The columns of a comparison.
 
-use super::Row;
-use report::chart::number;
-use report::print;
-use report::table::NONE;
+use super::{Comparison, Row};
+use report::results::{
+    Column, Kind, Schema, Table, count, flag, micros, nested, number, outcome, word,
+};
+use serde_json::json;
 
-/// A column: its heading with the unit, and its cell in a row; none where it does not apply.
-pub struct Column {
-    /// Heading.
-    pub heading: &'static str,
-    /// Whether a narrow page leaves it out.
-    pub more: bool,
-    /// The cell.
-    of: fn(&Row) -> Option<String>,
-}
-
-/// All columns after controller and outcome, in their order.
-static ALL: [Column; 17] = [
-    first("min gap, m", |row| figure(row.control.figures.min_gap_m.map(|gap| gap.max(0.0)), 1)),
-    first("min time gap, s", |row| figure(row.control.following.min_time_gap_s, 2)),
-    first("median time gap, s", |row| figure(row.control.following.median_time_gap_s, 2)),
-    first("min TTC, s", |row| figure(row.control.figures.min_ttc_s, 1)),
-    first("emergency brakings", |row| row.aebs.interventions.map(|times| times.to_string())),
-    more("trip over the fastest legal, s", |row| {
-        let trip = &row.control.trip;
-        let (time_s, fastest_s) = trip.trip_time_s.zip(trip.fastest_legal_trip_s)?;
-        Some(number(time_s - fastest_s, 1))
-    }),
-    more("gap error rms, m", |row| figure(row.control.figures.rms_gap_error_m, 2)),
-    more("gap error at the end, m", |row| figure(row.control.figures.final_gap_error_m, 1)),
-    more("acceleration, m/s²", |row| {
-        let figures = &row.control.figures;
-        let (low, high) = figures.min_accel_mps2.zip(figures.max_accel_mps2)?;
-        Some(format!("{} to {}", number(low, 2), number(high, 2)))
-    }),
-    more("jerk rms, m/s³", |row| figure(row.control.figures.rms_jerk_mps3, 2)),
-    more("max jerk, m/s³", |row| figure(row.control.figures.max_abs_jerk_mps3, 1)),
-    more("fuel, L/100 km", |row| figure(row.control.figures.fuel_l_per_100km, 2)),
-    more("wheels, kWh/100 km", |row| figure(row.control.figures.wheel_energy_kwh_per_100km, 2)),
-    more("stops", |row| row.control.figures.stops.map(|stops| stops.to_string())),
-    more("law p50", |row| row.timing.solve_us.map(|p| print::duration(p.p50))),
-    more("law p99", |row| row.timing.solve_us.map(|p| print::duration(p.p99))),
-    more("deadlines missed", |row| row.timing.deadline_misses.map(|misses| misses.to_string())),
+/// Fields beside the rows.
+const FIELDS: &[Column<Comparison>] = &[
+    flag(
+        "ok",
+        "",
+        ("ok", "BROKEN"),
+        "Every run reached its end without a collision or a red light",
+    ),
+    count("processes_sample.runs", "", "Runs that were repeated as separate processes"),
+    count("processes_sample.different", "", "Repeated runs whose messages were other bytes"),
 ];
 
-const fn first(heading: &'static str, of: fn(&Row) -> Option<String>) -> Column {
-    Column { heading, more: false, of }
+/// Columns of the runs.
+const ROWS: &[Column<Row>] = &[
+    word("scenario", "scenario", "Scenario that was driven"),
+    word("controller", "law", "Control law that drove"),
+    outcome("outcome"),
+    number("control.min_gap_m", "min gap", "m", 1, "Smallest gap to the vehicle ahead").more(),
+    number(
+        "control.min_time_gap_s",
+        "min time gap",
+        "s",
+        2,
+        "Smallest time gap to the vehicle ahead",
+    )
+    .more(),
+    number("control.median_time_gap_s", "median time gap", "s", 2, "Median time gap").weight(2),
+    number("control.min_ttc_s", "min TTC", "s", 1, "Smallest time to collision").more(),
+    count("aebs.interventions", "emergency brakings", "Interventions of the emergency brake")
+        .less()
+        .weight(1),
+    number("", "trip over the fastest", "s", 1, "Trip time beyond that of the fastest legal trip")
+        .less()
+        .weight(3)
+        .of(|row| {
+            let trip = &row.control.trip;
+            json!(
+                trip.trip_time_s.zip(trip.fastest_legal_trip_s).map(|(own, fastest)| own - fastest)
+            )
+        }),
+    number("control.rms_gap_error_m", "gap error rms", "m", 2, "Root mean square of the gap error")
+        .less()
+        .weight(1),
+    number(
+        "control.final_gap_error_m",
+        "gap error at the end",
+        "m",
+        1,
+        "Gap error at the end of the run",
+    )
+    .weight(5),
+    number("control.min_accel_mps2", "hardest braking", "m/s²", 2, "Smallest acceleration")
+        .more()
+        .weight(1),
+    number("control.max_accel_mps2", "max acceleration", "m/s²", 2, "Largest acceleration")
+        .weight(4),
+    number("control.rms_jerk_mps3", "jerk rms", "m/s³", 2, "Root mean square of the jerk")
+        .less()
+        .weight(1),
+    number("control.max_abs_jerk_mps3", "max jerk", "m/s³", 1, "Largest magnitude of the jerk")
+        .less()
+        .weight(3),
+    number("control.fuel_l_per_100km", "fuel", "L/100 km", 2, "Fuel").less().weight(2),
+    number("control.wheel_energy_kwh_per_100km", "wheels", "kWh/100 km", 2, "Energy at the wheels")
+        .less()
+        .weight(3),
+    count("control.stops", "stops", "Times that the vehicle came to a stand").less().weight(3),
+    micros("timing.solve_us.p50", "law p50", "Median time inside the law, µs").weight(4),
+    micros("timing.solve_us.p99", "law p99", "99th percentile of the time inside the law, µs")
+        .weight(4),
+    count(
+        "timing.deadline_misses",
+        "deadlines missed",
+        "Control cycles that ended late; null in lockstep",
+    )
+    .less(),
+];
+
+/// The rest of a row, which programs see.
+const NESTED: &[Column<Row>] = &[
+    word("mode", "", "Clock of the run"),
+    nested("control", Kind::Object, "Figures of the drive, as in summary.json"),
+    nested("timing", Kind::Object, "Latencies and deadlines, as in summary.json"),
+    nested("aebs", Kind::Object, "Interventions of the emergency brake, as in summary.json"),
+];
+
+/// The runs as a table with a block for each scenario.
+pub fn table(rows: &[Row]) -> Table {
+    Table::new("Runs", ROWS, rows).blocks("scenario")
 }
 
-const fn more(heading: &'static str, of: fn(&Row) -> Option<String>) -> Column {
-    Column { heading, more: true, of }
-}
-
-fn figure(value: Option<f64>, decimals: usize) -> Option<String> {
-    value.map(|value| number(value, decimals))
-}
-
-impl Column {
-    /// The cell of a row.
-    pub fn cell(&self, row: &Row) -> String {
-        (self.of)(row).unwrap_or_else(|| NONE.to_owned())
-    }
-}
-
-/// The columns that have a figure in one of `rows` at least.
-pub fn shown(rows: &[Row]) -> Vec<&'static Column> {
-    ALL.iter().filter(|column| rows.iter().any(|row| (column.of)(row).is_some())).collect()
+/// What the JSON holds.
+pub fn schema() -> Schema {
+    let columns = [NESTED, ROWS].concat();
+    // A figure is in the JSON of every run; what is nested below `timing` may be null as a whole.
+    let columns: Vec<_> =
+        columns.into_iter().filter(|column| !column.head.name.starts_with("timing.")).collect();
+    Schema::new("compare", "Laws side by side on the same scenarios").fields(FIELDS).rows(
+        "rows",
+        "A row for each scenario and law",
+        &columns,
+    )
 }

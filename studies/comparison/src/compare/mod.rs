@@ -1,28 +1,36 @@
-//! `timegap compare`: controllers side by side on the same scenarios.
+//! `timegap compare`: laws side by side on the same scenarios.
+//!
+//! ```text
+//! scenario 1 ─┬─ law A ─► row ┐
+//!             └─ law B ─► row ┴─► block of scenario 1: the best of each column is marked
+//! ```
 
 mod columns;
-mod page;
+
+pub use columns::schema;
 
 use clap::Args;
-use frame::batch::{self, Job, ProcessesSample, Source};
-use frame::parts::{self, Merged, Part, PartOptions, Study, name_incomplete};
+use frame::batch::{self, Done, Job, ProcessesSample};
+use frame::parts::{self, PartOptions};
+use frame::{Found, Needs, Options, Study};
 use group::{Error, Failure, GroupOptions, ModeName, ScenarioOptions};
 use messages::Service;
-use report::RunPicture;
-use report::output::{OutputDirectory, OutputOptions};
-use report::print;
-use report::summary::{Aebs, Control, Timing};
-use report::table::{Align, TextTable};
+use report::results::{Document, ResultOptions};
+use report::summary::{Aebs, Control, Timing, braked};
+use report::{RunPicture, overlay};
 
+use runtime::Mode;
 use runtime::report::Outcome;
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::process::ExitCode;
 
 #[derive(Debug, Serialize)]
 struct Comparison {
     schema_version: u32,
+    ok: bool,
     rows: Vec<Row>,
     processes_sample: ProcessesSample,
 }
@@ -36,11 +44,9 @@ struct Row {
     control: Control,
     timing: Timing,
     aebs: Braking,
-    #[serde(skip)]
-    picture: RunPicture,
 }
 
-/// What the emergency brake did in a run.
+/// Interventions of the emergency brake in a run.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct Braking {
     enabled: bool,
@@ -56,7 +62,7 @@ impl Braking {
     }
 }
 
-/// Words that the parts have said already, by their names.
+/// Options that a merge takes from the parts.
 const WITHOUT_MERGE: [&str; 4] = ["scenarios", "controllers", "mode", "set"];
 
 /// Arguments of `compare`.
@@ -64,7 +70,7 @@ const WITHOUT_MERGE: [&str; 4] = ["scenarios", "controllers", "mode", "set"];
 #[command(mut_arg("merge", |merge| merge.conflicts_with_all(WITHOUT_MERGE).conflicts_with_all(parts::OF_RUNS)))]
 pub struct CompareArguments {
     /// Names of built-in scenarios, or TOML files
-    #[arg(required_unless_present = "merge")]
+    #[arg(required_unless_present_any = ["merge", "resume"])]
     pub scenarios: Vec<String>,
     /// Controllers, by commas [default: all]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
@@ -72,26 +78,26 @@ pub struct CompareArguments {
     /// Clock: figures of the drive repeat exactly in `lockstep`; `realtime` also measures deadlines
     #[arg(long, value_enum, default_value_t = ModeName::Lockstep)]
     pub mode: ModeName,
-    /// Change any key of every scenario, by its dotted path; may be given again
+    /// Change any key of every scenario, by its dotted path (repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// A part of the comparison, or parts put together.
+    /// Parts of the comparison.
     #[command(flatten)]
     pub parts: PartOptions,
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
-    /// Where the results go, and in which form.
+    /// Where the results go, and in which forms.
     #[command(flatten)]
-    pub output: OutputOptions,
-    /// Print the rows as JSON, and nothing else, on standard output
-    #[arg(long)]
-    pub json: bool,
+    pub results: ResultOptions,
 }
 
 /// Runs the command.
+///
+/// # Errors
+/// A scenario or law that cannot be driven, else as [`frame::study::run`].
 pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
-    if arguments.parts.merge.is_empty() { drive(arguments) } else { merge(arguments) }
+    frame::study::run::<Laws>(arguments)
 }
 
 /// A scenario would be driven twice, in rows that cannot be told apart.
@@ -106,8 +112,8 @@ impl Failure for Twice {}
 /// Every row would be of the same program.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "--service controller=PROGRAM: the program drives in the place of each of {laws} laws, so that their rows are \
-     the same, expected one law by --controllers"
+    "--service controller=PROGRAM: the program would replace each of {laws} laws, and all rows would be the same; \
+     expected one law by --controllers"
 )]
 pub struct OneProgram {
     laws: usize,
@@ -115,138 +121,163 @@ pub struct OneProgram {
 
 impl Failure for OneProgram {}
 
-/// The runs: each scenario with each controller, read before anything runs.
-fn scenarios(arguments: &CompareArguments) -> Result<Vec<Scenario>, Error> {
-    let controllers = batch::laws::named(&arguments.controllers)?;
-    let mut programs = arguments.group.programs.iter();
-    if controllers.len() > 1 && programs.any(|(service, _)| *service == Service::Controller) {
-        return Err(OneProgram { laws: controllers.len() }.into());
-    }
-    let twice = |(place, name): &(usize, &String)| arguments.scenarios[..*place].contains(name);
-    if let Some((_, name)) = arguments.scenarios.iter().enumerate().find(twice) {
-        return Err(Twice { name: name.clone() }.into());
-    }
-    let mut scenarios = Vec::new();
-    for name in &arguments.scenarios {
-        for controller in &controllers {
-            let options = ScenarioOptions {
-                controller: Some(controller.clone()),
-                set: arguments.set.clone(),
-                ..ScenarioOptions::default()
-            };
-            let scenario = group::open(name, &options)?;
-            for notice in scenario.notices() {
-                eprintln!("note: {notice}");
-            }
-            batch::check(&scenario, arguments.mode.into(), &arguments.group)?;
-            scenarios.push(scenario);
-        }
-    }
-    Ok(scenarios)
+/// The study: each scenario with each law.
+struct Laws {
+    runs: Vec<Run>,
+    mode: Mode,
 }
 
-/// Does the runs that are left of this part.
-fn drive(arguments: &CompareArguments) -> Result<ExitCode, Error> {
-    let scenarios = scenarios(arguments)?;
-    let mode = arguments.mode.into();
-    let study = Study::of_this_command(scenarios.len(), &scenarios[0]);
-    let (mut part, output) = Part::<Row>::open(&arguments.parts, &arguments.output, study)?;
-    let left = part.left();
-    let bar = report::progress::count_bar(part.runs(), arguments.json);
-    bar.set_position((part.runs() - left.len()) as u64);
-    let repeated = part.repeated(&left, scenarios[0].seed.value());
-    let at_once = batch::at_once(None, mode);
-    let make = |index: usize| {
-        Ok(Job {
-            scenario: scenarios[left[index]].clone(),
-            mode,
-            sample_every: None,
-            record: false,
-        })
+/// A run, with the name of its scenario in results.
+struct Run {
+    label: String,
+    scenario: Scenario,
+}
+
+/// The name of a scenario in results: its own, or its file's where another file has the same name.
+fn label(argument: &str, all: &[(String, String)]) -> String {
+    let own = all.iter().find(|(known, _)| known == argument).map_or(argument, |(_, name)| name);
+    if all.iter().filter(|(_, name)| name == own).count() < 2 {
+        return own.to_owned();
+    }
+    let stem = |argument: &str| {
+        Path::new(argument).file_stem().map(|stem| stem.to_string_lossy().into_owned())
     };
-    let source = Source { runs: left.len(), make: &make };
-    let mut pictures: BTreeMap<usize, RunPicture> = BTreeMap::new();
-    let mut each = |index: usize, job: &Job, result: Result<batch::Done, Error>| {
-        let done = result?;
-        pictures.insert(left[index], RunPicture::of_drive(&job.scenario, &done.drive));
-        let summary = done.summary;
+    match stem(argument) {
+        Some(own)
+            if all.iter().filter(|(known, _)| stem(known).as_ref() == Some(&own)).count() == 1 =>
+        {
+            own
+        }
+        _ => argument.to_owned(),
+    }
+}
+
+impl Study for Laws {
+    type Arguments = CompareArguments;
+    type Record = Row;
+    type Seen = RunPicture;
+
+    const NAME: &'static str = "compare";
+    const NEEDS: Needs = Needs::Part;
+
+    fn options(arguments: &CompareArguments) -> Options<'_> {
+        let CompareArguments { parts, group, results, .. } = arguments;
+        Options { parts: Some(parts), jobs: None, group, results }
+    }
+
+    fn plan(arguments: &CompareArguments) -> Result<Self, Error> {
+        let laws = batch::laws::named(&arguments.controllers)?;
+        let mut programs = arguments.group.programs.iter();
+        if laws.len() > 1 && programs.any(|(service, _)| *service == Service::Controller) {
+            return Err(OneProgram { laws: laws.len() }.into());
+        }
+        let twice = |(place, name): &(usize, &String)| arguments.scenarios[..*place].contains(name);
+        if let Some((_, name)) = arguments.scenarios.iter().enumerate().find(twice) {
+            return Err(Twice { name: name.clone() }.into());
+        }
+        let mode = arguments.mode.into();
+        let mut runs: Vec<Run> = Vec::new();
+        let mut names: Vec<(String, String)> = Vec::new();
+        for argument in &arguments.scenarios {
+            for law in &laws {
+                let options = ScenarioOptions {
+                    controller: Some(law.clone()),
+                    set: arguments.set.clone(),
+                    ..ScenarioOptions::default()
+                };
+                let scenario = group::open(argument, &options)?;
+                for notice in scenario.notices() {
+                    eprintln!("note: {notice}");
+                }
+                batch::check(&scenario, mode, &arguments.group)?;
+                if names.last().is_none_or(|(known, _)| known != argument) {
+                    names.push((argument.clone(), scenario.name.as_str().to_owned()));
+                }
+                runs.push(Run { label: argument.clone(), scenario });
+            }
+        }
+        runs.iter_mut().for_each(|run| run.label = label(&run.label, &names));
+        Ok(Self { runs, mode })
+    }
+
+    fn runs(&self) -> usize {
+        self.runs.len()
+    }
+
+    fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    fn seed(&self) -> u64 {
+        self.runs[0].scenario.seed.value()
+    }
+
+    fn job(&self, run: usize) -> Result<Job, Error> {
+        Ok(Job { mode: self.mode, ..Job::lockstep(self.runs[run].scenario.clone()) })
+    }
+
+    fn record(
+        &self,
+        run: usize,
+        job: &Job,
+        result: Result<Done, Error>,
+    ) -> Result<(Row, RunPicture), Error> {
+        let Done { summary, drive, .. } = result?;
         let row = Row {
-            scenario: summary.scenario,
+            scenario: self.runs[run].label.clone(),
             controller: summary.controller,
             mode: summary.mode.to_owned(),
             outcome: summary.outcome,
             control: summary.control,
             timing: summary.timing,
             aebs: Braking::of(&summary.aebs),
-            picture: RunPicture::default(),
         };
-        part.keep(left[index], row, done.repetition.as_ref())
-    };
-    let end = batch::run_made(&repeated, &source, at_once, &arguments.group, &bar, &mut each);
-    part.finish(end, left.len(), &bar, &output)?;
-    let (mut rows, sample) = part.into_results();
-    for (run, picture) in pictures {
-        rows[run].as_mut().expect("it was driven").picture = picture;
+        Ok((row, RunPicture::of_drive(&job.scenario, &drive)))
     }
-    let sample = sample.agreed(|run| {
-        let Scenario { name, controller, .. } = &scenarios[run];
-        format!(" ({} with {})", name.as_str(), controller.name.as_str())
-    })?;
-    conclude(arguments, rows, sample, &output)
-}
 
-/// Puts parts together. A page has no pictures then: parts keep figures.
-fn merge(arguments: &CompareArguments) -> Result<ExitCode, Error> {
-    let merged =
-        Merged::<Row>::read("compare", &arguments.parts.merge, arguments.output.out.as_deref())?;
-    let scenarios = scenarios(&merged.study.arguments()?)?;
-    merged.check(scenarios.len(), &scenarios[0])?;
-    name_incomplete(&merged.incomplete);
-    let output = OutputDirectory::create(&arguments.output, "compare")?;
-    let whole = merged.incomplete.is_empty();
-    let code = conclude(arguments, merged.results, merged.sample, &output)?;
-    Ok(if whole { code } else { ExitCode::FAILURE })
-}
-
-/// Writes and prints.
-fn conclude(
-    arguments: &CompareArguments,
-    rows: Vec<Option<Row>>,
-    processes_sample: ProcessesSample,
-    output: &OutputDirectory,
-) -> Result<ExitCode, Error> {
-    let rows: Vec<_> = rows.into_iter().flatten().collect();
-    let whole = rows.iter().all(|row| row.outcome == Outcome::Completed);
-    let comparison = Comparison { schema_version: 1, rows, processes_sample };
-    let json = serde_json::to_string_pretty(&comparison).expect("plain data");
-    let written = output.write("compare.json", (json.clone() + "\n").as_bytes());
-    let written =
-        written.and_then(|()| output.write(report::FILE, page::page(&comparison.rows).as_bytes()));
-    if arguments.json {
-        print::out(&(json + "\n"))?;
-    } else {
-        print::out(&table(&comparison.rows))?;
-        print::out(&output.places())?;
+    fn describe(&self, run: usize) -> String {
+        let Run { label, scenario } = &self.runs[run];
+        format!(" ({label} with {})", scenario.controller.name.as_str())
     }
-    written?;
-    Ok(if whole { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+
+    fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
+        let rows: Vec<(usize, Row)> = found.records.all()?;
+        let drives = drives(&rows, &found.seen);
+        let rows: Vec<Row> = rows.into_iter().map(|(_, row)| row).collect();
+        Ok(document(rows, found.sample, drives))
+    }
 }
 
-/// The rows as text: one table for each scenario.
-fn table(rows: &[Row]) -> String {
-    let blocks = rows.chunk_by(|a, b| a.scenario == b.scenario).map(|rows| {
-        let columns = columns::shown(rows);
-        let figures = columns.iter().map(|column| (column.heading, Align::Right));
-        let head = [("", Align::Left), ("outcome", Align::Left)].into_iter().chain(figures);
-        let mut table = TextTable::new(head);
-        for row in rows {
-            let words = [row.controller.clone(), print::outcome_word(row.outcome).to_owned()];
-            table.row(words.into_iter().chain(columns.iter().map(|column| column.cell(row))));
-        }
-        let (scenario, mode) = (&rows[0].scenario, &rows[0].mode);
-        format!("{scenario} ({mode})\n{}", table.text())
+/// The drives of each scenario over each other. Parts of a comparison keep figures alone.
+fn drives(rows: &[(usize, Row)], seen: &BTreeMap<usize, RunPicture>) -> Vec<(String, String)> {
+    let blocks = rows.chunk_by(|(_, a), (_, b)| a.scenario == b.scenario);
+    let drawn = blocks.filter_map(|rows| {
+        let pictures =
+            rows.iter().map(|(run, row)| Some((row.controller.as_str(), seen.get(run)?)));
+        let pictures: Vec<_> = pictures.collect::<Option<_>>()?;
+        Some((rows[0].1.scenario.clone(), overlay(&pictures)))
     });
-    blocks.collect()
+    drawn.collect()
+}
+
+fn document(
+    rows: Vec<Row>,
+    processes_sample: ProcessesSample,
+    drives: Vec<(String, String)>,
+) -> Document {
+    let completed = rows.iter().filter(|row| row.outcome == Outcome::Completed).count();
+    let ok = completed == rows.len();
+    let braked = braked(rows.iter().filter_map(|row| row.aebs.interventions).sum());
+    let all = rows.len();
+    let verdict = format!("{completed} of {all} runs without a collision or a red light; {braked}");
+    let about = rows.first().map_or("", |row| row.mode.as_str()).to_owned();
+    let whole = Comparison { schema_version: 1, ok, rows, processes_sample };
+    let table = columns::table(&whole.rows);
+    let table = drives.into_iter().fold(table, |table, (of, html)| table.figures(&of, html));
+    Document::new("compare", "Comparison of controllers", &whole)
+        .about(about)
+        .verdict(ok, verdict)
+        .table(table)
 }
 
 #[cfg(test)]
@@ -272,14 +303,14 @@ mod tests {
             control: Control { figures, following, trip: Trip::default(), mode_changes: None },
             timing: Timing::default(),
             aebs: Braking { interventions: Some(2), ..Braking::default() },
-            picture: RunPicture::default(),
         }
     }
 
     #[test]
     fn time_gaps_are_shown_and_columns_without_a_figure_are_not() {
-        let rows = [row("acc-mpc", 20.0), row("six-mode", -0.01)];
-        for text in [table(&rows), page::page(&rows)] {
+        let rows = vec![row("acc-mpc", 20.0), row("six-mode", -0.01)];
+        let document = document(rows, ProcessesSample::default(), Vec::new());
+        for text in [document.console(80), document.page(), document.markdown()] {
             for heading in ["min time gap, s", "median time gap, s", "gap error rms, m"] {
                 assert!(text.contains(heading), "{heading}: {text}");
             }
@@ -288,6 +319,25 @@ mod tests {
             }
             assert!(!text.contains("-0.0") && !text.contains("−0.0"), "{text}");
         }
+        let wrong = report::results::check(&schema().json(), &document.value());
+        assert_eq!(wrong, [""; 0]);
+        assert!(document.junit().contains("name=\"following, acc-mpc\""), "{}", document.junit());
+    }
+
+    #[test]
+    fn files_of_one_name_are_told_apart_by_their_files() {
+        let all = |pairs: &[(&str, &str)]| -> Vec<(String, String)> {
+            pairs.iter().map(|(file, name)| ((*file).to_owned(), (*name).to_owned())).collect()
+        };
+        let one = all(&[("a/x.toml", "mine"), ("cut-in", "cut-in")]);
+        assert_eq!(
+            (label("a/x.toml", &one), label("cut-in", &one)),
+            ("mine".into(), "cut-in".into())
+        );
+        let two = all(&[("a/x.toml", "mine"), ("b/y.toml", "mine")]);
+        assert_eq!((label("a/x.toml", &two), label("b/y.toml", &two)), ("x".into(), "y".into()));
+        let same = all(&[("a/x.toml", "mine"), ("b/x.toml", "mine")]);
+        assert_eq!(label("b/x.toml", &same), "b/x.toml");
     }
 
     #[test]
@@ -298,9 +348,9 @@ mod tests {
             CompareArguments::from_arg_matches(&matches).expect("they are arguments")
         };
         let program = ["--service", "controller=./mine"];
-        let said = scenarios(&arguments(&program)).expect_err("many laws").to_string();
+        let said = Laws::plan(&arguments(&program)).err().expect("many laws").to_string();
         assert!(said.contains("expected one law by --controllers"), "{said}");
         let one = [&program[..], &["--controllers", "acc-mpc"]].concat();
-        assert_eq!(scenarios(&arguments(&one)).expect("one law").len(), 1);
+        assert_eq!(Laws::plan(&arguments(&one)).expect("one law").runs(), 1);
     }
 }

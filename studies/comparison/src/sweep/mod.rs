@@ -156,7 +156,7 @@ fn merge(arguments: &SweepArguments) -> Result<ExitCode, Error> {
     name_incomplete(&merged.incomplete);
     let output = OutputDirectory::create(&arguments.output, "sweep")?;
     let whole = merged.incomplete.is_empty();
-    let results = (merged.results, merged.sample);
+    let results = merged.into_results()?;
     let code = conclude(arguments, &of_parts, &plan, results, &output, Ok(()))?;
     Ok(if whole { code } else { ExitCode::FAILURE })
 }

@@ -304,7 +304,7 @@ pub fn lockstep_behind(
     done(scenario, Mode::Lockstep, outcome, begun, Vec::new())
 }
 
-fn drive_and_repeat(
+pub(crate) fn drive_and_repeat(
     job: &Job,
     group: &GroupOptions,
     repeat: bool,

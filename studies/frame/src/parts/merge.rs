@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 use group::{Error, Failure};
 use serde::de::DeserializeOwned;
 
-use super::journal::JournalError;
-use super::{FILE, Line, Shard, Study, journal, read_file};
-use crate::batch::{ProcessesSample, Repetition};
+use super::{FILE, Records, Shard, Study, holds, journal, read_file, take};
+use crate::batch::ProcessesSample;
 use runtime::command_line;
 
 /// Why directories are not put together.
@@ -74,8 +73,8 @@ pub fn refuse_into_part(parts: &[PathBuf], out: Option<&Path>) -> Result<(), Mer
 pub struct Merged<T> {
     /// What they are parts of.
     pub study: Study,
-    /// What every finished run gave, by its number.
-    pub results: Vec<Option<T>>,
+    /// What every finished run gave.
+    pub records: Records<T>,
     /// Runs that were repeated in process groups.
     pub sample: ProcessesSample,
     /// Parts that are missing or unfinished.
@@ -104,7 +103,7 @@ impl<T: DeserializeOwned> Merged<T> {
         refuse_into_part(directories, out)?;
         let mut study: Option<Study> = None;
         let mut parts: Vec<(Option<Shard>, &Path)> = Vec::new();
-        let mut results: Vec<Option<T>> = Vec::new();
+        let mut records = None;
         let mut sample = ProcessesSample::default();
         for directory in directories {
             let part = read_file(&directory.join(FILE))?;
@@ -131,36 +130,35 @@ impl<T: DeserializeOwned> Merged<T> {
                 }
                 .into());
             }
-            results.resize_with(part.study.runs, || None);
+            let records = records.get_or_insert_with(|| Records::new(part.study.runs));
             let journal = directory.join(journal::FILE);
-            journal::read::<Line<T>>(&journal, &mut |_, line| {
-                let Line { run, same_in_processes, result } = line;
-                let path = || journal.clone();
-                match results.get_mut(run) {
-                    Some(slot @ None) if part.shard.is_none_or(|shard| shard.holds(run)) => {
-                        *slot = Some(result);
-                    }
-                    Some(Some(_)) => {
-                        return Err(JournalError::Twice { path: path(), run }.into());
-                    }
-                    _ => return Err(JournalError::OtherPart { path: path(), run }.into()),
-                }
-                let repetition = same_in_processes.map(Repetition::of_same);
-                sample.count(run, repetition.as_ref());
-                Ok(())
+            records.begin(&journal);
+            journal::read(&journal, &mut |place, line| {
+                Ok(take::<T>(records, &mut sample, part.shard, place, line)?)
             })?;
             parts.push((part.shard, directory));
             study = Some(part.study);
         }
         let study = study.expect("clap asks for at least one directory");
-        let done = |run: usize| results[run].is_some();
+        let records = records.expect("it has a part");
+        let done = |run: usize| records.has(run);
         let incomplete = incomplete(&parts, study.runs, &done, &|shard, directory| {
             let own = directory.map(|path| path.to_string_lossy().into_owned());
             let own = own.unwrap_or_else(|| format!("part-{}-of-{}", shard.index, shard.count));
             let more = ["--shard".into(), String::from(shard), "--resume".into(), own];
             format!("timegap {}", command_line(&[study.words.as_slice(), &more].concat()))
         });
-        Ok(Self { study, results, sample, incomplete })
+        Ok(Self { study, records, sample, incomplete })
+    }
+}
+
+impl<T: DeserializeOwned> Merged<T> {
+    /// What every finished run gave, by its number.
+    ///
+    /// # Errors
+    /// If a journal cannot be read.
+    pub fn into_results(self) -> Result<(Vec<Option<T>>, ProcessesSample), Error> {
+        Ok((super::by_number(self.study.runs, self.records)?, self.sample))
     }
 }
 
@@ -170,8 +168,15 @@ impl<T> Merged<T> {
     /// # Errors
     /// [`MergeError::Changed`].
     pub fn check(&self, runs: usize, first: &scenario::Scenario) -> Result<(), MergeError> {
-        let now = Study::of(self.study.words.clone(), runs, first);
-        if now == self.study {
+        self.check_subject(runs, &first.to_toml())
+    }
+
+    /// The same with all that the words name, as text.
+    ///
+    /// # Errors
+    /// [`MergeError::Changed`].
+    pub fn check_subject(&self, runs: usize, subject: &str) -> Result<(), MergeError> {
+        if self.study.now(runs, subject) == self.study {
             return Ok(());
         }
         Err(MergeError::Changed { words: self.study.words.clone() })
@@ -188,7 +193,7 @@ pub fn incomplete(
     let count = parts.first().and_then(|part| part.0).map_or(1, |shard| shard.count);
     let all = (1..=count).map(|index| Shard { index, count });
     all.filter_map(|shard| {
-        let left = (0..runs).filter(|run| shard.holds(*run) && !done(*run)).count();
+        let left = (0..runs).filter(|run| holds(Some(shard), *run) && !done(*run)).count();
         let own = |part: &&(Option<Shard>, &Path)| part.0.is_none_or(|known| known == shard);
         let directory = parts.iter().find(own).map(|part| part.1);
         (left > 0).then(|| Incomplete {
@@ -264,8 +269,10 @@ mod tests {
             Merged::<u32>::read("sweep", &[two.clone(), one.clone()], None).expect("parts of one");
         let into = Merged::<u32>::read("sweep", &[two.clone(), one.clone()], Some(&one)).map(drop);
         assert!(into.expect_err("it is a part").to_string().contains("is one of the parts"));
-        assert_eq!(merged.results, [Some(7), Some(8), None, Some(9)]);
-        let [left] = merged.incomplete.as_slice() else { panic!("{:?}", merged.incomplete) };
+        let incomplete = merged.incomplete.clone();
+        let (results, _) = merged.into_results().expect("readable");
+        assert_eq!(results, [Some(7), Some(8), None, Some(9)]);
+        let [left] = incomplete.as_slice() else { panic!("{incomplete:?}") };
         assert!(left.command.starts_with("timegap sweep a --shard 1/2 --resume "), "{left:?}");
         for (directory, words) in [
             (write("other", &["sweep", "b"], "2/2", ""), "part of another sweep"),

@@ -11,10 +11,12 @@
 
 pub mod journal;
 mod merge;
+mod records;
 mod shard;
 mod words;
 
 pub use merge::{Incomplete, MergeError, Merged, incomplete, name_incomplete, refuse_into_part};
+pub use records::Records;
 pub use shard::{ArrayJobError, Shard, ShardChoice};
 
 use std::collections::BTreeSet;
@@ -128,11 +130,21 @@ impl Study {
 
     /// The study of this process's own command line.
     pub fn of_this_command(runs: usize, first: &scenario::Scenario) -> Self {
-        Self::of(words::of_study(std::env::args_os().skip(1)), runs, first)
+        Self::of_command(runs, &first.to_toml())
     }
 
-    fn of(words: Vec<String>, runs: usize, first: &scenario::Scenario) -> Self {
-        let scenario = xxhash_rust::xxh3::xxh3_64(first.to_toml().as_bytes());
+    /// The same with all that the words name, as text.
+    pub(crate) fn of_command(runs: usize, subject: &str) -> Self {
+        Self::of(words::of_study(std::env::args_os().skip(1)), runs, subject)
+    }
+
+    /// The same command as it is understood now.
+    pub(crate) fn now(&self, runs: usize, subject: &str) -> Self {
+        Self::of(self.words.clone(), runs, subject)
+    }
+
+    fn of(words: Vec<String>, runs: usize, subject: &str) -> Self {
+        let scenario = xxhash_rust::xxh3::xxh3_64(subject.as_bytes());
         Self { schema_version: 1, words, runs, scenario: format!("{scenario:016x}") }
     }
 }
@@ -142,8 +154,7 @@ pub struct Part<T> {
     shard: Option<Shard>,
     study: Study,
     journal: Option<Journal>,
-    /// What every finished run gave, by its number.
-    results: Vec<Option<T>>,
+    records: Records<T>,
     sample: ProcessesSample,
 }
 
@@ -158,20 +169,31 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         output: &OutputOptions,
         study: Study,
     ) -> Result<(Self, OutputDirectory), Error> {
-        let shard = options.shard.map(ShardChoice::resolve).transpose()?;
         let name = study.words.first().cloned().unwrap_or_default();
+        Self::open_as(&name, options, output, study, false)
+    }
+
+    /// The same with a name for the directory; with a journal in any case where there are too many records for
+    /// memory.
+    ///
+    /// # Errors
+    /// As [`Part::open`].
+    pub fn open_as(
+        name: &str,
+        options: &PartOptions,
+        output: &OutputOptions,
+        study: Study,
+        keeps_journal: bool,
+    ) -> Result<(Self, OutputDirectory), Error> {
+        let shard = options.shard.map(ShardChoice::resolve).transpose()?;
         let directory = match &options.resume {
             Some(path) => OutputDirectory::resume(path, FILE)?,
-            None => OutputDirectory::create(output, &name)?,
+            None => OutputDirectory::create(output, name)?,
         };
-        let mut part = Self {
-            shard,
-            journal: None,
-            results: std::iter::repeat_with(|| None).take(study.runs).collect(),
-            sample: ProcessesSample::default(),
-            study,
-        };
-        if shard.is_some() || options.resume.is_some() {
+        let records = Records::new(study.runs);
+        let sample = ProcessesSample::default();
+        let mut part = Self { shard, journal: None, records, sample, study };
+        if shard.is_some() || options.resume.is_some() || keeps_journal {
             part.begin(&directory)?;
         }
         Ok((part, directory))
@@ -188,32 +210,21 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
             let text = serde_json::to_string_pretty(&own).expect("plain data") + "\n";
             directory.write(FILE, text.as_bytes())?;
         }
-        let mut each = |_, line| Ok(self.take(directory.path(), line)?);
-        let journal = Journal::open::<Line<T>>(directory.path(), &mut each)?;
-        self.journal = Some(journal);
+        let Self { records, sample, shard, .. } = self;
+        records.begin(&directory.path().join(journal::FILE));
+        let mut each = |place, line| Ok(take::<T>(records, sample, *shard, place, line)?);
+        self.journal = Some(Journal::open(directory.path(), &mut each)?);
         Ok(())
-    }
-
-    /// Takes a line of a journal.
-    fn take(&mut self, directory: &Path, line: Line<T>) -> Result<(), JournalError> {
-        let Line { run, same_in_processes, result } = line;
-        let path = || directory.join(journal::FILE);
-        match self.results.get_mut(run) {
-            Some(slot @ None) if self.shard.is_none_or(|shard| shard.holds(run)) => {
-                *slot = Some(result);
-                let repetition = same_in_processes.map(Repetition::of_same);
-                self.sample.count(run, repetition.as_ref());
-                Ok(())
-            }
-            Some(Some(_)) => Err(JournalError::Twice { path: path(), run }),
-            _ => Err(JournalError::OtherPart { path: path(), run }),
-        }
     }
 
     /// The runs of this part that are left to do.
     pub fn left(&self) -> Vec<usize> {
-        let mine = |run: &usize| self.shard.is_none_or(|shard| shard.holds(*run));
-        (0..self.study.runs).filter(mine).filter(|run| self.results[*run].is_none()).collect()
+        self.mine().filter(|run| !self.records.has(*run)).collect()
+    }
+
+    /// The runs of this part.
+    fn mine(&self) -> impl Iterator<Item = usize> {
+        (0..self.study.runs).filter(|run| holds(self.shard, *run))
     }
 
     /// Which part it is; none: the whole.
@@ -223,13 +234,18 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
 
     /// Runs of this part.
     pub fn runs(&self) -> usize {
-        (0..self.study.runs).filter(|run| self.shard.is_none_or(|shard| shard.holds(*run))).count()
+        self.mine().count()
     }
 
     /// Those of `left` that are chosen to be repeated in process groups, by their places in it.
     pub fn repeated(&self, left: &[usize], seed: u64) -> BTreeSet<usize> {
         let chosen = crate::batch::choose(seed, self.study.runs);
         (0..left.len()).filter(|place| chosen.contains(&left[*place])).collect()
+    }
+
+    /// The runs of the whole study that are repeated in process groups.
+    pub(crate) fn sampled(&self, seed: u64) -> BTreeSet<usize> {
+        crate::batch::choose(seed, self.study.runs)
     }
 
     /// Keeps what a run gave.
@@ -244,15 +260,17 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
     ) -> Result<(), Error> {
         let same_in_processes = repetition.map(|repetition| *repetition == Repetition::Same);
         let line = Line { run, same_in_processes, result };
-        if let Some(journal) = &mut self.journal {
-            journal.add(&line)?;
-        }
         self.sample.count(run, repetition);
-        self.results[run] = Some(journal::as_read_back(&line).result);
-        Ok(())
+        match &mut self.journal {
+            Some(journal) => Ok(self.records.add(run, journal.add(&line)?, true)?),
+            None => {
+                self.records.keep(run, journal::as_read_back(&line).result);
+                Ok(())
+            }
+        }
     }
 
-    /// Says what came of the runs that were done of this part, `count` of them: of those that were repeated in
+    /// Reports the runs that were done of this part, `count` of them: those that were repeated in
     /// process groups, or, if they ended early, how to go on.
     ///
     /// # Errors
@@ -275,10 +293,10 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
     }
 
     /// Prints the command that continues runs which ended early.
-    fn print_how_to_continue(&self, directory: &OutputDirectory) {
+    pub(crate) fn print_how_to_continue(&self, directory: &OutputDirectory) {
         if self.journal.is_some() {
-            let done = self.results.iter().flatten().count();
-            let (all, command) = (self.runs(), runtime::command_line(&self.study.words));
+            let (done, all) = (self.records.len(), self.runs());
+            let command = runtime::command_line(&self.study.words);
             let shard = self
                 .shard
                 .map_or_else(String::new, |shard| format!(" --shard {}", String::from(shard)));
@@ -289,10 +307,57 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         }
     }
 
-    /// What the runs gave, by their numbers, and what came of the repeated ones.
-    pub fn into_results(self) -> (Vec<Option<T>>, ProcessesSample) {
-        (self.results, self.sample)
+    /// What the runs gave, and what came of the repeated ones.
+    pub fn into_records(self) -> (Records<T>, ProcessesSample) {
+        (self.records, self.sample)
     }
+
+    /// What the runs gave, by their numbers, and what came of the repeated ones.
+    ///
+    /// # Panics
+    /// If the journal can no longer be read.
+    pub fn into_results(self) -> (Vec<Option<T>>, ProcessesSample) {
+        let (runs, sample) = (self.study.runs, self.sample);
+        (by_number(runs, self.records).expect("the journal is there"), sample)
+    }
+}
+
+/// Records in a list of all runs.
+pub(crate) fn by_number<T: DeserializeOwned>(
+    runs: usize,
+    records: Records<T>,
+) -> Result<Vec<Option<T>>, Error> {
+    let mut results: Vec<Option<T>> = std::iter::repeat_with(|| None).take(runs).collect();
+    for (run, record) in records.all()? {
+        results[run] = Some(record);
+    }
+    Ok(results)
+}
+
+/// Whether a run belongs to a part: the only place that decides it.
+fn holds(shard: Option<Shard>, run: usize) -> bool {
+    shard.is_none_or(|shard| shard.holds(run))
+}
+
+/// Takes a line of the journal of a part.
+fn take<T>(
+    records: &mut Records<T>,
+    sample: &mut ProcessesSample,
+    shard: Option<Shard>,
+    place: journal::Place,
+    line: Line<T>,
+) -> Result<(), JournalError> {
+    records.add(line.run, place, holds(shard, line.run))?;
+    let repetition = line.same_in_processes.map(Repetition::of_same);
+    sample.count(line.run, repetition.as_ref());
+    Ok(())
+}
+
+/// The study that `--resume` continues, where the command line names none.
+pub(crate) fn begun(options: &PartOptions) -> Option<Result<Study, Error>> {
+    let path = options.resume.as_ref()?.join(FILE);
+    let is_named = words::of_study(std::env::args_os().skip(1)).len() > 1;
+    (!is_named && path.exists()).then(|| Ok(read_file(&path)?.study))
 }
 
 /// Reads a file `part.json`.

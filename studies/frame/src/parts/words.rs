@@ -3,7 +3,7 @@
 use std::ffi::OsString;
 
 /// Options that say where and how a study runs, and take a value.
-const WITH_VALUE: [&str; 4] = ["--shard", "--resume", "--out", "--jobs"];
+const WITH_VALUE: [&str; 6] = ["--shard", "--resume", "--out", "--jobs", "--junit", "--markdown"];
 /// The same without a value.
 const ALONE: [&str; 3] = ["--json", "--force", "--processes"];
 
@@ -31,7 +31,7 @@ mod tests {
 
     #[test]
     fn where_and_how_a_study_runs_is_no_part_of_it() {
-        let line = "sweep cacc-a --param a=1,2 --shard 1/3 --out x --json --jobs=2 --seeds 1..3";
+        let line = "sweep cacc-a --param a=1,2 --shard 1/3 --out x --json --jobs=2 --junit j.xml --seeds 1..3";
         let words = of_study(line.split(' ').map(OsString::from));
         assert_eq!(words.join(" "), "sweep cacc-a --param a=1,2 --seeds 1..3");
     }

@@ -130,7 +130,8 @@ fn merge(arguments: &R157Arguments) -> Result<ExitCode, Error> {
         return Ok(ExitCode::FAILURE);
     }
     let output = OutputDirectory::create(&arguments.output, "r157")?;
-    conclude(arguments, &plan, merged.results, merged.sample, &output)
+    let (results, sample) = merged.into_results()?;
+    conclude(arguments, &plan, results, sample, &output)
 }
 
 /// Judges, writes and prints.

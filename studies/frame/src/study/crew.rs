@@ -1,0 +1,50 @@
+//! What does a study's runs.
+
+use std::collections::BTreeSet;
+
+use group::{Error, GroupOptions};
+
+use crate::batch::{self, Done, Job};
+
+/// The hands of a study: it drives in threads or process groups, and repeats the runs of the sample.
+pub struct Crew<'a> {
+    group: &'a GroupOptions,
+    repeated: &'a BTreeSet<usize>,
+    going_on: &'a dyn Fn() -> bool,
+}
+
+impl<'a> Crew<'a> {
+    pub(super) fn new(
+        group: &'a GroupOptions,
+        repeated: &'a BTreeSet<usize>,
+        going_on: &'a dyn Fn() -> bool,
+    ) -> Self {
+        Self { group, repeated, going_on }
+    }
+
+    /// How processes are started.
+    #[must_use]
+    pub fn group(&self) -> &GroupOptions {
+        self.group
+    }
+
+    /// False once the study was interrupted or has failed.
+    #[must_use]
+    pub fn is_going_on(&self) -> bool {
+        (self.going_on)()
+    }
+
+    /// True if run `run` is in the sample that is repeated in process groups.
+    #[must_use]
+    pub fn repeats(&self, run: usize) -> bool {
+        self.repeated.contains(&run)
+    }
+
+    /// Drives, and repeats what is in the sample.
+    ///
+    /// # Errors
+    /// What keeps the run from starting, or [`Error::Interrupted`].
+    pub fn drive(&self, run: usize, job: &Job) -> Result<Done, Error> {
+        batch::drive_and_repeat(job, self.group, self.repeats(run), self.going_on)
+    }
+}

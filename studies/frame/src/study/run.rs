@@ -1,0 +1,160 @@
+//! The way of every study: plan, runs, judgement, results.
+
+use std::collections::BTreeMap;
+use std::process::ExitCode;
+
+use group::Error;
+use indicatif::ProgressBar;
+use report::output::OutputDirectory;
+
+use super::{Crew, Found, Gave, Needs, Options, Study};
+use crate::batch::{self, ProcessesSample};
+use crate::parts::{self, Merged, Part, PartOptions, name_incomplete};
+
+/// Runs the command of a study.
+///
+/// # Errors
+/// What is wrong with the arguments, what keeps the runs from starting, an interrupt, or a file that cannot be
+/// written.
+pub fn run<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
+    match S::options(arguments).parts {
+        Some(parts) if !parts.merge.is_empty() => merge::<S>(arguments, parts),
+        _ => drive::<S>(arguments),
+    }
+}
+
+/// Does the runs that are left of this part.
+fn drive<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
+    let options = S::options(arguments);
+    let begun = options.parts.and_then(parts::begun).transpose()?;
+    let study = match &begun {
+        Some(begun) => S::plan(&begun.arguments()?)?,
+        None => S::plan(arguments)?,
+    };
+    let subject = match begun {
+        Some(begun) => begun.now(study.runs(), &study.subject()?),
+        None => parts::Study::of_command(study.runs(), &study.subject()?),
+    };
+    let parts = options.parts.cloned().unwrap_or_default();
+    let results = options.results;
+    let (mut part, output) = Part::<S::Record>::open_as(
+        &study.label(),
+        &parts,
+        &results.output,
+        subject,
+        S::KEEPS_JOURNAL,
+    )?;
+    let bar = report::progress::count_bar(part.runs(), results.json);
+    bar.set_message(study.label());
+    let mut seen = BTreeMap::new();
+    let end = all(&study, options, &mut part, &mut seen, &bar);
+    bar.finish_and_clear();
+    if end.is_err() {
+        part.print_how_to_continue(&output);
+    }
+    if S::NEEDS != Needs::Any {
+        end?;
+        return conclude(&study, options, part, seen, &output, Ok(()));
+    }
+    conclude(&study, options, part, seen, &output, end)
+}
+
+/// Does all runs of the part that are left, those that must be alone last.
+fn all<S: Study>(
+    study: &S,
+    options: Options<'_>,
+    part: &mut Part<S::Record>,
+    seen: &mut BTreeMap<usize, S::Seen>,
+    bar: &ProgressBar,
+) -> Result<(), Error> {
+    let left = part.left();
+    bar.set_position((part.runs() - left.len()) as u64);
+    bar.reset_eta();
+    let (mut together, mut alone) = (Vec::new(), Vec::new());
+    for &run in &left {
+        if study.is_alone(run)? { alone.push(run) } else { together.push(run) }
+    }
+    let sampled = part.sampled(study.seed());
+    let mut sample = ProcessesSample::default();
+    let mut keep = |run: usize, gave: Result<Gave<S::Record, S::Seen>, Error>| {
+        let Gave { record, seen: picture, repetition } = gave?;
+        if let Some(line) = study.notice(&record) {
+            bar.suspend(|| report::print::note(&line));
+        }
+        sample.count(run, repetition.as_ref());
+        seen.insert(run, picture);
+        part.keep(run, record, repetition.as_ref())
+    };
+    let at_once = batch::at_once(options.jobs, study.mode());
+    for (runs, at_once) in [(together, at_once), (alone, 1)] {
+        let work = |place: usize, going_on: &dyn Fn() -> bool| {
+            let crew = Crew::new(options.group, &sampled, going_on);
+            study.drive(runs[place], &crew)
+        };
+        let mut each = |place: usize, gave| keep(runs[place], gave);
+        batch::share(runs.len(), at_once, bar, &work, &mut each)?;
+    }
+    sample.print(left.len(), bar);
+    Ok(())
+}
+
+/// Joins parts. Pictures are not kept in parts.
+fn merge<S: Study>(arguments: &S::Arguments, parts: &PartOptions) -> Result<ExitCode, Error> {
+    let options = S::options(arguments);
+    let out = options.results.output.out.as_deref();
+    let merged = Merged::<S::Record>::read(S::NAME, &parts.merge, out)?;
+    let study = S::plan(&merged.study.arguments()?)?;
+    merged.check_subject(study.runs(), &study.subject()?)?;
+    name_incomplete(&merged.incomplete);
+    let is_whole = merged.incomplete.is_empty();
+    if !is_whole && S::NEEDS == Needs::All {
+        return Ok(ExitCode::FAILURE);
+    }
+    let output = OutputDirectory::create(&options.results.output, &study.label())?;
+    let Merged { records, sample, .. } = merged;
+    let seen = BTreeMap::new();
+    let sample = sample.agreed(|run| study.describe(run))?;
+    let found = Found { records, seen, sample, shard: None, is_whole };
+    let document = study.judge(found)?;
+    options.results.deliver(&document, &output)?;
+    Ok(if is_whole { document.exit_code() } else { ExitCode::FAILURE })
+}
+
+/// Judges, writes and prints. What an interrupt left undone is missing; what was done is kept.
+fn conclude<S: Study>(
+    study: &S,
+    options: Options<'_>,
+    part: Part<S::Record>,
+    seen: BTreeMap<usize, S::Seen>,
+    output: &OutputDirectory,
+    end: Result<(), Error>,
+) -> Result<ExitCode, Error> {
+    let (shard, runs) = (part.shard(), part.runs());
+    let (records, sample) = part.into_records();
+    let agreed = end.and_then(|()| Ok(sample.agreed(|run| study.describe(run))?));
+    let (sample, end) = match agreed {
+        Ok(sample) => (sample, Ok(())),
+        Err(error) if S::NEEDS == Needs::Any => (ProcessesSample::default(), Err(error)),
+        Err(error) => return Err(error),
+    };
+    if let Some(shard) = shard {
+        let (name, directory) = (String::from(shard), output.path().display());
+        let command = S::NAME;
+        eprintln!(
+            "shard {name}: {runs} runs in {directory}; timegap {command} --merge puts all together"
+        );
+        if S::NEEDS == Needs::All {
+            return Ok(ExitCode::SUCCESS);
+        }
+    }
+    let is_whole = records.len() == runs;
+    let document = study.judge(Found { records, seen, sample, shard, is_whole })?;
+    match end {
+        Ok(()) => options.results.deliver(&document, output)?,
+        Err(error) => {
+            options.results.deliver_interrupted(&document, output)?;
+            return Err(error);
+        }
+    }
+    Ok(document.exit_code())
+}

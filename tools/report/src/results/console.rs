@@ -1,0 +1,274 @@
+//! A table on a terminal, never wider than it.
+//!
+//! A table that is too wide is transposed. One that is too wide even then loses the columns of the largest weight,
+//! and a line names them.
+
+use serde_json::Value;
+use std::ops::Range;
+
+use super::column::Format;
+use super::table::Table;
+use crate::table::{Align, TextTable};
+
+/// Width where standard output is no terminal.
+const USUAL_WIDTH: usize = 80;
+/// Most rows that become columns.
+const MOST_TRANSPOSED: usize = 8;
+/// Rows at the end of a table that is shortened.
+const LAST_ROWS: usize = 4;
+/// Mark of the best value of a column.
+const BEST: &str = "*";
+
+/// Width of the terminal; 80 columns for a pipe.
+#[must_use]
+pub fn width() -> usize {
+    let size = console::Term::stdout().size_checked();
+    size.map_or(USUAL_WIDTH, |(_, columns)| usize::from(columns).max(40))
+}
+
+/// Words in lines of at most `width`, indented; the lines after the first by two more.
+///
+/// ```
+/// assert_eq!(report::results::folded("a verdict in words", 2, 14), "  a verdict in\n    words\n");
+/// ```
+#[must_use]
+pub fn folded(words: &str, indent: usize, width: usize) -> String {
+    let mut lines = vec![" ".repeat(indent)];
+    for word in words.split(' ') {
+        let line = lines.last_mut().expect("there is a first line");
+        let is_empty = line.trim().is_empty();
+        if !is_empty && line.chars().count() + 1 + word.chars().count() > width {
+            lines.push(" ".repeat(indent + 2) + word);
+        } else {
+            *line += &format!("{}{word}", if is_empty { "" } else { " " });
+        }
+    }
+    lines.join("\n") + "\n"
+}
+
+/// Characters of the longest line.
+fn widest(text: &str) -> usize {
+    text.lines().map(|line| line.chars().count()).max().unwrap_or(0)
+}
+
+impl Table {
+    /// The table as text in at most `width` columns.
+    #[must_use]
+    pub fn console(&self, width: usize) -> String {
+        let blocks = self.row_blocks();
+        blocks.iter().map(|(name, rows)| self.block_text(name, rows, width)).collect()
+    }
+
+    fn block_text(&self, name: &str, rows: &Range<usize>, width: usize) -> String {
+        let heading = if name.is_empty() { String::new() } else { folded(name, 0, width) };
+        let shown = self.shown(rows);
+        let (long, mut short): (Vec<usize>, Vec<usize>) =
+            shown.into_iter().partition(|&place| self.columns[place].is_long());
+        if !long.is_empty() {
+            return heading + &self.listed(rows, &short, &long, width);
+        }
+        let upright = self.upright(rows, &short);
+        if widest(&upright) <= width {
+            return heading + &upright;
+        }
+        if rows.len() <= MOST_TRANSPOSED {
+            let transposed = self.transposed(rows, &short);
+            if widest(&transposed) <= width {
+                return heading + &transposed;
+            }
+        }
+        let mut left_out: Vec<usize> = Vec::new();
+        loop {
+            let upright = self.upright(rows, &short);
+            let heaviest = (0..short.len()).max_by_key(|&k| (self.columns[short[k]].weight, k));
+            let heaviest = heaviest.filter(|&k| self.columns[short[k]].weight > 0);
+            match heaviest {
+                Some(place) if widest(&upright) > width => left_out.push(short.remove(place)),
+                _ if widest(&upright) > width => {
+                    return heading + &self.listed(rows, &short[..1], &short[1..], width);
+                }
+                _ => {
+                    left_out.sort_unstable();
+                    let names: Vec<_> = left_out
+                        .iter()
+                        .map(|&place| self.columns[place].heading.as_ref())
+                        .collect();
+                    let note = format!("(on the page: {})", names.join(", "));
+                    return heading + &upright + &folded(&note, 2, width);
+                }
+            }
+        }
+    }
+
+    /// The cell, marked when it is the best; `marked` columns leave room for the mark in every cell.
+    fn cell(&self, row: usize, place: usize, best: Option<&str>) -> String {
+        let text = self.columns[place].text(&self.rows[row][place]);
+        match best {
+            Some(best) if best == text && self.is_good(row) => text + BEST,
+            _ => text,
+        }
+    }
+
+    /// Rows of the block that are shown: none stands for those between.
+    fn chosen(&self, rows: &Range<usize>) -> Vec<Option<usize>> {
+        if rows.len() <= self.most_rows {
+            return rows.clone().map(Some).collect();
+        }
+        let last = LAST_ROWS.min(self.most_rows / 2);
+        let first = rows.start..rows.start + self.most_rows - last;
+        let end = rows.end - last..rows.end;
+        first.map(Some).chain([None]).chain(end.map(Some)).collect()
+    }
+
+    fn upright(&self, rows: &Range<usize>, shown: &[usize]) -> String {
+        let titles: Vec<String> = shown.iter().map(|&place| self.columns[place].title()).collect();
+        let align = |place: &usize| match self.columns[*place].is_number() {
+            true => Align::Right,
+            false => Align::Left,
+        };
+        let best: Vec<_> = shown.iter().map(|&place| self.best(place, rows)).collect();
+        let heads = titles.iter().zip(&best).map(|(title, best)| match best {
+            // Over the numbers, not over their marks.
+            Some(_) => format!("{title} "),
+            None => title.clone(),
+        });
+        let heads: Vec<String> = heads.collect();
+        let mut table =
+            TextTable::new(heads.iter().map(String::as_str).zip(shown.iter().map(align)));
+        for row in self.chosen(rows) {
+            let Some(row) = row else {
+                let more = rows.len() - self.most_rows;
+                table.row(["...".to_owned(), format!("{more} more")]);
+                continue;
+            };
+            table.row(shown.iter().zip(&best).map(|(&place, best)| {
+                let text = self.cell(row, place, best.as_deref());
+                let is_unmarked = best.is_some() && !text.ends_with(BEST);
+                if is_unmarked { text + " " } else { text }
+            }));
+        }
+        without_trailing_spaces(&table.text())
+    }
+
+    /// Columns as rows, under the first column's cells.
+    fn transposed(&self, rows: &Range<usize>, shown: &[usize]) -> String {
+        let Some((&first, others)) = shown.split_first() else { return String::new() };
+        let names = |row: usize| self.columns[first].text(&self.rows[row][first]);
+        let names: Vec<String> = rows.clone().map(|row| names(row) + " ").collect();
+        let heads = names.iter().map(|name| (name.as_str(), Align::Right));
+        let title = self.columns[first].title();
+        let mut table = TextTable::new([(title.as_str(), Align::Left)].into_iter().chain(heads));
+        for &place in others {
+            let best = self.best(place, rows);
+            let cells = rows.clone().map(|row| {
+                let text = self.cell(row, place, best.as_deref());
+                if text.ends_with(BEST) { text } else { text + " " }
+            });
+            table.row(std::iter::once(self.columns[place].title()).chain(cells));
+        }
+        without_trailing_spaces(&table.text())
+    }
+
+    /// Each row in lines of its own: short cells in the first one, a long cell below it.
+    fn listed(&self, rows: &Range<usize>, short: &[usize], long: &[usize], width: usize) -> String {
+        let mut text = String::new();
+        for row in self.chosen(rows) {
+            let Some(row) = row else {
+                text += &format!("  and {} more\n", rows.len() - self.most_rows);
+                continue;
+            };
+            let cell = |place: usize| {
+                let title = self.columns[place].title();
+                let cell = self.columns[place].text(&self.rows[row][place]);
+                if title.is_empty() { cell } else { format!("{title} {cell}") }
+            };
+            let first: Vec<String> = short.iter().map(|&place| cell(place)).collect();
+            text += &folded(&first.join(", "), 2, width);
+            for &place in long.iter().filter(|&&place| self.rows[row][place] != Value::Null) {
+                let head = &self.columns[place];
+                let cell =
+                    if head.is_long() { head.text(&self.rows[row][place]) } else { cell(place) };
+                match head.format {
+                    Format::Command => text += &format!("    {cell}\n"),
+                    _ => text += &folded(&cell, 4, width),
+                }
+            }
+        }
+        text
+    }
+}
+
+fn without_trailing_spaces(text: &str) -> String {
+    text.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::column::{Column, column, number, word};
+    use super::*;
+    use serde_json::json;
+
+    fn table(rows: usize, columns: usize) -> Table {
+        let law = word("law", "law", "");
+        let figure = |place: u8| {
+            let figure: Column<Value> = number("", "", "m", 1, "").weight(place).more();
+            figure.named(format!("figures.{place}"), format!("a figure {place}"))
+        };
+        let columns = u8::try_from(columns).expect("few");
+        let columns: Vec<_> = std::iter::once(law).chain((0..columns).map(figure)).collect();
+        let rows: Vec<_> = (0..rows)
+            .map(|row| json!({"law": format!("law-{row}"), "figures": vec![row as f64; 20]}))
+            .collect();
+        Table::new("t", &columns, &rows)
+    }
+
+    #[test]
+    fn a_wide_table_is_transposed_and_a_long_one_loses_its_heaviest_columns() {
+        let upright = table(3, 3).console(80);
+        assert!(upright.starts_with("  law    a figure 0, m"), "{upright}");
+        assert!(upright.contains("law-2            2.0*"), "{upright}");
+        let transposed = table(3, 10).console(80);
+        assert!(transposed.starts_with("  law            law-0   law-1   law-2\n"), "{transposed}");
+        assert_eq!(transposed.matches('*').count(), 10);
+        let chosen = table(20, 10).console(80);
+        assert!(
+            chosen.contains("a figure 0") && chosen.contains("(on the page: a figure"),
+            "{chosen}"
+        );
+        for text in [upright, transposed, chosen] {
+            assert!(widest(&text) <= 80, "{text}");
+        }
+    }
+
+    #[test]
+    fn many_rows_are_shortened_in_the_middle() {
+        let text = table(50, 2).most_rows(12).console(80);
+        assert!(
+            text.contains("38 more") && text.contains("law-49") && !text.contains("law-20"),
+            "{text}"
+        );
+        assert_eq!(text.lines().count(), 14);
+    }
+
+    #[test]
+    fn sentences_are_folded_and_commands_are_not() {
+        let columns: [Column<Value>; 3] = [
+            word("run", "run", ""),
+            column("why", "", "", Format::Sentence, ""),
+            column("repeat", "", "", Format::Command, ""),
+        ];
+        let command = format!("timegap run {}", "x".repeat(90));
+        let rows = [json!({"run": 7, "why": "because of a ".repeat(9), "repeat": command})];
+        let text = Table::new("Failures", &columns, &rows).console(80);
+        assert!(text.starts_with("  run 7\n    because of a because"), "{text}");
+        assert!(text.contains(&format!("    {command}\n")), "{text}");
+    }
+
+    #[test]
+    fn what_can_not_be_narrowed_is_listed() {
+        let columns: [Column<Value>; 2] = [word("a", "a", ""), word("b", "b", "")];
+        let rows = vec![json!({"a": "x ".repeat(30), "b": "y ".repeat(30)}); 9];
+        let text = Table::new("", &columns, &rows).console(60);
+        assert!(widest(&text) <= 60, "{text}");
+    }
+}

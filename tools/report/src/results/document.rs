@@ -1,0 +1,197 @@
+//! A whole result, and what every output makes of it.
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::table::Table;
+use super::{console, junit, markdown, page};
+use crate::html::Tile;
+
+/// A part of a result for people.
+#[derive(Clone, Debug)]
+pub enum Part {
+    /// A table.
+    Table(Table),
+    /// HTML of the page alone, below a heading.
+    Figures(String, String),
+    /// A paragraph.
+    Text(String),
+    /// Figures that are read at a glance, on the page alone.
+    Tiles(Vec<Tile>),
+}
+
+/// A file beside the JSON and the page.
+#[derive(Clone, Debug)]
+pub struct Attachment {
+    /// Its name.
+    pub name: String,
+    /// What is in it.
+    pub contents: Vec<u8>,
+}
+
+/// A result: verdict, tables, charts, and its JSON.
+///
+/// ```
+/// use report::results::{Document, Table, number, word};
+/// use serde_json::json;
+///
+/// let whole = json!({"schema_version": 1, "rows": [{"law": "acc-mpc", "gap_m": 8.25}]});
+/// let columns = [word("law", "law", "Control law"), number("gap_m", "gap", "m", 1, "Smallest gap")];
+/// let rows = whole["rows"].as_array().unwrap();
+/// let document = Document::new("gaps", "Gaps", &whole)
+///     .verdict(true, "every law kept 5 m")
+///     .table(Table::new("Laws", &columns, rows));
+/// assert_eq!(document.console(80), "  law      gap, m\n  acc-mpc     8.2\nevery law kept 5 m\n");
+/// assert!(document.junit().contains("<testcase name=\"verdict\""));
+/// assert!(document.markdown().contains("| acc-mpc | 8.2 |"));
+/// ```
+#[derive(Clone, Debug)]
+pub struct Document {
+    pub(super) command: &'static str,
+    pub(super) title: String,
+    pub(super) about: String,
+    pub(super) ok: bool,
+    pub(super) verdict: String,
+    pub(super) json: String,
+    pub(super) parts: Vec<Part>,
+    pub(super) files: Vec<Attachment>,
+}
+
+impl Document {
+    /// The result of `command`, whose JSON is `whole`: `COMMAND.json` in its directory.
+    pub fn new(command: &'static str, title: &str, whole: &impl Serialize) -> Self {
+        let json = serde_json::to_string_pretty(whole).expect("plain data") + "\n";
+        Self {
+            command,
+            title: title.to_owned(),
+            about: String::new(),
+            ok: true,
+            verdict: String::new(),
+            json,
+            parts: Vec::new(),
+            files: Vec::new(),
+        }
+    }
+
+    /// The same with a verdict: whether all is well, and the sentence that answers the command's question.
+    #[must_use]
+    pub fn verdict(mut self, ok: bool, sentence: impl Into<String>) -> Self {
+        (self.ok, self.verdict) = (ok, sentence.into());
+        self
+    }
+
+    /// The same with a line about what was driven.
+    #[must_use]
+    pub fn about(mut self, about: impl Into<String>) -> Self {
+        self.about = about.into();
+        self
+    }
+
+    /// The same with a table more. One without rows is not shown.
+    #[must_use]
+    pub fn table(mut self, table: Table) -> Self {
+        self.parts.push(Part::Table(table));
+        self
+    }
+
+    /// The same with pictures on the page; an empty string adds nothing.
+    #[must_use]
+    pub fn figures(mut self, heading: &str, html: String) -> Self {
+        if !html.is_empty() {
+            self.parts.push(Part::Figures(heading.to_owned(), html));
+        }
+        self
+    }
+
+    /// The same with a paragraph; an empty one adds nothing.
+    #[must_use]
+    pub fn text(mut self, text: impl Into<String>) -> Self {
+        let text = text.into();
+        if !text.is_empty() {
+            self.parts.push(Part::Text(text));
+        }
+        self
+    }
+
+    /// The same with figures that the page shows at a glance.
+    #[must_use]
+    pub fn tiles(mut self, tiles: Vec<Tile>) -> Self {
+        self.parts.push(Part::Tiles(tiles));
+        self
+    }
+
+    /// The same with a file more in its directory.
+    #[must_use]
+    pub fn file(mut self, name: &str, contents: impl Into<Vec<u8>>) -> Self {
+        self.files.push(Attachment { name: name.to_owned(), contents: contents.into() });
+        self
+    }
+
+    /// Whether all is well.
+    #[must_use]
+    pub fn is_ok(&self) -> bool {
+        self.ok
+    }
+
+    /// The JSON that `--json` prints.
+    #[must_use]
+    pub fn json(&self) -> &str {
+        &self.json
+    }
+
+    /// The JSON as a value.
+    ///
+    /// # Panics
+    /// Never: the text was made of one.
+    #[must_use]
+    pub fn value(&self) -> Value {
+        serde_json::from_str(&self.json).expect("it was written as JSON")
+    }
+
+    /// The text of a terminal with so many columns; the verdict is its last line.
+    #[must_use]
+    pub fn console(&self, width: usize) -> String {
+        let mut text = String::new();
+        if !self.about.is_empty() {
+            text += &console::folded(&self.about, 0, width);
+        }
+        let tables = self.parts.iter().filter(|part| matches!(part, Part::Table(_))).count();
+        for part in &self.parts {
+            match part {
+                Part::Table(table) if table.rows.is_empty() => {}
+                Part::Table(table) => {
+                    if tables > 1 && table.block.is_none() {
+                        text += &console::folded(&table.heading, 0, width);
+                    }
+                    text += &table.console(width);
+                }
+                Part::Text(words) => {
+                    words.lines().for_each(|line| text += &console::folded(line, 0, width));
+                }
+                Part::Figures(..) | Part::Tiles(_) => {}
+            }
+        }
+        if !self.verdict.is_empty() {
+            text += &console::folded(&self.verdict, 0, width);
+        }
+        text
+    }
+
+    /// The page.
+    #[must_use]
+    pub fn page(&self) -> String {
+        page::text(self)
+    }
+
+    /// JUnit XML.
+    #[must_use]
+    pub fn junit(&self) -> String {
+        junit::text(self)
+    }
+
+    /// Markdown.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        markdown::text(self)
+    }
+}

@@ -1,0 +1,32 @@
+//! A result declared once: its columns give every output.
+//!
+//! ```text
+//!                 ┌─► console (transposed or narrowed to its width)
+//! Column ─► Table ├─► page, Markdown (best of a column marked)
+//!           Document ─► JSON, CSV, JUnit XML
+//!       └─► Schema ─► `timegap list --schema results`
+//! ```
+//!
+//! A [`Column`] has a name, which is the dotted path of its value in the row's JSON, and all that people and programs
+//! must know of it. A [`Table`] is columns over rows. A [`Document`] is verdict, tables and charts of one command;
+//! [`ResultOptions::deliver`] writes and prints it. [`Schema`] is what the columns promise to programs.
+
+mod column;
+mod console;
+mod document;
+mod junit;
+mod markdown;
+mod options;
+mod page;
+mod schema;
+mod table;
+
+pub use column::{
+    Column, Format, Good, Head, Kind, at, column, count, flag, micros, nested, number, outcome,
+    word,
+};
+pub use console::{folded, width};
+pub use document::{Attachment, Document, Part};
+pub use options::{ExportError, ResultOptions};
+pub use schema::{Schema, check, document as schema_document};
+pub use table::{Table, csv_head, csv_line};

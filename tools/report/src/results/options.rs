@@ -1,0 +1,111 @@
+//! The options that say which outputs a result has, and their delivery.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::Args;
+use group::{Error, Failure, Status};
+
+use super::console::width;
+use super::document::Document;
+use crate::output::{OutputDirectory, OutputOptions};
+use crate::print;
+
+/// Where the results go, and in which forms.
+#[derive(Clone, Debug, Default, Args)]
+pub struct ResultOptions {
+    /// The directory.
+    #[command(flatten)]
+    pub output: OutputOptions,
+    /// Print the results as JSON, and nothing else, on standard output
+    #[arg(long)]
+    pub json: bool,
+    /// Write the verdicts as JUnit XML too, for a continuous integration job
+    #[arg(long, value_name = "FILE")]
+    pub junit: Option<PathBuf>,
+    /// Write the verdict and the tables as Markdown too
+    #[arg(long, value_name = "FILE")]
+    pub markdown: Option<PathBuf>,
+}
+
+/// A file that an option names cannot be written.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot write {option} {}: {reason}; expected a path in a directory that can be written", path.display())]
+pub struct ExportError {
+    option: &'static str,
+    path: PathBuf,
+    reason: std::io::Error,
+}
+
+impl Failure for ExportError {
+    fn status(&self) -> Status {
+        Status::Machine
+    }
+}
+
+impl ResultOptions {
+    /// Writes the result into its directory and prints it, as text or as JSON. What is printed comes first: a full
+    /// disk does not take what was measured.
+    ///
+    /// # Errors
+    /// A file that cannot be written, after everything was printed.
+    pub fn deliver(&self, document: &Document, output: &OutputDirectory) -> Result<(), Error> {
+        let written = write(document, output);
+        if self.json {
+            print::out(document.json())?;
+        } else {
+            print::out(&(document.console(width()) + &output.places()))?;
+        }
+        written?;
+        self.export(document)
+    }
+
+    /// The same for runs that were interrupted: JSON is for whole results.
+    ///
+    /// # Errors
+    /// As [`ResultOptions::deliver`].
+    pub fn deliver_interrupted(
+        &self,
+        document: &Document,
+        output: &OutputDirectory,
+    ) -> Result<(), Error> {
+        let written = write(document, output);
+        if !self.json {
+            print::out(&(document.console(width()) + &output.places()))?;
+        }
+        written
+    }
+
+    /// Writes the forms for other programs.
+    fn export(&self, document: &Document) -> Result<(), Error> {
+        let write = |option, path: &Option<PathBuf>, text: &dyn Fn() -> String| {
+            let Some(path) = path else { return Ok(()) };
+            std::fs::write(path, text()).map_err(|reason| {
+                let path = Path::to_owned(path);
+                Error::from(ExportError { option, path, reason })
+            })
+        };
+        let junit = write("--junit", &self.junit, &|| document.junit());
+        write("--markdown", &self.markdown, &|| document.markdown()).and(junit)
+    }
+}
+
+/// Writes all files of a result.
+///
+/// # Errors
+/// [`Error::Path`].
+fn write(document: &Document, output: &OutputDirectory) -> Result<(), Error> {
+    for file in &document.files {
+        output.write(&file.name, &file.contents)?;
+    }
+    output.write(&format!("{}.json", document.command), document.json.as_bytes())?;
+    output.write(crate::FILE, document.page().as_bytes())
+}
+
+impl Document {
+    /// Exit status: 0 when all is well, else 1.
+    #[must_use]
+    pub fn exit_code(&self) -> ExitCode {
+        if self.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    }
+}

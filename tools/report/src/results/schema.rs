@@ -1,0 +1,244 @@
+//! JSON Schema of results, from the columns that declare them; and a check of a result against it.
+
+use serde_json::{Map, Value, json};
+
+use super::column::{Column, Format, Head, Kind};
+
+/// What a command's JSON holds.
+///
+/// ```
+/// use report::results::{Column, Schema, check, flag, number, word};
+/// use serde_json::{Value, json};
+///
+/// const FIELDS: &[Column<()>] = &[flag("ok", "", ("ok", "BROKEN"), "Every law kept its gap")];
+/// const ROWS: &[Column<()>] = &[
+///     word("law", "law", "Control law"),
+///     number("gap_m", "gap", "m", 1, "Smallest gap"),
+/// ];
+/// let schema = Schema::new("gaps", "Gaps of the laws").fields(FIELDS).rows("rows", "The laws", ROWS).json();
+/// let result = json!({"schema_version": 1, "ok": true, "rows": [{"law": "acc-mpc", "gap_m": null}]});
+/// assert_eq!(check(&schema, &result), [""; 0]);
+/// let wrong = json!({"schema_version": 1, "ok": true, "rows": [{"law": 7, "gap_m": 1.0}]});
+/// assert_eq!(check(&schema, &wrong), ["rows.0.law: 7 is no string"]);
+/// ```
+#[derive(Clone, Debug)]
+pub struct Schema {
+    command: &'static str,
+    root: Value,
+}
+
+impl Schema {
+    /// The schema of a command's result, which has its version so far.
+    #[must_use]
+    pub fn new(command: &'static str, meaning: &str) -> Self {
+        let version = json!({"const": 1, "description": "Version of these names"});
+        let root = json!({
+            "type": "object",
+            "description": meaning,
+            "properties": {"schema_version": version},
+            "required": ["schema_version"],
+        });
+        Self { command, root }
+    }
+
+    /// The command.
+    #[must_use]
+    pub fn command(&self) -> &'static str {
+        self.command
+    }
+
+    /// Adds fields beside the version.
+    #[must_use]
+    pub fn fields<R>(mut self, columns: &[Column<R>]) -> Self {
+        columns.iter().for_each(|column| insert(&mut self.root, &column.head));
+        self
+    }
+
+    /// Adds a list of objects at a dotted path. A list on the way is passed through, and `*` is every key.
+    #[must_use]
+    pub fn rows<R>(mut self, path: &str, meaning: &str, columns: &[Column<R>]) -> Self {
+        let node = descend(&mut self.root, path);
+        let mut items = json!({"type": "object"});
+        columns.iter().for_each(|column| insert(&mut items, &column.head));
+        *node = json!({"type": "array", "description": meaning, "items": items});
+        self
+    }
+
+    /// The schema.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        self.root.clone()
+    }
+}
+
+/// One document with a definition for each command.
+#[must_use]
+pub fn document(schemas: &[Schema]) -> Value {
+    let definitions = schemas.iter().map(|schema| (schema.command.to_owned(), schema.json()));
+    let references =
+        schemas.iter().map(|schema| json!({"$ref": format!("#/$defs/{}", schema.command)}));
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "Results of timegap, as --json prints them",
+        "anyOf": references.collect::<Vec<_>>(),
+        "$defs": definitions.collect::<Map<_, _>>(),
+    })
+}
+
+/// The node at a path below an object or a list of objects.
+fn descend<'a>(node: &'a mut Value, path: &str) -> &'a mut Value {
+    let mut node = node;
+    for part in path.split('.') {
+        if node.get("items").is_some() {
+            node = &mut node["items"];
+        }
+        let types = &mut node["type"];
+        if types.is_null() {
+            *types = json!("object");
+        }
+        node = match part {
+            "*" => &mut node["additionalProperties"],
+            part => {
+                let required = &mut node["required"];
+                if required.is_null() {
+                    *required = json!([]);
+                }
+                let required = required.as_array_mut().expect("it was just made");
+                if !required.iter().any(|known| known == part) {
+                    required.push(json!(part));
+                }
+                &mut node["properties"][part]
+            }
+        };
+    }
+    node
+}
+
+fn insert(node: &mut Value, head: &Head) {
+    // Places of a list have one description: that of the list.
+    let is_place = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
+    if head.name.is_empty() || head.name.split('.').any(is_place) {
+        return;
+    }
+    let kind = match head.format {
+        Format::Decimals(_) | Format::Duration => json!(["number", "null"]),
+        Format::Count => json!(["integer", "null"]),
+        Format::Mean(_) => json!(["object", "number", "null"]),
+        Format::Word | Format::Sentence | Format::Command => json!(["string", "null"]),
+        Format::Verdict(_) => json!(["string", "null"]),
+        Format::Flag(..) => json!(["boolean", "null"]),
+        Format::Nested(Kind::Object) => json!(["object", "null"]),
+        Format::Nested(Kind::List) => json!(["array", "null"]),
+    };
+    let meaning = match head.unit {
+        "" => head.meaning.to_owned(),
+        unit => format!("{}, {unit}", head.meaning),
+    };
+    let node = descend(node, &head.name);
+    node["type"] = kind;
+    node["description"] = json!(meaning);
+}
+
+/// What of `value` is not as the schema says, each with its place. Of JSON Schema it knows what [`Schema`] writes.
+#[must_use]
+pub fn check(schema: &Value, value: &Value) -> Vec<String> {
+    let mut wrong = Vec::new();
+    walk(schema, value, "", &mut wrong);
+    wrong
+}
+
+fn walk(schema: &Value, value: &Value, place: &str, wrong: &mut Vec<String>) {
+    let below =
+        |part: &str| if place.is_empty() { part.to_owned() } else { format!("{place}.{part}") };
+    if let Some(expected) = schema.get("const")
+        && expected != value
+    {
+        wrong.push(format!("{place}: {value} is not {expected}"));
+    }
+    let types: Vec<&str> = match schema.get("type") {
+        Some(Value::Array(types)) => types.iter().filter_map(Value::as_str).collect(),
+        Some(Value::String(one)) => vec![one],
+        _ => Vec::new(),
+    };
+    if !types.is_empty() && !types.iter().any(|kind| is_of(kind, value)) {
+        wrong.push(format!("{place}: {value} is no {}", types[0]));
+        return;
+    }
+    if let Value::Object(object) = value {
+        let names = schema["required"].as_array().into_iter().flatten().filter_map(Value::as_str);
+        for name in names.filter(|name| !object.contains_key(*name)) {
+            wrong.push(format!("{}: missing", below(name)));
+        }
+        for (name, value) in object {
+            match (schema["properties"].get(name), schema.get("additionalProperties")) {
+                (Some(schema), _) => walk(schema, value, &below(name), wrong),
+                (None, Some(schema)) => walk(schema, value, &below(name), wrong),
+                // An object without declared keys is open.
+                (None, None) if schema.get("properties").is_some() && types == ["object"] => {
+                    wrong.push(format!("{}: not declared", below(name)));
+                }
+                (None, None) => {}
+            }
+        }
+    }
+    if let (Value::Array(list), Some(items)) = (value, schema.get("items")) {
+        for (index, value) in list.iter().enumerate() {
+            walk(items, value, &below(&index.to_string()), wrong);
+        }
+    }
+}
+
+fn is_of(kind: &str, value: &Value) -> bool {
+    match kind {
+        "object" => value.is_object(),
+        "array" => value.is_array(),
+        "string" => value.is_string(),
+        "boolean" => value.is_boolean(),
+        "number" => value.is_number(),
+        "integer" => value.as_f64().is_some_and(|number| number.fract() == 0.0),
+        "null" => value.is_null(),
+        _ => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::column::{count, nested, number, word};
+    use super::*;
+
+    #[test]
+    fn nested_rows_and_keys_are_described_and_what_is_not_declared_is_found() {
+        let figures: [Column<()>; 2] =
+            [word("name", "", ""), number("control.gap_m", "gap", "m", 1, "Smallest gap")];
+        let laws: [Column<()>; 1] = [count("hits", "", "")];
+        let papers: [Column<()>; 2] = [word("paper", "", ""), nested("rows", Kind::List, "")];
+        let schema = Schema::new("x", "")
+            .rows("papers", "The papers", &papers)
+            .rows("papers.rows", "Their figures", &figures)
+            .rows("parts.*.laws", "Laws of each part", &laws)
+            .json();
+        let good = json!({
+            "schema_version": 1,
+            "papers": [{"paper": "a", "rows": [{"name": "b", "control": {"gap_m": 1.5}}]}],
+            "parts": {"low": {"laws": [{"hits": 3}]}},
+        });
+        assert_eq!(check(&schema, &good), [""; 0], "{schema:#}");
+        let bad = json!({
+            "schema_version": 2,
+            "papers": [{"paper": "a", "rows": [{"name": 1, "control": {}}], "more": 1}],
+            "parts": {"low": {"laws": [{"hits": 3.5}]}},
+        });
+        let mut wrong = check(&schema, &bad);
+        wrong.sort();
+        assert_eq!(
+            wrong,
+            [
+                "papers.0.more: not declared",
+                "papers.0.rows.0.control.gap_m: missing",
+                "papers.0.rows.0.name: 1 is no string",
+                "parts.low.laws.0.hits: 3.5 is no integer",
+                "schema_version: 2 is not 1",
+            ]
+        );
+    }
+}
