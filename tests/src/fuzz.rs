@@ -1,6 +1,7 @@
 //! One function for each reader of bytes from outside. None may panic on any input, and each reports the fault
 //! in one error. The targets in `fuzz/` call them with libFuzzer, a test calls them with mutated examples.
 
+use crate::storyboards;
 use messages::e2e::{Channel, Outcomes, profile7};
 use openscenario::variation::Variation;
 use openscenario::{Source, World};
@@ -19,7 +20,7 @@ pub struct Target {
 }
 
 /// All readers.
-pub const TARGETS: [Target; 10] = [
+pub const TARGETS: [Target; 11] = [
     Target { name: "scenario", read: scenario },
     Target { name: "speed_table", read: speed_table },
     Target { name: "road", read: road },
@@ -30,6 +31,7 @@ pub const TARGETS: [Target; 10] = [
     Target { name: "openscenario", read: openscenario },
     Target { name: "capture", read: capture },
     Target { name: "frame", read: frame },
+    Target { name: "storyboard", read: storyboard },
 ];
 
 /// Scenario files. An accepted one can be written and read again, and its law can be built.
@@ -111,15 +113,50 @@ pub fn openscenario(bytes: &[u8]) {
     if let Ok(variation) = Variation::open(path, &files) {
         assert!(!variation.is_empty() && !variation.get(variation.len() - 1).is_empty());
     }
-    let Ok(read) = openscenario::read::scenario(path, &files, &[]) else { return };
-    let entities = read.script.entities.len();
-    let Ok(mut world) = World::new(read.script) else { return };
-    for step in 0..20 {
-        world.step(step * 100_000_000);
+    drive(&files);
+}
+
+/// Storyboards that the bytes choose. A drive of 20 s stays finite, and goes on the same way from a
+/// checkpoint.
+pub fn storyboard(bytes: &[u8]) {
+    drive(&OneFile(&storyboards::file(bytes)));
+}
+
+/// Drives an accepted scenario beside an ego that keeps its speed. False when it was refused.
+fn drive(files: &OneFile<'_>) -> bool {
+    let Ok(read) = openscenario::read::scenario(Path::new("fuzz.xosc"), files, &[]) else {
+        return false;
+    };
+    let (ego, entities) = (read.script.ego, read.script.entities.len());
+    let Ok(mut world) = World::new(read.script.clone()) else { return false };
+    let mut other = World::new(read.script).expect("the same script");
+    let mut motion = world.motion(ego);
+    for step in 0..200_u64 {
+        let time_ns = step * 100_000_000;
+        if step == 100 {
+            other.restore(world.state().clone());
+        }
+        for world in [&mut world, &mut other] {
+            world.observe(ego, motion);
+            world.step(time_ns);
+        }
+        motion.s_m += 0.1 * motion.speed_mps;
+        for entity in 0..entities {
+            let it = world.motion(entity);
+            let figures = [
+                it.s_m,
+                it.t_m,
+                it.heading_rad,
+                it.speed_mps,
+                it.lateral_mps,
+                it.acceleration_mps2,
+            ];
+            assert!(figures.iter().all(|figure| figure.is_finite()), "step {step}: {it:?}");
+            assert!(it.speed_mps >= 0.0, "step {step}: {it:?}");
+            assert!(step < 100 || other.motion(entity) == it, "step {step}: {it:?}");
+        }
     }
-    for entity in 0..entities {
-        assert!(!world.motion(entity).s_m.is_nan() && !world.motion(entity).speed_mps.is_nan());
-    }
+    true
 }
 
 /// A file that every path of a scenario names.
@@ -146,4 +183,23 @@ pub fn frame(bytes: &[u8]) {
     let mut map = bytemuck::Zeroable::zeroed();
     let mut spat = bytemuck::Zeroable::zeroed();
     receiver.write(0, 0.0, &mut map, &mut spat);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_core::{Rng, SeedableRng};
+    use rand_pcg::Pcg64Mcg;
+
+    /// Most random storyboards must reach the moving world: otherwise the target tests the reader alone.
+    #[test]
+    fn most_random_storyboards_are_driven() {
+        let mut random = Pcg64Mcg::seed_from_u64(1);
+        let mut driven = 0;
+        for _ in 0..400 {
+            let bytes: Vec<u8> = (0..200).map(|_| (random.next_u32() >> 24) as u8).collect();
+            driven += u32::from(drive(&OneFile(&storyboards::file(&bytes))));
+        }
+        assert!(driven > 100, "{driven} of 400");
+    }
 }

@@ -4,6 +4,7 @@ pub mod browser;
 pub mod cases;
 pub mod fuzz;
 pub mod python;
+pub mod storyboards;
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};

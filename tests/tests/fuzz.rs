@@ -66,6 +66,7 @@ fn examples(name: &str) -> Vec<Vec<u8>> {
             let sent = units.at(0, start_ns, None).expect("there is room");
             sent.into_iter().map(|frame| frame.bytes).collect()
         }
+        "storyboard" => (0..20).map(|seed: u8| (0..240).map(|i: u8| i ^ seed).collect()).collect(),
         other => panic!("no example of {other}"),
     }
 }

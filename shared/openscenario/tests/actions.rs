@@ -247,3 +247,24 @@ fn entities_come_and_go() {
     near(lead.s_m, 10.0 + 40.0 + 30.0, 1e-6);
     near(lead.t_m, 2.0, 1e-9);
 }
+
+#[test]
+fn a_continuous_relative_speed_in_init_holds_from_the_first_step() {
+    for (value, kind, expected) in [(0.9, "factor", 18.0), (-3.0, "delta", 17.0)] {
+        let target = format!(
+            "<RelativeTargetSpeed entityRef=\"Ego\" value=\"{value}\" speedTargetValueType=\"{kind}\" continuous=\"true\"/>"
+        );
+        let init = private("Ego", &[&place(-1, 10.0), &speed("step", "time", 0.0, 20.0)])
+            + &private("Lead", &[&place(-1, 60.0), &speed_to("step", "time", 0.0, &target)]);
+        let mut run = Parts { init, ..Parts::default() }.run();
+        near(run.to(0.0).lead().speed_mps, expected, 1e-9);
+        near(run.to(1.0).lead().speed_mps, expected, 1e-9);
+    }
+}
+
+#[test]
+fn a_change_shorter_than_the_clock_is_done_at_once() {
+    let mut run = after(&speed("linear", "time", 1e-320, 10.0)).run();
+    near(run.to(1.0).lead().speed_mps, 10.0, 1e-9);
+    near(run.to(2.0).lead().s_m, 60.0 + 20.0 + 10.0, 1e-6);
+}

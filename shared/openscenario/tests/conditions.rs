@@ -162,3 +162,23 @@ fn any_and_all_of_several_entities() {
     first(&of("any"), 30.0, 0.0);
     never(&of("all"), 30.0);
 }
+
+#[test]
+fn a_headway_to_an_entity_behind_does_not_exist() {
+    let headway = |who: &str, other: &str, rule: &str| {
+        by_entity(
+            "none",
+            0.0,
+            who,
+            &format!(
+                "<TimeHeadwayCondition entityRef=\"{other}\" value=\"0.4\" freespace=\"false\" \
+                 coordinateSystem=\"road\" relativeDistanceType=\"longitudinal\" rule=\"{rule}\"/>"
+            ),
+        )
+    };
+    // The lead begins 50 m ahead; the ego's 100 m/s bring it past the lead after 0.625 s.
+    first(&headway("Ego", "Lead", "greaterThan"), 100.0, 0.0);
+    never(&headway("Lead", "Ego", "greaterThan"), 20.0);
+    never(&headway("Lead", "Ego", "lessThan"), 20.0);
+    first(&headway("Lead", "Ego", "greaterThan"), 100.0, 0.73);
+}

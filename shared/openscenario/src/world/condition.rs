@@ -130,14 +130,15 @@ impl World {
                 })
             }
             EntityTest::Distance { to, rule, value } => {
-                self.measure(entity, to).is_some_and(|(metres, _)| rule.holds(metres, *value))
+                self.measure(entity, to).is_some_and(|it| rule.holds(it.metres, *value))
             }
             EntityTest::Headway { to, rule, value } => self
                 .measure(entity, to)
-                .is_some_and(|(metres, _)| rule.holds(quotient(metres, motion.speed_mps), *value)),
+                .filter(|measure| !measure.is_behind)
+                .is_some_and(|it| rule.holds(quotient(it.metres, motion.speed_mps), *value)),
             EntityTest::TimeToCollision { to, rule, value } => self
                 .measure(entity, to)
-                .is_some_and(|(metres, closing)| rule.holds(quotient(metres, closing), *value)),
+                .is_some_and(|it| rule.holds(quotient(it.metres, it.closing_mps), *value)),
         }
     }
 
@@ -153,8 +154,8 @@ impl World {
         }
     }
 
-    /// Distance, m, and how fast it shrinks, m/s.
-    fn measure(&self, entity: usize, to: &Measured) -> Option<(f64, f64)> {
+    /// Measures from an entity to a target that is on the road.
+    fn measure(&self, entity: usize, to: &Measured) -> Option<Measure> {
         let own = self.motion(entity);
         let (body, far) = match &to.target {
             Target::Entity(other) => {
@@ -169,9 +170,25 @@ impl World {
             return None;
         }
         let ends = ((&self.script.entities[entity].body, &own), (body, &far));
-        let metres = distance(ends.0, ends.1, to.along, to.entity_axes, to.freespace);
-        Some((metres, closing(&own, &far, to)))
+        let measure = |along| distance(ends.0, ends.1, along, to.entity_axes, to.freespace);
+        let base = if to.entity_axes { own.heading_rad } else { 0.0 };
+        let forward = libm::cos(own.heading_rad - base).signum();
+        let (sin, cos) = (libm::sin(base), libm::cos(base));
+        let ahead_m = ((far.s_m - own.s_m) * cos + (far.t_m - own.t_m) * sin) * forward;
+        // Bodies that overlap along the road are neither ahead nor behind.
+        let is_behind = ahead_m < 0.0 && measure(Along::Longitudinal) > 0.0;
+        let closing_mps = closing(&own, &far, to);
+        Some(Measure { metres: measure(to.along), closing_mps, is_behind })
     }
+}
+
+/// A distance as a condition sees it.
+struct Measure {
+    metres: f64,
+    /// Rate at which it shrinks, m/s.
+    closing_mps: f64,
+    /// The target is behind the entity: there is no headway to it.
+    is_behind: bool,
 }
 
 /// How fast two points come nearer along a direction, m/s.

@@ -150,8 +150,11 @@ impl World {
                 shape.is_over(time_ns),
             ),
             Pace::Match { rate_mps2, .. } => {
-                let step = rate_mps2 * elapsed_s;
-                let speed = before + (reference - before).clamp(-step, step);
+                // An infinite rate times no time at all is not a number.
+                let speed = match rate_mps2.is_finite() {
+                    true => toward(before, reference, rate_mps2 * elapsed_s),
+                    false => reference,
+                };
                 (0.5 * (before + speed) * elapsed_s, speed, rate(before, speed, elapsed_s), false)
             }
         };
@@ -187,7 +190,7 @@ impl World {
         let wanted = (other + closing * error_m.signum()).clamp(0.0, limits.max_speed_mps);
         let up = limits.max_acceleration_mps2 * elapsed_s;
         let down = limits.max_deceleration_mps2 * elapsed_s;
-        let speed = before + (wanted - before).clamp(-down, up);
+        let speed = before + (wanted - before).max(-down).min(up);
         mover.roll(0.5 * (before + speed) * elapsed_s, speed, rate(before, speed, elapsed_s));
         let reached = error_m.abs() < REACHED_M && (speed - other).abs() < REACHED_MPS;
         if reached && !distance.continuous {
@@ -278,7 +281,7 @@ impl World {
             let s_m = a.1 + share * ds;
             let t_m = a.2 + share * dt;
             if timed && at >= corners[0].0 {
-                motion.speed_mps = libm::hypot(ds, dt) / (b.0 - a.0);
+                motion.speed_mps = (libm::hypot(ds, dt) / (b.0 - a.0)).min(MAX_SPEED_MPS);
                 motion.acceleration_mps2 = 0.0;
                 mover.odometer_m += libm::hypot(s_m - motion.s_m, t_m - motion.t_m);
             } else if timed {
@@ -332,6 +335,11 @@ impl Mover {
         motion.lateral_mps = 0.0;
         self.odometer_m += way_m.abs();
     }
+}
+
+/// The value nearest to `target` that is at most `step` from `from`.
+fn toward(from: f64, target: f64, step: f64) -> f64 {
+    from + (target - from).clamp(-step, step)
 }
 
 fn ratio(value: f64, whole: f64) -> f64 {

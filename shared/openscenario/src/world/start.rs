@@ -14,6 +14,10 @@ use crate::world::state::Motion;
 use crate::world::targets::reference;
 use crate::world::{World, WorldError};
 
+/// Shortest duration of a change, s: the clock's own step. A shorter one is done at once, because a time
+/// divided by it may overflow.
+const SHORTEST_S: f64 = 1e-9;
+
 /// A transition that takes no time.
 pub(super) fn is_immediate(transition: &Transition) -> bool {
     transition.shape == Shape::Step
@@ -178,7 +182,7 @@ impl World {
                         // All shapes are symmetric: the mean speed is the mean of both ends.
                         (_, Dimension::Distance) => 2.0 * transition.value / (from_mps + to_mps),
                     };
-                if duration_s <= 0.0 {
+                if duration_s < SHORTEST_S {
                     self.clear_pace(actor);
                     if !self.is_external(actor) {
                         self.state.movers[actor].motion.speed_mps = to_mps;
