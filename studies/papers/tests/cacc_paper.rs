@@ -140,9 +140,9 @@ fn joint_weights_reproduce_the_figures_but_one() {
 #[test]
 fn single_scenario_weights_reproduce_the_figures_but_three_durations() {
     let set = |scenario| match scenario {
-        'A' => weights::SCENARIO_A,
-        'C' => weights::SCENARIO_C,
-        _ => weights::TABLE_3,
+        'A' => cacc::weights::SCENARIO_A,
+        'C' => cacc::weights::SCENARIO_C,
+        _ => cacc::weights::TABLE_3,
     };
     let failed = failed_rows(set, cacc::TABLE_3_LEAD_SINGLE_MPS2, Calibration::Fitted);
     let durations = ["A.cacc.negative_s", "B.cacc.positive_longer_s", "C.acc.saturated_down_s"];

@@ -1,11 +1,11 @@
 //! `timegap synthesize`: designs a controller from its parameters, offline.
 
 use clap::{Args, ValueEnum};
-#[cfg(feature = "synthesize")]
-use controller::laws::quadratic_bounded::synthesis::{DesignRequest, SynthesisError, synthesize};
 use group::{Error, Failure};
 use std::path::PathBuf;
 use std::process::ExitCode;
+#[cfg(feature = "synthesize")]
+use synthesis::{DesignRequest, SynthesisError, synthesize};
 
 /// Arguments of `synthesize`.
 #[derive(Debug, Args)]

@@ -11,6 +11,7 @@ mod figures;
 mod panels;
 mod scenes;
 mod trajectory;
+pub mod weights;
 
 pub use claims::CLAIMS;
 pub use figures::{Calibration, PRINTED};
@@ -21,7 +22,7 @@ pub use trajectory::Runs;
 
 use super::row::Row;
 use super::runner::{Driven, Part, Runner, together};
-use controller::laws::cacc::weights::{self, Weights};
+use controller::laws::cacc::weights::Weights;
 use figures::Figure;
 use group::Error;
 use trajectory::Trajectory;

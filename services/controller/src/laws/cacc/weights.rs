@@ -35,14 +35,10 @@ pub struct Weights {
 
 /// One set for all scenarios; the reference closed loops were made with it.
 pub const JOINT: Weights = set(19.243, 135.712, 0.00159, 275_773.0, 108.5);
-/// Fitted to scenario A alone.
-pub const SCENARIO_A: Weights = set(19.5, 29.5, 1.29, 1.16e5, 43.8);
-/// Fitted to scenario C alone.
-pub const SCENARIO_C: Weights = set(1275.0, 9998.0, 0.001, 2.6e7, 306.0);
-/// Fitted to Table 3 alone (lead acceleration 2.594 m/s²).
-pub const TABLE_3: Weights = set(0.988, 0.516, 0.020, 1401.0, 37.5);
 
-const fn set(q1: f64, q2: f64, q3: f64, w: f64, d_th: f64) -> Weights {
+/// A set with `R` = 1, from `Q1`, `Q2`, `Q3`, `w` and `d_th`.
+#[must_use]
+pub const fn set(q1: f64, q2: f64, q3: f64, w: f64, d_th: f64) -> Weights {
     Weights {
         gap_error_per_m2: q1,
         speed_error_s2_per_m2: q2,

@@ -11,20 +11,29 @@ pub(super) const FORMAT: &str = "timegap quadratic-bounded design 1";
 /// Numbers of a design, before verification.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Content {
-    pub(super) parameters: Parameters,
-    pub(super) alpha: f64,
-    pub(super) multipliers: [f64; DISTURBANCES],
-    pub(super) p: [[f64; 2 * STATES]; 2 * STATES],
-    pub(super) rules: [RuleContent; RULES],
+pub struct Content {
+    /// What the design is for.
+    pub parameters: Parameters,
+    /// Rate of contraction.
+    pub alpha: f64,
+    /// Multipliers of the disturbances, a.
+    pub multipliers: [f64; DISTURBANCES],
+    /// P of the ellipsoid.
+    pub p: [[f64; 2 * STATES]; 2 * STATES],
+    /// Gains of the two rules.
+    pub rules: [RuleContent; RULES],
 }
 
 /// Gains of one rule, by rows.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct RuleContent {
-    pub(super) ac: [[f64; STATES]; STATES],
-    pub(super) l: [[f64; STATES]; STATES],
-    pub(super) fx: [f64; STATES],
-    pub(super) fy: [f64; STATES],
+pub struct RuleContent {
+    /// Ac.
+    pub ac: [[f64; STATES]; STATES],
+    /// L.
+    pub l: [[f64; STATES]; STATES],
+    /// Fx.
+    pub fx: [f64; STATES],
+    /// Fy.
+    pub fy: [f64; STATES],
 }

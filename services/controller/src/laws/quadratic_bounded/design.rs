@@ -66,7 +66,10 @@ impl Design {
     }
 
     /// Verifies numbers from wherever they come.
-    pub(super) fn verify(content: Content) -> Result<Self, DesignError> {
+    ///
+    /// # Errors
+    /// A parameter outside its range, or the condition and the rule that the numbers fail.
+    pub fn verify(content: Content) -> Result<Self, DesignError> {
         content.parameters.check().map_err(DesignError::Parameter)?;
         let verified = certificate::verify(&content).map_err(DesignError::Condition)?;
         Ok(Self { content, verified })

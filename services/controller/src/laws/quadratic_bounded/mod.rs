@@ -52,7 +52,7 @@
 //!
 //! # Design
 //!
-//! Gains are made offline, by semidefinite programming (feature `synthesize`), and come as a file
+//! Gains are made offline, by semidefinite programming (crate `synthesis`), and come as a file
 //! with their certificate. [`Design::load`] proves the certificate again, by Cholesky alone; a
 //! [`Design`] that is not proven does not exist.
 //!
@@ -73,8 +73,7 @@
 //!
 //! So within the certificate "large" cannot be more than about 1.3 m/s²: a harder law slows down
 //! long before the gap asks for it, and the gap then closes late or never. The command is
-//! `cargo test --release -p controller --features synthesize --test quadratic_bounded_synthesis --
-//! --nocapture`, with `--ignored search` for the search itself.
+//! `cargo test --release -p synthesis --features openblas -- --nocapture`, with `--ignored search` for the search itself.
 
 mod certificate;
 mod content;
@@ -86,10 +85,9 @@ mod law;
 mod model;
 mod printed;
 mod settings;
-#[cfg(feature = "synthesize")]
-pub mod synthesis;
 
 pub use certificate::{ClosedMatrix, ClosedState, Gains, closed_loop};
+pub use content::{Content, RuleContent};
 pub use design::Design;
 pub use error::{Condition, DesignError, Failure};
 pub use law::{Mode, QuadraticBounded};

@@ -15,25 +15,25 @@ use super::settings::BoundKeys;
 use truck_model::{GEARS, Truck};
 
 /// Gears that are planned with: the highest ones.
-pub(crate) const PLANNED_GEARS: usize = 3;
+pub const PLANNED_GEARS: usize = 3;
 /// The lowest of them.
-pub(crate) const LOWEST: usize = GEARS - PLANNED_GEARS;
+pub const LOWEST: usize = GEARS - PLANNED_GEARS;
 /// What being slower than the lowest wanted speed costs, g/s per m/s: a soft bound.
-pub(crate) const SLOWNESS_GPM: f64 = 1.0;
+pub const SLOWNESS_GPM: f64 = 1.0;
 /// Cost of what cannot be.
-pub(crate) const NEVER: f64 = 1e18;
+pub const NEVER: f64 = 1e18;
 
 /// What a step costs in addition to fuel.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Costs {
+pub struct Costs {
     /// beta, g/s.
-    pub(crate) time_gps: f64,
+    pub time_gps: f64,
     /// Of one shift, g.
-    pub(crate) shift_g: f64,
+    pub shift_g: f64,
     /// Below the lowest wanted speed: per second and m/s, g.
-    pub(crate) slow_gpm: f64,
+    pub slow_gpm: f64,
     /// The lowest wanted speed, m/s.
-    pub(crate) min_speed_mps: f64,
+    pub min_speed_mps: f64,
 }
 
 impl Costs {
@@ -46,35 +46,35 @@ impl Costs {
 
 /// One step of the road.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stage {
+pub struct Stage {
     /// Its length, m.
-    pub(crate) length_m: f64,
+    pub length_m: f64,
     /// R, N.
-    pub(crate) road_n: f64,
+    pub road_n: f64,
 }
 
 /// The best first step from somewhere.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Choice {
+pub struct Choice {
     /// Cost to the end, g.
-    pub(crate) cost_g: f64,
+    pub cost_g: f64,
     /// Kinetic energy at the step's end, J.
-    pub(crate) end_j: f64,
+    pub end_j: f64,
     /// Tractive force, N; below what the engine's drag gives where brakes must help.
-    pub(crate) force_n: f64,
+    pub force_n: f64,
     /// Gear, counted from 0.
-    pub(crate) gear: usize,
+    pub gear: usize,
 }
 
 /// Values at one place: cost to the end of the road, by gear and node, g.
-pub(crate) type Values = [Vec<f64>; PLANNED_GEARS];
+pub type Values = [Vec<f64>; PLANNED_GEARS];
 
 /// Nodes that are looked at side by side.
 const LANES: usize = 4;
 
 /// Grid, equidistant in kinetic energy.
 #[derive(Clone, Debug)]
-pub(crate) struct EnergyGrid {
+pub struct EnergyGrid {
     truck: Truck,
     bounds: BoundKeys,
     energy_j: Vec<f64>,
@@ -90,7 +90,7 @@ pub(crate) struct EnergyGrid {
 
 impl EnergyGrid {
     /// A grid of `nodes` without place yet: see [`span`](Self::span).
-    pub(crate) fn new(truck: &Truck, bounds: &BoundKeys, nodes: usize) -> Self {
+    pub fn new(truck: &Truck, bounds: &BoundKeys, nodes: usize) -> Self {
         let empty = vec![0.0; nodes];
         Self {
             truck: *truck,
@@ -106,7 +106,7 @@ impl EnergyGrid {
     }
 
     /// Lays the nodes between two speeds.
-    pub(crate) fn span(&mut self, low_mps: f64, high_mps: f64) {
+    pub fn span(&mut self, low_mps: f64, high_mps: f64) {
         let low_j = self.truck.kinetic_energy_j(low_mps);
         let high_j = self.truck.kinetic_energy_j(high_mps);
         let step_j = (high_j - low_j) / (self.len() - 1) as f64;
@@ -123,33 +123,35 @@ impl EnergyGrid {
     }
 
     /// Sets the prices.
-    pub(crate) fn set_costs(&mut self, costs: Costs) {
+    pub fn set_costs(&mut self, costs: Costs) {
         self.costs = costs;
         for (cost, &speed_mps) in self.end_cost_gpm.iter_mut().zip(&self.speed_mps) {
             *cost = costs.at_end_gpm(speed_mps);
         }
     }
 
-    pub(crate) fn len(&self) -> usize {
+    /// Number of nodes.
+    pub fn len(&self) -> usize {
         self.energy_j.len()
     }
 
-    pub(crate) fn energies_j(&self) -> &[f64] {
+    /// Energies of the nodes, in ascending order, J.
+    pub fn energies_j(&self) -> &[f64] {
         &self.energy_j
     }
 
     /// Lowest and highest energy, J.
-    pub(crate) fn range_j(&self) -> (f64, f64) {
+    pub fn range_j(&self) -> (f64, f64) {
         (self.energy_j[0], self.energy_j[self.len() - 1])
     }
 
     /// A step of the road.
-    pub(crate) fn stage(&self, length_m: f64, grade: f64) -> Stage {
+    pub fn stage(&self, length_m: f64, grade: f64) -> Stage {
         Stage { length_m, road_n: self.truck.road_resistance_n(grade) }
     }
 
     /// One step backwards: from the values at its end to those at its start.
-    pub(crate) fn backward(&mut self, stage: Stage, next: &Values, here: &mut Values) {
+    pub fn backward(&mut self, stage: Stage, next: &Values, here: &mut Values) {
         let nodes = self.len();
         for gear in 0..PLANNED_GEARS {
             self.look_ahead(stage, &next[gear], 0, nodes - 1);
@@ -220,7 +222,7 @@ impl EnergyGrid {
 
     /// The best step from any energy, in any gear, not only from node to node. A change of force from
     /// `before_n` costs `change_gpn` per newton.
-    pub(crate) fn choose(
+    pub fn choose(
         &mut self,
         stage: Stage,
         energy_j: f64,

@@ -26,30 +26,28 @@
 //! | accelerations, brakes | (17), (18) | `following` |
 //! | radar filter | | `target_filter` |
 //! | a car under this law | | `car_safety` |
-//! | whole trips, baselines, the full-route plan | the tables | [`route`] |
 
 mod beyond;
 mod car_safety;
 mod dynamic_programming;
-mod energy_grid;
+pub mod energy_grid;
 mod following;
 mod formulation;
 mod gear_curve;
 mod law;
-mod limiter;
+pub mod limiter;
 mod map_trust;
 mod paper_n2;
 mod plan_steps;
 mod planners;
-mod prices;
-mod reference;
+pub mod prices;
+pub mod reference;
 mod road_classes;
-pub mod route;
 mod settings;
 mod spacing;
-mod speed_band;
-mod speed_keeper;
-mod target_filter;
+pub mod speed_band;
+pub mod speed_keeper;
+pub mod target_filter;
 mod time_price;
 mod torque_bounds;
 mod tracking;

@@ -13,30 +13,24 @@ const STEP_M: f64 = 5.0;
 
 /// Speeds of the reference, m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Speeds {
+pub struct Speeds {
     /// That it keeps.
-    pub(crate) set_mps: f64,
+    pub set_mps: f64,
     /// At which it brakes.
-    pub(crate) limit_mps: f64,
+    pub limit_mps: f64,
     /// With which it starts: the real truck's.
-    pub(crate) start_mps: f64,
+    pub start_mps: f64,
 }
 
 /// The truck, driven in distance.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Reference {
+pub struct Reference {
     speed_mps: Option<f64>,
 }
 
 impl Reference {
     /// Drives on for `distance_m` of one grade; the time that it takes, s.
-    pub(crate) fn advance(
-        &mut self,
-        truck: &Truck,
-        distance_m: f64,
-        grade: f64,
-        speeds: &Speeds,
-    ) -> f64 {
+    pub fn advance(&mut self, truck: &Truck, distance_m: f64, grade: f64, speeds: &Speeds) -> f64 {
         let mut speed_mps = self.speed_mps.unwrap_or(speeds.start_mps).max(SLOWEST_MPS);
         let mut time_s = 0.0;
         let steps = (distance_m / STEP_M).ceil().max(1.0);
@@ -65,37 +59,4 @@ fn forces_n(truck: &Truck, speed_mps: f64) -> (f64, f64) {
         let (drag_nm, full_nm) = truck.net_torque_limits_nm(speed_mps, gear);
         (truck.force_n(drag_nm, gear), most_n.max(truck.force_n(full_nm, gear)))
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::laws::truck::route::{Cruise, Road, drive};
-    use truck_model::Preset;
-
-    /// The baseline of all savings, with the plant's engine, gearbox and shifts.
-    #[test]
-    fn it_takes_the_time_of_the_truck_that_keeps_its_speed() {
-        let (set_mps, limit_mps) = (75.0 / 3.6, 80.0 / 3.6);
-        let speeds = Speeds { set_mps, limit_mps, start_mps: set_mps };
-        let climb = [vec![0.0; 20], vec![0.03; 60], vec![-0.03; 60], vec![0.0; 20]].concat();
-        for (grades, faster) in [(vec![0.0; 100], 0.001), (climb, 0.08)] {
-            for preset in Preset::ALL {
-                let truck = Truck::preset(preset);
-                let road = Road::new(50.0, grades.clone());
-                let mut cruise = Cruise::new(&truck, set_mps, limit_mps);
-                let trip = drive(&truck, &road, set_mps, &mut cruise).expect("it gets there");
-                let mut reference = Reference::default();
-                let mut advance = |&grade| reference.advance(&truck, 50.0, grade, &speeds);
-                let time_s: f64 = grades.iter().map(&mut advance).sum();
-                let off = time_s / trip.time_s - 1.0;
-                assert!(
-                    (-faster..0.001).contains(&off),
-                    "{}: {time_s} s, {} s",
-                    preset.name(),
-                    trip.time_s
-                );
-            }
-        }
-    }
 }

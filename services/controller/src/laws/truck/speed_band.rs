@@ -22,11 +22,11 @@ impl SpeedBand {
 }
 
 /// Highest speed that is planned, m/s.
-pub(crate) fn max_speed_mps(keys: &BoundKeys, set_speed_mps: f64, speed_limit_mps: f64) -> f64 {
+pub fn max_speed_mps(keys: &BoundKeys, set_speed_mps: f64, speed_limit_mps: f64) -> f64 {
     (set_speed_mps + keys.above_set_kmh / 3.6).min(speed_limit_mps)
 }
 
 /// Lowest speed that is planned where the truck can hold it, m/s.
-pub(crate) fn min_speed_mps(keys: &BoundKeys, set_speed_mps: f64) -> f64 {
+pub fn min_speed_mps(keys: &BoundKeys, set_speed_mps: f64) -> f64 {
     set_speed_mps - keys.below_set_kmh / 3.6
 }

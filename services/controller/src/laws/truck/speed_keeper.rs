@@ -9,13 +9,13 @@ const INTEGRAL: f64 = 40.0;
 
 /// Keeps a speed.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct SpeedKeeper {
+pub struct SpeedKeeper {
     integral_nm: f64,
 }
 
 impl SpeedKeeper {
     /// Engine torque between drag and full load, N m, for the next `dt_s`.
-    pub(crate) fn torque_nm(
+    pub fn torque_nm(
         &mut self,
         truck: &Truck,
         (set_mps, speed_mps): (f64, f64),

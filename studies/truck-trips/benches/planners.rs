@@ -1,4 +1,4 @@
-//! How long planning takes: `cargo bench -p controller --bench planners`.
+//! How long planning takes: `cargo bench -p truck-trips --bench planners`.
 //!
 //! Requests along a generated road of 60 km, every 100 m, at the speeds that the law drives there: 2 km of
 //! preview each. Each is planned `REPEATS` times; its time is the median of these. The bound is solved
@@ -7,10 +7,10 @@
 use std::time::Instant;
 
 use controller::law::{Plan, PlanRequest};
-use controller::laws::truck::route::{Bound, Road};
 use controller::laws::truck::{PlannerKind, Settings, create};
 use scenario::grade::{Alignment, generate};
 use truck_model::{Preset, Truck};
+use truck_trips::{Bound, Road};
 
 /// Plans of each request.
 const REPEATS: usize = 11;

@@ -1,8 +1,8 @@
 //! One truck on one road: the fuel of each driver against constant speed, at equal trip time.
 
 use super::{Assisted, Bound, Cruise, Human, Map, Road, Trip, at_equal_time, drive};
-use crate::laws::truck::speed_band::max_speed_mps;
-use crate::laws::truck::{BoundKeys, Keys, PlannerKind, Prices, Settings};
+use controller::laws::truck::speed_band::max_speed_mps;
+use controller::laws::truck::{BoundKeys, Keys, PlannerKind, Prices, Settings};
 use truck_model::Truck;
 
 /// Range of the mean speed over the set speed in which equal trip time is looked for.

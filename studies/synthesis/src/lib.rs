@@ -1,4 +1,11 @@
-//! From parameters to a certified design, by semidefinite programming (feature `synthesize`).
+//! From parameters to a certified design of the law `quadratic-bounded`, by semidefinite programming.
+//!
+//! The law verifies each design that it loads; it does not need this crate. The crate is empty without the feature
+//! `openblas`, since its solver needs that library. `timegap synthesize` runs it.
+//!
+//! ```text
+//! DesignRequest (TOML) ──► line search over alpha ──► semidefinite program ──► Design, verified
+//! ```
 //!
 //! Unknown are X, Y (symmetric, 4 by 4), per rule Ah_i, Bh_i, Ch_i, Dh_i, and multipliers a, b >= 0;
 //! alpha and beta are fixed in each solve. With Theta = [[X, I], [I, Y]] > 0 and everything scaled by
@@ -21,12 +28,12 @@
 //! Alpha, the rate at which the ellipsoid contracts, enters the problem nonlinearly: a line search
 //! comes down from the greatest and ends at the first alpha with a certified design.
 
+#![cfg(feature = "openblas")]
+
 mod program;
 
-use super::design::Design;
-use super::error::DesignError;
-use super::model::{Parameters, STATES};
-use crate::settings::SettingError;
+use controller::laws::quadratic_bounded::{Design, DesignError, Parameters, STATES};
+use controller::settings::SettingError;
 use program::Problem;
 use serde::Deserialize;
 

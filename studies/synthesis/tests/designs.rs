@@ -1,26 +1,30 @@
 //! Synthesis of designs: the shipped ones again, what cannot be had, and how hard a certified
 //! design can brake for a car that cuts in.
 //!
-//! `cargo test --release -p controller --features synthesize --test quadratic_bounded_synthesis`
-#![cfg(feature = "synthesize")]
+//! `cargo test --release -p synthesis --features openblas`
+#![cfg(feature = "openblas")]
 
-#[path = "quadratic_bounded/plant.rs"]
+#[path = "../../../services/controller/tests/quadratic_bounded/plant.rs"]
 mod plant;
-#[path = "quadratic_bounded/scenario.rs"]
+#[path = "../../../services/controller/tests/quadratic_bounded/scenario.rs"]
 mod scenario;
 
-use controller::laws::quadratic_bounded::synthesis::{
-    DesignRequest, Options, SynthesisError, synthesize,
-};
 use controller::laws::quadratic_bounded::{Design, Parameters, Settings};
 use scenario::{CUT_IN, DEPART, FOLLOW, KMH, first, run};
+use synthesis::{DesignRequest, Options, SynthesisError, synthesize};
 
-const SHIPPED: &str =
-    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/quadratic-bounded.toml"));
-const FIRM: &str =
-    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/quadratic-bounded-firm.toml"));
-const FIRM_DESIGN: &str =
-    include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/designs/quadratic-bounded-firm.json"));
+const SHIPPED: &str = include_str!(concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../services/controller/designs/quadratic-bounded.toml"
+));
+const FIRM: &str = include_str!(concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../services/controller/designs/quadratic-bounded-firm.toml"
+));
+const FIRM_DESIGN: &str = include_str!(concat!(
+    env!("CARGO_MANIFEST_DIR"),
+    "/../../services/controller/designs/quadratic-bounded-firm.json"
+));
 
 fn design(request: &DesignRequest) -> Design {
     synthesize(request).expect("these bounds can be met").design
@@ -196,7 +200,7 @@ fn a_certified_design_that_brakes_harder_in_the_cut_in() {
 }
 
 /// The search itself, 480 designs in about two minutes:
-/// `cargo test --release -p controller --features synthesize -- --ignored search --nocapture`
+/// `cargo test --release -p synthesis --features openblas -- --ignored search --nocapture`
 #[test]
 #[ignore = "two minutes; its result is the test above"]
 fn search_for_harder_braking() {

@@ -6,7 +6,7 @@
 //! a constant speed on the paper's road, 4 km/h 2.8 to 3.6 %. Slowdowns stand for traffic: one in 30 km, by 8 km/h.
 
 use super::{CONTROL_PERIOD_S, Driver, Seen};
-use crate::laws::truck::limiter;
+use controller::laws::truck::limiter;
 use rand_pcg::Pcg64;
 use truck_model::{Demand, Truck};
 

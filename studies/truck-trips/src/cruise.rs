@@ -1,8 +1,8 @@
 //! Constant speed: the PI cruise control that savings are counted from.
 
 use super::{CONTROL_PERIOD_S, Driver, Seen};
-use crate::laws::truck::limiter;
-use crate::laws::truck::speed_keeper::SpeedKeeper;
+use controller::laws::truck::limiter;
+use controller::laws::truck::speed_keeper::SpeedKeeper;
 use truck_model::{Demand, Truck};
 
 /// PI cruise at constant speed.

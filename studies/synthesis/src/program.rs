@@ -1,16 +1,14 @@
 //! The semidefinite program of one alpha: its rows, its solution, the gains.
 
 use super::{Options, TrialFailure};
-use crate::laws::quadratic_bounded::content::{Content, RuleContent};
-use crate::laws::quadratic_bounded::design::Design;
-use crate::laws::quadratic_bounded::error::DesignError;
-use crate::laws::quadratic_bounded::model::{
-    DISTURBANCES, DisturbanceMatrix, Parameters, RULES, STATES, State, StateMatrix,
-};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{
     DefaultSettingsBuilder, DefaultSolver, IPSolver, NonnegativeConeT, PSDTriangleConeT,
     SolverStatus, SupportedConeT,
+};
+use controller::laws::quadratic_bounded::{
+    Content, DISTURBANCES, Design, DesignError, DisturbanceMatrix, Parameters, RULES, RuleContent,
+    STATES, State, StateMatrix,
 };
 use nalgebra::{DMatrix, SMatrix};
 // Linked for clarabel's cone, not called.

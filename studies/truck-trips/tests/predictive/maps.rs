@@ -5,9 +5,9 @@ use crate::roads::{SET_MPS, generated};
 use controller::law::{
     Ego, Input, Law, Output, Plan, PlanRequest, Planner, Planning, Powertrain, Preview, Quality,
 };
-use controller::laws::truck::route::{Assisted, Map, Road, drive};
 use controller::laws::truck::{PlannerKind, Predictive, Settings};
 use truck_model::{Preset, Truck};
+use truck_trips::{Assisted, Map, Road, drive};
 
 const CRUISE: u32 = 0;
 const PREDICTIVE: u32 = 1;

@@ -1,6 +1,6 @@
 //! The road that a trip is driven on.
 
-use crate::law::{MAX_CELLS, Preview};
+use controller::law::{MAX_CELLS, Preview};
 use scenario::grade::GradeProfile;
 
 /// Length of a cell of a profile, m.

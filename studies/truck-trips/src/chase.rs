@@ -2,7 +2,7 @@
 
 use super::road::Road;
 use super::trip::{CONTROL_PERIOD_S, Driver, SUBSTEPS, Seen};
-use crate::law::Target;
+use controller::law::Target;
 use rand_pcg::Pcg64;
 use truck_model::{Motion, Truck};
 

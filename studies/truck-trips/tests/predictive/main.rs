@@ -3,5 +3,6 @@
 mod following;
 mod maps;
 mod planners;
+mod reference;
 mod roads;
 mod savings;

@@ -1,13 +1,13 @@
 //! The bound: a dynamic program over the whole route, driven.
 
 use super::{Driver, Road, Seen};
-use crate::laws::truck::BoundKeys;
-use crate::laws::truck::energy_grid::{
+use controller::laws::truck::BoundKeys;
+use controller::laws::truck::energy_grid::{
     Costs, EnergyGrid, LOWEST, PLANNED_GEARS, SLOWNESS_GPM, Values,
 };
-use crate::laws::truck::limiter;
-use crate::laws::truck::prices::Prices;
-use crate::laws::truck::speed_band::min_speed_mps;
+use controller::laws::truck::limiter;
+use controller::laws::truck::prices::Prices;
+use controller::laws::truck::speed_band::min_speed_mps;
 use truck_model::{Demand, GEARS, Truck};
 
 /// Lowest speed of the grid, as a share of the set speed.

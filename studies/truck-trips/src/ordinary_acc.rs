@@ -5,9 +5,9 @@
 
 use super::chase::Follower;
 use super::{CONTROL_PERIOD_S, Driver, Seen};
-use crate::law::Target;
-use crate::laws::truck::limiter;
-use crate::laws::truck::target_filter::{Estimate, TargetFilter};
+use controller::law::Target;
+use controller::laws::truck::limiter;
+use controller::laws::truck::target_filter::{Estimate, TargetFilter};
 use truck_model::{Demand, Truck};
 
 /// Gap at standstill, m, and time headway, s.

@@ -2,8 +2,8 @@
 
 use super::chase::Follower;
 use super::{CONTROL_PERIOD_S, Driver, Road, Seen};
-use crate::law::{Ego, Input, Law, Output, Plan, Planner, Planning, Powertrain, Target};
-use crate::laws::truck::{Predictive, Settings};
+use controller::law::{Ego, Input, Law, Output, Plan, Planner, Planning, Powertrain, Target};
+use controller::laws::truck::{Predictive, Settings};
 use truck_model::Demand;
 
 /// Control cycles from a request to its plan's effect, as in the real loop.
@@ -118,8 +118,8 @@ impl Follower for Assisted {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::laws::truck::PlannerKind;
-    use crate::laws::truck::route::drive;
+    use crate::drive;
+    use controller::laws::truck::PlannerKind;
     use truck_model::{Preset, Truck};
 
     /// The lag against the set speed is the road's for a good part.
