@@ -1,11 +1,13 @@
-//! The figures that a sweep follows, and what several seeds make of each.
+//! The figures that a sweep follows, and how several seeds become one.
 
+use report::results::{Column, count, number};
 use report::summary::Summary;
+use serde_json::Value;
 
 /// How a figure of several seeds becomes one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fold {
-    /// The mean.
+    /// The mean, with its spread.
     Mean,
     /// The smallest: the worst of what must not be small.
     Least,
@@ -15,11 +17,9 @@ pub enum Fold {
 
 /// A figure of a run.
 pub struct Figure {
-    /// Name in results.
-    pub name: &'static str,
-    /// Heading of its column, with the unit.
-    pub heading: &'static str,
-    /// Panel of the picture that it is drawn in, with the unit; a count has none.
+    /// Its column.
+    pub column: Column<Value>,
+    /// Panel of the picture that shows it.
     pub panel: &'static str,
     /// Name in the legend of its panel.
     pub label: &'static str,
@@ -29,123 +29,224 @@ pub struct Figure {
     pub of: fn(&Summary) -> Option<f64>,
 }
 
-/// Name of how often the emergency brake had to help.
-pub const INTERVENTIONS: &str = "interventions";
-const GAP_ERROR: &str = "gap error, m";
-const TIME_GAP: &str = "time gap, s";
-const JERK: &str = "jerk, m/s³";
-
-/// All figures, in the order of the columns. None of them depends on the wall clock in lockstep.
-pub const ALL: [Figure; 16] = [
-    figure("rms_gap_error_m", "gap error rms, m", GAP_ERROR, "rms", Fold::Mean, |summary| {
-        summary.control.figures.rms_gap_error_m
-    }),
-    figure("max_abs_gap_error_m", "largest, m", GAP_ERROR, "largest", Fold::Most, |summary| {
-        summary.control.figures.max_abs_gap_error_m
-    }),
-    figure("rms_jerk_mps3", "jerk rms, m/s³", JERK, "rms", Fold::Mean, |summary| {
-        summary.control.figures.rms_jerk_mps3
-    }),
-    figure("max_abs_jerk_mps3", "largest, m/s³", JERK, "largest", Fold::Most, |summary| {
-        summary.control.figures.max_abs_jerk_mps3
-    }),
-    figure("min_gap_m", "min gap, m", "smallest gap, m", "smallest gap", Fold::Least, |summary| {
-        summary.control.figures.min_gap_m
-    }),
-    figure(
-        "min_ttc_s",
-        "min TTC, s",
-        "smallest time to collision, s",
-        "smallest",
-        Fold::Least,
-        |s| s.control.figures.min_ttc_s,
-    ),
-    figure("min_time_gap_s", "min time gap, s", TIME_GAP, "shortest", Fold::Least, |summary| {
-        summary.control.following.min_time_gap_s
-    }),
-    figure("median_time_gap_s", "median, s", TIME_GAP, "median", Fold::Mean, |summary| {
-        summary.control.following.median_time_gap_s
-    }),
-    figure(
-        "stop_line_crossing_s",
-        "crossing, s",
-        "stop line crossed, s",
-        "crossed",
-        Fold::Mean,
-        |s| s.control.figures.stop_line_crossing_s,
-    ),
-    figure("fuel_l_per_100km", "L/100 km", "fuel, L/100 km", "fuel", Fold::Mean, |summary| {
-        summary.control.figures.fuel_l_per_100km
-    }),
-    figure(
-        "wheel_energy_kwh_per_100km",
-        "kWh/100 km",
-        "energy at the wheels, kWh/100 km",
-        "energy",
-        Fold::Mean,
-        |s| s.control.figures.wheel_energy_kwh_per_100km,
-    ),
-    figure(
-        INTERVENTIONS,
-        "emergency brakings",
-        "emergency brakings",
-        "brakings",
-        Fold::Most,
-        |s| s.aebs.interventions.map(|times| times as f64),
-    ),
-    figure("stops", "stops", "stops", "stops", Fold::Mean, |summary| {
-        summary.control.figures.stops.map(|stops| stops as f64)
-    }),
-    figure("data_age_p50_ms", "data age, ms", "median data age, ms", "median", Fold::Mean, |s| {
-        s.timing.data_age_us.map(|age| age.p50 / 1e3)
-    }),
-    figure("deadline_misses", "missed", "deadlines missed", "missed", Fold::Mean, |summary| {
-        summary.timing.deadline_misses.map(|misses| misses as f64)
-    }),
-    figure(
-        "undelivered_commands",
-        "undelivered",
-        "commands not delivered",
-        "commands",
-        Fold::Mean,
-        |s| s.timing.undelivered_commands.map(|commands| commands as f64),
-    ),
-];
-
-const fn figure(
-    name: &'static str,
-    heading: &'static str,
-    panel: &'static str,
-    label: &'static str,
-    fold: Fold,
-    of: fn(&Summary) -> Option<f64>,
-) -> Figure {
-    Figure { name, heading, panel, label, fold, of }
+impl Figure {
+    /// Name in results.
+    pub fn name(&self) -> &str {
+        &self.column.head.name
+    }
 }
 
+/// Name of the number of interventions of the emergency brake.
+pub const INTERVENTIONS: &str = "interventions";
+/// Number of figures.
+pub const COUNT: usize = 16;
+const KWH: &str = "kWh/100 km";
+
+/// All figures, in the order of the columns. None of them depends on the wall clock in lockstep.
+pub static ALL: [Figure; COUNT] = [
+    Figure {
+        column: number(
+            "rms_gap_error_m",
+            "gap error rms",
+            "m",
+            2,
+            "Root mean square of the gap error",
+        )
+        .less(),
+        panel: "gap error",
+        label: "rms",
+        fold: Fold::Mean,
+        of: |s| s.control.figures.rms_gap_error_m,
+    },
+    Figure {
+        column: number("max_abs_gap_error_m", "max gap error", "m", 2, "Largest gap error")
+            .less()
+            .weight(3),
+        panel: "gap error",
+        label: "largest",
+        fold: Fold::Most,
+        of: |s| s.control.figures.max_abs_gap_error_m,
+    },
+    Figure {
+        column: number("rms_jerk_mps3", "jerk rms", "m/s³", 2, "Root mean square of the jerk")
+            .less()
+            .weight(1),
+        panel: "jerk",
+        label: "rms",
+        fold: Fold::Mean,
+        of: |s| s.control.figures.rms_jerk_mps3,
+    },
+    Figure {
+        column: number("max_abs_jerk_mps3", "max jerk", "m/s³", 2, "Largest magnitude of the jerk")
+            .less()
+            .weight(3),
+        panel: "jerk",
+        label: "largest",
+        fold: Fold::Most,
+        of: |s| s.control.figures.max_abs_jerk_mps3,
+    },
+    Figure {
+        column: number("min_gap_m", "min gap", "m", 2, "Smallest gap to the vehicle ahead").more(),
+        panel: "smallest gap",
+        label: "smallest gap",
+        fold: Fold::Least,
+        of: |s| s.control.figures.min_gap_m,
+    },
+    Figure {
+        column: number("min_ttc_s", "min TTC", "s", 2, "Smallest time to collision")
+            .more()
+            .weight(1),
+        panel: "smallest time to collision",
+        label: "smallest",
+        fold: Fold::Least,
+        of: |s| s.control.figures.min_ttc_s,
+    },
+    Figure {
+        column: number("min_time_gap_s", "min time gap", "s", 2, "Smallest time gap")
+            .more()
+            .weight(1),
+        panel: "time gap",
+        label: "shortest",
+        fold: Fold::Least,
+        of: |s| s.control.following.min_time_gap_s,
+    },
+    Figure {
+        column: number("median_time_gap_s", "median time gap", "s", 2, "Median time gap").weight(3),
+        panel: "time gap",
+        label: "median",
+        fold: Fold::Mean,
+        of: |s| s.control.following.median_time_gap_s,
+    },
+    Figure {
+        column: number(
+            "stop_line_crossing_s",
+            "crossing",
+            "s",
+            2,
+            "Time at which a stop line was crossed",
+        )
+        .weight(1),
+        panel: "stop line crossed",
+        label: "crossed",
+        fold: Fold::Mean,
+        of: |s| s.control.figures.stop_line_crossing_s,
+    },
+    Figure {
+        column: number("fuel_l_per_100km", "fuel", "L/100 km", 2, "Fuel").less().weight(2),
+        panel: "fuel",
+        label: "fuel",
+        fold: Fold::Mean,
+        of: |s| s.control.figures.fuel_l_per_100km,
+    },
+    Figure {
+        column: number("wheel_energy_kwh_per_100km", "wheels", KWH, 2, "Energy at the wheels")
+            .less()
+            .weight(2),
+        panel: "energy at the wheels",
+        label: "energy",
+        fold: Fold::Mean,
+        of: |s| s.control.figures.wheel_energy_kwh_per_100km,
+    },
+    Figure {
+        column: count(INTERVENTIONS, "emergency brakings", "Interventions of the emergency brake")
+            .less()
+            .weight(1),
+        panel: "emergency brakings",
+        label: "brakings",
+        fold: Fold::Most,
+        of: |s| s.aebs.interventions.map(|times| times as f64),
+    },
+    Figure {
+        column: number("stops", "stops", "", 2, "Times that the vehicle came to a stand")
+            .less()
+            .weight(3),
+        panel: "stops",
+        label: "stops",
+        fold: Fold::Mean,
+        of: |s| s.control.figures.stops.map(|stops| stops as f64),
+    },
+    Figure {
+        column: number(
+            "data_age_p50_ms",
+            "data age",
+            "ms",
+            2,
+            "Median age of the radar data behind an actuation",
+        )
+        .weight(2),
+        panel: "median data age",
+        label: "median",
+        fold: Fold::Mean,
+        of: |s| s.timing.data_age_us.map(|age| age.p50 / 1e3),
+    },
+    Figure {
+        column: number(
+            "deadline_misses",
+            "deadlines missed",
+            "",
+            2,
+            "Control cycles that ended late",
+        )
+        .less()
+        .weight(1),
+        panel: "deadlines missed",
+        label: "missed",
+        fold: Fold::Mean,
+        of: |s| s.timing.deadline_misses.map(|misses| misses as f64),
+    },
+    Figure {
+        column: number(
+            "undelivered_commands",
+            "undelivered",
+            "",
+            2,
+            "Commands that did not reach the plant",
+        )
+        .less()
+        .weight(2),
+        panel: "commands not delivered",
+        label: "commands",
+        fold: Fold::Mean,
+        of: |s| s.timing.undelivered_commands.map(|commands| commands as f64),
+    },
+];
+
 /// The figures of one run or point, in the order of [`ALL`].
-pub type Values = [Option<f64>; ALL.len()];
+pub type Values = [Option<f64>; COUNT];
 
 /// The figures of a run.
 pub fn values(summary: &Summary) -> Values {
     std::array::from_fn(|index| (ALL[index].of)(summary))
 }
 
+/// Several seeds as one figure.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Folded {
+    /// The mean, or the worst.
+    pub value: Option<f64>,
+    /// Standard deviation over the seeds, of a sample; none of fewer than two seeds.
+    pub deviation: Option<f64>,
+    /// Seeds in which the figure applies.
+    pub n: usize,
+}
+
 impl Fold {
-    /// The one figure that stands for those of several seeds; a seed in which it does not apply is
-    /// left out.
-    pub fn over(self, values: impl Iterator<Item = Option<f64>>) -> Option<f64> {
-        let (mut count, mut folded) = (0_u32, None);
-        for value in values.flatten() {
-            count += 1;
-            folded = Some(match (self, folded) {
-                (_, None) => value,
-                (Self::Mean, Some(sum)) => sum + value,
-                (Self::Least, Some(least)) => value.min(least),
-                (Self::Most, Some(most)) => value.max(most),
-            });
+    /// The figure that stands for those of several seeds. A seed in which it does not apply is left out.
+    pub fn over(self, values: impl Iterator<Item = Option<f64>>) -> Folded {
+        let values: Vec<f64> = values.flatten().collect();
+        let n = values.len();
+        if n == 0 {
+            return Folded::default();
         }
-        if self == Self::Mean { folded.map(|sum: f64| sum / f64::from(count)) } else { folded }
+        let mean = values.iter().sum::<f64>() / n as f64;
+        let squares = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
+        let value = match self {
+            Self::Mean => mean,
+            Self::Least => values.iter().copied().fold(f64::INFINITY, f64::min),
+            Self::Most => values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+        };
+        let deviation = (n > 1).then(|| (squares / (n - 1) as f64).sqrt());
+        Folded { value: Some(value), deviation, n }
     }
 }
 
@@ -154,18 +255,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn seeds_are_folded_to_the_mean_or_the_worst() {
+    fn seeds_are_folded_to_the_mean_with_its_spread_or_to_the_worst() {
         let seeds = [Some(1.0), None, Some(4.0)];
-        assert_eq!(Fold::Mean.over(seeds.into_iter()), Some(2.5));
-        assert_eq!(Fold::Least.over(seeds.into_iter()), Some(1.0));
-        assert_eq!(Fold::Most.over(seeds.into_iter()), Some(4.0));
-        assert_eq!(Fold::Mean.over([None].into_iter()), None);
+        let mean = Fold::Mean.over(seeds.into_iter());
+        assert_eq!((mean.value, mean.n), (Some(2.5), 2));
+        assert!((mean.deviation.expect("two seeds") - 4.5_f64.sqrt()).abs() < 1e-12);
+        assert_eq!(Fold::Least.over(seeds.into_iter()).value, Some(1.0));
+        assert_eq!(Fold::Most.over(seeds.into_iter()).value, Some(4.0));
+        assert_eq!(Fold::Mean.over([None].into_iter()), Folded::default());
     }
 
     #[test]
     fn names_are_different() {
         for (index, figure) in ALL.iter().enumerate() {
-            assert!(ALL[..index].iter().all(|other| other.name != figure.name));
+            assert!(ALL[..index].iter().all(|other| other.name() != figure.name()));
         }
     }
 }

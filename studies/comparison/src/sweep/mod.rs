@@ -1,4 +1,9 @@
-//! `timegap sweep`: what a key of the scenario does to the drive.
+//! `timegap sweep`: figures of a drive as functions of keys of its scenario.
+//!
+//! ```text
+//! KEY=A..B/STEP ─┐
+//! KEY=a,b,c ─────┴─ grid ─ seeds ─► runs ─ fold over the seeds ─► points ─► curves
+//! ```
 //!
 //! Every point of the grid is a run of its own. In lockstep delays, jitter and misses are emulated
 //! exactly, so that the same sweep gives the same bytes, in one go or in parts.
@@ -9,14 +14,16 @@ mod results;
 mod words;
 
 use clap::Args;
-use frame::batch::{self, Job, ProcessesSample, Source};
+pub use results::schema;
+
+use frame::batch::{self, Done, Job};
 use frame::param::{self, Param, ValuesError};
-use frame::parts::{self, Merged, Part, PartOptions, Study, name_incomplete};
+use frame::parts::{self, PartOptions};
+use frame::{Found, Needs, Options, Study};
 use group::{Error, Failure, GroupOptions, ModeName, ScenarioOptions};
-use report::output::{OutputDirectory, OutputOptions};
-use report::print;
+use report::results::{Document, ResultOptions};
 use results::{Run, Sweep};
-use runtime::report::Outcome;
+use runtime::Mode;
 use scenario::Scenario;
 use std::num::NonZeroUsize;
 use std::process::ExitCode;
@@ -24,7 +31,7 @@ use std::process::ExitCode;
 /// Most runs of a sweep.
 const MAX_RUNS: usize = 100_000;
 
-/// Words that the parts have said already, by their names.
+/// Options that a merge takes from the parts.
 const WITHOUT_MERGE: [&str; 9] =
     ["scenario", "params", "seeds", "controller", "seed", "duration", "set", "mode", "jobs"];
 
@@ -33,10 +40,10 @@ const WITHOUT_MERGE: [&str; 9] =
 #[command(mut_arg("merge", |merge| merge.conflicts_with_all(WITHOUT_MERGE).conflicts_with_all(parts::OF_RUNS)))]
 pub struct SweepArguments {
     /// Name of a built-in scenario (see `timegap list`), or a TOML file
-    #[arg(required_unless_present = "merge")]
+    #[arg(required_unless_present_any = ["merge", "resume"])]
     pub scenario: Option<String>,
     /// A key and its values: `KEY=A..B/STEP` or `KEY=a,b,c`; given again: their grid
-    #[arg(long = "param", value_name = "KEY=VALUES", required_unless_present = "merge")]
+    #[arg(long = "param", value_name = "KEY=VALUES", required_unless_present_any = ["merge", "resume"])]
     pub params: Vec<String>,
     /// Seeds, by commas or as A..B; every point is run with each
     #[arg(long, value_name = "SEEDS", conflicts_with = "seed")]
@@ -50,28 +57,31 @@ pub struct SweepArguments {
     /// Runs at once [default: one per core; 1 in realtime]
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
-    /// A part of the sweep, or parts put together.
+    /// Parts of the sweep.
     #[command(flatten)]
     pub parts: PartOptions,
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
-    /// Where the results go, and in which form.
+    /// Where the results go, and in which forms.
     #[command(flatten)]
-    pub output: OutputOptions,
-    /// Print the points as JSON, and nothing else, on standard output
-    #[arg(long)]
-    pub json: bool,
+    pub results: ResultOptions,
 }
 
 /// Runs the command.
+///
+/// # Errors
+/// A scenario, key or grid that cannot be driven, else as [`frame::study::run`].
 pub fn run(arguments: &SweepArguments) -> Result<ExitCode, Error> {
-    if arguments.parts.merge.is_empty() { drive(arguments) } else { merge(arguments) }
+    frame::study::run::<Grid>(arguments)
 }
 
-/// What is swept.
-struct Plan {
+/// The study: each point of the grid with each seed.
+struct Grid {
+    /// Name of the scenario, or its file, as on the command line.
     scenario: String,
+    options: ScenarioOptions,
+    mode: Mode,
     params: Vec<Param>,
     /// The keys of each run.
     points: Vec<Vec<String>>,
@@ -81,15 +91,33 @@ struct Plan {
     first: Scenario,
 }
 
-impl Plan {
+fn open(scenario: &str, options: &ScenarioOptions, keys: &[String]) -> Result<Scenario, Error> {
+    group::open_with(scenario, options, "--param", keys)
+}
+
+impl Study for Grid {
+    type Arguments = SweepArguments;
+    type Record = Run;
+    type Seen = ();
+
+    const NAME: &'static str = "sweep";
+    const NEEDS: Needs = Needs::Any;
+
+    fn options(arguments: &SweepArguments) -> Options<'_> {
+        let SweepArguments { parts, jobs, group, results, .. } = arguments;
+        Options { parts: Some(parts), jobs: *jobs, group, results }
+    }
+
     /// Everything is read before anything runs; the scenarios are made again when their turn comes.
-    fn of(arguments: &SweepArguments) -> Result<Self, Error> {
+    fn plan(arguments: &SweepArguments) -> Result<Self, Error> {
         let (params, points) = points(arguments)?;
+        let (mode, options) = (arguments.mode.into(), arguments.scenario_options.clone());
+        let argument = arguments.scenario.clone().unwrap_or_default();
         let mut controllers: Vec<String> = Vec::new();
         let mut first = None;
         for keys in &points {
-            let scenario = open(arguments, keys)?;
-            batch::check(&scenario, arguments.mode.into(), &arguments.group)?;
+            let scenario = open(&argument, &options, keys)?;
+            batch::check(&scenario, mode, &arguments.group)?;
             let name = scenario.controller.name.as_str();
             if !controllers.iter().any(|known| known == name) {
                 controllers.push(name.to_owned());
@@ -97,99 +125,51 @@ impl Plan {
             first.get_or_insert(scenario);
         }
         let first = first.expect("a grid has a point");
-        let scenario = arguments.scenario.clone().unwrap_or_default();
-        Ok(Self { scenario, params, points, controllers, first })
+        Ok(Self { scenario: argument, options, mode, params, points, controllers, first })
     }
-}
 
-fn open(arguments: &SweepArguments, keys: &[String]) -> Result<Scenario, Error> {
-    let name = arguments.scenario.as_deref().unwrap_or_default();
-    group::open_with(name, &arguments.scenario_options, "--param", keys)
-}
+    fn runs(&self) -> usize {
+        self.points.len()
+    }
 
-/// Does the runs that are left of this part.
-fn drive(arguments: &SweepArguments) -> Result<ExitCode, Error> {
-    let plan = Plan::of(arguments)?;
-    let mode = arguments.mode.into();
-    let study = Study::of_this_command(plan.points.len(), &plan.first);
-    let (mut part, output) = Part::<Run>::open(&arguments.parts, &arguments.output, study)?;
-    let left = part.left();
-    let bar = report::progress::count_bar(part.runs(), arguments.json);
-    bar.set_message(format!("sweep {}", plan.first.name.as_str()));
-    bar.set_position((part.runs() - left.len()) as u64);
-    let repeated = part.repeated(&left, plan.first.seed.value());
-    let at_once = batch::at_once(arguments.jobs, mode);
-    let make = |index: usize| {
-        let scenario = open(arguments, &plan.points[left[index]])?;
-        Ok(Job { scenario, mode, sample_every: None, record: false })
-    };
-    let source = Source { runs: left.len(), make: &make };
-    let mut each = |index: usize, job: &Job, result: Result<batch::Done, Error>| {
+    fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    fn seed(&self) -> u64 {
+        self.first.seed.value()
+    }
+
+    fn job(&self, run: usize) -> Result<Job, Error> {
+        let scenario = open(&self.scenario, &self.options, &self.points[run])?;
+        Ok(Job { mode: self.mode, ..Job::lockstep(scenario) })
+    }
+
+    fn record(
+        &self,
+        run: usize,
+        job: &Job,
+        result: Result<Done, Error>,
+    ) -> Result<(Run, ()), Error> {
         // A program that cannot start is no result of a point.
-        let result = match result {
-            Err(error @ Error::NotReady { foreign: true, .. }) => return Err(error),
-            result => result,
-        };
-        let run = left[index];
-        let repetition = result.as_ref().ok().and_then(|done| done.repetition.clone());
-        let seed = job.scenario.seed.value();
-        let kept = Run::new(&plan.points[run], seed, result.map(|done| done.summary));
-        part.keep(run, kept, repetition.as_ref())
-    };
-    let end = batch::run_made(&repeated, &source, at_once, &arguments.group, &bar, &mut each);
-    let end = part.finish(end, left.len(), &bar, &output);
-    let (runs, sample) = part.into_results();
-    let agreed = end.and_then(|()| {
-        let point = |run: usize| format!(" ({})", plan.points[run].join(" "));
-        Ok(sample.clone().agreed(point)?)
-    });
-    conclude(arguments, arguments, &plan, (runs, sample), &output, agreed.map(|_| ()))
-}
-
-/// Puts parts together.
-fn merge(arguments: &SweepArguments) -> Result<ExitCode, Error> {
-    let merged =
-        Merged::<Run>::read("sweep", &arguments.parts.merge, arguments.output.out.as_deref())?;
-    let of_parts: SweepArguments = merged.study.arguments()?;
-    let plan = Plan::of(&of_parts)?;
-    merged.check(plan.points.len(), &plan.first)?;
-    name_incomplete(&merged.incomplete);
-    let output = OutputDirectory::create(&arguments.output, "sweep")?;
-    let whole = merged.incomplete.is_empty();
-    let results = merged.into_results()?;
-    let code = conclude(arguments, &of_parts, &plan, results, &output, Ok(()))?;
-    Ok(if whole { code } else { ExitCode::FAILURE })
-}
-
-/// Writes and prints. What an interrupt left undone is missing; what was done is kept.
-fn conclude(
-    arguments: &SweepArguments,
-    of_runs: &SweepArguments,
-    plan: &Plan,
-    (runs, sample): (Vec<Option<Run>>, ProcessesSample),
-    output: &OutputDirectory,
-    end: Result<(), Error>,
-) -> Result<ExitCode, Error> {
-    let runs = runs.into_iter().flatten().collect();
-    let mode = of_runs.mode.into();
-    let mut sweep = Sweep::new(&plan.scenario, plan.controllers.clone(), mode, &plan.params, runs);
-    sweep.processes_sample = if end.is_ok() { sample } else { ProcessesSample::default() };
-    let json = serde_json::to_string_pretty(&sweep).expect("plain data") + "\n";
-    let written = output
-        .write("sweep.csv", sweep.csv().as_bytes())
-        .and_then(|()| output.write("sweep.json", json.as_bytes()))
-        .and_then(|()| output.write(report::FILE, page::page(&sweep).as_bytes()));
-    if end.is_ok() && arguments.json {
-        print::out(&json)?;
-    } else if !arguments.json {
-        print::out(&sweep.table())?;
-        print::out(&output.places())?;
+        if let Err(error @ Error::NotReady { foreign: true, .. }) = result {
+            return Err(error);
+        }
+        let (seed, summary) = (job.scenario.seed.value(), result.map(|done| done.summary));
+        Ok((Run::new(&self.points[run], seed, summary), ()))
     }
-    // Printed first: a full disk does not take what was measured.
-    written?;
-    end?;
-    let whole = sweep.runs.iter().all(|run| run.outcome == Outcome::Completed);
-    Ok(if whole { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+
+    fn describe(&self, run: usize) -> String {
+        format!(" ({})", self.points[run].join(" "))
+    }
+
+    fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
+        let runs = found.records.all()?.into_iter().map(|(_, run)| run).collect();
+        let controllers = self.controllers.clone();
+        let mut sweep = Sweep::new(&self.scenario, controllers, self.mode, &self.params, runs);
+        sweep.processes_sample = found.sample;
+        Ok(page::document(&sweep))
+    }
 }
 
 /// Why a grid is not swept.

@@ -1,43 +1,36 @@
-//! The page of a sweep: the figures as curves over the swept key, and the table of all points.
+//! The figures of a sweep as curves over the swept key, and the result with them.
 
-use super::figure::ALL;
+use super::figure::{ALL, Figure};
 use super::results::{Point, Sweep};
 use super::words;
 use report::chart::{Axis, Curve, Plot, Tone};
-use report::html::{Cell, Column, document, figure, section, table};
+use report::html::figure;
+use report::results::Document;
 use report::summary::braked;
-use runtime::report::Outcome;
 
-/// Most curves that a picture tells apart.
+/// Most curves of a picture.
 const MAX_CURVES: usize = 8;
 
-/// The page.
-pub fn page(sweep: &Sweep) -> String {
-    let whole = sweep.runs.iter().filter(|run| run.outcome == Outcome::Completed).count();
+/// The result for every output.
+pub fn document(sweep: &Sweep) -> Document {
+    let (whole, all) =
+        (sweep.points.iter().map(|point| point.completed).sum::<usize>(), sweep.runs.len());
     let helped = braked(sweep.interventions());
-    let verdict = format!(
-        "{whole} of {} runs without a collision or a red light; {helped}",
-        sweep.runs.len()
-    );
-    let plots = plots(sweep);
-    let curves: String = plots.iter().map(|plot| figure(plot)).collect();
-    let curves = if curves.is_empty() {
-        curves
-    } else {
-        section("Figures", &format!("<div class=\"grid\">\n{curves}</div>\n"))
+    let curves: String = plots(sweep).iter().map(|plot| figure(plot)).collect();
+    let curves = match curves.as_str() {
+        "" => curves,
+        drawn => format!("<div class=\"grid\">\n{drawn}</div>\n"),
     };
-    document(
-        &format!("Sweep of {}", sweep.scenario),
-        &format!(
-            "{} · {} · over {}",
-            sweep.controllers.join(", "),
-            sweep.mode,
-            sweep.params.join(", ")
-        ),
-        whole == sweep.runs.len(),
-        &verdict,
-        &(curves + &section("Points", &points(sweep))),
-    )
+    Document::new("sweep", &format!("Sweep of {}", sweep.scenario), sweep)
+        .about(sweep.about())
+        .verdict(
+            sweep.ok,
+            format!("{whole} of {all} runs without a collision or a red light; {helped}"),
+        )
+        .figures("Figures", curves)
+        .table(sweep.table())
+        .text(sweep.reasons())
+        .file("sweep.csv", sweep.csv())
 }
 
 /// The figures over the first key whose values are numbers, a curve for each combination of the
@@ -70,10 +63,11 @@ pub fn plots(sweep: &Sweep) -> Vec<Plot> {
     }
     series.truncate(MAX_CURVES);
     let mut plots: Vec<Plot> = Vec::new();
-    for panel in ALL.chunk_by(|a, b| a.panel == b.panel) {
+    for panel in ALL.chunk_by(|a: &Figure, b: &Figure| a.panel == b.panel) {
         let mut curves: Vec<Curve> = Vec::new();
         for figure in panel {
-            let index = ALL.iter().position(|other| other.name == figure.name).expect("of these");
+            let index =
+                ALL.iter().position(|other| other.name() == figure.name()).expect("of these");
             for (name, points) in &series {
                 let points = points.iter();
                 let points = points.filter_map(|(x, p)| Some((*x, p.figures.0[index]?)));
@@ -89,7 +83,7 @@ pub fn plots(sweep: &Sweep) -> Vec<Plot> {
                 }
             }
         }
-        let (title, unit) = panel[0].panel.split_once(", ").unwrap_or((panel[0].panel, ""));
+        let (title, unit) = (panel[0].panel, panel[0].column.head.unit);
         if !curves.is_empty() {
             let x = Axis::linear(&words::axis(&sweep.params[place]), low, high);
             let plot = Plot::over(title, x, unit, curves);
@@ -99,26 +93,4 @@ pub fn plots(sweep: &Sweep) -> Vec<Plot> {
         }
     }
     plots
-}
-
-fn points(sweep: &Sweep) -> String {
-    let shown: Vec<usize> = (0..ALL.len())
-        .filter(|&index| sweep.points.iter().any(|point| point.figures.0[index].is_some()))
-        .collect();
-    let params = sweep.params.iter().map(|key| (key.as_str(), Column::Number));
-    let figures = shown.iter().map(|&index| (ALL[index].heading, Column::Number));
-    let head: Vec<_> = params.chain(figures).chain([("completed", Column::Number)]).collect();
-    let row = |point: &Point| -> Vec<Cell> {
-        let figures = shown.iter().map(|&index| {
-            point.figures.0[index].map_or_else(|| "–".to_owned(), |value| format!("{value:.2}"))
-        });
-        let completed = format!("{} of {}", point.completed, point.seeds);
-        let last = if point.completed == point.seeds {
-            Cell::Plain(completed)
-        } else {
-            Cell::Bad(completed)
-        };
-        point.values.iter().cloned().chain(figures).map(Cell::Plain).chain([last]).collect()
-    };
-    table(&head, &sweep.points.iter().map(row).collect::<Vec<_>>())
 }

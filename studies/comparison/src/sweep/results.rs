@@ -1,22 +1,27 @@
-//! What a sweep found: every run, and every point folded over its seeds.
+//! The result of a sweep: every run, and every point folded over its seeds.
 
-use super::figure::{self, ALL, Values};
+use super::figure::{self, ALL, COUNT, Folded, Values};
 use frame::batch::ProcessesSample;
 use frame::param::Param;
 use group::Error;
 use report::print;
+use report::results::{
+    Column, Format, Kind, Schema, Table, count, flag, judged, nested, outcome, word,
+};
 use report::summary::Summary;
-use report::table::{self, Align, NONE, TextTable};
 use runtime::Mode;
 use runtime::report::Outcome;
 use serde::de::{Deserialize, Deserializer};
 use serde::ser::{Serialize, SerializeMap, Serializer};
+use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
 /// The whole sweep.
 #[derive(Debug, serde::Serialize)]
 pub struct Sweep {
     schema_version: u32,
+    /// Every run reached its end.
+    pub ok: bool,
     pub scenario: String,
     /// Controllers of the runs: one, unless the controller is swept.
     pub controllers: Vec<String>,
@@ -39,6 +44,25 @@ pub struct Point {
     /// Runs that reached the scenario's end.
     pub completed: usize,
     pub figures: Figures,
+    /// Spread of each figure over the seeds.
+    pub spread: Spread,
+    /// How the runs ended, in words.
+    #[serde(skip)]
+    ended: String,
+}
+
+/// Spread of the figures over the seeds, by their names.
+#[derive(Clone, Copy, Debug)]
+pub struct Spread([Folded; COUNT]);
+
+impl Serialize for Spread {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(COUNT))?;
+        for (figure, Folded { deviation, n, .. }) in ALL.iter().zip(self.0) {
+            map.serialize_entry(figure.name(), &json!({"deviation": deviation, "n": n}))?;
+        }
+        map.end()
+    }
 }
 
 /// One run.
@@ -58,9 +82,9 @@ pub struct Figures(pub Values);
 
 impl Serialize for Figures {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(ALL.len()))?;
+        let mut map = serializer.serialize_map(Some(COUNT))?;
         for (figure, value) in ALL.iter().zip(self.0) {
-            map.serialize_entry(figure.name, &value)?;
+            map.serialize_entry(figure.name(), &value)?;
         }
         map.end()
     }
@@ -69,9 +93,61 @@ impl Serialize for Figures {
 impl<'de> Deserialize<'de> for Figures {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let named = BTreeMap::<String, Option<f64>>::deserialize(deserializer)?;
-        let value = |index: usize| named.get(ALL[index].name).copied().flatten();
+        let value = |index: usize| named.get(ALL[index].name()).copied().flatten();
         Ok(Self(std::array::from_fn(value)))
     }
+}
+
+/// What the JSON holds.
+pub fn schema() -> Schema {
+    let fields: [Column<()>; 7] = [
+        flag(
+            "ok",
+            "",
+            ("ok", "BROKEN"),
+            "Every run reached its end without a collision or a red light",
+        ),
+        word("scenario", "", "Scenario that was driven"),
+        nested("controllers", Kind::List, "Laws that drove"),
+        word("mode", "", "Clock of the runs"),
+        nested("params", Kind::List, "Keys that were swept"),
+        count("processes_sample.runs", "", "Runs that were repeated as separate processes"),
+        count("processes_sample.different", "", "Repeated runs whose messages were other bytes"),
+    ];
+    let figures =
+        || ALL.iter().map(|figure| of_json(figure, &format!("figures.{}", figure.name())));
+    let point = [
+        nested("values", Kind::List, "Value of each key"),
+        count("seeds", "", "Runs of the point"),
+        count("completed", "", "Runs that reached their end"),
+        nested(
+            "spread",
+            Kind::Object,
+            "Standard deviation of each figure over the seeds, and its n",
+        ),
+    ];
+    let run = [
+        nested("values", Kind::List, "Value of each key"),
+        count("seed", "", "Seed of the run"),
+        outcome("outcome"),
+        word("aborted_because", "", "Why the run was aborted"),
+    ];
+    Schema::new("sweep", "Figures as functions of keys")
+        .fields(&fields)
+        .rows(
+            "points",
+            "A row for each point of the grid",
+            &point.into_iter().chain(figures()).collect::<Vec<_>>(),
+        )
+        .rows("runs", "A row for each run", &run.into_iter().chain(figures()).collect::<Vec<_>>())
+}
+
+/// The column of a figure in JSON: a count of several seeds has decimals.
+fn of_json(figure: &figure::Figure, path: &str) -> Column<Value> {
+    let heading = figure.column.head.heading.to_string();
+    let mut column = figure.column.clone().named(path.to_owned(), heading);
+    column.head.format = Format::Decimals(2);
+    column
 }
 
 impl Run {
@@ -91,9 +167,9 @@ impl Run {
 }
 
 impl Sweep {
-    /// How often the emergency brake had to help, in all runs.
+    /// Interventions of the emergency brake in all runs.
     pub fn interventions(&self) -> u64 {
-        let place = ALL.iter().position(|figure| figure.name == figure::INTERVENTIONS);
+        let place = ALL.iter().position(|figure| figure.name() == figure::INTERVENTIONS);
         let place = place.expect("it is one of the figures");
         self.runs.iter().filter_map(|run| run.figures.0[place]).map(|times| times as u64).sum()
     }
@@ -106,16 +182,22 @@ impl Sweep {
         params: &[Param],
         runs: Vec<Run>,
     ) -> Self {
-        let points = runs.chunk_by(|a, b| a.values == b.values).map(|seeds| Point {
-            values: seeds[0].values.clone(),
-            seeds: seeds.len(),
-            completed: seeds.iter().filter(|run| run.outcome == Outcome::Completed).count(),
-            figures: Figures(std::array::from_fn(|index| {
+        let points = runs.chunk_by(|a, b| a.values == b.values).map(|seeds| {
+            let folded: [Folded; COUNT] = std::array::from_fn(|index| {
                 ALL[index].fold.over(seeds.iter().map(|run| run.figures.0[index]))
-            })),
+            });
+            Point {
+                values: seeds[0].values.clone(),
+                seeds: seeds.len(),
+                completed: seeds.iter().filter(|run| run.outcome == Outcome::Completed).count(),
+                figures: Figures(folded.map(|folded| folded.value)),
+                spread: Spread(folded),
+                ended: outcomes(seeds),
+            }
         });
         Self {
             schema_version: 1,
+            ok: runs.iter().all(|run| run.outcome == Outcome::Completed),
             scenario: scenario.into(),
             controllers,
             mode: mode.name(),
@@ -126,47 +208,72 @@ impl Sweep {
         }
     }
 
-    /// One row per run; a figure that does not apply is empty.
-    pub fn csv(&self) -> String {
-        let names = ALL.iter().map(|figure| figure.name);
-        let head = self.params.iter().map(String::as_str).chain(["seed", "outcome"]).chain(names);
-        let rows = self.runs.iter().map(|run| {
-            let outcome = serde_json::to_value(run.outcome).expect("plain data");
-            let outcome = outcome.as_str().unwrap_or_default().to_owned();
-            let figures = run.figures.0.iter().map(|value| table::field(*value));
-            let first = run.values.iter().cloned().chain([run.seed.to_string(), outcome]);
-            first.chain(figures).collect::<Vec<_>>()
-        });
-        table::csv(head, rows)
+    /// Columns of the swept keys.
+    fn keys(&self) -> impl Iterator<Item = Column<Value>> {
+        let key = |(place, key): (usize, &String)| {
+            count("", "", "Value of the key").named(format!("values.{place}"), key.clone())
+        };
+        self.params.iter().enumerate().map(key)
     }
 
-    /// One row per point, as text.
-    pub fn table(&self) -> String {
-        let params = self.params.iter().map(|key| (key.as_str(), Align::Right));
-        let figures = ALL.iter().map(|figure| (figure.heading, Align::Right));
-        let mut table = TextTable::new(params.chain(figures).chain([("outcome", Align::Left)]));
-        for (point, runs) in self.points.iter().zip(self.runs.chunk_by(|a, b| a.values == b.values))
-        {
-            let figure =
-                |value: &Option<f64>| value.map_or_else(|| NONE.into(), |v| format!("{v:.2}"));
-            let figures = point.figures.0.iter().map(figure);
-            table.row(point.values.iter().cloned().chain(figures).chain([outcomes(runs)]));
-        }
+    /// One line for each run; a figure that does not apply is empty.
+    pub fn csv(&self) -> String {
+        let figures =
+            ALL.iter().map(|figure| of_json(figure, &format!("figures.{}", figure.name())));
+        let columns = self.keys().chain([count("seed", "", ""), outcome("outcome")]).chain(figures);
+        let rows = self.runs.iter().map(|run| serde_json::to_value(run).expect("plain data"));
+        Table::new("Runs", &columns.collect::<Vec<_>>(), &rows.collect::<Vec<_>>()).csv()
+    }
+
+    /// One row for each point. A mean has its spread, and its n where a figure does not apply in every run.
+    pub fn table(&self) -> Table {
+        let figures = ALL.iter().map(|figure| {
+            let mut column = of_json(figure, figure.name());
+            column.head.format = Format::Mean(2);
+            column
+        });
+        let ended = judged("ended", "outcome", "How the runs ended");
+        let columns: Vec<_> = self.keys().chain([ended]).chain(figures).collect();
+        let rows = self.points.iter().map(|point| {
+            let mut row = Map::new();
+            for (figure, Folded { value, deviation, n }) in ALL.iter().zip(point.spread.0) {
+                let shown = match (figure.fold, deviation) {
+                    (figure::Fold::Mean, Some(deviation)) => {
+                        let n = (n != point.seeds).then_some(n);
+                        json!({"mean": value, "deviation": deviation, "n": n})
+                    }
+                    _ => json!(value),
+                };
+                row.insert(figure.name().to_owned(), shown);
+            }
+            row.insert("values".to_owned(), json!(point.values));
+            let ok = point.completed == point.seeds;
+            row.insert("ended".to_owned(), json!({"text": point.ended, "ok": ok}));
+            Value::Object(row)
+        });
+        Table::new("Points", &columns, &rows.collect::<Vec<_>>())
+    }
+
+    /// The line above the table.
+    pub fn about(&self) -> String {
         let seeds = self.points.iter().map(|point| point.seeds).max().unwrap_or(0);
-        let of_seeds = if seeds > 1 { format!(", {seeds} seeds each") } else { String::new() };
+        let of_seeds = match seeds {
+            0 | 1 => String::new(),
+            seeds => format!(", {seeds} seeds each (mean ± standard deviation, or the worst)"),
+        };
         let controllers = self.controllers.join(", ");
         let (scenario, mode, points) = (&self.scenario, self.mode, self.points.len());
-        let head = format!("{scenario} ({controllers}, {mode}): {points} points{of_seeds}\n");
-        head + &table.text() + &self.reasons()
+        format!("{scenario} ({controllers}, {mode}): {points} points{of_seeds}")
     }
 
     /// Why runs were aborted, a line for each reason.
-    fn reasons(&self) -> String {
+    pub fn reasons(&self) -> String {
         let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
         for why in self.runs.iter().filter_map(|run| run.aborted_because.as_deref()) {
             *reasons.entry(why).or_default() += 1;
         }
-        reasons.iter().map(|(why, runs)| format!("  {runs} aborted: {why}\n")).collect()
+        let lines = reasons.iter().map(|(why, runs)| format!("{runs} aborted: {why}"));
+        lines.collect::<Vec<_>>().join("\n")
     }
 }
 
@@ -233,33 +340,41 @@ mod tests {
 
     #[test]
     fn the_table_leaves_empty_columns_out_and_names_what_went_wrong() {
-        let table = sweep().0.table();
+        let table = sweep().0.table().console(80);
         assert!(table.contains("min gap, m") && !table.contains("L/100 km"), "{table}");
-        assert!(table.contains("1 completed, 1 COLLISION"), "{table}");
+        assert!(
+            table.contains("1 completed, 1 COLLISION") && table.contains("2.00 ± 0.00"),
+            "{table}"
+        );
+        let json = serde_json::to_value(sweep().0).expect("plain data");
+        assert_eq!(json["points"][0]["spread"]["min_gap_m"]["deviation"], 2.0_f64.sqrt());
+        assert_eq!(json["points"][1]["spread"]["min_gap_m"]["n"], 1);
     }
 
     #[test]
-    fn the_table_says_once_why_runs_were_aborted() {
+    fn the_text_reports_once_why_runs_were_aborted() {
         let (mut sweep, _) = sweep();
         sweep.runs.extend([1, 2].map(|seed| run("20", seed, Outcome::Aborted, None)));
-        let table = sweep.table();
-        assert!(table.ends_with("  2 aborted: the law ended\n"), "{table}");
+        let text = page::document(&sweep).console(80);
+        assert!(text.contains("2 aborted: the law ended\n"), "{text}");
     }
 
     #[test]
-    fn the_page_names_the_controller_and_its_legends_are_words() {
+    fn every_output_is_of_the_same_declaration() {
         let (sweep, _) = sweep();
-        let page = page::page(&sweep);
+        let document = page::document(&sweep);
+        let page = document.page();
         assert!(page.contains("acc-mpc"), "{page}");
         let (head, _) = page.split_once("<h2>Points</h2>").expect("a table of points");
         assert!(!head.contains("rms_gap_error_m") && !head.contains("min_gap_m"), "{head}");
-        assert!(sweep.table().starts_with("x (acc-mpc, lockstep)"), "{}", sweep.table());
+        assert!(document.console(80).starts_with("x (acc-mpc, lockstep): 2 points, 2 seeds each"));
+        assert_eq!(report::results::check(&schema().json(), &document.value()), [""; 0]);
     }
 
     #[test]
     fn a_count_has_an_axis_from_zero() {
         let (mut sweep, _) = sweep();
-        let missed = ALL.iter().position(|figure| figure.name == "deadline_misses");
+        let missed = ALL.iter().position(|figure| figure.name() == "deadline_misses");
         for point in &mut sweep.points {
             point.figures.0[missed.expect("a figure")] = Some(0.0);
         }

@@ -17,7 +17,7 @@ pub enum Format {
     Duration,
     /// A whole number.
     Count,
-    /// An object `{mean, deviation, n}`, shown with so many decimals.
+    /// An object `{mean, deviation, n}`, shown with so many decimals; n is left out where it is null.
     Mean(usize),
     /// A short word.
     Word,
@@ -29,6 +29,8 @@ pub enum Format {
     Flag(&'static str, &'static str),
     /// A word that is a verdict; the function gives its text and whether it is good.
     Verdict(fn(&str) -> (&'static str, bool)),
+    /// An object `{text, ok}`: words and whether they are good. Only people see it.
+    Judged,
     /// A nested object or list. It is in the JSON alone.
     Nested(Kind),
 }
@@ -129,10 +131,18 @@ impl Head {
                             decimals_of(spread, decimals)
                         )
                     }
+                    (Some(mean), Some(spread), None) => {
+                        format!(
+                            "{} ± {}",
+                            decimals_of(mean, decimals),
+                            decimals_of(spread, decimals)
+                        )
+                    }
                     (Some(mean), ..) => decimals_of(mean, decimals),
                 }
             }
             (Format::Mean(decimals), _) => decimal(decimals),
+            (Format::Judged, value) => value["text"].as_str().unwrap_or_default().to_owned(),
             (Format::Flag(yes, no), Value::Bool(flag)) => (if *flag { yes } else { no }).to_owned(),
             (Format::Verdict(words), Value::String(word)) => words(word).0.to_owned(),
             (Format::Count, Value::Number(_)) => {
@@ -153,6 +163,7 @@ impl Head {
     pub(super) fn judgement(&self, value: &Value) -> Option<bool> {
         match (self.format, value) {
             (Format::Flag(..), Value::Bool(flag)) => Some(*flag),
+            (Format::Judged, value) => value["ok"].as_bool(),
             (Format::Verdict(words), Value::String(word)) => Some(words(word).1),
             _ => {
                 let (limit, value) = (self.limit?, value.as_f64()?);
@@ -266,6 +277,15 @@ pub const fn word<R>(
 /// How a run ended.
 pub const fn outcome<R>(name: &'static str) -> Column<R> {
     column(name, "outcome", "", Format::Verdict(outcome_words), "How the run ended")
+}
+
+/// Words with their judgement, `{text, ok}`, for people.
+pub const fn judged<R>(
+    name: &'static str,
+    heading: &'static str,
+    meaning: &'static str,
+) -> Column<R> {
+    column(name, heading, "", Format::Judged, meaning)
 }
 
 /// A flag that is a verdict.

@@ -127,7 +127,7 @@ fn insert(node: &mut Value, head: &Head) {
         Format::Word | Format::Sentence | Format::Command => json!(["string", "null"]),
         Format::Verdict(_) => json!(["string", "null"]),
         Format::Flag(..) => json!(["boolean", "null"]),
-        Format::Nested(Kind::Object) => json!(["object", "null"]),
+        Format::Nested(Kind::Object) | Format::Judged => json!(["object", "null"]),
         Format::Nested(Kind::List) => json!(["array", "null"]),
     };
     let meaning = match head.unit {

@@ -152,12 +152,16 @@ impl Table {
 
 impl Head {
     pub(super) fn is_verdict(&self) -> bool {
-        matches!(self.format, super::Format::Flag(..) | super::Format::Verdict(_))
+        matches!(
+            self.format,
+            super::Format::Flag(..) | super::Format::Verdict(_) | super::Format::Judged
+        )
     }
 }
 
 fn in_csv(head: &Head) -> bool {
-    !head.name.is_empty() && !matches!(head.format, super::Format::Nested(_))
+    !head.name.is_empty()
+        && !matches!(head.format, super::Format::Nested(_) | super::Format::Judged)
 }
 
 /// A field of CSV: all digits of a number; nothing where nothing applies.
