@@ -371,7 +371,7 @@ impl Plant {
                 service_brake_n: command.service_brake_n,
                 gear: (command.gear as usize).checked_sub(1),
             });
-            let accepted = self.gateway.accept_with_engine(
+            let accepted = self.gateway.accept(
                 release.scheduled_ns.unsigned_abs(),
                 start_ns.unsigned_abs(),
                 command.plan_period_ns.unsigned_abs(),

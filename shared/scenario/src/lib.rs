@@ -287,6 +287,9 @@ impl Scenario {
         let directory = place.directory();
         scenario.follow_a_fast_controller(|path| document.has(path));
         scenario.follow_a_delay(|path| document.has(path));
+        if scenario.plant.vehicle.is_truck() {
+            scenario.aebs.follow_truck(|path| document.has(path));
+        }
         scenario.controller.place_command(directory);
         scenario.v2x.radio.place(directory);
         files::load(&mut scenario, document, directory)?;

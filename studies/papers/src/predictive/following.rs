@@ -34,6 +34,9 @@ const ROAD: &str = "the road and the lead of the scenario: the paper's are not p
 /// Shortest headway, s.
 const MIN_HEADWAY_S: f64 = 1.0;
 
+/// The law alone: the paper's truck has no emergency brake, and its radar gives objects.
+const ALONE: [&str; 2] = ["perception.radar.model=\"object-list\"", "aebs.enabled=false"];
+
 /// Drives the scenarios and compares.
 pub fn reproduce(runner: &Runner<'_>) -> Result<Part, Error> {
     let vehicles = Preset::ALL.map(|preset| format!("plant.vehicle=\"{}\"", preset.name()));
@@ -43,9 +46,12 @@ pub fn reproduce(runner: &Runner<'_>) -> Result<Part, Error> {
         ("truck-traffic", Some("controller.name=\"acc-mpc\"")),
     ];
     drives.extend(vehicles.iter().map(|vehicle| ("truck-brake", Some(vehicle.as_str()))));
-    let driven = together(
-        drives.into_iter().map(|(scenario, key)| move || runner.drive(scenario, key.as_slice())),
-    );
+    let driven = together((drives.into_iter()).map(|(scenario, key)| {
+        move || {
+            let keys: Vec<&str> = ALONE.into_iter().chain(key).collect();
+            runner.drive(scenario, &keys)
+        }
+    }));
     let driven = driven.into_iter().collect::<Result<Vec<_>, Error>>()?;
     let [figure, ours, other, braked @ ..] = driven.as_slice() else {
         unreachable!("three drives and one for each preset");

@@ -1,0 +1,252 @@
+//! The actuator gateway: the last word on what reaches the actuators.
+//!
+//! A command carries a plan: requests for successive control steps. While commands keep coming, the first request of each
+//! plan acts. When no command comes, the gateway goes down a ladder. The next valid command brings it back up:
+//!
+//! ```text
+//!  command ──────┬── its step is over ──┬── `follow_plan_s` later ──┐
+//!  first request │ later requests;      │ `stop_deceleration_mps2`, │ until it stands,
+//!                │ then the last one,   │ or as hard as the plan    │ or a command comes
+//!                │ as far as it brakes  │ braked at its worst       │
+//!  Source::Command  Source::Plan           Source::StopInLane
+//! ```
+//!
+//! The plan is all that the gateway knows of the traffic. A plan that brakes harder than the moderate stop had a reason,
+//! and the reason did not go away with the commands: so the stop is as hard as the plan was at its worst.
+//!
+//! Every request is bounded in range and rate, whatever its source. The emergency brake has a path of its own to the
+//! wheels ([`crate::brake`]). The vehicle gets the harder of the two.
+//!
+//! A command to a truck may carry an engine torque beside its plan. The torque replaces the first request, and is bounded
+//! in range and rate itself. It acts in the first step only.
+//!
+//! ```
+//! use plant::gateway::{Gateway, Source};
+//! use scenario::plant::Plant;
+//!
+//! let mut gateway = Gateway::new(&Plant::default());
+//! let (period_ns, step_ns) = (10_000_000, 100_000_000);
+//! gateway.accept(0, 0, step_ns, &[0.0, -4.0, -1.0], None).expect("a valid command");
+//! let sources: Vec<Source> = (0..200).map(|k| gateway.actuate(k * period_ns).source).collect();
+//! assert_eq!(sources[9], Source::Command);
+//! assert_eq!(sources[10], Source::Plan);
+//! assert_eq!(sources[199], Source::StopInLane);
+//! assert_eq!(gateway.actuate(200 * period_ns).request_mps2, -4.0);
+//! ```
+
+mod plan;
+#[cfg(test)]
+mod tests;
+
+use plan::Plan;
+use scenario::plant::{Fallback, Gateway as Bounds, Plant};
+use serde::{Deserialize, Serialize};
+
+/// Why a command was not accepted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Rejection {
+    /// It has no request, or its control step has no duration.
+    #[error("the command has no request, or a control step without a duration")]
+    Empty,
+    /// One of its requests, or its torque, is not a finite number.
+    #[error("a request of the command is not a finite number")]
+    NotFinite,
+    /// It is not newer than the one that is being followed.
+    #[error("the command is not newer than the one that is being followed")]
+    NotNewer,
+    /// It starts more than one control step from now.
+    #[error("the command starts more than one control step from now")]
+    FromTheFuture,
+}
+
+/// Where the request that acts comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Source {
+    /// The start of the run: no command has come yet.
+    #[default]
+    None,
+    /// A command in its own control step.
+    Command,
+    /// The rest of the last command's plan.
+    Plan,
+    /// A stop in lane.
+    StopInLane,
+}
+
+/// What the actuators get.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Actuation {
+    /// The request, m/s².
+    pub request_mps2: f64,
+    /// Where it comes from.
+    pub source: Source,
+    /// The bounds of the gateway changed the request or the torque.
+    pub limited: bool,
+    /// What the engine gets in place of the request.
+    pub engine: Option<EngineRequest>,
+}
+
+/// A request to the engine of a truck.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EngineRequest {
+    /// Torque at the crankshaft, N m.
+    pub torque_nm: f64,
+    /// Force of the service brakes at the wheels, N.
+    pub service_brake_n: f64,
+    /// Gear, counted from 0; `None` leaves it to the gearbox.
+    pub gear: Option<usize>,
+}
+
+impl EngineRequest {
+    fn is_finite(&self) -> bool {
+        self.torque_nm.is_finite() && self.service_brake_n.is_finite()
+    }
+}
+
+/// The gateway.
+#[derive(Clone, Debug)]
+pub struct Gateway {
+    bounds: Bounds,
+    fallback: Fallback,
+    period_s: f64,
+    plan: Option<Plan>,
+    last_request_mps2: f64,
+    engine: Option<EngineRequest>,
+    /// Torque request of the previous period, or what the engine gave then.
+    last_torque_nm: f64,
+    /// The launcher asked for a stop: no command counts any more.
+    stopping: bool,
+}
+
+/// The part of the gateway that outlives its process. The plan comes again with the last command.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    last_request_mps2: f64,
+    stopping: bool,
+}
+
+impl Gateway {
+    /// A gateway that has received nothing yet.
+    #[must_use]
+    pub fn new(plant: &Plant) -> Self {
+        Self {
+            bounds: plant.gateway,
+            fallback: plant.fallback,
+            period_s: 1e-3 * f64::from(plant.period_ms.value()),
+            plan: None,
+            last_request_mps2: plant.initial_acceleration_mps2.value(),
+            engine: None,
+            last_torque_nm: 0.0,
+            stopping: false,
+        }
+    }
+
+    /// The part that outlives this process.
+    #[must_use]
+    pub fn snapshot(&self) -> Snapshot {
+        let Self { last_request_mps2, stopping, .. } = *self;
+        Snapshot { last_request_mps2, stopping }
+    }
+
+    /// Continues from a previous process.
+    pub fn restore(&mut self, kept: &Snapshot) {
+        (self.last_request_mps2, self.stopping) = (kept.last_request_mps2, kept.stopping);
+    }
+
+    /// Stops in lane and ignores all commands from now on.
+    pub fn stop(&mut self) {
+        self.stopping = true;
+    }
+
+    /// Takes a command: `plan_mps2[k]` is meant for `start_ns + k * step_ns` on. A request to the engine acts in the
+    /// plan's first step.
+    ///
+    /// # Errors
+    /// When the command cannot be used. The previous command stays in force.
+    pub fn accept(
+        &mut self,
+        now_ns: u64,
+        start_ns: u64,
+        step_ns: u64,
+        plan_mps2: &[f64],
+        engine: Option<EngineRequest>,
+    ) -> Result<(), Rejection> {
+        let plan = Plan::new(start_ns, step_ns, plan_mps2)?;
+        if engine.is_some_and(|engine| !engine.is_finite()) {
+            return Err(Rejection::NotFinite);
+        }
+        if start_ns > now_ns.saturating_add(step_ns) {
+            return Err(Rejection::FromTheFuture);
+        }
+        if self.plan.as_ref().is_some_and(|last| start_ns <= last.start_ns()) {
+            return Err(Rejection::NotNewer);
+        }
+        (self.plan, self.engine) = (Some(plan), engine);
+        Ok(())
+    }
+
+    /// Notes the torque that the engine gives. The first torque request after a time without requests starts from it.
+    pub fn engine_gives(&mut self, torque_nm: f64) {
+        if self.engine.is_none() {
+            self.last_torque_nm = torque_nm;
+        }
+    }
+
+    /// The request for the plant's period that starts at `now_ns`. Called once in each period.
+    pub fn actuate(&mut self, now_ns: u64) -> Actuation {
+        let (source, wanted) = self.planned(now_ns);
+        let request_mps2 = self.bounded(wanted);
+        self.last_request_mps2 = request_mps2;
+        let asked = self.engine.filter(|_| source == Source::Command);
+        self.engine = asked;
+        let engine = asked.map(|asked| self.bounded_engine(asked));
+        let limited = request_mps2 != wanted || engine != asked;
+        Actuation { request_mps2, source, limited, engine }
+    }
+
+    fn bounded_engine(&mut self, asked: EngineRequest) -> EngineRequest {
+        let reach_nm = self.bounds.max_torque_rate_nmps.value() * self.period_s;
+        let torque_nm = asked
+            .torque_nm
+            .clamp(self.last_torque_nm - reach_nm, self.last_torque_nm + reach_nm)
+            .clamp(self.bounds.min_torque_nm.value(), self.bounds.max_torque_nm.value());
+        self.last_torque_nm = torque_nm;
+        EngineRequest { torque_nm, service_brake_n: asked.service_brake_n.max(0.0), ..asked }
+    }
+
+    /// True until the successor of the newest command is overdue by the margin. A command that comes a moment after the
+    /// plant's tick is late, not lost.
+    #[must_use]
+    pub fn is_commanded(&self, now_ns: u64) -> bool {
+        match &self.plan {
+            Some(plan) => {
+                now_ns < plan.due_ns().saturating_add(self.fallback.overdue_s.nanoseconds())
+            }
+            None => now_ns <= self.fallback.follow_plan_s.nanoseconds(),
+        }
+    }
+
+    /// The source that acts at `now_ns`, and what it wants, m/s².
+    fn planned(&self, now_ns: u64) -> (Source, f64) {
+        let worst_mps2 = self.plan.as_ref().map_or(0.0, Plan::worst_mps2);
+        let stop_mps2 = worst_mps2.min(-self.fallback.stop_deceleration_mps2.value());
+        let follow_ns = self.fallback.follow_plan_s.nanoseconds();
+        match &self.plan {
+            _ if self.stopping => (Source::StopInLane, stop_mps2),
+            None if now_ns <= follow_ns => (Source::None, self.last_request_mps2),
+            Some(plan) if now_ns < plan.due_ns() => (Source::Command, plan.first_mps2()),
+            Some(plan) if now_ns <= plan.due_ns().saturating_add(follow_ns) => {
+                (Source::Plan, plan.at(now_ns))
+            }
+            _ => (Source::StopInLane, stop_mps2),
+        }
+    }
+
+    fn bounded(&self, wanted: f64) -> f64 {
+        let (last, period_s) = (self.last_request_mps2, self.period_s);
+        let highest = last + self.bounds.max_rise_mps3.value() * period_s;
+        let lowest = last - self.bounds.max_fall_mps3.value() * period_s;
+        let request = wanted.min(highest).max(lowest);
+        request.clamp(self.bounds.min_request_mps2.value(), self.bounds.max_request_mps2.value())
+    }
+}
