@@ -119,7 +119,8 @@ impl Vehicle {
                     lag_mps2 = free.acceleration_mps2;
                     self.state = match ceiling {
                         Some(ceiling) if ceiling < lag_mps2 => {
-                            lag_mps2 = lag_mps2.min(0.0);
+                            // Traction goes back with the ceiling, not at once.
+                            lag_mps2 = lag_mps2.min(ceiling.max(0.0));
                             braked_step(self.state, ceiling, step_s)
                         }
                         _ => free,
