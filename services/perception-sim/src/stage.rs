@@ -111,6 +111,7 @@ impl Stage {
             lateral_speed_mps: self.direction
                 * (motion.lateral_mps + motion.speed_mps * libm::sin(motion.heading_rad)),
             length_m: extent.to_s_m - extent.from_s_m,
+            width_m,
             touches_within_m: 0.5 * (width_m + self.ego_width_m),
         }
     }

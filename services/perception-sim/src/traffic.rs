@@ -168,6 +168,7 @@ impl Mover {
             lateral_m,
             lateral_speed_mps,
             length_m: self.actor.length_m.value(),
+            width_m: VEHICLE_WIDTH_M,
             touches_within_m: VEHICLE_WIDTH_M,
         }
     }

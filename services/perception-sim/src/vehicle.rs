@@ -17,6 +17,8 @@ pub struct Vehicle {
     pub lateral_speed_mps: f64,
     /// Length, m.
     pub length_m: f64,
+    /// Width, m.
+    pub width_m: f64,
     /// Lateral distance below which its body and the ego's would touch, m.
     pub touches_within_m: f64,
 }

@@ -21,7 +21,6 @@ use super::receiver::Echoes;
 use super::scene::{Ego, Scene};
 use crate::random::{Random, fixed, hash};
 use crate::vehicle::Vehicle;
-use scenario::event::VEHICLE_WIDTH_M;
 
 /// Share of the mean cross section in the middle of the rear.
 const REAR_SHARE: f64 = 0.6;
@@ -112,8 +111,8 @@ impl Body {
         Self {
             rear_m,
             front_m: rear_m + vehicle.length_m,
-            right_m: vehicle.lateral_m - 0.5 * VEHICLE_WIDTH_M,
-            left_m: vehicle.lateral_m + 0.5 * VEHICLE_WIDTH_M,
+            right_m: vehicle.lateral_m - 0.5 * vehicle.width_m,
+            left_m: vehicle.lateral_m + 0.5 * vehicle.width_m,
         }
     }
 
@@ -263,6 +262,7 @@ mod tests {
             speed_mps: 20.0,
             lateral_m,
             length_m: 4.5,
+            width_m: 1.8,
             ..Vehicle::default()
         }
     }

@@ -1,0 +1,183 @@
+//! A point mass that is driven by a simple law, with the emergency brake behind the radar's detections.
+
+use super::kinds::Drive;
+use aebs::decision::Decision;
+use aebs::prediction::Ego as OwnMotion;
+use bytemuck::Zeroable;
+use messages::{BrakeState, Detection, MAX_DETECTIONS};
+use perception_sim::radar::detections::DetectionRadar;
+use perception_sim::radar::scene::{Ego, Scene};
+use scenario::Scenario;
+
+/// Period of the motion, s and ns.
+const STEP_S: f64 = 0.01;
+const STEP_NS: i64 = 10_000_000;
+/// Steps between two scans.
+const SCAN_STEPS: usize = 5;
+/// The brakes: dead time, s, jerk, m/s³, and deceleration, m/s².
+const BRAKES: (f64, f64, f64) = (0.1, 12.65, 8.34);
+/// Jerk of the law's own braking, m/s³.
+const LAW_JERK_MPS3: f64 = 5.0;
+
+/// What came of a drive.
+#[derive(Clone, Copy, Debug)]
+pub struct Result {
+    pub collides: bool,
+    pub braked: bool,
+    pub is_needless: bool,
+    pub careful_driver_collides: bool,
+    /// Largest change of the acceleration in a step while the emergency brake is on, m/s².
+    pub largest_step_mps2: f64,
+}
+
+impl Result {
+    pub fn is_avoidable(&self) -> bool {
+        self.collides && !self.careful_driver_collides
+    }
+}
+
+/// The ego and its motion.
+#[derive(Clone, Copy)]
+struct Motion {
+    position_m: f64,
+    speed_mps: f64,
+}
+
+impl Motion {
+    fn step(&mut self, acceleration_mps2: f64) {
+        let next = (self.speed_mps + acceleration_mps2 * STEP_S).max(0.0);
+        self.position_m += 0.5 * STEP_S * (self.speed_mps + next);
+        self.speed_mps = next;
+    }
+
+    fn touches(&self, drive: &Drive, time_s: f64) -> bool {
+        drive.actors.iter().map(|actor| actor.at(time_s)).any(|vehicle| {
+            let behind_m = vehicle.rear_position_m - self.position_m;
+            vehicle.in_ego_path() && behind_m < 0.0 && behind_m > -vehicle.length_m - 4.5
+        })
+    }
+}
+
+/// True if a driver who brakes with `braking_mps2` from `from_s` on, and drives on as the law before, collides.
+fn driver_collides(drive: &Drive, from: (f64, Motion), begins_s: f64, braking_mps2: f64) -> bool {
+    let (mut time_s, mut ego) = from;
+    while time_s < drive.duration_s {
+        let acceleration = if time_s >= begins_s { -braking_mps2 } else { drive.ego_mps2 };
+        ego.step(acceleration);
+        time_s += STEP_S;
+        if ego.touches(drive, time_s) {
+            return true;
+        }
+    }
+    false
+}
+
+/// The careful driver: 6 m/s², 0.35 s after the danger began. A danger that is there from the start is answered at
+/// the last point, which such a driver always reaches.
+fn careful_driver_collides(drive: &Drive) -> bool {
+    let start = (0.0, Motion { position_m: 0.0, speed_mps: drive.ego_mps });
+    driver_collides(drive, start, drive.danger_s + 0.35, 6.0)
+}
+
+/// Drives it.
+pub fn drive(drive: &Drive) -> Result {
+    let text = format!(
+        "schema_version = 1\nname = \"x\"\nseed = {}\n[perception.radar.detections]\n\
+        false_alarms_per_scan = {:?}\n[aebs]\nenabled = true\n",
+        drive.seed, drive.false_alarms
+    );
+    let scenario = Scenario::parse("x.toml", &text).unwrap_or_else(|error| panic!("{error}"));
+    let mut radar = DetectionRadar::new(&scenario);
+    let mut detections = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
+    let mut objects = aebs::objects(&scenario);
+    let mut decision = Decision::new(aebs::settings(&scenario));
+    let mut ego = Motion { position_m: 0.0, speed_mps: drive.ego_mps };
+    let (mut law_mps2, mut ceiling, mut asked_s) = (drive.ego_mps2, None::<f64>, 0.0);
+    let (mut acceleration, mut asks) = (law_mps2, false);
+    let mut result = Result {
+        collides: false,
+        braked: false,
+        is_needless: false,
+        careful_driver_collides: careful_driver_collides(drive),
+        largest_step_mps2: 0.0,
+    };
+    let (strength, late_s) = drive.answer;
+    for step in 0..(drive.duration_s / STEP_S) as usize {
+        let time_s = step as f64 * STEP_S;
+        if step % SCAN_STEPS == 0 {
+            let mut scene = Scene::new(
+                step as i64 * STEP_NS,
+                Ego {
+                    position_m: ego.position_m,
+                    speed_mps: ego.speed_mps,
+                    acceleration_mps2: acceleration,
+                },
+                &[],
+            );
+            for (place, actor) in scene.vehicles.iter_mut().zip(&drive.actors) {
+                *place = actor.at(time_s);
+            }
+            let received = radar.scan(&scene, &mut detections);
+            objects.take_scan(step as i64 * STEP_NS, ego.speed_mps, &detections[..received.count]);
+            let own = OwnMotion { speed_mps: ego.speed_mps, acceleration_mps2: acceleration };
+            let demand = decision.step(&own, objects.threats(decision.path()));
+            asks = demand.deceleration_mps2 > 0.0;
+            if std::env::var_os("TRACE").is_some_and(|seed| seed == *drive.seed.to_string()) {
+                println!(
+                    "{time_s:.2} {:.1} {:.2} {acceleration:.2} {demand:?}",
+                    ego.position_m, ego.speed_mps
+                );
+                for actor in &drive.actors {
+                    let v = actor.at(time_s);
+                    println!(
+                        "   true {:.2} {:.2} {:.2} y {:.2}",
+                        v.rear_position_m - ego.position_m,
+                        v.speed_mps,
+                        v.acceleration_mps2,
+                        v.lateral_m
+                    );
+                }
+                for o in objects.confirmed() {
+                    println!(
+                        "      {:.2} {:.2} {:.2} y {:.2} {:.2} s {:.2} unseen",
+                        o.distance_m,
+                        o.speed_mps,
+                        o.acceleration_mps2,
+                        o.lateral.position_m,
+                        o.lateral.rate_mps,
+                        o.lateral.position_sigma_m()
+                    );
+                }
+            }
+            if asks && !result.braked && demand.state == BrakeState::Braking {
+                result.braked = true;
+                result.is_needless = !driver_collides(drive, (time_s, ego), time_s, 1.5);
+            }
+        }
+        let answers = time_s >= drive.danger_s + late_s;
+        let target = if answers { -strength } else { drive.ego_mps2 };
+        let reach = LAW_JERK_MPS3 * STEP_S;
+        law_mps2 += (target - law_mps2).clamp(-reach, reach);
+        asked_s = if asks { asked_s + STEP_S } else { 0.0 };
+        let reach = BRAKES.1 * STEP_S;
+        ceiling = if asked_s > BRAKES.0 {
+            let from = ceiling.map_or(acceleration, |before: f64| before.min(acceleration));
+            Some((from - reach).max(-BRAKES.2))
+        } else if asks {
+            ceiling
+        } else {
+            ceiling.map(|before| before + reach).filter(|risen| *risen < law_mps2 + reach)
+        };
+        let before = acceleration;
+        acceleration = ceiling.map_or(law_mps2, |ceiling| law_mps2.min(ceiling));
+        if ceiling.is_some() && ego.speed_mps > 0.0 {
+            result.largest_step_mps2 = result.largest_step_mps2.max((acceleration - before).abs());
+        }
+        ego.step(acceleration);
+        if ego.touches(drive, time_s + STEP_S) {
+            result.collides = true;
+            break;
+        }
+    }
+    result
+}
