@@ -12,7 +12,7 @@
 //! assert_eq!(topic.message_bytes(), size_of::<Odometry>());
 //! ```
 
-use super::{Drive, EgoTruth, Header, Laid, Layout};
+use super::{Header, Laid, Layout};
 use crate::Service;
 use bytemuck::Pod;
 use core::fmt::Debug;
@@ -32,12 +32,6 @@ pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Laid {
 
     /// The common header, to be stamped.
     fn header_mut(&mut self) -> &mut Header;
-
-    /// State of the drive, if the message is [`EgoTruth`]: conditions of faults refer to it.
-    fn drive(&self) -> Option<Drive> {
-        (Self::TOPIC == Topic::EgoTruth)
-            .then(|| Drive::of(bytemuck::from_bytes::<EgoTruth>(bytemuck::bytes_of(self))))
-    }
 }
 
 /// Purpose of a topic.

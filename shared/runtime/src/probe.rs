@@ -5,10 +5,9 @@
 //! the reader. They are bare, or written, protected and checked in place as a large message is.
 //! iceoryx2's own event service is here for comparison.
 
-use crate::faults::{Faults, SenderFaults};
 use crate::life::link::End;
 use crate::ports::members::Members;
-use crate::ports::{Outlet, Tally};
+use crate::ports::{Checks, Outlet, Protection, Tally, Wire};
 use crate::survival::gate::Gate;
 use crate::transport::waking::{Waiter, Waker};
 use crate::transport::{
@@ -50,19 +49,24 @@ impl Probe {
     /// # Errors
     /// [`RuntimeError::Topic`].
     pub fn publisher<T: Carried>(&self, source: Service) -> Result<Publisher<T>, RuntimeError> {
-        Ok(Publisher::new(Outlet {
-            port: T::sender(&self.transport, End::default())?,
+        let port = T::sender(&self.transport, End::default())?;
+        let tally = Tally::of_sender(self.group.mode, Sealing::Sealed);
+        let protection = Protection {
+            port: Rc::clone(&port),
             waker: self.transport.waker(T::TOPIC),
-            clock: Rc::new(Clock::new(self.group.mode, self.group.timetable.step_ns)),
             timetable: self.group.timetable,
+            tally: Rc::clone(&tally),
+        };
+        let outlet = Outlet {
+            next: Box::new(protection),
+            clock: Rc::new(Clock::new(self.group.mode, self.group.timetable.step_ns)),
             source,
             incarnation: 0,
-            faults: Rc::new(Faults::none()),
-            sender_faults: SenderFaults::new(),
-            tally: Tally::of_sender(self.group.mode, Sealing::Sealed),
+            tally,
             gate: Rc::new(Gate::open(source)),
             held: None,
-        }))
+        };
+        Ok(Publisher::new(port, outlet))
     }
 
     /// The receiving end of `T`'s topic, as a service that it releases has it.
@@ -71,10 +75,11 @@ impl Probe {
     /// [`RuntimeError::Topic`].
     pub fn subscriber<T: Carried>(&self) -> Result<Subscriber<T>, RuntimeError> {
         let waiter = Some(self.transport.waiter(T::TOPIC));
-        let port = T::receiver(&self.transport)?;
+        let (port, tally) = (T::receiver(&self.transport)?, Tally::of_receiver());
         let members = Rc::new(Members::of(&self.group.root));
-        let (faults, tally) = (Rc::new(Faults::none()), Tally::of_receiver());
-        Ok(Subscriber::new(port, waiter, members, None, None, faults, tally))
+        let wire = Wire::new(Rc::clone(&port), members, Rc::clone(&tally));
+        let checks = Checks::new(None, None, None, Rc::clone(&tally));
+        Ok(Subscriber::new(port, waiter, Box::new(wire), checks, tally))
     }
 
     /// Waits for samples of `T`'s topic, at most for `timeout`, and hands all to `each`.

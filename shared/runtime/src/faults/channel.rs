@@ -14,14 +14,14 @@ const CAPACITY: usize = 256;
 #[derive(Debug)]
 pub(crate) struct ChannelFaults<T> {
     /// Messages and when they are handed over, ns of run time.
-    pending: VecDeque<(i64, Disturbed<T>)>,
+    pending: VecDeque<(i64, OnItsWay<T>)>,
     /// A message that lets its successor pass.
-    overtaken: Option<Disturbed<T>>,
+    overtaken: Option<OnItsWay<T>>,
 }
 
 /// A message on its way.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Disturbed<T> {
+pub(crate) struct OnItsWay<T> {
     pub(crate) message: T,
     /// The fault that corrupted it.
     pub(crate) corrupted_by: Option<u32>,
@@ -86,7 +86,7 @@ impl<T: Message> ChannelFaults<T> {
         if undisturbed && self.pending.is_empty() && self.overtaken.is_none() {
             return true;
         }
-        let message = Disturbed { message: changed.unwrap_or_else(copy), corrupted_by };
+        let message = OnItsWay { message: changed.unwrap_or_else(copy), corrupted_by };
         if reordered && copies > 0 && self.overtaken.is_none() {
             self.overtaken = Some(message);
             return false;
@@ -101,13 +101,13 @@ impl<T: Message> ChannelFaults<T> {
     }
 
     /// The next message that is due at `now_ns`.
-    pub(crate) fn hand_over(&mut self, now_ns: i64) -> Option<Disturbed<T>> {
+    pub(crate) fn hand_over(&mut self, now_ns: i64) -> Option<OnItsWay<T>> {
         let due = self.pending.front().is_some_and(|(due_ns, _)| *due_ns <= now_ns);
         due.then(|| self.pending.pop_front()).flatten().map(|(_, message)| message)
     }
 
     /// Keeps the messages in the order in which they are due.
-    fn send(&mut self, due_ns: i64, message: Disturbed<T>) {
+    fn send(&mut self, due_ns: i64, message: OnItsWay<T>) {
         if self.pending.len() == CAPACITY {
             self.pending.pop_front();
         }

@@ -1,22 +1,28 @@
 //! Faults of messages: on the channel and in the sender.
 //!
 //! Faults come from the scenario or, during the run, from the launcher. Whether a fault acts on a
-//! message is decided by the run's seed, the fault and the message's own number alone, so that it is
+//! message is decided by the run's seed, the fault and the message's own number alone. So it is
 //! the same for every receiver, on either clock.
 //!
-//! * [`ChannelFaults`] disturbs messages between their arrival and a receiver's end-to-end check: `delay`,
-//!   `drop`, `duplicate`, `reorder`, `corrupt`;
-//! * [`SenderFaults`] falsifies messages before they are protected: `freeze`, `bias`, `stale`, `clock-step`.
+//! ```text
+//! Falsified ─► protection ─► topic ─► senders, losses ─► Disturbed ─► end-to-end check
+//! ```
 //!
-//! Without faults a port asks one flag per message.
+//! * [`Disturbed`] is a decorator of a receiving end. It disturbs messages between their arrival and the end-to-end
+//!   check: `delay`, `drop`, `duplicate`, `reorder`, `corrupt`. A receiver in lockstep knows that its message
+//!   has arrived, even if it never gets it.
+//! * [`Falsified`] is a decorator of a sending end. It changes messages before they are protected: `freeze`,
+//!   `bias`, `stale`, `clock-step`.
+//!
+//! The ports know nothing of faults. Without faults a decorator asks one flag per message.
 
 mod activation;
 mod channel;
+mod decorators;
 mod sender;
 #[cfg(test)]
 mod tests;
 
 pub use activation::{FaultStatistics, Injected, concerned};
 pub(super) use activation::{Faults, Inbox};
-pub(super) use channel::ChannelFaults;
-pub(super) use sender::SenderFaults;
+pub(super) use decorators::{Disturbed, Falsified};

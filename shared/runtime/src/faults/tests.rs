@@ -1,3 +1,5 @@
+use super::channel::ChannelFaults;
+use super::sender::SenderFaults;
 use super::*;
 use crate::transport::Sealing;
 use bytemuck::Zeroable;

@@ -1,8 +1,7 @@
 //! A listener that takes no part in the run: the launcher.
 
-use crate::faults::Faults;
-use crate::ports::Tally;
 use crate::ports::members::Members;
+use crate::ports::{Checks, Tally, Wire};
 use crate::report::ReceivedTopic;
 use crate::survival::fence::Fences;
 use crate::transport::{Seat, SharedMemory, Transport};
@@ -45,10 +44,10 @@ impl Observer {
     /// # Errors
     /// [`RuntimeError::Topic`].
     pub fn listen<T: Carried>(&self) -> Result<Observed<T>, RuntimeError> {
-        let port = T::receiver(&self.transport)?;
-        let (members, faults) = (Rc::clone(&self.members), Rc::new(Faults::none()));
-        let (fences, tally) = (self.fences.clone(), Tally::of_receiver());
-        Ok(Observed(Subscriber::new(port, None, members, fences, None, faults, tally)))
+        let (port, tally) = (T::receiver(&self.transport)?, Tally::of_receiver());
+        let wire = Wire::new(Rc::clone(&port), Rc::clone(&self.members), Rc::clone(&tally));
+        let checks = Checks::new(self.fences.clone(), None, None, Rc::clone(&tally));
+        Ok(Observed(Subscriber::new(port, None, Box::new(wire), checks, tally)))
     }
 }
 
@@ -68,6 +67,6 @@ impl<T: Message> Observed<T> {
     /// What was received so far.
     #[must_use]
     pub fn received(&self) -> ReceivedTopic {
-        self.0.tally.borrow().received(T::TOPIC)
+        self.0.tally().borrow().received(T::TOPIC)
     }
 }

@@ -3,14 +3,13 @@
 //! A message is written where its readers will read it, and protected there:
 //!
 //! ```text
-//! loan ─► the service writes ─► send: header, sender faults, protection ─► handed over
+//! loan ─► the service writes ─► send: header ─► (decorator: false content) ─► Protection ─► handed over
 //! ```
 //!
-//! A standby's message is not completed and not handed over; the newest one is kept for the instant at which
-//! the standby takes over.
+//! A standby does not complete its message and does not hand it over. It keeps the newest one until it takes
+//! over.
 
 use super::tally::Tally;
-use crate::faults::{Faults, SenderFaults};
 use crate::survival::gate::{Gate, Passage};
 use crate::transport::waking::Waker;
 use crate::transport::{Loan, Sealing, Sender};
@@ -31,21 +30,32 @@ pub struct Publisher<T: Message> {
     outlet: Rc<RefCell<Outlet<T>>>,
 }
 
-/// What completes a message and hands it over.
+/// A stage that takes messages whose header is complete.
+pub(crate) trait Outgoing<T: Message>: Debug {
+    /// Takes the message over.
+    fn send(&mut self, message: Loan<T>) -> Result<(), RuntimeError>;
+}
+
+/// Completes the header of a message and hands it to the next stage, if the gate lets it pass.
 #[derive(Debug)]
 pub(crate) struct Outlet<T: Message> {
-    pub(crate) port: Rc<dyn Sender<T>>,
-    pub(crate) waker: Option<Waker>,
+    pub(crate) next: Box<dyn Outgoing<T>>,
     pub(crate) clock: Rc<Clock>,
-    pub(crate) timetable: Timetable,
     pub(crate) source: Service,
     pub(crate) incarnation: u32,
-    pub(crate) faults: Rc<Faults>,
-    pub(crate) sender_faults: SenderFaults<T>,
     pub(crate) tally: Rc<RefCell<Tally>>,
     pub(crate) gate: Rc<Gate>,
     /// A standby's newest message.
     pub(crate) held: Option<Loan<T>>,
+}
+
+/// The last stage: protects a message, counts it and hands it to the topic.
+#[derive(Debug)]
+pub(crate) struct Protection<T: Message> {
+    pub(crate) port: Rc<dyn Sender<T>>,
+    pub(crate) waker: Option<Waker>,
+    pub(crate) timetable: Timetable,
+    pub(crate) tally: Rc<RefCell<Tally>>,
 }
 
 /// A port with a message that was kept back.
@@ -65,8 +75,8 @@ impl<T: Message> Backlog for RefCell<Outlet<T>> {
 }
 
 impl<T: Message> Publisher<T> {
-    pub(crate) fn new(outlet: Outlet<T>) -> Self {
-        Self { port: Rc::clone(&outlet.port), outlet: Rc::new(RefCell::new(outlet)) }
+    pub(crate) fn new(port: Rc<dyn Sender<T>>, outlet: Outlet<T>) -> Self {
+        Self { port, outlet: Rc::new(RefCell::new(outlet)) }
     }
 
     /// What it keeps back.
@@ -105,7 +115,7 @@ impl<T: Message> Publisher<T> {
 
     /// Completes the header of `message` (sequence, source, publish stamp, protection), which was loaned
     /// here, where it is, and hands it over. Returns the publish stamp, ns of run time. Neither copies
-    /// nor allocates. Of a standby it is kept instead, and the one before it given back.
+    /// nor allocates. A standby keeps it and releases the previous one.
     ///
     /// # Errors
     /// [`RuntimeError::Send`] if the transport refuses it, [`RuntimeError::Replaced`] if this process may
@@ -125,22 +135,24 @@ impl<T: Message> Publisher<T> {
 
 impl<T: Message> Outlet<T> {
     fn hand_over(&mut self, mut message: Loan<T>) -> Result<i64, RuntimeError> {
-        let source = self.source.to_wire();
-        let sequence = self.tally.borrow().messages + 1;
         let now_ns = self.clock.now_ns();
         let header = message.header_mut();
-        header.sequence = sequence;
+        header.sequence = self.tally.borrow().messages + 1;
         header.incarnation = self.incarnation;
-        header.source = source;
+        header.source = self.source.to_wire();
         header.publish_ns = now_ns;
-        let step = header.step;
-        self.faults.observe(|| message.drive(), now_ns);
-        if self.faults.falsifies(T::TOPIC) {
-            self.sender_faults.apply(&mut message, &self.faults, now_ns);
-        }
+        self.next.send(message)?;
+        Ok(now_ns)
+    }
+}
+
+impl<T: Message> Outgoing<T> for Protection<T> {
+    fn send(&mut self, mut message: Loan<T>) -> Result<(), RuntimeError> {
+        let header = message.header();
+        let (step, data_id) = (header.step, T::TOPIC.data_id(header.source));
         // The counter is the sequence number's low half: it wraps.
-        let data_id = T::TOPIC.data_id(source);
-        let (bytes, counter) = (bytemuck::bytes_of_mut(&mut *message), sequence as u32);
+        let counter = header.sequence as u32;
+        let bytes = bytemuck::bytes_of_mut(&mut *message);
         let in_use = T::LAYOUT.bytes_in_use(bytes);
         let bytes = &mut bytes[..in_use];
         match self.port.sealing() {
@@ -155,6 +167,6 @@ impl<T: Message> Outlet<T> {
         {
             waker.wake();
         }
-        Ok(now_ns)
+        Ok(())
     }
 }

@@ -1,6 +1,7 @@
-//! When a service's cycles begin: the clock, the timetable, a recorded schedule.
+//! The releases of a service: clock, timetable, cycles, a recorded schedule.
 
 pub mod clock;
+pub mod cycles;
 pub mod release;
 pub mod schedule;
 pub mod timetable;

@@ -47,11 +47,12 @@ impl Runtime {
                 Err(error) => break Err(error),
             }
         };
-        if self.carrier() == Carrier::SharedMemory && self.group.mode == Mode::Realtime {
+        if self.ports.carrier() == Carrier::SharedMemory && self.group.mode == Mode::Realtime {
             // Others may still have their last cycle to run while this service writes its report.
             give_up_priority();
         }
-        self.allocations_in_loop = allocations().zip(before).map(|(after, before)| after - before);
+        self.life.allocations_in_loop =
+            allocations().zip(before).map(|(after, before)| after - before);
         result
     }
 
@@ -62,20 +63,17 @@ impl Runtime {
     /// ends meanwhile.
     pub fn update<T: Message>(&self, topic: &mut Subscriber<T>) -> Result<(), RuntimeError> {
         let patience = Duration::from_nanos(self.group.patience_ns.unsigned_abs());
-        if let Some(schedule) = &self.schedule {
-            let origin = schedule.input(T::TOPIC);
-            return topic.await_sample(origin, self.step, &self.link.end, patience);
+        let (step, end) = (self.cycles.step(), &self.life.link.end);
+        if let Some(origin) = self.cycles.recorded_input(T::TOPIC) {
+            return topic.await_sample(origin, step, end, patience);
         }
-        match (self.group.mode, topic.expected) {
-            (Mode::Lockstep, Some(expected)) => {
-                let due = self.step - self.step % expected.stride;
-                topic.await_step(due, self.step, &self.link.end, patience)?;
+        match (self.group.mode, topic.stride()) {
+            (Mode::Lockstep, Some(stride)) => {
+                topic.await_step(step - step % stride, step, end, patience)?;
             }
             _ => topic.drain(u64::MAX, |_| {})?,
         }
-        let now_ns = self.clock.now_ns();
-        topic.note_silence(now_ns);
-        self.faults.observe(|| topic.newest().and_then(Message::drive), now_ns);
+        topic.settle(self.clock().now_ns());
         Ok(())
     }
 
@@ -84,37 +82,30 @@ impl Runtime {
     /// # Errors
     /// [`RuntimeError::Send`].
     pub fn end_cycle(&mut self, state: ServiceState) -> Result<(), RuntimeError> {
-        if let Some(mut drive) = self.drive.take() {
+        if let Some(mut drive) = self.injection.drive.take() {
             self.update(&mut drive)?;
-            self.drive = Some(drive);
+            self.injection.drive = Some(drive);
         }
-        let scheduled_ns = self.clock.scheduled_ns(self.step);
-        let period_ns = self.group.timetable.period_ns(self.service);
-        let cycles = self.cycles;
-        let heartbeat = self.heartbeat.as_mut().expect("`begin` opened the heartbeat");
+        let (scheduled_ns, cycles) = (self.cycles.scheduled_ns(), self.cycles.run());
         // Due once in every heartbeat period, or in every cycle if the service's own is longer.
-        if scheduled_ns % HEARTBEAT_NS < period_ns {
-            let header = Header::new(self.step, scheduled_ns, Origins::NONE);
-            heartbeat.send_with(|message| {
+        if scheduled_ns % HEARTBEAT_NS < self.cycles.period_ns() {
+            let header = Header::new(self.cycles.step(), scheduled_ns, Origins::NONE);
+            let heartbeat = self.life.heartbeat.as_mut();
+            heartbeat.expect("`begin` opened the heartbeat").send_with(|message| {
                 message.header = header;
                 message.cycles = cycles;
                 message.state = state as u64;
             })?;
         }
-        if let Some(account) = &self.account {
+        if let Some(account) = &self.survival.account {
             account.show_progress(cycles);
-            if !self.gate.is_standby() {
-                let (cycles, skipped) = self.counted();
-                account.write(cycles, skipped, &self.sent, &self.received);
-                account.write_faults(&self.faults);
+            if !self.is_standby() {
+                let (cycles, skipped) = self.survival.counted(cycles, self.skipped());
+                account.write(cycles, skipped, self.ports.sent(), self.ports.received());
+                account.write_faults(&self.injection.faults);
             }
         }
         Ok(())
-    }
-
-    /// Cycles and skipped releases that count: those of the active process.
-    pub(super) fn counted(&self) -> (u64, u64) {
-        (self.cycles - self.silent.0, self.skipped - self.silent.1)
     }
 
     /// Ends the run for the whole group after the current step: for the plant's referee.
@@ -122,7 +113,8 @@ impl Runtime {
     /// # Errors
     /// [`RuntimeError::Link`].
     pub fn end_run(&mut self) -> Result<(), RuntimeError> {
-        self.link.end.set_before(self.step + 1);
-        self.link.send(FromService::Ended(self.step))
+        let step = self.cycles.step();
+        self.life.link.end.set_before(step + 1);
+        self.life.link.send(FromService::Ended(step))
     }
 }

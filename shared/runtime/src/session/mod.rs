@@ -11,65 +11,60 @@ pub use cycle::{Cycle, count_allocations_by};
 use crate::faults::Faults;
 use crate::life::link::Link;
 use crate::machine::scheduling::Granted;
+use crate::ports::Ports;
 use crate::ports::members::Members;
-use crate::ports::{Backlog, Tally};
+use crate::releases::cycles::Cycles;
 use crate::releases::schedule::Schedule;
-use crate::statistics::Latencies;
-use crate::survival::account::Account;
+use crate::survival::Survival;
 use crate::survival::checkpoint::{Checkpoint, state_path};
 use crate::survival::fence::Fences;
-use crate::survival::gate::Gate;
 use crate::survival::kept::{Figures, RELEASE_JITTER};
-use crate::survival::standby::Standby;
-use crate::transport::{Carrier, Connect, Input, Seat, SharedMemory, Transport};
+use crate::transport::{Carrier, Seat, SharedMemory, Transport};
 use crate::{Clock, Group, Mode, Publisher, RuntimeError, Subscriber, Usage};
-use messages::{EgoTruth, Heartbeat, Service, Topic};
+use messages::{EgoTruth, Heartbeat, Service};
 use scenario::Scenario;
 use serde::de::DeserializeOwned;
-use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::atomic::Ordering;
 
 /// A service that joined the group.
+///
+/// | part | what it owns |
+/// | --- | --- |
+/// | `ports` | the ends of topics, their counts |
+/// | `cycles` | clock, timetable, present step |
+/// | `survival` | what outlives the process: counts, epoch, standby |
+/// | `injection` | faults of messages |
+/// | `life` | link to the launcher, what the kernel granted, heartbeat |
 #[derive(Debug)]
 pub struct Runtime {
-    group: Group,
     service: Service,
     incarnation: u32,
-    transport: Transport,
-    clock: Rc<Clock>,
-    link: Link,
-    sent: Vec<(Topic, Rc<RefCell<Tally>>)>,
-    received: Vec<(Topic, Rc<RefCell<Tally>>)>,
-    ports: Vec<(Topic, Rc<dyn Connect>)>,
-    heartbeat: Option<Publisher<Heartbeat>>,
-    granted: Option<Granted>,
-    /// The releases of a recorded run, where one is replayed.
-    schedule: Option<Schedule>,
+    group: Group,
     scenario: Scenario,
-    members: Rc<Members>,
+    ports: Ports,
+    cycles: Cycles,
+    survival: Survival,
+    injection: Injection,
+    life: Life,
+}
+
+/// The faults of messages in this service's ports.
+#[derive(Debug)]
+struct Injection {
     faults: Rc<Faults>,
     /// What the ego does, for faults that wait for it, of a service that has no other use for it.
     drive: Option<Box<Subscriber<EgoTruth>>>,
-    /// Receiving ends that a restarted service waits for.
-    inputs: Vec<Rc<dyn Input>>,
-    step: u64,
-    next_step: u64,
-    cycles: u64,
-    skipped: u64,
-    jitter: Latencies,
+}
+
+/// What a service has from its beginning to its end.
+#[derive(Debug)]
+struct Life {
+    link: Link,
+    granted: Option<Granted>,
+    heartbeat: Option<Publisher<Heartbeat>>,
     allocations_in_loop: Option<u64>,
-    /// In realtime, where a process may die and the run goes on.
-    account: Option<Account>,
-    figures: Figures,
-    fences: Option<Fences>,
-    gate: Rc<Gate>,
-    /// What the ports keep back while this process is a standby.
-    backlogs: Vec<Rc<dyn Backlog>>,
-    standby: Option<Standby>,
-    /// Cycles and skipped releases of the time as a standby.
-    silent: (u64, u64),
 }
 
 impl Runtime {
@@ -96,15 +91,16 @@ impl Runtime {
         let transport = Transport::SharedMemory(SharedMemory::join(&group, service.name())?);
         let members = Members::of(&group.root);
         let fences = Fences::of(&group)?;
-        let gate = Rc::new(Gate::of(fences.clone(), service, incarnation));
         let figures = match group.mode {
             Mode::Realtime => Figures::open(&group, service)?,
             Mode::Lockstep => Figures::default(),
         };
-        let mut this = Self::new(service, group, scenario, transport, members, link);
-        (this.incarnation, this.schedule, this.fences) = (incarnation, schedule, fences);
-        (this.gate, this.jitter) = (gate, figures.latencies(RELEASE_JITTER)?);
-        this.figures = figures;
+        let jitter = figures.latencies(RELEASE_JITTER)?;
+        let survival = Survival::new(figures, fences.clone(), service, incarnation);
+        let ports = Ports::new(transport, members, fences);
+        let mut this = Self::of(service, incarnation, group, scenario, ports, survival, link);
+        this.cycles.follow(schedule);
+        this.cycles.record_jitter_in(jitter);
         Ok(this)
     }
 
@@ -116,54 +112,38 @@ impl Runtime {
         seat: Seat,
         link: Link,
     ) -> Self {
-        Self::new(service, group, scenario, Transport::Memory(seat), Members::InProcess, link)
+        let survival = Survival::new(Figures::default(), None, service, 0);
+        let ports = Ports::new(Transport::Memory(seat), Members::InProcess, None);
+        Self::of(service, 0, group, scenario, ports, survival, link)
     }
 
     /// Follows a recorded run's releases, where there are any.
-    pub(super) fn following(self, schedule: Option<Schedule>) -> Self {
-        Self { schedule, ..self }
+    pub(super) fn following(mut self, schedule: Option<Schedule>) -> Self {
+        self.cycles.follow(schedule);
+        self
     }
 
-    fn new(
+    fn of(
         service: Service,
+        incarnation: u32,
         group: Group,
         scenario: Scenario,
-        transport: Transport,
-        members: Members,
+        ports: Ports,
+        survival: Survival,
         link: Link,
     ) -> Self {
         link.end.set_before(group.timetable.last_step + 1);
+        let faults = Rc::new(Faults::of(&scenario, link.inbox.clone()));
         Self {
-            members: Rc::new(members),
-            faults: Rc::new(Faults::of(&scenario, link.inbox.clone())),
-            scenario,
-            inputs: Vec::new(),
-            drive: None,
-            clock: Rc::new(Clock::new(group.mode, group.timetable.step_ns)),
-            group,
             service,
-            incarnation: 0,
-            transport,
-            link,
-            sent: Vec::new(),
-            received: Vec::new(),
-            ports: Vec::new(),
-            heartbeat: None,
-            granted: None,
-            schedule: None,
-            step: 0,
-            next_step: 0,
-            cycles: 0,
-            skipped: 0,
-            jitter: Latencies::default(),
-            allocations_in_loop: None,
-            account: None,
-            figures: Figures::default(),
-            fences: None,
-            gate: Rc::new(Gate::open(service)),
-            backlogs: Vec::new(),
-            standby: None,
-            silent: (0, 0),
+            incarnation,
+            cycles: Cycles::new(group.mode, group.timetable, service),
+            group,
+            scenario,
+            ports,
+            survival,
+            injection: Injection { faults, drive: None },
+            life: Life { link, granted: None, heartbeat: None, allocations_in_loop: None },
         }
     }
 
@@ -179,11 +159,10 @@ impl Runtime {
         self.incarnation > 0
     }
 
-    /// True while this process computes for the case that the active one of its service ends, and sends
-    /// nothing.
+    /// True while this process is a standby: it computes, and sends nothing.
     #[must_use]
     pub fn is_standby(&self) -> bool {
-        self.gate.is_standby()
+        self.survival.gate.is_standby()
     }
 
     /// Where this service keeps state for the process that may take its place.
@@ -197,39 +176,36 @@ impl Runtime {
     /// Counts and histograms that go on over all processes of this service. A standby records nothing.
     #[must_use]
     pub fn figures(&self) -> &Figures {
-        &self.figures
+        &self.survival.figures
     }
 
     /// Goes on with the step after `step`, whatever time it is.
     pub fn resume_after(&mut self, step: u64) {
-        self.next_step = step + 1;
+        self.cycles.resume_at(step + 1);
     }
 
     /// True once the launcher asked for a stop in lane.
     #[must_use]
     pub fn is_to_stop(&self) -> bool {
-        self.link.safe_stop.load(Ordering::Relaxed)
+        self.life.link.safe_stop.load(Ordering::Relaxed)
     }
 
     /// What carries this service's messages.
     pub(crate) fn carrier(&self) -> Carrier {
-        match self.transport {
-            Transport::SharedMemory(_) => Carrier::SharedMemory,
-            Transport::Memory(_) => Carrier::Memory,
-        }
+        self.ports.carrier()
     }
 
     /// The clock.
     #[must_use]
     pub fn clock(&self) -> &Clock {
-        &self.clock
+        &self.cycles.clock
     }
 
     /// UTC of run time 0, ns since 1970: in simulated time the same in every run.
     #[must_use]
     pub fn utc_start_ns(&self) -> i64 {
         match self.group.mode {
-            Mode::Realtime => crate::releases::clock::utc_ns() - self.clock.now_ns(),
+            Mode::Realtime => crate::releases::clock::utc_ns() - self.clock().now_ns(),
             Mode::Lockstep => scenario::radio::SIMULATED_START_NS,
         }
     }
@@ -247,6 +223,6 @@ impl Runtime {
     /// Releases left out so far.
     #[must_use]
     pub fn skipped(&self) -> u64 {
-        self.skipped
+        self.cycles.skipped()
     }
 }

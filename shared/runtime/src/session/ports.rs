@@ -1,9 +1,8 @@
 //! The ends of topics that a service opens.
 
 use super::Runtime;
-use crate::faults::SenderFaults;
-use crate::ports::{Expected, Outlet, Tally};
-use crate::transport::{Connect, Input};
+use crate::faults::{Disturbed, Falsified};
+use crate::ports::{Checks, Expected, Outlet, Protection, Tally, Wire};
 use crate::{Carried, Mode, Publisher, RuntimeError, Subscriber};
 use messages::Topic;
 use std::rc::Rc;
@@ -21,24 +20,25 @@ impl Runtime {
                 matches!(T::TOPIC, Topic::RadarTracks | Topic::RadarDetections | Topic::RadioFrames)
             }
         };
-        let port = T::sender(&self.transport, self.link.end.clone())?;
+        let port = T::sender(&self.ports.transport, self.life.link.end.clone())?;
         let tally = Tally::of_sender(self.group.mode, port.sealing());
-        self.sent.push((T::TOPIC, Rc::clone(&tally)));
-        self.ports.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
-        let publisher = Publisher::new(Outlet {
-            port,
-            waker: self.transport.waker(T::TOPIC).filter(|_| awaited),
-            clock: Rc::clone(&self.clock),
+        let protection = Protection {
+            port: Rc::clone(&port),
+            waker: self.ports.transport.waker(T::TOPIC).filter(|_| awaited),
             timetable: self.group.timetable,
+            tally: Rc::clone(&tally),
+        };
+        let outlet = Outlet {
+            next: Box::new(Falsified::new(protection, Rc::clone(&self.injection.faults))),
+            clock: Rc::clone(&self.cycles.clock),
             source: self.service,
             incarnation: self.incarnation,
-            faults: Rc::clone(&self.faults),
-            sender_faults: SenderFaults::new(),
-            tally,
-            gate: Rc::clone(&self.gate),
+            tally: Rc::clone(&tally),
+            gate: Rc::clone(&self.survival.gate),
             held: None,
-        });
-        self.backlogs.push(publisher.backlog());
+        };
+        let publisher = Publisher::new(Rc::clone(&port), outlet);
+        self.ports.enter_sender(T::TOPIC, port, tally, publisher.backlog());
         Ok(publisher)
     }
 
@@ -59,18 +59,17 @@ impl Runtime {
     }
 
     fn subscribe<T: Carried>(&mut self, waits: bool) -> Result<Subscriber<T>, RuntimeError> {
-        let tally = Tally::of_receiver();
-        self.received.push((T::TOPIC, Rc::clone(&tally)));
-        let waiter = waits.then(|| self.transport.waiter(T::TOPIC));
-        let port = T::receiver(&self.transport)?;
-        self.ports.push((T::TOPIC, Rc::clone(&port) as Rc<dyn Connect>));
-        self.inputs.push(Rc::clone(&port) as Rc<dyn Input>);
-        let (members, faults) = (Rc::clone(&self.members), Rc::clone(&self.faults));
-        let clock = Some(Rc::clone(&self.clock));
-        let fences = self.fences.clone();
-        let mut subscriber = Subscriber::new(port, waiter, members, fences, clock, faults, tally);
-        subscriber.expected = self.expected(T::TOPIC);
-        Ok(subscriber)
+        let waiter = waits.then(|| self.ports.transport.waiter(T::TOPIC));
+        let (port, tally) = (T::receiver(&self.ports.transport)?, Tally::of_receiver());
+        let (input, connection) = (Rc::clone(&port), Rc::clone(&port));
+        self.ports.enter_receiver(T::TOPIC, connection, input, Rc::clone(&tally));
+        let clock = &self.cycles.clock;
+        let wire = Wire::new(Rc::clone(&port), Rc::clone(&self.ports.members), Rc::clone(&tally));
+        let faults = Rc::clone(&self.injection.faults);
+        let intake = Disturbed::new(wire, port.sealing(), faults, Rc::clone(clock));
+        let (fences, expected) = (self.ports.fences.clone(), self.expected(T::TOPIC));
+        let checks = Checks::new(fences, Some(Rc::clone(clock)), expected, Rc::clone(&tally));
+        Ok(Subscriber::new(port, waiter, Box::new(intake), checks, tally))
     }
 
     /// How often messages of `topic` are expected.
@@ -85,12 +84,5 @@ impl Runtime {
             _ => timetable.period_ns(source),
         };
         Some(Expected { source, stride: timetable.stride(source), period_ns })
-    }
-
-    pub(super) fn connect(&self) -> Result<(), RuntimeError> {
-        for (topic, port) in &self.ports {
-            port.connect().map_err(|reason| RuntimeError::Topic { topic: *topic, reason })?;
-        }
-        Ok(())
     }
 }

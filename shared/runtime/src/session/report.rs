@@ -12,24 +12,23 @@ impl Runtime {
     /// # Errors
     /// [`RuntimeError::Link`].
     pub fn finish(self, details: Details) -> Result<(), RuntimeError> {
-        let (cycles, skipped) = self.counted();
+        let (cycles, skipped) = self.survival.counted(self.cycles.run(), self.cycles.skipped());
+        let (sent, received) = self.ports.reports();
         let report = ServiceReport {
-            allocations_in_loop: self.allocations_in_loop,
+            allocations_in_loop: self.life.allocations_in_loop,
             service: self.service,
             cycles,
             skipped,
-            release_jitter_us: self.jitter.percentiles_us(),
-            sent: self.sent.iter().map(|(topic, tally)| tally.borrow().sent(*topic)).collect(),
-            received: (self.received.iter())
-                .map(|(topic, tally)| tally.borrow().received(*topic))
-                .collect(),
-            peak_rss_kib: (self.carrier() == Carrier::SharedMemory).then(peak_rss_kib),
-            scheduling: self.granted.expect("`begin` comes before `finish`"),
-            fault_statistics: self.faults.statistics(),
+            release_jitter_us: self.cycles.jitter().percentiles_us(),
+            sent,
+            received,
+            peak_rss_kib: (self.ports.carrier() == Carrier::SharedMemory).then(peak_rss_kib),
+            scheduling: self.life.granted.expect("`begin` comes before `finish`"),
+            fault_statistics: self.injection.faults.statistics(),
             details,
         };
-        self.link.send(FromService::Report(Box::new(report)))?;
-        self.link.wait_for_the_end();
+        self.life.link.send(FromService::Report(Box::new(report)))?;
+        self.life.link.wait_for_the_end();
         Ok(())
     }
 }

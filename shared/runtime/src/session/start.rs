@@ -7,7 +7,7 @@ use crate::survival::end_word;
 use crate::survival::standby::{ActiveProcess, Standby};
 use crate::transport::Carrier;
 use crate::{FromService, Mode, RuntimeError};
-use messages::{Heartbeat, Topic};
+use messages::Topic;
 use scenario::Scenario;
 use std::time::{Duration, Instant};
 
@@ -20,45 +20,49 @@ impl Runtime {
     /// # Errors
     /// If the link breaks or the run ends before it began.
     pub fn begin(&mut self, scenario: &Scenario) -> Result<(), RuntimeError> {
-        self.heartbeat = Some(self.publisher::<Heartbeat>()?);
-        let hears_the_drive =
-            (self.sent.iter().chain(&self.received)).any(|(topic, _)| *topic == Topic::EgoTruth);
-        if self.faults.waits_for_the_drive() && !hears_the_drive && self.schedule.is_none() {
-            self.drive = Some(Box::new(self.subscriber()?));
-        }
-        self.account = match (self.carrier(), self.group.mode) {
-            (Carrier::SharedMemory, Mode::Realtime) => {
-                Some(Account::open(&self.group, self.service, self.incarnation)?)
-            }
-            _ => None,
-        };
-        let granted = match (self.carrier(), self.group.mode) {
+        self.life.heartbeat = Some(self.publisher()?);
+        self.watch_the_drive()?;
+        let (carrier, mode) = (self.ports.carrier(), self.group.mode);
+        let granted = match (carrier, mode) {
             // The thread is not this service's alone.
             (Carrier::Memory, _) => in_force(),
             (Carrier::SharedMemory, Mode::Realtime) => apply(&Request::of(scenario, self.service)),
             (Carrier::SharedMemory, Mode::Lockstep) => apply(&Request::NOTHING),
         };
         if granted.is_realtime() {
-            self.link.raise_thread();
+            self.life.link.raise_thread();
         }
-        if self.account.is_some() && self.group.standby.contains(&self.service) {
-            // Above the loops: it only ever ends.
-            let priority = above(granted.priority(&Request::of(scenario, self.service)));
-            end_word::announce(&self.group, (self.service, self.incarnation), priority)?;
+        if carrier == Carrier::SharedMemory && mode == Mode::Realtime {
+            let account = Account::open(&self.group, self.service, self.incarnation)?;
+            self.survival.account = Some(account);
+            if self.group.standby.contains(&self.service) {
+                // Above the loops: it only ever ends.
+                let priority = above(granted.priority(&Request::of(scenario, self.service)));
+                end_word::announce(&self.group, (self.service, self.incarnation), priority)?;
+            }
         }
-        self.granted = Some(granted.clone());
-        self.link.send(FromService::Ready(granted.clone()))?;
-        let order = self.link.wait_for_start()?;
-        self.clock.start(order.start_ns);
+        self.life.granted = Some(granted.clone());
+        self.life.link.send(FromService::Ready(granted.clone()))?;
+        let order = self.life.link.wait_for_start()?;
+        self.cycles.clock.start(order.start_ns);
         // All services' ports exist now.
-        self.connect()?;
+        self.ports.connect()?;
         match order.standby_for {
             Some(active) => self.stand_by(scenario, active, &granted)?,
-            None if !self.gate.claim() => return Err(RuntimeError::Replaced),
+            None if !self.survival.gate.claim() => return Err(RuntimeError::Replaced),
             None => {}
         }
         if self.is_restarted() {
             self.catch_up();
+        }
+        Ok(())
+    }
+
+    /// Opens the ego's ground truth for faults that wait for it, if the service has no other use for it.
+    fn watch_the_drive(&mut self) -> Result<(), RuntimeError> {
+        let waits = self.injection.faults.waits_for_the_drive();
+        if waits && !self.ports.has(Topic::EgoTruth) && !self.cycles.is_replay() {
+            self.injection.drive = Some(Box::new(self.subscriber()?));
         }
         Ok(())
     }
@@ -69,11 +73,12 @@ impl Runtime {
         active: ActiveProcess,
         granted: &Granted,
     ) -> Result<(), RuntimeError> {
-        self.gate.set_standby(true);
-        self.figures.set_recording(false);
         let own = (self.service, self.incarnation);
-        let slot = &self.link.take_over;
-        self.standby = Some(Standby::begin(&self.group, scenario, own, active, granted, slot)?);
+        let slot = &self.life.link.take_over;
+        // Silent before the threads of the standby begin.
+        self.survival.be_silent();
+        let standby = Standby::begin(&self.group, scenario, own, active, granted, slot)?;
+        self.survival.standby = Some(standby);
         Ok(())
     }
 
@@ -81,10 +86,9 @@ impl Runtime {
     /// every input has brought its last message, or shows that it has none.
     fn catch_up(&mut self) {
         let begun = Instant::now();
-        while begun.elapsed() < INPUT_PATIENCE && !self.inputs.iter().all(|i| i.has_input()) {
+        while begun.elapsed() < INPUT_PATIENCE && !self.ports.have_input() {
             std::thread::sleep(Duration::from_micros(200));
         }
-        self.next_step =
-            u64::try_from(self.clock.now_ns() / self.group.timetable.step_ns).unwrap_or(0);
+        self.cycles.resume_at(self.cycles.present_step());
     }
 }

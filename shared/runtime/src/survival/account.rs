@@ -5,15 +5,13 @@
 //! launcher reads it when the process is gone without a report.
 
 use crate::faults::{FaultStatistics, Faults};
-use crate::ports::Tally;
+use crate::ports::Counted;
 use crate::report::{ReceivedTopic, SentTopic};
 use crate::words::SharedWords;
 use crate::{Group, RuntimeError};
 use messages::e2e::Outcomes;
 use messages::{Service, TOPICS, Topic};
-use std::cell::RefCell;
 use std::path::Path;
-use std::rc::Rc;
 use std::sync::atomic::Ordering;
 
 /// Words for the cycles, the skipped releases and the progress, before those of the topics.
@@ -32,9 +30,6 @@ const FAULT_STRIDE: usize = 5;
 const MOST_FAULTS: usize = (crate::words::WORDS - FAULTS) / FAULT_STRIDE;
 
 const _: () = assert!(MOST_FAULTS >= 2 * scenario::faults::MAX_FAULTS);
-
-/// A port's counts, shared with the port.
-pub(crate) type Counted = (Topic, Rc<RefCell<Tally>>);
 
 /// The page of one process.
 #[derive(Debug)]
@@ -227,6 +222,7 @@ pub fn take_account(group: &Group, service: Service, incarnation: u32) -> Option
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ports::Tally;
     use crate::{Mode, Timetable};
 
     #[test]

@@ -1,4 +1,12 @@
-//! What outlives a process of a service, or replaces it.
+//! What outlives a process, and what takes its place: counts, state, epochs, standbys.
+//!
+//! ```text
+//! process ──► Account: counts of this process ─┐
+//!         ──► Figures: histograms of all       ├─► read by the launcher after its end
+//!         ──► Checkpoint: state ───────────────┴─► read by the next process
+//!
+//! Gate: may this process speak?  ◄── Fences: one epoch a service  ◄── Standby: takes the epoch over
+//! ```
 
 pub mod account;
 pub mod checkpoint;
@@ -8,3 +16,54 @@ pub mod gate;
 pub mod kept;
 pub mod kept_buckets;
 pub mod standby;
+
+use account::Account;
+use fence::Fences;
+use gate::Gate;
+use kept::Figures;
+use messages::Service;
+use standby::Standby;
+use std::rc::Rc;
+
+/// How one process survives its end, or its predecessor's.
+#[derive(Debug)]
+pub(crate) struct Survival {
+    /// In realtime, where a process may die and the run goes on.
+    pub(crate) account: Option<Account>,
+    pub(crate) figures: Figures,
+    pub(crate) gate: Rc<Gate>,
+    pub(crate) standby: Option<Standby>,
+    /// Cycles and skipped releases of the time as a standby.
+    silent: (u64, u64),
+}
+
+impl Survival {
+    /// The survival of process `incarnation` of `service`, which counts in `figures`.
+    pub(crate) fn new(
+        figures: Figures,
+        fences: Option<Fences>,
+        service: Service,
+        incarnation: u32,
+    ) -> Self {
+        let gate = Rc::new(Gate::of(fences, service, incarnation));
+        Self { account: None, figures, gate, standby: None, silent: (0, 0) }
+    }
+
+    /// Makes this process silent: it sends and records nothing.
+    pub(crate) fn be_silent(&self) {
+        self.gate.set_standby(true);
+        self.figures.set_recording(false);
+    }
+
+    /// Ends the time as a standby, of so many cycles and skipped releases.
+    pub(crate) fn become_active(&mut self, cycles: u64, skipped: u64) {
+        self.standby = None;
+        self.silent = (cycles, skipped);
+        self.figures.set_recording(true);
+    }
+
+    /// Of so many cycles and skipped releases, those of the active process.
+    pub(crate) fn counted(&self, cycles: u64, skipped: u64) -> (u64, u64) {
+        (cycles - self.silent.0, skipped - self.silent.1)
+    }
+}

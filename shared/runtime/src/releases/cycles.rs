@@ -1,0 +1,187 @@
+//! The cycles of one service: which step is next, when it begins, what was left out.
+
+use crate::releases::schedule::Schedule;
+use crate::statistics::Latencies;
+use crate::{Clock, Mode, Release, Timetable};
+use messages::{Origin, Service, Topic};
+use std::rc::Rc;
+
+/// The releases of one service.
+#[derive(Debug)]
+pub(crate) struct Cycles {
+    pub(crate) clock: Rc<Clock>,
+    timetable: Timetable,
+    service: Service,
+    /// The releases of a recorded run, for a replay.
+    schedule: Option<Schedule>,
+    step: u64,
+    next_step: u64,
+    run: u64,
+    skipped: u64,
+    jitter: Latencies,
+}
+
+impl Cycles {
+    /// No cycle yet.
+    pub(crate) fn new(mode: Mode, timetable: Timetable, service: Service) -> Self {
+        Self {
+            clock: Rc::new(Clock::new(mode, timetable.step_ns)),
+            timetable,
+            service,
+            schedule: None,
+            step: 0,
+            next_step: 0,
+            run: 0,
+            skipped: 0,
+            jitter: Latencies::default(),
+        }
+    }
+
+    /// Follows a recorded run's releases, if there are any.
+    pub(crate) fn follow(&mut self, schedule: Option<Schedule>) {
+        self.schedule = schedule;
+    }
+
+    /// True if the releases are those of a recorded run.
+    pub(crate) fn is_replay(&self) -> bool {
+        self.schedule.is_some()
+    }
+
+    /// The sample of `topic` that the present cycle of a recorded run used; `None` without a recorded run.
+    pub(crate) fn recorded_input(&self, topic: Topic) -> Option<Origin> {
+        self.schedule.as_ref().map(|schedule| schedule.input(topic))
+    }
+
+    /// Records the lateness of the releases in `jitter`.
+    pub(crate) fn record_jitter_in(&mut self, jitter: Latencies) {
+        self.jitter = jitter;
+    }
+
+    /// Lateness of the releases.
+    pub(crate) fn jitter(&self) -> &Latencies {
+        &self.jitter
+    }
+
+    /// The present step.
+    pub(crate) fn step(&self) -> u64 {
+        self.step
+    }
+
+    /// The step of the next release.
+    pub(crate) fn next_step(&self) -> u64 {
+        self.next_step
+    }
+
+    /// Scheduled instant of the present cycle, ns of run time.
+    pub(crate) fn scheduled_ns(&self) -> i64 {
+        self.clock.scheduled_ns(self.step)
+    }
+
+    /// Time since the scheduled instant of the next release, ns.
+    pub(crate) fn late_ns(&self) -> i64 {
+        self.clock.now_ns() - self.clock.scheduled_ns(self.next_step)
+    }
+
+    /// Sleeps until the scheduled instant of the next release, or a signal.
+    pub(crate) fn sleep_until_next(&self) {
+        self.clock.sleep_until_run_time(self.clock.scheduled_ns(self.next_step));
+    }
+
+    /// Period of the service, ns.
+    pub(crate) fn period_ns(&self) -> i64 {
+        self.timetable.period_ns(self.service)
+    }
+
+    /// Cycles run.
+    pub(crate) fn run(&self) -> u64 {
+        self.run
+    }
+
+    /// Releases left out.
+    pub(crate) fn skipped(&self) -> u64 {
+        self.skipped
+    }
+
+    /// Goes on with `step`.
+    pub(crate) fn resume_at(&mut self, step: u64) {
+        self.next_step = step;
+    }
+
+    /// The step that runs now.
+    pub(crate) fn present_step(&self) -> u64 {
+        u64::try_from(self.clock.now_ns() / self.timetable.step_ns).unwrap_or(0)
+    }
+
+    /// True if `step` is of the present period of the service.
+    pub(crate) fn is_of_present_period(&self, step: u64) -> bool {
+        step >= self.timetable.latest_release(self.service, self.present_step())
+    }
+
+    /// Leaves out the releases that are over by more than a period; true if there were any.
+    pub(crate) fn skip_missed(&mut self, late_ns: i64) -> bool {
+        let missed = u64::try_from(late_ns / self.period_ns()).unwrap_or(0);
+        self.skipped += missed;
+        self.next_step += missed * self.timetable.stride(self.service);
+        missed > 0
+    }
+
+    /// Begins the next cycle of a service that waited since `idle_ns`; `None` after the last recorded one.
+    pub(crate) fn begin_next(&mut self, idle_ns: i64) -> Option<Release> {
+        let recorded = match &mut self.schedule {
+            Some(schedule) => Some(schedule.advance()?),
+            None => None,
+        };
+        self.step = recorded.map_or(self.next_step, |release| release.step);
+        // On the service's own grid: a restarted service begins off it.
+        self.next_step = self.timetable.latest_release(self.service, self.step)
+            + self.timetable.stride(self.service);
+        self.clock.set_step(self.step);
+        let scheduled_ns = self.scheduled_ns();
+        let start_ns = recorded.map_or_else(|| self.clock.now_ns(), |release| release.start_ns);
+        if let Some(release) = recorded {
+            self.clock.set_simulated(release.publish_ns);
+        }
+        self.run += 1;
+        let idle_ns = match self.clock.mode() {
+            Mode::Realtime => {
+                self.jitter.record_ns(start_ns - scheduled_ns);
+                idle_ns
+            }
+            // The wait begins in an earlier step, and takes no time.
+            Mode::Lockstep => start_ns,
+        };
+        let time_s = scheduled_ns as f64 / 1e9;
+        Some(Release { step: self.step, time_s, scheduled_ns, idle_ns, start_ns })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Cycles of perception-sim: every fifth step of 10 ms.
+    fn cycles() -> Cycles {
+        let timetable =
+            Timetable { step_ns: 10_000_000, strides: [1, 5, 10, 10, 5, 10], last_step: 1000 };
+        Cycles::new(Mode::Lockstep, timetable, Service::PerceptionSim)
+    }
+
+    #[test]
+    fn cycles_follow_the_grid_also_after_a_begin_off_it() {
+        let mut cycles = cycles();
+        cycles.resume_at(7);
+        let steps = [(); 3].map(|()| cycles.begin_next(0).map(|release| release.step));
+        assert_eq!(steps, [Some(7), Some(10), Some(15)]);
+        assert_eq!((cycles.step(), cycles.next_step(), cycles.run()), (15, 20, 3));
+        assert_eq!(cycles.scheduled_ns(), 150_000_000);
+        assert!(cycles.is_of_present_period(15) && !cycles.is_of_present_period(14));
+    }
+
+    #[test]
+    fn releases_that_are_over_by_a_period_are_left_out() {
+        let mut cycles = cycles();
+        assert!(!cycles.skip_missed(49_999_999) && !cycles.skip_missed(-80_000_000));
+        assert!(cycles.skip_missed(149_999_999));
+        assert_eq!((cycles.skipped(), cycles.next_step(), cycles.run()), (2, 10, 0));
+    }
+}
