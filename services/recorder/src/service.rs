@@ -11,7 +11,7 @@ use crate::link::{FromRecorder, Report, Start, ToRecorder, orders, say};
 use crate::sequencer::{Placed, Sequencer};
 use crate::{Metadata, Recording, Tally, TopicTally, Writer};
 use runtime::{Group, Mode, RuntimeError, Tap, log_warnings, monotonic_ns};
-use scenario::{Scenario, ScenarioError};
+use scenario::Scenario;
 use std::ffi::OsString;
 use std::fs::File;
 use std::io;
@@ -57,8 +57,6 @@ pub fn run(arguments: &[OsString]) -> ExitCode {
 enum RecordError {
     #[error(transparent)]
     Runtime(#[from] RuntimeError),
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
     #[error("{}: {reason}", path.display())]
     File { path: PathBuf, reason: io::Error },
     /// The start was not ordered.
@@ -71,7 +69,7 @@ enum RecordError {
 
 fn record(root: &Path, path: &Path) -> Result<Report, RecordError> {
     let group = Group::read(root)?;
-    let scenario = Scenario::parse("scenario", &group.scenario)?;
+    let scenario = group.scenario()?;
     let taps = Tap::join(&group, "recorder").and_then(Taps::open)?;
     bag::remove_beside(path);
     let file =

@@ -2,13 +2,12 @@
 
 use super::transport::TransportError;
 use messages::Topic;
-use scenario::{Problem, ScenarioError};
+use scenario::{DecodeError, Problem};
 use std::error::Error;
 use std::io;
 use std::path::PathBuf;
 
-/// What a person can do about an error of the transport; its own reason is a name in iceoryx2's sources,
-/// which `TIMEGAP_LOG` shows.
+/// Advice for an error of the transport, whose own reason is a name in iceoryx2's sources.
 const HINT: &str =
     ": `timegap doctor` checks the machine, TIMEGAP_LOG=1 shows the library's own words";
 
@@ -92,8 +91,8 @@ pub enum RuntimeError {
     #[error("radio: {0}")]
     Radio(#[source] Box<dyn Error + Send + Sync>),
     /// The scenario of the group file cannot be read.
-    #[error(transparent)]
-    Scenario(#[from] ScenarioError),
+    #[error("the scenario of the group file: {0}")]
+    Scenario(#[from] DecodeError),
     /// The scenario makes no such service.
     #[error("{}: {}", .0.path, .0.message)]
     Refused(#[source] Box<Problem>),

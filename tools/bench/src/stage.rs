@@ -129,7 +129,7 @@ pub(crate) fn group_below(root: &RunRoot) -> Group {
         },
         standby: Vec::new(),
         patience_ns: 10_000_000_000,
-        scenario: String::new(),
+        scenario: Vec::new(),
     }
 }
 

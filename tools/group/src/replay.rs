@@ -83,7 +83,7 @@ pub fn replay(
         timetable,
         standby: Vec::new(),
         patience_ns: 10_000_000_000,
-        scenario: scenario.to_toml(),
+        scenario: scenario.to_bytes(),
     };
     let result = group
         .write()

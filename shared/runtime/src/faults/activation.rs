@@ -17,10 +17,28 @@ pub struct Injected {
     /// When it begins, ns of run time.
     pub begin_ns: i64,
     /// The fault.
+    #[serde(with = "binary")]
     pub fault: Fault,
 }
 
-/// How many messages of a service's ports a fault acted on.
+/// A fault travels in its binary form, which no receiver parses as text.
+mod binary {
+    use scenario::faults::Fault;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(
+        fault: &Fault,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        fault.to_bytes().serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<Fault, D::Error> {
+        Fault::from_bytes(&Vec::deserialize(from)?).map_err(serde::de::Error::custom)
+    }
+}
+
+/// Number of messages in a service's ports on which a fault acted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FaultStatistics {
     /// The fault's number in the run.
@@ -34,7 +52,7 @@ pub struct FaultStatistics {
     pub undetected: u64,
 }
 
-/// Where the launcher's faults arrive, from the link's thread.
+/// Inbox for the launcher's faults, filled by the link's thread.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Inbox(Arc<(AtomicBool, Mutex<Vec<Injected>>)>);
 
@@ -73,7 +91,7 @@ pub(crate) struct Faults {
     pub(crate) inbox: Inbox,
 }
 
-/// What the faults can act on, so that all other messages pass without a look at each fault.
+/// Topics on which the faults can act: all other messages pass without a look at each fault.
 #[derive(Clone, Copy, Debug, Default)]
 struct Reach {
     /// A bit for each topic.
@@ -126,16 +144,7 @@ impl Activation {
 }
 
 impl Faults {
-    pub(crate) fn none() -> Self {
-        Self {
-            seed: 0,
-            entries: RefCell::default(),
-            reach: Cell::default(),
-            inbox: Inbox::default(),
-        }
-    }
-
-    /// Those of the scenario that act on messages.
+    /// The faults of `scenario` that act on messages.
     pub(crate) fn of(scenario: &Scenario, inbox: Inbox) -> Self {
         let entry = |(number, fault): (usize, &Fault)| Entry {
             number: u32::try_from(number).expect("faults are few"),
@@ -162,7 +171,7 @@ impl Faults {
         self.reach.get().senders & bit(topic) != 0
     }
 
-    /// Takes in what the launcher sent.
+    /// Takes in the faults that the launcher sent.
     pub(crate) fn refresh(&self) {
         for Injected { number, begin_ns, fault } in self.inbox.take() {
             let begun_ns = Some(begin_ns);
@@ -172,12 +181,12 @@ impl Faults {
         }
     }
 
-    /// True if one waits for what the ego does.
+    /// True if one waits for a state of the drive.
     pub(crate) fn waits_for_the_drive(&self) -> bool {
         self.entries.borrow().iter().any(|entry| matches!(entry.fault.begin, Begin::When { .. }))
     }
 
-    /// Lets what the ego does fulfil conditions.
+    /// Begins the faults whose condition the drive fulfils.
     pub(crate) fn observe(&self, drive: impl FnOnce() -> Option<Drive>, now_ns: i64) {
         if !self.reach.get().waits {
             return;
@@ -256,7 +265,7 @@ impl Faults {
             })
     }
 
-    /// What they did.
+    /// Effects of all faults so far.
     pub(crate) fn statistics(&self) -> Vec<FaultStatistics> {
         let mut all = Vec::new();
         self.each_statistics(|one| all.push(one));

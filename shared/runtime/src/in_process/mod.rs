@@ -109,7 +109,8 @@ impl InProcess {
             timetable,
             standby: Vec::new(),
             patience_ns: PATIENCE_NS,
-            scenario: String::new(),
+            // Each service gets it as a value.
+            scenario: Vec::new(),
         };
         Self { bus: Rc::new(Bus::new(&timetable, sealing)), group, members: Vec::new() }
     }

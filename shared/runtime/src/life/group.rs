@@ -1,11 +1,13 @@
-//! The group file: what the launcher tells every process of a run, once.
+//! The group file: what the launcher writes for every process of a run, once.
 
 use crate::{Mode, RuntimeError, Timetable};
 use messages::Service;
+use scenario::Scenario;
 use serde::{Deserialize, Serialize};
+use std::io;
 use std::path::{Path, PathBuf};
 
-/// Everything that the processes of one run share, kept in the run's root as `group.json`.
+/// Everything that the processes of one run share, kept in the run's root in postcard's encoding.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Group {
     /// Root of the run: iceoryx2's files, the lock and this file are below it.
@@ -20,13 +22,21 @@ pub struct Group {
     pub standby: Vec<Service>,
     /// Wall time after which a wait for a due sample gives up in lockstep, ns.
     pub patience_ns: i64,
-    /// The effective scenario, TOML.
-    pub scenario: String,
+    /// The effective scenario in its binary form ([`Scenario::to_bytes`]); empty for a run without one.
+    pub scenario: Vec<u8>,
 }
 
 impl Group {
     /// Name of the group file in the run's root.
-    pub const FILE: &str = "group.json";
+    const FILE: &str = "group";
+
+    /// The effective scenario.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Scenario`] if the group has none, or one of another version of the program.
+    pub fn scenario(&self) -> Result<Scenario, RuntimeError> {
+        Ok(Scenario::from_bytes(&self.scenario)?)
+    }
 
     /// Reads the group file below `root`.
     ///
@@ -35,8 +45,8 @@ impl Group {
     pub fn read(root: &Path) -> Result<Self, RuntimeError> {
         let path = root.join(Self::FILE);
         let error = |reason| RuntimeError::GroupFile { path: path.clone(), reason };
-        let text = std::fs::read_to_string(&path).map_err(error)?;
-        serde_json::from_str(&text).map_err(|e| error(e.into()))
+        let bytes = std::fs::read(&path).map_err(error)?;
+        postcard::from_bytes(&bytes).map_err(|e| error(io::Error::other(e)))
     }
 
     /// Writes the group file below its root.
@@ -45,8 +55,40 @@ impl Group {
     /// [`RuntimeError::GroupFile`] if it cannot be written.
     pub fn write(&self) -> Result<(), RuntimeError> {
         let path = self.root.join(Self::FILE);
-        let text = serde_json::to_string_pretty(self).expect("a group is plain data");
-        std::fs::write(&path, text)
+        let bytes = postcard::to_allocvec(self).expect("a group is plain data");
+        std::fs::write(&path, bytes)
             .map_err(|reason| RuntimeError::GroupFile { path: path.clone(), reason })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_process_reads_what_the_launcher_wrote() {
+        let root = std::env::temp_dir().join(format!("timegap-group-{}", std::process::id()));
+        std::fs::create_dir_all(&root).expect("the temporary directory is writable");
+        let text = "schema_version = 1\nname = \"x\"\nset_speed_mps = 21.3\n[[faults]]\nkind = \"drop\"\n\
+                    topic = \"v2x/spat\"\n";
+        let scenario = Scenario::parse("x", text).expect("a scenario");
+        let group = Group {
+            root: root.clone(),
+            prefix: "timegap_x_".into(),
+            mode: Mode::Realtime,
+            timetable: Timetable::of(&scenario),
+            standby: vec![Service::Controller],
+            patience_ns: 7,
+            scenario: scenario.to_bytes(),
+        };
+        group.write().expect("ours");
+        let read = Group::read(&root).expect("it is there");
+        assert_eq!(read, group);
+        assert_eq!(read.scenario().expect("a scenario"), scenario);
+        let none = Group { scenario: Vec::new(), ..group };
+        assert!(matches!(none.scenario(), Err(RuntimeError::Scenario(_))));
+        std::fs::write(root.join(Group::FILE), [0xff; 9]).expect("ours");
+        assert!(matches!(Group::read(&root), Err(RuntimeError::GroupFile { .. })));
+        std::fs::remove_dir_all(&root).expect("ours");
     }
 }

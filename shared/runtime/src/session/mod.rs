@@ -85,7 +85,7 @@ impl Runtime {
     ) -> Result<Self, RuntimeError> {
         let link = Link::open()?;
         let group = Group::read(root)?;
-        let scenario = Scenario::parse("scenario", &group.scenario)?;
+        let scenario = group.scenario()?;
         let schedule = Schedule::read(&group.root, service)?;
         wait(&link)?;
         let transport = Transport::SharedMemory(SharedMemory::join(&group, service.name())?);

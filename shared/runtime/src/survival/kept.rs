@@ -187,7 +187,7 @@ mod tests {
                 standby: Vec::new(),
                 timetable: Timetable { step_ns: 1, strides: [1; Service::ALL.len()], last_step: 1 },
                 patience_ns: 1,
-                scenario: String::new(),
+                scenario: Vec::new(),
             })
         }
 

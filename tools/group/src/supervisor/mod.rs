@@ -67,7 +67,7 @@ pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<Grou
         timetable,
         standby,
         patience_ns: 10_000_000_000,
-        scenario: for_services(&launch.scenario, is_replaced).to_toml(),
+        scenario: for_services(&launch.scenario, is_replaced).to_bytes(),
     };
     let mut supervisor = Supervisor {
         launch: &launch,
