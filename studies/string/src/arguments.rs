@@ -4,7 +4,7 @@ use std::num::NonZeroUsize;
 
 use clap::Args;
 use group::{Error, Failure, GroupOptions, ScenarioOptions};
-use report::output::OutputOptions;
+use report::results::ResultOptions;
 use runtime::Mode;
 
 use super::scene::Plan;
@@ -57,12 +57,9 @@ pub struct StringArguments {
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
-    /// Where the results go, and in which form.
+    /// Where the results go, and in which forms.
     #[command(flatten)]
-    pub output: OutputOptions,
-    /// Print the results as JSON, and nothing else, on standard output
-    #[arg(long)]
-    pub json: bool,
+    pub results: ResultOptions,
 }
 
 /// Why a string is not driven.

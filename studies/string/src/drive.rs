@@ -3,30 +3,31 @@
 //! The workers take the cars in their order. In one process a car drives a moment behind the one before it
 //! ([`super::growing`]); in process groups each waits for the whole motion of that one.
 
-use std::collections::BTreeSet;
-use std::num::NonZeroUsize;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::sync_channel;
 
+use frame::batch::{self, Done};
+use frame::{Crew, Found, Gave, Needs, Options, Study};
+use group::Error;
 use group::in_process::Ahead;
-use group::{Error, GroupOptions};
-use indicatif::ProgressBar;
+use report::results::Document;
 use runtime::report::{ControlFigures, Outcome};
-use runtime::{Carrier, Mode, Sealing};
+use runtime::{Carrier, Sealing};
 use scenario::Scenario;
 
+use super::arguments::{StringArguments, Task};
 use super::growing::{Giver, Growing};
+use super::limits::{Limits, Point};
 use super::measure::{Measured, measure};
 use super::motion::Motion;
+use super::results::Results;
 use super::scene::{Place, Plan};
 use super::wave::Amplitudes;
-use frame::batch::{self, Done, Interrupt, ProcessesSample, Repetition};
+use super::{page, response};
 
 /// Points of a trace, for the pictures.
 const TRACE_POINTS: usize = 400;
 
-/// What one car did.
+/// The drive of one car.
 #[derive(Clone, Debug)]
 pub struct Driven {
     /// Where it began.
@@ -73,136 +74,104 @@ impl Driven {
     }
 }
 
-/// All runs of the command, of which a sample is repeated in process groups.
-pub struct Drives<'a> {
-    group: &'a GroupOptions,
-    bar: &'a ProgressBar,
-    at_once: usize,
-    /// The runs to be repeated, of all.
-    repeated: BTreeSet<usize>,
-    sample: ProcessesSample,
-    /// Runs before the next ones.
-    begun: usize,
+/// The study: every car of every string is a run.
+///
+/// The strings are the one that is asked for, the same behind a sine of each frequency, and each law alone behind
+/// each sine at each value of the swept key.
+pub struct Strings {
+    task: Task,
+    strings: Vec<Plan>,
+    cars: Vec<Car>,
 }
 
-/// What the workers tell.
-enum Told {
-    /// What the car of this number did.
-    Car(usize, Box<Driven>),
-    /// What the repetition of the run of this number gave.
-    Repetition(usize, Repetition),
-}
+impl Study for Strings {
+    type Arguments = StringArguments;
+    type Record = ();
+    type Seen = Driven;
 
-impl<'a> Drives<'a> {
-    /// Of `runs` runs in all, `jobs` cars at a time.
-    pub fn new(
-        group: &'a GroupOptions,
-        bar: &'a ProgressBar,
-        jobs: Option<NonZeroUsize>,
-        seed: u64,
-        runs: usize,
-    ) -> Self {
-        Self {
-            group,
-            bar,
-            at_once: batch::at_once(jobs, Mode::Lockstep),
-            repeated: batch::choose(seed, runs),
-            sample: ProcessesSample::default(),
-            begun: 0,
+    const NAME: &'static str = "string";
+    const NEEDS: Needs = Needs::All;
+
+    fn options(arguments: &StringArguments) -> Options<'_> {
+        let StringArguments { jobs, group, results, .. } = arguments;
+        Options { parts: None, jobs: *jobs, group, results }
+    }
+
+    fn plan(arguments: &StringArguments) -> Result<Self, Error> {
+        let task = Task::read(arguments)?;
+        let mut strings = vec![task.plan.clone()];
+        for &hz in &task.frequencies {
+            strings.push(task.plan.behind_wave(hz)?);
         }
-    }
-
-    /// Drives one string.
-    ///
-    /// # Errors
-    /// As [`Drives::strings`].
-    pub fn string(&mut self, plan: &Plan) -> Result<Vec<Driven>, Error> {
-        Ok(self.strings(std::slice::from_ref(plan))?.pop().expect("one string, one result"))
-    }
-
-    /// Drives the strings, each car by car.
-    ///
-    /// # Errors
-    /// What keeps a car from driving; [`Error::Interrupted`].
-    pub fn strings(&mut self, plans: &[Plan]) -> Result<Vec<Vec<Driven>>, Error> {
-        let interrupt = Interrupt::watch()?;
-        let (stop, next) = (AtomicBool::new(false), AtomicUsize::new(0));
-        let cars: Vec<Car<'_>> = plans.iter().flat_map(Car::all).collect();
-        let mut driven: Vec<Option<Driven>> = cars.iter().map(|_| None).collect();
-        let mut end = Ok(());
-        let (group, repeated, first) = (self.group, &self.repeated, self.begun);
-        let (sample, bar) = (&mut self.sample, self.bar);
-        let going_on = &|| !stop.load(Ordering::Relaxed) && !interrupt.came();
-        std::thread::scope(|scope| {
-            let (sender, results) = sync_channel::<Result<Told, Error>>(self.at_once);
-            for _ in 0..self.at_once.min(cars.len()) {
-                let (sender, cars, next) = (sender.clone(), &cars, &next);
-                scope.spawn(move || {
-                    loop {
-                        let index = next.fetch_add(1, Ordering::Relaxed);
-                        let Some(car) = cars.get(index) else { return };
-                        // However it ends, the car behind does not wait for it any longer.
-                        let _closed = Closed(&car.growing);
-                        if !going_on() {
-                            continue;
-                        }
-                        // Digests are there to be compared.
-                        let sealing = match repeated.contains(&(first + index)) {
-                            true => Sealing::Sealed,
-                            false => Sealing::Unsealed,
-                        };
-                        let told = car.drive(group, sealing, going_on).map(|(scenario, done)| {
-                            let own = Driven::of(car.plan, car.place, &scenario, &done);
-                            let (number, summary) = (first + index, done.summary);
-                            if repeated.contains(&number) && summary.carrier == Carrier::Memory {
-                                // Beside the string: the next car does not wait for it.
-                                let sender = sender.clone();
-                                scope.spawn(move || {
-                                    let found = batch::repeat(&scenario, &summary, group, going_on);
-                                    let _ = sender.send(found.map(|r| Told::Repetition(number, r)));
-                                });
-                            }
-                            Told::Car(index, Box::new(own))
-                        });
-                        // The receiver is there until all senders are gone.
-                        let _ = sender.send(told);
-                    }
-                });
+        let swept = task.sweep.iter().flat_map(|(_, laws)| laws).flat_map(|law| &law.plans);
+        for plan in swept {
+            for &hz in &task.sweep_frequencies {
+                strings.push(plan.behind_wave(hz)?);
             }
-            drop(sender);
-            for result in results {
-                match result {
-                    Ok(Told::Car(index, car)) => {
-                        driven[index] = Some(*car);
-                        bar.inc(1);
-                    }
-                    Ok(Told::Repetition(number, found)) => sample.count(number, Some(&found)),
-                    Err(error) => {
-                        stop.store(true, Ordering::Relaxed);
-                        end = std::mem::replace(&mut end, Ok(())).and(Err(error));
-                    }
+        }
+        let cars = strings.iter().enumerate().flat_map(|(string, plan)| Car::all(string, plan));
+        let cars = cars.collect();
+        Ok(Self { task, strings, cars })
+    }
+
+    fn runs(&self) -> usize {
+        self.cars.len()
+    }
+
+    fn seed(&self) -> u64 {
+        self.task.plan.seed()
+    }
+
+    fn subject(&self) -> Result<String, Error> {
+        Ok(self.task.plan.first().to_toml())
+    }
+
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<(), Driven>, Error> {
+        let car = &self.cars[run];
+        let plan = &self.strings[car.string];
+        // However it ends, the car behind does not wait for it any longer.
+        let _closed = Closed(&car.growing);
+        // Digests are there to be compared.
+        let repeats = crew.repeats(run);
+        let sealing = if repeats { Sealing::Sealed } else { Sealing::Unsealed };
+        let (scenario, done) = car.drive(plan, crew, sealing)?;
+        let seen = Driven::of(plan, car.place, &scenario, &done);
+        let repetition = match repeats && done.summary.carrier == Carrier::Memory {
+            true => Some(batch::repeat(&scenario, &done.summary, crew.group(), crew.going_on())?),
+            false => None,
+        };
+        Ok(Gave { record: (), seen, repetition })
+    }
+
+    fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
+        let task = &self.task;
+        let mut driven = found.seen.into_values();
+        let mut strings =
+            self.strings.iter().map(|plan| driven.by_ref().take(plan.vehicles).collect::<Vec<_>>());
+        let mut next = || strings.next().expect("every string was driven");
+        let cars = next();
+        let own = task.frequencies.iter().map(|&hz| response::response(hz, &next())).collect();
+        let mut limits = Vec::new();
+        if let Some((param, laws)) = &task.sweep {
+            for law in laws {
+                let mut points = Vec::new();
+                for value in &param.values {
+                    let curve = task.sweep_frequencies.iter();
+                    let curve = curve.map(|&hz| response::response(hz, &next())).collect();
+                    points.push(Point::new(value, curve));
                 }
+                limits.push(Limits::new(&law.controller, &param.key, points));
             }
-        });
-        self.begun += cars.len();
-        if interrupt.came() {
-            return Err(Error::Interrupted);
         }
-        end?;
-        let mut driven =
-            driven.into_iter().map(|car| car.expect("without an error all were driven"));
-        Ok(plans.iter().map(|plan| driven.by_ref().take(plan.vehicles).collect()).collect())
-    }
-
-    /// What came of the repeated runs.
-    pub fn into_sample(self) -> ProcessesSample {
-        self.sample
+        let results = Results::new(task, &cars, own, limits, found.sample);
+        Ok(page::document(&results, &cars))
     }
 }
 
 /// A car of a string.
-struct Car<'a> {
-    plan: &'a Plan,
+struct Car {
+    /// Its string.
+    string: usize,
     place: Place,
     /// The motion of the car before it.
     before: Option<Arc<Growing>>,
@@ -219,13 +188,13 @@ impl Drop for Closed<'_> {
     }
 }
 
-impl<'a> Car<'a> {
-    fn all(plan: &'a Plan) -> Vec<Self> {
+impl Car {
+    fn all(string: usize, plan: &Plan) -> Vec<Self> {
         let mut last = None;
         let car = |place| {
             let growing = Arc::<Growing>::default();
             let before = last.replace(Arc::clone(&growing));
-            Self { plan, place, before, growing }
+            Self { string, place, before, growing }
         };
         plan.places().into_iter().map(car).collect()
     }
@@ -233,18 +202,18 @@ impl<'a> Car<'a> {
     /// The scenario, with the whole motion of the car before, and what came of it.
     fn drive(
         &self,
-        group: &GroupOptions,
+        plan: &Plan,
+        crew: &Crew<'_>,
         sealing: Sealing,
-        going_on: &dyn Fn() -> bool,
     ) -> Result<(Scenario, Done), Error> {
         let (scenario, done) = match &self.before {
             None => {
-                let scenario = self.plan.first();
-                let done = self.run(&scenario, group, sealing, nothing_new(), going_on)?;
+                let scenario = plan.first();
+                let done = self.run(&scenario, crew, sealing, nothing_new(), crew.going_on())?;
                 (scenario, done)
             }
             Some(before) => {
-                let driven = self.drive_behind(before, group, sealing, going_on)?;
+                let driven = self.drive_behind(plan, before, crew, sealing)?;
                 before.forget();
                 driven
             }
@@ -256,39 +225,40 @@ impl<'a> Car<'a> {
 
     fn drive_behind(
         &self,
+        plan: &Plan,
         before: &Arc<Growing>,
-        group: &GroupOptions,
+        crew: &Crew<'_>,
         sealing: Sealing,
-        going_on: &dyn Fn() -> bool,
     ) -> Result<(Scenario, Done), Error> {
         let whole = || before.whole().ok_or(Error::Interrupted);
-        if batch::in_one_thread(group)
+        let going_on = crew.going_on();
+        if batch::in_one_thread(crew.group())
             && let Some(start) = before.start()
         {
-            let scenario = self.plan.behind(self.place, &start)?;
+            let scenario = plan.behind(self.place, &start)?;
             let while_it_counts = || going_on() && !before.is_revoked();
-            let done = self.run(&scenario, group, sealing, before.ahead(), &while_it_counts);
+            let done = self.run(&scenario, crew, sealing, before.ahead(), &while_it_counts);
             let motion = whole()?;
             if !before.is_revoked() {
-                return Ok((self.plan.behind(self.place, &motion)?, done?));
+                return Ok((plan.behind(self.place, &motion)?, done?));
             }
             self.growing.revoke();
         }
-        let scenario = self.plan.behind(self.place, &whole()?)?;
-        let done = self.run(&scenario, group, sealing, nothing_new(), going_on)?;
+        let scenario = plan.behind(self.place, &whole()?)?;
+        let done = self.run(&scenario, crew, sealing, nothing_new(), going_on)?;
         Ok((scenario, done))
     }
 
     fn run(
         &self,
         scenario: &Scenario,
-        group: &GroupOptions,
+        crew: &Crew<'_>,
         sealing: Sealing,
         ahead: Ahead,
         going_on: &dyn Fn() -> bool,
     ) -> Result<Done, Error> {
-        if !batch::in_one_thread(group) {
-            return batch::lockstep(scenario, group, false, going_on);
+        if !batch::in_one_thread(crew.group()) {
+            return batch::lockstep(scenario, crew.group(), false, going_on);
         }
         let mut giver = Giver::new(&self.growing, scenario);
         batch::lockstep_behind(scenario, sealing, ahead, going_on, &mut |moment| {

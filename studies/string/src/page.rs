@@ -1,44 +1,53 @@
-//! The page of a string: where the cars were and how fast, their gains, the limits.
+//! The result of a string with its pictures: positions and speeds of the cars, their gains, the limits.
 
 use report::chart::{Axis, Curve, Plot, Ribbon, Ribbons, Stroke, Tone};
-use report::html::{Cell, Column, Tile, document, figure, section, table, tiles};
-use report::print::outcome_word;
-use runtime::report::Outcome;
+use report::html::{Tile, figure};
+use report::results::Document;
+use report::table::NONE;
 
-use super::STABLE_GAIN;
+use super::columns;
 use super::drive::Driven;
 use super::limits::Limits;
-use super::print::{self, verdict};
-use super::results::Results;
+use super::results::{Results, cars_in_words};
 
 /// Height of the time-space diagram, px.
 const SPACE_HEIGHT: f64 = 360.0;
 /// Most cars whose gain curves are drawn one by one.
 const MAX_CURVES: usize = 6;
 
-/// The page.
-pub fn page(results: &Results, cars: &[Driven]) -> String {
-    let mut body = tiles(&figures_of(results));
-    let until_s = cars.iter().flat_map(|car| &car.trace).map(|point| point[0]).fold(1.0, f64::max);
-    let motion = figure(&time_space(cars, until_s)) + &figure(&ribbons(cars, until_s));
-    body += &section("Motion", &grid(&motion));
-    if cars.len() > 1 {
-        body += &section("Amplification along the string", &grid(&figure(&along(results))));
+/// The result for every output.
+pub fn document(results: &Results, driven: &[Driven]) -> Document {
+    let until_s =
+        driven.iter().flat_map(|car| &car.trace).map(|point| point[0]).fold(1.0, f64::max);
+    let motion = figure(&time_space(driven, until_s)) + &figure(&ribbons(driven, until_s));
+    let laws = results.controllers.join(", ");
+    let (count, scenario) = (cars_in_words(results.vehicles.len()), &results.scenario);
+    let whole = results.all_completed();
+    let mut document = Document::new("string", &format!("String of {count}: {scenario}"), results)
+        .about(format!("{scenario} ({laws}): {count}, {} s", results.duration_s))
+        .verdict(results.string_stable && whole, results.verdict())
+        // An unstable string is an answer, not a failure.
+        .succeeds(whole)
+        .tiles(figures_of(results))
+        .figures("Motion", grid(&motion))
+        .table(columns::cars(results))
+        .file("string.csv", columns::cars(results).csv())
+        .file("gains.csv", columns::gains_csv(results));
+    if driven.len() > 1 {
+        document =
+            document.figures("Amplification along the string", grid(&figure(&along(results))));
     }
     if !results.frequencies.is_empty() {
-        body += &section("Behind a sine", &grid(&figure(&gain_curve(results))));
+        let curve = grid(&figure(&gain_curve(results)));
+        document = document.table(columns::curve(results).figures("", curve));
     }
     if !results.limits.is_empty() {
-        body += &section("Limits", &(grid(&limit_plots(&results.limits)) + &limits(results)));
+        document = document.figures("Limits", grid(&limit_plots(&results.limits)));
     }
-    body += &section("Cars", &vehicles(results));
-    document(
-        &format!("String of {}: {}", print::cars(results.vehicles.len()), results.scenario),
-        &results.controllers.join(", "),
-        results.string_stable && results.all_completed(),
-        &verdict(results),
-        &body,
-    )
+    for limits in &results.limits {
+        document = document.text(limits.sentence() + ".").table(columns::limit(limits));
+    }
+    document
 }
 
 fn grid(figures: &str) -> String {
@@ -52,11 +61,14 @@ fn figures_of(results: &Results) -> Vec<Tile> {
         tile("peak gain", format!("{:.3}", peak.gain), &note)
     });
     let jerks = results.vehicles.iter().filter_map(|vehicle| vehicle.max_abs_jerk_mps3);
-    let jerk = print::figure(jerks.reduce(f64::max));
-    let head_to_tail = print::gain(results.head_to_tail_gain);
+    let text = |value: Option<f64>, decimals| {
+        value.map_or_else(|| NONE.to_owned(), |value| report::chart::number(value, decimals))
+    };
+    let jerk = text(jerks.reduce(f64::max), 2);
+    let head_to_tail = text(results.head_to_tail_gain, 3);
     [
         tile("head-to-tail gain", head_to_tail, "speed, L2"),
-        tile("least gap", format!("{} m", print::figure(results.min_gap_m)), ""),
+        tile("smallest gap", format!("{} m", text(results.min_gap_m, 2)), ""),
         tile("largest jerk", format!("{jerk} m/s³"), ""),
     ]
     .into_iter()
@@ -170,74 +182,4 @@ fn limit_plots(limits: &[Limits]) -> String {
     curves.push(one(low, high));
     let x = Axis::linear(&limits[0].key, low, high);
     figure(&Plot::over("Peak of the gain", x, "gain", curves))
-}
-
-fn limits(results: &Results) -> String {
-    let head = [
-        ("law", Column::Text),
-        (results.limits[0].key.as_str(), Column::Number),
-        ("peak gain", Column::Number),
-        ("at, Hz", Column::Number),
-        ("", Column::Text),
-    ];
-    let mut rows: Vec<Vec<Cell>> = Vec::new();
-    for limits in &results.limits {
-        for point in &limits.points {
-            let hz = point.peak_hz.map_or_else(|| "–".to_owned(), |hz| format!("{hz:.4}"));
-            let word = match point.string_stable {
-                true => Cell::Good("stable".into()),
-                false => Cell::Bad("unstable".into()),
-            };
-            rows.push(vec![
-                limits.controller.clone().into(),
-                point.value.0.clone().into(),
-                print::gain(point.peak_gain).into(),
-                hz.into(),
-                word,
-            ]);
-        }
-    }
-    let sentences = results.limits.iter().map(|limits| {
-        let sentence = report::chart::escape(&limits.sentence());
-        format!("<p>{sentence}.</p>\n")
-    });
-    sentences.collect::<String>() + &table(&head, &rows)
-}
-
-fn vehicles(results: &Results) -> String {
-    let head = [
-        ("car", Column::Number),
-        ("law", Column::Text),
-        ("speed, L2", Column::Number),
-        ("speed, largest", Column::MoreNumber),
-        ("gap error, L2", Column::MoreNumber),
-        ("gap error, largest", Column::MoreNumber),
-        ("least gap, m", Column::Number),
-        ("largest jerk, m/s³", Column::MoreNumber),
-        ("outcome", Column::Text),
-    ];
-    let gain = |value: Option<f64>| -> Cell {
-        let text = print::gain(value);
-        if value.is_some_and(|gain| gain > STABLE_GAIN) { Cell::Bad(text) } else { text.into() }
-    };
-    let rows = results.vehicles.iter().map(|car| {
-        let after = if car.behind_collision { ", behind a collision" } else { "" };
-        let outcome = format!("{}{after}", outcome_word(car.outcome));
-        let outcome = match car.outcome {
-            Outcome::Completed => outcome.into(),
-            _ => Cell::Bad(outcome),
-        };
-        vec![
-            car.index.to_string().into(),
-            car.controller.clone().into(),
-            gain(car.speed_gain_l2),
-            gain(car.speed_gain_max),
-            gain(car.gap_error_gain_l2),
-            gain(car.gap_error_gain_max),
-            print::figure(car.min_gap_m).into(),
-            print::figure(car.max_abs_jerk_mps3).into(),
-            outcome,
-        ]
-    });
-    table(&head, &rows.collect::<Vec<_>>())
 }

@@ -1,6 +1,5 @@
-//! What a string did, for programs: JSON and CSV.
+//! The result of a string of cars.
 
-use report::table;
 use runtime::report::{ControlFigures, Outcome};
 use serde::Serialize;
 
@@ -132,62 +131,33 @@ impl Results {
         self.vehicles.iter().all(|vehicle| vehicle.outcome == Outcome::Completed)
     }
 
-    /// A row for each car; a figure that does not apply is empty.
-    pub fn csv(&self) -> String {
-        let head = [
-            "index",
-            "controller",
-            "outcome",
-            "behind_collision",
-            "speed_gain_l2",
-            "speed_gain_max",
-            "gap_error_gain_l2",
-            "gap_error_gain_max",
-            "min_gap_m",
-            "max_abs_gap_error_m",
-            "max_abs_jerk_mps3",
-            "rms_jerk_mps3",
-        ];
-        let rows = self.vehicles.iter().map(|vehicle| {
-            let outcome = serde_json::to_value(vehicle.outcome).expect("plain data");
-            let figures = [
-                vehicle.speed_gain_l2,
-                vehicle.speed_gain_max,
-                vehicle.gap_error_gain_l2,
-                vehicle.gap_error_gain_max,
-                vehicle.min_gap_m,
-                vehicle.max_abs_gap_error_m,
-                vehicle.max_abs_jerk_mps3,
-                vehicle.rms_jerk_mps3,
-            ];
-            let words = [
-                vehicle.index.to_string(),
-                vehicle.controller.clone(),
-                outcome.as_str().unwrap_or_default().to_owned(),
-                vehicle.behind_collision.to_string(),
-            ];
-            words.into_iter().chain(figures.map(table::field)).collect::<Vec<_>>()
-        });
-        table::csv(head, rows)
-    }
-
-    /// A row for each frequency: of the string, then of each law at each value of the swept key.
-    pub fn gains_csv(&self) -> String {
-        let head = ["string", "key", "value", "hz", "gain", "head_to_tail_gain"];
-        let row = |string: &str, key: &str, value: &str, response: &Response| {
-            let figures = [Some(response.hz), response.gain, response.head_to_tail_gain];
-            let words = [string, key, value].map(str::to_owned);
-            words.into_iter().chain(figures.map(table::field)).collect::<Vec<_>>()
+    /// The string in a sentence.
+    pub fn verdict(&self) -> String {
+        let mut measured = self.vehicles.iter().filter(|car| car.speed_gain_l2.is_some());
+        let is_measured = self.peak.is_some() || measured.next().is_some();
+        let stable = match self.string_stable {
+            true if is_measured => "string stable",
+            true => "string stable, with no disturbance to amplify",
+            false => "NOT string stable",
         };
-        let own = self.frequencies.iter().map(|response| row("whole", "", "", response));
-        let swept = self.limits.iter().flat_map(|limits| {
-            limits.points.iter().flat_map(move |point| {
-                let curve = point.frequencies.iter();
-                curve.map(move |at| row(&limits.controller, &limits.key, &point.value.0, at))
-            })
+        let peak = self.peak.map_or_else(String::new, |peak| {
+            format!(", peak gain {:.3} at {:.4} Hz", peak.gain, peak.hz)
         });
-        table::csv(head, own.chain(swept))
+        let collided = |car: &&Vehicle| car.outcome == Outcome::Collision;
+        let collisions = match self.vehicles.iter().filter(collided).count() {
+            0 => String::new(),
+            count => format!(", {} collided", cars_in_words(count)),
+        };
+        let head_to_tail = self
+            .head_to_tail_gain
+            .map_or_else(String::new, |gain| format!(", head-to-tail gain {gain:.3}"));
+        format!("{stable}{peak}{head_to_tail}{collisions}")
     }
+}
+
+/// A number of cars in words.
+pub fn cars_in_words(count: usize) -> String {
+    if count == 1 { "1 car".to_owned() } else { format!("{count} cars") }
 }
 
 fn vehicles(cars: &[Driven]) -> Vec<Vehicle> {

@@ -1,10 +1,11 @@
 //! `timegap list`: scenarios, controllers and campaigns.
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use controller::law::{Descriptor, Formulation};
 use controller::laws;
 use group::{Error, Failure, ScenarioOptions};
 use report::print;
+use report::results::schema_document;
 use scenario::builtin;
 use scenario::schema::Key;
 use std::process::ExitCode;
@@ -18,12 +19,34 @@ pub struct ListArguments {
     /// Set a parameter of the OpenSCENARIO file (repeatable)
     #[arg(long = "param", value_name = "NAME=VALUE", requires = "show")]
     pub parameters: Vec<String>,
-    /// Print the JSON Schema of the scenario file, for editors
-    #[arg(long, conflicts_with_all = ["show", "json"])]
-    pub schema: bool,
+    /// Print the JSON Schema of the scenario file, for editors, or of all results that `--json` prints
+    #[arg(
+        long,
+        value_enum,
+        value_name = "WHAT",
+        num_args = 0..=1,
+        default_missing_value = "scenario",
+        conflicts_with_all = ["show", "json"]
+    )]
+    pub schema: Option<SchemaOf>,
     /// Print the list as JSON
     #[arg(long, conflicts_with = "show")]
     pub json: bool,
+}
+
+/// What a schema describes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum SchemaOf {
+    /// The scenario file.
+    Scenario,
+    /// The results of the commands.
+    Results,
+}
+
+/// The results that have a schema: one row a command.
+fn results() -> serde_json::Value {
+    let all = [comparison::compare::schema(), comparison::sweep::schema(), string::schema()];
+    schema_document(&all)
 }
 
 /// An unknown built-in name.
@@ -71,9 +94,13 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
         print::out(text)?;
         return Ok(ExitCode::SUCCESS);
     }
-    if arguments.schema {
-        let schema = serde_json::to_string_pretty(&crate::reference::json_schema());
-        print::out(&(schema.expect("plain data") + "\n"))?;
+    if let Some(of) = arguments.schema {
+        let schema = match of {
+            SchemaOf::Scenario => crate::reference::json_schema(),
+            SchemaOf::Results => results(),
+        };
+        let schema = serde_json::to_string_pretty(&schema).expect("plain data");
+        print::out(&(schema + "\n"))?;
         return Ok(ExitCode::SUCCESS);
     }
     let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.summary));

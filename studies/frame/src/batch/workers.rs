@@ -6,7 +6,7 @@ use indicatif::ProgressBar;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::sync_channel;
 
-/// What a worker does: by the piece's number, and as long as the function says that it is to go on.
+/// The work on a piece by its number. The function is false once the work is to end.
 pub type Work<'a, T> = dyn Fn(usize, &dyn Fn() -> bool) -> T + Sync + 'a;
 
 /// Does `pieces` pieces of work, `at_once` at a time, in their order. `each` gets the number and the result
@@ -47,7 +47,10 @@ pub fn share<T: Send>(
                 Ok(()) => bar.inc(1),
                 Err(error) => {
                     stop.store(true, Ordering::Relaxed);
-                    end = std::mem::replace(&mut end, Ok(())).and(Err(error));
+                    // A piece that waited for one that failed was only interrupted.
+                    if matches!(end, Ok(()) | Err(Error::Interrupted)) {
+                        end = Err(error);
+                    }
                 }
             }
         }

@@ -30,8 +30,8 @@ impl<'a> Crew<'a> {
 
     /// False once the study was interrupted or has failed.
     #[must_use]
-    pub fn is_going_on(&self) -> bool {
-        (self.going_on)()
+    pub fn going_on(&self) -> &dyn Fn() -> bool {
+        self.going_on
     }
 
     /// True if run `run` is in the sample that is repeated in process groups.

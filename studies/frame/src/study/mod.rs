@@ -119,7 +119,12 @@ pub trait Study: Sized + Sync {
     ///
     /// # Errors
     /// What is wrong with its scenario.
-    fn job(&self, run: usize) -> Result<Job, Error>;
+    ///
+    /// # Panics
+    /// In a study that has a [`Study::drive`] of its own, unless it makes jobs too.
+    fn job(&self, run: usize) -> Result<Job, Error> {
+        unreachable!("run {run} of {} is not one job", Self::NAME)
+    }
 
     /// What the files say that the words of the command name. Parts of other texts are not joined.
     ///
@@ -133,14 +138,20 @@ pub trait Study: Sized + Sync {
     ///
     /// # Errors
     /// What ends the study.
+    ///
+    /// # Panics
+    /// In a study that has a [`Study::drive`] of its own.
     fn record(
         &self,
         run: usize,
         job: &Job,
         result: Result<Done, Error>,
-    ) -> Result<(Self::Record, Self::Seen), Error>;
+    ) -> Result<(Self::Record, Self::Seen), Error> {
+        let _ = (job, result.is_ok());
+        unreachable!("run {run} of {} is not one job", Self::NAME)
+    }
 
-    /// Does a run. A study whose run is not one drive has its own.
+    /// Does a run. A study whose run is not one drive has its own, and its own [`Study::subject`].
     ///
     /// # Errors
     /// What ends the study.

@@ -27,6 +27,8 @@ pub enum Format {
     Command,
     /// True and false in words; only the first is good.
     Flag(&'static str, &'static str),
+    /// True and false as yes and no, neither of which is good.
+    Fact,
     /// A word that is a verdict; the function gives its text and whether it is good.
     Verdict(fn(&str) -> (&'static str, bool)),
     /// An object `{text, ok}`: words and whether they are good. Only people see it.
@@ -144,6 +146,7 @@ impl Head {
             (Format::Mean(decimals), _) => decimal(decimals),
             (Format::Judged, value) => value["text"].as_str().unwrap_or_default().to_owned(),
             (Format::Flag(yes, no), Value::Bool(flag)) => (if *flag { yes } else { no }).to_owned(),
+            (Format::Fact, Value::Bool(fact)) => (if *fact { "yes" } else { "no" }).to_owned(),
             (Format::Verdict(words), Value::String(word)) => words(word).0.to_owned(),
             (Format::Count, Value::Number(_)) => {
                 value.as_f64().map_or_else(none, |count| decimals_of(count, 0))
@@ -277,6 +280,15 @@ pub const fn word<R>(
 /// How a run ended.
 pub const fn outcome<R>(name: &'static str) -> Column<R> {
     column(name, "outcome", "", Format::Verdict(outcome_words), "How the run ended")
+}
+
+/// A fact that is true or false, neither of which is good.
+pub const fn fact<R>(
+    name: &'static str,
+    heading: &'static str,
+    meaning: &'static str,
+) -> Column<R> {
+    column(name, heading, "", Format::Fact, meaning)
 }
 
 /// Words with their judgement, `{text, ok}`, for people.

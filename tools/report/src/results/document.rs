@@ -51,6 +51,8 @@ pub struct Document {
     pub(super) title: String,
     pub(super) about: String,
     pub(super) ok: bool,
+    /// Whether the command succeeds, where that is not the verdict.
+    pub(super) succeeds: Option<bool>,
     pub(super) verdict: String,
     pub(super) json: String,
     pub(super) parts: Vec<Part>,
@@ -66,6 +68,7 @@ impl Document {
             title: title.to_owned(),
             about: String::new(),
             ok: true,
+            succeeds: None,
             verdict: String::new(),
             json,
             parts: Vec::new(),
@@ -77,6 +80,13 @@ impl Document {
     #[must_use]
     pub fn verdict(mut self, ok: bool, sentence: impl Into<String>) -> Self {
         (self.ok, self.verdict) = (ok, sentence.into());
+        self
+    }
+
+    /// The same for a question whose answer may be no: the exit status is of `succeeds` alone.
+    #[must_use]
+    pub fn succeeds(mut self, succeeds: bool) -> Self {
+        self.succeeds = Some(succeeds);
         self
     }
 

@@ -22,8 +22,8 @@ mod schema;
 mod table;
 
 pub use column::{
-    Column, Format, Good, Head, Kind, at, column, count, flag, judged, micros, nested, number,
-    outcome, word,
+    Column, Format, Good, Head, Kind, at, column, count, fact, flag, judged, micros, nested,
+    number, outcome, word,
 };
 pub use console::{folded, width};
 pub use document::{Attachment, Document, Part};

@@ -106,6 +106,6 @@ impl Document {
     /// Exit status: 0 when all is well, else 1.
     #[must_use]
     pub fn exit_code(&self) -> ExitCode {
-        if self.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+        if self.succeeds.unwrap_or(self.ok) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
     }
 }

@@ -64,6 +64,13 @@ impl Schema {
         self
     }
 
+    /// Lets the objects of the list at `path` have keys that are not declared.
+    #[must_use]
+    pub fn open(mut self, path: &str) -> Self {
+        descend(&mut self.root, path)["items"]["type"] = json!(["object"]);
+        self
+    }
+
     /// The schema.
     #[must_use]
     pub fn json(&self) -> Value {
@@ -126,7 +133,7 @@ fn insert(node: &mut Value, head: &Head) {
         Format::Mean(_) => json!(["object", "number", "null"]),
         Format::Word | Format::Sentence | Format::Command => json!(["string", "null"]),
         Format::Verdict(_) => json!(["string", "null"]),
-        Format::Flag(..) => json!(["boolean", "null"]),
+        Format::Flag(..) | Format::Fact => json!(["boolean", "null"]),
         Format::Nested(Kind::Object) | Format::Judged => json!(["object", "null"]),
         Format::Nested(Kind::List) => json!(["array", "null"]),
     };
@@ -173,8 +180,10 @@ fn walk(schema: &Value, value: &Value, place: &str, wrong: &mut Vec<String>) {
             match (schema["properties"].get(name), schema.get("additionalProperties")) {
                 (Some(schema), _) => walk(schema, value, &below(name), wrong),
                 (None, Some(schema)) => walk(schema, value, &below(name), wrong),
-                // An object without declared keys is open.
-                (None, None) if schema.get("properties").is_some() && types == ["object"] => {
+                // An object is open where it may be something else too, or has no declared keys.
+                (None, None)
+                    if schema.get("properties").is_some() && schema["type"] == "object" =>
+                {
                     wrong.push(format!("{}: not declared", below(name)));
                 }
                 (None, None) => {}
