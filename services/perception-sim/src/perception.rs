@@ -215,6 +215,7 @@ impl Perception {
         PerceptionReport {
             detections: counts.then_some(self.detections),
             detections_left_out: counts.then_some(self.detections_left_out),
+            unstarted_acts: self.traffic.unstarted_acts(),
             ..self.quality.figures()
         }
     }

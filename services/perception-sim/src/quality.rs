@@ -205,6 +205,7 @@ impl Quality {
             false_target_s: self.targets.false_s,
             detections: None,
             detections_left_out: None,
+            unstarted_acts: Vec::new(),
         }
     }
 }

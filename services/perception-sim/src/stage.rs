@@ -84,6 +84,11 @@ impl Stage {
         self.world.is_stopped()
     }
 
+    /// Names of the storyboard's acts that have not started.
+    pub(crate) fn unstarted_acts(&self) -> Vec<String> {
+        self.world.unstarted_acts().map(str::to_owned).collect()
+    }
+
     pub(crate) fn state(&self) -> &State {
         self.world.state()
     }

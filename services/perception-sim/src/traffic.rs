@@ -114,6 +114,12 @@ impl Traffic {
         self.stage.as_ref().is_some_and(Stage::is_over)
     }
 
+    /// Names of the storyboard's acts that have not started.
+    #[must_use]
+    pub fn unstarted_acts(&self) -> Vec<String> {
+        self.stage.as_ref().map(Stage::unstarted_acts).unwrap_or_default()
+    }
+
     /// Where all vehicles are, for a process that goes on in this one's place: they do not vanish with
     /// who simulates them.
     #[must_use]

@@ -15,6 +15,9 @@ pub const ASSUMED_LANE_WIDTH_M: f64 = 3.5;
 /// Lanes on each side of an assumed road.
 const ASSUMED_LANES: i32 = 8;
 
+/// Most roads that an error lists.
+const MOST_LISTED: usize = 8;
+
 /// A road.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -30,6 +33,9 @@ pub struct Road {
     /// Its steepest slope, up or down, as height over way; it has no effect.
     #[serde(default, skip_serializing_if = "is_level")]
     pub steepest_slope: f64,
+    /// Traffic keeps to the left: lanes with positive ids lead along the reference line.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub left_hand: bool,
     /// Its lanes from right to left, without the centre lane.
     pub lanes: Vec<Lane>,
 }
@@ -80,6 +86,7 @@ impl Road {
             length_m: None,
             straight: Some(straight),
             steepest_slope: 0.0,
+            left_hand: false,
             lanes: ids.map(lane).collect(),
         }
     }
@@ -88,6 +95,12 @@ impl Road {
     #[must_use]
     pub fn lane(&self, id: i32) -> Option<&Lane> {
         self.lanes.iter().find(|lane| lane.id == id)
+    }
+
+    /// The direction in which traffic drives on a lane: 1 along the reference line, -1 against it.
+    #[must_use]
+    pub fn direction(&self, lane: &Lane) -> f64 {
+        if (lane.id < 0) == self.left_hand { -1.0 } else { 1.0 }
     }
 
     /// Where in `lanes` the lane at a lateral position is: the nearest one.
@@ -134,9 +147,20 @@ pub fn read(document: &Document, id: Option<&str>) -> Result<Road, ReadError> {
         (None, _) => None,
     };
     let Some(road) = found else {
-        let known = crate::error::one_of(roads.iter().filter_map(|road| road.attribute("id")));
-        let wanted = id.map_or("one road".to_owned(), |id| format!("a road `{id}`"));
-        return Err(reader.meaning(root, format!("the roads of this file are {known}"), wanted));
+        let ids = roads.iter().filter_map(|road| road.attribute("id"));
+        let first = crate::error::one_of(ids.take(MOST_LISTED));
+        let rest = match roads.len().saturating_sub(MOST_LISTED) {
+            0 => String::new(),
+            rest => format!(" (and {rest} more)"),
+        };
+        let (reason, wanted) = match id {
+            Some(id) => (format!("there is no road `{id}` in this file"), first + &rest),
+            None => (
+                format!("this file has {} roads and no position names the ego's", roads.len()),
+                format!("a lane or road position of the ego with the `roadId` {first}{rest}"),
+            ),
+        };
+        return Err(reader.meaning(root, reason, wanted));
     };
     reader.road(road)
 }
@@ -182,7 +206,8 @@ impl Reader<'_> {
         }
         read.sort_by(|a, b| a.center_m.total_cmp(&b.center_m));
         let id = road.attribute("id").unwrap_or_default().to_owned();
-        Ok(Road { id, length_m: Some(length_m), straight, steepest_slope, lanes: read })
+        let left_hand = road.attribute("rule") == Some("LHT");
+        Ok(Road { id, length_m: Some(length_m), straight, steepest_slope, left_hand, lanes: read })
     }
 
     /// The lanes of one side, from the reference line outwards.
@@ -384,7 +409,8 @@ mod tests {
             (
                 "<road id",
                 "<road id=\"1\"/><road id",
-                "a.xodr:1: the roads of this file are `1` or `7`",
+                "a.xodr:1: this file has 2 roads and no position names the ego's, expected a lane or road position of \
+                 the ego with the `roadId` `1` or `7`",
             ),
             ("OpenDRIVE", "Map", "element `Map`"),
         ] {

@@ -154,7 +154,7 @@ pub struct ObuReport {
 
 /// How well perception's tracks matched the traffic. The crate `perception-sim` says in its module
 /// `quality` how each figure is made.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PerceptionReport {
     /// Scans judged.
     pub scans: u64,
@@ -185,6 +185,9 @@ pub struct PerceptionReport {
     pub detections: Option<u64>,
     /// Detections for which the message had no room.
     pub detections_left_out: Option<u64>,
+    /// Acts of an OpenSCENARIO file that never started.
+    #[serde(default)]
+    pub unstarted_acts: Vec<String>,
 }
 
 /// What the controller tells.

@@ -1,8 +1,10 @@
 //! `[controller]`: which law drives, how often, and its parameters.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 
-use serde::{Deserialize, Serialize};
+use serde::de::{SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::law_tables::LawTables;
 use super::name::Name;
@@ -19,7 +21,7 @@ pub struct Controller {
     /// Period of the control loop, ms.
     pub period_ms: PeriodMs,
     /// The program that the law `external` hosts: its name on the PATH or its path, then its arguments.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "words")]
     pub command: Vec<String>,
     /// Where that program runs; absent: in the scenario file's directory if a file of the command is
     /// there, else in the current one.
@@ -181,6 +183,29 @@ impl Default for Weights {
             light_threshold_m: Length::of(108.5),
         }
     }
+}
+
+/// Reads a command as a list of words: one text would leave open how it is split.
+fn words<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
+    struct Words;
+
+    impl<'de> Visitor<'de> for Words {
+        type Value = Vec<String>;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("a list of words, such as [\"python3\", \"law.py\"]")
+        }
+
+        fn visit_seq<A: SeqAccess<'de>>(self, mut words: A) -> Result<Vec<String>, A::Error> {
+            let mut list = Vec::new();
+            while let Some(word) = words.next_element()? {
+                list.push(word);
+            }
+            Ok(list)
+        }
+    }
+
+    deserializer.deserialize_seq(Words)
 }
 
 #[cfg(test)]

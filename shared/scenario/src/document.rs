@@ -101,15 +101,21 @@ impl<'a> Document<'a> {
     }
 
     /// Reads the document into a type; what `take` takes out of it comes apart.
+    /// `place_of` knows where a key belongs that stands in a wrong table.
     pub(super) fn read<T: DeserializeOwned, A>(
         &self,
         take: impl FnOnce(&mut Placed) -> A,
+        place_of: impl Fn(&str) -> Option<String>,
     ) -> Result<(T, A), ScenarioError> {
         let mut root = self.root.clone();
         let apart = take(&mut root);
         T::deserialize(&root).map(|value| (value, apart)).map_err(|refusal| {
             let place = refusal.place().cloned().unwrap_or(root.place());
-            self.error(place, refusal.message()).expecting(refusal.expected())
+            let elsewhere = refusal.stray().and_then(place_of);
+            let hint =
+                elsewhere.map_or_else(String::new, |path| format!(" (did you mean `{path}`?)"));
+            let expected = refusal.expected().to_owned() + &hint;
+            self.error(place, refusal.message()).expecting(expected)
         })
     }
 

@@ -272,8 +272,8 @@ impl Scenario {
                 format!("{SCHEMA_VERSION}"),
             )));
         }
-        let (mut scenario, (tables, faults)): (Self, _) =
-            document.read(|root| (LawTables::take_from(root), faults::take_from(root)))?;
+        let (mut scenario, (tables, faults)): (Self, _) = document
+            .read(|root| (LawTables::take_from(root), faults::take_from(root)), schema::path_of)?;
         scenario.controller.tables = tables;
         if let Place::BuiltIn(Some(storyboard)) = place {
             scenario.storyboard = Some(storyboard.clone());
@@ -405,7 +405,7 @@ pub fn read_as<T: serde::de::DeserializeOwned>(
 ) -> Result<T, ScenarioError> {
     let none = Overrides::new();
     let document = Document::parse(source, text, &none)?;
-    let (value, ()) = document.read(|_| ())?;
+    let (value, ()) = document.read(|_| (), |_| None)?;
     check(&value).map_err(|problem| document.problem(&problem))?;
     Ok(value)
 }

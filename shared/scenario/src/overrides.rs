@@ -125,6 +125,13 @@ impl Override {
             Err(_) if is_plain_word(text) => {
                 Ok(Spanned::new(0..text.len(), DeValue::String(Cow::from(text))))
             }
+            Err(_) if number_with_unit(text) => {
+                let span = self.value_start..self.option.len();
+                let number = text.trim_end_matches(|c: char| !c.is_ascii_digit() && c != '.');
+                let message = format!("`{text}` is no number: the key's name has the unit");
+                Err(ScenarioError::in_option(&self.option, span, &message)
+                    .expecting(format!("a number alone, such as {number}")))
+            }
             Err(error) => {
                 let span = error.span().unwrap_or(0..text.len());
                 let span = self.value_start + span.start..self.value_start + span.end;
@@ -132,6 +139,15 @@ impl Override {
             }
         }
     }
+}
+
+/// A number with a unit behind it, such as `30s` or `20 m/s`.
+fn number_with_unit(text: &str) -> bool {
+    let number = text.trim_end_matches(|c: char| !c.is_ascii_digit() && c != '.');
+    let unit = text[number.len()..].trim();
+    number.parse::<f64>().is_ok()
+        && unit.starts_with(char::is_alphabetic)
+        && unit.chars().all(|c| c.is_alphanumeric() || matches!(c, '/' | '^' | '²' | '³' | '%'))
 }
 
 /// A text that can only be meant as a string: it starts like a word or a path.

@@ -1,6 +1,6 @@
 //! Why a value does not fit a type.
 
-use super::accepted::accepted;
+use super::accepted::{accepted, nearest};
 use super::problem::sentence;
 use serde::de::{self, Expected, Unexpected};
 use std::fmt;
@@ -13,11 +13,13 @@ pub(super) struct Refusal {
     message: String,
     expected: String,
     place: Option<Range<usize>>,
+    /// A key that nothing reads here, where the list of keys has none like it.
+    stray: Option<String>,
 }
 
 impl Refusal {
     fn new(message: impl Into<String>, expected: impl Into<String>) -> Self {
-        Self { message: message.into(), expected: expected.into(), place: None }
+        Self { message: message.into(), expected: expected.into(), place: None, stray: None }
     }
 
     /// What was found is not one of the kinds with these names.
@@ -33,6 +35,11 @@ impl Refusal {
     /// What would have been right; empty where that is not known.
     pub(super) fn expected(&self) -> &str {
         &self.expected
+    }
+
+    /// A key that nothing reads here, where no key here is like it.
+    pub(super) fn stray(&self) -> Option<&str> {
+        self.stray.as_deref()
     }
 
     pub(super) fn place(&self) -> Option<&Range<usize>> {
@@ -89,7 +96,10 @@ impl de::Error for Refusal {
     }
 
     fn unknown_field(found: &str, words: &'static [&'static str]) -> Self {
-        Self::new(format!("unknown key `{found}`"), accepted(found, words.iter().copied()))
+        let refusal =
+            Self::new(format!("unknown key `{found}`"), accepted(found, words.iter().copied()));
+        let is_stray = nearest(found, words.iter().copied()).is_none();
+        Self { stray: is_stray.then(|| found.to_owned()), ..refusal }
     }
 
     fn missing_field(key: &'static str) -> Self {

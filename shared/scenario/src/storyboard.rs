@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use openscenario::model::condition::{Condition, Test, Trigger};
-use openscenario::model::{Drive, Script};
+use openscenario::model::{Category, Drive, Script};
 use openscenario::parameter::Rule;
 use openscenario::read;
 use openscenario::{Assignment, Disk, ReadError, World, WorldError};
@@ -127,11 +127,34 @@ pub(super) fn keys_of(path: &Path, parameters: &[Assignment]) -> Result<ForeignK
     }
     keys.set_storyboard(Storyboard {
         source: file,
-        notices: read.notices,
+        notices: read.notices.into_iter().chain(against_its_lane(&script, &world)).collect(),
         parameters: read.parameters.into_iter().collect(),
         script,
     });
     Ok(keys)
+}
+
+/// Notices of vehicles that begin against the direction of their lane. The standard counts an
+/// orientation from the road's reference line, in every lane, and some files count it from the lane.
+fn against_its_lane(script: &Script, world: &World) -> Vec<String> {
+    let mut notices = Vec::new();
+    for (index, entity) in script.entities.iter().enumerate() {
+        let motion = world.motion(index);
+        let lane = script.road.lanes.get(script.road.index_at(motion.t_m));
+        let Some(lane) = lane.filter(|_| motion.present && script.road.holds(motion.t_m)) else {
+            continue;
+        };
+        if entity.category == Category::Vehicle && motion.direction() != script.road.direction(lane)
+        {
+            let (name, id) = (&entity.name, lane.id);
+            let h = if motion.direction() > 0.0 { "3.14159" } else { "0" };
+            notices.push(format!(
+                "`{name}` begins in lane {id} and faces against its traffic: orientations count from \
+                 the road's reference line, and h=\"{h}\" would face with the lane"
+            ));
+        }
+    }
+    notices
 }
 
 /// The entities that the storyboard moves.

@@ -124,9 +124,14 @@ pub struct Campaign {
 pub enum FileError {
     /// It is neither built in nor a file.
     #[error(
-        "{argument}: no built-in campaign and no file of this name, expected a path or {}, {}",
-        BUILTIN.map(|builtin| builtin.name).join(", "),
-        super::WITHOUT_FILE.map(|(name, _)| name).join(", ")
+        "{argument}: no built-in campaign and no file of this name, expected a path or {}",
+        scenario::accepted(
+            argument,
+            BUILTIN
+                .iter()
+                .map(|builtin| builtin.name)
+                .chain(super::WITHOUT_FILE.iter().map(|(name, _)| *name))
+        )
     )]
     Unknown {
         /// The argument.

@@ -17,7 +17,7 @@ pub fn page(scenario: &Scenario, summary: &Summary, run: &RunPicture) -> String 
     let body = [
         tiles(&figures(summary)),
         faults(run),
-        section("The drive", &pictures(run)),
+        section("The drive", &(storyboard(summary) + &pictures(run))),
         tracking(summary),
         crate::radio::page(summary),
         crate::link::page(summary),
@@ -38,9 +38,15 @@ pub fn page(scenario: &Scenario, summary: &Summary, run: &RunPicture) -> String 
     document(&summary.scenario, &about.join(" · "), good, &verdict, &body)
 }
 
+/// Acts of the storyboard that never started: the drive was not the one of the file.
+fn storyboard(summary: &Summary) -> String {
+    let text = print::unstarted_acts(summary);
+    text.map_or_else(String::new, |text| format!("<p>{}</p>", escape(&text)))
+}
+
 /// Match of the radar's tracks with the traffic; empty for an ideal radar.
 fn tracking(summary: &Summary) -> String {
-    let Some(found) = summary.perception.filter(|found| found.gospa_m > 0.0) else {
+    let Some(found) = summary.perception.as_ref().filter(|found| found.gospa_m > 0.0) else {
         return String::new();
     };
     let m = |value: f64| format!("{} m", super::chart::number(value, 2));

@@ -84,6 +84,9 @@ pub enum InjectError {
     /// The target is neither a service nor a topic.
     #[error("{0}, or a topic such as radar/tracks")]
     Target(#[source] UnknownService),
+    /// The target is a helper of the group, and the kind of the fault acts on something else.
+    #[error("{0} is no service and no topic, expected `kill-helper {0}`")]
+    Helper(String),
     /// The options describe no valid fault.
     #[error("{}", in_options(.0))]
     Fault(#[source] Problem),
@@ -157,6 +160,12 @@ fn root(results: &Path) -> Result<PathBuf, InjectError> {
 
 /// The fault that the options describe: keys of a fault in a file under other names.
 fn fault(arguments: &InjectArguments) -> Result<Fault, InjectError> {
+    if let Some(target) = &arguments.target
+        && HELPERS.contains(&target.as_str())
+        && arguments.kind != Kind::KillHelper
+    {
+        return Err(InjectError::Helper(target.clone()));
+    }
     let target = match &arguments.target {
         None => None,
         Some(target) => Some((key_of(target)?, Value::from(target.as_str()))),

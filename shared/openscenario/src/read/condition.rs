@@ -16,9 +16,28 @@ const MAX_DELAY_S: f64 = 1e6;
 impl Reader<'_> {
     pub(super) fn trigger(&self, node: Node<'_>) -> Result<Trigger, ReadError> {
         node.children()
-            .map(|group| group.children().map(|condition| self.condition(condition)).collect())
+            .map(|group| {
+                let meant =
+                    group.children().filter(|condition| !self.is_without_meaning(*condition));
+                meant.map(|condition| self.condition(condition)).collect()
+            })
             .collect::<Result<_, _>>()
             .map(Trigger)
+    }
+
+    /// Whether a condition compares a parameter without a name: files for CARLA name its criteria so.
+    fn is_without_meaning(&self, node: Node<'_>) -> bool {
+        let about = node.child_if("ByValueCondition");
+        let compared = about.and_then(|about| about.child_if("ParameterCondition"));
+        let name = compared.and_then(|node| node.element.attribute("parameterRef"));
+        let is_empty = name.is_some_and(|name| name.trim().is_empty());
+        if is_empty {
+            self.notice(
+                "conditions with an empty `parameterRef` are left out: they name no parameter"
+                    .to_owned(),
+            );
+        }
+        is_empty
     }
 
     fn condition(&self, node: Node<'_>) -> Result<Condition, ReadError> {

@@ -51,6 +51,15 @@ impl Progress {
 }
 
 impl World {
+    /// Names of the acts that have not started, in the order of the file.
+    pub fn unstarted_acts(&self) -> impl Iterator<Item = &str> {
+        let acts = self.plan.elements.iter().zip(&self.state.progress);
+        acts.filter(|(element, progress)| {
+            element.kind == ElementKind::Act && progress.executions == 0
+        })
+        .map(|(element, _)| act_at(&self.script, element.at).name.as_str())
+    }
+
     /// One step of the storyboard, at the world's present time.
     pub(super) fn storyboard(&mut self) {
         let script = Arc::clone(&self.script);

@@ -83,6 +83,27 @@ pub fn keys() -> Vec<Key> {
     keys
 }
 
+/// The dotted path of the only key of a scenario file with this name.
+pub(super) fn path_of(name: &str) -> Option<String> {
+    let mut found = Vec::new();
+    collect_paths(&keys(), "", name, &mut found);
+    let path = found.pop()?;
+    found.is_empty().then_some(path)
+}
+
+fn collect_paths(keys: &[Key], above: &str, name: &str, found: &mut Vec<String>) {
+    for key in keys {
+        let path =
+            if above.is_empty() { key.name.clone() } else { format!("{above}.{}", key.name) };
+        if let Shape::Table(below) = &key.shape {
+            collect_paths(below, &path, name, found);
+        }
+        if key.name == name {
+            found.push(path);
+        }
+    }
+}
+
 /// The keys of a table that a control law reads into `T`, which is declared in the text `source`.
 ///
 /// # Panics

@@ -59,6 +59,18 @@ fn a_wrong_override_is_shown_as_it_was_typed() {
         ("seed", "no `=`", "      ^^^^ expected KEY=VALUE"),
         ("a..b=1", "`` cannot be a key", "        ^ expected names"),
         ("controller.name=a/b", "not a name", "^^^ expected 1 to 64"),
+        ("duration_s=30s", "`30s` is no number", "^^^ expected a number alone, such as 30"),
+        ("set_speed_mps=20mps", "`20mps` is no number", "a number alone, such as 20"),
+        (
+            "controller.command=python3 law.py",
+            "invalid type",
+            "^ expected a list of words, such as [\"python3\", \"law.py\"]",
+        ),
+        (
+            "plant.mass_kg=1500",
+            "unknown key `mass_kg`",
+            "(did you mean `plant.powertrain.mass_kg`?)",
+        ),
         ("controller.perod_ms=5", "unknown key `perod_ms`", "(did you mean `period_ms`?)"),
         (
             "controller.period_ms=70",

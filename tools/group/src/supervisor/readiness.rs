@@ -100,6 +100,11 @@ impl Supervisor<'_> {
 
     fn not_ready(&mut self, service: Service, what: String) -> Error {
         let foreign = is_foreign(&self.programs, service);
+        let hint = match foreign && service == Service::Controller {
+            true => " (a law's program is no service: give it with --law NAME=COMMAND)",
+            false => "",
+        };
+        let what = what + hint;
         Error::NotReady { service, what, foreign }
     }
 }

@@ -108,7 +108,9 @@ pub(super) fn emergency_brake(summary: &Summary, line: &mut dyn FnMut(&str, Stri
 
 /// Match of the radar's tracks with the traffic; omitted for an ideal radar.
 pub(super) fn radar(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
-    let Some(perception) = summary.perception.filter(|perception| perception.gospa_m > 0.0) else {
+    let Some(perception) =
+        summary.perception.as_ref().filter(|perception| perception.gospa_m > 0.0)
+    else {
         return;
     };
     let mut parts = vec![format!(
@@ -130,6 +132,22 @@ pub(super) fn radar(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         parts.push(format!("{left_out} detections and tracks did not fit into their messages"));
     }
     line("radar", parts.join(", "));
+}
+
+/// Acts of the storyboard that never started, in words.
+pub(crate) fn unstarted_acts(summary: &Summary) -> Option<String> {
+    let acts = &summary.perception.as_ref()?.unstarted_acts;
+    let named: Vec<String> = acts.iter().take(5).map(|act| format!("`{act}`")).collect();
+    let more = acts.len() - named.len();
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    let what = if acts.len() == 1 { "act" } else { "acts" };
+    (!acts.is_empty()).then(|| format!("{what} {}{more} never started", named.join(", ")))
+}
+
+pub(super) fn storyboard(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
+    if let Some(text) = unstarted_acts(summary) {
+        line("storyboard", text);
+    }
 }
 
 /// The smallest gap in words; touching bodies have none.

@@ -6,9 +6,10 @@ mod timing;
 
 pub use crate::duration::duration;
 pub use drive::trip;
+pub(crate) use drive::unstarted_acts;
 
 use crate::summary::Summary;
-use drive::{drive, emergency_brake, radar};
+use drive::{drive, emergency_brake, radar, storyboard};
 use group::{Error, RecordingSummary};
 use machine::{faults, machine, messages};
 use runtime::report::{Outcome, ProgramReport};
@@ -47,6 +48,7 @@ pub fn summary(summary: &Summary) -> String {
     program(summary, &mut line);
     drive(summary, &mut line);
     emergency_brake(summary, &mut line);
+    storyboard(summary, &mut line);
     radar(summary, &mut line);
     timing(summary, &mut line);
     let links = crate::link::lines(summary);

@@ -346,7 +346,7 @@ fn plant_details(report: &ServiceReport) -> Option<&PlantReport> {
 
 fn perception_details(report: &ServiceReport) -> Option<PerceptionReport> {
     match &report.details {
-        Details::Perception(perception) => Some(**perception),
+        Details::Perception(perception) => Some((**perception).clone()),
         _ => None,
     }
 }

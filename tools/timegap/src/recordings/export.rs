@@ -77,7 +77,13 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
     let damage = [recording.damage(), records.damage()].concat();
     let files = tables.into_iter().map(Table::finish).collect::<Result<Vec<_>, _>>()?;
     let captured = capture.map(|capture| capture.finish(&directory)).transpose()?;
-    let tables = files.concat();
+    let mut tables = files.concat();
+    if !damage.is_empty() {
+        // An empty table of a damaged recording would pass for a topic without messages.
+        for (path, _) in tables.extract_if(.., |(_, rows)| *rows == 0) {
+            std::fs::remove_file(&path).map_err(write_error(&path))?;
+        }
+    }
     let files: Vec<_> = tables.iter().chain(&captured).collect();
     if arguments.json {
         let files: Vec<_> = files

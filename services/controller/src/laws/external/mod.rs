@@ -89,7 +89,14 @@ pub fn program(scenario: &Scenario) -> Result<Program, Problem> {
 }
 
 fn refused(error: &ProgramError) -> Problem {
-    Problem::said("controller.command", &error.to_string())
+    match error {
+        ProgramError::Empty => Problem::new(
+            "controller.command",
+            "the law `external` has no program",
+            "controller.command, such as [\"python3\", \"law.py\"]",
+        ),
+        error => Problem::said("controller.command", &error.to_string()),
+    }
 }
 
 fn build(reader: &Reader<'_>) -> Result<External, Problem> {
