@@ -10,7 +10,7 @@
 //! | [`Check::VehicleLimits`] | odometry's change of speed with what a vehicle can do | the same |
 //! | [`Check::SpeedAgainstRadar`] | odometry's speed with that of what stands beside the road | the same |
 //! | [`Check::SpeedAgainstCommand`] | odometry that stands still in every figure with the commands meanwhile | the same |
-//! | [`Check::RadarFrozen`] | a scan with the one before: noise never repeats itself, nor does rounding on the move | the radar is not used |
+//! | [`Check::RadarFrozen`] | a scan with the one before: noise never repeats itself, nor do exact range rates while the ego's speed changes | the radar is not used |
 //! | [`Check::RangeRateAgainstRange`] | the change of a track's range with its range rate | the same |
 //! | [`Check::TargetAgainstTrack`] | the target with the track that it is made of | of each figure the more careful one |
 //! | [`Check::CountdownAgainstClock`] | the end of a shown phase with the time | that signal's earlier announcement |
@@ -178,8 +178,7 @@ impl Plausibility {
         time_s: f64,
     ) -> Believed<'a> {
         let Self { motion, radar: radars, countdown, findings } = self;
-        let ego_mps = odometry.map_or(0.0, |odometry| odometry.speed_mps);
-        let radar = radar.and_then(|sample| radars.look(sample, ego_mps, time_s, findings));
+        let radar = radar.and_then(|sample| radars.look(sample, odometry, time_s, findings));
         let odometry = odometry
             .filter(|sample| motion.agrees(sample, radar, commanded_mps2, time_s, findings));
         let (spat, signals_contradict) = match spat.map(|s| countdown.look(s, time_s, findings)) {

@@ -20,6 +20,9 @@ const LIMIT_MPS: f64 = 0.3;
 const RADAR_MPS: f64 = 1.0;
 const RADAR_SHARE: f64 = 0.02;
 const RADAR_SCANS: u32 = 3;
+/// Difference below which a track has the speed of the measurement, m/s: what the radar lets a standing object's detection
+/// be off.
+const QUEUE_MPS: f64 = 0.6;
 /// Commands other than the one that odometry's figures last followed, by this much, m/s², for so long, s,
 /// while no figure of it changes.
 const COMMAND_MPS2: f64 = 0.3;
@@ -131,7 +134,10 @@ impl Motion {
             let apart_s = (sample.header.acquisition_ns - self.scan_ns) as f64 / 1e9;
             let then_mps = sample.speed_mps - sample.acceleration_mps2 * apart_s;
             let bound_mps = RADAR_MPS + RADAR_SHARE * measured_mps + 2.0 * apart_s.abs();
-            let share = (then_mps - measured_mps).abs() / bound_mps;
+            let share = match queue_moves_so(radar, measured_mps, then_mps) {
+                true => 0.0,
+                false => (then_mps - measured_mps).abs() / bound_mps,
+            };
             self.disagreeing = if share > 1.0 { self.disagreeing + 1 } else { 0 };
             // Only a row of them counts.
             let counted = if self.disagreeing < RADAR_SCANS { share.min(1.0) } else { share };
@@ -139,6 +145,19 @@ impl Motion {
         }
         self.disagreeing >= RADAR_SCANS
     }
+}
+
+/// True if a tracked vehicle has the speed that the radar took for that of standing objects, while odometry is faster.
+///
+/// A queue that crawls beside the ego fills the scan with detections of one speed: the measurement is then the ego's speed
+/// less the queue's. No vehicle makes it greater, since a queue does not drive backwards.
+fn queue_moves_so(radar: &RadarTracks, measured_mps: f64, odometry_mps: f64) -> bool {
+    let count = usize::try_from(radar.count).map_or(0, |count| count.min(radar.tracks.len()));
+    measured_mps < odometry_mps
+        && radar.tracks[..count].iter().any(|track| {
+            let cosine = libm::cos(track.azimuth_rad).max(0.5);
+            (track.range_rate_mps / cosine + measured_mps).abs() < QUEUE_MPS
+        })
 }
 
 #[cfg(test)]
@@ -239,5 +258,29 @@ mod tests {
         assert!((0..20).all(|k| agree(k, 0.2)));
         let found = (20..40).find(|k| !agree(*k, 2.0));
         assert_eq!(found, Some(22), "posts pass by");
+    }
+
+    #[test]
+    fn a_queue_that_crawls_beside_the_ego_is_not_taken_for_the_roadside() {
+        // The ego drives 6 m/s past a queue at 2 m/s: the radar takes the queue for standing and measures 4 m/s.
+        for (azimuth_rad, queue_mps, measured_mps, agrees) in [
+            (0.0, 2.0, 4.0, true),
+            (-0.5, 2.0, 4.0, true),
+            (0.0, 2.0, 4.7, false),
+            (0.0, 0.0, 4.0, false),
+            (0.0, -2.0, 8.0, false),
+        ] {
+            let (mut motion, mut findings) = (Motion::default(), Findings::default());
+            let all = (0..10).all(|k| {
+                let time_s = 0.1 * f64::from(k);
+                let mut scan = scan(time_s, measured_mps);
+                scan.count = 1;
+                scan.tracks[0].azimuth_rad = azimuth_rad;
+                scan.tracks[0].range_rate_mps = (queue_mps - 6.0) * libm::cos(azimuth_rad);
+                let sample = sample(time_s, 6.0 * time_s, 6.0);
+                motion.agrees(&sample, Some(&scan), 0.0, time_s, &mut findings)
+            });
+            assert_eq!(all, agrees, "{queue_mps} {measured_mps}");
+        }
     }
 }

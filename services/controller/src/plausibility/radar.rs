@@ -1,24 +1,49 @@
 //! Whether the radar's tracks can be believed.
+//!
+//! | check | a contradiction | not one |
+//! |---|---|---|
+//! | frozen | noise that repeats itself; exact figures that stay the same while the ego's speed changes | an empty scan at a stand; an exact lead at constant gap |
+//! | rate | a range that moves other than its rate for a second | one measurement of another part of the vehicle |
+//! | target | a gap or speed far from a track that moves on evenly | a new target, or a measurement that jumped |
+//!
+//! A measurement jumps where the radar sees another part of a vehicle (a lorry's front axle through its under-body, a
+//! flank) or the echo of another object. The filter behind the target rejects that, so the two differ for one scan.
 
 use super::{Check, Findings};
-use messages::{Header, RadarTracks, Track};
+use messages::{Header, Odometry, RadarTracks, Track};
+use parameters::parameters;
 
-/// Scans in a row with the same figures that no noise makes.
-const REPEATED: u32 = 2;
-/// The same of a radar without noise, on the move: rounding alone differs from scan to scan.
-const REPEATED_EXACT: u32 = 10;
-/// Speed from which the ego moves, m/s.
-const MOVES_MPS: f64 = 0.5;
-/// Difference of a range's change from its rate, summed up with a memory of this time, s: m, and by range.
-const SUM_S: f64 = 1.0;
-const SUM_M: f64 = 3.0;
-const SUM_SHARE: f64 = 0.03;
-/// Scans after which a track's figures have settled.
-const SETTLED: u32 = 10;
-/// Difference of the target from its track: m, by range, and m/s.
-const TARGET_M: f64 = 2.5;
-const TARGET_SHARE: f64 = 0.03;
-const TARGET_MPS: f64 = 2.5;
+parameters! {
+    /// Limits of the radar's checks.
+    struct Limits {
+        /// Scans in a row with the same figures that no noise makes.
+        repeated: u32 = 2, "scans", 1.0..=10.0, "Chosen: one repetition can be a message that came twice.";
+        /// The same of a radar without noise.
+        repeated_exact: u32 = 10, "scans", 2.0..=40.0, "Chosen: half a second at 20 scans per second.";
+        /// Change of the ego's speed that exact figures must show.
+        ego_changes_mps: f64 = 0.1, "m/s", 0.01..=1.0,
+            "Chosen: above what an acceleration of 1 m/s² over the age of a scan makes of the ego's speed.";
+        /// Memory of the sum of a range's differences from its rate.
+        sum_s: f64 = 1.0, "s", 0.2..=5.0, "Chosen: with 3 m of bound it finds a rate that is off by 4 m/s in 1 s.";
+        /// Bound of that sum.
+        sum_m: f64 = 3.0, "m", 1.0..=10.0, "Chosen: 61 % of it were reached in 10 h without faults.";
+        /// The same by range.
+        sum_share: f64 = 0.03, "1", 0.0..=0.1, "Chosen: detections of a vehicle spread with its distance.";
+        /// Scans after which a track's figures have settled.
+        settled: u32 = 10, "scans", 1.0..=40.0, "Chosen: the tracker's filter settles in half a second.";
+        /// Scans after which a target can be compared with its track.
+        settled_target: u32 = 5, "scans", 1.0..=40.0,
+            "Chosen: beside a vehicle that cuts in the radar sees its flank, 3.9 m ahead of its rear, for 0.3 s.";
+        /// Difference of the target from its track, in distance.
+        target_m: f64 = 2.5, "m", 0.5..=10.0, "Chosen: six standard deviations of the object list's range.";
+        /// The same by range.
+        target_share: f64 = 0.03, "1", 0.0..=0.1, "Chosen: as above.";
+        /// The same in speed.
+        target_mps: f64 = 2.5, "m/s", 0.5..=10.0, "Chosen: above what a lead of 10 m/s² makes of a filter's lag.";
+    }
+}
+
+const LIMITS: Limits = Limits::DEFAULT;
 
 /// Compares each scan with the one before, and the target with its track.
 #[derive(Clone, Debug)]
@@ -28,6 +53,8 @@ pub struct Radar {
     last: Box<RadarTracks>,
     has_seen: bool,
     repeated: u32,
+    /// Speed of the ego at the first scan of the row, m/s.
+    row_begins_mps: f64,
     followed: Option<Followed>,
     contradicted: bool,
     corrected: Box<RadarTracks>,
@@ -36,12 +63,21 @@ pub struct Radar {
 /// The track of the target over its scans.
 #[derive(Clone, Copy, Debug)]
 struct Followed {
+    now: Measured,
+    scans: u32,
+    /// Sum of the differences of range and rate, m.
+    sum_m: f64,
+}
+
+/// What the target's track measured in one scan.
+#[derive(Clone, Copy, Debug)]
+struct Measured {
     id: u32,
     acquisition_ns: i64,
     range_m: f64,
     range_rate_mps: f64,
-    scans: u32,
-    sum_m: f64,
+    /// A track stands behind it, not the target alone.
+    is_measured: bool,
 }
 
 impl Radar {
@@ -53,30 +89,33 @@ impl Radar {
             last: Box::new(bytemuck::Zeroable::zeroed()),
             has_seen: false,
             repeated: 0,
+            row_begins_mps: 0.0,
             followed: None,
             contradicted: false,
             corrected: Box::new(bytemuck::Zeroable::zeroed()),
         }
     }
 
-    /// Takes the newest scan, with the ego's speed, m/s; returns it, with the more careful figures of its
-    /// target where they contradict its track, or `None` if it cannot be believed.
+    /// Takes the newest scan and the newest odometry. Returns the scan, with the more careful figures of its target where
+    /// they contradict its track, or `None` if it cannot be believed.
     pub fn look(
         &mut self,
         sample: &RadarTracks,
-        ego_mps: f64,
+        odometry: Option<&Odometry>,
         time_s: f64,
         findings: &mut Findings,
     ) -> Option<&RadarTracks> {
         let is_new = !self.has_seen || self.last.header != sample.header;
         if is_new {
             *self.corrected = *sample;
-            let track = in_path(sample);
-            if let Some(track) = track.filter(|_| sample.target.valid != 0) {
-                self.correct(&track, time_s, findings);
-            }
-            let frozen = self.is_frozen(sample, ego_mps, time_s, findings);
-            let by_rate = self.by_rate(sample, track, time_s, findings);
+            let frozen = self.is_frozen(sample, odometry, time_s, findings);
+            let by_rate = match Measured::of(sample) {
+                Some(now) => self.follow(&now, time_s, findings),
+                None => {
+                    self.followed = None;
+                    false
+                }
+            };
             self.contradicted = frozen || by_rate;
             *self.last = *sample;
             self.has_seen = true;
@@ -87,72 +126,95 @@ impl Radar {
     fn is_frozen(
         &mut self,
         sample: &RadarTracks,
-        ego_mps: f64,
+        odometry: Option<&Odometry>,
         time_s: f64,
         findings: &mut Findings,
     ) -> bool {
-        let varies = (self.noisy || ego_mps > MOVES_MPS)
-            && (sample.count > 0 || sample.ego_speed_points > 0);
-        let bound = if self.noisy { REPEATED } else { REPEATED_EXACT };
+        let scan_ns = sample.header.acquisition_ns;
+        let ego_mps = odometry.map_or(0.0, |odometry| {
+            let apart_s = (odometry.header.acquisition_ns - scan_ns) as f64 / 1e9;
+            odometry.speed_mps - odometry.acceleration_mps2 * apart_s
+        });
+        // A speed of exactly 0 is a measurement that was cut off there: it has no noise.
+        let varies = sample.count > 0 || sample.ego_speed_mps != 0.0;
         let same = varies && self.has_seen && content(&self.last) == content(sample);
-        self.repeated = if same { self.repeated + 1 } else { 0 };
-        let share = f64::from(self.repeated) / (f64::from(bound) - 0.5);
+        if same {
+            self.repeated += 1;
+        } else {
+            (self.repeated, self.row_begins_mps) = (0, ego_mps);
+        }
+        let (counted, bound) = if self.noisy {
+            (self.repeated, LIMITS.repeated)
+        } else {
+            // Exact figures repeat behind a lead of the ego's own speed, until that changes: range rates show it.
+            let moved = (ego_mps - self.row_begins_mps).abs() > LIMITS.ego_changes_mps;
+            let counted = if moved { self.repeated } else { 0 };
+            (counted, LIMITS.repeated_exact)
+        };
+        let share = f64::from(counted) / (f64::from(bound) - 0.5);
         findings.note(Check::RadarFrozen, time_s, share)
     }
 
-    fn by_rate(
-        &mut self,
-        sample: &RadarTracks,
-        track: Option<Track>,
-        time_s: f64,
-        findings: &mut Findings,
-    ) -> bool {
-        let target = &sample.target;
-        if target.valid == 0 {
-            self.followed = None;
-            return false;
-        }
-        let (range_m, range_rate_mps) = track
-            .map_or((target.gap_m, target.relative_speed_mps), |t| (t.range_m, t.range_rate_mps));
-        let acquisition_ns = sample.header.acquisition_ns;
-        let begun = Followed {
-            id: target.track_id,
-            acquisition_ns,
-            range_m,
-            range_rate_mps,
-            scans: 0,
-            sum_m: 0.0,
-        };
-        let Some(last) = self.followed.replace(begun).filter(|last| last.id == begun.id) else {
+    /// Follows the target's track from scan to scan; true if its range contradicts its rate.
+    fn follow(&mut self, now: &Measured, time_s: f64, findings: &mut Findings) -> bool {
+        let begun = Followed { now: *now, scans: 0, sum_m: 0.0 };
+        let Some(last) = self.followed.replace(begun).filter(|last| last.now.id == now.id) else {
             return false;
         };
-        let elapsed_s = (acquisition_ns - last.acquisition_ns) as f64 / 1e9;
-        if elapsed_s <= 0.0 || elapsed_s > SUM_S {
+        let elapsed_s = (now.acquisition_ns - last.now.acquisition_ns) as f64 / 1e9;
+        if elapsed_s <= 0.0 || elapsed_s > LIMITS.sum_s {
             return false;
         }
-        let by_rate_m = 0.5 * (last.range_rate_mps + range_rate_mps) * elapsed_s;
-        let differs_m = range_m - last.range_m - by_rate_m;
-        let bound_m = SUM_M + SUM_SHARE * range_m.abs();
-        let settled = last.scans >= SETTLED;
-        let sum_m = if settled {
-            (last.sum_m * libm::exp(-elapsed_s / SUM_S) + differs_m)
+        let by_rate_m = 0.5 * (last.now.range_rate_mps + now.range_rate_mps) * elapsed_s;
+        let differs_m = now.range_m - last.now.range_m - by_rate_m;
+        let scans = last.scans + 1;
+        if scans >= LIMITS.settled_target {
+            self.correct(now, differs_m, time_s, findings);
+        }
+        let bound_m = LIMITS.sum_m + LIMITS.sum_share * now.range_m.abs();
+        // A single jump is no motion: it counts with half the bound at most, and its way back takes that away again.
+        let counted_m = differs_m.clamp(-0.5 * bound_m, 0.5 * bound_m);
+        let sum_m = if last.scans >= LIMITS.settled {
+            (last.sum_m * libm::exp(-elapsed_s / LIMITS.sum_s) + counted_m)
                 .clamp(-1.5 * bound_m, 1.5 * bound_m)
         } else {
             0.0
         };
-        self.followed = Some(Followed { scans: last.scans + 1, sum_m, ..begun });
+        self.followed = Some(Followed { now: *now, scans, sum_m });
         findings.note(Check::RangeRateAgainstRange, time_s, sum_m.abs() / bound_m)
     }
 
-    fn correct(&mut self, track: &Track, time_s: f64, findings: &mut Findings) {
+    /// Takes the more careful of the target's figures and its track's where they are far apart. `differs_m` is what the
+    /// track's range differs from what the last scan and the rate said.
+    fn correct(&mut self, track: &Measured, differs_m: f64, time_s: f64, findings: &mut Findings) {
         let target = &mut self.corrected.target;
-        let bound_m = TARGET_M + TARGET_SHARE * track.range_m.abs();
+        let bound_m = LIMITS.target_m + LIMITS.target_share * track.range_m.abs();
+        if !track.is_measured || differs_m.abs() > bound_m {
+            return;
+        }
         let share = ((target.gap_m - track.range_m).abs() / bound_m)
-            .max((target.relative_speed_mps - track.range_rate_mps).abs() / TARGET_MPS);
+            .max((target.relative_speed_mps - track.range_rate_mps).abs() / LIMITS.target_mps);
         if findings.note(Check::TargetAgainstTrack, time_s, share) {
             target.gap_m = target.gap_m.min(track.range_m);
             target.relative_speed_mps = target.relative_speed_mps.min(track.range_rate_mps);
         }
+    }
+}
+
+impl Measured {
+    /// The measurement behind the target of a scan, or the target itself where no track is named.
+    fn of(sample: &RadarTracks) -> Option<Self> {
+        let target = Some(&sample.target).filter(|target| target.valid != 0)?;
+        let track = in_path(sample);
+        let (range_m, range_rate_mps) = track
+            .map_or((target.gap_m, target.relative_speed_mps), |t| (t.range_m, t.range_rate_mps));
+        Some(Self {
+            id: target.track_id,
+            acquisition_ns: sample.header.acquisition_ns,
+            range_m,
+            range_rate_mps,
+            is_measured: track.is_some(),
+        })
     }
 }
 
@@ -183,43 +245,133 @@ mod tests {
         radar
     }
 
+    fn ego(k: i64, speed_mps: f64) -> Odometry {
+        let mut odometry = Odometry::zeroed();
+        (odometry.header.acquisition_ns, odometry.speed_mps) = (k * 100_000_000, speed_mps);
+        odometry
+    }
+
+    /// A check with its findings, of an ego of constant speed unless said otherwise.
+    struct Checked(Radar, Findings);
+
+    impl Checked {
+        fn new(noisy: bool) -> Self {
+            Self(Radar::new(noisy), Findings::default())
+        }
+
+        fn believes_at(&mut self, scan: &RadarTracks, ego_mps: f64) -> bool {
+            let odometry = ego(scan.header.acquisition_ns / 100_000_000, ego_mps);
+            self.0.look(scan, Some(&odometry), 0.0, &mut self.1).is_some()
+        }
+
+        fn believes(&mut self, scan: &RadarTracks) -> bool {
+            self.believes_at(scan, 20.0)
+        }
+
+        /// Cycles in which `check` found a contradiction.
+        fn found(&self, check: Check) -> u64 {
+            self.1.iter().find(|(of, _)| *of == check).map_or(0, |(_, finding)| finding.cycles)
+        }
+    }
+
     #[test]
     fn a_repeated_scan_is_frozen_where_there_is_noise() {
-        for noisy in [true, false] {
-            let (mut radar, mut findings) = (Radar::new(noisy), Findings::default());
-            assert!(radar.look(&scan(0, 30.0, 0.0), 20.0, 0.0, &mut findings).is_some());
-            let believed: Vec<bool> = (1..5)
-                .map(|k| radar.look(&scan(k, 30.0, 0.0), 20.0, 0.0, &mut findings).is_some())
-                .collect();
-            assert_eq!(believed, [true, !noisy, !noisy, !noisy]);
-            let exact = (5..12)
-                .filter(|k| radar.look(&scan(*k, 30.0, 0.0), 20.0, 0.0, &mut findings).is_some());
-            assert_eq!(exact.count(), if noisy { 0 } else { 5 }, "without noise it takes longer");
-            assert!(radar.look(&scan(12, 30.01, 0.0), 20.0, 0.0, &mut findings).is_some());
+        let mut radar = Checked::new(true);
+        let believed: Vec<bool> = (0..5).map(|k| radar.believes(&scan(k, 30.0, 0.0))).collect();
+        assert_eq!(believed, [true, true, false, false, false]);
+        assert!(radar.believes(&scan(5, 30.01, 0.0)));
+        let none = Odometry::zeroed();
+        let again = scan(6, 30.01, 0.0);
+        assert!(radar.0.look(&again, Some(&none), 0.0, &mut radar.1).is_some());
+        let again = scan(7, 30.01, 0.0);
+        assert!(radar.0.look(&again, None, 0.0, &mut radar.1).is_none(), "noise needs no odometry");
+    }
+
+    #[test]
+    fn an_empty_scan_at_a_stand_may_repeat_itself() {
+        for (ego_mps, frozen) in [(0.0, false), (0.01, true)] {
+            let mut radar = Checked::new(true);
+            let believed = (0..20).all(|k| {
+                let mut scan = RadarTracks::zeroed();
+                scan.header.acquisition_ns = k * 100_000_000;
+                (scan.ego_speed_mps, scan.ego_speed_points) = (ego_mps, 6);
+                radar.believes_at(&scan, 0.0)
+            });
+            assert_eq!(believed, !frozen);
         }
+    }
+
+    #[test]
+    fn exact_figures_may_repeat_until_the_egos_speed_changes() {
+        for (slows_mps2, frozen) in [(0.0, false), (0.09, false), (0.2, true), (-0.2, true)] {
+            let mut radar = Checked::new(false);
+            let found = (0..12).find(|k| {
+                !radar.believes_at(&scan(*k, 30.0, 0.0), 20.0 - 0.1 * slows_mps2 * *k as f64)
+            });
+            assert_eq!(found, frozen.then_some(10), "{slows_mps2}");
+        }
+        // Figures that change end the row.
+        let mut radar = Checked::new(false);
+        let mut believes =
+            |k: i64| radar.believes_at(&scan(k, 30.0 + (k / 6) as f64, 0.0), 20.0 - k as f64);
+        assert!((0..40).all(&mut believes));
     }
 
     #[test]
     fn a_range_that_does_not_follow_its_rate_is_not_believed() {
-        let (mut radar, mut findings) = (Radar::new(false), Findings::default());
+        let mut radar = Checked::new(false);
         let mut gap_m = 60.0;
         for k in 0..30 {
-            assert!(radar.look(&scan(k, gap_m, -4.0), 20.0, 0.0, &mut findings).is_some());
+            assert!(radar.believes(&scan(k, gap_m, -4.0)));
             gap_m -= 0.4;
         }
-        let found = (30..60)
-            .find(|k| radar.look(&scan(*k, gap_m, -8.0), 20.0, 0.0, &mut findings).is_none());
+        let found = (30..60).find(|k| !radar.believes(&scan(*k, gap_m, -8.0)));
         assert!(found.is_some_and(|k| k < 40), "{found:?}");
+        // The same rate with another vehicle's number is another vehicle.
+        let mut other = scan(60, gap_m, -8.0);
+        other.target.track_id = 8;
+        assert!(radar.believes(&other));
     }
 
     #[test]
-    fn of_target_and_track_the_more_careful_figures_count() {
-        for (bias_m, expected_m) in [(5.0, 40.0), (-5.0, 35.0), (1.0, 41.0)] {
-            let (mut radar, mut findings) = (Radar::new(false), Findings::default());
-            let mut scan = scan(0, 40.0, -1.0);
-            scan.target.gap_m += bias_m;
-            let believed = radar.look(&scan, 20.0, 0.0, &mut findings).expect("it is believed");
-            assert_eq!(believed.target.gap_m, expected_m);
+    fn a_measurement_that_jumps_and_comes_back_is_no_contradiction() {
+        let mut radar = Checked::new(true);
+        for k in 0..60 {
+            let gap_m = 40.0 - 0.1 * k as f64;
+            let mut scan = scan(k, gap_m, -1.0);
+            // Every seventh scan shows the front axle of a lorry.
+            scan.tracks[0].range_m += if k % 7 == 6 { 9.0 } else { 0.0 };
+            assert!(radar.believes(&scan), "{k}");
+        }
+        assert_eq!(radar.found(Check::TargetAgainstTrack), 0);
+        assert_eq!(radar.found(Check::RangeRateAgainstRange), 0);
+    }
+
+    #[test]
+    fn of_target_and_track_the_more_careful_figures_count_once_the_target_has_settled() {
+        for (bias_m, bias_mps, expected) in [
+            (5.0, 0.0, (0.0, -1.0)),
+            (-5.0, 0.0, (-5.0, -1.0)),
+            (1.0, 0.0, (1.0, -1.0)),
+            (0.0, 3.0, (0.0, -1.0)),
+            (0.0, -3.0, (0.0, -4.0)),
+            (0.0, 2.0, (0.0, 1.0)),
+        ] {
+            let mut radar = Checked::new(true);
+            for k in 0..9 {
+                let range_m = 40.0 - 0.1 * k as f64;
+                let mut scan = scan(k, range_m, -1.0);
+                scan.target.gap_m += bias_m;
+                scan.target.relative_speed_mps += bias_mps;
+                let told = (scan.target.gap_m, scan.target.relative_speed_mps);
+                let seen = radar.0.look(&scan, Some(&ego(k, 20.0)), 0.0, &mut radar.1);
+                let target = seen.expect("it is believed").target;
+                let found = (target.gap_m, target.relative_speed_mps);
+                let settled = (range_m + expected.0, expected.1);
+                let far = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).abs().max((a.1 - b.1).abs());
+                let wanted = if k < 5 { told } else { settled };
+                assert!(far(found, wanted) < 1e-9, "{bias_m} {bias_mps} {k}: {found:?}");
+            }
         }
     }
 }
