@@ -184,12 +184,25 @@ fn an_answer_that_is_no_number_is_refused_in_its_cycle() {
     let corner = Corner::new(PROGRAM);
     let law = odd_law(&corner);
     let command = by(&[&law, "nan", "20"]);
-    let summary = corner.json(&run_by(&command, &[&LOCKSTEP[..], &["--no-record"]].concat()));
-    assert_eq!(summary["outcome"], "completed");
+    let more = [&LOCKSTEP[..], &["--json", "--out", "out"]].concat();
+    let output = corner.run(&run_by(&command, &more));
+    let summary: Value = serde_json::from_slice(&output.stdout).expect("a summary");
+    assert_eq!((output.status.code(), &summary["outcome"]), (Some(1), &"driven_by_backup".into()));
+    let count = |key: &str| summary["law"][key].as_u64().unwrap_or_else(|| panic!("{summary}"));
+    assert_eq!(count("cycles"), count("answered") + count("backup"), "{summary}");
+    assert_eq!((count("refused"), count("late")), (count("backup"), 0), "{summary}");
+    let page = std::fs::read_to_string(corner.path().join("out/report.html")).expect("written");
+    assert!(page.contains("Driven by the backup: "), "the page says who drove");
     assert!(summary["timing"]["law_program"]["refused"].as_u64() > Some(10), "{summary}");
     assert!(summary["timing"]["backup_cycles"].as_u64() > Some(10), "{summary}");
     let failure = summary["timing"]["law_program"]["failures"][0].as_str().unwrap_or_default();
     assert!(failure.contains("request_mps2 = NaN"), "{failure}");
+    // A few such answers leave the drive to the law, and the scenario can allow more.
+    for (first, allowed) in [("56", &[][..]), ("20", &["--set", "require.max_backup_share=1"])] {
+        let command = by(&[&law, "nan", first]);
+        let more = [&LOCKSTEP[..], &["--no-record"], allowed].concat();
+        assert_eq!(corner.json(&run_by(&command, &more))["outcome"], "completed");
+    }
 }
 
 /// In real time the backup drives while the law is late, and a failed law is replaced.
@@ -204,7 +217,7 @@ fn in_real_time_the_backup_drives_and_the_law_is_replaced() {
         ("flood", false, true),
     ] {
         let command = by(&[&law, manner, "10"]);
-        let more = ["--duration", "5", "--no-record"];
+        let more = ["--duration", "5", "--no-record", "--set", "require.max_backup_share=1"];
         let summary = corner.json(&run_by(&command, &more));
         assert_eq!(summary["outcome"], "completed", "{manner}: {summary}");
         let program = &summary["timing"]["law_program"];

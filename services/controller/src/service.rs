@@ -314,6 +314,7 @@ impl Loop {
             solve_us: self.solve.percentiles_us(),
             relaxed: self.account.relaxed,
             backup: self.account.backup,
+            braked: 0,
             planning: self.planning.as_ref().map(PlanningThread::report),
             law: self.descriptor.name.to_owned(),
             program: self.law.hosted().map(|hosted| hosted.report()),

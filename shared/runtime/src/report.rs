@@ -203,6 +203,9 @@ pub struct ControllerReport {
     pub relaxed: u64,
     /// Cycles whose command came from the law's backup.
     pub backup: u64,
+    /// Cycles in which the degradation ladder braked in the law's place.
+    #[serde(default)]
+    pub braked: u64,
     /// Planning beside the loop, of laws that do.
     pub planning: Option<PlanningReport>,
     /// Name of the law that drove; empty where only the launcher tells.
@@ -396,6 +399,8 @@ pub enum Outcome {
     RedLight,
     /// The plant stopped in lane for want of valid commands.
     SafeStop,
+    /// The law's backup drove more than the scenario allows: the drive says little about the law.
+    DrivenByBackup,
     /// Something ended the run before its time.
     Aborted,
 }
@@ -405,8 +410,7 @@ pub enum Outcome {
 pub struct ControlFigures {
     /// Smallest gap to a vehicle in lane, m.
     pub min_gap_m: Option<f64>,
-    /// Root mean square over time of the gap's distance from the desired one, while a vehicle ahead
-    /// was within the radar's range, m.
+    /// Root mean square over time of the gap's distance from the desired one, m; in results while following.
     pub rms_gap_error_m: Option<f64>,
     /// Largest magnitude of that distance, m.
     pub max_abs_gap_error_m: Option<f64>,

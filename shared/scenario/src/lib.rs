@@ -50,6 +50,7 @@ pub mod preview;
 pub mod quantity;
 pub mod radio;
 pub mod referee;
+pub mod require;
 pub mod road;
 pub mod runtime;
 pub mod schema;
@@ -97,6 +98,7 @@ use perception::Perception;
 use plant::Plant;
 use quantity::{Duration, PeriodMs, Seed, Speed};
 use referee::Referee;
+use require::Require;
 use road::Road;
 use runtime::Runtime;
 use storyboard::Storyboard;
@@ -156,6 +158,9 @@ pub struct Scenario {
     /// What becomes of services that die or hang.
     #[serde(default)]
     pub supervision: Supervision,
+    /// What the run must keep to count as completed.
+    #[serde(default)]
+    pub require: Require,
     /// The other vehicles.
     #[serde(default)]
     pub actors: Vec<Actor>,

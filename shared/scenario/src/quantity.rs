@@ -90,6 +90,8 @@ quantity! {
     SigmaMultiple, 1.0, 100.0, "a multiple of sigma from 1 to 100";
     /// A probability.
     Probability, 0.0, 1.0, "a probability from 0 to 1";
+    /// A share of a whole.
+    Share, 0.0, 1.0, "a share from 0 to 1";
     /// An opening angle, degrees.
     Angle, 0.1, 360.0, "an angle from 0.1 to 360 degrees";
     /// A height above any level, m.

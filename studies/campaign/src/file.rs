@@ -331,7 +331,8 @@ pub(super) fn of_variation(path: &Path) -> Result<Campaign, Error> {
     let stem = path.file_stem().unwrap_or_default().to_string_lossy();
     let name: String = stem.chars().map(good).take(64).collect();
     let printable = variants.description.chars().filter(|c| !c.is_control());
-    let required = ["max_avoidable_collisions", "max_aborted"].map(|key| (key.to_owned(), 0.0));
+    let required = ["max_avoidable_collisions", "max_aborted", "max_driven_by_backup"]
+        .map(|key| (key.to_owned(), 0.0));
     Ok(Campaign {
         schema_version: 1,
         name: Name::try_from(name).map_err(FileError::Name)?,

@@ -65,6 +65,7 @@ fn figures(all: &Tally) -> Vec<Tile> {
         count("Emergency brakings", all.interventions),
         count("Red lights", all.red_lights),
         count("Safe stops", all.safe_stops),
+        count("Driven by the backup", all.driven_by_backup),
         count("Aborted", all.aborted),
         count("Objects left behind", all.leaks),
     ];
@@ -146,6 +147,7 @@ fn combinations(verdict: &Verdict) -> String {
                 tally.collisions.to_string(),
                 tally.interventions.to_string(),
                 tally.red_lights.to_string(),
+                tally.driven_by_backup.to_string(),
                 tally.aborted.to_string(),
                 figure(tally.min_gap_m),
                 figure(tally.min_ttc_s),
@@ -164,6 +166,7 @@ fn combinations(verdict: &Verdict) -> String {
         ("collisions", Column::Number),
         ("emergency brakings", Column::Number),
         ("red lights", Column::Number),
+        ("driven by backup", Column::MoreNumber),
         ("aborted", Column::MoreNumber),
         ("min gap, m", Column::MoreNumber),
         ("min TTC, s", Column::MoreNumber),

@@ -5,6 +5,7 @@ use super::record::Record;
 use super::tally::Tally;
 use super::verdict::Verdict;
 use report::chart::number;
+use report::print;
 use report::table::{self, NONE, TextTable};
 use runtime::statistics::Percentiles;
 use std::fmt::Write;
@@ -42,6 +43,7 @@ pub fn verdict(verdict: &Verdict) -> String {
         "collisions",
         "emergency brakings",
         "red lights",
+        "driven by backup",
         "aborted",
         "min gap",
         "min TTC",
@@ -55,6 +57,7 @@ pub fn verdict(verdict: &Verdict) -> String {
             tally.collisions,
             tally.interventions,
             tally.red_lights,
+            tally.driven_by_backup,
             tally.aborted,
         ];
         let figure = |value: Option<f64>, unit: &str| {
@@ -76,8 +79,9 @@ fn times(times: Option<Percentiles>) -> String {
     times.map_or_else(
         || "-".into(),
         |p| {
-            let [p50, p99, max] = [p.p50, p.p99, p.max].map(|us| us / 1e3);
-            format!("{p50:.1}, {p99:.1}, {max:.1} ms (n = {})", p.count)
+            let [p50, max] = [p.p50, p.max].map(|us| us / 1e3);
+            let p99 = print::p99(&p).map_or_else(|| "-".into(), |us| format!("{:.1}", us / 1e3));
+            format!("{p50:.1}, {p99}, {max:.1} ms (n = {})", p.count)
         },
     )
 }

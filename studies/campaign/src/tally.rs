@@ -16,6 +16,8 @@ pub struct Tally {
     pub avoidable_collisions: u64,
     pub red_lights: u64,
     pub safe_stops: u64,
+    /// Runs in which the law's backup drove more than the scenario allows.
+    pub driven_by_backup: u64,
     pub aborted: u64,
     pub kills: u64,
     /// Pairs of services killed within 5 ms, processes killed before they took part, and recorders, janitors
@@ -84,6 +86,7 @@ impl Sum {
             Outcome::Collision => &mut tally.collisions,
             Outcome::RedLight => &mut tally.red_lights,
             Outcome::SafeStop => &mut tally.safe_stops,
+            Outcome::DrivenByBackup => &mut tally.driven_by_backup,
             Outcome::Aborted if record.launcher_died => &mut tally.launcher_kills,
             Outcome::Aborted => &mut tally.aborted,
         } += 1;
@@ -181,11 +184,12 @@ enum Kind {
 }
 
 /// All figures.
-pub const FIGURES: [Figure; 35] = [
+pub const FIGURES: [Figure; 36] = [
     count("collisions", |t| t.collisions),
     count("avoidable_collisions", |t| t.avoidable_collisions),
     count("red_lights", |t| t.red_lights),
     count("safe_stops", |t| t.safe_stops),
+    count("driven_by_backup", |t| t.driven_by_backup),
     count("aborted", |t| t.aborted),
     count("kills", |t| t.kills),
     count("double_kills", |t| t.double_kills),

@@ -6,6 +6,9 @@ use messages::level::{Level, LevelLog};
 /// Most changes of the mode; later ones are dropped.
 const MAX_CHANGES: usize = 10_000;
 
+/// Quality of a command that came from a backup.
+const BACKUP: u32 = 2;
+
 /// The cycles so far.
 #[derive(Clone, Debug, Default)]
 pub struct CycleHistory {
@@ -15,6 +18,10 @@ pub struct CycleHistory {
     pub count: u64,
     /// Cycles by the quality of their command.
     quality: [u64; 4],
+    /// Cycles in which the law's own backup drove, not the ladder's braking.
+    pub by_backup: u64,
+    /// Cycles in which the degradation ladder braked.
+    pub by_ladder: u64,
     /// Releases without a cycle, between two cycles of one process.
     pub left_out: u64,
     /// Mode before a change, and the first cycle after it.
@@ -36,7 +43,12 @@ impl CycleHistory {
         if let Some(count) = self.quality.get_mut(cycle.quality as usize) {
             *count += 1;
         }
-        if let Some(level) = Level::by_number(cycle.rung) {
+        let level = Level::by_number(cycle.rung);
+        let is_ladder = matches!(level, Some(Level::LeadLost | Level::Silent));
+        let is_backup = cycle.quality == BACKUP;
+        self.by_backup += u64::from(is_backup && !is_ladder);
+        self.by_ladder += u64::from(is_backup && is_ladder);
+        if let Some(level) = level {
             self.levels.observe(cycle.header.acquisition_ns as f64 / 1e9, level);
         }
         if let Some(last) = &self.last {
@@ -79,6 +91,23 @@ mod tests {
         let history = history(&[(0, 0, 0), (10, 0, 0), (40, 0, 0), (95, 1, 0), (100, 1, 0)]);
         assert_eq!(history.left_out, 2, "20 and 30; what lay between two processes is none's");
         assert_eq!((history.count, history.of_quality(0)), (5, 5));
+    }
+
+    #[test]
+    fn braking_by_the_ladder_is_not_the_laws_backup() {
+        let mut history = CycleHistory::new(10);
+        for (quality, level) in [
+            (0, Level::Full),
+            (BACKUP, Level::Full),
+            (BACKUP, Level::SolveFailed),
+            (BACKUP, Level::LeadLost),
+            (3, Level::OutsideEnvelope),
+        ] {
+            let mut cycle = Diagnostics::zeroed();
+            (cycle.quality, cycle.rung) = (quality, level as u32);
+            history.observe(&cycle);
+        }
+        assert_eq!((history.by_backup, history.by_ladder), (2, 1));
     }
 
     #[test]

@@ -2,15 +2,31 @@
 
 use runtime::statistics::Percentiles;
 
-/// Percentiles of a time in µs, on one line.
+/// Whether `count` samples carry the percentile of `share`: one of them at least is expected beyond it.
+///
+/// ```
+/// use report::print::carries;
+///
+/// assert!(carries(100, 0.99) && !carries(99, 0.99));
+/// ```
+#[must_use]
+pub fn carries(count: u64, share: f64) -> bool {
+    // Rounded: 100 * (1 - 0.99) is a little more than 1 in binary.
+    (count as f64 * (1.0 - share) * 1e6).round() >= 1e6
+}
+
+/// The 99th percentile where the samples carry it, in µs.
+#[must_use]
+pub fn p99(p: &Percentiles) -> Option<f64> {
+    carries(p.count, 0.99).then_some(p.p99)
+}
+
+/// Percentiles of a time in µs, on one line. Those that the samples do not carry are left out.
 pub(crate) fn percentiles(p: &Percentiles) -> String {
-    format!(
-        "p50 {}, p99 {}, max {} (n = {})",
-        duration(p.p50),
-        duration(p.p99),
-        duration(p.max),
-        p.count
-    )
+    let p50 = carries(p.count, 0.5).then(|| format!("p50 {}, ", duration(p.p50)));
+    let p99 = p99(p).map(|us| format!("p99 {}, ", duration(us)));
+    let (p50, p99) = (p50.unwrap_or_default(), p99.unwrap_or_default());
+    format!("{p50}{p99}max {} (n = {})", duration(p.max), p.count)
 }
 
 /// A duration in µs with the unit that reads best.
@@ -31,6 +47,25 @@ pub fn duration(us: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn percentiles_need_their_samples() {
+        let of = |count| {
+            let p = Percentiles {
+                p50: 1.0,
+                p90: 1.0,
+                p99: 2.0,
+                p999: 2.0,
+                p9999: 2.0,
+                max: 3.0,
+                count,
+            };
+            percentiles(&p)
+        };
+        assert_eq!(of(1), "max 3.0 µs (n = 1)");
+        assert_eq!(of(4), "p50 1.0 µs, max 3.0 µs (n = 4)");
+        assert_eq!(of(100), "p50 1.0 µs, p99 2.0 µs, max 3.0 µs (n = 100)");
+    }
 
     #[test]
     fn durations_choose_their_unit() {

@@ -1,10 +1,96 @@
-//! Time gaps of a drive: gap over ego speed.
+//! Time gaps of a drive, and its gap errors while following.
+//!
+//! ```text
+//! time gap = gap / ego speed          gap error = gap - desired gap
+//! ```
+//!
+//! One desired gap serves all laws, so that their errors can be compared: `referee.desired_gap` of the scenario, else
+//! [`STATED_GAP`]. Errors count while the ego follows: from the instant at which it has had the speed of the vehicle
+//! ahead for 2 s, until that vehicle is gone or another one takes its place. The way to that gap does not count.
 
 use group::DriveStep;
+use runtime::report::ControlFigures;
+use scenario::Scenario;
+use scenario::quantity::{Distance, TimeConstant};
+use scenario::referee::DesiredGap;
 use serde::{Deserialize, Serialize};
 
 /// Slowest speed with a defined time gap, m/s. Below it the quotient grows and no longer describes following.
 const SLOWEST_MPS: f64 = 1.0;
+
+/// Desired gap of scenarios that name none. Chosen: the headway and distance that `acc-mpc` and `cacc-mpc`, the
+/// default laws, aim at.
+pub const STATED_GAP: DesiredGap = DesiredGap::Headway {
+    time_headway_s: TimeConstant::of(1.5),
+    standstill_distance_m: Distance::of(5.0),
+};
+/// Largest difference of speeds at which following begins, m/s. Chosen.
+const SAME_SPEED_MPS: f64 = 1.0;
+/// Time for which the speeds are the same before following begins, s. Chosen.
+const STEADY_S: f64 = 2.0;
+/// Time without a gap after which the vehicle ahead is gone, s: several samples of the ground truth.
+const GONE_S: f64 = 0.5;
+/// Change of the gap between two samples that means another vehicle, m. Chosen: a vehicle's length.
+const ANOTHER_M: f64 = 4.5;
+
+/// Gap errors while following, m: null without following.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct GapErrors {
+    /// Root mean square over time.
+    pub rms_m: Option<f64>,
+    /// Largest magnitude.
+    pub largest_m: Option<f64>,
+    /// Error at the end of the drive.
+    pub final_m: Option<f64>,
+}
+
+impl GapErrors {
+    /// Evaluates a drive.
+    pub fn of(scenario: &Scenario, steps: &[DriveStep]) -> Self {
+        let desired = scenario.referee.desired_gap.unwrap_or(STATED_GAP);
+        let mut errors = Self::default();
+        let (mut squares, mut time_s) = (0.0, 0.0);
+        let (mut steady_since_s, mut follows): (Option<f64>, bool) = (None, false);
+        let mut last: Option<(f64, f64)> = None;
+        for step in steps {
+            let Some((gap_m, lead_mps)) = step.gap_m.zip(step.lead_speed_mps) else {
+                // The gap is absent between its samples too.
+                if last.is_some_and(|(then_s, _)| step.time_s - then_s > GONE_S) {
+                    last = None;
+                }
+                continue;
+            };
+            if last.is_none_or(|(_, before_m)| (gap_m - before_m).abs() > ANOTHER_M) {
+                (steady_since_s, follows) = (None, false);
+            }
+            let is_same = (step.speed_mps - lead_mps).abs() <= SAME_SPEED_MPS;
+            steady_since_s = if is_same { steady_since_s.or(Some(step.time_s)) } else { None };
+            let is_steady = steady_since_s.is_some_and(|since_s| step.time_s - since_s >= STEADY_S);
+            follows |= is_steady;
+            if follows {
+                let error_m = gap_m - desired.at(step.speed_mps);
+                let since_s = last.map_or(0.0, |(then_s, _)| step.time_s - then_s);
+                squares += error_m * error_m * since_s;
+                time_s += since_s;
+                errors.largest_m = Some(errors.largest_m.unwrap_or(0.0).max(error_m.abs()));
+                errors.final_m = Some(error_m);
+            } else {
+                errors.final_m = None;
+            }
+            last = Some((step.time_s, gap_m));
+        }
+        errors.final_m = errors.final_m.filter(|_| last.is_some());
+        errors.rms_m = (time_s > 0.0).then(|| (squares / time_s).sqrt());
+        errors
+    }
+
+    /// Puts the errors in the place of the referee's, which has another desired gap for each law.
+    pub fn write(self, figures: &mut ControlFigures) {
+        figures.rms_gap_error_m = self.rms_m;
+        figures.max_abs_gap_error_m = self.largest_m;
+        figures.final_gap_error_m = self.final_m;
+    }
+}
 
 /// Time gap at a sample, s; 0 in a contact, `None` below 1 m/s.
 pub fn time_gap_s(step: &DriveStep) -> Option<f64> {
@@ -37,6 +123,43 @@ impl Following {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The ego at 20 m/s behind a lead: gap and lead speed by the time, every 0.1 s.
+    fn drive(duration_s: f64, lead: impl Fn(f64) -> Option<(f64, f64)>) -> Vec<DriveStep> {
+        let samples = (0..).map(|k| 0.1 * f64::from(k)).take_while(|time_s| *time_s <= duration_s);
+        let step = |time_s| {
+            let (gap_m, lead_speed_mps) = lead(time_s).unzip();
+            DriveStep { time_s, speed_mps: 20.0, gap_m, lead_speed_mps, ..DriveStep::default() }
+        };
+        samples.map(step).collect()
+    }
+
+    fn errors(steps: &[DriveStep]) -> GapErrors {
+        let text = "schema_version = 1\nname = \"a\"";
+        GapErrors::of(&Scenario::parse("a.toml", text).expect("it is valid"), steps)
+    }
+
+    #[test]
+    fn the_way_to_the_gap_does_not_count() {
+        // The ego closes in from 90 m with 5 m/s for 10 s, then keeps 40 m: 5 m more than the stated gap.
+        let approach = |time_s: f64| {
+            Some(if time_s < 10.0 { (90.0 - 5.0 * time_s, 15.0) } else { (40.0, 20.0) })
+        };
+        let found = errors(&drive(30.0, approach));
+        assert_eq!((found.largest_m, found.final_m), (Some(5.0), Some(5.0)));
+        assert!((found.rms_m.expect("it follows") - 5.0).abs() < 1e-9);
+        assert_eq!(errors(&drive(9.0, approach)), GapErrors::default(), "it never follows");
+    }
+
+    #[test]
+    fn another_lead_begins_anew_and_one_that_is_gone_has_no_final_error() {
+        let cut_in = |time_s: f64| Some((if time_s < 5.0 { 35.0 } else { 20.0 }, 20.0));
+        let found = errors(&drive(6.0, cut_in));
+        assert_eq!((found.largest_m, found.final_m), (Some(0.0), None));
+        let leaves = |time_s: f64| (time_s < 5.0).then_some((36.0, 20.0));
+        let found = errors(&drive(6.0, leaves));
+        assert_eq!((found.largest_m, found.final_m), (Some(1.0), None));
+    }
 
     #[test]
     fn a_time_gap_is_the_gap_over_the_speed_and_a_standing_vehicle_has_none() {

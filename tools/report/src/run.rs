@@ -99,6 +99,10 @@ fn verdict(summary: &Summary) -> (bool, String) {
         Outcome::SafeStop => {
             (false, format!("Safe stop: the plant received no valid commands; {at} driven"))
         }
+        Outcome::DrivenByBackup => {
+            let law = print::backup(summary).unwrap_or_default();
+            (false, format!("Driven by the backup: {law}. These figures say little about the law"))
+        }
         Outcome::Aborted => {
             let why = summary.aborted_because.as_deref().unwrap_or("ended early");
             (false, format!("Aborted after {at}: {why}"))
@@ -169,7 +173,14 @@ fn figures(summary: &Summary) -> Vec<Tile> {
                 .map_or_else(String::new, |warnings| format!("{warnings} warnings")),
         ),
         tile("Largest jerk", number(control.max_abs_jerk_mps3, 1, "m/s³"), String::new()),
-        tile("Fuel", number(control.fuel_l_per_100km, 2, "L/100 km"), String::new()),
+        tile(
+            "Fuel",
+            number(control.fuel_l_per_100km, 2, "L/100 km"),
+            match summary.control.trip.energy_is_comparable {
+                Some(false) => "not comparable: a trip too short for its change of speed".into(),
+                _ => String::new(),
+            },
+        ),
         tile(
             "Reaction time, median",
             reaction.map(|p| print::duration(p.p50)),

@@ -3,7 +3,7 @@
 use super::chart::{Axis, Bands, Curve, Plot, Row, Span, Stroke, Tone};
 use super::html::{Cell, Column, stacked_table};
 use super::picture::RunPicture;
-use crate::duration::duration;
+use crate::duration::{carries, duration};
 use crate::summary::Summary;
 use runtime::report::{HopTimes, WorstChain};
 use runtime::statistics::{Latencies, Percentiles, QuantileCurve};
@@ -226,16 +226,16 @@ pub fn table<'a>(timed: impl IntoIterator<Item = (&'a str, Option<Percentiles>)>
 /// A row of percentiles. A dash replaces a percentile that the number of samples cannot distinguish from the
 /// maximum.
 fn row(name: &str, p: &Percentiles) -> Vec<String> {
-    let known = |nine_in: u64, us: f64| {
-        if p.count >= nine_in { duration(us) } else { "–".to_owned() }
+    let known = |share: f64, us: f64| {
+        if carries(p.count, share) { duration(us) } else { "–".to_owned() }
     };
     vec![
         name.to_owned(),
-        known(2, p.p50),
-        known(10, p.p90),
-        known(100, p.p99),
-        known(1_000, p.p999),
-        known(10_000, p.p9999),
+        known(0.5, p.p50),
+        known(0.9, p.p90),
+        known(0.99, p.p99),
+        known(0.999, p.p999),
+        known(0.9999, p.p9999),
         duration(p.max),
         p.count.to_string(),
     ]

@@ -23,14 +23,30 @@ pub struct Trip {
     pub trip_time_s: Option<f64>,
     /// Time of the fastest legal trip; null for trucks.
     pub fastest_legal_trip_s: Option<f64>,
+    /// Whether energy and fuel of the trip can be compared with those of other trips: its speed at the end is not
+    /// far from its speed at the start, for its length; null without a drive.
+    pub energy_is_comparable: Option<bool>,
+}
+
+/// Largest share of the acceleration in the energy, as the mean acceleration over the way, m/s². Chosen: a tenth of
+/// the 0.2 m/s² that rolling resistance and drag of a car come to at 20 m/s.
+const STORED_MPS2: f64 = 0.02;
+
+/// Whether a trip stored little of its energy in its speed. A sprint of 10 s did not.
+fn is_comparable(steps: &[DriveStep]) -> Option<bool> {
+    let (first, last) = steps.first().zip(steps.last())?;
+    let way_m = last.position_m - first.position_m;
+    let stored = (last.speed_mps.powi(2) - first.speed_mps.powi(2)).abs() / 2.0;
+    Some(stored <= STORED_MPS2 * way_m)
 }
 
 impl Trip {
     /// The trip of a drive through a scenario.
     pub fn of(scenario: &Scenario, steps: &[DriveStep]) -> Self {
         let lines = scenario.v2x.signals.iter().map(|signal| signal.stop_line_m.value());
+        let energy_is_comparable = is_comparable(steps);
         let Some(last_m) = lines.reduce(f64::max).filter(|last_m| *last_m > 0.0) else {
-            return Self::default();
+            return Self { energy_is_comparable, ..Self::default() };
         };
         let passed = steps.windows(2).find(|pair| pair[1].position_m >= last_m);
         let trip_time_s = passed.map(|pair| {
@@ -39,7 +55,7 @@ impl Trip {
             let share = if way_m > 0.0 { (last_m - before.position_m) / way_m } else { 0.0 };
             before.time_s + share * (after.time_s - before.time_s)
         });
-        Self { trip_time_s, fastest_legal_trip_s: fastest(scenario) }
+        Self { trip_time_s, fastest_legal_trip_s: fastest(scenario), energy_is_comparable }
     }
 }
 
@@ -145,6 +161,16 @@ fn opens_s(program: &Program, time_s: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_energy_of_a_sprint_is_not_comparable_and_that_of_a_long_trip_is() {
+        let at =
+            |position_m, speed_mps| DriveStep { position_m, speed_mps, ..DriveStep::default() };
+        assert_eq!(is_comparable(&[at(0.0, 20.0), at(250.0, 30.0)]), Some(false));
+        assert_eq!(is_comparable(&[at(0.0, 20.0), at(20_000.0, 30.0)]), Some(true));
+        assert_eq!(is_comparable(&[at(0.0, 20.0), at(200.0, 20.0)]), Some(true));
+        assert_eq!(is_comparable(&[]), None);
+    }
 
     fn scenario(keys: &str) -> Scenario {
         let text = format!(

@@ -14,6 +14,7 @@ const SOURCES: &[(&str, &str)] = &[
     ("perception", include_str!("../perception.rs")),
     ("plant", include_str!("../plant.rs")),
     ("referee", include_str!("../referee.rs")),
+    ("require", include_str!("../require.rs")),
     ("road", include_str!("../road.rs")),
     ("runtime", include_str!("../runtime.rs")),
     ("supervision", include_str!("../supervision.rs")),

@@ -10,6 +10,7 @@
 pub(crate) mod draw;
 mod judge;
 mod lead;
+mod limits;
 mod signal;
 mod table;
 

@@ -1,15 +1,13 @@
 //! All drives added up, and the goals.
 
 use super::judge::Kept;
+use super::limits::OF_RIVAL;
 use super::{LAWS, OURS, RIVAL};
 use frame::batch::ProcessesSample;
 use report::chart::number;
 use report::table::{self, TextTable};
 use runtime::report::Outcome;
 use serde::Serialize;
-
-/// A goal's limit: the share of the rival's figure that ours may be.
-const LIMIT: f64 = 0.5;
 
 /// What came of all corridors.
 #[derive(Clone, Debug, Serialize)]
@@ -222,7 +220,7 @@ impl Figures {
 impl Goal {
     fn of(name: &'static str, ours: f64, rival: f64) -> Self {
         let ratio = (rival > 0.0).then(|| ours / rival);
-        Self { name, ours, rival, ratio, limit: LIMIT, met: ours <= LIMIT * rival }
+        Self { name, ours, rival, ratio, limit: OF_RIVAL, met: ours <= OF_RIVAL * rival }
     }
 }
 

@@ -69,6 +69,16 @@ const ROWS: &[Column<Row>] = &[
         .less()
         .weight(3),
     number("control.fuel_l_per_100km", "fuel", "L/100 km", 2, "Fuel").less().weight(2),
+    word("", "energy", "Whether energy and fuel can be compared with those of other trips")
+        .weight(3)
+        .of(|row| match row.control.trip.energy_is_comparable {
+            Some(false) => json!("not comparable: too short"),
+            _ => json!(null),
+        }),
+    count("", "cycles by backup", "Cycles that the backup of the law commanded")
+        .less()
+        .weight(2)
+        .of(|row| json!(row.law.as_ref().map(|law| law.backup).filter(|backup| *backup > 0))),
     number("control.wheel_energy_kwh_per_100km", "wheels", "kWh/100 km", 2, "Energy at the wheels")
         .less()
         .weight(3),
@@ -89,6 +99,7 @@ const NESTED: &[Column<Row>] = &[
     word("mode", "", "Clock of the run"),
     nested("control", Kind::Object, "Figures of the drive, as in summary.json"),
     nested("timing", Kind::Object, "Latencies and deadlines, as in summary.json"),
+    nested("law", Kind::Object, "Cycles by who commanded, as in summary.json"),
     nested("aebs", Kind::Object, "Interventions of the emergency brake, as in summary.json"),
 ];
 

@@ -16,7 +16,7 @@ use frame::{Found, Needs, Options, Study};
 use group::{Error, Failure, GroupOptions, ModeName, ScenarioOptions};
 use messages::Service;
 use report::results::{Document, ResultOptions};
-use report::summary::{Aebs, Control, Timing, braked};
+use report::summary::{Aebs, Control, LawAccount, Timing, braked};
 use report::{RunPicture, overlay};
 
 use runtime::Mode;
@@ -44,6 +44,8 @@ struct Row {
     control: Control,
     timing: Timing,
     aebs: Braking,
+    #[serde(default)]
+    law: Option<LawAccount>,
 }
 
 /// Interventions of the emergency brake in a run.
@@ -231,6 +233,7 @@ impl Study for Laws {
             control: summary.control,
             timing: summary.timing,
             aebs: Braking::of(&summary.aebs),
+            law: summary.law,
         };
         Ok((row, RunPicture::of_drive(&job.scenario, &drive)))
     }
@@ -269,7 +272,14 @@ fn document(
     let ok = completed == rows.len();
     let braked = braked(rows.iter().filter_map(|row| row.aebs.interventions).sum());
     let all = rows.len();
-    let verdict = format!("{completed} of {all} runs without a collision or a red light; {braked}");
+    let by_backup = rows.iter().filter(|row| row.outcome == Outcome::DrivenByBackup);
+    let by_backup: Vec<_> = by_backup.flat_map(|row| &row.law).map(ToString::to_string).collect();
+    let backup = if by_backup.is_empty() {
+        String::new()
+    } else {
+        format!("; driven by the backup: {}", by_backup.join(", "))
+    };
+    let verdict = format!("{completed} of {all} runs completed; {braked}{backup}");
     let about = rows.first().map_or("", |row| row.mode.as_str()).to_owned();
     let whole = Comparison { schema_version: 1, ok, rows, processes_sample };
     let table = columns::table(&whole.rows);
@@ -303,6 +313,7 @@ mod tests {
             control: Control { figures, following, trip: Trip::default(), mode_changes: None },
             timing: Timing::default(),
             aebs: Braking { interventions: Some(2), ..Braking::default() },
+            law: None,
         }
     }
 

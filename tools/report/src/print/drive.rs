@@ -44,7 +44,8 @@ pub(super) fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
             Some(stops) => format!(", {stops} stops"),
             None => String::new(),
         };
-        line("energy", format!("{} kWh/100 km at the wheels{stops}", number(energy, 2)));
+        let mark = short(&summary.control.trip);
+        line("energy", format!("{} kWh/100 km at the wheels{stops}{mark}", number(energy, 2)));
     }
     if let Some(fuel) = control.fuel_l_per_100km {
         let shifts = control
@@ -54,7 +55,8 @@ pub(super) fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
             Some(time_s) if time_s > 0.0 => format!(", service brakes for {time_s:.1} s"),
             _ => ", no service brake".into(),
         };
-        line("fuel", format!("{fuel:.2} L/100 km{shifts}{braked}"));
+        let mark = short(&summary.control.trip);
+        line("fuel", format!("{fuel:.2} L/100 km{shifts}{braked}{mark}"));
     }
     if let Some(changes) = &summary.control.mode_changes
         && !changes.is_empty()
@@ -65,6 +67,12 @@ pub(super) fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         let more = if more > 0 { format!(", and {more} more") } else { String::new() };
         line("modes", shown.join(", ") + &more);
     }
+}
+
+/// The mark of energy that cannot be compared.
+fn short(trip: &Trip) -> &'static str {
+    let is_short = trip.energy_is_comparable == Some(false);
+    if is_short { ", not comparable: a trip too short for its change of speed" } else { "" }
 }
 
 /// Position of the ego when the light changed, m past the stop line.

@@ -4,7 +4,7 @@ mod drive;
 mod machine;
 mod timing;
 
-pub use crate::duration::duration;
+pub use crate::duration::{carries, duration, p99};
 pub use drive::trip;
 pub(crate) use drive::unstarted_acts;
 
@@ -108,8 +108,9 @@ pub fn fared(report: &ProgramReport) -> String {
 /// Outcome of a run, in a line.
 pub fn outcome(summary: &Summary) -> String {
     let word = outcome_word(summary.outcome);
-    let because =
-        summary.aborted_because.as_ref().map_or_else(String::new, |why| format!(" ({why})"));
+    let because = backup(summary)
+        .or_else(|| summary.aborted_because.clone())
+        .map_or_else(String::new, |why| format!(" ({why})"));
     let speed = match summary.simulated_per_wall {
         Some(ratio) if summary.mode == "lockstep" => format!(", {ratio:.0} simulated s per s"),
         _ => String::new(),
@@ -120,6 +121,12 @@ pub fn outcome(summary: &Summary) -> String {
     )
 }
 
+/// Who drove, of a run whose outcome is the backup's.
+pub fn backup(summary: &Summary) -> Option<String> {
+    let by_backup = summary.outcome == Outcome::DrivenByBackup;
+    summary.law.as_ref().filter(|_| by_backup).map(ToString::to_string)
+}
+
 /// An outcome in a word.
 pub fn outcome_word(outcome: Outcome) -> &'static str {
     match outcome {
@@ -127,6 +134,7 @@ pub fn outcome_word(outcome: Outcome) -> &'static str {
         Outcome::Collision => "COLLISION",
         Outcome::RedLight => "RED LIGHT",
         Outcome::SafeStop => "safe stop",
+        Outcome::DrivenByBackup => "DRIVEN BY BACKUP",
         Outcome::Aborted => "aborted",
     }
 }

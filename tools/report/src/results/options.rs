@@ -77,7 +77,11 @@ impl ResultOptions {
     }
 
     /// Writes the forms for other programs.
-    fn export(&self, document: &Document) -> Result<(), Error> {
+    /// Writes the forms for a continuous integration job alone, of commands with a page of their own.
+    ///
+    /// # Errors
+    /// [`ExportError`].
+    pub fn export(&self, document: &Document) -> Result<(), Error> {
         let write = |option, path: &Option<PathBuf>, text: &dyn Fn() -> String| {
             let Some(path) = path else { return Ok(()) };
             std::fs::write(path, text()).map_err(|reason| {

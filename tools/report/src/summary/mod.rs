@@ -2,14 +2,16 @@
 
 mod aebs;
 mod host;
+mod law;
 mod radio;
 mod topics;
 
 pub use aebs::{Aebs, braked};
 pub use host::Host;
+pub use law::LawAccount;
 pub use topics::TopicCounts;
 
-use crate::following::Following;
+use crate::following::{Following, GapErrors};
 use crate::trip::Trip;
 use group::{Ended, FaultRecord, GroupOutcome, Heartbeats, RecordingSummary, StandbyCost};
 use messages::Service;
@@ -59,6 +61,8 @@ pub struct Summary {
     pub simulated_per_wall: Option<f64>,
     /// Figures of the drive, from ground truth.
     pub control: Control,
+    /// Cycles by who commanded; null without the controller's report.
+    pub law: Option<LawAccount>,
     /// Latencies, jitter and deadlines.
     pub timing: Timing,
     /// Counts of each topic, by its name.
@@ -192,11 +196,15 @@ impl Summary {
         let heard_s = group.drive.steps.last().map_or(0.0, |step| step.time_s);
         let duration_s = plant.map_or(heard_s, |plant| plant.duration_s);
         let ran_s = group.ran_for.as_secs_f64();
-        let (outcome, aborted_because) = outcome(&group.ended, plant);
+        let (reached, aborted_because) = outcome(&group.ended, plant);
+        let driver = law_that_drove(scenario, group, controller);
+        let law = controller.zip(report(Service::Controller));
+        let law = law.map(|(of, service)| LawAccount::of(driver.clone(), service.cycles, of));
+        let outcome = law.as_ref().map_or(reached, |law| law.judge(reached, scenario));
         Self {
             schema_version: 1,
             scenario: scenario.name.as_str().into(),
-            controller: law_that_drove(scenario, group, controller),
+            controller: driver,
             caution: group.formulation(scenario).and_then(|formulation| formulation.caution),
             mode: mode.name(),
             carrier: group.carrier,
@@ -208,11 +216,16 @@ impl Summary {
             ready_ms: group.ready_after.as_secs_f64() * 1e3,
             simulated_per_wall: (ran_s > 0.0 && duration_s > 0.0).then(|| duration_s / ran_s),
             control: Control {
-                figures: plant.map(|plant| plant.control.clone()).unwrap_or_default(),
+                figures: {
+                    let mut figures = plant.map(|plant| plant.control.clone()).unwrap_or_default();
+                    GapErrors::of(scenario, &group.drive.steps).write(&mut figures);
+                    figures
+                },
                 following: Following::of(&group.drive.steps),
                 trip: Trip::of(scenario, &group.drive.steps),
                 mode_changes: controller.map(|controller| controller.mode_changes.clone()),
             },
+            law,
             timing: Timing {
                 cycles: report(Service::Controller).map(|report| report.cycles),
                 deadline_us: controller.map(|controller| controller.deadline_us),

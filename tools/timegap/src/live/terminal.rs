@@ -225,8 +225,8 @@ const STATE_LINES: u16 = 7;
 /// its border.
 fn state(history: &History) -> Vec<Line<'static>> {
     let newest = &history.newest;
-    let answer = |name: &str, of: fn(&Percentiles) -> f64| {
-        let us = newest.answer_us.map_or_else(|| "–".to_owned(), |p| duration(of(&p)));
+    let answer = |name: &str, of: fn(&Percentiles) -> Option<f64>| {
+        let us = newest.answer_us.as_ref().and_then(of).map_or_else(|| "–".to_owned(), duration);
         format!("{name} {us}")
     };
     let count = newest.answer_us.map_or(0, |p| p.count);
@@ -237,9 +237,9 @@ fn state(history: &History) -> Vec<Line<'static>> {
         Line::raw(format!("mode   {}", newest.mode)),
         Line::raw(format!("level  {}", newest.level)),
         Line::raw(format!("command {}", newest.quality)),
-        Line::raw(answer("radar-command p50", |p| p.p50)),
-        Line::raw(answer("              p99", |p| p.p99)),
-        Line::raw(answer("              max", |p| p.max) + &format!(" (n = {count})")),
+        Line::raw(answer("radar-command p50", |p| Some(p.p50))),
+        Line::raw(answer("              p99", report::print::p99)),
+        Line::raw(answer("              max", |p| Some(p.max)) + &format!(" (n = {count})")),
     ]
 }
 

@@ -1,0 +1,22 @@
+//! `[require]`: what a run must keep to count as completed, beside the referee's rules.
+
+use serde::{Deserialize, Serialize};
+
+use super::quantity::Share;
+
+/// Requirements on a run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Require {
+    /// Largest share of the control cycles in which the law's backup may drive. Beyond it the outcome is
+    /// `driven_by_backup`.
+    pub max_backup_share: Share,
+}
+
+impl Default for Require {
+    /// A program in Python needs about 0.5 s to start again. This is 5 % of the default run of 10 s. Twice
+    /// that leaves room for late answers, and nine cycles of ten still belong to the law that is judged.
+    fn default() -> Self {
+        Self { max_backup_share: Share::of(0.1) }
+    }
+}

@@ -1,0 +1,87 @@
+//! Who drove: the law that was asked for, or its backup.
+
+use runtime::report::{ControllerReport, Outcome};
+use scenario::Scenario;
+use serde::{Deserialize, Serialize};
+
+/// Cycles of a drive by who commanded in them.
+///
+/// ```
+/// # use report::summary::LawAccount;
+/// let law = LawAccount { name: "mine".into(), cycles: 600, answered: 50, backup: 550, ..Default::default() };
+/// assert_eq!(law.to_string(), "550 of 600 cycles by the backup, not by mine");
+/// assert!(law.backup_share() > 0.9);
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LawAccount {
+    /// Name of the law.
+    pub name: String,
+    /// Cycles of the controller.
+    pub cycles: u64,
+    /// Cycles that the law commanded itself.
+    pub answered: u64,
+    /// Cycles that the law's backup commanded.
+    pub backup: u64,
+    /// Answers that no vehicle can follow; null for laws of timegap's own.
+    pub refused: Option<u64>,
+    /// Answers that came too late; null for laws of timegap's own.
+    pub late: Option<u64>,
+}
+
+impl LawAccount {
+    pub(super) fn of(name: String, cycles: u64, controller: &ControllerReport) -> Self {
+        let program = controller.program.as_ref();
+        Self {
+            name,
+            cycles,
+            answered: cycles.saturating_sub(controller.backup + controller.braked),
+            backup: controller.backup,
+            refused: program.map(|program| program.refused),
+            late: program.map(|program| program.late),
+        }
+    }
+
+    /// Share of the cycles that the backup commanded.
+    #[must_use]
+    pub fn backup_share(&self) -> f64 {
+        if self.cycles == 0 { 0.0 } else { self.backup as f64 / self.cycles as f64 }
+    }
+
+    /// The outcome of a run that ended as `reached`: a completed one must have been driven by the law.
+    pub(super) fn judge(&self, reached: Outcome, scenario: &Scenario) -> Outcome {
+        let allowed = scenario.require.max_backup_share.value();
+        match reached {
+            Outcome::Completed if self.backup_share() > allowed => Outcome::DrivenByBackup,
+            _ => reached,
+        }
+    }
+}
+
+impl std::fmt::Display for LawAccount {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Self { name, cycles, backup, .. } = self;
+        write!(f, "{backup} of {cycles} cycles by the backup, not by {name}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scenario() -> Scenario {
+        Scenario::parse("a.toml", "schema_version = 1\nname = \"a\"").expect("it is valid")
+    }
+
+    #[test]
+    fn a_completed_run_of_the_backup_is_named_so_and_a_worse_outcome_stays() {
+        let by = |backup| LawAccount { cycles: 100, backup, ..LawAccount::default() };
+        let judged = |backup, reached| by(backup).judge(reached, &scenario());
+        assert_eq!(judged(10, Outcome::Completed), Outcome::Completed);
+        assert_eq!(judged(11, Outcome::Completed), Outcome::DrivenByBackup);
+        assert_eq!(judged(90, Outcome::Collision), Outcome::Collision);
+        assert_eq!(
+            LawAccount::default().judge(Outcome::Completed, &scenario()),
+            Outcome::Completed
+        );
+    }
+}
