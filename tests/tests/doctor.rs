@@ -7,18 +7,26 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 #[test]
 fn every_finding_has_its_shape() {
     let corner = Corner::new(PROGRAM);
-    let report = corner.json(&["doctor"]);
+    let report = corner.json(&["doctor", "--seconds", "0.2"]);
     assert_eq!(report["can_run"], true, "these tests run here");
     let uid = rustix::process::geteuid().as_raw();
     assert!(!corner.path().join(format!("timegap-{uid}")).exists(), "it leaves nothing");
     let findings = report["findings"].as_array().expect("a list");
-    assert!(findings.len() >= 16);
+    assert!(findings.len() >= 18);
     for finding in findings {
         let verdict = finding["verdict"].as_str().expect("a word");
         assert!(["ok", "warn", "bad"].contains(&verdict), "{finding}");
         assert!(finding["found"].as_str().is_some_and(|found| !found.is_empty()), "{finding}");
         assert_eq!(finding["costs"].is_null(), verdict == "ok", "{finding}");
     }
+    // Each loop's wake-ups are counted once, and the fast loop's stand in the histogram.
+    let wake_ups = &report["wake_ups"];
+    let count = |value: &serde_json::Value| value.as_u64().expect("a count");
+    let loops = wake_ups["loops"].as_array().expect("a list");
+    assert!(loops.iter().all(|each| count(&each["late"]) <= count(&each["wakes"])), "{wake_ups}");
+    let bins = wake_ups["histogram"].as_array().expect("a list");
+    let in_bins: u64 = bins.iter().map(|bin| count(&bin["count"])).sum();
+    assert_eq!(in_bins, count(&loops[1]["wakes"]), "{wake_ups}");
     // A run gets the scheduling that the doctor reported.
     let named = |name| findings.iter().find(|finding| finding["check"] == name).expect("a check");
     let fifo = named("real-time priority")["verdict"] == "ok";

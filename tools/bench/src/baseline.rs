@@ -134,6 +134,7 @@ mod tests {
             host: Host::this(),
             quick: true,
             seconds: 1.0,
+            wake_ups: None,
             refused: Vec::new(),
             floor,
             transport_us: vec![TransportRow {

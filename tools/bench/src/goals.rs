@@ -1,6 +1,7 @@
 //! Goals for timegap relative to the machine's own floor, judged in the same run.
 
-use super::paired::{Compared, Comparison};
+use super::limits;
+use super::paired::Compared;
 use super::setup::Placement;
 use super::statistics::{self, Estimate, Events};
 use serde::Serialize;
@@ -71,26 +72,11 @@ impl Goal {
     }
 }
 
-/// Limits of a comparison: of the medians' ratio and, if judged, of the 99th percentiles' ratio. `None` for a
-/// comparison that is only shown.
-fn limits(comparison: Comparison, placement: Placement) -> Option<(f64, Option<f64>)> {
-    Some(match (comparison, placement) {
-        // The true ratio is 1: excess up to here may be chance.
-        (Comparison::FloorItself, _) => (1.1, Some(1.5)),
-        (Comparison::Message, Placement::SameCore) => (1.3, Some(1.5)),
-        (Comparison::Message, Placement::TwoCores) => (1.15, Some(1.5)),
-        (Comparison::Detections, _) => (1.2, None),
-        (Comparison::Payload, _) => (1.1, None),
-        (peer, _) => {
-            debug_assert!(peer.is_peer());
-            return None;
-        }
-    })
-}
-
 /// The goals of a comparison. `tails` also judges the 99th percentiles if there are enough samples.
 pub fn of_comparison(compared: &Compared, tails: bool) -> Vec<Goal> {
-    let Some((p50, p99)) = limits(compared.comparison, compared.conditions.placement) else {
+    let Some((p50, p99)) =
+        limits::of_comparison(compared.comparison, compared.conditions.placement)
+    else {
         return Vec::new();
     };
     let name = |figure: &str| format!("{}, {figure}", compared.comparison.label());
@@ -103,20 +89,17 @@ pub fn of_comparison(compared: &Compared, tails: bool) -> Vec<Goal> {
     medians.into_iter().chain(tails).collect()
 }
 
-/// Largest ratio of a chain's software overhead to the sum of its floors.
-const CHAIN_LIMIT: f64 = 1.5;
-
 /// The goal of a chain: blocks of (net reaction time, sum of the floors), µs.
 pub fn of_chain(period_us: u32, placement: Placement, blocks: &[(f64, f64)]) -> Option<Goal> {
     let name = format!("net reaction over the sum of its floors at {} ms, p50", period_us / 1000);
-    statistics::paired(blocks).map(|estimate| Goal::new(name, placement, CHAIN_LIMIT, estimate))
+    statistics::paired(blocks).map(|estimate| Goal::new(name, placement, limits::CHAIN, estimate))
 }
 
 /// The goal of the deadlines at 1 ms: at most the misses of a process that sleeps and computes for the law's
 /// time, on the same core during the same seconds. Without a miss of ours it is met.
 pub fn of_misses(placement: Placement, ours: Events, floor: Events) -> Option<Goal> {
     let name = "deadline misses per million at 1 ms over the floor's".to_owned();
-    let goal = Goal::new(name, placement, 1.0, statistics::rates(ours, floor)?);
+    let goal = Goal::new(name, placement, limits::MISSES, statistics::rates(ours, floor)?);
     let goal = Goal { unit: "per million", ..goal };
     Some(if ours.events == 0 { Goal { verdict: Verdict::Met, ..goal } } else { goal })
 }
@@ -124,6 +107,7 @@ pub fn of_misses(placement: Placement, ours: Events, floor: Events) -> Option<Go
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::paired::Comparison;
     use crate::setup::{Conditions, Load, Scheduling};
     use crate::statistics::Pair;
 

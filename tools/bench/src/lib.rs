@@ -6,7 +6,8 @@
 //! metronome, same seconds and core              floor of the chain
 //! ```
 //!
-//! One run measures, for each scheduling, placement and load:
+//! First it answers which loops hold on this machine, as `timegap doctor` does ([`doctor::wake_ups`]). Then it
+//! measures, for each scheduling, placement and load:
 //!
 //! 1. the machine's floor: lateness of absolute sleeps as in cyclictest, and the time for one process to wake
 //!    another by futex, by eventfd and by iceoryx2's event service;
@@ -24,8 +25,10 @@
 mod baseline;
 mod blocks;
 mod chain;
+mod columns;
 mod conditions;
 mod goals;
+mod limits;
 mod load;
 mod middleware;
 mod outcome;
@@ -33,6 +36,7 @@ mod page;
 mod paired;
 mod peer;
 mod plan;
+mod progress;
 mod results;
 mod setup;
 mod stage;
@@ -41,21 +45,23 @@ mod table;
 mod wake;
 mod words;
 
+pub use columns::schema;
 pub use peer::run as run_peer;
 
 use self::baseline::Change;
 use self::goals::Verdict;
 use self::plan::{Cell, Measure};
+use self::progress::{millis, progress_bar};
 use self::results::TransportRow;
 use self::results::{ChainRow, DeadlineRow, Floor, FloorMeasure, FloorRow, Passing, Report};
 use self::setup::{Conditions, Mechanism};
 use self::stage::Stage;
 use clap::Args;
 use group::{Error, SignalsError};
-use indicatif::{ProgressBar, ProgressStyle};
 use messages::Topic;
-use report::output::{OutputDirectory, OutputOptions};
+use report::output::OutputDirectory;
 use report::print;
+use report::results::ResultOptions;
 use report::summary::Host;
 use runtime::statistics::{Latencies, Percentiles};
 use std::collections::BTreeSet;
@@ -69,6 +75,8 @@ use std::time::Duration;
 const FULL_S: f64 = 2.0;
 /// Length of each measurement of a quick run, s.
 const QUICK_S: f64 = 0.4;
+/// Tag of the histogram of wake-ups.
+const WAKE_UPS: &str = "wake-ups";
 /// Period of the named floor figures, µs.
 const REFERENCE_PERIOD_US: u32 = 1_000;
 
@@ -94,12 +102,9 @@ pub struct BenchArguments {
     /// Growth of a ratio to the floor that counts as worse
     #[arg(long, value_name = "F", default_value_t = 1.5, value_parser = factor)]
     pub factor: f64,
-    /// Directory and form of the results.
+    /// Where the results go, and in which forms.
     #[command(flatten)]
-    pub output: OutputOptions,
-    /// Print the result as JSON, and nothing else
-    #[arg(long)]
-    pub json: bool,
+    pub results: ResultOptions,
 }
 
 fn seconds(argument: &str) -> Result<f64, &'static str> {
@@ -119,7 +124,7 @@ fn factor(argument: &str) -> Result<f64, &'static str> {
 /// Runs the command.
 pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
     let before = arguments.against.as_deref().map(baseline::read).transpose()?;
-    let output = OutputDirectory::create(&arguments.output, "bench")?;
+    let output = OutputDirectory::create(&arguments.results.output, "bench")?;
     let interrupted = Arc::new(AtomicBool::new(false));
     for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
         signal_hook::flag::register(signal, Arc::clone(&interrupted))
@@ -140,7 +145,9 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
         .chain(compared.iter().map(|(_, _, us)| plan::comparison_estimate(quick, *us)))
         .chain(chains.iter().map(plan::ChainBlocks::estimate))
         .sum();
-    let bar = progress_bar(whole, arguments.json);
+    let bar = progress_bar(whole, arguments.results.json);
+    bar.set_message("wake-ups");
+    bench.wake_ups();
     let mut load = None;
     for cell in &cells {
         bar.set_message(table::describe(cell));
@@ -174,7 +181,7 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
             reason,
         })?;
     }
-    if arguments.json {
+    if arguments.results.json {
         print::out(&with_changes(&report, changes.as_deref()))?;
     } else {
         print::out(&table::report(&report))?;
@@ -185,6 +192,7 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
     }
     // Print first: a full disk must not lose the measurements.
     written?;
+    arguments.results.export(&columns::document(&report))?;
     let worse = changes.is_some_and(|changes| changes.iter().any(|change| change.worse));
     let missed = report.goals.iter().any(|goal| goal.verdict == Verdict::Missed);
     Ok(if worse || missed { ExitCode::FAILURE } else { ExitCode::SUCCESS })
@@ -197,22 +205,6 @@ fn with_changes(report: &Report, changes: Option<&[Change]>) -> String {
         value["against"] = serde_json::to_value(changes).expect("plain data");
     }
     serde_json::to_string_pretty(&value).expect("plain data") + "\n"
-}
-
-/// A bar over the estimated time on a terminal; hidden elsewhere.
-fn progress_bar(whole: Duration, quiet: bool) -> ProgressBar {
-    use std::io::IsTerminal;
-    if quiet || !std::io::stderr().is_terminal() {
-        return ProgressBar::hidden();
-    }
-    eprintln!("about {} s", whole.as_secs());
-    let style = ProgressStyle::with_template("{msg:44} {wide_bar} {eta} to go")
-        .expect("the template is valid");
-    ProgressBar::new(millis(whole)).with_style(style)
-}
-
-fn millis(duration: Duration) -> u64 {
-    u64::try_from(duration.as_millis()).unwrap_or(u64::MAX)
 }
 
 /// A running benchmark.
@@ -231,6 +223,7 @@ impl<'a> Bench<'a> {
             host: Host::this(),
             quick,
             seconds,
+            wake_ups: None,
             refused: Vec::new(),
             floor: Floor::default(),
             transport_us: Vec::new(),
@@ -242,6 +235,13 @@ impl<'a> Bench<'a> {
             caveats: Vec::new(),
         };
         Self { stage, seconds, report, refused: BTreeSet::new(), histograms: Vec::new() }
+    }
+
+    /// Measures which loops hold, before any other work on this machine.
+    fn wake_ups(&mut self) {
+        let (wake_ups, latencies) = doctor::wake_ups::measure(self.seconds);
+        self.report.wake_ups = Some(wake_ups);
+        self.histograms.push((WAKE_UPS.to_owned(), latencies));
     }
 
     fn measure(&mut self, cell: &Cell) -> Result<(), Error> {

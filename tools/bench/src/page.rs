@@ -1,13 +1,14 @@
 //! The page of a benchmark: goals with their intervals, and each distribution beside the machine's floor under
 //! the same conditions.
 
+use super::WAKE_UPS;
 use super::goals::{Goal, Verdict};
 use super::results::{ChainRow, DeadlineRow, PairedRow, Passing, Report, TransportRow};
 use super::table::{interval, ratio};
 use crate::in_words;
 use report::chart::{Axis, Bands, Mark, Plot, Row, Span, Stroke, Tone, number};
 use report::html::{Cell, Column, document, figure, section, table};
-use report::print::duration;
+use report::print::{self, duration};
 use report::{Distribution, distributions};
 use runtime::statistics::{Latencies, Percentiles};
 
@@ -53,6 +54,7 @@ pub fn page(report: &Report, histograms: &[(String, Latencies)]) -> String {
         .map(|missing| format!("<p>not compared: {}</p>\n", report::chart::escape(missing)))
         .collect();
     let body = [
+        section("Loops on this machine", &wake_ups(report, histograms)),
         refused,
         not_compared,
         section("Goals", &(goals(report) + &gap() + &intervals(report))),
@@ -70,6 +72,21 @@ pub fn page(report: &Report, histograms: &[(String, Latencies)]) -> String {
     ]
     .concat();
     document("Benchmark", &about, missed == 0, &verdict, &body)
+}
+
+/// The answer for loops, and the lateness behind it.
+fn wake_ups(report: &Report, histograms: &[(String, Latencies)]) -> String {
+    let Some(wake_ups) = &report.wake_ups else { return String::new() };
+    let answer = format!("<p>{}</p>\n", report::chart::escape(&wake_ups.answer()));
+    let advice = "<p class=\"quiet\"><code>timegap doctor</code> says what to change.</p>\n";
+    let known = histograms.iter().find(|(tag, _)| tag == WAKE_UPS);
+    let drawn = known.and_then(|(_, latencies)| {
+        let label = format!("1 ms loop (n = {})", latencies.count());
+        let (tone, stroke) = (Tone::Series(0), Stroke::Solid);
+        distributions("Lateness of wake-ups", &[Distribution { label, tone, stroke, latencies }])
+    });
+    let drawn = drawn.map_or_else(String::new, |plot| figure(&plot));
+    format!("{answer}{advice}<div class=\"grid\">\n{drawn}</div>\n")
 }
 
 fn gap() -> String {
@@ -257,11 +274,13 @@ fn conditions_in_words(tag: &str) -> String {
     period.unwrap_or(words)
 }
 
+/// A figure of a distribution; a dash where the samples do not carry it.
+fn us(p: Option<Percentiles>, of: fn(&Percentiles) -> Option<f64>) -> String {
+    p.as_ref().and_then(of).map_or_else(|| "–".to_owned(), duration)
+}
+
 /// Bytes copied and time for each size.
 fn hand_overs(rows: &[TransportRow]) -> String {
-    let us = |p: Option<Percentiles>, of: fn(&Percentiles) -> f64| {
-        p.map_or_else(|| "–".to_owned(), |p| duration(of(&p)))
-    };
     let cells: Vec<_> = (rows.iter())
         .map(|row| {
             let what = match row.passing {
@@ -274,8 +293,8 @@ fn hand_overs(rows: &[TransportRow]) -> String {
                 what.to_owned(),
                 row.bytes.to_string(),
                 row.copied_bytes.map_or_else(|| "–".into(), |bytes| number(bytes, 0)),
-                us(row.us, |p| p.p50),
-                us(row.us, |p| p.p99),
+                us(row.us, |p| Some(p.p50)),
+                us(row.us, print::p99),
                 row.us.map_or_else(|| "–".into(), |p| p.count.to_string()),
             ]
         })
@@ -293,19 +312,16 @@ fn hand_overs(rows: &[TransportRow]) -> String {
 }
 
 fn chains(rows: &[ChainRow]) -> String {
-    let us = |p: Option<Percentiles>, of: fn(&Percentiles) -> f64| {
-        p.map_or_else(|| "–".to_owned(), |p| duration(of(&p)))
-    };
     let cells: Vec<_> = (rows.iter())
         .map(|row| {
             let factor = row.net_reaction_us.zip(row.floor_sum_us);
             vec![
                 in_words(&row.conditions).replace('_', " "),
                 duration(row.period_us.into()),
-                us(row.reaction_time_us, |p| p.p50),
-                us(row.net_reaction_us, |p| p.p50),
-                us(row.net_reaction_us, |p| p.p99),
-                us(row.net_reaction_us, |p| p.max),
+                us(row.reaction_time_us, |p| Some(p.p50)),
+                us(row.net_reaction_us, |p| Some(p.p50)),
+                us(row.net_reaction_us, print::p99),
+                us(row.net_reaction_us, |p| Some(p.max)),
                 row.floor_sum_us.map_or_else(|| "–".into(), duration),
                 factor.map_or_else(|| "–".into(), |(net, floor)| number(net.p50 / floor, 2)),
                 row.net_reaction_us.map_or_else(|| "–".into(), |p| p.count.to_string()),

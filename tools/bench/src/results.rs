@@ -4,6 +4,7 @@ use super::goals::Goal;
 use super::paired::{Compared, Comparison};
 use super::setup::{Conditions, Load, Placement, Scheduling};
 use super::statistics;
+use doctor::wake_ups::WakeUps;
 use report::summary::Host;
 use runtime::report::Hops;
 use runtime::statistics::Percentiles;
@@ -17,6 +18,9 @@ pub struct Report {
     pub quick: bool,
     /// Length of each measurement, s.
     pub seconds: f64,
+    /// Which loops hold on this machine; null in reports of earlier versions.
+    #[serde(default)]
+    pub wake_ups: Option<WakeUps>,
     /// Requests that the kernel refused, with its reasons.
     pub refused: Vec<String>,
     pub floor: Floor,

@@ -6,6 +6,7 @@ use super::plan::{Cell, Measure};
 use super::results::{FloorMeasure, Passing, Report};
 use super::setup::Mechanism;
 use crate::in_words;
+use report::print;
 use report::table::TextTable;
 use runtime::statistics::Percentiles;
 use std::fmt::Write;
@@ -52,6 +53,10 @@ pub fn report(report: &Report) -> String {
         if report.host.realtime_kernel { " (real-time)" } else { "" },
         report.seconds
     );
+    if let Some(wake_ups) = &report.wake_ups {
+        line(&mut text, &wake_ups.answer());
+        text.push_str(&wake_ups.histogram_text());
+    }
     for refused in &report.refused {
         line(&mut text, &format!("not granted: {refused}"));
     }
@@ -97,7 +102,11 @@ fn transport(report: &Report, text: &mut String) {
         let ratio = row.us.zip(report.futex(row.conditions, row.period_us));
         let ratio = ratio.map_or_else(
             || "-".into(),
-            |(us, futex)| format!("{:.2}, p99 {:.2}", us.p50 / futex.p50, us.p99 / futex.p99),
+            |(us, futex)| {
+                let tails = print::p99(&us).zip(print::p99(&futex));
+                let tail = tails.map(|(us, futex)| format!(", p99 {:.2}", us / futex));
+                format!("{:.2}{}", us.p50 / futex.p50, tail.unwrap_or_default())
+            },
         );
         table.row([what, copied].into_iter().chain(percentiles(row.us)).chain([ratio]));
     }
@@ -114,7 +123,7 @@ fn chains(report: &Report, text: &mut String) {
             p50(row.reaction_time_us),
             p50(row.designed_wait_us),
             p50(row.net_reaction_us),
-            number(row.net_reaction_us.map(|p| p.p99)),
+            number(row.net_reaction_us.as_ref().and_then(print::p99)),
             number(row.floor_sum_us),
             row.net_reaction_us.map_or_else(|| "-".into(), |p| p.count.to_string()),
         ];
@@ -221,7 +230,8 @@ fn percentiles(us: Option<Percentiles>) -> [String; 4] {
     us.map_or_else(
         || [const { String::new() }; 4].map(|_| "-".into()),
         |us| {
-            let [p50, p99, max] = [us.p50, us.p99, us.max].map(|us| number(Some(us)));
+            let p50 = Some(us.p50).filter(|_| print::carries(us.count, 0.5));
+            let [p50, p99, max] = [p50, print::p99(&us), Some(us.max)].map(number);
             [p50, p99, max, us.count.to_string()]
         },
     )

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! `machine` reads; the other modules judge: plain functions from the contents of files to a [`Finding`].
-//! Status 0 without a bad finding, 1 with one, 3 if nothing can run.
+//! [`wake_ups`] measures which loops hold now. Status 0 without a bad finding, 1 with one, 3 if nothing can run.
 //!
 //! ```
 //! use doctor::finding::{Finding, table};
@@ -20,6 +20,7 @@ mod machine;
 mod processor;
 mod scheduling;
 mod storage;
+pub mod wake_ups;
 
 use clap::Args;
 use finding::{Finding, Verdict};
@@ -32,16 +33,30 @@ use scenario::{Scenario, builtin};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use wake_ups::WakeUps;
 
 /// Memory of a run's processes without its shared memory, bytes: five of up to 12 MiB.
 const PROCESSES_BYTES: u64 = 64 << 20;
 
+/// Time for which each loop is measured, s.
+const MEASURE_S: f64 = 2.0;
+
 /// Arguments of `doctor`.
 #[derive(Debug, Args)]
 pub struct DoctorArguments {
+    /// Time for which wake-ups of each loop are measured, s: rare delays need minutes
+    #[arg(long, value_name = "S", default_value_t = MEASURE_S, value_parser = seconds)]
+    pub seconds: f64,
     /// Print the findings as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
+}
+
+fn seconds(argument: &str) -> Result<f64, &'static str> {
+    match argument.parse::<f64>() {
+        Ok(seconds) if (0.1..=86_400.0).contains(&seconds) => Ok(seconds),
+        _ => Err("expected a number of seconds from 0.1 to 86400"),
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -53,19 +68,26 @@ struct Report {
     can_run: bool,
     host: Host,
     findings: Vec<Finding>,
+    wake_ups: WakeUps,
 }
 
 /// Runs the command.
 pub fn run(arguments: &DoctorArguments) -> Result<ExitCode, Error> {
     let host = Host::this();
-    let findings = examine(&host);
+    let (findings, wake_ups) = examine(&host, arguments.seconds);
     let can_run = findings.iter().all(|finding| !finding.prevents_runs);
     let ok = findings.iter().all(|finding| finding.verdict == Verdict::Ok);
-    let report = Report { schema_version: 1, ok, can_run, host, findings };
+    let report = Report { schema_version: 1, ok, can_run, host, findings, wake_ups };
     if arguments.json {
         print::out(&(serde_json::to_string_pretty(&report).expect("plain data") + "\n"))?;
     } else {
-        print::out(&(finding::table(&report.findings) + &conclusion(&report) + "\n"))?;
+        let histogram = format!(
+            "\nlateness of a 1 ms loop ({})\n{}",
+            report.wake_ups.granted,
+            report.wake_ups.histogram_text()
+        );
+        let table = finding::table(&report.findings);
+        print::out(&(table + &histogram + "\n" + &conclusion(&report) + "\n"))?;
     }
     Ok(ExitCode::from(status(&report)))
 }
@@ -76,7 +98,7 @@ fn status(report: &Report) -> u8 {
     if report.can_run { u8::from(bad) } else { 3 }
 }
 
-fn examine(host: &Host) -> Vec<Finding> {
+fn examine(host: &Host, seconds: f64) -> (Vec<Finding>, WakeUps) {
     let default = builtin::ALL.first().expect("there are built-in scenarios");
     let scenario = Scenario::parse(default.name, default.text).expect("built-in ones are right");
     let needed = shared_memory_bytes(&Timetable::of(&scenario), &[]);
@@ -87,15 +109,18 @@ fn examine(host: &Host) -> Vec<Finding> {
     let sys = |name: &str| machine::read(format!("/sys/devices/system/{name}"));
     let proc = |name: &str| machine::read(format!("/proc/{name}"));
     let online = sys("cpu/online").unwrap_or_default();
-    let [before, after] = machine::stat();
+    let before = machine::stat();
+    let (wake_ups, _) = wake_ups::measure(seconds);
+    let after = machine::stat();
     let memory = storage::available_memory(&proc("meminfo").unwrap_or_default());
     let runtime = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
     let base = machine::base();
     let program = std::env::current_exe().unwrap_or_else(|_| "timegap".into());
     let clock = |name: &str| sys(&format!("clocksource/clocksource0/{name}_clocksource"));
-    vec![
+    let mut findings = vec![
         storage::shared_memory(machine::shared_memory(), needed, memory),
         storage::run_directory(base.as_deref(), runtime.as_deref()),
+        storage::leftovers(&group::dead_runs()),
         processor::affinity(&cores, &online),
         scheduling::policy(&granted, root, &program),
         scheduling::throttling(
@@ -113,8 +138,23 @@ fn examine(host: &Host) -> Vec<Finding> {
         processor::idle_states(&machine::idle_states(cores.last().copied().unwrap_or(0))),
         processor::clock_source(clock("current").as_deref(), clock("available").as_deref()),
         processor::steal(&before, &after),
-    ]
+    ];
+    let worst = findings.iter().filter(|finding| LOOPS.contains(&finding.check));
+    let worst = worst.filter(|finding| finding.fix.is_some()).max_by_key(|f| f.verdict);
+    let fix = worst.and_then(|finding| finding.fix.clone());
+    findings.insert(0, wake_ups.finding(fix));
+    (findings, wake_ups)
 }
+
+/// Checks whose state delays a loop.
+const LOOPS: [&str; 6] = [
+    "real-time priority",
+    "real-time throttling",
+    "kernel",
+    "isolated cores",
+    "frequency governor",
+    "idle states",
+];
 
 /// The findings in one line.
 fn conclusion(report: &Report) -> String {
@@ -139,8 +179,11 @@ mod tests {
         let host = Host { cpus: 2, kernel: "6".into(), realtime_kernel: false };
         let bad = Finding::bad("x", "refused", "much", None);
         let fatal = Finding::fatal("y", "gone", "put it back");
+        let (seconds, granted) = (0.0, String::new());
+        let wake_ups = WakeUps { seconds, granted, loops: Vec::new(), histogram: Vec::new() };
+        let findings = vec![bad];
         let mut report =
-            Report { schema_version: 1, ok: false, can_run: true, host, findings: vec![bad] };
+            Report { schema_version: 1, ok: false, can_run: true, host, findings, wake_ups };
         assert!(conclusion(&report).contains("do not trust"));
         assert_eq!(status(&report), 1);
         report.findings.push(fatal);

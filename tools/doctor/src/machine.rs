@@ -6,10 +6,6 @@ use super::storage::Room;
 use group::{RoomError, RootError};
 use runtime::scheduling::{self, Granted, Policy, Request};
 use std::path::{Path, PathBuf};
-use std::time::Duration;
-
-/// Time between the two readings of the stolen time.
-const LOOK: Duration = Duration::from_millis(500);
 
 /// A file's contents; `None` if it cannot be read.
 pub fn read(path: impl AsRef<Path>) -> Option<String> {
@@ -66,12 +62,9 @@ pub fn idle_states(core: usize) -> Vec<IdleState> {
     (0..).map_while(state).collect()
 }
 
-/// `/proc/stat` twice, [`LOOK`] apart.
-pub fn stat() -> [String; 2] {
-    let look = || read("/proc/stat").unwrap_or_default();
-    let before = look();
-    std::thread::sleep(LOOK);
-    [before, look()]
+/// Processor times so far.
+pub fn stat() -> String {
+    read("/proc/stat").unwrap_or_default()
 }
 
 /// Room for shared memory.

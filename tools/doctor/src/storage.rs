@@ -1,7 +1,7 @@
 //! Storage of a run: shared memory and sockets.
 
 use super::finding::Finding;
-use group::{RoomError, RootError};
+use group::{DeadRun, RoomError, RootError};
 use std::path::Path;
 
 /// Room in the file system of the shared memory, bytes.
@@ -61,6 +61,27 @@ pub fn run_directory(base: Result<&Path, &RootError>, asked: Option<&Path>) -> F
     }
 }
 
+/// Runs whose launcher is gone, with what they hold.
+pub fn leftovers(dead: &[DeadRun]) -> Finding {
+    const CHECK: &str = "leftovers";
+    if dead.is_empty() {
+        return Finding::ok(CHECK, "every run of this user that ended is gone");
+    }
+    let kib = dead.iter().map(|run| run.shared_bytes).sum::<u64>().div_ceil(1024);
+    let processes: usize = dead.iter().map(|run| run.processes.len()).sum();
+    let found = format!(
+        "{} ended without cleaning up: {kib} KiB of shared memory, {processes} processes",
+        if dead.len() == 1 { "1 run".to_owned() } else { format!("{} runs", dead.len()) },
+    );
+    let kill = dead.iter().flat_map(|run| &run.processes).map(|pid| format!(" {pid}"));
+    let kill: String = kill.collect();
+    let kill = if kill.is_empty() { String::new() } else { format!("kill -9{kill}; ") };
+    let objects =
+        dead.iter().map(|run| format!(" /dev/shm/{}* {}", run.prefix, run.root.display()));
+    let fix = format!("{kill}rm -rf{}", objects.collect::<String>());
+    Finding::warn(CHECK, found, "they hold memory and may slow this machine", Some(fix))
+}
+
 /// Available memory, bytes, from `/proc/meminfo`.
 pub fn available_memory(meminfo: &str) -> Option<u64> {
     let line = meminfo.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
@@ -100,6 +121,22 @@ mod tests {
         assert_eq!(run_directory(Ok(used), Some(long)).verdict, Verdict::Warn);
         let refused = RootError::Vanishes { path: used.into() };
         assert!(run_directory(Err(&refused), None).prevents_runs);
+    }
+
+    #[test]
+    fn a_killed_group_is_named_with_the_command_that_removes_it() {
+        assert_eq!(leftovers(&[]).verdict, Verdict::Ok);
+        let run = DeadRun {
+            root: "/run/user/7/timegap-7/1f-2".into(),
+            prefix: "timegap_1f-2_".into(),
+            shared_bytes: 4096,
+            processes: vec![77],
+        };
+        let found = leftovers(&[run]);
+        assert_eq!(found.verdict, Verdict::Warn);
+        assert!(found.found.starts_with("1 run ") && found.found.contains("4 KiB"), "{found:?}");
+        let fix = "kill -9 77; rm -rf /dev/shm/timegap_1f-2_* /run/user/7/timegap-7/1f-2";
+        assert_eq!(found.fix.as_deref(), Some(fix));
     }
 
     #[test]

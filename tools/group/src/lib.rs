@@ -19,6 +19,7 @@ mod attached;
 mod attendant;
 pub mod control;
 mod cycles;
+mod dead_runs;
 mod disturbance;
 mod drive;
 mod drive_log;
@@ -51,6 +52,7 @@ mod unfinished;
 mod unit_replay;
 
 pub use attached::StandbyCost;
+pub use dead_runs::{DeadRun, dead_runs};
 pub use disturbance::run as run_hog;
 pub use drive::{Drive, DriveStep, PowertrainStep};
 pub use error::{Error, Failure, SignalsError, Status};

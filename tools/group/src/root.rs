@@ -140,7 +140,7 @@ pub fn wipe(root: &Path) {
     }
 }
 
-fn prefix_of(id: &str) -> String {
+pub fn prefix_of(id: &str) -> String {
     format!("timegap_{id}_")
 }
 
@@ -214,7 +214,7 @@ fn sweep(base: &Path) {
 }
 
 /// True if the process whose id the root's name begins with does not exist.
-fn owner_is_gone(root: &Path) -> bool {
+pub fn owner_is_gone(root: &Path) -> bool {
     let name = root.file_name().map(|name| name.to_string_lossy().into_owned());
     let pid = name.and_then(|name| u32::from_str_radix(name.split('-').next()?, 16).ok());
     pid.is_some_and(|pid| !Path::new("/proc").join(pid.to_string()).exists())

@@ -1,0 +1,254 @@
+//! The question of a platform engineer: which loops hold on this machine, now?
+//!
+//! A thread with the scheduling of a service sleeps to absolute instants, as every service does. Its lateness
+//! is the floor of any loop of that period. A loop holds if no wake-up came later than its budget, a tenth of
+//! its period.
+//!
+//! ```text
+//!          period                     period
+//! ├────────────────────────┼────────────────────────┤
+//! ▲ due    ▲ woke          ▲ due  ▲ woke
+//! └ late ──┘ budget 1/10   └ late ┘
+//! ```
+//!
+//! ```
+//! use doctor::wake_ups::LoopFigures;
+//!
+//! let figures = LoopFigures { period_us: 10_000, budget_us: 1_000, wakes: 200, late: 0, worst_us: 212.0 };
+//! assert_eq!(figures.answer(), "a 10 ms loop with a budget of 1 ms holds (0 of 200 late)");
+//! ```
+
+use super::finding::Finding;
+use report::print::duration;
+use runtime::scheduling::{self, Granted, Policy, Request, usable_cores};
+use runtime::statistics::Latencies;
+use runtime::{monotonic_ns, sleep_until};
+use serde::{Deserialize, Serialize};
+use std::fmt::Write as _;
+
+/// Periods of the loops: a fast chassis loop and the fastest loop of timegap.
+const PERIODS_US: [u32; 2] = [10_000, 1_000];
+/// Part of a period that a loop may lose to a late wake-up. Chosen: the law and the message need the rest.
+const BUDGET: u32 = 10;
+/// Upper ends of the histogram's bins, µs; the last bin is open.
+const BINS_US: [u32; 9] = [5, 10, 20, 50, 100, 200, 500, 1_000, 10_000];
+/// Widest bar of the histogram, characters.
+const BAR: u64 = 32;
+
+/// Figures of a loop.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LoopFigures {
+    /// Period, µs.
+    pub period_us: u32,
+    /// Largest accepted lateness, µs.
+    pub budget_us: u32,
+    /// Wake-ups.
+    pub wakes: u64,
+    /// Wake-ups that came later than the budget.
+    pub late: u64,
+    /// Largest lateness, µs.
+    pub worst_us: f64,
+}
+
+/// A bin of the histogram of lateness.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Bin {
+    /// Upper end, µs; null for the open last bin.
+    pub up_to_us: Option<u32>,
+    /// Wake-ups.
+    pub count: u64,
+}
+
+/// Wake-ups of this machine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WakeUps {
+    /// Length of the measurement of each loop, s.
+    pub seconds: f64,
+    /// Scheduling policy that the kernel granted.
+    pub granted: String,
+    /// The loops, the slower one first.
+    pub loops: Vec<LoopFigures>,
+    /// Lateness of the fastest loop.
+    pub histogram: Vec<Bin>,
+}
+
+impl LoopFigures {
+    /// Whether no wake-up was later than the budget.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.wakes > 0 && self.late == 0
+    }
+
+    /// The answer for this loop, in words.
+    #[must_use]
+    pub fn answer(&self) -> String {
+        let Self { wakes, late, .. } = self;
+        let verb = if self.holds() { "holds" } else { "does not hold" };
+        let (period, budget) = (whole(self.period_us), whole(self.budget_us));
+        format!("a {period} loop with a budget of {budget} {verb} ({late} of {wakes} late)")
+    }
+}
+
+/// A duration without decimals.
+fn whole(us: u32) -> String {
+    if us.is_multiple_of(1_000) { format!("{} ms", us / 1_000) } else { format!("{us} µs") }
+}
+
+/// Measures each loop for `seconds`, with the scheduling of a service on the last usable core. Returns the
+/// lateness of the fastest loop too.
+#[must_use]
+pub fn measure(seconds: f64) -> (WakeUps, Latencies) {
+    let request = Request {
+        policy: Policy::Fifo(80),
+        core: usable_cores().last().copied(),
+        lock_memory: true,
+    };
+    let thread = std::thread::spawn(move || {
+        let granted = scheduling::apply(&request);
+        let measured = PERIODS_US.map(|period_us| (period_us, lateness(period_us, seconds)));
+        (granted, measured)
+    });
+    let (granted, measured) = thread.join().expect("measuring does not panic");
+    let loops = measured.iter().map(|(period_us, latencies)| figures(*period_us, latencies));
+    let loops = loops.collect();
+    let [_, (_, fastest)] = measured;
+    let Granted { granted, .. } = granted;
+    (WakeUps { seconds, granted, loops, histogram: histogram(&fastest) }, fastest)
+}
+
+/// Lateness of the wake-ups of a loop. A late loop owes every instant that it missed.
+fn lateness(period_us: u32, seconds: f64) -> Latencies {
+    let period_ns = i64::from(period_us) * 1_000;
+    let count = (seconds * 1e9 / period_ns as f64).ceil() as u64;
+    let mut latencies = Latencies::default();
+    let mut due_ns = monotonic_ns() + period_ns;
+    for _ in 0..count {
+        while monotonic_ns() < due_ns {
+            sleep_until(due_ns);
+        }
+        latencies.record_ns(monotonic_ns() - due_ns);
+        due_ns += period_ns;
+    }
+    latencies
+}
+
+fn figures(period_us: u32, latencies: &Latencies) -> LoopFigures {
+    let budget_us = period_us / BUDGET;
+    LoopFigures {
+        period_us,
+        budget_us,
+        wakes: latencies.count(),
+        late: latencies.count_above_ns(u64::from(budget_us) * 1_000),
+        worst_us: latencies.percentiles_us().map_or(0.0, |percentiles| percentiles.max),
+    }
+}
+
+fn histogram(latencies: &Latencies) -> Vec<Bin> {
+    let above = |us: u32| latencies.count_above_ns(u64::from(us) * 1_000);
+    let mut left = latencies.count();
+    let mut bins = Vec::with_capacity(BINS_US.len() + 1);
+    for up_to_us in BINS_US {
+        let beyond = above(up_to_us);
+        bins.push(Bin { up_to_us: Some(up_to_us), count: left - beyond });
+        left = beyond;
+    }
+    bins.push(Bin { up_to_us: None, count: left });
+    bins
+}
+
+impl WakeUps {
+    /// The answer to the engineer's question, in a sentence.
+    #[must_use]
+    pub fn answer(&self) -> String {
+        let worst = self.loops.iter().map(|figures| figures.worst_us).fold(0.0, f64::max);
+        let wakes: u64 = self.loops.iter().map(|figures| figures.wakes).sum();
+        let loops: Vec<_> = self.loops.iter().map(LoopFigures::answer).collect();
+        format!(
+            "on this machine, now: worst wake-up {} in {wakes} over {} s; {}",
+            duration(worst),
+            self.seconds * self.loops.len() as f64,
+            loops.join("; ")
+        )
+    }
+
+    /// The histogram as console text.
+    #[must_use]
+    pub fn histogram_text(&self) -> String {
+        let most = self.histogram.iter().map(|bin| bin.count).max().unwrap_or(0).max(1);
+        let last = self.histogram.iter().rposition(|bin| bin.count > 0).unwrap_or(0);
+        let mut text = String::new();
+        for bin in &self.histogram[..=last.min(self.histogram.len().saturating_sub(1))] {
+            let label = bin.up_to_us.map_or_else(|| "later".to_owned(), |us| format!("to {us} µs"));
+            let bar = "#".repeat((bin.count * BAR).div_ceil(most) as usize);
+            writeln!(text, "  {label:>12}  {:>8}  {bar}", bin.count).expect("a string takes all");
+        }
+        text
+    }
+
+    /// The wake-ups as a finding. `fix` is the first change that helps a loop on this machine.
+    #[must_use]
+    pub fn finding(&self, fix: Option<String>) -> Finding {
+        const CHECK: &str = "wake-ups";
+        let found = self.answer();
+        let late: Vec<_> = self.loops.iter().filter(|figures| !figures.holds()).collect();
+        let names: Vec<_> = late.iter().map(|figures| whole(figures.period_us)).collect();
+        let costs = format!("a loop of {} misses deadlines", names.join(" or "));
+        match late.len() {
+            0 => Finding::ok(CHECK, found),
+            few if few < self.loops.len() => Finding::warn(CHECK, found, costs, fix),
+            _ => Finding::bad(CHECK, found, costs, fix),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::finding::Verdict;
+    use super::*;
+
+    fn wake_ups(late_ns: &[i64]) -> WakeUps {
+        let mut latencies = Latencies::default();
+        for ns in late_ns {
+            latencies.record_ns(*ns);
+        }
+        let loops = PERIODS_US.map(|period_us| figures(period_us, &latencies)).to_vec();
+        let histogram = histogram(&latencies);
+        WakeUps { seconds: 1.0, granted: "fifo:80".into(), loops, histogram }
+    }
+
+    #[test]
+    fn a_wake_up_beyond_the_budget_breaks_the_fast_loop_only() {
+        let mixed = wake_ups(&[4_000, 7_000, 60_000, 300_000]);
+        assert!(mixed.loops[0].holds() && !mixed.loops[1].holds());
+        assert!(
+            mixed.answer().contains("a 1 ms loop with a budget of 100 µs does not hold (1 of 4")
+        );
+        let finding = mixed.finding(Some("isolate a core".into()));
+        assert_eq!(
+            (finding.verdict, finding.fix.as_deref()),
+            (Verdict::Warn, Some("isolate a core"))
+        );
+        assert_eq!(wake_ups(&[5_000_000]).finding(None).verdict, Verdict::Bad);
+        let quiet = wake_ups(&[4_000]).finding(Some("nothing".into()));
+        assert_eq!((quiet.verdict, quiet.fix), (Verdict::Ok, None));
+    }
+
+    #[test]
+    fn every_wake_up_is_in_one_bin() {
+        let measured = wake_ups(&[1_000, 7_000, 7_000, 700_000, 20_000_000]);
+        assert_eq!(measured.histogram.iter().map(|bin| bin.count).sum::<u64>(), 5);
+        assert_eq!(measured.histogram[1].count, 2);
+        assert_eq!(measured.histogram.last().map(|bin| bin.count), Some(1));
+        let text = measured.histogram_text();
+        assert_eq!(text.lines().count(), BINS_US.len() + 1, "{text}");
+        assert!(text.contains("later"), "{text}");
+    }
+
+    #[test]
+    fn a_measurement_counts_each_due_instant() {
+        let (measured, fastest) = measure(0.05);
+        assert_eq!(measured.loops.iter().map(|l| l.wakes).collect::<Vec<_>>(), [5, 50]);
+        assert_eq!(fastest.count(), 50);
+        assert!(measured.loops.iter().all(|l| l.worst_us >= 0.0 && l.late <= l.wakes));
+    }
+}
