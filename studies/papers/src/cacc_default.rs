@@ -31,7 +31,7 @@ const SCENES: [Scene; 4] = [
 /// Drives the scenes with both laws and adds their rows to the paper's.
 ///
 /// # Errors
-/// What keeps a run from its end.
+/// Reasons why a run does not reach its end.
 pub fn add_rows(mut part: Part, runner: &Runner<'_>) -> Result<Part, Error> {
     for of_scene in together(SCENES.map(|scene| move || of_scene(runner, scene))) {
         part.rows.extend(of_scene?.map(|row| row.in_set(SET)));

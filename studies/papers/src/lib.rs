@@ -10,6 +10,7 @@
 
 pub mod cacc;
 mod cacc_default;
+mod columns;
 mod console;
 mod page;
 mod predictive;
@@ -20,14 +21,17 @@ mod six_mode;
 mod tally;
 
 use clap::{Args, ValueEnum};
+pub use columns::schema;
+
 use frame::batch::ProcessesSample;
 use group::Error;
 use group::GroupOptions;
 use page::page;
 use report::RunPicture;
 use report::chart::Plot;
-use report::output::{OutputDirectory, OutputOptions};
+use report::output::OutputDirectory;
 use report::print;
+use report::results::ResultOptions;
 use row::{Row, Verdict};
 use runner::{Part, Runner, together};
 use serde::Serialize;
@@ -49,7 +53,7 @@ struct Reproduction {
 #[derive(Debug, Serialize)]
 struct Paper {
     paper: &'static str,
-    /// How often its figures come out, each counted once.
+    /// Counts of its figures within their tolerance, each counted once.
     tally: Vec<Tally>,
     rows: Vec<Row>,
     #[serde(skip)]
@@ -82,12 +86,9 @@ pub struct ReproduceArguments {
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
-    /// Where the results go, and in which form.
+    /// Where the results go, and in which forms.
     #[command(flatten)]
-    pub output: OutputOptions,
-    /// Print the rows as JSON, and nothing else, on standard output
-    #[arg(long)]
-    pub json: bool,
+    pub results: ResultOptions,
 }
 
 /// A spread of a driver's speed, km/h.
@@ -146,10 +147,10 @@ impl PaperName {
 
 /// Runs the command.
 pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
-    let output = OutputDirectory::create(&arguments.output, "reproduce")?;
+    let output = OutputDirectory::create(&arguments.results.output, "reproduce")?;
     let papers = arguments.paper.map_or(PAPERS.to_vec(), |paper| vec![paper]);
     let runs = papers.iter().map(|paper| paper.runs()).sum();
-    let runner = Runner::new(&arguments.group, runs, arguments.json)?;
+    let runner = Runner::new(&arguments.group, runs, arguments.results.json)?;
     let runner = runner.with_driver_spread(arguments.driver_spread / 3.6);
     let parts = together(papers.iter().map(|paper| || paper.reproduce(&runner)));
     let sample = runner.finish();
@@ -165,7 +166,7 @@ pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
     let json = serde_json::to_string_pretty(&reproduction).expect("plain data");
     let written = output.write("reproduce.json", (json.clone() + "\n").as_bytes());
     let written = written.and_then(|()| output.write(report::FILE, page(&reproduction).as_bytes()));
-    if arguments.json {
+    if arguments.results.json {
         print::out(&(json + "\n"))?;
     } else {
         for paper in &reproduction.papers {
@@ -174,5 +175,6 @@ pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
         print::out(&output.places())?;
     }
     written?;
+    arguments.results.export(&columns::document(&reproduction))?;
     Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }

@@ -1,8 +1,8 @@
 //! One figure to be reproduced, beside ours.
 //!
-//! What ours is compared with has one of three sources, and every row says which: the *paper* prints
-//! it; the *reconstruction* of what the paper does not print gives it; or it is a *requirement* that
-//! a working controller must meet, whatever the paper says.
+//! The expected value has one of three sources, and every row names it. The *paper* prints it; the
+//! *reconstruction* gives what the paper does not print; or it is a *requirement* on any working
+//! controller.
 //!
 //! A row belongs to a set: one variant of law, scene and weights. A printed figure keeps its id in
 //! all sets, so that it counts once ([`super::tally`]). A row outside its tolerance fails, in a set
@@ -13,7 +13,7 @@ use report::chart::number;
 use report::table::NONE;
 use serde::Serialize;
 
-/// Where the expected value comes from.
+/// Source of the expected value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
@@ -36,7 +36,7 @@ impl Kind {
     }
 }
 
-/// How ours is compared with the expected value.
+/// Comparison of ours with the expected value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Check {
@@ -110,12 +110,11 @@ pub struct Row {
     pub unit: &'static str,
     /// The paper's value; null where the paper prints no number.
     pub paper: Option<f64>,
-    /// What ours is compared with: the paper's value in rows of its kind; null where nothing is
-    /// compared.
+    /// Expected value: the paper's value in rows of its kind; null where nothing is compared.
     pub expected: Option<f64>,
     /// Ours; null where the run never got there.
     pub ours: Option<f64>,
-    /// How they are compared.
+    /// Comparison.
     pub check: Check,
     /// Largest accepted difference; null where nothing is compared.
     pub tolerance: Option<f64>,
@@ -124,7 +123,7 @@ pub struct Row {
     pub tolerance_reason: Option<&'static str>,
     /// Whether ours is accepted.
     pub ok: bool,
-    /// How ours was obtained, or what a number cannot say.
+    /// Origin of ours, or a remark beside the number.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub note: Option<&'static str>,
 }
@@ -233,7 +232,7 @@ impl Row {
         }
     }
 
-    /// The same row with what a number cannot say.
+    /// The same row with a remark beside the number.
     pub fn with_note(self, note: &'static str) -> Self {
         Self { note: Some(note), ..self }
     }
@@ -262,7 +261,7 @@ impl Row {
         }
     }
 
-    /// The expected value in words: a bound says that it is one.
+    /// The expected value in words, with "at most" or "at least" for a bound.
     pub fn expectation(&self) -> String {
         let value = self.expected.map_or_else(|| NONE.into(), |value| number(value, 2));
         match self.check {

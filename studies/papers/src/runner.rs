@@ -44,7 +44,7 @@ impl Driven {
     }
 }
 
-/// What all parts of a reproduction share.
+/// Shared state of all parts of a reproduction.
 pub struct Runner<'a> {
     group: &'a GroupOptions,
     cores: Cores,
@@ -65,7 +65,7 @@ pub struct Runner<'a> {
 /// Chooses the runs that are repeated in process groups.
 const SAMPLE_SEED: u64 = 1;
 
-/// What a paper's part of the reproduction gives.
+/// Result of a paper's part of the reproduction.
 #[derive(Default)]
 pub struct Part {
     /// The rows.
@@ -153,7 +153,7 @@ impl<'a> Runner<'a> {
         result
     }
 
-    /// Removes the bar and says what came of the runs that were repeated in process groups.
+    /// Removes the bar and returns the comparison of the repeated runs.
     ///
     /// # Errors
     /// [`OtherBytes`] if one of them gave other bytes.

@@ -1,4 +1,4 @@
-//! How often figures come out.
+//! Counts of the figures within their tolerance.
 
 use super::row::{Kind, Row, Verdict};
 use serde::Serialize;
@@ -10,11 +10,11 @@ pub struct Tally {
     pub kind: Kind,
     /// Different figures that are compared.
     pub figures: usize,
-    /// Those within their tolerance in every set that has them.
+    /// Figures within their tolerance in every set that has them.
     pub in_every_set: usize,
-    /// Those within it in one set and outside it in another.
+    /// Figures within it in one set and outside it in another.
     pub in_some_sets: usize,
-    /// Those outside it in every set.
+    /// Figures outside it in every set.
     pub in_no_set: usize,
 }
 

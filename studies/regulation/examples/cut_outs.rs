@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Every case of UN R157's cut-outs is driven by the law, and by `careful-driver` from the gap that the law keeps. Of each
-//! collision that the model avoids a line tells the instants, in s since the lead began to leave:
+//! collision that the model avoids, a line gives the instants, in s since the lead began to leave:
 //!
 //! | instant | meaning |
 //! |---|---|
@@ -16,7 +16,7 @@
 //! | `law`, `slows` | the law asks for more than 2 m/s²; the ego slows down with that |
 //! | `contact` | speed of the ego over the other at the first contact |
 //!
-//! The tracks and objects are those of a second perception on the motion that the drive had.
+//! A second perception, run over the driven motion, gives the tracks and objects.
 
 use std::num::NonZeroUsize;
 use std::process::ExitCode;
@@ -67,7 +67,7 @@ struct Arguments {
     seed: u64,
 }
 
-/// How a case ended.
+/// End of a case.
 struct Driven {
     case: cut_out::Case,
     verdict: Verdict,

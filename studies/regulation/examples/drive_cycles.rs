@@ -37,7 +37,7 @@ const MOVING_MPS: f64 = 2.0;
 const SOFT_MPS3: f64 = 5.0;
 /// Largest mean time gap of `six-mode`, s.
 const TIME_GAP_S: f64 = 3.0;
-/// Jerks that `--show` prints, m/s³, with what is asked for so long before and after, s.
+/// Jerks that `--show` prints, m/s³, and the time around them for which it prints the requests, s.
 const SHOWN_MPS3: f64 = 5.0;
 const AROUND_S: f64 = 0.65;
 
@@ -63,7 +63,7 @@ struct Arguments {
     jobs: usize,
 }
 
-/// What a drive looked like.
+/// Figures of a drive.
 #[derive(Clone, Copy, Debug, Default)]
 struct Figures {
     collision_s: Option<f64>,

@@ -1,4 +1,4 @@
-//! How much of what the emergency brake misses in UN R157's cut-ins is perception, and how much decision.
+//! Causes of the emergency brake's misses in UN R157's cut-ins: perception or decision.
 //!
 //! ```sh
 //! cargo run --release -p regulation --example emergency_brake -- --part low --every 5
@@ -229,7 +229,7 @@ impl View {
     }
 }
 
-/// What asks for braking, once in each step.
+/// Source of a braking request, asked once in each step.
 trait Brakes {
     /// Deceleration, m/s².
     fn ask(&mut self, view: &View) -> f64;

@@ -16,7 +16,7 @@ pub const CLEARANCE_M: f64 = 1.6;
 /// Speed of the ego up to which a case belongs to the low matrix \[km/h\].
 pub const LOW_UP_TO_KMH: u32 = 60;
 
-/// How fast the lateral speed rises \[m/s²\].
+/// Rate of the lateral speed \[m/s²\].
 pub const LATERAL_ACCELERATION_MPS2: f64 = 1.5;
 
 /// The slowest cut-in reaches the middle of the lane after 35 s.
@@ -41,7 +41,7 @@ impl Case {
         f64::from(self.lateral_tenths_mps) * 0.1
     }
 
-    /// How the case ends when `model` drives the ego.
+    /// End of the case when `model` drives the ego.
     pub fn drive(&self, model: Model) -> Verdict {
         let other_mps = mps(self.other_kmh);
         let mut speed_mps = mps(self.ego_kmh);
@@ -85,7 +85,7 @@ impl Case {
         (0.0..=STEP_S).contains(&(passed_s - overlap_s))
     }
 
-    /// How the case ends with each model.
+    /// End of the case with each model.
     pub fn outcomes(&self) -> crate::PerModel<Outcome> {
         crate::PerModel::new(|model| self.drive(model).outcome)
     }
@@ -136,7 +136,7 @@ struct LateralMotion {
     travel: Travel,
 }
 
-/// What the lateral speed gains in a step \[m/s\].
+/// Gain of the lateral speed in a step \[m/s\].
 const GAIN_MPS: f64 = 0.15;
 
 impl LateralMotion {

@@ -7,7 +7,7 @@ use crate::{
     mps,
 };
 
-/// How far the lead's centre must be off the lane's before a driver behind sees past it \[m\].
+/// Offset of the lead's centre from the lane's at which a driver behind sees past it \[m\].
 pub const VISIBLE_OFFSET_M: f64 = 0.375;
 
 /// The slowest lead needs 19 s to be out of the way.
@@ -45,14 +45,14 @@ impl Case {
         Travel::from_m(distance_m + f64::from(self.standing_distance_m) + 2.0 * VEHICLE_LENGTH_M)
     }
 
-    /// How the case ends when `model` drives the ego from the distance that it keeps behind the lead;
+    /// End of the case when `model` drives the ego from the distance that it keeps behind the lead;
     /// `None` if the model keeps none.
     pub fn drive(&self, model: Model) -> Option<Verdict> {
         let distance_m = model.following_distance_m(mps(self.speed_kmh))?;
         Some(self.drive_from(model, distance_m))
     }
 
-    /// How the case ends when `model` drives the ego from `distance_m` behind the lead.
+    /// End of the case when `model` drives the ego from `distance_m` behind the lead.
     ///
     /// The model drives on until it sees the standing vehicle, or that the lead has hit it.
     pub fn drive_from(&self, model: Model, distance_m: f64) -> Verdict {
@@ -136,7 +136,7 @@ impl Lead {
         }
     }
 
-    /// Between its side and that of a vehicle in the middle of the lane \[m\].
+    /// Clearance between its side and the side of a vehicle in the middle of the lane \[m\].
     fn clearance_m(&self) -> f64 {
         self.offset.position_m() - VEHICLE_WIDTH_M
     }

@@ -56,7 +56,7 @@ pub enum Kind {
     CutOut,
 }
 
-/// What came of a scene.
+/// Result of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Verdict {
     /// The ego touched another vehicle.
@@ -115,7 +115,7 @@ impl Kind {
     /// Drives `scenario`, a scene of this kind, in this thread.
     ///
     /// # Errors
-    /// What keeps the run from beginning.
+    /// The run cannot begin.
     pub fn drive(self, scenario: &Scenario) -> Result<Verdict, Error> {
         let group = group::in_process::run(scenario)?;
         let summary = Summary::new(scenario, Mode::Lockstep, &group, group.ran_for);
@@ -216,7 +216,7 @@ fn queue_of(draws: &mut Draws, count: u32) -> Scene {
         );
         actor(&mut actors, &format!("queue-{number}"), gap_m, &keys);
         if !abreast || number % 2 == 1 {
-            // Of a pair the first one's length does not count: the longest vehicle fits.
+            // The longest vehicle fits, so the length of the first of a pair does not count.
             gap_m += room_m + if abreast { 18.0 } else { length_m };
         }
         duration_s = (gap_m / (speed_mps - other_mps) + 2.0).min(40.0);

@@ -22,7 +22,7 @@ impl Case {
         f64::from(self.lead_hundredths_g) / 100.0 * GRAVITY_MPS2
     }
 
-    /// How the case ends when `model` drives the ego from the distance that it keeps; `None` if the
+    /// End of the case when `model` drives the ego from the distance that it keeps; `None` if the
     /// model keeps none.
     pub fn drive(&self, model: Model) -> Option<Verdict> {
         let mut speed_mps = mps(self.speed_kmh);

@@ -1,6 +1,6 @@
-//! How a case ends.
+//! End of a case.
 
-/// How a case ends.
+/// End of a case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Outcome {
     /// No contact.
@@ -37,10 +37,10 @@ impl Outcome {
     }
 }
 
-/// How a case ended, and how fast the ego was above the other at the contact.
+/// End of a case, and the speed difference at the contact.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdict {
-    /// None, side or rear-end.
+    /// Kind of contact.
     pub outcome: Outcome,
     /// Speed difference at the contact \[m/s\]; 0 without one.
     pub impact_speed_mps: f64,

@@ -1,4 +1,4 @@
-//! What is counted over the cases of a matrix.
+//! Counts over the cases of a matrix.
 
 use crate::{Model, Outcome, PerModel, Verdict};
 
@@ -12,12 +12,12 @@ pub struct Tally {
     /// Rear-end collisions.
     pub rear_ends: PerModel<u32>,
     /// Cases in which both `careful-driver` and `regulation` end without a collision. Where
-    /// `regulation` says nothing, `careful-driver` alone counts.
+    /// `regulation` covers no case, `careful-driver` alone counts.
     pub mastered_by_both: u32,
 }
 
 impl Tally {
-    /// Counts a case by the models' verdicts; `None` for a model that says nothing about it.
+    /// Counts a case by the models' verdicts; `None` for a model that does not cover it.
     pub fn count(&mut self, verdicts: &PerModel<Option<Verdict>>) {
         self.cases += 1;
         for (model, verdict) in verdicts.iter() {

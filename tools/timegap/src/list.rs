@@ -45,7 +45,15 @@ pub enum SchemaOf {
 
 /// The results that have a schema: one row a command.
 fn results() -> serde_json::Value {
-    let all = [comparison::compare::schema(), comparison::sweep::schema(), string::schema()];
+    let all = [
+        comparison::compare::schema(),
+        comparison::sweep::schema(),
+        string::schema(),
+        regulation::r157::schema(),
+        regulation::iso15622::schema(),
+        papers::schema(),
+        bench::schema(),
+    ];
     schema_document(&all)
 }
 

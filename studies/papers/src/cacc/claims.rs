@@ -1,4 +1,4 @@
-//! What else the paper says of its scenarios: differences, convergence, order, shape.
+//! Further claims of the paper on its scenarios: differences, convergence, order, shape.
 
 use super::figures::{
     BRAKES_A, BRAKES_C, CROSSES_T3, Figure, Held, LINE_A_M, LINE_T3_M, Measure, SWITCH_ABC_S,
@@ -156,7 +156,7 @@ fn last(values: &[f64]) -> Option<f64> {
     values.last().copied()
 }
 
-/// How much farther `ours` is than `other`, m.
+/// Distance of `ours` beyond `other`, m.
 fn farther_m(ours: Trajectory<'_>, other: Trajectory<'_>, time_s: f64) -> Option<f64> {
     Some(ours.position_at_m(time_s)? - other.position_at_m(time_s)?)
 }

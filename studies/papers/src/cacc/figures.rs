@@ -30,7 +30,7 @@ pub enum Calibration {
     Fitted,
 }
 
-/// What a printed number measures; it decides unit and tolerance.
+/// Quantity of a printed number; it decides unit and tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// Time of crossing the stop line, s.
@@ -39,7 +39,7 @@ pub enum Measure {
     Distance,
     /// A speed error, m/s.
     Speed,
-    /// How long a request was held, or since when, s.
+    /// Time for which a request was held, or its begin, s.
     Duration,
     /// 1 for yes, 0 for no.
     Boolean,
@@ -100,7 +100,7 @@ pub struct Figure {
     pub id: &'static str,
     /// Unit.
     pub unit: &'static str,
-    /// What ours is held to.
+    /// Comparison with ours.
     pub held: Held,
     /// The paper's sentence, shortened.
     pub source: &'static str,

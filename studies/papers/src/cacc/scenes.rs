@@ -17,7 +17,7 @@ const STEP_S: f64 = 0.1;
 /// Lag of the plant, s.
 const LAG_S: f64 = 0.5;
 
-/// How the lead drives.
+/// Motion of the lead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Lead {
     /// At constant speed.
@@ -67,7 +67,7 @@ pub struct Scene {
     pub lead_speed_mps: f64,
     /// Gap at the start, m.
     pub gap_m: f64,
-    /// How the lead drives.
+    /// Motion of the lead.
     pub lead: Lead,
     /// First phase of the light.
     pub phase: Phase,

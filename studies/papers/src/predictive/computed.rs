@@ -1,4 +1,4 @@
-//! What is computed without processes: the full-route plan, human driver models, generated roads.
+//! Figures computed without processes: the full-route plan, human driver models, generated roads.
 
 use super::SET_SPEED_MPS;
 use controller::laws::truck::{Keys, Prices, Settings};
@@ -14,13 +14,13 @@ const FULL_ROUTE_NODES: usize = 400;
 const HUMAN_SEEDS: u64 = 4;
 /// Standard deviations of the drivers' aim, m/s.
 const HUMAN_SIGMAS_MPS: [f64; 2] = [2.5 / 3.6, 4.0 / 3.6];
-/// How far a driver lets the truck exceed the set speed, m/s.
+/// Excess over the set speed that a driver accepts, m/s.
 const ABOVE_SET_MPS: f64 = 5.0 / 3.6;
-/// Prices of time between which the full-route plan's trip time is that of the baseline.
+/// Prices of time around the one at which the full-route plan takes the baseline's trip time.
 const PRICES: (f64, f64) = (0.3, 4.0);
-/// Aims, as parts of the set speed, between which a driver's trip time is that of the baseline.
+/// Aims, as parts of the set speed, around the one at which a driver takes the baseline's trip time.
 const AIMS: (f64, f64) = (0.95, 1.06);
-/// Mean speeds, as parts of the set speed, between which the law's trip time is that of the baseline.
+/// Mean speeds, as parts of the set speed, around the one at which the law takes the baseline's trip time.
 const MEANS: (f64, f64) = (0.97, 1.04);
 
 /// Roads on which the planner is compared with the full-route plan.

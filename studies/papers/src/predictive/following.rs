@@ -28,7 +28,7 @@ const SMALL_BEFORE_LARGE: f64 = 0.7;
 
 /// Road ahead of the lead whose grade counts in the desired gap, m.
 const LEAD_ROAD_M: f64 = 300.0;
-/// What the rows of the figure rest on.
+/// Assumptions behind the rows of the figure.
 const ROAD: &str = "the road and the lead of the scenario: the paper's are not printed";
 
 /// Shortest headway, s.

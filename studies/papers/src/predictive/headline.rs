@@ -2,7 +2,7 @@
 
 use crate::row::{Row, Tolerance, paper, within};
 
-/// What the rows rest on that the paper does not print.
+/// Assumptions behind the rows, which the paper does not print.
 const ROAD_AND_TRUCK: &str =
     "road and truck: the heights of the motorway near Qingdao and table 1 are not printed";
 const DRIVER: &str =

@@ -10,7 +10,7 @@ use group::Error;
 use scenario::grade::GradeProfile;
 use truck_model::Preset;
 
-/// Drives of one planner until its trip time is that of the baseline.
+/// Drives of one planner until it takes the baseline's trip time.
 pub const MAX_ATTEMPTS: usize = 3;
 /// Largest difference of trip times that counts as none, percent.
 const EQUAL_TIME_PERCENT: f64 = 0.1;
@@ -62,7 +62,7 @@ const HUMAN_POINTS: Tolerance =
 const SAME_TIME: Tolerance =
     within(EQUAL_TIME_PERCENT, "0.1 % of trip time is worth about 0.1 % of fuel");
 
-/// What is wrong in the robustness table: its name and the keys that make it so.
+/// Errors of the robustness table: name, and the keys that cause it.
 const WRONG: [(&str, &[&str]); 4] = [
     ("mass_15_percent_more", &["plant.mass_factor=1.15"]),
     ("mass_15_percent_less", &["plant.mass_factor=0.85"]),
@@ -197,7 +197,7 @@ fn drive(
     runner.drive("truck-hills", &keys)
 }
 
-/// What makes a comparison fair.
+/// Conditions of a fair comparison.
 fn conditions(name: &str, trip: Option<Trip>, baseline: Option<Trip>) -> Vec<Row> {
     let slower = trip.zip(baseline).map(|(trip, baseline)| trip.slower_than(&baseline).abs());
     let correction = trip.map(|trip| trip.correction_l_per_100km);
@@ -265,7 +265,7 @@ fn computed(
     (rows, human[2])
 }
 
-/// How far the planner is from the full-route plan on roads of other seeds: the farthest of them, on
+/// Distance of the planner from the full-route plan on roads of other seeds: the largest one, on
 /// either side.
 fn generated(runner: &Runner<'_>, preset: Preset) -> Row {
     let above = together((1..=computed::GENERATED).map(|seed| {
@@ -283,7 +283,7 @@ fn generated(runner: &Runner<'_>, preset: Preset) -> Row {
         .with_note("computed; the farthest of ten generated roads, percentage points")
 }
 
-/// What is left of the saving when the law's truck or map is wrong.
+/// Rest of the saving when the law's truck or map is wrong.
 fn robustness(runner: &Runner<'_>, right: Option<Trip>) -> Result<Vec<Row>, Error> {
     let preset = RECONSTRUCTED[0].preset;
     let rows = together(WRONG.map(|(what, keys)| {

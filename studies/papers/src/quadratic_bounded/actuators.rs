@@ -31,7 +31,7 @@ const BRAKE_NM_PER_MPA: f64 = 1200.0;
 const BAND_MPS2: f64 = 0.05;
 const GRAVITY_MPS2: f64 = 9.81;
 
-/// What the two pedals do.
+/// Requests of the two pedals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pedals {
     /// Opening of the throttle, %.

@@ -2,7 +2,7 @@
 //!
 //! One set has the certified design of the reconstruction, the other the output gains that the paper
 //! prints, of which nothing is proven. Desired gap and bounds are lost: both sets take the
-//! reconstruction's. The paper says "about" of one figure alone, the 54 s.
+//! reconstruction's. The paper writes "about" for one figure alone, the 54 s.
 
 mod actuators;
 mod indices;

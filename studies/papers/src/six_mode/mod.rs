@@ -3,7 +3,7 @@
 //!
 //! The source's third car keeps 36 km/h, and the source's drive ends at standstill: both cannot be. So each law drives
 //! twice, without a stop of that car and with the inferred one. Every set is compared with the printed times; a row
-//! outside its tolerance says why.
+//! outside its tolerance has a note with the reason.
 
 mod pictures;
 mod releases;
@@ -271,7 +271,7 @@ fn motion(set: Set, driven: &Driven) -> Vec<Row> {
     ]
 }
 
-/// Control cycles of the decelerate mode whose demand is none of the eight levels.
+/// Control cycles of the decelerate mode with a demand beside the eight levels.
 fn off_levels(driven: &Driven) -> f64 {
     let is_level = |demand: f64| LEVELS_MPS2.contains(&demand);
     let steps = driven.drive.steps.iter().filter(|step| step.figures.is_some());

@@ -15,7 +15,7 @@ const POINTS: u32 = 200;
 /// Largest relative speed drawn, m/s.
 const RIGHT_MPS: f64 = 9.0;
 
-/// Figures 1 and 6, and figure 3 of the literal law, whose regions are those of the paper.
+/// Figures 1 and 6, and figure 3 of the literal law, whose regions are the paper's.
 pub fn of(set: &str, driven: &Driven) -> Vec<Gallery> {
     let parameters = driven.scenario.controller.tables.read::<Parameters>("six_mode");
     let Ok(p) = parameters else { return Vec::new() };

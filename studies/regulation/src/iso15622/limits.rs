@@ -1,6 +1,29 @@
-//! The standard's limits over speed, and what a drive makes of them.
+//! Limits of the study, and the worst window of a drive against a limit over speed. A changed limit is an entry of
+//! its own in CHANGELOG.md.
+//!
+//! All stand since 2026-11-21. Source: ISO 15622:2018, as secondary sources give it. "Chosen" marks a value without
+//! that source.
 
 use group::DriveStep;
+
+/// Time gap at which a target must be acquired at the latest, s.
+pub const LONGEST_TIME_GAP_S: f64 = 2.2;
+/// Shortest time gap that a law may keep, s.
+pub const SHORTEST_TIME_GAP_S: f64 = 0.8;
+/// Least gap during an automatic deceleration, m. Chosen.
+pub const LEAST_GAP_M: f64 = 0.5;
+/// Speed that the ego may lose beside slower traffic, m/s. Chosen.
+pub const SLOWER_BESIDE_MPS: f64 = 2.0;
+/// Difference of a request from the cruise's that counts as a reaction, m/s². Chosen.
+pub const REACTION_MPS2: f64 = 0.05;
+/// Speed below which a vehicle stands, m/s. Chosen.
+pub const STANDING_MPS: f64 = 0.05;
+/// Largest speed of a vehicle that holds, m/s. Chosen.
+pub const CREEP_MPS: f64 = 2.0 * STANDING_MPS;
+/// Time for which the ego has to stand still, s.
+pub const HOLD_S: f64 = 3.0;
+/// Time in which the ego has to follow a lead that moves off, s. Chosen.
+pub const MOVE_OFF_S: f64 = 3.0;
 
 /// Speeds between which the limits fall linearly, m/s.
 const SLOW_MPS: f64 = 5.0;

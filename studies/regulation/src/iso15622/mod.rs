@@ -1,26 +1,32 @@
 //! `timegap iso15622`: the tests of ISO 15622 on a straight road (adaptive cruise control).
+//!
+//! ```text
+//! law ─┬─ target acquisition ──┐
+//!      ├─ target discrimination ├─► rows: figure, value, limit
+//!      └─ stop and go ──────────┘
+//! ```
 
 mod limits;
 mod rows;
 mod scenes;
 
-use std::fmt::Write;
-use std::process::ExitCode;
-
 use clap::Args;
+use frame::batch::{self, Done, Job, ProcessesSample};
+use frame::parts::{self, PartOptions};
+use frame::{Found, Options, Study};
 use group::{Error, GroupOptions};
-use report::html::{Cell, Column, document, section, table};
-use report::output::{OutputDirectory, OutputOptions};
-use report::print;
+use report::results::{Column, Document, ResultOptions, Schema, Table, count, flag, number, word};
 use rows::Row;
-use runtime::Mode;
 use scenes::Test;
 use serde::Serialize;
+use std::process::ExitCode;
 
-use frame::batch::{self, Job, ProcessesSample};
+/// Options that a merge takes from the parts.
+const WITHOUT_MERGE: [&str; 1] = ["controllers"];
 
 /// Arguments of `iso15622`.
 #[derive(Debug, Args)]
+#[command(mut_arg("merge", |merge| merge.conflicts_with_all(WITHOUT_MERGE).conflicts_with_all(parts::OF_RUNS)))]
 pub struct Iso15622Arguments {
     /// Controllers, by commas [default: all]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
@@ -28,15 +34,15 @@ pub struct Iso15622Arguments {
     /// Seed of the sensors' noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u32,
+    /// Parts of the study.
+    #[command(flatten)]
+    pub parts: PartOptions,
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
-    /// Where the results go.
+    /// Where the results go, and in which forms.
     #[command(flatten)]
-    pub output: OutputOptions,
-    /// Print the rows as JSON, and nothing else, on standard output
-    #[arg(long)]
-    pub json: bool,
+    pub results: ResultOptions,
 }
 
 #[derive(Debug, Serialize)]
@@ -47,108 +53,130 @@ struct Results {
     processes_sample: ProcessesSample,
 }
 
+/// Fields beside the rows.
+const FIELDS: &[Column<Results>] = &[
+    flag("ok", "", ("ok", "MISSED"), "Every figure is inside its limits"),
+    count("processes_sample.runs", "", "Runs that were repeated as separate processes"),
+    count("processes_sample.different", "", "Repeated runs whose messages were other bytes"),
+];
+
+/// Columns of the figures.
+const ROWS: &[Column<Row>] = &[
+    word("law", "law", "Control law that drove"),
+    word("test", "test", "Test of the standard"),
+    word("figure", "figure", "Measured figure"),
+    number("value", "value", "", 2, "Value; null if the event did not happen"),
+    number("least", "at least", "", 2, "Least accepted value"),
+    number("most", "at most", "", 2, "Largest accepted value"),
+    word("unit", "unit", "Unit of the value"),
+    flag("ok", "verdict", ("ok", "MISSED"), "The value is inside its limits"),
+];
+
+/// Contents of the JSON.
+#[must_use]
+pub fn schema() -> Schema {
+    Schema::new("iso15622", "Tests of adaptive cruise control after ISO 15622").fields(FIELDS).rows(
+        "rows",
+        "A row for each figure of each test and law",
+        ROWS,
+    )
+}
+
 /// Runs the command.
 ///
 /// # Errors
-/// [`Error::Scenario`] for an unknown controller, else what keeps the runs from starting.
+/// [`Error::Scenario`] for an unknown controller, else as [`frame::study::run`].
 pub fn run(arguments: &Iso15622Arguments) -> Result<ExitCode, Error> {
-    let laws = batch::laws::own_named(&arguments.controllers)?;
-    let tests: Vec<(&String, Test)> =
-        laws.iter().flat_map(|law| Test::ALL.map(|test| (law, test))).collect();
-    let jobs = tests
-        .iter()
-        .map(|(law, test)| test.scenario(law, arguments.seed).map(Job::lockstep))
-        .collect::<Result<Vec<_>, Error>>()?;
-    let output = OutputDirectory::create(&arguments.output, "iso15622")?;
-    let bar = report::progress::count_bar(jobs.len(), arguments.json);
-    let mut sheets = vec![Vec::new(); jobs.len()];
-    let at_once = batch::at_once(None, Mode::Lockstep);
-    let sample = batch::run(&jobs, at_once, &arguments.group, &bar, &mut |index, result| {
+    frame::study::run::<Tests>(arguments)
+}
+
+/// The study: each test with each law.
+struct Tests {
+    tests: Vec<(String, Test)>,
+    seed: u32,
+}
+
+impl Study for Tests {
+    type Arguments = Iso15622Arguments;
+    type Record = Vec<Row>;
+    type Seen = ();
+
+    const NAME: &'static str = "iso15622";
+
+    fn options(arguments: &Iso15622Arguments) -> Options<'_> {
+        let Iso15622Arguments { parts, group, results, .. } = arguments;
+        Options { parts: Some(parts), jobs: None, group, results }
+    }
+
+    fn plan(arguments: &Iso15622Arguments) -> Result<Self, Error> {
+        let laws = batch::laws::own_named(&arguments.controllers)?;
+        let tests = laws.iter().flat_map(|law| Test::ALL.map(|test| (law.clone(), test)));
+        Ok(Self { tests: tests.collect(), seed: arguments.seed })
+    }
+
+    fn runs(&self) -> usize {
+        self.tests.len()
+    }
+
+    fn seed(&self) -> u64 {
+        self.seed.into()
+    }
+
+    fn job(&self, run: usize) -> Result<Job, Error> {
+        let (law, test) = &self.tests[run];
+        test.scenario(law, self.seed).map(Job::lockstep)
+    }
+
+    fn record(
+        &self,
+        run: usize,
+        _: &Job,
+        result: Result<Done, Error>,
+    ) -> Result<(Vec<Row>, ()), Error> {
         let done = result?;
         batch::whole(&done.summary)?;
-        let (law, test) = tests[index];
-        sheets[index] = rows::rows(test, law, &done.drive);
-        Ok(())
-    });
-    bar.finish_and_clear();
-    let processes_sample = sample?;
-    let rows: Vec<Row> = sheets.into_iter().flatten().collect();
-    let ok = rows.iter().all(|row| row.ok);
+        let (law, test) = &self.tests[run];
+        Ok((rows::rows(*test, law, &done.drive), ()))
+    }
+
+    fn describe(&self, run: usize) -> String {
+        let (law, test) = &self.tests[run];
+        format!(" ({test:?} with {law})")
+    }
+
+    fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
+        let records = found.records.all()?;
+        let rows: Vec<Row> = records.into_iter().flat_map(|(_, rows)| rows).collect();
+        Ok(document(rows, found.sample))
+    }
+}
+
+fn document(rows: Vec<Row>, processes_sample: ProcessesSample) -> Document {
+    let inside = rows.iter().filter(|row| row.ok).count();
+    let (ok, all) = (inside == rows.len(), rows.len());
     let results = Results { schema_version: 1, ok, rows, processes_sample };
-    let json = serde_json::to_string_pretty(&results).expect("plain data") + "\n";
-    let written = output.write("iso15622.json", json.as_bytes());
-    let written = written.and_then(|()| output.write(report::FILE, page(&results).as_bytes()));
-    if arguments.json {
-        print::out(&json)?;
-    } else {
-        print::out(&text(&results.rows))?;
-        print::out(&output.places())?;
+    let table = Table::new("Figures", ROWS, &results.rows).blocks("law");
+    Document::new("iso15622", "ISO 15622", &results)
+        .about("tests on a straight road, lockstep")
+        .verdict(ok, format!("{inside} of {all} figures inside their limits"))
+        .table(table)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_figure_beyond_its_limit_is_missed_in_every_form() {
+        let row = |law: &str, ok| {
+            let row = serde_json::json!({"law": law, "test": "go", "figure": "moves_off_after_s", "unit": "s",
+                "value": 3.5, "least": null, "most": 3.0, "ok": ok});
+            serde_json::from_value::<Row>(row).expect("a row")
+        };
+        let document = document(vec![row("a", true), row("b", false)], ProcessesSample::default());
+        assert!(!document.is_ok());
+        assert!(document.console(80).contains("1 of 2 figures inside"), "{}", document.console(80));
+        assert!(document.junit().contains("failure"), "{}", document.junit());
+        assert_eq!(report::results::check(&schema().json(), &document.value()), [""; 0]);
     }
-    written?;
-    Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
-}
-
-/// The rows for people: one block per law.
-fn text(rows: &[Row]) -> String {
-    let mut text = String::new();
-    for of_law in rows.chunk_by(|a, b| a.law == b.law) {
-        let name = of_law.first().map_or("", |row| row.law.as_str());
-        writeln!(text, "{name}").expect("a string takes all");
-        for row in of_law {
-            let (test, figure) = (row.test, row.figure);
-            let (value, limit, verdict) = (value(row), limit(row), verdict(row));
-            writeln!(text, "  {test:<25} {figure:<34} {value:>8} {limit:>16}  {verdict}")
-                .expect("a string takes all");
-        }
-    }
-    text
-}
-
-fn page(results: &Results) -> String {
-    let head = [
-        ("test", Column::Text),
-        ("figure", Column::Text),
-        ("value", Column::Number),
-        ("limit", Column::Number),
-        ("", Column::Text),
-    ];
-    let body: String = (results.rows.chunk_by(|a, b| a.law == b.law))
-        .map(|of_law| {
-            let cells: Vec<_> = of_law
-                .iter()
-                .map(|row| {
-                    let verdict = verdict(row).to_owned();
-                    vec![
-                        Cell::Plain(row.test.to_owned()),
-                        Cell::Plain(row.figure.to_owned()),
-                        Cell::Plain(value(row)),
-                        Cell::Plain(limit(row)),
-                        if row.ok { Cell::Good(verdict) } else { Cell::Bad(verdict) },
-                    ]
-                })
-                .collect();
-            let name = of_law.first().map_or("", |row| row.law.as_str());
-            section(name, &table(&head, &cells))
-        })
-        .collect();
-    let inside = results.rows.iter().filter(|row| row.ok).count();
-    let verdict = format!("{inside} of {} figures inside their limits", results.rows.len());
-    document("ISO 15622", "tests on a straight road, lockstep", results.ok, &verdict, &body)
-}
-
-fn value(row: &Row) -> String {
-    row.value.map_or_else(|| "-".into(), |value| format!("{value:.2}"))
-}
-
-fn limit(row: &Row) -> String {
-    let unit = row.unit;
-    match (row.least, row.most) {
-        (Some(least), _) => format!("≥ {least:.2} {unit}"),
-        (None, Some(most)) => format!("≤ {most:.2} {unit}"),
-        (None, None) => String::new(),
-    }
-}
-
-fn verdict(row: &Row) -> &'static str {
-    if row.ok { "ok" } else { "MISSED" }
 }

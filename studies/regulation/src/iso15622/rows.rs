@@ -1,42 +1,33 @@
-//! What is checked of a test's drive.
+//! Figures of a test's drive, each with its limit.
 
 use group::{Drive, DriveStep};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
-use super::limits::{ACCELERATION, DECELERATION, JERK, Limit};
+use super::limits::{
+    ACCELERATION, CREEP_MPS, DECELERATION, HOLD_S, JERK, LEAST_GAP_M, LONGEST_TIME_GAP_S, Limit,
+    MOVE_OFF_S, REACTION_MPS2, SHORTEST_TIME_GAP_S, SLOWER_BESIDE_MPS, STANDING_MPS,
+};
 use super::scenes::{APPROACH_MPS, BRAKES_AT_S, MOVES_OFF_AT_S, SIDE_BY_SIDE_MPS, Test};
 
-/// The time gap that a target must at least be acquired at, s.
-const LONGEST_TIME_GAP_S: f64 = 2.2;
-/// The shortest time gap that may be kept, s.
-const SHORTEST_TIME_GAP_S: f64 = 0.8;
-/// A request that differs by this much from the cruise's is a reaction, m/s².
-const REACTION_MPS2: f64 = 0.05;
-/// Speed below which a vehicle stands, m/s.
-const STANDING_MPS: f64 = 0.05;
-/// Time that the ego has to stand still, s.
-const HOLD_S: f64 = 3.0;
-/// Time after which the ego follows a lead that moves off, s.
-const MOVE_OFF_S: f64 = 3.0;
-
 /// A figure of a test with its limit.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// The control law.
     pub law: String,
     /// The test.
-    pub test: &'static str,
-    /// What was measured.
-    pub figure: &'static str,
+    pub test: Cow<'static, str>,
+    /// Name of the figure.
+    pub figure: Cow<'static, str>,
     /// Its unit.
-    pub unit: &'static str,
-    /// The value; null if what was to be measured did not happen.
+    pub unit: Cow<'static, str>,
+    /// The value; null if the measured event did not happen.
     pub value: Option<f64>,
     /// Least value allowed.
     pub least: Option<f64>,
     /// Largest value allowed.
     pub most: Option<f64>,
-    /// Whether it is inside.
+    /// Whether the value is inside its limits.
     pub ok: bool,
 }
 
@@ -94,9 +85,9 @@ impl Sheet<'_> {
     fn row(&self, test: &'static str, figure: &'static str, unit: &'static str) -> Row {
         Row {
             law: self.law.to_owned(),
-            test,
-            figure,
-            unit,
+            test: test.into(),
+            figure: figure.into(),
+            unit: unit.into(),
             value: None,
             least: None,
             most: None,
@@ -130,7 +121,7 @@ fn acquisition(sheet: &mut Sheet<'_>, steps: &[DriveStep]) {
 fn discrimination(sheet: &mut Sheet<'_>, drive: &Drive) {
     let test = "target-discrimination";
     let slowest = drive.steps.iter().map(|step| step.speed_mps).reduce(f64::min);
-    sheet.at_least((test, "least_speed_mps", "m/s"), slowest, SIDE_BY_SIDE_MPS - 2.0);
+    sheet.at_least((test, "least_speed_mps", "m/s"), slowest, SIDE_BY_SIDE_MPS - SLOWER_BESIDE_MPS);
     let last = drive.steps.last();
     let neighbour_m = drive.vehicles.last().map(|truth| truth.vehicles[1].rear_position_m);
     let ahead_m = last.zip(neighbour_m).map(|(last, rear_m)| last.position_m - rear_m);
@@ -147,7 +138,7 @@ fn stop_and_go(sheet: &mut Sheet<'_>, steps: &[DriveStep]) {
     let braking = part(BRAKES_AT_S, MOVES_OFF_AT_S);
     brakes_within_limits(sheet, test, braking);
     let least_gap_m = steps.iter().filter_map(|step| step.gap_m).reduce(f64::min);
-    sheet.at_least((test, "least_gap_m", "m"), least_gap_m, 0.5);
+    sheet.at_least((test, "least_gap_m", "m"), least_gap_m, LEAST_GAP_M);
 
     let test = "stop-and-hold";
     let stopped = braking.iter().position(|step| step.speed_mps < STANDING_MPS);
@@ -155,11 +146,11 @@ fn stop_and_go(sheet: &mut Sheet<'_>, steps: &[DriveStep]) {
     let held_s = standing.first().zip(standing.last()).map(|(a, b)| b.time_s - a.time_s);
     sheet.at_least((test, "standing_s", "s"), held_s, HOLD_S);
     let creep_mps = standing.iter().map(|step| step.speed_mps).reduce(f64::max);
-    sheet.at_most((test, "largest_speed_while_standing_mps", "m/s"), creep_mps, 2.0 * STANDING_MPS);
+    sheet.at_most((test, "largest_speed_while_standing_mps", "m/s"), creep_mps, CREEP_MPS);
 
     let test = "go";
     let going = part(MOVES_OFF_AT_S, f64::INFINITY);
-    let moved = going.iter().find(|step| step.speed_mps > 2.0 * STANDING_MPS);
+    let moved = going.iter().find(|step| step.speed_mps > CREEP_MPS);
     let after_s = moved.filter(|_| stopped.is_some()).map(|step| step.time_s - MOVES_OFF_AT_S);
     sheet.at_most((test, "moves_off_after_s", "s"), after_s, MOVE_OFF_S);
     let names = (test, "mean_acceleration_over_2_s_mps2", "m/s²");
@@ -210,7 +201,7 @@ mod tests {
         };
         let drive = Drive { steps: (0..7000).map(step).collect(), ..Drive::default() };
         let rows = rows(Test::StopAndGo, "x", &drive);
-        let failed: Vec<_> = rows.iter().filter(|row| !row.ok).map(|row| row.figure).collect();
+        let failed: Vec<_> = rows.iter().filter(|row| !row.ok).map(|row| &*row.figure).collect();
         assert_eq!(failed, ["standing_s", "largest_speed_while_standing_mps", "moves_off_after_s"]);
     }
 }

@@ -18,7 +18,7 @@ pub const APPROACH_MPS: f64 = 30.0;
 pub enum Test {
     /// A slower vehicle comes into the radar's range.
     Acquisition,
-    /// Of two vehicles side by side the one in the lane speeds up, and the ego with it.
+    /// Two vehicles drive side by side. The one in the lane speeds up, and the ego with it.
     Discrimination,
     /// A lead brakes to standstill, waits and moves off.
     StopAndGo,

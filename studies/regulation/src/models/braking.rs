@@ -1,10 +1,10 @@
-//! What the models ask of the brakes.
+//! Braking of the models.
 
-/// What a model asks for once its reaction time is over.
+/// Braking that a model asks for after its reaction time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Braking {
     /// Deceleration \[m/s²\], positive.
     pub deceleration_mps2: f64,
-    /// How fast the deceleration may grow \[m/s³\].
+    /// Largest rate of the deceleration \[m/s³\].
     pub growth_mps3: f64,
 }

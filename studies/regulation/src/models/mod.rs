@@ -81,7 +81,7 @@ impl FromStr for Model {
     }
 }
 
-/// What a model sees of another vehicle at one instant.
+/// A model's view of another vehicle at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
     /// From the ego's front bumper to the other's rear bumper \[m\], negative once they overlap.
@@ -94,7 +94,7 @@ pub struct View {
     pub lateral_speed_mps: f64,
 }
 
-/// What the scene asks the model to recognise.
+/// Situation that the model has to recognise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Situation {
     /// Another vehicle comes from the side.

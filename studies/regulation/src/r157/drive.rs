@@ -9,8 +9,8 @@ use scenario::{Overrides, Scenario};
 const FIRST_TIME_GAP_S: f64 = 2.0;
 /// Distance added to that.
 const FIRST_DISTANCE_M: f64 = 5.0;
-/// The run ends when all that is scripted is over and for this time no vehicle ahead was slower than the ego, none
-/// behind faster, and none beside it: five cycles of every law, in which one that turns to the other again shows it.
+/// Time for which the ego is clear of all others before a run ends, s. It is five cycles of every law, so that a law
+/// that turns back to another vehicle shows it.
 const CLEAR_S: f64 = 0.5;
 
 /// Who drives a case.
@@ -38,7 +38,7 @@ pub fn behind_a_lead(
     parse(&Scene { scripted_s: duration_s, duration_s, actors }, speed_mps, driver, seed)
 }
 
-/// What happens around the ego.
+/// Traffic around the ego.
 pub(super) struct Scene {
     /// Time after which nothing scripted comes any more, s.
     pub(super) scripted_s: f64,

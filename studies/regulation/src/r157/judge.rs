@@ -1,10 +1,10 @@
-//! How a driven case ended, by the regulation's rectangles.
+//! End of a driven case, by the regulation's rectangles.
 
 use crate::{VEHICLE_WIDTH_M, Verdict, contact};
 use group::Drive;
 use messages::VehicleTruth;
 
-/// How the drive ended: the first contact of the ego with any other vehicle. Between two samples of
+/// End of the drive: the first contact of the ego with any other vehicle. Between two samples of
 /// the others they keep their speed, and move evenly from one lateral position to the next.
 pub fn verdict(drive: &Drive) -> Verdict {
     let mut truths = drive.vehicles.iter().peekable();

@@ -25,9 +25,9 @@ pub struct Judged {
 pub struct Driven {
     /// The driver.
     pub driver: Driver,
-    /// Its own.
+    /// Its verdicts.
     pub verdicts: Vec<Verdict>,
-    /// Those of `careful-driver` from the gap that the law keeps; `None` where there are no cut-outs.
+    /// Verdicts of `careful-driver` from the law's gap; `None` without cut-outs.
     pub from_its_gap: Option<Vec<Verdict>>,
 }
 

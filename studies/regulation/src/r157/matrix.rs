@@ -1,4 +1,4 @@
-//! The matrices by name, their cases, and what the models say of them.
+//! The matrices by name, their cases, and the models' verdicts on them.
 
 use crate::{PerModel, Verdict, cut_in, cut_out, following};
 use clap::ValueEnum;
@@ -38,7 +38,7 @@ impl Matrix {
         }
     }
 
-    /// The parts that tables keep apart, with what tells a case of each.
+    /// Parts with tables of their own, each with the test for its cases.
     pub fn parts(self) -> &'static [(&'static str, IsOfPart)] {
         match self {
             Self::CutIn => &[
@@ -62,7 +62,7 @@ pub enum Case {
 }
 
 impl Case {
-    /// The models' verdicts; `None` of a model that says nothing about the case.
+    /// The models' verdicts; `None` for a model that does not cover the case.
     pub fn verdicts(&self) -> PerModel<Option<Verdict>> {
         match self {
             Self::CutIn(case) => PerModel::new(|model| Some(case.drive(model))),

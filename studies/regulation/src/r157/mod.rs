@@ -1,16 +1,25 @@
 //! `timegap r157`: UN R157's matrices, by its performance models and by our control laws.
+//!
+//! ```text
+//! matrix ─► case ─┬─ models ──────────────► verdict ┐
+//!                 └─ law, brake on and off ► verdict ┴─► criterion: collisions where a model has none
+//! ```
 
+mod asked;
+mod columns;
 pub mod drive;
 pub mod judge;
 mod judged;
+mod kept;
 mod limits;
 pub mod matrix;
-mod page;
+mod pictures;
 mod plan;
-mod print;
 mod results;
 pub mod scene;
 pub mod settled;
+
+pub use columns::schema;
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -18,18 +27,18 @@ use std::process::ExitCode;
 
 use crate::table;
 use clap::Args;
+use frame::batch::{Done, Job};
+use frame::parts::{self, Merged, PartOptions};
+use frame::{Crew, Found, Gave, Needs, Options, Study};
 use group::{Error, Failure, GroupOptions};
 use judged::Judged;
+use kept::Kept;
 use matrix::{Case, Matrix};
-use plan::{Kept, Plan, first_scenario};
-use report::output::{OutputDirectory, OutputOptions};
+use plan::{Plan, first_scenario};
+use report::results::{Document, ResultOptions};
 use results::{MatrixResult, Results};
-use runtime::Mode;
 
-use frame::batch::{self, ProcessesSample, Repetition};
-use frame::parts::{self, Merged, Part, PartOptions, Study, name_incomplete};
-
-/// Words that the parts have said already, by their names.
+/// Options that a merge takes from the parts.
 const WITHOUT_MERGE: [&str; 4] = ["matrix", "controllers", "sample", "seed"];
 
 /// Arguments of `r157`.
@@ -57,107 +66,89 @@ pub struct R157Arguments {
     /// Write the models' outcomes of the cut-ins as a table
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
-    /// A part of the runs, or parts put together.
+    /// Parts of the study.
     #[command(flatten)]
     pub parts: PartOptions,
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
-    /// Where the results go.
+    /// Where the results go, and in which forms.
     #[command(flatten)]
-    pub output: OutputOptions,
-    /// Print the results as JSON, and nothing else, on standard output
-    #[arg(long)]
-    pub json: bool,
+    pub results: ResultOptions,
 }
 
 /// Runs the command.
 ///
 /// # Errors
-/// [`Error::Scenario`] for an unknown controller, [`NoCutIns`], else what keeps the runs from
-/// starting.
+/// [`Error::Scenario`] for an unknown controller, [`NoCutIns`], else as [`frame::study::run`].
 pub fn run(arguments: &R157Arguments) -> Result<ExitCode, Error> {
-    if arguments.parts.merge.is_empty() { drive(arguments) } else { merge(arguments) }
+    if let Some(path) = &arguments.csv {
+        let matrices = if arguments.parts.merge.is_empty() {
+            asked::matrices(arguments)
+        } else {
+            let out = arguments.results.output.out.as_deref();
+            let merged = Merged::<Kept>::read("r157", &arguments.parts.merge, out)?;
+            asked::matrices(&merged.study.arguments()?)
+        };
+        write_table(path, &matrices)?;
+    }
+    frame::study::run::<Plan>(arguments)
 }
 
-/// Does the runs that are left of this part.
-fn drive(arguments: &R157Arguments) -> Result<ExitCode, Error> {
-    let plan = Plan::of(arguments)?;
-    write_table(arguments.csv.as_deref(), &plan.matrices)?;
-    let runs = plan.runs();
-    let study = Study::of_this_command(runs, &first_scenario(arguments)?);
-    let (mut part, output) = Part::<Kept>::open(&arguments.parts, &arguments.output, study)?;
-    let left = part.left();
-    let bar = report::progress::count_bar(part.runs(), arguments.json);
-    bar.set_position((part.runs() - left.len()) as u64);
-    let repeated = part.repeated(&left, plan.settled.seed());
-    let at_once = batch::at_once(None, Mode::Lockstep);
-    let mut sample = ProcessesSample::default();
-    let work = |index: usize, going_on: &dyn Fn() -> bool| {
-        plan.drive(left[index], repeated.contains(&index), &arguments.group, going_on)
-    };
-    let mut each = |index: usize, driven: Result<(Kept, Option<Repetition>), Error>| {
-        let (kept, repetition) = driven?;
-        sample.count(left[index], repetition.as_ref());
-        part.keep(left[index], kept, repetition.as_ref())
-    };
-    let end = batch::share(left.len(), at_once, &bar, &work, &mut each);
-    let end = end.map(|()| sample);
-    part.finish(end, left.len(), &bar, &output)?;
-    let (shard, done) = (part.shard(), part.runs());
-    let (kept, sample) = part.into_results();
-    let sample = sample.agreed(|_| String::new())?;
-    if let Some(shard) = shard {
-        let (name, directory) = (String::from(shard), output.path().display());
-        eprintln!(
-            "shard {name}: {done} runs in {directory}; timegap r157 --merge puts all together"
-        );
-        return Ok(ExitCode::SUCCESS);
-    }
-    conclude(arguments, &plan, kept, sample, &output)
-}
+impl Study for Plan {
+    type Arguments = R157Arguments;
+    type Record = Kept;
+    type Seen = ();
 
-/// Puts parts together; without all of them a matrix has no figures.
-fn merge(arguments: &R157Arguments) -> Result<ExitCode, Error> {
-    let merged =
-        Merged::<Kept>::read("r157", &arguments.parts.merge, arguments.output.out.as_deref())?;
-    let of_parts: R157Arguments = merged.study.arguments()?;
-    let plan = Plan::of(&of_parts)?;
-    write_table(arguments.csv.as_deref(), &plan.matrices)?;
-    merged.check(plan.runs(), &first_scenario(&of_parts)?)?;
-    name_incomplete(&merged.incomplete);
-    if !merged.incomplete.is_empty() {
-        return Ok(ExitCode::FAILURE);
-    }
-    let output = OutputDirectory::create(&arguments.output, "r157")?;
-    let (results, sample) = merged.into_results()?;
-    conclude(arguments, &plan, results, sample, &output)
-}
+    const NAME: &'static str = "r157";
+    const NEEDS: Needs = Needs::All;
 
-/// Judges, writes and prints.
-fn conclude(
-    arguments: &R157Arguments,
-    plan: &Plan,
-    kept: Vec<Option<Kept>>,
-    processes_sample: ProcessesSample,
-    output: &OutputDirectory,
-) -> Result<ExitCode, Error> {
-    let judged = plan.judged(&kept)?.expect("every run has its verdict");
-    let matrices: Vec<MatrixResult> = judged.iter().map(Judged::result).collect();
-    let ok = matrices.iter().all(MatrixResult::holds);
-    let results = Results { schema_version: 1, ok, matrices, processes_sample };
-    let json = serde_json::to_string_pretty(&results).expect("plain data") + "\n";
-    let written = output.write("r157.json", json.as_bytes());
-    let written =
-        written.and_then(|()| output.write(report::FILE, page::page(&results, &judged).as_bytes()));
-    if arguments.json {
-        report::print::out(&json)?;
-    } else {
-        report::print::out(&print::text(&results))?;
-        report::print::out(&output.places())?;
+    fn options(arguments: &R157Arguments) -> Options<'_> {
+        let R157Arguments { parts, group, results, .. } = arguments;
+        Options { parts: Some(parts), jobs: None, group, results }
     }
-    written?;
-    Ok(if ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+
+    fn plan(arguments: &R157Arguments) -> Result<Self, Error> {
+        Self::of(arguments)
+    }
+
+    fn runs(&self) -> usize {
+        self.number_of_runs()
+    }
+
+    fn seed(&self) -> u64 {
+        self.settled.seed()
+    }
+
+    fn subject(&self) -> Result<String, Error> {
+        Ok(first_scenario(self.settled.seed())?.to_toml())
+    }
+
+    fn job(&self, run: usize) -> Result<Job, Error> {
+        self.first_of(run).map(Job::lockstep)
+    }
+
+    fn record(&self, _: usize, _: &Job, result: Result<Done, Error>) -> Result<(Kept, ()), Error> {
+        Ok((Kept::alone(&result?), ()))
+    }
+
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<Kept, ()>, Error> {
+        let (record, repetition) =
+            self.drive_case(run, crew.repeats(run), crew.group(), crew.going_on())?;
+        Ok(Gave { record, seen: (), repetition })
+    }
+
+    fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
+        let mut kept = vec![None; self.number_of_runs()];
+        for (run, record) in found.records.all()? {
+            kept[run] = Some(record);
+        }
+        let judged = self.judged(&kept)?.expect("the frame judges whole studies alone");
+        let matrices: Vec<MatrixResult> = judged.iter().map(Judged::result).collect();
+        let ok = matrices.iter().all(MatrixResult::holds);
+        let results = Results { schema_version: 1, ok, matrices, processes_sample: found.sample };
+        Ok(columns::document(&results, &judged))
+    }
 }
 
 /// A table of cut-ins is to be written, and no matrix has any.
@@ -167,8 +158,7 @@ pub struct NoCutIns;
 
 impl Failure for NoCutIns {}
 
-fn write_table(path: Option<&Path>, matrices: &[(Matrix, Vec<Case>)]) -> Result<(), Error> {
-    let Some(path) = path else { return Ok(()) };
+fn write_table(path: &Path, matrices: &[(Matrix, Vec<Case>)]) -> Result<(), Error> {
     let cut_ins: Vec<_> = matrices
         .iter()
         .flat_map(|(_, cases)| cases)

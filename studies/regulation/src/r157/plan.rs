@@ -1,32 +1,28 @@
-//! What is driven, and what need not be: runs that would be the same to the byte are driven once.
+//! The runs of the study. Drives that would have the same bytes are driven once.
 //!
-//! * The emergency brake reaches nothing but the plant, and the plant only while it brakes or holds. A run in which it
-//!   never did is the run without it.
-//! * Where a scenario has no signals, a law may be another one
-//!   ([`without_signals`](controller::law::Descriptor::without_signals)).
+//! * The emergency brake reaches the plant alone, while it brakes or holds. A run in which it never did so equals the
+//!   run without it.
+//! * Without signals, a law may equal another law ([`without_signals`](controller::law::Descriptor::without_signals)).
 //!
-//! A run of the study is therefore a case driven by a law, with and without the brake, for all laws that are the same
-//! there. Of those that are chosen to be repeated, the drives that it took are repeated in process groups, by one of
-//! the laws in turn; every other driver drives the case on its own in one process, and a verdict that is not the
-//! shared one is a difference like other bytes.
+//! So a run of the study is a case with one group of equal laws, with and without the brake. Some runs are chosen to be
+//! repeated. One law of the group, in turn, repeats its drives in process groups. Every other driver drives the case
+//! alone, in one process. A verdict that differs from the shared one counts like other bytes.
 
 use std::collections::BTreeSet;
 
-use crate::{Model, Outcome, Verdict};
-use clap::ValueEnum;
+use crate::{Model, Verdict};
 use controller::laws;
-use group::{Error, Failure, GroupOptions};
+use group::{Error, GroupOptions};
 use scenario::Scenario;
-use serde::{Deserialize, Serialize};
 
 use super::R157Arguments;
+use super::asked::{matrices, names, refuse, seed};
 use super::drive::Driver;
-use super::judge;
 use super::judged::{Driven, Judged};
-use super::matrix::{self, Case, Matrix};
+use super::kept::{End, Kept, Shared};
+use super::matrix::{Case, Matrix};
 use super::scene;
 use super::settled::Settled;
-use frame::batch::laws::{LawsError, own_named};
 use frame::batch::{self, Done, Repetition};
 
 /// Laws whose runs are the same.
@@ -65,42 +61,22 @@ pub struct Plan {
     laws: Vec<Laws>,
 }
 
-/// A verdict in the journal of a part.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-struct End {
-    outcome: u8,
-    impact_mps: f64,
-}
-
-/// How a case ended with a law.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Kept {
-    alone: End,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    with_brake: Option<End>,
-}
-
 impl Plan {
     /// The study that the arguments ask for.
     ///
     /// # Errors
-    /// [`Error::Scenario`] for an unknown law; [`Refused`].
+    /// [`Error::Scenario`] for an unknown law; [`Refused`](super::asked::Refused).
     pub fn of(arguments: &R157Arguments) -> Result<Self, Error> {
         refuse(arguments)?;
         let settled = Settled::new(seed(arguments).into());
         let names = names(arguments)?;
         let laws = laws_of(&names, &settled)?;
-        let mut matrices = arguments.matrix.clone();
-        if matrices.is_empty() {
-            matrices = Matrix::value_variants().to_vec();
-        }
-        matrices.sort_unstable();
-        let matrices = matrices.into_iter().map(|matrix| (matrix, cases(matrix, arguments)));
-        Ok(Self { settled, matrices: matrices.collect(), drivers: drivers_of(names, &laws), laws })
+        let drivers = drivers_of(names, &laws);
+        Ok(Self { settled, matrices: matrices(arguments), drivers, laws })
     }
 
     /// Number of runs.
-    pub fn runs(&self) -> usize {
+    pub fn number_of_runs(&self) -> usize {
         self.matrices.iter().map(|(_, cases)| cases.len() * self.laws.len()).sum()
     }
 
@@ -116,11 +92,21 @@ impl Plan {
         unreachable!("the runs are numbered up to their count")
     }
 
+    /// The first drive of run number `run`.
+    ///
+    /// # Errors
+    /// As [`scene::scenario`].
+    pub fn first_of(&self, run: usize) -> Result<Scenario, Error> {
+        let (laws, case) = self.place(run);
+        let driver = Driver { law: laws.names[0].clone(), aebs: laws.with_brake };
+        scene::scenario(case, &driver, &self.settled)
+    }
+
     /// Drives run number `run`: as often as it takes, or `repeat`ing it in process groups and with every driver.
     ///
     /// # Errors
     /// As [`batch::lockstep`]; [`batch::Aborted`].
-    pub fn drive(
+    pub fn drive_case(
         &self,
         run: usize,
         repeat: bool,
@@ -159,7 +145,7 @@ impl Plan {
         Ok((kept, Some(repetition)))
     }
 
-    /// The models' verdicts and those of all drivers; none if a run is missing.
+    /// The verdicts of models and drivers; `None` if a run is missing.
     ///
     /// # Errors
     /// As [`Settled::gap_m`], for the gaps from which cut-outs are judged.
@@ -185,7 +171,7 @@ impl Plan {
         Ok(Some(all))
     }
 
-    /// How `careful-driver` ends cut-outs from the gap that a law keeps; `None` for other cases.
+    /// Verdicts of `careful-driver` on cut-outs from a law's gap; `None` for other cases.
     fn yardstick(&self, laws: &Laws, cases: &[Case]) -> Result<Option<Vec<Verdict>>, Error> {
         let cut_outs = cases.iter().filter_map(|case| match case {
             Case::CutOut(case) => Some(case),
@@ -200,95 +186,14 @@ impl Plan {
     }
 }
 
-/// A scenario that tells one version of the models and laws from another.
+/// A scenario that identifies the study in its parts.
 ///
 /// # Errors
 /// As [`scene::scenario`].
-pub fn first_scenario(arguments: &R157Arguments) -> Result<Scenario, Error> {
+pub fn first_scenario(seed: u64) -> Result<Scenario, Error> {
     let law = laws::ALL[0].name.to_owned();
     let driver = Driver { law, aebs: false };
-    scene::scenario(&Matrix::Following.cases()[0], &driver, &Settled::new(seed(arguments).into()))
-}
-
-/// How a case ended with laws that are the same, and what it took.
-struct Shared {
-    kept: Kept,
-    /// The emergency brake braked, so that the case was driven without it too.
-    brake_acted: bool,
-}
-
-impl Shared {
-    /// The ends with and without the emergency brake, of one run if it never braked.
-    fn of(with_brake: bool, drive: &dyn Fn(bool) -> Result<Done, Error>) -> Result<Self, Error> {
-        let braked = with_brake.then(|| drive(true)).transpose()?;
-        let silent = braked.as_ref().filter(|done| done.summary.aebs.interventions == Some(0));
-        let alone = match silent {
-            Some(done) => End::of(done),
-            None => End::of(&drive(false)?),
-        };
-        let brake_acted = with_brake && silent.is_none();
-        Ok(Self { kept: Kept { alone, with_brake: braked.as_ref().map(End::of) }, brake_acted })
-    }
-}
-
-impl End {
-    fn of(done: &Done) -> Self {
-        let verdict = judge::verdict(&done.drive);
-        Self { outcome: verdict.outcome.digit(), impact_mps: verdict.impact_speed_mps }
-    }
-
-    fn verdict(self) -> Verdict {
-        let outcome = Outcome::from_digit(self.outcome).unwrap_or(Outcome::None);
-        Verdict { outcome, impact_speed_mps: self.impact_mps }
-    }
-}
-
-impl Kept {
-    fn end(&self, aebs: bool) -> Option<End> {
-        if aebs { self.with_brake } else { Some(self.alone) }
-    }
-}
-
-/// Why what is asked for is no study.
-#[derive(Debug, thiserror::Error)]
-pub enum Refused {
-    /// A matrix would count twice.
-    #[error("--matrix: {} is there twice, expected each once", .0.name())]
-    Twice(Matrix),
-    /// There is no random number in the study.
-    #[error("--seed {0}: the models have no noise, and no cases are drawn without --sample")]
-    Seed(u32),
-}
-
-impl Failure for Refused {}
-
-fn refuse(arguments: &R157Arguments) -> Result<(), Refused> {
-    let matrices = arguments.matrix.iter().enumerate();
-    let mut twice = matrices.filter(|(place, matrix)| arguments.matrix[..*place].contains(matrix));
-    if let Some((_, matrix)) = twice.next() {
-        return Err(Refused::Twice(*matrix));
-    }
-    match (arguments.models_only, arguments.sample, arguments.seed) {
-        (true, None, Some(seed)) => Err(Refused::Seed(seed)),
-        _ => Ok(()),
-    }
-}
-
-fn seed(arguments: &R157Arguments) -> u32 {
-    arguments.seed.unwrap_or(1)
-}
-
-fn cases(matrix: Matrix, arguments: &R157Arguments) -> Vec<Case> {
-    let cases = matrix.cases();
-    match arguments.sample {
-        Some(count) => matrix::sample(cases, count.get(), seed(arguments).into()),
-        None => cases,
-    }
-}
-
-/// The laws as they are named; none for the models alone.
-fn names(arguments: &R157Arguments) -> Result<Vec<String>, LawsError> {
-    if arguments.models_only { Ok(Vec::new()) } else { own_named(&arguments.controllers) }
+    scene::scenario(&Matrix::Following.cases()[0], &driver, &Settled::new(seed))
 }
 
 /// Puts laws together that are the same without signals.
@@ -325,7 +230,10 @@ fn drivers_of(names: Vec<String>, laws: &[Laws]) -> Vec<Driver> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::judge;
+    use super::super::matrix;
     use super::*;
+    use clap::ValueEnum;
     use std::collections::BTreeMap;
     use std::num::NonZeroUsize;
 
@@ -340,7 +248,7 @@ mod tests {
         R157Arguments::from_arg_matches(&matches).expect("they are arguments")
     }
 
-    /// The digests of what was sent but for what tells of the brake, and the times that the brake acted.
+    /// Digests of all messages except the brake's own, and the count of its interventions.
     fn drive(case: &Case, law: &str, aebs: bool) -> (BTreeMap<String, String>, u64) {
         let driver = Driver { law: law.into(), aebs };
         let scenario = scene::scenario(case, &driver, &Settled::new(1)).expect("a law");
@@ -423,10 +331,10 @@ mod tests {
         let controllers = ["--controllers", "six-mode,cacc-mpc,acc-mpc"];
         let plan = Plan::of(&R157Arguments { sample, ..arguments(&controllers) }).expect("laws");
         assert_eq!(plan.laws.len(), 2, "cacc-mpc and acc-mpc are one");
-        assert_eq!((plan.drivers.len(), plan.runs()), (6, 12));
+        assert_eq!((plan.drivers.len(), plan.number_of_runs()), (6, 12));
         let group = arguments(&[]).group;
-        let drive = |run| plan.drive(run, false, &group, &|| true).expect("it runs").0;
-        let kept: Vec<_> = (0..plan.runs()).map(|run| Some(drive(run))).collect();
+        let drive = |run| plan.drive_case(run, false, &group, &|| true).expect("it runs").0;
+        let kept: Vec<_> = (0..plan.number_of_runs()).map(|run| Some(drive(run))).collect();
         for judged in plan.judged(&kept).expect("it runs").expect("none is missing") {
             let drivers: Vec<_> =
                 judged.laws.iter().map(|d| (d.driver.law.as_str(), d.driver.aebs)).collect();

@@ -1,4 +1,4 @@
-//! What is counted and kept of the cases.
+//! Counts over the cases.
 
 use frame::batch::ProcessesSample;
 use std::collections::BTreeMap;
@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use crate::Model;
 use serde::Serialize;
 
-use super::limits::{Limit, are_few};
+use super::limits::{COLLISIONS_OF_REGULATION, Limit, are_few};
 
 /// The whole, as `--json` prints it.
 #[derive(Debug, Serialize)]
@@ -29,7 +29,7 @@ pub struct MatrixResult {
     /// The figures over all its cases.
     #[serde(flatten)]
     pub all: Figures,
-    /// The same of its parts, by name; empty if it has none.
+    /// Figures of its parts, by name; empty without parts.
     pub parts: BTreeMap<&'static str, Figures>,
 }
 
@@ -38,7 +38,7 @@ pub struct MatrixResult {
 pub struct Figures {
     /// Number of cases.
     pub cases: u32,
-    /// Collisions of both kinds with each model; null where the model says nothing.
+    /// Collisions of both kinds with each model; null where the model covers no case.
     pub models: BTreeMap<&'static str, Option<u32>>,
     /// The rear-end ones among them.
     pub models_rear_end: BTreeMap<&'static str, Option<u32>>,
@@ -46,7 +46,7 @@ pub struct Figures {
     pub mastered_by_both: u32,
     /// The control laws.
     pub laws: Vec<LawResult>,
-    /// What a law with the emergency brake has to hold over these cases.
+    /// Limits over these cases.
     #[serde(skip)]
     pub limits: &'static [Limit],
 }
@@ -64,11 +64,11 @@ pub struct LawResult {
     pub rear_end: u32,
     /// Collisions in cases that a model masters.
     pub avoidable: Avoidable,
-    /// What `careful-driver` does from the gap that the law keeps; null where there are no cut-outs.
+    /// Figures of `careful-driver` from the law's gap; null without cut-outs.
     pub from_its_gap: Option<FromItsGap>,
     /// Mean speed difference at the contact over the collisions, m/s; null without one.
     pub mean_impact_mps: Option<f64>,
-    /// The same of `regulation`, or of `careful-driver` where that says nothing, over the same cases.
+    /// The same figure of `regulation`, else of `careful-driver`, over the same cases.
     pub model_impact_mps: Option<f64>,
 }
 
@@ -78,12 +78,12 @@ pub struct LawResult {
 pub struct Avoidable {
     /// `careful-driver`.
     pub careful_driver: u32,
-    /// `regulation`; null where it says nothing.
+    /// `regulation`; null where it covers no case.
     pub regulation: Option<u32>,
     /// Both of them.
     pub both: u32,
-    /// Those of `both` in which a contact at constant speeds lasts for less than a step of the models, which
-    /// they may not see; null where there are no cut-ins.
+    /// Collisions of `both` in cases whose contact at constant speeds is shorter than a step of the models. The
+    /// models may not see it; null without cut-ins.
     pub both_within_a_step: Option<u32>,
 }
 
@@ -98,6 +98,22 @@ pub struct FromItsGap {
     pub avoidable: u32,
 }
 
+impl LawResult {
+    /// The law, with or without the emergency brake.
+    pub fn driver(&self) -> String {
+        let with = if self.aebs { " + AEBS" } else { "" };
+        format!("{}{with}", self.law)
+    }
+}
+
+/// A number of cases and its share of `all`.
+fn share(count: u32, all: u32) -> String {
+    if all == 0 {
+        return count.to_string();
+    }
+    format!("{count} of {all}, {:.2} %", 100.0 * f64::from(count) / f64::from(all))
+}
+
 impl MatrixResult {
     /// Whether every law holds its limits, over the whole and in each part.
     pub fn holds(&self) -> bool {
@@ -107,22 +123,60 @@ impl MatrixResult {
 }
 
 impl Figures {
-    /// Whether `law` holds all its limits over these cases.
+    /// The criterion of these cases with the laws beyond it, with and without the emergency brake; `None` where
+    /// no limit stands.
+    pub fn criterion(&self) -> Option<String> {
+        let words: Vec<_> = self.limits.iter().map(|limit| limit.criterion()).collect();
+        if words.is_empty() || self.laws.is_empty() {
+            return None;
+        }
+        let beyond = |aebs: bool| {
+            let laws = self.laws.iter().filter(|law| law.aebs == aebs && !self.is_within(law));
+            let named = laws.map(|law| format!("{} ({})", law.driver(), self.blamed(law)));
+            let named: Vec<_> = named.collect();
+            if named.is_empty() {
+                "every law is within it".to_owned()
+            } else {
+                named.join(", ") + " beyond it"
+            }
+        };
+        let criterion = words.join("; ");
+        let (with, alone) = (beyond(true), beyond(false));
+        Some(format!("criterion: {criterion}. With the emergency brake {with}; alone {alone}"))
+    }
+
+    /// The collisions that break the limits of a law.
+    fn blamed(&self, law: &LawResult) -> String {
+        let broken = self.limits.iter().find(|limit| self.holds_limit(law, **limit) == Some(false));
+        match (broken, &law.from_its_gap) {
+            (Some(Limit::MasteredByBoth), _) => share(law.avoidable.both, self.mastered_by_both),
+            (Some(Limit::MasteredFromItsGap), Some(model)) => {
+                share(model.avoidable, model.mastered)
+            }
+            _ => format!("{} of {} collide", law.collisions, self.cases),
+        }
+    }
+
+    /// Whether `law` holds all that it has to: a law alone has no limit.
     pub fn holds(&self, law: &LawResult) -> bool {
+        !law.aebs || self.is_within(law)
+    }
+
+    /// Whether `law` is within all limits, alone too.
+    pub fn is_within(&self, law: &LawResult) -> bool {
         self.limits.iter().all(|limit| self.holds_limit(law, *limit) != Some(false))
     }
 
-    /// Whether `law` holds `limit`; `None` where that does not apply: to other cases, or to a law without the
-    /// emergency brake.
+    /// Whether `law` is within `limit`; `None` where that does not apply to these cases.
     pub fn holds_limit(&self, law: &LawResult, limit: Limit) -> Option<bool> {
-        if !(law.aebs && self.limits.contains(&limit)) {
+        if !self.limits.contains(&limit) {
             return None;
         }
         match limit {
             Limit::MasteredByBoth => Some(are_few(law.avoidable.both, self.mastered_by_both)),
             Limit::ThirdOfRegulation => {
                 let regulation = self.models[Model::Regulation.name()]?;
-                Some(3 * law.collisions <= regulation)
+                Some(COLLISIONS_OF_REGULATION * law.collisions <= regulation)
             }
             Limit::NoCollision => Some(law.collisions == 0),
             Limit::MasteredFromItsGap => {

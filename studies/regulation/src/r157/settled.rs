@@ -1,8 +1,7 @@
-//! The gap that a law keeps behind a lead of its own speed: where the cases with a lead begin.
+//! The gap that a law keeps behind a lead of its own speed. Cases with a lead begin there.
 //!
-//! The ego's set speed is the lead's speed, so that a law which keeps less than the first gap has no reason to close
-//! up. What it does keep is found by driving: once for each law and speed, and then every case begins there, at the
-//! lead's speed and without acceleration, instead of driving there anew.
+//! The ego's set speed is the lead's speed, so that a law has no reason to close up from a larger gap. The gap is found
+//! by one drive for each law and speed. Every case then begins there, at the lead's speed and without acceleration.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -36,7 +35,7 @@ pub struct Settled {
 }
 
 impl Settled {
-    /// Of drives with this seed, none driven yet.
+    /// Gaps of drives with this seed, before the first drive.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self { seed, gaps_m: Mutex::default() }

@@ -1,0 +1,62 @@
+//! The arguments as matrices, cases and laws.
+
+use clap::ValueEnum;
+use frame::batch::laws::{LawsError, own_named};
+use group::Failure;
+
+use super::R157Arguments;
+use super::matrix::{self, Case, Matrix};
+
+/// Arguments that make no study.
+#[derive(Debug, thiserror::Error)]
+pub enum Refused {
+    /// A matrix would count twice.
+    #[error("--matrix: {} is there twice, expected each once", .0.name())]
+    Twice(Matrix),
+    /// There is no random number in the study.
+    #[error("--seed {0}: the models have no noise, and no cases are drawn without --sample")]
+    Seed(u32),
+}
+
+impl Failure for Refused {}
+
+/// Refuses arguments that contradict each other.
+pub fn refuse(arguments: &R157Arguments) -> Result<(), Refused> {
+    let matrices = arguments.matrix.iter().enumerate();
+    let mut twice = matrices.filter(|(place, matrix)| arguments.matrix[..*place].contains(matrix));
+    if let Some((_, matrix)) = twice.next() {
+        return Err(Refused::Twice(*matrix));
+    }
+    match (arguments.models_only, arguments.sample, arguments.seed) {
+        (true, None, Some(seed)) => Err(Refused::Seed(seed)),
+        _ => Ok(()),
+    }
+}
+
+/// The matrices that the arguments name, with their cases.
+pub fn matrices(arguments: &R157Arguments) -> Vec<(Matrix, Vec<Case>)> {
+    let mut matrices = arguments.matrix.clone();
+    if matrices.is_empty() {
+        matrices = Matrix::value_variants().to_vec();
+    }
+    matrices.sort_unstable();
+    matrices.into_iter().map(|matrix| (matrix, cases(matrix, arguments))).collect()
+}
+
+/// Seed of the drawn cases and of the noise.
+pub fn seed(arguments: &R157Arguments) -> u32 {
+    arguments.seed.unwrap_or(1)
+}
+
+fn cases(matrix: Matrix, arguments: &R157Arguments) -> Vec<Case> {
+    let cases = matrix.cases();
+    match arguments.sample {
+        Some(count) => matrix::sample(cases, count.get(), seed(arguments).into()),
+        None => cases,
+    }
+}
+
+/// The named laws; empty for the models alone.
+pub fn names(arguments: &R157Arguments) -> Result<Vec<String>, LawsError> {
+    if arguments.models_only { Ok(Vec::new()) } else { own_named(&arguments.controllers) }
+}
