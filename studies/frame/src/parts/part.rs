@@ -1,0 +1,219 @@
+//! A part under way.
+
+use std::collections::BTreeSet;
+
+use group::Error;
+use indicatif::ProgressBar;
+use report::output::{OutputDirectory, OutputOptions};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use super::journal::{self, Journal, JournalError};
+use super::{
+    FILE, Line, PartError, PartFile, PartOptions, Records, Shard, ShardChoice, Study, read_file,
+};
+use crate::batch::{ProcessesSample, Repetition};
+
+/// A part under way: its journal and what is left to do.
+pub struct Part<T> {
+    shard: Option<Shard>,
+    study: Study,
+    journal: Option<Journal>,
+    records: Records<T>,
+    sample: ProcessesSample,
+}
+
+impl<T: Serialize + DeserializeOwned> Part<T> {
+    /// Opens the directory of a part, or of the whole study. Without the options of parts, no run is written before the
+    /// end.
+    ///
+    /// # Errors
+    /// [`ArrayJobError`](super::ArrayJobError), [`PartError`], [`JournalError`], or a file cannot be read or written.
+    pub fn open(
+        options: &PartOptions,
+        output: &OutputOptions,
+        study: Study,
+    ) -> Result<(Self, OutputDirectory), Error> {
+        let name = study.words.first().cloned().unwrap_or_default();
+        Self::open_as(&name, options, output, study, false)
+    }
+
+    /// The same with a name for the directory; with a journal in any case where there are too many records for
+    /// memory.
+    ///
+    /// # Errors
+    /// As [`Part::open`].
+    pub fn open_as(
+        name: &str,
+        options: &PartOptions,
+        output: &OutputOptions,
+        study: Study,
+        keeps_journal: bool,
+    ) -> Result<(Self, OutputDirectory), Error> {
+        let shard = options.shard.map(ShardChoice::resolve).transpose()?;
+        let directory = match &options.resume {
+            Some(path) => OutputDirectory::resume(path, FILE)?,
+            None => OutputDirectory::create(output, name)?,
+        };
+        let records = Records::new(study.runs);
+        let sample = ProcessesSample::default();
+        let mut part = Self { shard, journal: None, records, sample, study };
+        if shard.is_some() || options.resume.is_some() || keeps_journal {
+            part.begin(&directory)?;
+        }
+        Ok((part, directory))
+    }
+
+    fn begin(&mut self, directory: &OutputDirectory) -> Result<(), Error> {
+        let path = directory.path().join(FILE);
+        let own = PartFile { study: self.study.clone(), shard: self.shard };
+        if path.exists() {
+            if read_file(&path)? != own {
+                return Err(PartError::OtherStudy(directory.path().to_owned()).into());
+            }
+        } else {
+            let text = serde_json::to_string_pretty(&own).expect("plain data") + "\n";
+            directory.write(FILE, text.as_bytes())?;
+        }
+        let Self { records, sample, shard, .. } = self;
+        records.begin(&directory.path().join(journal::FILE));
+        let mut each = |place, line| Ok(take::<T>(records, sample, *shard, place, line)?);
+        self.journal = Some(Journal::open(directory.path(), &mut each)?);
+        Ok(())
+    }
+
+    /// The runs of this part that are left to do.
+    pub fn left(&self) -> Vec<usize> {
+        self.mine().filter(|run| !self.records.has(*run)).collect()
+    }
+
+    /// The runs of this part.
+    fn mine(&self) -> impl Iterator<Item = usize> {
+        (0..self.study.runs).filter(|run| holds(self.shard, *run))
+    }
+
+    /// Which part it is; none: the whole.
+    pub fn shard(&self) -> Option<Shard> {
+        self.shard
+    }
+
+    /// Runs of this part.
+    pub fn runs(&self) -> usize {
+        self.mine().count()
+    }
+
+    /// Places in `left` of the runs that are repeated in process groups.
+    pub fn repeated(&self, left: &[usize], seed: u64) -> BTreeSet<usize> {
+        let chosen = crate::batch::choose(seed, self.study.runs);
+        (0..left.len()).filter(|place| chosen.contains(&left[*place])).collect()
+    }
+
+    /// The runs of the whole study that are repeated in process groups.
+    pub(crate) fn sampled(&self, seed: u64) -> BTreeSet<usize> {
+        crate::batch::choose(seed, self.study.runs)
+    }
+
+    /// Keeps the record of a run.
+    ///
+    /// # Errors
+    /// If the journal cannot be written.
+    pub fn keep(
+        &mut self,
+        run: usize,
+        result: T,
+        repetition: Option<&Repetition>,
+    ) -> Result<(), Error> {
+        let same_in_processes = repetition.map(|repetition| *repetition == Repetition::Same);
+        let line = Line { run, same_in_processes, result };
+        self.sample.count(run, repetition);
+        match &mut self.journal {
+            Some(journal) => Ok(self.records.add(run, journal.add(&line)?, true)?),
+            None => {
+                self.records.keep(run, journal::as_read_back(&line).result);
+                Ok(())
+            }
+        }
+    }
+
+    /// Reports the runs that were done of this part, `count` of them: those that were repeated in
+    /// process groups, or, if they ended early, how to go on.
+    ///
+    /// # Errors
+    /// What ended them early.
+    pub fn finish(
+        &self,
+        end: Result<ProcessesSample, Error>,
+        count: usize,
+        bar: &ProgressBar,
+        directory: &OutputDirectory,
+    ) -> Result<(), Error> {
+        if let Ok(sample) = &end {
+            sample.print(count, bar);
+        }
+        bar.finish_and_clear();
+        if end.is_err() {
+            self.print_how_to_continue(directory);
+        }
+        end.map(|_| ())
+    }
+
+    /// Prints the command that continues runs which ended early.
+    pub(crate) fn print_how_to_continue(&self, directory: &OutputDirectory) {
+        if self.journal.is_some() {
+            let (done, all) = (self.records.len(), self.runs());
+            let command = runtime::command_line(&self.study.words);
+            let shard = self
+                .shard
+                .map_or_else(String::new, |shard| format!(" --shard {}", String::from(shard)));
+            let path = directory.path().display();
+            eprintln!(
+                "{done} of {all} runs are kept; to continue: timegap {command}{shard} --resume {path}"
+            );
+        }
+    }
+
+    /// The records of the runs, and the result of the repeated ones.
+    pub fn into_records(self) -> (Records<T>, ProcessesSample) {
+        (self.records, self.sample)
+    }
+
+    /// The records by the numbers of their runs, and the result of the repeated ones.
+    ///
+    /// # Panics
+    /// If the journal can no longer be read.
+    pub fn into_results(self) -> (Vec<Option<T>>, ProcessesSample) {
+        let (runs, sample) = (self.study.runs, self.sample);
+        (by_number(runs, self.records).expect("the journal is there"), sample)
+    }
+}
+
+/// Records in a list of all runs.
+pub(crate) fn by_number<T: DeserializeOwned>(
+    runs: usize,
+    records: Records<T>,
+) -> Result<Vec<Option<T>>, Error> {
+    let mut results: Vec<Option<T>> = std::iter::repeat_with(|| None).take(runs).collect();
+    for (run, record) in records.all()? {
+        results[run] = Some(record);
+    }
+    Ok(results)
+}
+
+/// Whether a run belongs to a part. Nothing else decides it.
+pub(crate) fn holds(shard: Option<Shard>, run: usize) -> bool {
+    shard.is_none_or(|shard| shard.holds(run))
+}
+
+/// Takes a line of the journal of a part.
+pub(crate) fn take<T>(
+    records: &mut Records<T>,
+    sample: &mut ProcessesSample,
+    shard: Option<Shard>,
+    place: journal::Place,
+    line: Line<T>,
+) -> Result<(), JournalError> {
+    records.add(line.run, place, holds(shard, line.run))?;
+    let repetition = line.same_in_processes.map(Repetition::of_same);
+    sample.count(line.run, repetition.as_ref());
+    Ok(())
+}
