@@ -1,4 +1,13 @@
-//! What is swept: keys of a scenario, each with its values, and their grid.
+//! Keys of a scenario with the values that they take, and their grid.
+//!
+//! ```
+//! use frame::param::{Param, grid};
+//!
+//! let delay = Param::parse("runtime.extra_delay_ms=0..20/10").unwrap();
+//! let law = Param::parse("controller.name=acc-mpc,six-mode").unwrap();
+//! assert_eq!(delay.values, ["0", "10", "20"]);
+//! assert_eq!(grid(&[delay, law]).len(), 6);
+//! ```
 
 use group::{Failure, ScenarioOptions};
 
@@ -14,13 +23,13 @@ pub enum ValuesError {
     /// `A..B` without `/STEP`.
     #[error("the range has no step")]
     NoStep,
-    /// Nothing between two commas.
+    /// There is nothing between two commas.
     #[error("a value is missing")]
     Missing,
     /// A list names a value again.
     #[error("{0} is there twice")]
     Twice(String),
-    /// A part of a range.
+    /// A part of a range is not a number.
     #[error("`{0}` is not a number")]
     NotANumber(String),
     /// A range that would not move on.
@@ -84,7 +93,7 @@ pub struct KeySetElsewhere {
 
 impl Failure for KeySetElsewhere {}
 
-/// Refuses an option that says what a swept key is.
+/// Refuses an option that sets a swept key.
 ///
 /// # Errors
 /// [`KeySetElsewhere`].

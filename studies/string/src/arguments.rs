@@ -1,4 +1,4 @@
-//! What the command is asked for.
+//! The command's arguments, read and checked.
 
 use std::num::NonZeroUsize;
 
@@ -44,7 +44,7 @@ pub struct StringArguments {
         default_missing_value = USUAL_FREQUENCIES
     )]
     pub frequencies: Option<String>,
-    /// Find the value of a key at which each law ceases to be string stable: `KEY=A..B/STEP` or
+    /// Find the value of a key at which each law stops to be string stable: `KEY=A..B/STEP` or
     /// `KEY=a,b,c`
     #[arg(long = "param", value_name = "KEY=VALUES")]
     pub param: Option<String>,
@@ -87,7 +87,7 @@ pub enum StringError {
         #[source]
         reason: FrequenciesError,
     },
-    /// The key is what the sentence about each value is of.
+    /// The swept key is the law itself.
     #[error("--param {key}: each law has a limit of its own, expected laws by --controllers")]
     SweptLaw {
         /// The key.
@@ -103,7 +103,7 @@ impl Failure for StringError {}
 /// What is wrong with a list or range of frequencies.
 #[derive(Debug, thiserror::Error)]
 pub enum FrequenciesError {
-    /// A list is none.
+    /// A list cannot be read.
     #[error(transparent)]
     List(#[from] ValuesError),
     /// No car follows at such a frequency.
@@ -120,7 +120,7 @@ pub enum FrequenciesError {
     Backwards,
 }
 
-/// What is driven, read and checked.
+/// The strings to drive, read and checked.
 #[derive(Debug)]
 pub struct Task {
     /// The string behind what the scenario says.

@@ -1,4 +1,4 @@
-//! Strings on their way: car by car, several cars at a time.
+//! Strings as a study: car by car, several cars at a time.
 //!
 //! The workers take the cars in their order. In one process a car drives a moment behind the one before it
 //! ([`super::growing`]); in process groups each waits for the whole motion of that one.
@@ -30,7 +30,7 @@ const TRACE_POINTS: usize = 400;
 /// The drive of one car.
 #[derive(Clone, Debug)]
 pub struct Driven {
-    /// Where it began.
+    /// Its place in the string.
     pub place: Place,
     /// Its law.
     pub controller: String,
@@ -40,7 +40,7 @@ pub struct Driven {
     pub figures: ControlFigures,
     /// Norms of its speeds and gaps.
     pub measured: Measured,
-    /// What it made of a sine.
+    /// Amplitudes behind a sine.
     pub amplitudes: Option<Amplitudes>,
     /// Time, s, position of its front bumper from the first car's start, m, and speed, m/s; empty
     /// behind a sine.

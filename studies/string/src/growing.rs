@@ -1,8 +1,8 @@
 //! The motion of a car while it drives, for the car behind it, which drives at the same time.
 //!
-//! Points come in portions, and the car behind waits for those that it is about to look at. What it has
-//! been given must be the beginning of the whole motion; a car that ends early may have other points than
-//! it gave, and is then driven behind again.
+//! Points come in portions, and the car behind waits for the points that it needs next. The given points must be the
+//! beginning of the whole motion. A car that ends early may have other points than it gave: then the car behind is
+//! driven again.
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 
@@ -27,7 +27,7 @@ pub struct Growing {
 #[derive(Debug, Default)]
 struct State {
     given: Vec<SpeedPoint>,
-    /// What was given is not the beginning of the motion.
+    /// The given points are not the beginning of the motion.
     is_revoked: bool,
     end: Option<End>,
 }
@@ -35,7 +35,7 @@ struct State {
 #[derive(Debug)]
 enum End {
     Whole(Motion),
-    /// There is none: the drive failed or was interrupted.
+    /// There is no motion: the drive failed or was interrupted.
     Failed,
 }
 
@@ -54,7 +54,7 @@ impl Growing {
         self.changed.notify_all();
     }
 
-    /// What was given so far counts no more.
+    /// Revokes the points that were given.
     pub fn revoke(&self) {
         self.state().is_revoked = true;
         self.changed.notify_all();
@@ -136,7 +136,7 @@ impl<'a> Giver<'a> {
         Self { growing, stride, next: 0, portion: Vec::with_capacity(PORTION) }
     }
 
-    /// Gives what is new.
+    /// Gives the new points.
     pub fn watch(&mut self, moment: &Moment<'_>) {
         let (steps, _, _) = moment.drive.heard();
         while let Some(step) = steps.get(self.next) {

@@ -1,4 +1,4 @@
-//! The value of a key at which a law ceases to be string stable.
+//! The value of a key at which a law stops to be string stable.
 
 use serde::{Serialize, Serializer};
 
@@ -12,9 +12,9 @@ pub struct Limits {
     pub controller: String,
     /// The key.
     pub key: String,
-    /// Of the first two neighbours of which one is stable: the value of that one.
+    /// The stable value of the first two neighbours that differ in stability.
     pub stable: Option<Value>,
-    /// The value of the other.
+    /// The unstable value of these two.
     pub unstable: Option<Value>,
     /// Where the peak of the gain passes the limit between the two, if they are numbers.
     pub ceases_at: Option<f64>,
@@ -29,7 +29,7 @@ pub struct Point {
     pub value: Value,
     /// The largest gain at any frequency; none if a run did not reach its end.
     pub peak_gain: Option<f64>,
-    /// The frequency at which it is, Hz.
+    /// The frequency of that gain, Hz.
     pub peak_hz: Option<f64>,
     /// No frequency is amplified.
     pub string_stable: bool,
@@ -98,7 +98,7 @@ impl Limits {
         }
     }
 
-    /// What was found, in a sentence.
+    /// The limit in a sentence.
     pub fn sentence(&self) -> String {
         let Self { controller, key, stable, unstable, ceases_at, points } = self;
         match (stable, unstable) {

@@ -1,4 +1,4 @@
-//! What a car did with what it had ahead: norms of speeds and gap errors.
+//! Norms of a car's speed and gap error, and those of the vehicle ahead.
 //!
 //! A speed is measured from where it began, `v(t) - v(0)`, and both signals of a gain at the same
 //! instants, those at which the vehicle ahead is published:

@@ -10,18 +10,16 @@ const NOISES: f64 = 20.0;
 /// ... and has lost more than this share of what the lead began with.
 const LOST_SHARE: f64 = 0.75;
 
-/// What a string makes of a sine.
+/// The gains of a string behind a sine.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Response {
     /// Frequency, Hz.
     pub hz: f64,
-    /// The largest gain from one car to the next, where there is one to be measured; none if a run ended
-    /// before.
+    /// The largest gain from one car to the next that can be measured; none if a run ended early.
     pub gain: Option<f64>,
     /// From the lead to the last car.
     pub head_to_tail_gain: Option<f64>,
-    /// Of each car; none where the sine ahead is lost in the radars' noise, or a run ended before it was
-    /// measured.
+    /// Gain of each car; none where the radars' noise covers the sine ahead, or a run ended early.
     pub gains: Vec<Option<f64>>,
 }
 
@@ -47,7 +45,7 @@ fn of(hz: f64, cars: Vec<Option<Amplitudes>>) -> Response {
     Response { hz, gain, head_to_tail_gain, gains }
 }
 
-/// The frequency at which a curve is highest; none if it has no point, or one that was not measured.
+/// The highest point of a curve; none if it has no point, or a point that was not measured.
 pub fn peak(curve: &[Response]) -> Option<(f64, f64)> {
     let points = curve.iter().map(|response| Some((response.hz, response.gain?)));
     let points = points.collect::<Option<Vec<_>>>()?;

@@ -36,7 +36,7 @@ pub struct Results {
     pub peak: Option<Peak>,
     /// The string behind a sine of each frequency.
     pub frequencies: Vec<Response>,
-    /// Where each law ceases to be string stable.
+    /// Where each law stops to be string stable.
     pub limits: Vec<Limits>,
     /// Runs in one process that were repeated in process groups.
     pub processes_sample: ProcessesSample,
@@ -51,7 +51,7 @@ pub struct Peak {
     pub gain: f64,
 }
 
-/// What one car did.
+/// The drive of one car in results.
 #[derive(Clone, Debug, Serialize)]
 pub struct Vehicle {
     /// Place in the string, from 1.
@@ -60,7 +60,7 @@ pub struct Vehicle {
     pub controller: String,
     /// How its drive ended.
     pub outcome: Outcome,
-    /// A car ahead of it collided, so that it had a vehicle before it that braked to a stand.
+    /// A car ahead of it collided: the vehicle before it braked to a stand.
     pub behind_collision: bool,
     /// Norm of its speed over that of the vehicle ahead.
     pub speed_gain_l2: Option<f64>,
@@ -81,7 +81,7 @@ pub struct Vehicle {
 }
 
 impl Results {
-    /// Puts together what was driven.
+    /// Makes the result of the driven cars.
     pub fn new(
         task: &Task,
         cars: &[Driven],

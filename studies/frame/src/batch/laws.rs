@@ -6,7 +6,7 @@ use group::Failure;
 /// Why `--controllers` names no laws.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LawsError {
-    /// Nothing between two commas.
+    /// There is nothing between two commas.
     #[error("--controllers {list}: a name is missing, expected names by commas")]
     Missing {
         /// The argument.
@@ -19,7 +19,7 @@ pub enum LawsError {
         list: String,
         /// The name.
         name: String,
-        /// Those that there are.
+        /// The known laws.
         names: Vec<&'static str>,
     },
     /// A law would be driven twice, and counted twice.
@@ -30,7 +30,7 @@ pub enum LawsError {
         /// The name.
         name: String,
     },
-    /// The runs are made by the command, and none has a program.
+    /// The command makes the scenarios, and none has a program.
     #[error("--controllers {list}: no program of yours takes part in these runs, expected {}", names.join(", "))]
     NoProgram {
         /// The argument.
@@ -42,7 +42,15 @@ pub enum LawsError {
 
 impl Failure for LawsError {}
 
-/// Each law of `option` once; all of timegap's own where it names none.
+/// Each law of `option` once; all of timegap's own where the option is empty.
+///
+/// ```
+/// use frame::batch::laws;
+///
+/// let chosen = ["acc-mpc".to_owned(), "six-mode".to_owned()];
+/// assert_eq!(laws::named(&chosen).unwrap(), chosen);
+/// assert!(laws::named(&[]).unwrap().len() > 2, "all of timegap's own");
+/// ```
 ///
 /// # Errors
 /// [`LawsError`].
@@ -66,7 +74,7 @@ pub fn named(option: &[String]) -> Result<Vec<String>, LawsError> {
     Ok(option.to_vec())
 }
 
-/// The same where the command makes the scenarios, in which no program of the user's is named.
+/// The same for a command that makes its scenarios. No program of the user's takes part in them.
 ///
 /// # Errors
 /// [`LawsError`].

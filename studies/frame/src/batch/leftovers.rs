@@ -1,4 +1,4 @@
-//! What a run left behind although it is over: it should be nothing.
+//! Leftovers of a run that is over. There should be none.
 
 use std::path::Path;
 

@@ -3,42 +3,13 @@
 use super::{Done, Job, ProcessesSample};
 use group::{Error, GroupOptions};
 use indicatif::ProgressBar;
-use runtime::Carrier;
 use std::collections::BTreeSet;
 
-/// Does the jobs, `at_once` at a time, in their order. `each` receives every run's index and result as it ends, in
-/// this thread. A run that could not be brought up is a result too. An error of `each` ends the batch.
+/// Does the jobs, `at_once` at a time, in their order, and repeats the chosen ones in process groups. `each` receives
+/// every run's index and result as it ends, in this thread. A run that could not be brought up is a result too.
 ///
 /// # Errors
-/// [`Error::Interrupted`] when a signal asked for the end, what keeps every run from starting, what
-/// `each` returned, or [`OtherBytes`] if a repeated run gave other bytes; in each case when all
-/// runs are over.
-pub fn run(
-    jobs: &[Job],
-    at_once: usize,
-    group: &GroupOptions,
-    bar: &ProgressBar,
-    each: &mut dyn FnMut(usize, Result<Done, Error>) -> Result<(), Error>,
-) -> Result<ProcessesSample, Error> {
-    let in_process = |index: &usize| jobs[*index].carrier(group) == Carrier::Memory;
-    let candidates: Vec<usize> = (0..jobs.len()).filter(in_process).collect();
-    let seed = jobs.first().map_or(0, |job| job.scenario.seed.value());
-    let chosen = super::choose(seed, candidates.len());
-    let repeated = chosen.into_iter().map(|index| candidates[index]).collect();
-    let sample = run_repeating(&repeated, jobs, at_once, group, bar, each)?;
-    sample.print(jobs.len(), bar);
-    let sample = sample.agreed(|index| {
-        let scenario = &jobs[index].scenario;
-        let (name, law) = (scenario.name.as_str(), scenario.controller.name.as_str());
-        format!(" ({name} with {law}, seed {})", scenario.seed.value())
-    });
-    Ok(sample?)
-}
-
-/// The same with a choice of the runs to be repeated, and without a report on them.
-///
-/// # Errors
-/// As [`run`], but for [`OtherBytes`].
+/// [`Error::Interrupted`] when a signal asked for the end, what keeps every run from starting, or an error of `each`.
 pub fn run_repeating(
     repeated: &BTreeSet<usize>,
     jobs: &[Job],

@@ -33,7 +33,7 @@ pub use drive::{lockstep, lockstep_behind, repeat};
 pub use errors::{Aborted, PrepareError, whole};
 pub use interrupt::Interrupt;
 pub use leftovers::leftovers;
-pub use many::{Each, Source, run, run_made, run_repeating};
+pub use many::{Each, Source, run_made, run_repeating};
 pub use sample::{OtherBytes, ProcessesSample, Repetition, choose};
 pub use scratch::Scratch;
 pub use usage::Growth;

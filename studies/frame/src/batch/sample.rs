@@ -1,5 +1,4 @@
-//! Runs of a batch that are repeated in process groups, so that runs in one process need not be
-//! believed.
+//! The runs that are repeated in process groups: the evidence for all runs in memory.
 
 use group::{Failure, Status};
 use indicatif::ProgressBar;
@@ -10,11 +9,11 @@ use serde::Serialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 
-/// One run in so many is repeated.
+/// One run in this number is repeated.
 const EVERY: usize = 200;
-/// At least so many are, as far as there are so many.
+/// Least number of repeated runs, as far as there are enough.
 const LEAST: usize = 3;
-/// Selects the random sequence that chooses.
+/// Random sequence of the choice.
 const STREAM: u64 = 0x5a3e;
 
 /// A run in one process and the same run in a process group gave different bytes.
@@ -22,9 +21,9 @@ const STREAM: u64 = 0x5a3e;
 #[error("run {run}{what} in a process group: {why}")]
 pub struct OtherBytes {
     run: usize,
-    /// More on the run.
+    /// Words on the run.
     what: String,
-    /// What is different.
+    /// The difference.
     why: String,
 }
 
@@ -34,36 +33,36 @@ impl Failure for OtherBytes {
     }
 }
 
-/// What came of repeating a run in a process group.
+/// Result of repeating a run in a process group.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Repetition {
     /// The same bytes.
     Same,
-    /// What is different.
+    /// The difference.
     Different(String),
 }
 
 impl Repetition {
-    /// What is known of one that is read back: whether the bytes were the same.
+    /// A result that is read back: only whether the bytes were the same is known.
     pub fn of_same(same: bool) -> Self {
         if same { Self::Same } else { Self::Different("other bytes in a process group".to_owned()) }
     }
 }
 
-/// What came of the repeated runs.
+/// Results of the repeated runs.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct ProcessesSample {
     /// Runs that were repeated.
     pub runs: usize,
-    /// Those whose messages were not the same bytes.
+    /// Repeated runs whose messages were other bytes.
     pub different: usize,
-    /// The first of them that was noticed: its index and what is different.
+    /// The first of them that was noticed: its index and the difference.
     #[serde(skip)]
     pub first_difference: Option<(usize, String)>,
 }
 
 impl ProcessesSample {
-    /// Counts what came of run `index`; nothing if it was not repeated.
+    /// Counts the repetition of run `index`; nothing if it was not repeated.
     pub fn count(&mut self, index: usize, repetition: Option<&Repetition>) {
         let Some(repetition) = repetition else { return };
         self.runs += 1;
@@ -73,7 +72,7 @@ impl ProcessesSample {
         }
     }
 
-    /// Adds what came of other runs, whose indices begin at `first`.
+    /// Adds the results of other runs, whose indices begin at `first`.
     pub fn add(&mut self, other: Self, first: usize) {
         self.runs += other.runs;
         self.different += other.different;
@@ -81,7 +80,7 @@ impl ProcessesSample {
         self.first_difference = self.first_difference.take().or(difference);
     }
 
-    /// The sample, if every repeated run gave the same bytes; `describe` says more of a run.
+    /// The sample, if every repeated run gave the same bytes. `describe` gives words on a run.
     ///
     /// # Errors
     /// [`OtherBytes`] if one of them gave other bytes.
@@ -94,7 +93,7 @@ impl ProcessesSample {
         }
     }
 
-    /// Says on standard error that runs were repeated, of `all`, and what came of it.
+    /// Reports on standard error how many of `all` runs were repeated, with the result.
     pub fn print(&self, all: usize, bar: &ProgressBar) {
         let found = match self.different {
             0 => "the same bytes".to_owned(),
@@ -110,6 +109,12 @@ impl ProcessesSample {
 }
 
 /// The runs to repeat, of `runs` in all.
+///
+/// ```
+/// let chosen = frame::batch::choose(1, 1_000);
+/// assert_eq!(chosen.len(), 5, "one in 200");
+/// assert_eq!(chosen, frame::batch::choose(1, 1_000), "the seed decides");
+/// ```
 #[must_use]
 pub fn choose(seed: u64, runs: usize) -> BTreeSet<usize> {
     let wanted = runs.div_ceil(EVERY).max(LEAST).min(runs);
@@ -125,7 +130,7 @@ pub fn choose(seed: u64, runs: usize) -> BTreeSet<usize> {
     chosen
 }
 
-/// Where two runs of the same scenario differ: the first topic, the outcome, or a figure of the drive.
+/// The difference of two runs of the same scenario: the first topic, the outcome, or a figure of the drive.
 pub(super) fn difference(one: &Summary, other: &Summary) -> Option<String> {
     let topics: BTreeSet<&String> = one.messages.keys().chain(other.messages.keys()).collect();
     let digests = |summary: &Summary, topic: &String| {

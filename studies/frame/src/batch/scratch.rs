@@ -1,4 +1,4 @@
-//! A directory for what a run writes and is not kept.
+//! A directory for files of a run that are not kept.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};

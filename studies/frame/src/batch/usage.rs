@@ -7,21 +7,21 @@ use std::path::Path;
 /// The name of the process that starts the services, among theirs.
 const LAUNCHER: &str = "launcher";
 
-/// What one process has.
+/// Resources of one process.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Usage {
     /// Resident set, KiB.
     pub memory_kib: u64,
-    /// Of these what is not a file's, KiB: pages of the program come and go with the kernel's page cache.
+    /// The part of it that belongs to no file, KiB. Pages of the program come and go with the kernel's page cache.
     pub own_kib: u64,
     /// Open descriptors.
     pub descriptors: u64,
 }
 
-/// What a run has at one moment.
+/// Resources of a run at one moment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Sample {
-    /// Of each service, by its name in `ps`.
+    /// Resources of each service, by its name in `ps`.
     pub services: BTreeMap<String, Usage>,
     /// Shared memory of all runs of this launcher, KiB.
     pub shared_memory_kib: u64,
@@ -29,13 +29,13 @@ pub struct Sample {
     pub shared_memory_objects: u64,
 }
 
-/// By how much a run's usage grew: the median of its last quarter over that of its second quarter. The
-/// first quarter is left out, in which loops touch their pages for the first time.
+/// Growth of a run's resources: the median of its last quarter minus the median of its second quarter. The first
+/// quarter is left out: loops touch their pages for the first time then.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Growth {
-    /// Memory of its own of the service that grew most, KiB.
+    /// Growth of the own memory of the service that grew most, KiB.
     pub memory_kib: f64,
-    /// Which service that is, by its name in `ps`; empty if none grew.
+    /// That service, by its name in `ps`; empty if no service grew.
     #[serde(default)]
     pub memory_of: String,
     /// Descriptors of the service that gained most.

@@ -1,7 +1,7 @@
 //! The journal of a study: one line of JSON per finished run, handed to the system at once, so that
 //! it survives the end of this process, and brought to the disk a few times a second. A line that a
-//! crash cut off is dropped; its run is done again. The last key of a line is the checksum of what stands before
-//! it: a digit that is another one would else be a result.
+//! crash cut off is dropped; its run is done again. The last key of a line is a checksum of the rest. Otherwise a
+//! flipped digit would pass as a result.
 
 use group::{Error, Failure};
 use serde::Serialize;
@@ -15,14 +15,14 @@ use xxhash_rust::xxh3::xxh3_64;
 /// Name of the journal in a directory of results.
 pub const FILE: &str = "runs.jsonl";
 
-/// Runs are short: waiting for the disk after each would take longer than they do. So much of them
-/// can be lost with the machine.
+/// Longest time of which the runs can be lost with the machine. Waiting for the disk after each run would take longer
+/// than the run.
 const SYNC_PERIOD: Duration = Duration::from_millis(200);
 
 /// Why a journal is not one of the study's.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
-    /// A line of it cannot be read.
+    /// A line cannot be read.
     #[error("{}:{line}: {reason}, expected the record of a run", path.display())]
     NoRecord {
         /// The journal.
@@ -33,7 +33,7 @@ pub enum JournalError {
         #[source]
         reason: serde_json::Error,
     },
-    /// It has a run twice.
+    /// A run is there twice.
     #[error("{}: run {run} is there twice", path.display())]
     Twice {
         /// The journal.
@@ -41,7 +41,7 @@ pub enum JournalError {
         /// The run's number.
         run: usize,
     },
-    /// It has a run of another part.
+    /// A run belongs to another part.
     #[error("{}: run {run} does not belong to this part", path.display())]
     OtherPart {
         /// The journal.
@@ -53,10 +53,10 @@ pub enum JournalError {
 
 impl Failure for JournalError {}
 
-/// Where a record is in its journal.
+/// Place of a record in its journal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// Of its line, bytes from the beginning.
+    /// Begin of its line, bytes from the beginning of the journal.
     pub offset: u64,
     /// Length of the line with its end, bytes.
     pub length: usize,
@@ -73,10 +73,10 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens the journal in `directory`, or begins one, and hands over what is in it.
+    /// Opens the journal in `directory`, or begins one, and hands over its records.
     ///
     /// # Errors
-    /// As [`read`], or what `each` refuses, or the journal cannot be written.
+    /// As [`read`]; [`Error::Path`] if the journal cannot be written.
     pub fn open<T: DeserializeOwned>(
         directory: &Path,
         each: &mut dyn FnMut(Place, T) -> Result<(), Error>,
@@ -89,7 +89,7 @@ impl Journal {
         Ok(Self { path, file, length, synced: Instant::now() })
     }
 
-    /// Adds a record, and tells its place.
+    /// Adds a record and returns its place.
     ///
     /// # Errors
     /// [`Error::Path`] if it cannot be written.
@@ -110,19 +110,19 @@ impl Journal {
 
 impl Drop for Journal {
     fn drop(&mut self) {
-        // What fails here was written, and is only less sure to survive the machine.
+        // The lines are written; without this they are only less sure to survive the machine.
         let _ = self.file.sync_data();
     }
 }
 
-/// A record as its journal gives it back. A number may differ in its last digit from the one that was
-/// written: what is kept of a run is this, so that a study gives the same bytes in any number of parts.
+/// A record as its journal gives it back. A number may differ in its last digit from the written one. So this is kept
+/// of every run, and a study gives the same bytes in any number of parts.
 pub fn as_read_back<T: Serialize + DeserializeOwned>(record: &T) -> T {
     let line = serde_json::to_string(record).expect("records are plain data");
     serde_json::from_str(&line).expect("what was written can be read")
 }
 
-/// What stands before a line's checksum, 16 digits, and behind it.
+/// Text before a line's checksum, which has 16 digits, and text behind it.
 const BEFORE_CHECKSUM: &str = ",\"xxh3\":\"";
 const BEHIND_CHECKSUM: &str = "\"}";
 
@@ -135,7 +135,7 @@ fn sealed(record: String) -> String {
     }
 }
 
-/// The line of a journal, when its checksum is right or when it has none, as one of before.
+/// The line of a journal, if its checksum is right. A line of version 0.1 has no checksum.
 fn unsealed(line: &[u8]) -> serde_json::Result<&[u8]> {
     let text = line.trim_ascii_end().strip_suffix(BEHIND_CHECKSUM.as_bytes());
     let split = text.and_then(|text| text.split_at_checked(text.len().checked_sub(16)?));

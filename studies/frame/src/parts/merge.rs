@@ -1,4 +1,4 @@
-//! Parts put together, and what is missing of them.
+//! Parts joined, and the parts that are missing.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use super::{FILE, Records, Shard, Study, holds, journal, read_file, take};
 use crate::batch::ProcessesSample;
 use runtime::command_line;
 
-/// Why directories are not put together.
+/// Why directories are not joined.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
     /// A directory belongs to another command.
@@ -28,7 +28,7 @@ pub enum MergeError {
         /// Name of the command.
         name: String,
     },
-    /// Two directories hold the same.
+    /// Two directories hold the same part.
     #[error("{} holds the same part as {}", directory.display(), before.display())]
     SamePart {
         /// The directory.
@@ -55,7 +55,7 @@ pub enum MergeError {
 
 impl Failure for MergeError {}
 
-/// Refuses to put the result of `parts` in the place of one of them.
+/// Refuses a result that would replace one of `parts`.
 ///
 /// # Errors
 /// [`MergeError::IntoPart`].
@@ -69,11 +69,11 @@ pub fn refuse_into_part(parts: &[PathBuf], out: Option<&Path>) -> Result<(), Mer
     }
 }
 
-/// Parts put together.
+/// Parts joined.
 pub struct Merged<T> {
-    /// What they are parts of.
+    /// Their study.
     pub study: Study,
-    /// What every finished run gave.
+    /// Records of the finished runs.
     pub records: Records<T>,
     /// Runs that were repeated in process groups.
     pub sample: ProcessesSample,
@@ -86,9 +86,9 @@ pub struct Merged<T> {
 pub struct Incomplete {
     /// Which.
     pub shard: Shard,
-    /// Runs of it that are missing.
+    /// Number of its missing runs.
     pub runs: usize,
-    /// Where what there is of it is; none: there is nothing.
+    /// Its directory; none: it was not begun.
     pub directory: Option<PathBuf>,
     /// The command that completes it.
     pub command: String,
@@ -163,7 +163,7 @@ impl<T: DeserializeOwned> Merged<T> {
 }
 
 impl<T> Merged<T> {
-    /// Checks that the command still means what its parts did.
+    /// Checks that the command still means what its parts mean.
     ///
     /// # Errors
     /// [`MergeError::Changed`].

@@ -1,4 +1,4 @@
-//! Which part of a study a command does: as it is told, or as the environment of an array job says.
+//! The part of a study that a command does: by its option, or by the environment of an array job.
 
 use std::num::NonZeroU32;
 use std::str::FromStr;
@@ -7,6 +7,11 @@ use group::Failure;
 use serde::{Deserialize, Serialize};
 
 /// A part of a study's runs: those whose number leaves `index - 1` when divided by `count`.
+///
+/// ```
+/// let shard: frame::parts::Shard = "2/3".parse().unwrap();
+/// assert_eq!((0..9).filter(|run| shard.holds(*run)).collect::<Vec<_>>(), [1, 4, 7]);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct Shard {
@@ -60,7 +65,7 @@ impl From<Shard> for String {
 pub enum ShardChoice {
     /// `I/N`.
     Given(Shard),
-    /// `auto`, or `auto/N`: the environment's index of so many.
+    /// `auto`, or `auto/N`: the environment gives the index, and N is the number of parts.
     Auto(Option<NonZeroU32>),
 }
 
@@ -96,7 +101,7 @@ pub enum ArrayJobError {
         /// The engine.
         engine: &'static str,
     },
-    /// The task is none of so many.
+    /// The task's number is beyond the number of tasks.
     #[error("--shard auto: {engine} names task {index}, counted from 0, of {count}")]
     Beyond {
         /// The engine.
@@ -106,7 +111,7 @@ pub enum ArrayJobError {
         /// Tasks of the job.
         count: u32,
     },
-    /// A variable is no number.
+    /// A variable is not a number.
     #[error("--shard auto: {name} = `{text}` is not a whole number")]
     NoNumber {
         /// The variable.
@@ -114,7 +119,7 @@ pub enum ArrayJobError {
         /// Its value.
         text: String,
     },
-    /// There are more tasks than shards can be.
+    /// There are more tasks than parts can be.
     #[error("--shard auto: {count} tasks are too many")]
     TooMany {
         /// Tasks of the job.
@@ -131,7 +136,7 @@ pub enum ArrayJobError {
         /// The first of them.
         least: u64,
     },
-    /// Slurm's task is none of its array.
+    /// Slurm's task does not belong to its array.
     #[error("--shard auto: SLURM_ARRAY_TASK_ID = {id} is none of the array's")]
     NoTask {
         /// The task.
@@ -172,7 +177,7 @@ struct Task {
     engine: &'static str,
     /// From 0.
     index: u64,
-    /// Tasks of the job, where the engine tells.
+    /// Tasks of the job, where the engine gives the number.
     count: Option<u32>,
 }
 

@@ -1,13 +1,13 @@
-//! The words of a command line that say what is studied.
+//! The words of a command line that define a study.
 
 use std::ffi::OsString;
 
-/// Options that say where and how a study runs, and take a value.
+/// Options for place and manner of a study, with a value.
 const WITH_VALUE: [&str; 6] = ["--shard", "--resume", "--out", "--jobs", "--junit", "--markdown"];
 /// The same without a value.
 const ALONE: [&str; 3] = ["--json", "--force", "--processes"];
 
-/// The words without the options that say where and how.
+/// The words without the options for place and manner.
 pub fn of_study(arguments: impl Iterator<Item = OsString>) -> Vec<String> {
     let mut words = Vec::new();
     let mut arguments = arguments.map(|word| word.to_string_lossy().into_owned());
