@@ -130,6 +130,36 @@ fn options() {
     refused(&["campaign", "plausibility", "--sample", "3"], 2, &["--sample", "`plausibility`"]);
 }
 
+/// What a hand is likely to type, and the words that help.
+fn slips_of_the_hand() {
+    refused(&["run", "--duration", "30s"], 2, &["--duration 30s", "a number alone, such as 30"]);
+    refused(&["run", "--set", "set_speed_mps=20mps"], 2, &["`20mps` is no number", "such as 20"]);
+    let command = "[\"python3\", \"law.py\"]";
+    refused(&["run", "--controller", "external"], 2, &["controller.command", command]);
+    refused(&["run", "--set", "controller.command=python3 law.py"], 2, &[command]);
+    let key = "did you mean `plant.powertrain.mass_kg`?";
+    refused(&["run", "--set", "plant.mass_kg=1500"], 2, &["unknown key `mass_kg`", key]);
+    refused(&["inject", "somewhere", "kill", "recorder"], 2, &["kill-helper recorder"]);
+    refused(&["campaign", "mesages"], 2, &["did you mean `messages`?"]);
+    refused_scenario("[plant]\nmass_kg = 1500\n", &["mine.toml:5:1", "^", key]);
+}
+
+/// Storyboards that a reader or a world refuses, with the line.
+fn storyboards() {
+    let corner = Corner::new(PROGRAM);
+    let good = include_str!("../../examples/openscenario/cut_in.xosc");
+    let mut refuse = |from: &str, to: &str, words: &[&str]| {
+        assert!(good.contains(from), "{from}");
+        std::fs::write(corner.path().join("bad.xosc"), good.replacen(from, to, 1)).expect("ours");
+        refused_in(&corner, &["run", "bad.xosc"], 2, words);
+    };
+    let entities = "<!DOCTYPE a [<!ENTITY b \"c\">]>\n<OpenSCENARIO";
+    refuse("<OpenSCENARIO", entities, &["bad.xosc:4", "document type"]);
+    let external = "<!DOCTYPE a SYSTEM \"a.dtd\">\n<Open";
+    refuse("<Open", external, &["bad.xosc:"]);
+    refuse("<Storyboard>", "<Storybord>", &["bad.xosc:", "not XML"]);
+}
+
 fn a_tampered_design() {
     let corner = Corner::new(PROGRAM);
     let shipped = include_str!("../../services/controller/designs/quadratic-bounded.json");
@@ -510,6 +540,8 @@ fn main() -> ExitCode {
         case("scenario_files", scenario_files),
         case("driver_assistance", driver_assistance),
         case("options", options),
+        case("slips_of_the_hand", slips_of_the_hand),
+        case("storyboards", storyboards),
         case("a_tampered_design", a_tampered_design),
         case("radios", radios),
         case("output_directories", output_directories),

@@ -164,6 +164,39 @@ fn any_and_all_of_several_entities() {
 }
 
 #[test]
+fn conditions_on_no_parameter_are_left_out_with_a_notice() {
+    let compare = |name: &str, parameter: &str| {
+        format!(
+            "<Condition name=\"{name}\" delay=\"0\" conditionEdge=\"none\"><ByValueCondition>\
+             <ParameterCondition parameterRef=\"{parameter}\" value=\"\" rule=\"lessThan\"/></ByValueCondition></Condition>"
+        )
+    };
+    let with = |name: &str, parameter: &str| Parts {
+        stop: trigger(&[&compare(name, parameter), &at(1.0)]),
+        ..Parts::default()
+    };
+    for (name, parameter) in [("c", ""), ("criteria_DrivenDistanceTest", "distance_success")] {
+        let parts = with(name, parameter);
+        let notices = parts.read().expect("it is readable").notices;
+        assert!(notices.iter().any(|notice| notice.contains("left out")), "{notices:?}");
+        let mut run = parts.run();
+        assert!(!run.to(0.98).world.is_stopped() && run.to(1.02).world.is_stopped());
+    }
+    let shown = with("c", "distance_success").refusal();
+    assert!(shown.contains("`distance_success` is not declared"), "{shown}");
+}
+
+#[test]
+fn an_act_that_never_starts_is_named() {
+    let events =
+        [event("E", "override", &[&speed("step", "time", 0.0, 5.0)], &trigger(&[&at(0.0)]))];
+    let stories = story(&events).replace(&trigger(&[&at(0.0)]), &trigger(&[&at(3.0)]));
+    let mut run = Parts { stories, ..Parts::default() }.run();
+    assert_eq!(run.to(2.9).world.unstarted_acts().collect::<Vec<_>>(), ["Act"]);
+    assert_eq!(run.to(3.1).world.unstarted_acts().count(), 0);
+}
+
+#[test]
 fn a_headway_to_an_entity_behind_does_not_exist() {
     let headway = |who: &str, other: &str, rule: &str| {
         by_entity(

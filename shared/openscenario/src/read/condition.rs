@@ -25,19 +25,24 @@ impl Reader<'_> {
             .map(Trigger)
     }
 
-    /// Whether a condition compares a parameter without a name: files for CARLA name its criteria so.
+    /// Whether a condition compares no parameter of the file. Files for CARLA name the criteria of its tests
+    /// in this way: with an empty reference, or with a figure that only CARLA knows.
     fn is_without_meaning(&self, node: Node<'_>) -> bool {
         let about = node.child_if("ByValueCondition");
         let compared = about.and_then(|about| about.child_if("ParameterCondition"));
-        let name = compared.and_then(|node| node.element.attribute("parameterRef"));
-        let is_empty = name.is_some_and(|name| name.trim().is_empty());
-        if is_empty {
+        let Some(compared) = compared else { return false };
+        let name = compared.element.attribute("parameterRef").unwrap_or_default();
+        let name = name.trim().trim_start_matches('$');
+        let condition = node.element.attribute("name").unwrap_or_default();
+        let is_criterion = condition.starts_with("criteria_");
+        let is_left_out = name.is_empty() || is_criterion && compared.scope.value(name).is_none();
+        if is_left_out {
             self.notice(
-                "conditions with an empty `parameterRef` are left out: they name no parameter"
+                "conditions on no parameter of the file are left out (criteria for CARLA)"
                     .to_owned(),
             );
         }
-        is_empty
+        is_left_out
     }
 
     fn condition(&self, node: Node<'_>) -> Result<Condition, ReadError> {

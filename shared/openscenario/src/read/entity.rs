@@ -28,7 +28,9 @@ impl Reader<'_> {
                     let found = &mut |_: Node<'_>| Ok(());
                     self.library.entry(reference, locations, &["Controller"], found)?;
                 }
-                controlled.push(self.entities.len());
+                if controller.children().next().is_some() {
+                    controlled.push(self.entities.len());
+                }
             }
             self.entities.push(entity);
         }

@@ -36,7 +36,7 @@ pub const CONDITIONS: &[Rule] = &[
         "entityRef value freespace rule alongRoute? coordinateSystem? relativeDistanceType? routingAlgorithm?",
         "",
         "",
-        "distance over the triggering entity's speed, s; infinite at standstill",
+        "distance over the triggering entity's speed, s; infinite at standstill; none to what is behind it",
     ),
     Rule::new(
         "TimeToCollisionCondition",
@@ -102,7 +102,7 @@ pub const CONDITIONS: &[Rule] = &[
         "parameterRef value rule",
         "",
         "",
-        "compared as numbers where both are numbers, as text otherwise",
+        "compared as numbers where both are numbers, as text otherwise; left out with an empty reference, and as a criterion of CARLA (`criteria_...`) that no parameter has",
     ),
     Rule::new("VariableCondition", "variableRef value rule", "", "", "the same"),
     Rule::new(

@@ -129,9 +129,9 @@ pub const FILE: &[Rule] = &[
     Rule::new(
         "ObjectController",
         "name?",
+        "CatalogReference? Controller?",
         "",
-        "CatalogReference Controller",
-        "marks the ego; others are moved by the storyboard alone",
+        "marks the ego, unless it is empty; others are moved by the storyboard alone",
     ),
     Rule::new(
         "Controller",
