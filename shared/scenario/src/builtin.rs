@@ -50,6 +50,8 @@ builtins! {
     "truck-follow": "predictive paper: following over a valley, the lead brakes uphill";
     "truck-traffic": "a 49 t truck on hills behind a lead whose speed goes up and down";
     "truck-brake": "a 49 t truck downhill behind a lead that brakes to standstill at 6 m/s²";
+    "tight-cut-in": "a car cuts in 10 m/s slower and brakes to standstill: 6 m/s² in time just avoids it";
+    "tight-brake": "a lead at a short gap brakes to standstill with 8 m/s²: 6 m/s² in time just avoids it";
 }
 
 /// The built-in scenario of that name.

@@ -4,6 +4,7 @@ use clap::Args;
 use frame::parts::PartOptions;
 use group::GroupOptions;
 use report::output::OutputOptions;
+use std::fmt;
 use std::num::{NonZeroU32, NonZeroUsize};
 
 /// Arguments of `campaign`.
@@ -27,6 +28,12 @@ pub struct CampaignArguments {
     /// Runs of every combination, instead of what the file says
     #[arg(long, value_name = "N", conflicts_with = "merge")]
     pub seeds: Option<NonZeroU32>,
+    /// Hours of random drives without faults: `plausibility` alone [default: 3]
+    #[arg(long, value_name = "H", conflicts_with = "merge")]
+    pub hours: Option<Hours>,
+    /// Seed of these drives: `plausibility` alone [default: 1]
+    #[arg(long, value_name = "S", conflicts_with = "merge")]
+    pub seed: Option<u32>,
     /// In parts.
     #[command(flatten)]
     pub parts: PartOptions,
@@ -43,3 +50,34 @@ pub struct CampaignArguments {
     #[arg(long)]
     pub json: bool,
 }
+
+/// A number of hours that a study can drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hours(f64);
+
+impl From<Hours> for f64 {
+    fn from(hours: Hours) -> Self {
+        hours.0
+    }
+}
+
+impl std::str::FromStr for Hours {
+    type Err = NotHours;
+
+    fn from_str(text: &str) -> Result<Self, NotHours> {
+        let hours = text.parse().ok().filter(|hours| (0.01..=1_000.0).contains(hours));
+        hours.map(Self).ok_or(NotHours)
+    }
+}
+
+/// A text is no number of hours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotHours;
+
+impl fmt::Display for NotHours {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("expected a number of hours from 0.01 to 1000")
+    }
+}
+
+impl std::error::Error for NotHours {}

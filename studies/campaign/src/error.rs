@@ -3,7 +3,7 @@
 use super::file::{BUILTIN, RADIO};
 use crate::plausibility;
 use crate::signals;
-use group::Failure;
+use group::{Absent, Failure};
 use scenario::faults::Kind;
 use std::path::PathBuf;
 
@@ -21,6 +21,15 @@ pub enum CampaignError {
     /// The runs have no numbers that their draws come from.
     #[error("--first is for the campaigns `{}` and `{}` alone", RADIO, signals::NAME)]
     FirstOfNone,
+    /// The runs are not random drives.
+    #[error("{option} is for the campaign `{}` alone", plausibility::NAME)]
+    OfPlausibility {
+        /// The option.
+        option: &'static str,
+    },
+    /// A fault has nothing to act on.
+    #[error("faults: {0}; this holds in every scenario of the campaign")]
+    NothingToFault(Absent),
     /// Each run has its own seed.
     #[error(
         "--seeds is not for the campaign `{}`, whose run's number is its seed: expected --sample N from \

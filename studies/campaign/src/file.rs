@@ -241,7 +241,12 @@ impl Campaign {
         for scenario in &mut campaign.scenarios {
             let is_file = [".toml", ".xosc"].iter().any(|end| scenario.ends_with(end));
             if scenario.contains('/') || is_file {
-                *scenario = absolute(Path::new(scenario))?.to_string_lossy().into_owned();
+                let file = absolute(Path::new(scenario))?.to_string_lossy().into_owned();
+                // The scenario's settings follow its name.
+                if let Some(settings) = campaign.settings.remove(scenario) {
+                    campaign.settings.insert(file.clone(), settings);
+                }
+                *scenario = file;
             }
         }
         if let Some(variation) = &mut campaign.variation {
@@ -384,6 +389,24 @@ mod tests {
         assert_eq!(least(&campaign), all);
         campaign.limit_seeds(NonZeroU32::new(seeds / 5).expect("some"));
         assert_eq!((least(&campaign), campaign.require["max_red_lights"]), (all / 10.0, 0.0));
+    }
+
+    #[test]
+    fn settings_of_a_scenario_file_reach_its_runs() {
+        let folder = std::env::temp_dir().join(format!("timegap-settings-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("writable");
+        let scenario = "schema_version = 1\nname = \"mine\"\n";
+        std::fs::write(folder.join("mine.toml"), scenario).expect("writable");
+        let text = "schema_version = 1\nname = \"x\"\nscenarios = [\"./mine.toml\"]\n\
+            [settings.\"./mine.toml\"]\nduration_s = 7\n";
+        std::fs::write(folder.join("c.toml"), text).expect("writable");
+        let campaign = Campaign::open(&folder.join("c.toml").to_string_lossy());
+        let other = text.replace("settings.\"./mine.toml\"", "settings.\"./other.toml\"");
+        let refused = refusal(&other);
+        let plan = crate::plan::plan(&campaign.expect("a campaign")).expect("a plan");
+        let _ = std::fs::remove_dir_all(&folder);
+        assert_eq!(plan.get(0).keys, ["duration_s=7"]);
+        assert!(refused.contains("`./other.toml` is not run"), "{refused}");
     }
 
     #[test]

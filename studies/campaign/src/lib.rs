@@ -27,6 +27,7 @@ mod reference;
 mod shards;
 mod signals;
 mod tally;
+mod targets;
 mod variation;
 mod verdict;
 
@@ -48,6 +49,7 @@ use records::Records;
 use shards::{Membership, merge};
 use std::collections::BTreeSet;
 use std::process::ExitCode;
+use targets::Targets;
 
 /// Campaigns that come from no file: their names and what they do.
 pub const WITHOUT_FILE: [(&str, &str); 3] = [
@@ -65,8 +67,12 @@ const SAMPLE_SEED: u64 = 1;
 /// Runs the command.
 pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     if arguments.campaign.as_deref() == Some(plausibility::NAME) {
-        refuse_options(arguments, plausibility::NAME, &[])?;
-        return plausibility::run(&arguments.group, arguments.jobs, arguments.json);
+        refuse_options(arguments, plausibility::NAME, &["--hours", "--seed"])?;
+        return plausibility::run(arguments);
+    }
+    let given = [("--hours", arguments.hours.is_some()), ("--seed", arguments.seed.is_some())];
+    if let Some((option, _)) = given.into_iter().find(|(_, is_given)| *is_given) {
+        return Err(CampaignError::OfPlausibility { option }.into());
     }
     if arguments.campaign.as_deref() == Some(file::RADIO) {
         if arguments.seeds.is_some() {
@@ -184,12 +190,15 @@ fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
 /// Reads scenarios before anything runs: all of a small campaign, some from everywhere of a large one.
 fn check(campaign: &Campaign, plan: &Plan) -> Result<(), Error> {
     let mut notices: BTreeSet<String> = BTreeSet::new();
+    let mut targets = Targets::default();
     let stride = plan.len().div_ceil(MAX_CHECKED).max(1);
     for place in (0..plan.len()).step_by(stride) {
         let job = job(campaign, &plan.get(plan.number(place)))?;
         // What a person should know of how OpenSCENARIO files are run.
         notices.extend(job.scenario.notices().map(str::to_owned));
+        targets.note(&job.scenario);
     }
+    targets.check()?;
     fault_free(campaign, plan)?;
     for notice in notices {
         eprintln!("note: {notice}");

@@ -182,11 +182,29 @@ fn failures(verdict: &Verdict) -> String {
         return String::new();
     }
     let rows: Vec<_> = (verdict.failures.iter().take(MAX_FAILURES))
-        .map(|failure| vec![failure.run.to_string(), failure.why.clone(), failure.repeat.clone()])
+        .map(|failure| {
+            let [run, faults] = [failure.run.to_string(), failure.faults.join(", ")];
+            vec![run, failure.scenario.clone(), faults, failure.why.clone(), failure.repeat.clone()]
+        })
         .collect();
-    let head =
-        [("run", Column::Number), ("why", Column::Text), ("command that repeats it", Column::Text)];
-    section("Failures", &table(&head, &rows))
+    let words = ["scenario", "faults", "why", "command that repeats it"];
+    let head: Vec<_> = [("run", Column::Number)]
+        .into_iter()
+        .chain(words.map(|word| (word, Column::Text)))
+        .collect();
+    section("Failures", &(broken(verdict) + &table(&head, &rows)))
+}
+
+/// How many runs broke a requirement, by scenario and fault.
+fn broken(verdict: &Verdict) -> String {
+    if verdict.broken.is_empty() {
+        return String::new();
+    }
+    let rows: Vec<_> = (verdict.broken.iter())
+        .map(|broken| vec![broken.scenario.clone(), broken.fault.clone(), broken.runs.to_string()])
+        .collect();
+    let head = [("scenario", Column::Text), ("fault", Column::Text), ("runs", Column::Number)];
+    table(&head, &rows)
 }
 
 #[cfg(test)]

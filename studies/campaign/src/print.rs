@@ -3,7 +3,7 @@
 use super::exposure_table;
 use super::record::Record;
 use super::tally::Tally;
-use super::verdict::Verdict;
+use super::verdict::{Broken, Verdict};
 use report::chart::number;
 use report::print;
 use report::table::{self, NONE, TextTable};
@@ -171,9 +171,18 @@ fn requirements(verdict: &Verdict) -> String {
         let (key, limit) = (&requirement.requirement, requirement.limit);
         writeln!(text, "  {mark:<6} {key} = {limit}: {found}").expect("a string takes all");
     }
+    if !verdict.broken.is_empty() {
+        text.push_str("runs that break a requirement, by scenario and fault\n");
+        let mut broken = TextTable::of_figures(["scenario", "fault", "runs"]);
+        for Broken { scenario, fault, runs } in verdict.broken.iter().take(MAX_ROWS) {
+            broken.row([scenario.clone(), fault.clone(), runs.to_string()]);
+        }
+        text += &broken.text();
+    }
     for failure in verdict.failures.iter().take(SHOWN) {
         let (run, why, repeat) = (failure.run, &failure.why, &failure.repeat);
-        writeln!(text, "  run {run}: {why}\n    {repeat}").expect("a string takes all");
+        writeln!(text, "  run {run}, {}: {why}\n    {repeat}", failure.scenario)
+            .expect("a string takes all");
     }
     if verdict.failures.len() > SHOWN {
         let more = verdict.failures.len() - SHOWN;

@@ -1,8 +1,13 @@
 //! Whether a collision could have been avoided: the verdict of a reference that brakes perfectly.
 //!
-//! From the first instant at which the deceleration that the ego needed exceeded the comfortable one,
-//! the reference brakes as hard as the vehicle can, at once and until standstill. What the vehicle
-//! ahead does is taken from the record; past its end it keeps its last deceleration until it stands.
+//! From the first instant at which the deceleration that the ego needed exceeded the comfortable one, the reference
+//! keeps its speed for a reaction time. Then it brakes evenly until standstill. The motion of the vehicle ahead is
+//! taken from the record; past its end it keeps its last deceleration until it stands.
+//!
+//! ```text
+//! x(t) = x0 + v t                                 t <= reaction
+//! x(t) = x0 + v t - a (t - reaction)² / 2         until v = a (t - reaction)
+//! ```
 
 use group::DriveStep;
 use plant::ahead::{Ahead, required_deceleration};
@@ -12,6 +17,8 @@ use plant::ahead::{Ahead, required_deceleration};
 pub struct Braking {
     /// Deceleration above which a driver would act, m/s².
     pub comfortable_mps2: f64,
+    /// Time from the need to the reference's braking, s.
+    pub reaction_s: f64,
     /// Deceleration of the reference, m/s².
     pub emergency_mps2: f64,
 }
@@ -44,10 +51,13 @@ pub fn avoids_contact(steps: &[DriveStep], braking: &Braking) -> bool {
         return true;
     };
     let begin = samples[first];
-    let stop_s = begin.speed_mps / braking.emergency_mps2;
+    let brakes_s = begin.speed_mps / braking.emergency_mps2;
+    let stop_s = braking.reaction_s + brakes_s;
     let position_m = |time_s: f64| {
-        let braked_s = (time_s - begin.time_s).min(stop_s);
-        begin.position_m + (begin.speed_mps - 0.5 * braking.emergency_mps2 * braked_s) * braked_s
+        let since_s = time_s - begin.time_s;
+        let braked_s = (since_s - braking.reaction_s).clamp(0.0, brakes_s);
+        let reached_m = begin.speed_mps * since_s.min(stop_s);
+        begin.position_m + reached_m - 0.5 * braking.emergency_mps2 * braked_s * braked_s
     };
     let clear = |sample: &Sample| position_m(sample.time_s) < sample.rear_m;
     samples[first..].iter().all(clear) && stays_clear(&begin, stop_s, position_m, &samples)
@@ -103,7 +113,8 @@ fn samples(steps: &[DriveStep]) -> Vec<Sample> {
 mod tests {
     use super::*;
 
-    const BRAKING: Braking = Braking { comfortable_mps2: 2.5, emergency_mps2: 8.0 };
+    const BRAKING: Braking =
+        Braking { comfortable_mps2: 2.5, reaction_s: 0.0, emergency_mps2: 8.0 };
 
     /// An ego that keeps 20 m/s behind a vehicle that brakes, until they touch.
     fn drive(gap_m: f64, lead_mps2: f64, appears_s: f64) -> Vec<DriveStep> {
@@ -163,6 +174,16 @@ mod tests {
         assert!(avoids_contact(&far, &BRAKING), "25 m suffice, 30 m are there");
     }
 
+    /// Both stop from 20 m/s, the lead with 8 m/s² and the reference with 6: it needs 8.33 m, and 7 m more for its
+    /// reaction of 0.35 s.
+    #[test]
+    fn the_reaction_time_costs_its_distance() {
+        let braking = Braking { reaction_s: 0.35, emergency_mps2: 6.0, ..BRAKING };
+        assert!(avoids_contact(&drive(16.0, -8.0, 0.0), &braking));
+        assert!(!avoids_contact(&drive(14.5, -8.0, 0.0), &braking));
+        assert!(avoids_contact(&drive(14.5, -8.0, 0.0), &Braking { reaction_s: 0.0, ..braking }));
+    }
+
     #[test]
     fn a_vehicle_that_cuts_in_too_late_cannot_be_avoided() {
         // It appears when it stands 8.5 m ahead already.
@@ -188,7 +209,7 @@ mod tests {
             .iter()
             .map(|step| DriveStep { gap_m: step.gap_m.map(|gap| gap - 29.0), ..*step })
             .collect();
-        let weak = Braking { comfortable_mps2: 2.5, emergency_mps2: 5.0 };
+        let weak = Braking { emergency_mps2: 5.0, ..BRAKING };
         assert!(!avoids_contact(&close, &weak), "weaker brakes than the lead's, 1 m behind it");
     }
 }

@@ -39,6 +39,8 @@ pub struct Verdict {
     pub faults: Vec<Part>,
     /// The runs to blame for a requirement that does not hold.
     pub failures: Vec<Failure>,
+    /// The same by scenario and fault: a run with several faults counts for each.
+    pub broken: Vec<Broken>,
     /// Runs in one process that were repeated in process groups.
     pub processes_sample: ProcessesSample,
 }
@@ -73,10 +75,20 @@ pub struct Part {
     pub tally: Tally,
 }
 
+/// Runs to blame that have a scenario and a fault in common.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Broken {
+    pub scenario: String,
+    pub fault: String,
+    pub runs: u64,
+}
+
 /// A run to blame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Failure {
     pub run: usize,
+    pub scenario: String,
+    pub faults: Vec<String>,
     pub why: String,
     /// The command that repeats it.
     pub repeat: String,
@@ -181,6 +193,7 @@ impl Verdict {
             controllers: parts(controllers),
             faults: parts(faults),
             failures: Vec::new(),
+            broken: Vec::new(),
             processes_sample,
         }
     }
@@ -202,8 +215,31 @@ impl Verdict {
         }
         reasons.extend(record.aborted_because.clone());
         reasons.extend(record.leaks.iter().chain(&record.degraded).cloned());
-        let repeat = plan.get(record.run).repeat(self.mode.name());
-        self.failures.push(Failure { run: record.run, why: reasons.join("; "), repeat });
+        let planned = plan.get(record.run);
+        let faults = planned.faults();
+        for fault in &faults {
+            self.count(&record.scenario, fault);
+        }
+        self.failures.push(Failure {
+            run: record.run,
+            scenario: record.scenario.clone(),
+            why: reasons.join("; "),
+            repeat: planned.repeat(self.mode.name()),
+            faults,
+        });
+    }
+
+    /// Counts a run to blame; the most frequent pairs come first.
+    fn count(&mut self, scenario: &str, fault: &str) {
+        let known = |broken: &&mut Broken| broken.scenario == scenario && broken.fault == fault;
+        match self.broken.iter_mut().find(known) {
+            Some(broken) => broken.runs += 1,
+            None => {
+                let (scenario, fault) = (scenario.to_owned(), fault.to_owned());
+                self.broken.push(Broken { scenario, fault, runs: 1 });
+            }
+        }
+        self.broken.sort_by_key(|broken| std::cmp::Reverse(broken.runs));
     }
 }
 

@@ -67,7 +67,7 @@ pub use options::{GroupOptions, ModeName, ScenarioOptions, ServiceProgramError, 
 pub use processes::{Janitor, SpawnError, this_program};
 pub use programs::{NoProgram, of_service};
 pub use recording::RecordingSummary;
-pub use refusal::{Absent, Refusal, check_in_process, check_targets};
+pub use refusal::{Absent, Refusal, absent, check_in_process, check_targets};
 pub use replay::{Replayed, ReplayerError, replay};
 pub use room::{RoomError, check_room, shared_memory_room};
 pub use root::{RootError, RunRoot, base, is_alive};

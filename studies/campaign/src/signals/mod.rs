@@ -67,9 +67,14 @@ impl Numbers {
     }
 }
 
+/// The scenario file of corridor `number` for a law.
+pub(crate) fn corridor(number: u64, law: &str) -> String {
+    Corridor::new(number).text(number, law, law == RIVAL)
+}
+
 /// A corridor's scenario file for a law.
 fn text(number: usize, law: &str) -> String {
-    Corridor::new(number as u64).text(number as u64, law, law == RIVAL)
+    corridor(number as u64, law)
 }
 
 /// The scenario of that file.
