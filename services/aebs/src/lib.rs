@@ -19,11 +19,13 @@
 mod collision_ahead;
 pub mod decision;
 pub mod filter;
+pub mod numbers;
 pub mod object;
 pub mod objects;
 mod point;
 pub mod prediction;
 mod service;
+pub mod sight;
 mod sighting;
 
-pub use service::{last_known, objects, run, settings};
+pub use service::{last_known, objects, run, settings, sight};

@@ -3,6 +3,7 @@
 use crate::decision::{Decision, Demand, Path, Settings};
 use crate::objects::Objects;
 use crate::prediction::{Authority, Ego};
+use crate::sight::Sight;
 use messages::{
     Brake, BrakeState, Header, Odometry, Origins, RadarDetections, Service, ServiceState,
 };
@@ -26,6 +27,9 @@ const STALE_ODOMETRY_NS: i64 = 100_000_000;
 /// with the largest acceleration, m/s².
 const DISAGREES_MPS: f64 = 1.0;
 const MAX_MPS2: f64 = 12.0;
+
+/// Posts on each side of a kilometre from which a scan always shows one.
+const POSTS_PER_KM: f64 = 40.0;
 
 /// Names of what outlives the process.
 const DECIDE: &str = "decide";
@@ -80,11 +84,20 @@ pub fn objects(scenario: &Scenario) -> Objects {
     Objects::new(0.5 * scenario.perception.radar.field_of_view_deg.value().to_radians())
 }
 
+/// How much a scenario's radar shows, before its first scan.
+#[must_use]
+pub fn sight(scenario: &Scenario) -> Sight {
+    let radar = &scenario.perception.radar;
+    let half_rad = 0.5 * radar.field_of_view_deg.value().to_radians();
+    Sight::new(half_rad, radar.detections.standing_objects_per_km.value() >= POSTS_PER_KM)
+}
+
 struct Aebs {
     odometry: Subscriber<Odometry>,
     detections: Subscriber<RadarDetections>,
     brake: Publisher<Brake>,
     objects: Objects,
+    sight: Sight,
     decision: Decision,
     deadline_ns: i64,
     period_ns: i64,
@@ -103,6 +116,7 @@ impl Aebs {
             detections: runtime.releasing_subscriber()?,
             brake: runtime.publisher()?,
             objects: objects(scenario),
+            sight: sight(scenario),
             decision: Decision::new(settings(scenario)),
             deadline_ns: i64::from(scenario.aebs.deadline_ms.value()) * 1_000_000,
             period_ns,
@@ -154,6 +168,7 @@ impl Aebs {
             .filter(|ego| differs(ego) <= DISAGREES_MPS + MAX_MPS2 * age_s)
             .unwrap_or(Ego { speed_mps: scan.ego_speed_mps, acceleration_mps2: 0.0 });
         let speed_mps = ego.speed_mps;
+        self.sight.take_scan(scanned_ns, scan.detections());
         self.objects.take_scan(scanned_ns, scan.ego_speed_mps, scan.detections());
         let mean_mps = 0.5 * (scan.ego_speed_mps + speed_mps);
         let threats = self.objects.threats(self.decision.path());
@@ -181,7 +196,11 @@ impl Aebs {
             newest.map_or(-1, |scan| runtime.clock().scheduled_ns(scan.header.step));
         message.idle_ns = release.idle_ns;
         message.start_ns = release.start_ns;
-        message.state = demand.map_or(BrakeState::Blind, |demand| demand.state) as u32;
+        // It brakes for what it still sees, but does not report itself available for the rest.
+        let state = demand.map_or(BrakeState::Blind, |demand| demand.state);
+        let is_idle = matches!(state, BrakeState::Monitoring | BrakeState::Warning);
+        message.state =
+            if is_idle && self.sight.is_blind() { BrakeState::Blind } else { state } as u32;
         message.objects = u32::try_from(self.objects.confirmed().count()).unwrap_or(u32::MAX);
         message.deceleration_mps2 = demand_or_none.deceleration_mps2;
         message.gap_m = gap_m;

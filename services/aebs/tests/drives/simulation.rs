@@ -2,6 +2,7 @@
 
 use super::kinds::Drive;
 use aebs::decision::Decision;
+use aebs::numbers::Numbers;
 use aebs::prediction::Ego as OwnMotion;
 use bytemuck::Zeroable;
 use messages::{BrakeState, Detection, MAX_DETECTIONS};
@@ -79,8 +80,8 @@ fn careful_driver_collides(drive: &Drive) -> bool {
     driver_collides(drive, start, drive.danger_s + 0.35, 6.0)
 }
 
-/// Drives it.
-pub fn drive(drive: &Drive) -> Result {
+/// Drives it with an emergency brake of these numbers.
+pub fn drive(drive: &Drive, numbers: Numbers) -> Result {
     let text = format!(
         "schema_version = 1\nname = \"x\"\nseed = {}\n[perception.radar.detections]\n\
         false_alarms_per_scan = {:?}\n[aebs]\nenabled = true\n",
@@ -90,7 +91,7 @@ pub fn drive(drive: &Drive) -> Result {
     let mut radar = DetectionRadar::new(&scenario);
     let mut detections = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
     let mut objects = aebs::objects(&scenario);
-    let mut decision = Decision::new(aebs::settings(&scenario));
+    let mut decision = Decision::with_numbers(aebs::settings(&scenario), numbers);
     let mut ego = Motion { position_m: 0.0, speed_mps: drive.ego_mps };
     let (mut law_mps2, mut ceiling, mut asked_s) = (drive.ego_mps2, None::<f64>, 0.0);
     let (mut acceleration, mut asks) = (law_mps2, false);
@@ -122,33 +123,6 @@ pub fn drive(drive: &Drive) -> Result {
             let own = OwnMotion { speed_mps: ego.speed_mps, acceleration_mps2: acceleration };
             let demand = decision.step(&own, objects.threats(decision.path()));
             asks = demand.deceleration_mps2 > 0.0;
-            if std::env::var_os("TRACE").is_some_and(|seed| seed == *drive.seed.to_string()) {
-                println!(
-                    "{time_s:.2} {:.1} {:.2} {acceleration:.2} {demand:?}",
-                    ego.position_m, ego.speed_mps
-                );
-                for actor in &drive.actors {
-                    let v = actor.at(time_s);
-                    println!(
-                        "   true {:.2} {:.2} {:.2} y {:.2}",
-                        v.rear_position_m - ego.position_m,
-                        v.speed_mps,
-                        v.acceleration_mps2,
-                        v.lateral_m
-                    );
-                }
-                for o in objects.confirmed() {
-                    println!(
-                        "      {:.2} {:.2} {:.2} y {:.2} {:.2} s {:.2} unseen",
-                        o.distance_m,
-                        o.speed_mps,
-                        o.acceleration_mps2,
-                        o.lateral.position_m,
-                        o.lateral.rate_mps,
-                        o.lateral.position_sigma_m()
-                    );
-                }
-            }
             if asks && !result.braked && demand.state == BrakeState::Braking {
                 result.braked = true;
                 result.is_needless = !driver_collides(drive, (time_s, ego), time_s, 1.5);
