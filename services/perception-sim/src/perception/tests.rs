@@ -275,12 +275,64 @@ fn without_imperfections_little_is_left_of_the_error() {
 
 #[test]
 fn more_detections_than_the_message_carries_are_counted() {
-    let keys = ["perception.radar.detections.false_alarms_per_scan=1500"];
+    let keys = [
+        "perception.radar.max_range_m=400",
+        "perception.radar.detections.standing_objects_per_km=2000",
+        "perception.radar.detections.standing_object_rcs_dbsm=40",
+        "perception.radar.detections.merge=false",
+    ];
     let mut watch = Watch::new(&scenario("following", &keys));
     watch.step(0, &ego(0, 22.0));
     let report = watch.perception.report();
     assert_eq!(report.detections, Some(MAX_DETECTIONS as u64));
     assert!(report.detections_left_out.is_some_and(|count| count > 300), "{report:?}");
+}
+
+/// A lead 40 m ahead that brakes with 3 m/s² from 2 s on and is gone from 3 s on.
+const VANISHES: &str = r#"
+    schema_version = 1
+    name = "x"
+    [plant]
+    initial_speed_mps = 15
+    [[actors]]
+    name = "lead"
+    gap_m = 40
+    leaves_at_s = 3.0
+    initial_speed_mps = 15
+    profile.steps = [{ time_s = 2.0, speed_mps = 0, acceleration_mps2 = 3.0 }]
+"#;
+
+#[test]
+fn a_lead_that_is_lost_while_it_brakes_is_taken_to_brake_on_for_a_while() {
+    let scenario = Scenario::parse("x.toml", VANISHES).expect("it is right");
+    let mut watch = Watch::new(&scenario);
+    for k in 0..140 {
+        let (time_ns, time_s) = (k * PERIOD_NS, k as f64 * 0.05);
+        let list = watch.step(time_ns, &ego(time_ns, 15.0));
+        if (3.3..5.3).contains(&time_s) {
+            let target = list.target().unwrap_or_else(|| panic!("it is lost at {time_s} s"));
+            let braked_s = time_s - 2.0;
+            let gap_m = (40.0 - 1.5 * braked_s * braked_s).max(0.0);
+            assert!((target.gap_m - gap_m).abs() < 2.0, "{time_s} s: {target:?}, not {gap_m} m");
+            assert!((target.relative_speed_mps + 3.0 * braked_s).abs() < 2.0, "{target:?}");
+            assert!(target.acceleration_mps2 < -2.0, "{target:?}");
+        }
+        assert!(time_s < 5.7 || list.target().is_none(), "its time is over at {time_s} s");
+    }
+}
+
+#[test]
+fn a_radar_that_sees_little_reports_it_and_still_finds_its_lead() {
+    let keys = ["perception.radar.dropout_probability=0.85"];
+    let mut watch = Watch::new(&scenario("following", &keys));
+    let mut followed = 0;
+    for k in 0..400 {
+        let list = watch.step(k * PERIOD_NS, &ego(k * PERIOD_NS, 22.0));
+        followed += u32::from(list.target().is_some());
+    }
+    assert!(watch.perception.seen_share() < 0.33, "{}", watch.perception.seen_share());
+    // A radar with all of its scans confirms by three of four: with 15 of 100 this would be one scan in a hundred.
+    assert!(followed > 100, "it is the target in {followed} of 400 scans");
 }
 
 proptest! {

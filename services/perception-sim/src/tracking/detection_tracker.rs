@@ -103,8 +103,9 @@ impl DetectionTracker {
         self.begin();
         self.unite();
         self.end_images();
+        self.lose(dt_s, ego);
         self.confirm(dt_s);
-        self.list(time_ns, detections)
+        self.list(time_ns, ego, detections)
     }
 
     fn predict(&mut self, dt_s: f64, ego_acceleration_mps2: f64) {
@@ -219,7 +220,11 @@ impl DetectionTracker {
     fn unite(&mut self) {
         let mut newer = 1;
         while newer < self.tracks.len() {
-            let same = (0..newer).find(|&older| same(&self.tracks[older], &self.tracks[newer]));
+            // One that is lost is not what is found: its place is a guess.
+            let same = (0..newer).find(|&older| {
+                self.tracks[older].unseen_s <= self.life.coast_s
+                    && same(&self.tracks[older], &self.tracks[newer])
+            });
             match same {
                 Some(older) => {
                     let newer = self.tracks.remove(newer);
@@ -244,8 +249,23 @@ impl DetectionTracker {
         }
     }
 
+    /// Carries on what is lost in the path, until it is found again: a track there that is seen.
+    fn lose(&mut self, dt_s: f64, ego: &Ego) {
+        let seen_share = self.sight.share();
+        let found_m = (self.tracks.iter())
+            .filter(|track| track.id != 0 && track.is_seen() && track.membership.in_path())
+            .map(|track| track.along.estimate().gap_m)
+            .fold(f64::INFINITY, f64::min);
+        self.tracks.iter_mut().for_each(|track| track.watch(dt_s, ego, seen_share));
+        let coast_s = self.life.coast_s;
+        self.tracks.retain(|track| {
+            let is_found = track.lost().is_some_and(|lost| found_m < lost.gap_m + FOUND_M);
+            !(is_found && track.unseen_s > coast_s)
+        });
+    }
+
     fn confirm(&mut self, dt_s: f64) {
-        let life = &self.life;
+        let life = &self.life.with_sight(self.sight.share());
         self.tracks.retain(|track| !track.is_over(life));
         for place in 0..self.tracks.len() {
             let nearest_m = self.nearest_of_several_m(&self.tracks[place]);
@@ -279,7 +299,7 @@ impl DetectionTracker {
         track.abreast.nearest_of_several_m((right, left))
     }
 
-    fn list(&self, time_ns: i64, detections: &[Detection]) -> TrackList {
+    fn list(&self, time_ns: i64, ego: &Ego, detections: &[Detection]) -> TrackList {
         let mut list = TrackList::new(time_ns);
         for track in self.tracks.iter().filter(|track| track.id != 0) {
             let estimate = track.along.estimate();
@@ -296,6 +316,11 @@ impl DetectionTracker {
                 in_path: track.membership.in_path(),
                 ..Track::default()
             };
+            if let Some(lost) = track.lost() {
+                entry.gap_m = lost.gap_m.max(0.0);
+                entry.relative_speed_mps = lost.speed_mps - ego.speed_mps;
+                entry.acceleration_mps2 = lost.acceleration_mps2;
+            }
             match detections.get(track.nearest).filter(|_| track.is_seen()) {
                 Some(detection) => {
                     entry.range_m = detection.range_m;
@@ -315,6 +340,8 @@ impl DetectionTracker {
     }
 }
 
+/// A track that is seen ends a lost one that is farther, or nearer by less than this, m.
+const FOUND_M: f64 = 15.0;
 /// A nearer vehicle within this distance across the lanes may hide another one, m.
 const HIDES_M: f64 = 2.5;
 /// A track that is faster than this over ground has moved, m/s.

@@ -15,6 +15,7 @@ pub mod interacting;
 pub mod lateral;
 pub mod list;
 pub mod longitudinal;
+pub mod lost;
 pub mod mirror;
 pub mod object_tracker;
 pub mod path;

@@ -4,7 +4,9 @@ use super::abreast::Abreast;
 use super::association::{Outline, Point, WIDEST_M};
 use super::lateral;
 use super::longitudinal::{Filter, Measured, Model, Step};
+use super::lost::{LOST_S, Lost, UNSEEN_S};
 use super::path::{Across, Approach, Membership};
+use crate::radar::scene::Ego;
 
 /// Length and width of a vehicle of which nothing is known yet, m.
 const FIRST_LENGTH_M: f64 = 4.5;
@@ -29,6 +31,8 @@ const MIDDLE_SHARE: f64 = 0.4;
 const EDGE_RAD: f64 = 0.05;
 /// A track is begun anew after this many scans in a row that contradict its range.
 const MISFITS: u32 = 3;
+/// Share of the expected hits from which a track is surely a vehicle.
+const FIRM_SHARE: f64 = 0.5;
 /// Scans that the history remembers.
 const REMEMBERED: u32 = 32;
 
@@ -60,6 +64,10 @@ pub struct DetectedTrack {
     /// Scans since its beginning, at most [`REMEMBERED`].
     age: u32,
     misfits: u32,
+    /// It was seen so often that it is a vehicle.
+    is_firm: bool,
+    /// Its motion since it was lost in the path.
+    lost: Option<Lost>,
 }
 
 /// How often a track has to be seen.
@@ -71,6 +79,19 @@ pub struct Life {
     pub scans: u32,
     /// A confirmed track without detections ends after this time, s.
     pub coast_s: f64,
+}
+
+impl Life {
+    /// The same for a radar that shows this share of what it should: the fewer the scans that show a vehicle, the
+    /// more of them it takes to see it as often.
+    #[must_use]
+    pub fn with_sight(self, seen_share: f64) -> Self {
+        if seen_share >= messages::Sight::LIMITED_BELOW {
+            return self;
+        }
+        let scans = f64::from(self.scans) / seen_share.max(0.1);
+        Self { scans: (scans.round() as u32).clamp(self.scans, REMEMBERED), ..self }
+    }
 }
 
 /// What the radar has before it.
@@ -216,6 +237,8 @@ impl DetectedTrack {
             history: 1,
             age: 1,
             misfits: 0,
+            is_firm: false,
+            lost: None,
         }
     }
 
@@ -356,6 +379,31 @@ impl DetectedTrack {
         self.history & 1 == 1
     }
 
+    /// Carries its motion on while it is not seen in the ego's path, `dt_s` after the scan before. `seen_share` of its
+    /// scans show a vehicle.
+    pub fn watch(&mut self, dt_s: f64, ego: &Ego, seen_share: f64) {
+        let firm_hits = FIRM_SHARE * seen_share * f64::from(REMEMBERED);
+        self.is_firm |= self.age == REMEMBERED && f64::from(self.hits(REMEMBERED)) >= firm_hits;
+        if self.is_seen() || self.id == 0 || !self.is_firm || !self.membership.in_path() {
+            self.lost = None;
+        } else if let Some(lost) = &mut self.lost {
+            lost.carry_on(dt_s, ego);
+        } else {
+            let estimate = self.along.estimate();
+            self.lost = Some(Lost {
+                gap_m: estimate.gap_m,
+                speed_mps: (ego.speed_mps + estimate.relative_speed_mps).max(0.0),
+                acceleration_mps2: estimate.acceleration_mps2.min(0.0),
+            });
+        }
+    }
+
+    /// Its motion, if it was lost in the path for more than chance misses.
+    #[must_use]
+    pub fn lost(&self) -> Option<&Lost> {
+        self.lost.as_ref().filter(|_| self.unseen_s > UNSEEN_S)
+    }
+
     fn hits(&self, scans: u32) -> u32 {
         let recent = if scans >= REMEMBERED { u32::MAX } else { (1 << scans) - 1 };
         (self.history & recent).count_ones()
@@ -375,6 +423,9 @@ impl DetectedTrack {
             let factor = if self.moved { 1 } else { 2 };
             let scans = self.age.min(factor * life.scans);
             return scans - self.hits(scans) > factor * (life.scans - life.hits);
+        }
+        if self.lost.is_some() {
+            return self.unseen_s > LOST_S.max(life.coast_s);
         }
         let rarely = self.age == REMEMBERED && self.hits(REMEMBERED) < 2 * life.hits;
         self.unseen_s > life.coast_s + 1e-9 || rarely
