@@ -140,7 +140,7 @@ fn with_radar(
     law: &str,
     radar: &str,
 ) -> String {
-    let mut text = format!(
+    format!(
         "schema_version = 1\nname = \"\"\nduration_s = {duration_s:.1}\nseed = {}\nset_speed_mps = {set_mps:.2}\n\
          [plant]\ninitial_speed_mps = {speed_mps:.2}\npowertrain = {{ mass_kg = {:.0}, max_power_kw = {:.0} }}\n\
          actuator_time_constant_s = {:.2}\n{radar}[controller]\nname = \"{law}\"\n",
@@ -148,17 +148,7 @@ fn with_radar(
         draws.between(1_000.0, 2_500.0),
         draws.between(60.0, 200.0),
         draws.between(0.2, 0.6),
-    );
-    if draws.chance(0.25) {
-        write!(
-            text,
-            "[road.generated]\nseed = {}\nlength_km = 8\ngrade_sigma_percent = {:.2}\n",
-            draws.number + 1,
-            draws.between(0.5, 3.0)
-        )
-        .expect("a string takes all");
-    }
-    text
+    )
 }
 
 /// A vehicle; `keys` are its other lines.
