@@ -5,8 +5,9 @@
 //! ```
 //!
 //! One desired gap serves all laws, so that their errors can be compared: `referee.desired_gap` of the scenario, else
-//! [`STATED_GAP`]. Errors count while the ego follows: from the instant at which it has had the speed of the vehicle
-//! ahead for 2 s, until that vehicle is gone or another one takes its place. The way to that gap does not count.
+//! [`STATED_GAP`]. Errors count while the ego follows: from the instant at which it first has the speed of the vehicle
+//! ahead, at the earliest 2 s after that vehicle came, until it is gone or another one takes its place. The approach
+//! before does not count.
 
 use group::DriveStep;
 use runtime::report::ControlFigures;
@@ -26,8 +27,8 @@ pub const STATED_GAP: DesiredGap = DesiredGap::Headway {
 };
 /// Largest difference of speeds at which following begins, m/s. Chosen.
 const SAME_SPEED_MPS: f64 = 1.0;
-/// Time for which the speeds are the same before following begins, s. Chosen.
-const STEADY_S: f64 = 2.0;
+/// Time for which a vehicle is ahead before following begins, s. Chosen.
+const SETTLES_S: f64 = 2.0;
 /// Time without a gap after which the vehicle ahead is gone, s: several samples of the ground truth.
 const GONE_S: f64 = 0.5;
 /// Change of the gap between two samples that means another vehicle, m. Chosen: a vehicle's length.
@@ -50,7 +51,7 @@ impl GapErrors {
         let desired = scenario.referee.desired_gap.unwrap_or(STATED_GAP);
         let mut errors = Self::default();
         let (mut squares, mut time_s) = (0.0, 0.0);
-        let (mut steady_since_s, mut follows): (Option<f64>, bool) = (None, false);
+        let (mut ahead_since_s, mut has_matched) = (0.0, false);
         let mut last: Option<(f64, f64)> = None;
         for step in steps {
             let Some((gap_m, lead_mps)) = step.gap_m.zip(step.lead_speed_mps) else {
@@ -61,12 +62,10 @@ impl GapErrors {
                 continue;
             };
             if last.is_none_or(|(_, before_m)| (gap_m - before_m).abs() > ANOTHER_M) {
-                (steady_since_s, follows) = (None, false);
+                (ahead_since_s, has_matched) = (step.time_s, false);
             }
-            let is_same = (step.speed_mps - lead_mps).abs() <= SAME_SPEED_MPS;
-            steady_since_s = if is_same { steady_since_s.or(Some(step.time_s)) } else { None };
-            let is_steady = steady_since_s.is_some_and(|since_s| step.time_s - since_s >= STEADY_S);
-            follows |= is_steady;
+            has_matched |= (step.speed_mps - lead_mps).abs() <= SAME_SPEED_MPS;
+            let follows = has_matched && step.time_s - ahead_since_s >= SETTLES_S;
             if follows {
                 let error_m = gap_m - desired.at(step.speed_mps);
                 let since_s = last.map_or(0.0, |(then_s, _)| step.time_s - then_s);
