@@ -148,7 +148,7 @@ fn slips_of_the_hand() {
 fn storyboards() {
     let corner = Corner::new(PROGRAM);
     let good = include_str!("../../examples/openscenario/cut_in.xosc");
-    let mut refuse = |from: &str, to: &str, words: &[&str]| {
+    let refuse = |from: &str, to: &str, words: &[&str]| {
         assert!(good.contains(from), "{from}");
         std::fs::write(corner.path().join("bad.xosc"), good.replacen(from, to, 1)).expect("ours");
         refused_in(&corner, &["run", "bad.xosc"], 2, words);
