@@ -1,11 +1,40 @@
 //! `timegap campaign`: many seeded runs with faults, and one verdict.
 //!
+//! A campaign file names scenarios, controllers, faults and what must hold. Each combination has a number of runs, and
+//! each run draws its faults from its own seed. A run keeps one record; the verdict is made of the records alone. So a
+//! campaign that was interrupted and resumed, or done in shards and merged, comes to the same verdict.
+//!
 //! ```text
-//! file ─ plan ─► batch ─ record ─► journal (one line per run, on the disk) ─► verdict
+//! file ─ plan ─► run 0 … run N-1 ─ job ─► drive ─ record ─► journal (a line per run, on the disk) ─► verdict
+//!                                                                              └─ campaign.json, .csv, page
 //! ```
 //!
-//! The verdict is made of the journal's records alone, so that a campaign which was interrupted and
-//! resumed, or done in shards and merged, comes to the same one.
+//! A collision counts as avoidable where braking with 6 m/s², 0.35 s after the need, would have avoided it (`reference`).
+//! A campaign whose faults meet nothing fails (`exposure`), and so does one whose faults have no receiver (`targets`).
+//!
+//! | campaign | what it does | module |
+//! |---|---|---|
+//! | a file, `kills`, `messages`, `restarts`, `soak`, `takeovers` | faults of processes and of messages | this one |
+//! | `radio` | frames that are lost, late and falsified | `radio` |
+//! | `signals` | trips through corridors of signals, beside the fastest legal one | `signals` |
+//! | `plausibility` | false alarms of the checks of the inputs, and their detection times | `plausibility` |
+//!
+//! ```toml
+//! schema_version = 1
+//! name = "lost-commands"
+//! scenarios = ["following", "cut-in"]
+//! seeds = 50
+//!
+//! [[faults]]
+//! kind = "drop"
+//! topic = "control/command"
+//! probability = [0.1, 1.0] # one number between them is drawn for each run
+//! at_s = [1.0, 20.0]
+//! for_s = 5.0
+//!
+//! [require]
+//! max_avoidable_collisions = 0
+//! ```
 
 mod arguments;
 mod conclusion;
