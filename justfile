@@ -16,6 +16,11 @@ test:
 check *JOBS:
     .ci/run {{JOBS}}
 
+# List the small changes of the code that a crate's own tests do not notice: in the change against main, or with `-p CRATE`.
+mutants *ARGUMENTS:
+    git diff main > target/mutants.diff
+    cargo mutants --output target --cargo-test-arg=--lib {{ if ARGUMENTS == "" { "--in-diff target/mutants.diff" } else { ARGUMENTS } }}
+
 # Build what few use: advisories, the synthesis, zenoh.
 extended:
     .ci/extended

@@ -24,11 +24,16 @@ pub(crate) struct Snapshot {
 pub(crate) struct Braking {
     topic: Subscriber<Brake>,
     path: BrakePath,
-    period_s: f64,
     lost_ns: i64,
+    account: Account,
+    chains: Chains,
+}
+
+/// What the emergency brake did so far, period by period.
+struct Account {
+    period_s: f64,
     state: BrakeState,
     figures: BrakeFigures,
-    chains: Chains,
 }
 
 impl Braking {
@@ -44,10 +49,8 @@ impl Braking {
         Ok(Some(Self {
             topic: runtime.subscriber()?,
             path: BrakePath::new(scenario),
-            period_s: 1e-3 * f64::from(scenario.plant.period_ms.value()),
             lost_ns: LOST_PERIODS * period_ms.max(10) * 1_000_000,
-            state: BrakeState::Monitoring,
-            figures: BrakeFigures::default(),
+            account: Account::new(1e-3 * f64::from(scenario.plant.period_ms.value())),
             chains: Chains::open(
                 i64::from(scenario.aebs.deadline_ms.value()) * 1_000_000,
                 BRAKE_PATH,
@@ -79,10 +82,42 @@ impl Braking {
             let (scheduled_ns, start_ns) = (release.scheduled_ns, release.start_ns);
             self.chains.braked(brake, &Actuated { scheduled_ns, start_ns, now_ns });
         }
-        self.count(state);
+        self.account.count(state);
         self.path.step(release.scheduled_ns.unsigned_abs(), asked_mps2, now_mps2)
     }
 
+    /// What it does now.
+    pub(crate) fn state(&self) -> BrakeState {
+        self.account.state
+    }
+
+    /// The account.
+    pub(crate) fn figures(&self) -> &BrakeFigures {
+        &self.account.figures
+    }
+
+    /// Its chains.
+    pub(crate) fn chains(&self) -> &Chains {
+        &self.chains
+    }
+
+    /// What is to outlive this process.
+    pub(crate) fn snapshot(&self) -> Snapshot {
+        Snapshot { path: self.path, figures: self.account.figures.clone() }
+    }
+
+    /// Goes on from what another process kept.
+    pub(crate) fn restore(&mut self, kept: Snapshot) {
+        (self.path, self.account.figures) = (kept.path, kept.figures);
+    }
+}
+
+impl Account {
+    fn new(period_s: f64) -> Self {
+        Self { period_s, state: BrakeState::Monitoring, figures: BrakeFigures::default() }
+    }
+
+    /// Counts one period in `state`.
     fn count(&mut self, state: BrakeState) {
         let braking = |state| matches!(state, BrakeState::Braking | BrakeState::Holding);
         let figures = &mut self.figures;
@@ -97,29 +132,35 @@ impl Braking {
         }
         self.state = state;
     }
+}
 
-    /// What it does now.
-    pub(crate) fn state(&self) -> BrakeState {
-        self.state
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use BrakeState::{Blind, Braking, Holding, Monitoring, Warning};
+
+    fn account(states: &[BrakeState]) -> BrakeFigures {
+        let mut account = Account::new(0.5);
+        for state in states {
+            account.count(*state);
+            assert_eq!(account.state, *state);
+        }
+        account.figures
     }
 
-    /// The account.
-    pub(crate) fn figures(&self) -> &BrakeFigures {
-        &self.figures
+    #[test]
+    fn an_intervention_lasts_from_the_first_braking_period_to_the_last_held_one() {
+        let figures = account(&[Warning, Braking, Braking, Holding, Monitoring, Braking, Blind]);
+        assert_eq!((figures.interventions, figures.warnings), (2, 1));
+        assert_eq!((figures.braking_s, figures.unavailable_s), (2.0, 0.5));
     }
 
-    /// Its chains.
-    pub(crate) fn chains(&self) -> &Chains {
-        &self.chains
-    }
-
-    /// What is to outlive this process.
-    pub(crate) fn snapshot(&self) -> Snapshot {
-        Snapshot { path: self.path, figures: self.figures.clone() }
-    }
-
-    /// Goes on from what another process kept.
-    pub(crate) fn restore(&mut self, kept: Snapshot) {
-        (self.path, self.figures) = (kept.path, kept.figures);
+    #[test]
+    fn a_warning_counts_once_and_not_on_the_way_out_of_braking() {
+        let figures =
+            account(&[Warning, Warning, Monitoring, Warning, Braking, Warning, Holding, Warning]);
+        assert_eq!((figures.interventions, figures.warnings), (2, 2));
+        assert_eq!(account(&[Monitoring, Monitoring]), BrakeFigures::default());
+        assert_eq!(account(&[Blind, Blind, Monitoring]).unavailable_s, 1.0);
     }
 }

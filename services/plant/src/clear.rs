@@ -98,4 +98,18 @@ mod tests {
         assert_eq!(ends_after(-9.1, |_| 10.0), Some(1_500));
         assert_eq!(ends_after(-9.1, |_| 21.0), None);
     }
+
+    #[test]
+    fn the_others_are_moved_on_from_their_sample() {
+        // Sampled 0.5 s ago at 7 m behind the ego's rear and its own length: 4 m beside it by now, or 10 m behind.
+        for (other_mps, clear) in [(10.0, false), (-6.0, true)] {
+            let mut others = VehicleTruth::zeroed();
+            others.header.acquisition_ns = 1_500_000_000;
+            others.count = 1;
+            others.vehicles[0].rear_position_m = -7.0;
+            others.vehicles[0].speed_mps = other_mps;
+            let ego = State { position_m: 0.0, speed_mps: 20.0, acceleration_mps2: 0.0 };
+            assert_eq!(watch().is_clear(2_000_000_000, &ego, &others), clear, "{other_mps}");
+        }
+    }
 }

@@ -276,4 +276,12 @@ mod tests {
         let (none, undelivered) = drive(delivery("miss_probability = 1"), 100);
         assert!(none.is_empty() && undelivered == 100);
     }
+
+    #[test]
+    fn the_count_of_undelivered_commands_goes_on_in_the_next_process() {
+        let mut delivery = delivery("miss_probability = 1");
+        delivery.restore(7);
+        assert_eq!(delivery.undelivered(), 7);
+        assert_eq!(drive(delivery, 3).1, 10);
+    }
 }

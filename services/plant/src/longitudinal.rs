@@ -424,4 +424,47 @@ mod tests {
         let State { speed_mps, acceleration_mps2, .. } = vehicle.state();
         assert!(speed_mps > 10.0 && (-2.0..-1.0).contains(&acceleration_mps2));
     }
+
+    #[test]
+    fn the_emergency_brake_stops_the_vehicle_where_the_formula_says() {
+        let plant = Plant { initial_speed_mps: Speed::of(4.1), ..Plant::default() };
+        let mut vehicle = Vehicle::new(&plant);
+        for _ in 0..25 {
+            vehicle.step_below(0.0, Some(-8.0));
+        }
+        let State { position_m, speed_mps, .. } = vehicle.state();
+        assert!((speed_mps - 2.1).abs() < 1e-12 && (position_m - 0.775).abs() < 1e-12);
+        for _ in 0..50 {
+            vehicle.step_below(0.0, Some(-8.0));
+        }
+        let stopped = vehicle.state();
+        assert!((stopped.position_m - 4.1 * 4.1 / 16.0).abs() < 1e-9, "{stopped:?}");
+        assert_eq!((stopped.speed_mps, stopped.acceleration_mps2), (0.0, 0.0));
+    }
+
+    #[test]
+    fn a_vehicle_that_brakes_harder_than_the_ceiling_keeps_to_its_own_braking() {
+        let plant = Plant {
+            initial_speed_mps: Speed::of(20.0),
+            initial_acceleration_mps2: Acceleration::of(-4.0),
+            ..Plant::default()
+        };
+        let mut vehicle = Vehicle::new(&plant);
+        vehicle.step_below(-4.0, Some(-1.0));
+        assert!((vehicle.state().acceleration_mps2 + 4.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_stop_inside_of_a_step_is_placed_by_the_share_of_the_step() {
+        let plant = Plant {
+            integration_step_ms: PeriodMs::of(10),
+            initial_speed_mps: Speed::of(0.02),
+            initial_acceleration_mps2: Acceleration::of(-4.0),
+            ..Plant::default()
+        };
+        let mut vehicle = Vehicle::new(&plant);
+        vehicle.step(-4.0);
+        // 0.02 m/s less 0.04 m/s in 10 ms: it stands after 5 ms.
+        assert!((vehicle.state().position_m - 5e-5).abs() < 1e-12);
+    }
 }

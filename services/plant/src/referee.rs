@@ -487,6 +487,15 @@ mod tests {
     }
 
     #[test]
+    fn a_stop_is_a_stand_after_a_drive() {
+        let mut referee = Referee::new(&scenario("following"));
+        for (index, speed) in (0..).zip([0.0, 10.0, 0.0, 0.0, 0.5, 0.0, 0.6, 0.0, 3.0]) {
+            referee.observe(index * PERIOD_NS, &state(0.0, speed, 0.0), None, &[]);
+        }
+        assert_eq!(referee.figures().stops, Some(2), "creeping between two stands makes them one");
+    }
+
+    #[test]
     fn mean_squares_weigh_by_time() {
         let mut referee = Referee::new(&following());
         // The desired gap at 20 m/s is 1.5 * 20 + 5 = 35 m; the first sample has no length yet.

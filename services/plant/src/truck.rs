@@ -369,4 +369,17 @@ mod tests {
         assert!((9.0..12.0).contains(&braked_mps), "{braked_mps}");
         assert!(truck.service_brake_s() > 2.9);
     }
+
+    #[test]
+    fn consumption_is_fuel_over_way_and_unknown_before_the_first_metre() {
+        let mut truck = truck("");
+        assert_eq!(truck.fuel_l_per_100km(), None);
+        for _ in 0..500 {
+            truck.step(&acceleration(0.0), None);
+        }
+        let (fuel_g, way_m) = (truck.powertrain().fuel_g, truck.state().position_m);
+        let litres_per_100km = fuel_g / FUEL_DENSITY_GPL * 100_000.0 / way_m;
+        let found = truck.fuel_l_per_100km().expect("it has driven");
+        assert!((found / litres_per_100km - 1.0).abs() < 1e-12 && found > 5.0, "{found}");
+    }
 }

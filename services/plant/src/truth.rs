@@ -146,4 +146,65 @@ mod tests {
         assert_eq!(gap(&three, 100.0), None);
         assert_eq!(gap(&three, 98.5), Some(-7.5));
     }
+
+    #[test]
+    fn a_vehicle_that_speeds_up_goes_on_doing_so() {
+        let mut truth = VehicleTruth::zeroed();
+        truth.count = 1;
+        truth.header.acquisition_ns = 1_000_000_000;
+        truth.vehicles[0] = VehicleTruthItem {
+            in_lane: 1,
+            rear_position_m: 60.0,
+            speed_mps: 10.0,
+            acceleration_mps2: 1.0,
+            lateral_m: 0.0,
+        };
+        let found = ahead(&truth, &lengths(&[4.0]), 10.0, 3.0).expect("it is in lane");
+        assert_eq!((found.gap_m, found.speed_mps, found.acceleration_mps2), (72.0, 12.0, 1.0));
+    }
+
+    #[test]
+    fn signals_show_their_phase_its_end_and_the_next_one() {
+        let mut truth = messages::SignalTruth::zeroed();
+        truth.count = 2;
+        for (place, (intersection, line_m)) in [(3, 80.0), (4, 200.0)].into_iter().enumerate() {
+            truth.lanes[place].intersection_id = intersection;
+            truth.lanes[place].signal_group = 2;
+            truth.lanes[place].stop_line_m = line_m;
+        }
+        let green = PhaseState::ProtectedMovementAllowed.to_wire();
+        let yellow = PhaseState::ProtectedClearance.to_wire();
+        truth.signals[0].count = 2;
+        (truth.signals[0].intervals[0].state, truth.signals[0].intervals[0].likely_end_s) =
+            (green, 2.5);
+        truth.signals[0].intervals[1].state = yellow;
+        truth.signals[1].count = 1;
+        (truth.signals[1].intervals[0].state, truth.signals[1].intervals[0].likely_end_s) =
+            (yellow, f64::INFINITY);
+        truth.signals[1].intervals[1].state = green;
+        let dark = SignalTruth {
+            id: 0,
+            stop_line_m: 0.0,
+            phase: Phase::Red,
+            ends_ns: None,
+            next_phase: Phase::Red,
+        };
+        let mut shown = [dark; MAX_SIGNALS];
+        assert_eq!(signals(&truth, &mut shown), 2);
+        let first = SignalTruth {
+            id: 3 * 256 + 2,
+            stop_line_m: 80.0,
+            phase: Phase::Green,
+            ends_ns: Some(2_500_000_000),
+            next_phase: Phase::Yellow,
+        };
+        let second = SignalTruth {
+            id: 4 * 256 + 2,
+            stop_line_m: 200.0,
+            phase: Phase::Yellow,
+            ends_ns: None,
+            next_phase: Phase::Yellow,
+        };
+        assert_eq!(shown[..3], [first, second, dark]);
+    }
 }
