@@ -5,14 +5,20 @@
 //! results, all of them, so that none of an earlier run stays beside those of the new one. They are put aside
 //! until the first new result is written, and put back if there is none. Other files are left alone.
 
+mod error;
+mod result_file;
+
+pub use error::OutputError;
+pub use result_file::ResultFile;
+
 use clap::Args;
-use group::{Error, Failure};
+use group::Error;
 use runtime::histogram_log;
 use runtime::statistics::Latencies;
 use rustix::fs::{FlockOperation, flock};
 use std::cell::Cell;
 use std::fs::File;
-use std::io::{BufWriter, ErrorKind, Write};
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// What commands write into their directory; a name without a dot is a directory.
@@ -75,45 +81,6 @@ pub struct OutputDirectory {
     /// A result was written, or something else that is to be kept.
     is_used: Cell<bool>,
 }
-
-/// Why a directory is not used for results.
-#[derive(Debug, thiserror::Error)]
-pub enum OutputError {
-    /// It is another command's.
-    #[error(
-        "{} belongs to a command that is still running: choose another directory", path.display()
-    )]
-    InUse {
-        /// The directory.
-        path: PathBuf,
-    },
-    /// Results of an earlier command are in it.
-    #[error(
-        "{} holds results ({first}): choose another directory, or add --force to replace them",
-        path.display()
-    )]
-    HoldsResults {
-        /// The directory.
-        path: PathBuf,
-        /// One of the results.
-        first: &'static str,
-    },
-    /// What is in it was not begun in parts.
-    #[error(
-        "{} holds results ({first}) but no {expected}: nothing in it can be gone on with, choose another directory",
-        path.display()
-    )]
-    NotBegun {
-        /// The directory.
-        path: PathBuf,
-        /// One of the results.
-        first: &'static str,
-        /// The file that says what was begun.
-        expected: &'static str,
-    },
-}
-
-impl Failure for OutputError {}
 
 impl OutputDirectory {
     /// Makes the chosen directory, or a new one below `runs` named after the time and `name`.
@@ -307,41 +274,6 @@ impl OutputDirectory {
         written.inspect_err(|_| {
             let _ = std::fs::remove_file(&temporary);
         })
-    }
-}
-
-/// A result that is being written.
-pub struct ResultFile {
-    /// Its path when it is whole.
-    path: PathBuf,
-    file: BufWriter<File>,
-}
-
-impl ResultFile {
-    fn create(temporary: &Path, path: &Path) -> Result<Self, Error> {
-        let path = path.to_owned();
-        match File::create(temporary) {
-            Ok(file) => Ok(Self { path, file: BufWriter::new(file) }),
-            Err(reason) => Err(Error::Path { action: "write", path, reason }),
-        }
-    }
-
-    /// Adds some bytes.
-    ///
-    /// # Errors
-    /// [`Error::Path`].
-    pub fn add(&mut self, bytes: &[u8]) -> Result<(), Error> {
-        let path = || self.path.clone();
-        let written = self.file.write_all(bytes);
-        written.map_err(|reason| Error::Path { action: "write", path: path(), reason })
-    }
-
-    fn finish(mut self, temporary: &Path) -> Result<(), Error> {
-        let path = &self.path;
-        let written = (self.file.flush())
-            .and_then(|()| self.file.get_ref().sync_all())
-            .and_then(|()| std::fs::rename(temporary, path));
-        written.map_err(|reason| Error::Path { action: "write", path: path.clone(), reason })
     }
 }
 

@@ -20,7 +20,6 @@ use std::collections::BTreeMap;
 #[derive(Debug, serde::Serialize)]
 pub struct Sweep {
     schema_version: u32,
-    /// Every run reached its end.
     pub ok: bool,
     pub scenario: String,
     /// Controllers of the runs: one, unless the controller is swept.
@@ -46,7 +45,6 @@ pub struct Point {
     pub figures: Figures,
     /// Spread of each figure over the seeds.
     pub spread: Spread,
-    /// How the runs ended, in words.
     #[serde(skip)]
     ended: String,
 }

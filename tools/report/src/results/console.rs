@@ -6,7 +6,7 @@
 use serde_json::Value;
 use std::ops::Range;
 
-use super::column::Format;
+use super::head::Format;
 use super::table::Table;
 use crate::table::{Align, TextTable};
 

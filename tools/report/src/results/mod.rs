@@ -14,6 +14,7 @@
 mod column;
 mod console;
 mod document;
+mod head;
 mod junit;
 mod markdown;
 mod options;
@@ -22,11 +23,11 @@ mod schema;
 mod table;
 
 pub use column::{
-    Column, Format, Good, Head, Kind, at, column, count, fact, flag, judged, micros, nested,
-    number, outcome, word,
+    Column, at, column, count, fact, flag, judged, micros, nested, number, outcome, word,
 };
 pub use console::{folded, width};
 pub use document::{Attachment, Document, Part};
+pub use head::{Format, Good, Head, Kind};
 pub use options::{ExportError, ResultOptions};
 pub use schema::{Schema, check, document as schema_document};
 pub use table::{Table, csv_head, csv_line};

@@ -2,7 +2,8 @@
 
 use serde_json::{Map, Value, json};
 
-use super::column::{Column, Format, Head, Kind};
+use super::column::Column;
+use super::head::{Format, Head, Kind};
 
 /// What a command's JSON holds.
 ///

@@ -3,7 +3,8 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use super::column::{Column, Good, Head, cells};
+use super::column::{Column, cells};
+use super::head::{Good, Head};
 use crate::table::csv_row;
 
 /// A table of a result. It no longer knows the type of its rows.

@@ -1,0 +1,43 @@
+//! Why a directory takes no results.
+
+use group::Failure;
+use std::path::PathBuf;
+
+/// Why a directory is not used for results.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// It is another command's.
+    #[error(
+        "{} belongs to a command that is still running: choose another directory", path.display()
+    )]
+    InUse {
+        /// The directory.
+        path: PathBuf,
+    },
+    /// Results of an earlier command are in it.
+    #[error(
+        "{} holds results ({first}): choose another directory, or add --force to replace them",
+        path.display()
+    )]
+    HoldsResults {
+        /// The directory.
+        path: PathBuf,
+        /// One of the results.
+        first: &'static str,
+    },
+    /// What is in it was not begun in parts.
+    #[error(
+        "{} holds results ({first}) but no {expected}: nothing in it can be gone on with, choose another directory",
+        path.display()
+    )]
+    NotBegun {
+        /// The directory.
+        path: PathBuf,
+        /// One of the results.
+        first: &'static str,
+        /// The file that says what was begun.
+        expected: &'static str,
+    },
+}
+
+impl Failure for OutputError {}
