@@ -129,8 +129,7 @@ fn ego_at(odometry: &Odometry, time_s: f64) -> Ego {
 fn target_at(radar: &RadarTracks, raw: bool, time_s: f64) -> Option<Target> {
     let target = &radar.target;
     let age_s = age_s(radar.header.acquisition_ns, time_s);
-    let count = usize::try_from(radar.count).map_or(0, |count| count.min(radar.tracks.len()));
-    let measured = radar.tracks[..count].iter().find(|track| raw && track.in_path != 0);
+    let measured = radar.listed().iter().find(|track| raw && track.in_path != 0);
     let (gap_m, relative_speed_mps) = measured
         .map_or((target.gap_m, target.relative_speed_mps), |track| {
             (track.range_m, track.range_rate_mps)

@@ -234,11 +234,12 @@ impl Loop {
         };
         let trust = self.ladder.look(&ages, release.time_s);
         let mut input = input(&self.setting, &samples, trust, release.time_s);
-        let admission = self.ladder.admit(&mut input);
+        let tracks = radar.map_or(&[][..], |radar| radar.listed());
+        let admission = self.ladder.admit(&mut input, tracks);
         match admission {
             Admission::Law => {
                 if self.braked {
-                    // What it remembers is of before.
+                    // Its state predates the braking.
                     self.law.reset();
                 }
                 if let Some(planning) = &mut self.planning {
@@ -246,10 +247,12 @@ impl Loop {
                 }
                 let begun = monotonic_ns();
                 self.step(runtime, &release, &input)?;
+                self.ladder.restrain(&mut self.output);
                 self.solve.record_ns(monotonic_ns() - begun);
             }
             Admission::Brake => {
-                self.ladder.brake(&input.ego, self.setting.period_s, &mut self.output);
+                let bounds = self.law.request_bounds_mps2();
+                self.ladder.brake(&input.ego, self.setting.period_s, bounds, &mut self.output);
             }
             // An empty plan is no command, and says so: in lockstep the plant waits for a message.
             Admission::Silence => {

@@ -98,6 +98,11 @@ impl RadarTracks {
     #[must_use]
     pub fn sight(&self) -> Sight {
         Sight::of_share(self.seen_share)
+    /// The valid entries of `tracks`.
+    #[must_use]
+    pub fn listed(&self) -> &[Track] {
+        let count = usize::try_from(self.count).map_or(MAX_TRACKS, |count| count.min(MAX_TRACKS));
+        &self.tracks[..count]
     }
 
     /// Speed of the ego as the radar measured it, m/s.

@@ -34,7 +34,7 @@ const HALVINGS: usize = 13;
 /// From here on a lead counts as braking, m/s².
 const BRAKES_MPS2: f64 = 1.5;
 /// A lead that brakes may still add this share to its deceleration: the estimate is late.
-const MAY_ADD: f64 = 0.3;
+pub(crate) const MAY_ADD: f64 = 0.3;
 /// Missing gap at which the comfortable deceleration is asked for in full, m.
 const MISSING_M: f64 = 5.0;
 

@@ -4,15 +4,18 @@
 //! stand at `p + v_l²/(2 b)`. To stand `MARGIN_M` behind it the ego, at `x` with the speed `v`, needs
 //!
 //! ```text
-//! d = v² / (2 (p + v_l²/(2 b) - x - MARGIN_M))
+//! d(b) = v² / (2 (p + v_l²/(2 b) - x - MARGIN_M))
 //! ```
 //!
-//! `b` is full braking, and `v_l` what the radar measured less what it is late by. The request is comfortable
-//! where that is enough. Behind a vehicle that was braking when it was last seen it is as hard as needed, behind
-//! another at most that of a minimum risk manoeuvre.
+//! `v_l` is what the radar measured, less what the measurement is late by. The request is the largest of three:
+//!
+//! * comfortable braking,
+//! * `d(b)` for full braking of the lead, up to the deceleration of a minimum risk manoeuvre,
+//! * `d(b)` for the braking that was seen, and a share that the lead may still have added.
 
-use crate::following::safe_gap::LeadNow;
-use crate::law::{Ego, Target};
+use super::lead::LastSeen;
+use crate::following::safe_gap::{LeadNow, MAY_ADD};
+use crate::law::Ego;
 
 /// Comfortable braking, m/s².
 pub(super) const COMFORTABLE_MPS2: f64 = 2.0;
@@ -26,46 +29,33 @@ const HARD_JERK_MPS3: f64 = 12.65;
 const WORST_MPS2: f64 = 6.0;
 /// Deceleration of a minimum risk manoeuvre, m/s² (UN R157, 5.5.1).
 const MINIMUM_RISK_MPS2: f64 = 4.0;
-/// From here on a vehicle counts as braking, m/s².
+/// Braking of a vehicle counts from here on, m/s².
 const BRAKES_MPS2: f64 = 1.0;
-/// By how much the speed of what brakes is measured late, s.
+/// Delay of the measured speed of a vehicle that brakes, s.
 const SEEN_LATE_S: f64 = 0.2;
 /// Distance that is left at standstill, m.
 const MARGIN_M: f64 = 3.0;
 /// Least distance to stop in that is reckoned with, m.
 const LEAST_ROOM_M: f64 = 0.5;
 
-/// A target as it was when it was last seen.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct LastSeen {
-    /// The target.
-    pub target: Target,
-    /// Place of its rear, m.
-    pub position_m: f64,
-    /// Its speed, m/s.
-    pub speed_mps: f64,
-    /// When that was, s.
-    pub time_s: f64,
-}
-
-impl LastSeen {
-    /// Deceleration with which the ego comes to stand behind it if it brakes with `braking`, m/s².
-    fn needed_mps2(&self, ego: &Ego, braking: f64) -> f64 {
-        let lead = LeadNow {
-            gap_m: self.position_m - ego.position_m,
-            speed_mps: (self.speed_mps - braking * SEEN_LATE_S).max(0.0),
-            acceleration_mps2: -braking,
-        };
-        0.5 * ego.speed_mps * ego.speed_mps / lead.room_m(MARGIN_M).max(LEAST_ROOM_M)
-    }
+/// Deceleration with which the ego comes to stand behind `last` if that brakes with `braking`, m/s².
+fn needed_mps2(last: &LastSeen, ego: &Ego, braking: f64) -> f64 {
+    let lead = LeadNow {
+        gap_m: last.position_m - ego.position_m,
+        speed_mps: (last.speed_mps - braking * SEEN_LATE_S).max(0.0),
+        acceleration_mps2: -braking,
+    };
+    0.5 * ego.speed_mps * ego.speed_mps / lead.room_m(MARGIN_M).max(LEAST_ROOM_M)
 }
 
 /// Deceleration to ask for, m/s².
 pub(super) fn deceleration_mps2(ego: &Ego, last: Option<&LastSeen>) -> f64 {
     let Some(last) = last else { return COMFORTABLE_MPS2 };
-    let seen = -last.target.acceleration_mps2;
-    let most = if seen > BRAKES_MPS2 { f64::INFINITY } else { MINIMUM_RISK_MPS2 };
-    last.needed_mps2(ego, WORST_MPS2.max(seen)).min(most).max(COMFORTABLE_MPS2)
+    let worst = needed_mps2(last, ego, WORST_MPS2).min(MINIMUM_RISK_MPS2);
+    let seen = last.braking_mps2();
+    let as_seen =
+        if seen > BRAKES_MPS2 { needed_mps2(last, ego, (1.0 + MAY_ADD) * seen) } else { 0.0 };
+    worst.max(as_seen).max(COMFORTABLE_MPS2)
 }
 
 /// Fills a plan that goes from the request `from_mps2` to a deceleration and keeps it.
@@ -85,12 +75,13 @@ pub(super) fn fill(plan_mps2: &mut [f64], from_mps2: f64, deceleration: f64, per
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::law::Target;
 
     const EGO: Ego = Ego { position_m: 0.0, speed_mps: 20.0, acceleration_mps2: 0.0 };
 
     fn last(position_m: f64, speed_mps: f64, acceleration_mps2: f64) -> LastSeen {
         let target = Target { acceleration_mps2, ..Target::default() };
-        LastSeen { target, position_m, speed_mps, time_s: 0.0 }
+        LastSeen { target, position_m, speed_mps, time_s: 0.0, since_s: 0.0 }
     }
 
     #[test]
@@ -108,12 +99,22 @@ mod tests {
     }
 
     #[test]
-    fn behind_a_vehicle_that_was_braking_it_is_as_hard_as_needed() {
-        // It would stand at 9.7 + 33.3 m: 40 m to stop in.
-        let needed = deceleration_mps2(&EGO, Some(&last(9.667, 21.2, -2.0)));
-        assert!((needed - 5.0).abs() < 0.01, "{needed}");
-        // One that brakes with 8 m/s² stands at 18 + 25 m.
-        let harder = deceleration_mps2(&EGO, Some(&last(18.0, 21.6, -8.0)));
-        assert!((harder - 5.0).abs() < 1e-9, "{harder}");
+    fn behind_a_vehicle_that_was_braking_it_is_as_hard_as_that_asks_for() {
+        // 1.3 times 8 m/s²: 2.08 m/s less than measured, it would stand at 20 + 20.0 m, 37.0 m to stop in.
+        let harder = deceleration_mps2(&EGO, Some(&last(20.0, 22.476, -8.0)));
+        assert!((harder - 200.0 / 37.0).abs() < 0.01, "{harder}");
+        // One that brakes gently asks for no more than a minimum risk manoeuvre.
+        let gentle = deceleration_mps2(&EGO, Some(&last(20.0, 20.0, -1.5)));
+        assert_eq!(gentle, MINIMUM_RISK_MPS2);
+    }
+
+    #[test]
+    fn a_plan_reaches_its_deceleration_with_the_jerk_of_its_kind() {
+        for (deceleration, jerk) in [(2.0, 2.5), (4.0, 5.0), (4.1, 12.65)] {
+            let mut plan = [0.0; 40];
+            fill(&mut plan, -0.5, deceleration, 0.1);
+            assert!((plan[0] + 0.5 + 0.1 * jerk).abs() < 1e-9, "{plan:?}");
+            assert_eq!(plan[39], -deceleration);
+        }
     }
 }

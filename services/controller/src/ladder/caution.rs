@@ -1,0 +1,136 @@
+//! Bounds on requests while the road ahead is not seen, and for a while after.
+//!
+//! | situation | largest request, m/s² |
+//! |---|---|
+//! | blind, and a lead was lost | 0 |
+//! | blind on a free road | 0.3 |
+//! | sees again, for as long as it was blind, up to 5 s | 0.3 |
+//! | then | rises with 2.5 m/s³ |
+//!
+//! A radar that is blind half of the time is so never accelerated on. While blind, the set speed is at most the speed at
+//! which the ego became blind, so that no law works against the bound.
+
+use crate::law::{Input, Output};
+
+/// Largest request while blind, m/s². Chosen: gains 1 m/s until the lead counts as lost.
+const BLIND_MPS2: f64 = 0.3;
+/// Longest time for which sight must prove itself, s. Chosen: longer losses end in braking, not in caution.
+const LONGEST_S: f64 = 5.0;
+/// Rise of the bound when sight has proved itself, m/s³: the least jerk limit of ISO 15622.
+const RISE_MPS3: f64 = 2.5;
+/// Bound that no law reaches, m/s².
+const FREE_MPS2: f64 = 10.0;
+
+/// The bounds at one release.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Caution {
+    /// Time for which sight has to prove itself, s.
+    proof_s: f64,
+    /// Largest request, m/s².
+    most_mps2: f64,
+    /// Speed at which the ego became blind, m/s.
+    blind_from_mps: Option<f64>,
+}
+
+impl Default for Caution {
+    fn default() -> Self {
+        Self { proof_s: 0.0, most_mps2: FREE_MPS2, blind_from_mps: None }
+    }
+}
+
+impl Caution {
+    /// Takes whether the road ahead is seen and whether a lead was lost; bounds the set speed.
+    pub(super) fn observe(&mut self, is_blind: bool, input: &mut Input) {
+        let period_s = input.period_s;
+        if is_blind {
+            let from_mps = *self.blind_from_mps.get_or_insert(input.ego.speed_mps.max(0.0));
+            input.set_speed_mps = input.set_speed_mps.min(from_mps);
+            self.proof_s = (self.proof_s + period_s).min(LONGEST_S);
+            self.most_mps2 = if input.target.is_some() { 0.0 } else { BLIND_MPS2 };
+            return;
+        }
+        self.blind_from_mps = None;
+        self.proof_s -= period_s;
+        if self.proof_s > 0.0 {
+            self.most_mps2 = BLIND_MPS2;
+        } else {
+            self.proof_s = 0.0;
+            self.most_mps2 = (self.most_mps2 + RISE_MPS3 * period_s).min(FREE_MPS2);
+        }
+    }
+
+    /// Bounds a law's output. A truck's torque gives way to the accelerations.
+    pub(super) fn restrain(&self, output: &mut Output) {
+        if self.most_mps2 >= FREE_MPS2 {
+            return;
+        }
+        if output.request_mps2() > self.most_mps2 {
+            output.torque = None;
+        }
+        for request in &mut output.plan_mps2[..output.plan_len] {
+            *request = request.min(self.most_mps2);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::law::{Ego, Target, TorqueRequest};
+
+    fn input(speed_mps: f64, target: Option<Target>) -> Input {
+        let ego = Ego { speed_mps, ..Ego::default() };
+        Input { period_s: 0.1, ego, target, set_speed_mps: 30.0, ..Input::default() }
+    }
+
+    /// The largest request of a plan that asks for 2 m/s² at first and brakes at last.
+    fn most(caution: &Caution) -> f64 {
+        let mut output = Output { plan_len: 2, ..Output::default() };
+        output.plan_mps2[..2].copy_from_slice(&[2.0, -3.0]);
+        let engine_torque_nm = 900.0;
+        output.torque = Some(TorqueRequest { engine_torque_nm, service_brake_n: 0.0, gear: None });
+        caution.restrain(&mut output);
+        assert_eq!(output.plan_mps2[1], -3.0);
+        assert_eq!(output.torque.is_some(), output.request_mps2() == 2.0);
+        output.request_mps2()
+    }
+
+    #[test]
+    fn nothing_is_bounded_while_the_road_is_seen() {
+        let mut caution = Caution::default();
+        let mut input = input(20.0, None);
+        caution.observe(false, &mut input);
+        assert_eq!((most(&caution), input.set_speed_mps), (2.0, 30.0));
+    }
+
+    #[test]
+    fn blind_it_keeps_its_speed_behind_a_lost_lead_and_hardly_gains_any_without() {
+        let mut caution = Caution::default();
+        let mut behind = input(20.0, Some(Target::default()));
+        caution.observe(true, &mut behind);
+        assert_eq!((most(&caution), behind.set_speed_mps), (0.0, 20.0));
+        let mut free = input(21.0, None);
+        caution.observe(true, &mut free);
+        assert_eq!((most(&caution), free.set_speed_mps), (0.3, 20.0));
+    }
+
+    #[test]
+    fn sight_proves_itself_for_as_long_as_it_was_lost() {
+        let mut caution = Caution::default();
+        (0..20).for_each(|_| caution.observe(true, &mut input(20.0, None)));
+        (0..19).for_each(|_| caution.observe(false, &mut input(20.0, None)));
+        assert_eq!(most(&caution), 0.3);
+        (0..3).for_each(|_| caution.observe(false, &mut input(20.0, None)));
+        assert!((0.5..1.2).contains(&most(&caution)), "{}", most(&caution));
+        (0..9).for_each(|_| caution.observe(false, &mut input(20.0, None)));
+        assert_eq!(most(&caution), 2.0);
+    }
+
+    #[test]
+    fn a_long_loss_asks_for_no_longer_proof_than_its_bound() {
+        let mut caution = Caution::default();
+        (0..600).for_each(|_| caution.observe(true, &mut input(20.0, None)));
+        (0..62).for_each(|_| caution.observe(false, &mut input(20.0, None)));
+        assert_eq!(most(&caution), 2.0);
+    }
+}
