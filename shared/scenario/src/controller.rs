@@ -111,7 +111,7 @@ impl Default for Controller {
             time_headway_s: TimeConstant::of(1.5),
             standstill_distance_m: Length::of(5.0),
             model_time_constant_s: TimeConstant::of(0.5),
-            min_request_mps2: Acceleration::of(-4.9),
+            min_request_mps2: Acceleration::of(-6.0),
             max_request_mps2: Acceleration::of(4.9),
             weights: Weights::default(),
             tables: LawTables::default(),

@@ -15,6 +15,14 @@
 //! reckoned with). Behind a lead that brakes, the request is then the full braking; behind one that does
 //! not, the gap is opened comfortably, the more firmly the more is missing.
 //!
+//! A worst case is no reason for hard braking while gentle braking is enough for what the lead does. Let `e` be the
+//! smallest constant braking that keeps `gap_min`, or most of a gap that is already smaller, while the lead goes on as it does, and may add to its braking. While `e`
+//! is at most 1.5 m/s², no request is below the comfortable one or `-2 e`, whichever is harder:
+//!
+//! ```text
+//! u >= min(comfort, -2 e)     while e <= 1.5 m/s²
+//! ```
+//!
 //! | symbol | field | unit |
 //! |---|---|---|
 //! | `gap_min` | [`SafeGap::min_gap_m`] | m |
@@ -35,6 +43,12 @@ const HALVINGS: usize = 13;
 const BRAKES_MPS2: f64 = 1.5;
 /// A lead that brakes may still add this share to its deceleration: the estimate is late.
 pub(crate) const MAY_ADD: f64 = 0.3;
+/// Constant braking that is gentle, m/s²: while it is enough, braking stays below twice this.
+const GENTLE_MPS2: f64 = 1.5;
+/// Share of a gap below the smallest one that gentle braking must keep.
+const KEPT_SHARE: f64 = 0.7;
+/// Halvings of the interval of gentle braking: to a hundredth of a m/s².
+const GENTLE_HALVINGS: usize = 7;
 /// Missing gap at which the comfortable deceleration is asked for in full, m.
 const MISSING_M: f64 = 5.0;
 
@@ -100,8 +114,40 @@ impl SafeGap {
         Self { lag, period, check, min_mps2, comfort_mps2, min_gap_m, lead_deceleration_mps2 }
     }
 
-    /// The safe request nearest to `request`.
+    /// The safe request nearest to `request`, tempered where gentle braking is enough.
     pub(crate) fn apply(&self, request: f64, ego: Motion, lead: &LeadNow) -> f64 {
+        let safe = self.nearest(request, ego, lead);
+        if safe < self.comfort_mps2 { self.temper(safe, ego, lead) } else { safe }
+    }
+
+    /// The request, no harder than the comfortable one and twice what is enough.
+    fn temper(&self, request: f64, ego: Motion, lead: &LeadNow) -> f64 {
+        match self.enough_mps2(ego, lead) {
+            Some(enough) => request.max(self.comfort_mps2.min(-2.0 * enough)),
+            None => request,
+        }
+    }
+
+    /// The smallest constant braking from now on that keeps the gap while the lead goes on as it does, m/s². `None` if
+    /// gentle braking does not.
+    pub(crate) fn enough_mps2(&self, ego: Motion, lead: &LeadNow) -> Option<f64> {
+        let ego = Motion { position_m: 0.0, ..ego };
+        let expected = expected_mps2(lead);
+        let least_m = (KEPT_SHARE * lead.gap_m - self.min_gap_m).min(0.0);
+        let is_enough =
+            |braking: f64| self.margin_m(ego, 0.0, |_| -braking, lead, expected) >= least_m;
+        if !is_enough(GENTLE_MPS2) {
+            return None;
+        }
+        let (mut low, mut high) = (0.0, GENTLE_MPS2);
+        for _ in 0..GENTLE_HALVINGS {
+            let middle = 0.5 * (low + high);
+            if is_enough(middle) { high = middle } else { low = middle }
+        }
+        Some(high)
+    }
+
+    fn nearest(&self, request: f64, ego: Motion, lead: &LeadNow) -> f64 {
         let expected = expected_mps2(lead);
         let worst = self.worst_mps2(lead);
         if self.stays_behind(self.min_mps2, ego, lead, worst) {

@@ -10,6 +10,9 @@
 //! b = max(a_p, what the target does now and may add)
 //! ```
 //!
+//! While gentle braking is enough for what the target does, the request is tempered: see
+//! [`SafeGap`](crate::following::safe_gap). A car that cuts in and pulls away is so met with little braking.
+//!
 //! The request follows with a comfortable jerk (ISO 15622), unless full braking after it would not keep R0:
 //! then as fast as the emergency limit allows.
 //!
@@ -52,8 +55,26 @@ pub(super) fn graded(
     };
     let late_s = late_s(p, period);
     let wanted = nearest(&patient(p, period), -p.approach_limit_mps2);
-    let soft = wanted.max(request - comfortable_jerk_mps3(ego.speed_mps) * period);
-    nearest(&held(p, late_s, p.standstill_gap_m), soft)
+    let softest = request - comfortable_jerk_mps3(ego.speed_mps) * period;
+    let demand = nearest(&held(p, late_s, p.standstill_gap_m), wanted.max(softest));
+    match enough(p, s, ego, target_mps2, period) {
+        Some(enough) => demand.max(enough).max(softest),
+        None => demand,
+    }
+}
+
+/// The hardest request while gentle braking is enough for what the target does, m/s².
+#[must_use]
+pub(super) fn enough(
+    p: &Parameters,
+    s: &Situation,
+    ego: &Ego,
+    target_mps2: f64,
+    period: f64,
+) -> Option<f64> {
+    let safe = held(p, late_s(p, period), p.standstill_gap_m);
+    let enough = safe.enough_mps2(own_motion(p, ego), &lead_now(s, target_mps2))?;
+    Some((-2.0 * enough).min(-p.approach_limit_mps2))
 }
 
 /// Whether a target that brakes harder than the law does for comfort asks for this mode already, whatever the boundaries

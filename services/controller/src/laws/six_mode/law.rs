@@ -175,14 +175,20 @@ impl SixMode {
         }
     }
 
-    /// The demand of the avoid mode, as hard as needed; the paper's spacing brakes fully.
+    /// The demand as hard as needed, in the avoid mode and below; the paper's spacing brakes fully.
     fn grade(&self, demand: f64, cruise: f64, input: &Checked, s: &Situation) -> f64 {
-        if !self.has_graded_braking() || self.mode != Some(Mode::Avoid) {
+        if !self.has_graded_braking() {
             return demand;
         }
+        let (p, ego) = (&self.parameters, &input.ego);
         let target_mps2 = input.target.map_or(0.0, |target| target.acceleration_mps2);
-        avoid::graded(&self.parameters, s, &input.ego, target_mps2, self.request, input.period)
-            .min(cruise)
+        if self.mode == Some(Mode::Avoid) {
+            return avoid::graded(p, s, ego, target_mps2, self.request, input.period).min(cruise);
+        }
+        if demand >= -p.approach_limit_mps2 {
+            return demand;
+        }
+        avoid::enough(p, s, ego, target_mps2, input.period).map_or(demand, |most| demand.max(most))
     }
 
     /// Bounds the request and, in the robust law, its rate.

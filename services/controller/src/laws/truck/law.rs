@@ -11,7 +11,7 @@
 //! and to hold the limit downhill. The published law has none: it commands engine torque, and warns; the key
 //! `brakes` takes them away.
 
-use super::car_safety::keep_car_safe;
+use super::car;
 use super::following::{self, LastResort, Means};
 use super::formulation::{
     BAD_INPUT, CRUISE, FOLLOW, MAP_CONTRADICTS, NO_PLAN, PLAN, PREDICTIVE, TARGET, TARGET_GONE,
@@ -359,7 +359,7 @@ impl Law for Predictive {
         let demand = self.permitted(demand, ego.speed_mps, powertrain.gear);
         self.write(input, &powertrain, &demand, output);
         if let Some(car) = &self.settings.car {
-            keep_car_safe(car, input, output);
+            car::drive(car, &keys.gap, input, target.as_ref(), economic_mps, output);
         }
 
         if let Some(preview) = preview

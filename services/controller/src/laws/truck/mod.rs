@@ -25,10 +25,10 @@
 //! | gap, modes | (14) to (16) | `spacing` |
 //! | accelerations, brakes | (17), (18) | `following` |
 //! | radar filter | | `target_filter` |
-//! | a car under this law | | `car_safety` |
+//! | a car under this law | | `car` |
 
 mod beyond;
-mod car_safety;
+mod car;
 mod dynamic_programming;
 pub mod energy_grid;
 mod following;

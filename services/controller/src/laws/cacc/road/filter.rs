@@ -17,6 +17,9 @@ use crate::laws::cacc::config::Config;
 
 /// Distance kept to a closed line, m.
 const LINE_MARGIN_M: f64 = 0.2;
+/// Way that a soft stop may take beyond the safe gap, as a share of the smallest gap. Chosen: the way of the last
+/// 0.3 s from 3 m/s.
+pub(super) const SOFT_SHARE: f64 = 0.5;
 /// Halvings of the interval of requests: to a thousandth of a m/s².
 const HALVINGS: usize = 13;
 /// Step in which ego and lead are compared, s.
@@ -224,14 +227,14 @@ impl Filter {
     }
 }
 
-/// The gap that a configuration keeps safe.
+/// The gap that a configuration keeps safe: the smallest one, and what a soft stop may use of it.
 pub(super) fn safe_gap(config: &Config, period_s: f64) -> SafeGap {
     let road = &config.road;
     SafeGap::new(
         Lag { tau_s: config.actuator_lag_s },
         period_s,
         (config.min_request_mps2, -road.comfort_deceleration_mps2),
-        road.min_gap_m,
+        (1.0 + SOFT_SHARE) * road.min_gap_m,
         road.lead_deceleration_mps2,
     )
 }

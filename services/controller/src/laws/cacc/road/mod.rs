@@ -66,7 +66,7 @@ mod signals;
 use mpc_solver::{ProblemError, Solver};
 
 use self::decision::{Choice, Situation, choose};
-use self::filter::{Filter, Rule};
+use self::filter::{Filter, Rule, SOFT_SHARE};
 pub use self::formulation::FORMULATION;
 use self::formulation::reason_index;
 use self::own_lag::OwnLag;
@@ -90,6 +90,8 @@ const LAST_MARGIN_S: f64 = 0.1;
 const STOP_ROOM_M: f64 = 0.3;
 /// Below this speed a vehicle at a closed line waits, m/s.
 const STANDSTILL_MPS: f64 = 0.1;
+/// Distance to a closed line within which a vehicle that stands waits, m. Chosen: a car's length, as a driver does.
+const WAITS_WITHIN_M: f64 = 5.0;
 /// Room that a soft stop leaves to a closed line, m.
 const LINE_ROOM_M: f64 = 0.3;
 
@@ -343,16 +345,17 @@ impl RoadLaw {
         let mut safe = filter.apply(tempered, seen.ego, seen.lead.as_ref(), &gates[..count]);
         let stop = gates[..count].first().filter(|gate| gate.rule == Rule::Stop);
         let line_m = stop.map_or(f64::INFINITY, |gate| gate.distance_m);
-        if line_m < self.config.road.stop_margin_m + 1.0 && seen.ego.speed_mps < STANDSTILL_MPS {
+        if line_m < WAITS_WITHIN_M && seen.ego.speed_mps < STANDSTILL_MPS {
             // It waits at the line.
             safe = safe.min(0.0);
         }
         safe = within_set_speed(safe, seen.desired_mps);
-        let min_gap_m = self.config.road.min_gap_m;
-        let lead_m = seen.lead.map_or(f64::INFINITY, |lead| lead.room_m(min_gap_m));
+        let spare_m = SOFT_SHARE * self.config.road.min_gap_m;
+        let soft_gap_m = self.config.road.min_gap_m + spare_m;
+        let lead_m = seen.lead.map_or(f64::INFINITY, |lead| lead.room_m(soft_gap_m));
         let to_line_m = line_m - LINE_ROOM_M;
         let room = if lead_m < to_line_m {
-            Room { wanted_m: lead_m, spare_m: 0.5 * min_gap_m }
+            Room { wanted_m: lead_m, spare_m }
         } else {
             Room { wanted_m: to_line_m, spare_m: 0.0 }
         };
