@@ -8,6 +8,7 @@
 //! to full function. [`Ladder::restrain`] bounds what a law asks for while the road ahead is not seen.
 
 use self::caution::Caution;
+use self::departure::Departure;
 use self::lead::LeadMemory;
 use crate::law::{Ego, Input, MAX_PLAN, Output, Quality};
 use crate::sampling::SignalTrust;
@@ -18,6 +19,7 @@ use scenario::perception::RadarModel;
 
 mod blind;
 mod caution;
+mod departure;
 mod lead;
 
 /// Periods of its source after which an input is stale.
@@ -93,6 +95,7 @@ pub struct Ladder {
     solve: Recovery,
     memory: LeadMemory,
     caution: Caution,
+    departure: Departure,
     /// Time of the last release with a fresh radar sample, or of the first release, s.
     remembered_s: Option<f64>,
     last_request_mps2: f64,
@@ -124,6 +127,7 @@ impl Ladder {
             solve: Recovery::default(),
             memory: LeadMemory::default(),
             caution: Caution::default(),
+            departure: Departure::default(),
             remembered_s: None,
             last_request_mps2: 0.0,
             last_ego: None,
@@ -186,12 +190,13 @@ impl Ladder {
         }
         let is_blind = self.memory.is_missed() || unseen_s > self.stale_radar_s;
         self.caution.observe(is_blind, input);
+        self.departure.observe(input);
         if self.level == Level::LeadLost { Admission::Brake } else { Admission::Law }
     }
 
     /// Bounds what the law asks for while the road ahead is not seen, and for a while after.
     pub fn restrain(&self, output: &mut Output) {
-        self.caution.restrain(output);
+        output.bound_from_above(self.caution.most_mps2().min(self.departure.most_mps2()));
     }
 
     /// Takes what the law made of it and whether the last cycle was in time; returns the level.
@@ -225,7 +230,8 @@ impl Ladder {
     pub fn brake(&self, ego: &Ego, period_s: f64, (least, _): (f64, f64), output: &mut Output) {
         *output = Output { mode: output.mode, quality: Quality::Backup, ..Output::default() };
         let request = self.last_request_mps2.clamp(least, 0.0);
-        let deceleration = blind::deceleration_mps2(ego, self.memory.last()).clamp(-request, -least);
+        let deceleration =
+            blind::deceleration_mps2(ego, self.memory.last()).clamp(-request, -least);
         blind::fill(&mut output.plan_mps2, request, deceleration, period_s);
         output.plan_len = MAX_PLAN;
     }

@@ -105,8 +105,7 @@ impl LeadMemory {
         if self.is_missed {
             return assumed;
         }
-        self.last =
-            input.target.map(|target| LastSeen::new(input, target, self.last.as_ref()));
+        self.last = input.target.map(|target| LastSeen::new(input, target, self.last.as_ref()));
         input.target
     }
 

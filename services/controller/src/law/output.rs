@@ -75,6 +75,16 @@ impl Output {
         self.torque = None;
     }
 
+    /// Bounds the plan from above, m/s². A truck's torque gives way where its request does.
+    pub fn bound_from_above(&mut self, most_mps2: f64) {
+        if self.request_mps2() > most_mps2 {
+            self.torque = None;
+        }
+        for request in &mut self.plan_mps2[..self.plan_len] {
+            *request = request.min(most_mps2);
+        }
+    }
+
     /// Makes every figure finite: what is no number is 0, what is beyond all numbers the largest one.
     pub fn bound_figures(&mut self) {
         for figure in &mut self.figures {
@@ -86,5 +96,22 @@ impl Output {
     #[must_use]
     pub fn request_mps2(&self) -> f64 {
         self.plan_mps2[0]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_bound_from_above_leaves_braking_and_takes_the_torque_of_a_request_above_it() {
+        let engine = TorqueRequest { engine_torque_nm: 900.0, service_brake_n: 0.0, gear: None };
+        let mut plan = Output { plan_len: 2, torque: Some(engine), ..Output::default() };
+        plan.plan_mps2[..3].copy_from_slice(&[2.0, -3.0, 5.0]);
+        let mut bounded = plan;
+        bounded.bound_from_above(2.0);
+        assert_eq!(bounded, plan);
+        bounded.bound_from_above(0.3);
+        assert_eq!((bounded.plan_mps2[..3].to_vec(), bounded.torque), (vec![0.3, -3.0, 5.0], None));
     }
 }

@@ -75,7 +75,26 @@ impl Region {
 /// The level of a situation between R_b and R_w, m/s².
 #[must_use]
 pub(super) fn level_mps2(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
+    if (p.variant, p.deceleration_parts) == (Variant::Robust, Parts::Smooth) {
+        return smooth_mps2((b.warning_m - s.gap_m) / (b.warning_m - b.braking_m));
+    }
     LEVELS_MPS2[part(p, s, b)]
+}
+
+/// The level at a share of the way from R_w to R_b, on the line through the middles of the equal slices, m/s².
+fn smooth_mps2(share: f64) -> f64 {
+    if share.is_nan() {
+        return 0.0;
+    }
+    let place = (PARTS as f64 * share).clamp(0.0, PARTS as f64) + 0.5;
+    let before = (place as usize).min(PARTS);
+    let level = |slice: usize| match slice {
+        0 => 0.0,
+        slice => LEVELS_MPS2[slice.min(PARTS) - 1],
+    };
+    // The first slice's middle is half a slice from R_w.
+    let (from, rest) = if place < 1.0 { (0.5, 0.5) } else { (before as f64, 1.0) };
+    level(before) + (level(before + 1) - level(before)) * (place - from) / rest
 }
 
 /// The part of a situation between R_b and R_w.
@@ -110,7 +129,7 @@ pub fn border_m(p: &Parameters, relative_mps: f64, b: &Boundaries, part: usize) 
 fn metastable_share(p: &Parameters, relative_mps: f64) -> f64 {
     let full = METASTABLE_PARTS as f64 / PARTS as f64;
     match (p.variant, p.deceleration_parts) {
-        (Variant::Robust, Parts::EqualSlices) => full,
+        (Variant::Robust, Parts::EqualSlices | Parts::Smooth) => full,
         (Variant::Literal, _) | (_, Parts::Regions) => {
             full * (1.0 + relative_mps / p.approach_threshold_mps).clamp(0.0, 1.0)
         }
@@ -211,6 +230,18 @@ mod tests {
             assert_eq!(part(&equal, &s, &b), k);
             assert_eq!(part(&Parameters::literal(), &s, &b), part(&regions, &s, &b));
         }
+    }
+
+    #[test]
+    fn the_smooth_levels_have_no_step_and_meet_each_level_in_the_middle_of_its_slice() {
+        assert_eq!((smooth_mps2(0.0), smooth_mps2(-1.0), smooth_mps2(f64::NAN)), (0.0, 0.0, 0.0));
+        for (slice, level) in LEVELS_MPS2.into_iter().enumerate() {
+            let middle = (slice as f64 + 0.5) / PARTS as f64;
+            assert!((smooth_mps2(middle) - level).abs() < 1e-12, "slice {slice}");
+        }
+        let levels: Vec<f64> = (0..=1000).map(|k| smooth_mps2(f64::from(k) / 1000.0)).collect();
+        assert!(levels.windows(2).all(|pair| (0.0..0.01).contains(&(pair[0] - pair[1]))));
+        assert_eq!(levels[1000], LEVELS_MPS2[PARTS - 1]);
     }
 
     proptest! {

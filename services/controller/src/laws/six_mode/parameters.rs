@@ -36,8 +36,10 @@ pub enum Parts {
     /// Figure 3: three regions of relative speed and gap, in eight parts.
     Regions,
     /// Eight equal slices of the way from R_w to R_b, whatever the relative speed.
-    #[default]
     EqualSlices,
+    /// A line through the middles of the equal slices, from 0 at R_w on: no step of the request.
+    #[default]
+    Smooth,
 }
 
 /// Parameters of the six-mode law; the default is the driving default.
@@ -124,10 +126,10 @@ impl Default for Parameters {
             cruise_gain_per_s: 1.0,
             steady_gain_per_s: 0.02,
             acceleration_mps2: 1.8,
-            deceleration_parts: Parts::EqualSlices,
+            deceleration_parts: Parts::Smooth,
             spacing: Spacing::TimeGap,
             time_gap_s: 1.5,
-            margin_m: 4.0,
+            margin_m: 2.0,
             least_band_m: 2.0,
             approach_limit_mps2: 1.0,
             approach_floor_m: 2.0,
@@ -212,6 +214,7 @@ impl Parameters {
             filter_time_s: 0.0,
             jerk_limit_mps3: 8.0,
             acceleration_mps2: 1.0,
+            deceleration_parts: Parts::EqualSlices,
             spacing: Spacing::Paper,
             ..Self::default()
         }

@@ -35,12 +35,35 @@ const REGULATE_LEAST_MPS2: f64 = -1.0;
 #[must_use]
 pub(super) fn following(p: &Parameters, mode: Mode, s: &Situation, b: &Boundaries) -> f64 {
     match mode {
+        Mode::Approach if regulates(p) => approach(p, s, b).min(closing_mps2(p, s)),
         Mode::Approach => approach(p, s, b),
         Mode::Steady => steady(p, s, b),
+        Mode::Decelerate if regulates(p) => {
+            level_mps2(p, s, b).min(steady(p, s, b)).min(closing_mps2(p, s))
+        }
         Mode::Decelerate => level_mps2(p, s, b),
         Mode::Avoid => -p.braking_mps2,
         Mode::Accelerate | Mode::Cruise => p.largest_mps2(),
     }
+}
+
+/// Whether the gap is regulated, not only bounded.
+fn regulates(p: &Parameters) -> bool {
+    p.variant == Variant::Robust && p.spacing == Spacing::TimeGap
+}
+
+/// Time headway that is left behind a slower target when speeds match, s, and the time until a request acts, s.
+const LEFT_S: f64 = 1.0;
+const ACTS_LATE_S: f64 = 0.5;
+/// Least way in which speeds match, m.
+const LEAST_WAY_M: f64 = 5.0;
+
+/// The constant deceleration that matches speeds before the gap is used up: begun in time, it stays gentle.
+fn closing_mps2(p: &Parameters, s: &Situation) -> f64 {
+    let closing_mps = (-s.relative_mps).max(0.0);
+    let target_mps = (s.speed_mps + s.relative_mps).max(0.0);
+    let way_m = s.gap_m - p.standstill_gap_m - LEFT_S * target_mps - ACTS_LATE_S * closing_mps;
+    -closing_mps * closing_mps / (2.0 * way_m.max(LEAST_WAY_M))
 }
 
 /// Eq (8): the constant deceleration that matches speeds at R_w. Its minus is not printed: the mode brakes. The literal
@@ -61,7 +84,7 @@ fn approach(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
 /// law lets the push fade towards R_w, which itself grows with the ego's speed: otherwise steady and decelerate take turns for ever (trap 6).
 fn steady(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
     let relative = s.relative_mps;
-    if p.variant == Variant::Robust && p.spacing == Spacing::TimeGap {
+    if regulates(p) {
         let wanted = REGULATE_PER_S * (relative + b.closing_mps(p, s.gap_m));
         return wanted.clamp(REGULATE_LEAST_MPS2, p.acceleration_mps2);
     }

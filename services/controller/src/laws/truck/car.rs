@@ -1,9 +1,9 @@
 //! A car under the truck's law: the plan sets the speed, a comfortable driver keeps the distance.
 //!
 //! A truck's accelerations are no car's: 0.3 m/s² behind a target leaves a car 9 s behind in town. So the driver model
-//! of [`Driver`] follows with the law's own time headway and gap at standstill, and [`SafeGap`] has the last word.
+//! of [`Driver`] follows with the time headway and the gap at standstill of `[controller]`, and [`SafeGap`] has the last word.
 
-use super::settings::{CarGap, GapKeys, REQUESTS_MPS2};
+use super::settings::{CarGap, REQUESTS_MPS2};
 use super::target_filter::Estimate;
 use crate::following::driver::{Driver, Obstacle};
 use crate::following::kinematics::{Lag, Motion};
@@ -17,18 +17,21 @@ const COMFORT_MPS2: f64 = -2.0;
 const CAR_GAP_M: f64 = 2.0;
 const SOFT_M: f64 = 1.0;
 
-/// Replaces the truck's request by that of a car that drives at `desired_mps` at most.
+/// Fall of the request while gentle braking is enough, m/s³ (ISO 15622: at most 5 at low speeds). Chosen: behind the
+/// car's lag the jerk stays below 5 m/s³.
+const JERK_MPS3: f64 = 5.0;
+
+/// Replaces the truck's request by that of a car that drives at `desired_mps` at most; `before_mps2` is the last one.
 pub fn drive(
     car: &CarGap,
-    keys: &GapKeys,
+    before_mps2: Option<f64>,
     input: &Input,
     target: Option<&Estimate>,
     desired_mps: f64,
     output: &mut Output,
-) {
+) -> f64 {
     let speed_mps = input.ego.speed_mps;
-    let ego =
-        Motion { position_m: 0.0, speed_mps, acceleration_mps2: input.ego.acceleration_mps2 };
+    let ego = Motion { position_m: 0.0, speed_mps, acceleration_mps2: input.ego.acceleration_mps2 };
     let driver = Driver {
         acceleration_mps2: REQUESTS_MPS2.1,
         deceleration_mps2: -COMFORT_MPS2,
@@ -41,8 +44,8 @@ pub fn drive(
                 gap_m: target.gap_m,
                 speed_mps: (speed_mps + target.relative_speed_mps).max(0.0),
                 acceleration_mps2: target.acceleration_mps2,
-                headway_s: keys.time_headway_s,
-                standstill_m: keys.standstill_distance_m,
+                headway_s: car.headway_s,
+                standstill_m: car.standstill_m,
             };
             driver.follow_mps2(speed_mps, desired_mps, &lead)
         }
@@ -63,6 +66,11 @@ pub fn drive(
         let kept_m = CAR_GAP_M + SOFT_M;
         let safe = SafeGap::new(lag, period_s, bounds, kept_m, car.lead_deceleration_mps2);
         request = safe.apply(request, ego, &lead);
+        if let Some(before_mps2) = before_mps2
+            && safe.enough_mps2(ego, &lead).is_some()
+        {
+            request = request.max(before_mps2 - JERK_MPS3 * period_s);
+        }
         room = Room { wanted_m: lead.room_m(kept_m), spare_m: SOFT_M };
     }
     let (least, most) = REQUESTS_MPS2;
@@ -71,4 +79,5 @@ pub fn drive(
     for later in &mut output.plan_mps2[1..output.plan_len] {
         *later = later.min(request.max(COMFORT_MPS2));
     }
+    request
 }

@@ -66,6 +66,8 @@ struct State {
     last_resort: LastResort,
     /// Acceleration that was wanted last behind a target, m/s².
     wanted_mps2: Option<f64>,
+    /// Last request to a car, m/s².
+    asked_of_car_mps2: Option<f64>,
     mode: u32,
     reason: u32,
     request: Option<PlanRequest>,
@@ -84,6 +86,7 @@ impl State {
             reference: Reference::default(),
             last_resort: LastResort::default(),
             wanted_mps2: None,
+            asked_of_car_mps2: None,
             mode: CRUISE,
             reason: 0,
             request: None,
@@ -359,7 +362,9 @@ impl Law for Predictive {
         let demand = self.permitted(demand, ego.speed_mps, powertrain.gear);
         self.write(input, &powertrain, &demand, output);
         if let Some(car) = &self.settings.car {
-            car::drive(car, &keys.gap, input, target.as_ref(), economic_mps, output);
+            let before_mps2 = self.state.asked_of_car_mps2;
+            let asked = car::drive(car, before_mps2, input, target.as_ref(), economic_mps, output);
+            self.state.asked_of_car_mps2 = Some(asked);
         }
 
         if let Some(preview) = preview

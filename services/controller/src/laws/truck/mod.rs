@@ -98,7 +98,14 @@ fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
     }
     let car = (!vehicle.is_truck()).then(|| {
         let lag_s = key!(reader, model_time_constant_s).value();
-        CarGap { lag_s, lead_deceleration_mps2: keys.lead_deceleration_mps2 }
+        let headway_s = key!(reader, time_headway_s).value();
+        let standstill_m = key!(reader, standstill_distance_m).value();
+        CarGap {
+            lag_s,
+            headway_s,
+            standstill_m,
+            lead_deceleration_mps2: keys.lead_deceleration_mps2,
+        }
     });
     let settings = Settings::of_keys(&Truck::preset(preset), &keys);
     Ok(Box::new(Predictive::new(&Settings { car, ..settings })))

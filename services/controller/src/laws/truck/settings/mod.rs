@@ -167,6 +167,10 @@ pub struct Settings {
 pub struct CarGap {
     /// Lag of the car's acceleration behind the request, s.
     pub lag_s: f64,
+    /// Time headway, s.
+    pub headway_s: f64,
+    /// Gap at standstill, m.
+    pub standstill_m: f64,
     /// Hardest deceleration of the vehicle ahead that is reckoned with, m/s².
     pub lead_deceleration_mps2: f64,
 }
