@@ -12,8 +12,8 @@ use self::departure::Departure;
 use self::lead::LeadMemory;
 use crate::law::{Ego, Input, MAX_PLAN, Output, Quality};
 use crate::sampling::SignalTrust;
-use messages::Track;
 use messages::level::Level;
+use messages::{RadarTracks, Sight};
 use scenario::Scenario;
 use scenario::perception::RadarModel;
 
@@ -165,8 +165,8 @@ impl Ladder {
         }
     }
 
-    /// Settles what else the law is given. `tracks` are those of the newest radar sample.
-    pub fn admit(&mut self, input: &mut Input, tracks: &[Track]) -> Admission {
+    /// Settles what else the law is given. `radar` is the newest radar sample.
+    pub fn admit(&mut self, input: &mut Input, radar: Option<&RadarTracks>) -> Admission {
         if self.level == Level::Silent {
             let Some(ego) = self.last_ego.take() else { return Admission::Silence };
             input.ego = ego;
@@ -176,9 +176,9 @@ impl Ladder {
         let unseen_s = self.remembered_s.map_or(0.0, |then_s| input.time_s - then_s);
         if self.radar_is_fresh {
             self.remembered_s = Some(input.time_s);
-            input.target = self.memory.see(input, tracks);
-            if self.memory.is_missed() && self.level < Level::LeadPredicted {
-                self.level = Level::LeadPredicted;
+            input.target = self.memory.see(input, radar.map_or(&[], RadarTracks::listed));
+            if self.memory.is_missed() {
+                self.enter_if_mild(Level::LeadPredicted);
             }
         } else if unseen_s > self.stale_radar_s + PREDICT_S {
             // Radar came while the ego's motion was not known: it was of no use then.
@@ -188,10 +188,23 @@ impl Ladder {
             let last = self.memory.last();
             input.target = last.map(|last| last.at(&input.ego, input.time_s));
         }
-        let is_blind = self.memory.is_missed() || unseen_s > self.stale_radar_s;
+        let sight = radar.map_or(Sight::Full, RadarTracks::sight);
+        if Caution::heed(sight, input) {
+            self.enter_if_mild(Level::SensorLimited);
+        }
+        let is_blind = self.memory.is_missed()
+            || unseen_s > self.stale_radar_s
+            || sight == Sight::Blind;
         self.caution.observe(is_blind, input);
         self.departure.observe(input);
         if self.level == Level::LeadLost { Admission::Brake } else { Admission::Law }
+    }
+
+    /// Enters a level unless one that asks for more holds: lost signals and an estimated ego ask for less.
+    fn enter_if_mild(&mut self, level: Level) {
+        if matches!(self.level, Level::Full | Level::SignalsLost | Level::EgoEstimated) {
+            self.level = level;
+        }
     }
 
     /// Bounds what the law asks for while the road ahead is not seen, and for a while after.

@@ -234,8 +234,7 @@ impl Loop {
         };
         let trust = self.ladder.look(&ages, release.time_s);
         let mut input = input(&self.setting, &samples, trust, release.time_s);
-        let tracks = radar.map_or(&[][..], |radar| radar.listed());
-        let admission = self.ladder.admit(&mut input, tracks);
+        let admission = self.ladder.admit(&mut input, radar);
         match admission {
             Admission::Law => {
                 if self.braked {

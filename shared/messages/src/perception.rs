@@ -98,6 +98,8 @@ impl RadarTracks {
     #[must_use]
     pub fn sight(&self) -> Sight {
         Sight::of_share(self.seen_share)
+    }
+
     /// The valid entries of `tracks`.
     #[must_use]
     pub fn listed(&self) -> &[Track] {

@@ -7,15 +7,24 @@
 //! | sees again, for as long as it was blind, up to 5 s | 0.3 |
 //! | then | rises with 2.5 m/s³ |
 //!
+//! A radar that sees less than it should bounds the set speed: to what stops within the distance at which it still finds
+//! a vehicle in time.
+//!
 //! A radar that is blind half of the time is so never accelerated on. While blind, the set speed is at most the speed at
 //! which the ego became blind, so that no law works against the bound.
 
 use crate::law::Input;
+use messages::Sight;
 
 /// Largest request while blind, m/s². Chosen: gains 1 m/s until the lead counts as lost.
 const BLIND_MPS2: f64 = 0.3;
 /// Longest time for which sight must prove itself, s. Chosen: longer losses end in braking, not in caution.
 const LONGEST_S: f64 = 5.0;
+/// Largest set speed while the radar sees a part of what it should, m/s. Chosen: stops within 100 m, half of its range,
+/// with 4 m/s² after 1.5 s.
+const LIMITED_MPS: f64 = 22.0;
+/// Largest set speed while the radar sees next to nothing, m/s. Chosen: stops within 20 m in the same way.
+const BLIND_MPS: f64 = 8.0;
 /// Rise of the bound when sight has proved itself, m/s³: the least jerk limit of ISO 15622.
 const RISE_MPS3: f64 = 2.5;
 /// Bound that no law reaches, m/s².
@@ -39,6 +48,17 @@ impl Default for Caution {
 }
 
 impl Caution {
+    /// Bounds the set speed by what the radar sees; true if that is less than it should be.
+    pub(super) fn heed(sight: Sight, input: &mut Input) -> bool {
+        let most_mps = match sight {
+            Sight::Full => return false,
+            Sight::Limited => LIMITED_MPS,
+            Sight::Blind => BLIND_MPS,
+        };
+        input.set_speed_mps = input.set_speed_mps.min(most_mps);
+        true
+    }
+
     /// Takes whether the road ahead is seen and whether a lead was lost; bounds the set speed.
     pub(super) fn observe(&mut self, is_blind: bool, input: &mut Input) {
         let period_s = input.period_s;
@@ -92,6 +112,15 @@ mod tests {
         let mut free = input(21.0, None);
         caution.observe(true, &mut free);
         assert_eq!((caution.most_mps2(), free.set_speed_mps), (0.3, 20.0));
+    }
+
+    #[test]
+    fn the_set_speed_follows_what_the_radar_sees() {
+        for (share, most_mps) in [(1.0, 30.0), (0.5, LIMITED_MPS), (0.1, BLIND_MPS)] {
+            let mut input = input(20.0, None);
+            assert_eq!(Caution::heed(Sight::of_share(share), &mut input), share < 0.7);
+            assert_eq!(input.set_speed_mps, most_mps);
+        }
     }
 
     #[test]

@@ -47,7 +47,7 @@ impl Drive {
         let ages = Ages { odometry_s: age(0), radar_s: age(1), spat_s: age(2), ..Ages::default() };
         let trust = self.ladder.look(&ages, time_s);
         let mut input = input(time_s);
-        let admission = self.ladder.admit(&mut input, &[]);
+        let admission = self.ladder.admit(&mut input, None);
         if admission != Admission::Silence {
             self.ladder.settle(&Output::default(), true);
         }

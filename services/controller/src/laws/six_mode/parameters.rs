@@ -129,7 +129,7 @@ impl Default for Parameters {
             deceleration_parts: Parts::Smooth,
             spacing: Spacing::TimeGap,
             time_gap_s: 1.5,
-            margin_m: 2.0,
+            margin_m: 1.0,
             least_band_m: 2.0,
             approach_limit_mps2: 1.0,
             approach_floor_m: 2.0,

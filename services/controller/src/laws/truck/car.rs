@@ -3,7 +3,7 @@
 //! A truck's accelerations are no car's: 0.3 m/s² behind a target leaves a car 9 s behind in town. So the driver model
 //! of [`Driver`] follows with the time headway and the gap at standstill of `[controller]`, and [`SafeGap`] has the last word.
 
-use super::settings::{CarGap, REQUESTS_MPS2};
+use super::settings::{CAR_MOST_MPS2, CarGap, REQUESTS_MPS2};
 use super::target_filter::Estimate;
 use crate::following::driver::{Driver, Obstacle};
 use crate::following::kinematics::{Lag, Motion};
@@ -33,7 +33,7 @@ pub fn drive(
     let speed_mps = input.ego.speed_mps;
     let ego = Motion { position_m: 0.0, speed_mps, acceleration_mps2: input.ego.acceleration_mps2 };
     let driver = Driver {
-        acceleration_mps2: REQUESTS_MPS2.1,
+        acceleration_mps2: CAR_MOST_MPS2,
         deceleration_mps2: -COMFORT_MPS2,
         hardest_mps2: -REQUESTS_MPS2.0,
     };
@@ -73,8 +73,7 @@ pub fn drive(
         }
         room = Room { wanted_m: lead.room_m(kept_m), spare_m: SOFT_M };
     }
-    let (least, most) = REQUESTS_MPS2;
-    request = soften(request, ego, lag.tau_s, room).clamp(least, most);
+    request = soften(request, ego, lag.tau_s, room).clamp(REQUESTS_MPS2.0, CAR_MOST_MPS2);
     output.plan_mps2[0] = request;
     for later in &mut output.plan_mps2[1..output.plan_len] {
         *later = later.min(request.max(COMFORT_MPS2));

@@ -21,7 +21,7 @@ use super::limiter;
 use super::map_trust::MapTrust;
 use super::planners::create;
 use super::reference::{Reference, Speeds};
-use super::settings::{Brakes, Keys, PlannerKind, REQUESTS_MPS2, Settings};
+use super::settings::{Brakes, CAR_MOST_MPS2, Keys, PlannerKind, REQUESTS_MPS2, Settings};
 use super::spacing::{Mode, Spacing};
 use super::speed_band::{max_speed_mps, min_speed_mps};
 use super::speed_keeper::SpeedKeeper;
@@ -395,7 +395,8 @@ impl Law for Predictive {
     }
 
     fn request_bounds_mps2(&self) -> (f64, f64) {
-        REQUESTS_MPS2
+        let (least, most) = REQUESTS_MPS2;
+        (least, if self.settings.car.is_some() { CAR_MOST_MPS2 } else { most })
     }
 
     fn planning(&mut self) -> Option<&mut dyn Planning> {

@@ -12,6 +12,9 @@ pub use tables::{BoundKeys, FilterKeys, FollowKeys, GapKeys, PlanKeys, RoadKeys,
 /// Least and largest request of the law, m/s².
 pub(super) const REQUESTS_MPS2: (f64, f64) = (-6.5, 1.5);
 
+/// Largest request to a car, m/s². Chosen: as the predictive laws for cars.
+pub(super) const CAR_MOST_MPS2: f64 = 2.0;
+
 /// Which planner drives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
