@@ -192,9 +192,8 @@ impl Ladder {
         if Caution::heed(sight, input) {
             self.enter_if_mild(Level::SensorLimited);
         }
-        let is_blind = self.memory.is_missed()
-            || unseen_s > self.stale_radar_s
-            || sight == Sight::Blind;
+        let is_blind =
+            self.memory.is_missed() || unseen_s > self.stale_radar_s || sight == Sight::Blind;
         self.caution.observe(is_blind, input);
         self.departure.observe(input);
         if self.level == Level::LeadLost { Admission::Brake } else { Admission::Law }

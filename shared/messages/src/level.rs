@@ -6,8 +6,8 @@
 //! | [`Level::SignalsLost`] | controller | no valid `v2x/spat` for three of its periods, or one that contradicts what was announced before | three releases in a row with a fresh one |
 //! | [`Level::SolveFailed`] | controller | the law used its backup, or the cycle missed its deadline | three releases in a row in order |
 //! | [`Level::OutsideEnvelope`] | controller | the state is outside the range that the law is made for: its fall-back drives | the law drives again |
-//! | [`Level::LeadPredicted`] | controller | no valid `radar/tracks` for three of its periods and the radar's latency | two releases in a row with a fresh one |
-//! | [`Level::LeadLost`] | controller | the same for 1 s longer, or at the start none yet for as long | five releases in a row with a fresh one |
+//! | [`Level::LeadPredicted`] | controller | no valid `radar/tracks` for three of its periods and the radar's latency, or a lead that mattered is not among its tracks and was not seen to leave the lane (for 3 s) | two releases in a row with a fresh one; the lead is seen again |
+//! | [`Level::LeadLost`] | controller | no valid `radar/tracks` for 2 s longer, or at the start none yet for as long | five releases in a row with a fresh one |
 //! | [`Level::EgoEstimated`] | controller | no valid `vehicle/odometry` for 0.1 s, or one that contradicts itself, the radar or the commands: the radar's measurement of the ego's speed takes its place for up to 10 s, the commands for up to 1.5 s | a fresh one that contradicts nothing |
 //! | [`Level::SensorLimited`] | controller | the radar reports that it sees less than it should (`seen_share` of `radar/tracks`) | it sees enough again |
 //! | [`Level::Silent`] | controller | the same for longer, or at the start | two releases in a row with odometry |

@@ -2,6 +2,7 @@
 //! hard, and stop and go. No emergency brake helps.
 
 mod braking_leads;
+mod kinds;
 mod stop_and_go;
 mod tracker;
 mod world;
