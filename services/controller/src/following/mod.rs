@@ -4,5 +4,6 @@
 pub mod driver;
 pub(crate) mod follower;
 pub mod kinematics;
+pub mod parameters;
 pub(crate) mod safe_gap;
 pub(crate) mod soft_stop;

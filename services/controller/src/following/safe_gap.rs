@@ -30,9 +30,10 @@
 //! | full braking | [`SafeGap::min_mps2`] | m/s² |
 
 use super::kinematics::{Lag, LagStep, Motion};
+use super::parameters::FOLLOWING;
 
 /// Share of the hardest request that the vehicle surely reaches.
-pub(crate) const SURE: f64 = 0.95;
+pub(crate) const SURE: f64 = FOLLOWING.sure_share;
 /// Step in which ego and lead are compared, s.
 const CHECK_S: f64 = 0.1;
 /// Longest comparison, steps: well over the stop from 70 m/s.
@@ -40,17 +41,17 @@ const CHECKS: usize = 250;
 /// Halvings of the interval of requests: to a thousandth of a m/s².
 const HALVINGS: usize = 13;
 /// From here on a lead counts as braking, m/s².
-const BRAKES_MPS2: f64 = 1.5;
+const BRAKES_MPS2: f64 = FOLLOWING.brakes_mps2;
 /// A lead that brakes may still add this share to its deceleration: the estimate is late.
-pub(crate) const MAY_ADD: f64 = 0.3;
+pub(crate) const MAY_ADD: f64 = FOLLOWING.may_add_share;
 /// Constant braking that is gentle, m/s²: while it is enough, braking stays below twice this.
-const GENTLE_MPS2: f64 = 1.5;
+const GENTLE_MPS2: f64 = FOLLOWING.gentle_mps2;
 /// Share of a gap below the smallest one that gentle braking must keep.
-const KEPT_SHARE: f64 = 0.7;
+const KEPT_SHARE: f64 = FOLLOWING.kept_share;
 /// Halvings of the interval of gentle braking: to a hundredth of a m/s².
 const GENTLE_HALVINGS: usize = 7;
 /// Missing gap at which the comfortable deceleration is asked for in full, m.
-const MISSING_M: f64 = 5.0;
+const MISSING_M: f64 = FOLLOWING.missing_m;
 
 /// The vehicle ahead, in the ego's frame: position 0 is the ego's front bumper now.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,7 +118,8 @@ impl SafeGap {
     /// The safe request nearest to `request`, tempered where gentle braking is enough.
     pub(crate) fn apply(&self, request: f64, ego: Motion, lead: &LeadNow) -> f64 {
         let safe = self.nearest(request, ego, lead);
-        if safe < self.comfort_mps2 { self.temper(safe, ego, lead) } else { safe }
+        // What is asked for harder than that has other reasons, as a stop line.
+        if safe < self.comfort_mps2 { self.temper(safe, ego, lead).min(request) } else { safe }
     }
 
     /// The request, no harder than the comfortable one and twice what is enough.
@@ -285,6 +287,16 @@ mod tests {
                 assert!(least_m > 1.5, "{least_m} m behind {lead_mps2} m/s² at {speed_mps} m/s");
             }
         }
+    }
+
+    #[test]
+    fn gentle_braking_that_is_enough_tempers_the_gaps_request_and_no_other() {
+        let ego = Motion { position_m: 0.0, speed_mps: 20.0, acceleration_mps2: 0.0 };
+        let lead = LeadNow { gap_m: 14.0, speed_mps: 20.5, acceleration_mps2: 0.0 };
+        assert!(gap(7.0).apply(1.0, ego, &lead) >= -3.0);
+        assert_eq!(gap(7.0).apply(-4.5, ego, &lead), -4.5, "a stop line asks for it");
+        let brakes = LeadNow { acceleration_mps2: -6.0, ..lead };
+        assert_eq!(gap(7.0).apply(1.0, ego, &brakes), -4.9);
     }
 
     #[test]

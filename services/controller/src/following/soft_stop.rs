@@ -14,21 +14,22 @@
 //! | `tau` | lag of the actuator | s |
 
 use super::kinematics::Motion;
+use super::parameters::FOLLOWING;
 
 /// Rates, the gentlest first, 1/s.
 const RATES_PER_S: [f64; 5] = [1.0, 1.3, 1.7, 2.2, 2.8];
 /// Fastest speed at which a stop is softened, m/s.
-const FASTEST_MPS: f64 = 3.0;
+const FASTEST_MPS: f64 = FOLLOWING.fastest_soft_mps;
 /// Deceleration with which the last of the speed is lost, m/s².
-const LAST_MPS2: f64 = 0.03;
+const LAST_MPS2: f64 = FOLLOWING.last_mps2;
 /// Request that holds a vehicle that stands, m/s².
-const HOLD_MPS2: f64 = -0.5;
+const HOLD_MPS2: f64 = FOLLOWING.hold_mps2;
 /// Requests below this mean to stop or to stay, m/s².
-const STAYS_MPS2: f64 = 0.1;
+const STAYS_MPS2: f64 = FOLLOWING.stays_mps2;
 /// Speed below which such a request ends in standstill, m/s.
-const CREEPS_MPS: f64 = 0.3;
+const CREEPS_MPS: f64 = FOLLOWING.creeps_mps;
 /// Speed below which the gentlest rate is taken whatever the room, m/s: a tenth of a second's motion.
-const LAST_MPS: f64 = 0.15;
+const LAST_MPS: f64 = FOLLOWING.last_mps;
 
 /// The way that a vehicle has to come to rest, m.
 #[derive(Clone, Copy, Debug)]

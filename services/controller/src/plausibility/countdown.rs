@@ -12,6 +12,8 @@ use messages::{Interval, MAX_INTERVALS, PhaseState, Signal, Spat};
 const TOLERANCE_S: f64 = 0.2;
 /// Time by which a shown phase may outlast its announced end, s: the message was on its way.
 const OVERDUE_S: f64 = 0.15;
+/// Time until the next message shows another phase, with what clocks may differ, s.
+const NEXT_MESSAGE_S: f64 = 0.4;
 /// Signals that are remembered.
 const REMEMBERED: usize = 16;
 
@@ -85,7 +87,7 @@ impl Countdown {
             let Some(Known { signal: known, .. }) = self.known[slot] else { continue };
             if is_overdue(signal, now_s) {
                 overdue = true;
-                *signal = known;
+                *signal = as_shown(signal, now_s).unwrap_or(known);
                 continue;
             }
             match compare(&known, signal, now_s) {
@@ -150,6 +152,23 @@ fn remember(known: &mut [Option<Known>; REMEMBERED], new: Known) {
 /// The phase that is shown should be over by its own end.
 fn is_overdue(signal: &Signal, now_s: f64) -> bool {
     intervals(signal).first().is_some_and(|shown| shown.max_end_s < now_s - OVERDUE_S)
+}
+
+/// A green that outlasts its announced end is still shown. It can end with each message, and then its yellow comes.
+/// `None` without an announced yellow.
+fn as_shown(signal: &Signal, now_s: f64) -> Option<Signal> {
+    let [green, yellow, ..] = intervals(signal) else { return None };
+    let states = [PhaseState::ProtectedMovementAllowed, PhaseState::ProtectedClearance];
+    let yellow_s = yellow.min_end_s - green.max_end_s;
+    if [green.state, yellow.state] != states.map(PhaseState::to_wire) || !yellow_s.is_finite() {
+        return None;
+    }
+    let mut shown = Signal { count: 2, ..*signal };
+    for (interval, end_s) in shown.intervals.iter_mut().zip([NEXT_MESSAGE_S, yellow_s]) {
+        let end_s = now_s + end_s;
+        (interval.min_end_s, interval.likely_end_s, interval.max_end_s) = (end_s, end_s, end_s);
+    }
+    (yellow_s > NEXT_MESSAGE_S).then_some(shown)
 }
 
 fn compare(known: &Signal, signal: &Signal, now_s: f64) -> Comparison {
@@ -299,6 +318,32 @@ mod tests {
         let early = spat(1, 21.0, -2.0);
         let (believed, contradicts) = countdown.look(&early, 21.0, &mut findings);
         assert_eq!((ends(believed), contradicts), (vec![28.0, 40.0, 48.0], true));
+    }
+
+    #[test]
+    fn a_green_that_outlasts_its_end_is_green_now_and_yellow_for_as_long_as_was_announced() {
+        let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
+        let at = |now_s: f64| {
+            let mut spat = spat(1, now_s, 0.0);
+            for (place, (state, end_s)) in
+                [(GREEN, 8.0), (8, 11.0), (RED, 30.0)].into_iter().enumerate()
+            {
+                let ends = Interval {
+                    min_end_s: end_s,
+                    likely_end_s: end_s,
+                    max_end_s: end_s,
+                    ..Interval::zeroed()
+                };
+                spat.signals[0].intervals[place] = Interval { state, ..ends };
+            }
+            spat.signals[0].count = 3;
+            spat
+        };
+        countdown.look(&at(5.0), 5.0, &mut findings);
+        let late = at(9.0);
+        let (believed, contradicts) = countdown.look(&late, 9.0, &mut findings);
+        assert_eq!((ends(believed), contradicts), (vec![9.4, 12.0], true));
+        assert_eq!(believed.signals[0].intervals[0].state, GREEN);
     }
 
     #[test]

@@ -165,7 +165,8 @@ fn for_each(kind: &str, make: impl Fn(&mut Pcg64) -> Drive, check: impl Fn(&str,
         for seed in 0..DRIVES {
             let drive = make(&mut Pcg64::new(u128::from(seed), 31));
             let seen = run(law, &drive);
-            let gap_m = least(seen.ego.iter().zip(&seen.lead).map(|(e, l)| l.position_m - e.position_m));
+            let gap_m =
+                least(seen.ego.iter().zip(&seen.lead).map(|(e, l)| l.position_m - e.position_m));
             assert!(gap_m > 0.0, "{kind}, {law}, seed {seed}: contact");
             check(&format!("{kind}, {law}, seed {seed}"), &seen);
         }

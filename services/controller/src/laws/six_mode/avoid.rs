@@ -156,9 +156,15 @@ mod tests {
         let braking_m = Boundaries::robust(&p, 20.0, -2.0).braking_m;
         let at_boundary = settled(braking_m, 0.0);
         assert!((-3.5..=-1.0).contains(&at_boundary), "{at_boundary} m/s² at {braking_m} m");
-        let requests: Vec<f64> = (0..40).map(|k| settled(braking_m - f64::from(k), 0.0)).collect();
+        let requests: Vec<f64> = (0..40).map(|k| settled(braking_m - f64::from(k), -4.0)).collect();
         assert!(requests.windows(2).all(|pair| pair[1] <= pair[0]), "{requests:?}");
-        assert_eq!(settled(10.0, 0.0), -p.braking_mps2);
+        assert_eq!(settled(10.0, -4.0), -p.braking_mps2);
+    }
+
+    #[test]
+    fn while_gentle_braking_is_enough_the_request_is_no_harder_than_twice_that() {
+        // 2 m/s are lost over 30 m less R0 with 0.08 m/s².
+        assert_eq!(settled(30.0, 0.0), -Parameters::default().approach_limit_mps2);
     }
 
     #[test]
@@ -176,6 +182,6 @@ mod tests {
         let first = graded(&p, &s, &ego, 0.0, 0.0, PERIOD_S);
         assert!((first + 0.9 * 2.5 * PERIOD_S).abs() < 1e-9, "{first}");
         let near = Situation { gap_m: 12.0, ..s };
-        assert_eq!(graded(&p, &near, &ego, 0.0, 0.0, PERIOD_S), -p.braking_mps2);
+        assert_eq!(graded(&p, &near, &ego, -8.0, 0.0, PERIOD_S), -p.braking_mps2);
     }
 }

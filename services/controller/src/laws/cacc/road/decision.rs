@@ -6,7 +6,8 @@
 //! dilemma: it is crossed in yellow if that is possible, and only else braked for hard. Yellow counts as green for a
 //! vehicle that a driver, with a reaction time, could not stop comfortably when it begins: yellow is as long as
 //! such a driver needs (ITE 2020). A line whose phase is
-//! not known is taken for red as long as the hardest braking stops before it.
+//! not known is taken for red as long as the hardest braking stops before it. A vehicle that stands at the line starts
+//! when green is shown, whatever is announced, if it clears the line before red.
 
 /// What is done about the nearest line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -41,6 +42,8 @@ pub(super) struct Situation {
     pub(super) known: bool,
     /// The pass reaches the line in green.
     pub(super) reaches: bool,
+    /// It stands, or starts, close to a line that shows green now.
+    pub(super) starts: bool,
     /// Going on clears the line before red, by what is or was last announced.
     pub(super) clears: bool,
     /// Braking with the comfort bound from now on stops before the line.
@@ -60,6 +63,9 @@ const TIE: f64 = 1.0;
 
 /// Chooses.
 pub(super) fn choose(s: &Situation, hysteresis: f64) -> (Choice, Reason) {
+    if s.known && s.starts && s.clears {
+        return (Choice::Pass, Reason::GreenInReach);
+    }
     if s.known && s.reaches {
         let share = 1.0 + hysteresis;
         let cheaper = match s.before {
@@ -89,6 +95,7 @@ mod tests {
     const S: Situation = Situation {
         known: true,
         reaches: true,
+        starts: false,
         clears: true,
         comfortable_stop: true,
         hard_stop: true,
@@ -104,6 +111,17 @@ mod tests {
         assert_eq!(choose(&stopping, 0.2), (Choice::Stop, Reason::StopCheaper));
         let passing = Situation { before: Some(Choice::Pass), stop_cost: 9.0, ..S };
         assert_eq!(choose(&passing, 0.2), (Choice::Pass, Reason::GreenInReach));
+    }
+
+    #[test]
+    fn a_green_that_is_shown_starts_a_vehicle_at_the_line_if_it_clears_before_red() {
+        let waits = Situation { reaches: false, before: Some(Choice::Stop), ..S };
+        assert_eq!(choose(&waits, 0.2).0, Choice::Stop);
+        assert_eq!(choose(&Situation { starts: true, ..waits }, 0.2).0, Choice::Pass);
+        let late = Situation { starts: true, clears: false, ..waits };
+        assert_eq!(choose(&late, 0.2).0, Choice::Stop);
+        let unknown = Situation { starts: true, known: false, ..waits };
+        assert_eq!(choose(&unknown, 0.2).0, Choice::Stop);
     }
 
     #[test]

@@ -92,6 +92,8 @@ const STOP_ROOM_M: f64 = 0.3;
 const STANDSTILL_MPS: f64 = 0.1;
 /// Distance to a closed line within which a vehicle that stands waits, m. Chosen: a car's length, as a driver does.
 const WAITS_WITHIN_M: f64 = 5.0;
+/// Speed below which a vehicle that close starts, m/s. Chosen: what 2 m/s² give over that distance, rounded down.
+const STARTS_MPS: f64 = 4.0;
 /// Room that a soft stop leaves to a closed line, m.
 const LINE_ROOM_M: f64 = 0.3;
 
@@ -272,6 +274,9 @@ impl RoadLaw {
         let situation = Situation {
             known: line.known,
             reaches,
+            starts: line_m < WAITS_WITHIN_M
+                && seen.ego.speed_mps < STARTS_MPS
+                && green.is_some_and(|green| (green.from_s..green.to_s).contains(&now)),
             clears,
             comfortable_stop,
             hard_stop: filter.can_stop(seen.ego, line_m),

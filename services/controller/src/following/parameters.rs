@@ -1,0 +1,50 @@
+//! Numbers of the car-following parts, each with its unit, range and origin.
+
+use parameters::parameters;
+
+parameters! {
+    /// What keeps a gap safe and ends a stop softly.
+    pub struct Following {
+        /// Share of the hardest request that the vehicle surely reaches.
+        sure_share: f64 = 0.95, "1", 0.5..=1.0, "Chosen: brakes on a dry road give at least as much.";
+        /// Deceleration from which a lead counts as braking.
+        brakes_mps2: f64 = 1.5, "m/s²", 0.5..=3.0,
+            "Chosen: what an engine and a slope give together; a tracker's noise is a third of it.";
+        /// Share that a braking lead may still add to its deceleration.
+        may_add_share: f64 = 0.3, "1", 0.0..=1.0,
+            "Chosen: what a tracker with a lag of 0.3 s misses of braking that sets in over 1 s.";
+        /// Constant braking that is gentle; while it is enough, braking stays below twice this.
+        gentle_mps2: f64 = 1.5, "m/s²", 0.5..=2.5,
+            "Source: half of what passengers accept without a reason, 3 m/s² (ISO 15622: 3.5 at high speeds).";
+        /// Share of a gap below the smallest one that gentle braking must keep.
+        kept_share: f64 = 0.7, "1", 0.3..=1.0, "Chosen: a car that pulls away uses up a tenth of the gap at most.";
+        /// Missing gap at which the comfortable deceleration is asked for in full.
+        missing_m: f64 = 5.0, "m", 1.0..=20.0, "Chosen: a car's length.";
+        /// Fastest speed at which a stop is softened.
+        fastest_soft_mps: f64 = 3.0, "m/s", 1.0..=6.0, "Chosen: the last second of a stop with 3 m/s².";
+        /// Deceleration with which the last of the speed is lost.
+        last_mps2: f64 = 0.03, "m/s²", 0.01..=0.2, "Chosen: below what a passenger feels, 0.05 m/s².";
+        /// Request that holds a vehicle that stands.
+        hold_mps2: f64 = -0.5, "m/s²", -2.0..=-0.1, "Chosen: holds on a slope of 5 %.";
+        /// Requests below this mean to stop or to stay.
+        stays_mps2: f64 = 0.1, "m/s²", 0.0..=0.5, "Chosen: twice what a passenger feels.";
+        /// Speed below which such a request ends in standstill.
+        creeps_mps: f64 = 0.3, "m/s", 0.1..=1.0, "Chosen: slower than a car creeps in its lowest gear, 1 m/s.";
+        /// Speed below which the gentlest rate is taken whatever the room.
+        last_mps: f64 = 0.15, "m/s", 0.05..=0.3, "Chosen: moves 0.15 m at the gentlest rate.";
+    }
+}
+
+/// The values that the laws use.
+pub const FOLLOWING: Following = Following::DEFAULT;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ::parameters::Table;
+
+    #[test]
+    fn each_value_is_within_its_range() {
+        assert!(FOLLOWING.within_ranges());
+    }
+}
