@@ -121,3 +121,118 @@ fn what_is_known_vaguely_is_braked_for_when_a_contact_is_likely() {
     assert!(contact(0.05) < 0.2 && contact(0.05) > 0.0);
     assert!(contact(1.0) > contact(0.05), "where it is may be in the way");
 }
+
+const STANDING: Ego = Ego { speed_mps: 0.0, acceleration_mps2: 0.0 };
+const MOVING: Ego = Ego { speed_mps: 20.0, acceleration_mps2: 0.0 };
+
+fn in_way(gap_m: f64, speed_mps: f64) -> Object {
+    Object::at(gap_m, speed_mps, 0.0, 0.0, 0.95)
+}
+
+/// A decision that brakes already.
+fn braking() -> Decision {
+    let mut decision = Decision::new(settings());
+    decision.step(&MOVING, [in_way(15.0, 0.0)]);
+    assert_eq!(decision.state(), BrakeState::Braking);
+    decision
+}
+
+#[test]
+fn it_holds_for_its_time_after_a_stop_and_lets_go_then() {
+    let mut decision = braking();
+    let demand = decision.step(&STANDING, [in_way(2.0, 0.0)]);
+    assert_eq!((demand.state, demand.deceleration_mps2), (BrakeState::Holding, 8.3385));
+    let scans = (Numbers::DEFAULT.hold_s / PERIOD_S).round() as u32;
+    for scan in 1..scans {
+        let demand = decision.step(&STANDING, [in_way(2.0, 0.0)]);
+        assert_eq!(demand.state, BrakeState::Holding, "scan {scan}");
+        assert!(demand.deceleration_mps2 > 0.0);
+    }
+    let states = [(); 3].map(|()| decision.step(&STANDING, [in_way(2.0, 0.0)]).state);
+    assert_eq!(states[2], BrakeState::Monitoring, "{states:?}");
+}
+
+#[test]
+fn it_holds_without_an_object_too() {
+    let mut decision = braking();
+    assert_eq!(decision.step(&STANDING, []).state, BrakeState::Holding);
+    assert_eq!(decision.step(&STANDING, []).state, BrakeState::Holding);
+}
+
+#[test]
+fn what_is_not_seen_any_more_is_braked_for_during_its_time_alone() {
+    let mut decision = braking();
+    let scans = (Numbers::DEFAULT.unseen_s / PERIOD_S).round() as u32;
+    for scan in 1..scans {
+        assert_eq!(decision.step(&MOVING, []).state, BrakeState::Braking, "scan {scan}");
+    }
+    let states = [(); 2].map(|()| decision.step(&MOVING, []).state);
+    assert_eq!(states[1], BrakeState::Monitoring, "{states:?}");
+    // Seen again in between, the time begins anew.
+    let mut decision = braking();
+    for _ in 0..3 * scans {
+        decision.step(&MOVING, []);
+        let again = decision.step(&MOVING, [in_way(12.0, 0.0)]);
+        assert_eq!(again.state, BrakeState::Braking);
+    }
+}
+
+#[test]
+fn it_lets_go_of_a_lead_that_is_faster_and_far_but_not_of_a_near_one_that_braked_hard() {
+    let lets_go = |gap_m: f64, braked_mps2: f64| {
+        let mut decision = braking();
+        let hard = Object { acceleration_mps2: braked_mps2, ..in_way(gap_m, 20.5) };
+        decision.step(&MOVING, [hard]);
+        let steady = in_way(gap_m, 20.5);
+        // An object that is of no interest is braked for as long as one that is not seen.
+        for _ in 0..8 {
+            decision.step(&MOVING, [steady]);
+        }
+        decision.state() == BrakeState::Monitoring
+    };
+    assert!(lets_go(30.0, 0.0));
+    assert!(lets_go(30.0, -5.0), "30 m are enough to brake again");
+    assert!(lets_go(4.0, 0.0), "a steady lead that is no slower");
+    assert!(!lets_go(4.0, -6.0), "it may brake on");
+}
+
+#[test]
+fn a_warning_comes_first_and_ends_with_its_threat() {
+    let mut decision = Decision::new(settings());
+    let far = decision.step(&MOVING, [in_way(45.0, 0.0)]);
+    assert_eq!((far.state, far.deceleration_mps2), (BrakeState::Warning, 0.0));
+    assert_eq!(far.threat.map(|threat| threat.0), Some(45.0));
+    assert_eq!(decision.step(&MOVING, []).state, BrakeState::Monitoring);
+    assert_eq!(decision.step(&MOVING, [in_way(300.0, 0.0)]).threat, None);
+}
+
+proptest::proptest! {
+    #[test]
+    fn it_never_begins_to_brake_without_an_object(speeds in proptest::collection::vec(0.0..60.0f64, 1..60)) {
+        let mut decision = Decision::new(settings());
+        for speed_mps in speeds {
+            let demand = decision.step(&Ego { speed_mps, acceleration_mps2: -1.0 }, []);
+            proptest::prop_assert_eq!(demand, Demand::default());
+        }
+    }
+
+    #[test]
+    fn it_never_lets_go_below_the_margin_of_what_is_slower(
+        gap_m in 0.0..0.6f64, other_mps in 0.0..19.0f64, braking_mps2 in 0.0..8.0f64,
+    ) {
+        let mut decision = braking();
+        for _ in 0..4 {
+            let object = Object { acceleration_mps2: -braking_mps2, ..in_way(gap_m, other_mps) };
+            let demand = decision.step(&MOVING, [object]);
+            proptest::prop_assert_eq!(demand.state, BrakeState::Braking);
+            proptest::prop_assert!(demand.deceleration_mps2 > 8.0);
+        }
+    }
+
+    #[test]
+    fn it_never_brakes_for_what_drives_away(gap_m in 2.0..100.0f64, faster_mps in 0.5..20.0f64) {
+        let mut decision = Decision::new(settings());
+        let demand = decision.step(&MOVING, [in_way(gap_m, 20.0 + faster_mps)]);
+        proptest::prop_assert_eq!(demand.state, BrakeState::Monitoring);
+    }
+}
