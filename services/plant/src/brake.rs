@@ -89,6 +89,7 @@ mod tests {
         assert_eq!(full, 10 + 65, "8.34 / 12.65 = 0.659 s after it began to fall");
         assert_eq!(braking[99], -8.34);
         let released = drive(&mut path, 100, 80, 0.0, -8.34);
+        assert!((released[0] + 8.34 - 0.1265).abs() < 1e-12, "it rises from where it was");
         assert!(released.windows(2).all(|pair| (0.0..=0.1266).contains(&(pair[1] - pair[0]))));
         assert_eq!(path.step(200 * PERIOD_NS, 0.0, 0.0), None, "released");
     }
