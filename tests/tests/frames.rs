@@ -1,9 +1,9 @@
 //! Signals by frames: roadside units, air, on-board unit and controller in whole runs.
 
 use group::in_process;
+use group::report::Outcome;
 use report::summary::Summary;
 use runtime::Mode;
-use runtime::report::Outcome;
 use scenario::{Overrides, Scenario};
 use std::time::Duration;
 use system_tests::{Corner, text};

@@ -24,6 +24,7 @@ pub mod object;
 pub mod objects;
 mod point;
 pub mod prediction;
+pub mod report;
 mod service;
 pub mod sight;
 mod sighting;

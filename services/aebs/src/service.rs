@@ -3,11 +3,11 @@
 use crate::decision::{Decision, Demand, Path, Settings};
 use crate::objects::Objects;
 use crate::prediction::{Authority, Ego};
+use crate::report::AebsReport;
 use crate::sight::Sight;
 use messages::{
     Brake, BrakeState, Header, Odometry, Origins, RadarDetections, Service, ServiceState,
 };
-use runtime::report::{AebsReport, Details};
 use runtime::statistics::Latencies;
 use runtime::{
     Count, Cycle, Figures, Group, Publisher, Release, Runtime, RuntimeError, Subscriber,
@@ -45,7 +45,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     runtime.begin(&scenario)?;
     runtime.run_cycles(|runtime| aebs.cycle(runtime))?;
     let report = aebs.report(runtime.skipped());
-    runtime.finish(Details::Aebs(Box::new(report)))
+    runtime.finish(report)
 }
 
 /// What the processes of a run's emergency brake told in all, which left out `skipped` releases.

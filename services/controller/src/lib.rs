@@ -11,6 +11,7 @@ pub mod law;
 pub mod laws;
 mod planning_thread;
 pub mod plausibility;
+pub mod report;
 pub mod sampling;
 mod service;
 pub mod settings;

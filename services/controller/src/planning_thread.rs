@@ -5,8 +5,8 @@
 //! drives by the plan it has, and knows how old that is.
 
 use crate::law::{Law, Plan, PlanRequest};
-use runtime::report::PlanningReport;
-use runtime::{BackgroundWorker, Release, Runtime, RuntimeError};
+use crate::report::PlanningReport;
+use runtime::{BackgroundWorker, Release, Runtime, RuntimeError, WorkerReport};
 
 /// Control cycles from the question to the plan's effect.
 pub(crate) const DELAY_CYCLES: i64 = 2;
@@ -57,8 +57,9 @@ impl PlanningThread {
         }
     }
 
-    /// How the planning kept up.
+    /// Counts of the plans.
     pub(crate) fn report(&self) -> PlanningReport {
-        self.worker.report()
+        let WorkerReport { asked, late, deadline_us, worked_us } = self.worker.report();
+        PlanningReport { asked, late, deadline_us, plan_us: worked_us }
     }
 }

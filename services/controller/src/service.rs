@@ -11,13 +11,13 @@ use crate::law::{
 use crate::planning_thread::PlanningThread;
 use crate::plausibility::estimate::EgoEstimate;
 use crate::plausibility::{Believed, Plausibility};
+use crate::report::ControllerReport;
 use crate::sampling::{Samples, Setting, input};
 use messages::level::Level;
 use messages::{
     Command, Diagnostics, FIGURES, Header, Map, Odometry, Origin, Origins, PLAN_LEN, Powertrain,
     Preview, RadarTracks, Service, ServiceState, Spat,
 };
-use runtime::report::{ControllerReport, Details};
 use runtime::statistics::{Latencies, Percentiles};
 use runtime::{
     Cycle, Figures, Group, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber,
@@ -60,7 +60,7 @@ pub fn run_law(mut runtime: Runtime, law: &'static Descriptor) -> Result<(), Run
     }
     runtime.run_cycles(|runtime| controller.cycle(runtime))?;
     let report = controller.report(runtime.skipped());
-    runtime.finish(Details::Controller(Box::new(report)))
+    runtime.finish(report)
 }
 
 /// Time inside the law over all processes of a run's controller; none if that was not kept.

@@ -29,6 +29,7 @@ pub mod intersection;
 pub mod known_map;
 pub mod lanes;
 pub mod receiver;
+pub mod report;
 mod service;
 pub mod timing;
 pub mod verdict;

@@ -4,11 +4,11 @@ use crate::awareness::{Awareness, Vehicle};
 use crate::clock::{ClockError, Moment};
 use crate::lanes::road_plane;
 use crate::receiver::Receiver;
+use crate::report::ObuReport;
 use crate::verdict::Verdicts;
 use messages::{
     Header, Map, Odometry, Origin, Origins, RadioFrames, RadioSent, Service, ServiceState, Spat,
 };
-use runtime::report::{Details, ObuReport};
 use runtime::statistics::Latencies;
 use runtime::{
     Count, Cycle, Figures, Group, Publisher, Release, Runtime, RuntimeError, Subscriber, Timetable,
@@ -35,7 +35,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     unit.own_utc_start_ns = runtime.utc_start_ns();
     runtime.run_cycles(|runtime| unit.cycle(runtime))?;
     let report = unit.counts.report(unit.receiver.verdicts());
-    runtime.finish(Details::Obu(Box::new(report)))
+    runtime.finish(report)
 }
 
 struct Unit {

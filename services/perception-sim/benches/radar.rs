@@ -9,9 +9,9 @@ use bytemuck::Zeroable;
 use messages::{Detection, MAX_DETECTIONS};
 use perception_sim::perception::Perception;
 use perception_sim::radar::scene::Ego;
+use perception_sim::report::PerceptionReport;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use runtime::report::PerceptionReport;
 use scenario::Scenario;
 
 const SCENES: u64 = 1_000;

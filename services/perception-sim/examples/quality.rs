@@ -13,8 +13,8 @@ use messages::{Detection, MAX_DETECTIONS};
 use perception_sim::perception::Perception;
 use perception_sim::radar::scene::Ego;
 use perception_sim::random::Random;
+use perception_sim::report::PerceptionReport;
 use perception_sim::vehicle::Vehicle;
-use runtime::report::PerceptionReport;
 use scenario::{Overrides, Scenario};
 
 const PERIOD_NS: u64 = 50_000_000;

@@ -11,6 +11,7 @@ pub mod perception;
 pub mod quality;
 pub mod radar;
 pub mod random;
+pub mod report;
 mod service;
 mod stage;
 pub mod tracking;

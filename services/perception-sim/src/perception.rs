@@ -4,9 +4,9 @@
 //! those from which the tracker knows the traffic already, are those of the time before, in which
 //! every vehicle kept the speed of the start.
 
+use crate::report::PerceptionReport;
 use bytemuck::Zeroable;
 use messages::{Detection, MAX_DETECTIONS};
-use runtime::report::PerceptionReport;
 use scenario::Scenario;
 use scenario::perception::{MAX_LATENCY_SCANS, RadarModel};
 

@@ -19,8 +19,8 @@
 //! Source: Rahmathullah, García-Fernández and Svensson, Generalized optimal sub-pattern assignment
 //! metric (FUSION 2017).
 
+use crate::report::PerceptionReport;
 use messages::MAX_TRACKS;
-use runtime::report::PerceptionReport;
 use scenario::Scenario;
 
 use crate::radar::object_list::View;

@@ -10,7 +10,6 @@ use messages::{
     Detection, EgoTruth, Header, MAX_DETECTIONS, MAX_TRACKS, Odometry, Origins, RadarDetections,
     RadarTracks, ServiceState, Track, TrackedTarget, VehicleTruth, VehicleTruthItem,
 };
-use runtime::report::Details;
 use runtime::{Checkpoint, Cycle, Loan, Mode, Overrun, Publisher, Release, Runtime, RuntimeError};
 use scenario::perception::RadarModel;
 use scenario::speeds::SpeedPoint;
@@ -91,7 +90,7 @@ pub fn run_behind(mut runtime: Runtime, mut ahead: Ahead) -> Result<(), RuntimeE
         runtime.end_cycle(if seen { ServiceState::Running } else { ServiceState::Degraded })?;
         Ok(Cycle::Next)
     })?;
-    runtime.finish(Details::Perception(Box::new(perception.report())))
+    runtime.finish(perception.report())
 }
 
 /// Takes the traffic as the active process has it: there is one, and a standby does not move it.

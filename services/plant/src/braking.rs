@@ -3,9 +3,9 @@
 use crate::brake::BrakePath;
 use crate::chains::Chains;
 use crate::parts::Actuated;
+use crate::report::BrakeFigures;
 use crate::times::BRAKE_PATH;
 use messages::{Brake, BrakeState};
-use runtime::report::BrakeFigures;
 use runtime::{Release, Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};

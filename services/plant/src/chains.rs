@@ -18,9 +18,9 @@
 //! left without them, the *net* reaction time, is what the deployment costs.
 
 use crate::parts::{Actuated, Parts, Stamps};
+use crate::report::Hops;
 use crate::worst::Worst;
 use messages::{Brake, Command, Origin};
-use runtime::report::Hops;
 use runtime::statistics::{Latencies, Percentiles};
 use runtime::{Count, Figures, RuntimeError};
 use std::collections::BTreeMap;

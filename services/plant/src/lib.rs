@@ -11,6 +11,7 @@ pub mod gateway;
 pub mod longitudinal;
 mod parts;
 pub mod referee;
+pub mod report;
 mod service;
 pub mod signal_chain;
 mod surroundings;

@@ -7,7 +7,7 @@
 //! crosses a stop line and its place at the instant of a signal's switch interpolated, as the
 //! papers' figures are.
 
-use runtime::report::ControlFigures;
+use crate::report::ControlFigures;
 use scenario::Scenario;
 use scenario::referee::DesiredGap;
 use scenario::v2x::Phase;

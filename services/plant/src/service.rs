@@ -8,6 +8,7 @@ use crate::ego::{self, Ego};
 use crate::gateway::{self, Actuation, EngineRequest, Gateway, Source};
 use crate::parts::Actuated;
 use crate::referee::{MAX_SIGNALS, Referee, SignalTruth, Violation};
+use crate::report::{ControlFigures, Outcome, PlantReport};
 use crate::signal_chain::SignalChain;
 use crate::surroundings::Surroundings;
 use crate::timeliness::Timeliness;
@@ -19,7 +20,6 @@ use messages::{
     self, BrakeState, Command, EgoTruth, Header, Odometry, Origins, PLAN_LEN, Powertrain, Service,
     ServiceState, VehicleTruth,
 };
-use runtime::report::{ControlFigures, Details, Outcome, PlantReport};
 use runtime::{
     Checkpoint, Cycle, Figures, Group, Mode, Overrun, Publisher, Release, Runtime, RuntimeError,
     Subscriber,
@@ -50,7 +50,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     }
     runtime.run_cycles(|runtime| plant.cycle(runtime))?;
     let report = plant.report();
-    runtime.finish(Details::Plant(Box::new(report)))
+    runtime.finish(report)
 }
 
 struct Plant {

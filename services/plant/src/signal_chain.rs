@@ -3,8 +3,8 @@
 //! The change is the ground truth's; that an actuation knows of it is told by the stamp of the signal timing
 //! behind its command. Only the next signal ahead counts: it is the one that the vehicle drives by.
 
+use crate::report::SignalHops;
 use messages::{Command, SignalTruth};
-use runtime::report::SignalHops;
 use runtime::statistics::{Latencies, Percentiles};
 use runtime::{Figures, RuntimeError};
 use std::collections::BTreeMap;

@@ -1,8 +1,8 @@
 //! The times of all chains that end at the plant, as its report has them.
 
 use crate::chains::Chains;
+use crate::report::{Hops, Outcome, PlantReport};
 use crate::signal_chain::SignalChain;
-use runtime::report::{Hops, Outcome, PlantReport};
 use runtime::{Figures, RuntimeError};
 
 /// Paths of the chains.

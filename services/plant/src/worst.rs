@@ -1,8 +1,8 @@
 //! The chains with the longest reaction times, kept whole.
 
 use crate::parts::Parts;
+use crate::report::{HopTimes, WorstChain};
 use messages::{Command, Header, Origin};
-use runtime::report::{HopTimes, WorstChain};
 
 /// Chains that are kept.
 const KEPT: usize = 10;

@@ -26,6 +26,7 @@ pub mod air;
 pub mod frames;
 mod link;
 pub mod program;
+pub mod report;
 pub mod road_map;
 pub mod roadside_unit;
 mod service;

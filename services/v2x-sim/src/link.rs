@@ -1,10 +1,10 @@
 //! A carrier instead of simulated roadside units and their air: frames of another host's units, or of a capture,
 //! become `radio/frames`. It also sends the vehicle's own frames.
 
+use crate::report::{LinkReport, StationReport};
 use crate::unit_clock::UnitClock;
 use messages::{Header, MAX_FRAMES, Origin, RadioFrame, RadioFrames, RadioSent};
 use radio::{Carrier, ClockDifference, Frame, Role};
-use runtime::report::{LinkReport, StationReport};
 use runtime::{Publisher, Runtime, RuntimeError, Subscriber};
 use scenario::carrier::CarrierAddress;
 

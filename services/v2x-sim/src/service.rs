@@ -3,6 +3,7 @@
 use crate::air::Air;
 use crate::frames::Frames;
 use crate::link::Link;
+use crate::report::LinkReport;
 use crate::road_map::{CELL_M, RoadMap};
 use crate::roadside_unit::{Event, Lane, Movement, RoadsideUnit, Signals};
 use its::EncodeError;
@@ -10,7 +11,6 @@ use messages::{
     self, EgoTruth, Header, Interval, Map, Origins, PhaseState, Preview, RadioFrames, ServiceState,
     Signal, SignalTruth, Spat,
 };
-use runtime::report::Details;
 use runtime::{Cycle, Overrun, Publisher, Runtime, RuntimeError};
 use scenario::v2x::Phase;
 use scenario::{Problem, Scenario};
@@ -51,8 +51,8 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         runtime.end_cycle(if seen { ServiceState::Running } else { ServiceState::Degraded })?;
         Ok(Cycle::Next)
     })?;
-    let details = voice.details();
-    runtime.finish(details)
+    let report = voice.report();
+    runtime.finish(report)
 }
 
 /// The way of the signals to the vehicle.
@@ -131,10 +131,10 @@ impl Voice {
         }
     }
 
-    fn details(&self) -> Details {
+    fn report(&self) -> Option<LinkReport> {
         match self {
-            Self::Structs { .. } | Self::Frames(_) => Details::None,
-            Self::Link(link) => Details::Link(Box::new(link.report())),
+            Self::Structs { .. } | Self::Frames(_) => None,
+            Self::Link(link) => Some(link.report()),
         }
     }
 }

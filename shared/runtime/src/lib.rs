@@ -48,7 +48,7 @@ pub use life::group::Group;
 pub use life::link::{FromService, PEER_JOINED, StartOrder, ToService};
 pub use life::prepared::{NAME_PREFIX, PREPARED, PREPARED_PREFIX};
 pub use life::process::{log_warnings, run_service};
-pub use machine::background::BackgroundWorker;
+pub use machine::background::{BackgroundWorker, WorkerReport};
 pub use machine::program::{Program, ProgramError, command_line, executable};
 pub use machine::scheduling;
 pub use machine::spawn::{die_with_this_thread, inherit_only};

@@ -5,8 +5,8 @@
 use super::planned::Planned;
 use super::record::Record;
 use frame::batch::{Interrupt, PrepareError, Scratch, leftovers};
+use group::report::Outcome;
 use group::{Error, this_program};
-use runtime::report::Outcome;
 use runtime::{Group, Mode};
 use scenario::Scenario;
 use scenario::faults::{Helper, Kind, Target};

@@ -1,7 +1,7 @@
 //! Runs added up, and the figures that a campaign can require something of.
 
 use super::record::Record;
-use runtime::report::Outcome;
+use group::report::Outcome;
 use runtime::statistics::{Latencies, Percentiles};
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -257,7 +257,7 @@ mod tests {
     use super::super::plan;
     use super::super::planned::Planned;
     use super::*;
-    use runtime::report::Outcome;
+    use group::report::Outcome;
 
     const FILE: &str = "schema_version = 1\nname = \"x\"\nscenarios = [\"cacc-a\", \"cut-in\"]\n";
 

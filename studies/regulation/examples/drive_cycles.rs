@@ -22,10 +22,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::Parser;
 use controller::laws;
+use group::report::Outcome;
 use group::{Drive, DriveStep};
 use report::summary::Summary;
 use runtime::Mode;
-use runtime::report::Outcome;
 use scenario::cycle::Cycle;
 use scenario::{Overrides, Scenario};
 

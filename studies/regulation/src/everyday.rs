@@ -18,12 +18,12 @@ mod beyond;
 use std::fmt::Write;
 
 use controller::laws;
+use group::report::Outcome;
 use group::{Drive, DriveStep, Error};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 use report::summary::Summary;
 use runtime::Mode;
-use runtime::report::Outcome;
 use scenario::{Overrides, Scenario};
 
 /// Step in which the yardstick goes on after the end of a drive, s.

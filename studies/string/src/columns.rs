@@ -1,10 +1,10 @@
 //! The columns of a string's results.
 
+use group::report::Outcome;
 use report::print::outcome_word;
 use report::results::{
     Column, Kind, Schema, Table, count, fact, flag, judged, nested, number, outcome, word,
 };
-use runtime::report::Outcome;
 use serde_json::json;
 
 use super::STABLE_GAIN;

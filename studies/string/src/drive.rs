@@ -9,8 +9,8 @@ use frame::batch::{self, Done};
 use frame::{Crew, Found, Gave, Needs, Options, Study};
 use group::Error;
 use group::in_process::Ahead;
+use group::report::{ControlFigures, Outcome};
 use report::results::Document;
-use runtime::report::{ControlFigures, Outcome};
 use runtime::{Carrier, Sealing};
 use scenario::Scenario;
 

@@ -1,7 +1,7 @@
 //! How a car moved, as what the car behind it has ahead.
 
+use group::report::Outcome;
 use group::{Drive, DriveStep};
-use runtime::report::Outcome;
 use scenario::Scenario;
 use scenario::actor::MAX_PROFILE_POINTS;
 use scenario::quantity::{Speed, Time};

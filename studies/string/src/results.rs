@@ -1,6 +1,6 @@
 //! The result of a string of cars.
 
-use runtime::report::{ControlFigures, Outcome};
+use group::report::{ControlFigures, Outcome};
 use serde::Serialize;
 
 use super::STABLE_GAIN;

@@ -5,8 +5,8 @@ use super::paired::{Compared, Comparison};
 use super::setup::{Conditions, Load, Placement, Scheduling};
 use super::statistics;
 use doctor::wake_ups::WakeUps;
+use group::report::Hops;
 use report::summary::Host;
-use runtime::report::Hops;
 use runtime::statistics::Percentiles;
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! A drive, sample by sample.
 
+use crate::report::ReceivedTopic;
 use messages::{EgoTruth, PhaseState, VehicleTruth};
-use runtime::report::ReceivedTopic;
 use runtime::statistics::Percentiles;
 
 /// All that the launcher received.

@@ -3,12 +3,12 @@
 use crate::cycles::CycleHistory;
 use crate::drive::{Drive, DriveStep, PowertrainStep};
 use crate::kept_steps::{KeptSteps, MOST_IN_REALTIME};
+use crate::report::ControlFigures;
 use bytemuck::Zeroable;
 use messages::{
     Command, Diagnostics, EgoTruth, Header, Heartbeat, Message, Powertrain, Service, ServiceState,
     Topic, VehicleTruth,
 };
-use runtime::report::ControlFigures;
 use runtime::statistics::Latencies;
 use runtime::{Group, InProcess, Mode, Observed, Observer, RuntimeError, Timetable};
 

@@ -10,9 +10,9 @@ use super::launch::{Ended, GroupOutcome, Moment, for_services};
 use super::programs::{is_foreign, programs};
 use super::refusal::check_in_process;
 use crate::Error;
+use crate::report::{ServiceReport, read};
 use messages::Service;
 pub use perception_sim::Ahead;
-use runtime::report::ServiceReport;
 use runtime::{Carrier, Entry, FromService, InProcess, Sealing};
 use scenario::Scenario;
 use std::collections::BTreeMap;
@@ -167,7 +167,7 @@ impl Course {
         match said {
             FromService::Ready(_) | FromService::TookOver(_) => {}
             FromService::Report(report) => {
-                self.reports.insert(service, *report);
+                self.reports.insert(service, read(*report));
             }
             FromService::Ended(step) => self.stop_after = Some(step),
             FromService::Failed(how) => {

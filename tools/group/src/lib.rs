@@ -41,6 +41,7 @@ mod programs;
 mod recording;
 mod refusal;
 mod replay;
+pub mod report;
 mod room;
 mod root;
 mod run;

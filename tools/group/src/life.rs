@@ -6,12 +6,12 @@
 
 use super::cycles::CycleHistory;
 use super::drive_log::DriveLog;
-use controller::laws;
-use messages::Service;
-use runtime::report::{
+use crate::report::{
     ControllerReport, Details, ModeChange, Outcome, PlantReport, ReceivedTopic, SentTopic,
     ServiceReport,
 };
+use controller::laws;
+use messages::Service;
 use runtime::scheduling::Granted;
 use runtime::statistics::Percentiles;
 use runtime::{Figures, Group, RELEASE_JITTER, take_account};

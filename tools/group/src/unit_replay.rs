@@ -4,9 +4,9 @@
 //! services.
 
 use crate::Error;
+use crate::report::ObuReport;
 use messages::{Map, Odometry, Origin, RadioFrames, RadioSent, Service, Spat};
 use recorder::{Recording, UnitTake};
-use runtime::report::{Details, ObuReport};
 use runtime::{FromService, InProcess, Played, RuntimeError, Sealing, Tap, Tapped};
 use scenario::Scenario;
 
@@ -76,9 +76,7 @@ impl Said {
     fn receive(&mut self, message: FromService) {
         match message {
             FromService::Report(report) => {
-                if let Details::Obu(report) = report.details {
-                    self.report = Some(*report);
-                }
+                self.report = report.details.read();
             }
             FromService::Failed(how) => self.failed = Some(how),
             FromService::Ready(_) | FromService::TookOver(_) | FromService::Ended(_) => {}

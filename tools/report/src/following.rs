@@ -10,7 +10,7 @@
 //! before does not count.
 
 use group::DriveStep;
-use runtime::report::ControlFigures;
+use group::report::ControlFigures;
 use scenario::Scenario;
 use scenario::quantity::{Distance, TimeConstant};
 use scenario::referee::DesiredGap;

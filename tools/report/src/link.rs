@@ -3,7 +3,7 @@
 use crate::duration::duration;
 use crate::html::{Column, section, table};
 use crate::summary::Summary;
-use runtime::report::{LinkReport, StationReport};
+use group::report::{LinkReport, StationReport};
 
 /// Lines for the terminal: label and text.
 pub(crate) fn lines(summary: &Summary) -> Vec<(&'static str, String)> {

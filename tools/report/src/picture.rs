@@ -2,10 +2,10 @@
 
 use crate::{fault, following};
 use controller::laws;
+use group::report::{Details, WorstChain};
 use group::{Drive, DriveStep, FaultRecord, GroupOutcome};
 use messages::VehicleTruth;
 use messages::level::{Level, Levels};
-use runtime::report::{Details, WorstChain};
 use runtime::statistics::QuantileCurve;
 use scenario::Scenario;
 use scenario::grade::GradeProfile;

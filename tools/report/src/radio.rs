@@ -4,7 +4,7 @@ use crate::duration::{duration, percentiles};
 use crate::html::{Column, section, table};
 use crate::summary::Summary;
 use crate::timing;
-use runtime::report::ObuReport;
+use group::report::ObuReport;
 use runtime::statistics::Percentiles;
 
 /// Lines for the terminal: label and text.

@@ -6,7 +6,7 @@ use super::picture::RunPicture;
 use super::{drive, timing};
 use crate::print;
 use crate::summary::{ServiceSummary, Summary};
-use runtime::report::Outcome;
+use group::report::Outcome;
 use scenario::Scenario;
 
 /// Longest scenario that is printed in full, bytes.

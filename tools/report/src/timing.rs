@@ -5,7 +5,7 @@ use super::html::{Cell, Column, stacked_table};
 use super::picture::RunPicture;
 use crate::duration::{carries, duration};
 use crate::summary::Summary;
-use runtime::report::{HopTimes, WorstChain};
+use group::report::{HopTimes, WorstChain};
 use runtime::statistics::{Latencies, Percentiles, QuantileCurve};
 
 /// Chains drawn as timelines; the table has all.

@@ -4,6 +4,7 @@ use crate::live::{Live, LiveOptions};
 use clap::Args;
 use controller::law::Formulation;
 use controller::laws;
+use group::report::Outcome;
 use group::{
     Ended, Error, Failure, GroupOptions, GroupOutcome, Keep, ModeName, Moment, ScenarioOptions,
     check_targets, drive, open,
@@ -14,7 +15,6 @@ use report::output::{OutputDirectory, OutputOptions};
 use report::summary::{self, Summary};
 use report::{RunPicture, print, trajectory};
 use runtime::Mode;
-use runtime::report::Outcome;
 use scenario::Scenario;
 use std::process::ExitCode;
 use std::time::Instant;

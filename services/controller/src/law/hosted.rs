@@ -1,7 +1,7 @@
 //! A law that a foreign program computes: what the control loop asks of its host.
 
 use super::{Input, Output};
-use runtime::report::ProgramReport;
+use crate::report::ProgramReport;
 use scenario::Scenario;
 use std::time::Duration;
 use thiserror::Error;

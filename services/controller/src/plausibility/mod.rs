@@ -28,8 +28,8 @@ pub mod estimate;
 pub mod motion;
 pub mod radar;
 
+use crate::report::CheckReport;
 use messages::{Odometry, RadarTracks, Spat};
-use runtime::report::CheckReport;
 
 /// A check of the inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,9 +1,9 @@
 //! What the loop counts of its cycles, for its report.
 
 use crate::law::{Formulation, Output, Quality};
+use crate::report::ModeChange;
 use messages::FIGURES;
 use messages::level::{Level, LevelLog};
-use runtime::report::ModeChange;
 
 /// Mode changes that are kept. Further changes are dropped.
 const MAX_MODE_CHANGES: usize = 4096;

@@ -34,7 +34,6 @@ const PATIENCE_NS: i64 = 60_000_000_000;
 ///
 /// ```
 /// use messages::{Header, Odometry, Origins, Service, ServiceState};
-/// use runtime::report::Details;
 /// use runtime::{Cycle, InProcess, Overrun, Runtime, RuntimeError, Sealing};
 /// use scenario::Scenario;
 ///
@@ -50,7 +49,7 @@ const PATIENCE_NS: i64 = 60_000_000_000;
 ///         runtime.end_cycle(ServiceState::Running)?;
 ///         Ok(Cycle::Next)
 ///     })?;
-///     runtime.finish(Details::None)
+///     runtime.finish(())
 /// }
 ///
 /// fn controller(mut runtime: Runtime) -> Result<(), RuntimeError> {
@@ -64,7 +63,7 @@ const PATIENCE_NS: i64 = 60_000_000_000;
 ///         runtime.end_cycle(ServiceState::Running)?;
 ///         Ok(Cycle::Next)
 ///     })?;
-///     runtime.finish(Details::None)
+///     runtime.finish(())
 /// }
 ///
 /// let text = "schema_version = 1\nname = \"two-services\"\nduration_s = 1\n";

@@ -6,13 +6,25 @@
 //! two locks of the handover, which the thread holds for a copy, and allocates nothing. Where all
 //! services share one thread the work is done when it is asked for: its time does not count there.
 
-use crate::report::PlanningReport;
-use crate::statistics::Latencies;
+use crate::statistics::{Latencies, Percentiles};
 use crate::{Carrier, Count, Mode, Release, Runtime, RuntimeError, monotonic_ns};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
+
+/// Counts of a [`BackgroundWorker`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WorkerReport {
+    /// Questions.
+    pub asked: u64,
+    /// Answers that were not there when they were due.
+    pub late: u64,
+    /// Time after which an answer is due, µs.
+    pub deadline_us: f64,
+    /// Time that an answer took, on the wall clock in both modes.
+    pub worked_us: Option<Percentiles>,
+}
 
 /// A thread that answers questions of type `Q` with `A`.
 #[derive(Debug)]
@@ -167,14 +179,14 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
         Some(answer)
     }
 
-    /// What became of the questions so far.
+    /// Counts of the questions so far.
     #[must_use]
-    pub fn report(&self) -> PlanningReport {
-        PlanningReport {
+    pub fn report(&self) -> WorkerReport {
+        WorkerReport {
             asked: self.asked.get(),
             late: self.late.get(),
             deadline_us: self.delay_ns as f64 / 1e3,
-            plan_us: self.worked.percentiles_us(),
+            worked_us: self.worked.percentiles_us(),
         }
     }
 }
@@ -289,7 +301,7 @@ mod tests {
         assert_eq!(heard, [None, None, Some(0), None, Some(4), None]);
         let report = worker.report();
         assert_eq!((report.asked, report.late), (3, 0));
-        assert_eq!(report.plan_us.map(|took| took.count), Some(2));
+        assert_eq!(report.worked_us.map(|took| took.count), Some(2));
     }
 
     #[test]

@@ -1,17 +1,17 @@
-//! What a service tells of itself at the end.
+//! The report of a service at its end.
 
 use super::Runtime;
-use crate::report::{Details, ServiceReport};
+use crate::report::{Payload, Reported, ServiceReport};
 use crate::transport::Carrier;
 use crate::{FromService, RuntimeError};
 
 impl Runtime {
-    /// Reports to the launcher and keeps all ports open until it has heard all services, so that
-    /// no last message is lost with its sender.
+    /// Reports to the launcher, with the service's own `figures`, and keeps all ports open until all services have
+    /// reported. So no last message is lost with its sender.
     ///
     /// # Errors
     /// [`RuntimeError::Link`].
-    pub fn finish(self, details: Details) -> Result<(), RuntimeError> {
+    pub fn finish(self, figures: impl Reported) -> Result<(), RuntimeError> {
         let (cycles, skipped) = self.survival.counted(self.cycles.run(), self.cycles.skipped());
         let (sent, received) = self.ports.reports();
         let report = ServiceReport {
@@ -25,7 +25,7 @@ impl Runtime {
             peak_rss_kib: (self.ports.carrier() == Carrier::SharedMemory).then(peak_rss_kib),
             scheduling: self.life.granted.expect("`begin` comes before `finish`"),
             fault_statistics: self.injection.faults.statistics(),
-            details,
+            details: Payload::of(figures),
         };
         self.life.link.send(FromService::Report(Box::new(report)))?;
         self.life.link.wait_for_the_end();

@@ -106,8 +106,9 @@ pub(crate) fn word(page: &SharedWords, service: Service) -> &AtomicU32 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+    use crate::{Mode, Timetable};
     use loom::sync::atomic::AtomicU32 as ModelWord;
     use loom::sync::{Arc, Mutex};
     use loom::thread;
@@ -214,6 +215,56 @@ mod tests {
             receive(&world, &mut used);
             assert!(used.is_sorted(), "{used:?}");
         });
+    }
+
+    /// A run with standbys, whose page is removed with it.
+    pub(in crate::survival) struct Run(pub(in crate::survival) Group);
+
+    impl Run {
+        pub(in crate::survival) fn new(name: &str, standby: &[Service]) -> Self {
+            Self(Group {
+                root: "/tmp".into(),
+                prefix: format!("timegap_fence-{name}-{}_", std::process::id()),
+                mode: Mode::Realtime,
+                standby: standby.to_vec(),
+                timetable: Timetable { step_ns: 1, strides: [1; Service::ALL.len()], last_step: 1 },
+                patience_ns: 1,
+                scenario: Vec::new(),
+            })
+        }
+
+        pub(in crate::survival) fn fences(&self) -> Fences {
+            Fences::of(&self.0).expect("shared memory").expect("it has standbys")
+        }
+    }
+
+    impl Drop for Run {
+        fn drop(&mut self) {
+            for page in ["fence", "wake"] {
+                let _ = std::fs::remove_file(format!("/dev/shm/{}{page}", self.0.prefix));
+            }
+        }
+    }
+
+    #[test]
+    fn messages_of_services_with_a_standby_alone_are_compared_with_the_epoch() {
+        assert!(Fences::of(&Run::new("none", &[]).0).expect("nothing to map").is_none());
+        let run = Run::new("two", &[Service::Controller, Service::Obu]);
+        let fences = run.fences();
+        for service in Service::ALL {
+            let fenced = matches!(service, Service::Controller | Service::Obu);
+            assert_eq!(fences.of_service(service).is_some(), fenced, "{service}");
+            let source = service.to_wire();
+            assert!(fences.accept(source, 0), "{service}: epoch 0 speaks at first");
+            assert_eq!(fences.accept(source, 7), !fenced, "{service}");
+        }
+        // Both maps of the page are the same words, and each service has its own.
+        let other = run.fences();
+        assert!(take_over(other.of_service(Service::Obu).expect("fenced"), 0, 7));
+        let accepts = |service: Service, own| fences.accept(service.to_wire(), own);
+        assert!(accepts(Service::Obu, 7) && !accepts(Service::Obu, 0));
+        assert!(accepts(Service::Controller, 0) && !accepts(Service::Controller, 7));
+        assert!(fences.accept(0, 9) && fences.accept(99, 9), "no service has the number");
     }
 
     #[test]

@@ -67,3 +67,52 @@ impl Gate {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survival::fence::tests::Run;
+
+    #[test]
+    fn without_a_standby_of_its_service_a_gate_is_open_until_it_stands_by() {
+        let run = Run::new("open", &[Service::PerceptionSim]);
+        let of_another = Gate::of(Some(run.fences()), Service::Plant, 3);
+        for gate in [Gate::open(Service::Plant), of_another] {
+            assert!(gate.claim() && !gate.is_standby());
+            assert_eq!(gate.passage(), Passage::Open);
+            gate.set_standby(true);
+            assert!(gate.is_standby());
+            assert_eq!(gate.passage(), Passage::Held);
+            gate.set_standby(false);
+            assert_eq!(gate.passage(), Passage::Open);
+        }
+    }
+
+    #[test]
+    fn a_standby_holds_its_messages_and_a_replaced_process_sends_none() {
+        let service = Service::Controller;
+        let run = Run::new("replaced", &[service]);
+        let [active, standby] = [0, 1].map(|own| Gate::of(Some(run.fences()), service, own));
+        assert!(active.claim());
+        standby.set_standby(true);
+        assert_eq!((active.passage(), standby.passage()), (Passage::Open, Passage::Held));
+        let fences = run.fences();
+        let word = fences.of_service(service).expect("it has a standby");
+        assert!(fence::take_over(word, 0, 1));
+        // The standby is silent until its loop ends the time as a standby.
+        assert_eq!((active.passage(), standby.passage()), (Passage::Shut, Passage::Held));
+        standby.set_standby(false);
+        assert_eq!((active.passage(), standby.passage()), (Passage::Shut, Passage::Open));
+        assert!(!active.claim() && standby.claim());
+    }
+
+    #[test]
+    fn a_process_that_is_started_cold_claims_a_later_epoch_alone() {
+        let service = Service::Aebs;
+        let run = Run::new("cold", &[service]);
+        let gate = |own| Gate::of(Some(run.fences()), service, own);
+        assert_eq!(gate(4).passage(), Passage::Shut, "not claimed");
+        assert!(gate(4).claim() && gate(4).claim() && !gate(3).claim());
+        assert_eq!((gate(3).passage(), gate(4).passage()), (Passage::Shut, Passage::Open));
+    }
+}

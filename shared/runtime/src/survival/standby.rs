@@ -1,9 +1,12 @@
 //! The second process of a service: attached, computing, silent, until it takes the service over.
 //!
-//! Three threads may order the take-over: one that waits for the end of the active process
-//! ([`crate::end_word`], or its pidfd), the link's (the launcher knows that it is gone), and the loop itself
-//! (the active one has done no cycle for too long). All do the same: they take the service's epoch
-//! ([`crate::fence`]) and wake the loop, which sends what it has computed for the present period.
+//! ```text
+//! thread `standby`: end of the active process ──┐
+//! thread `link`:    order of the launcher ──────┼─► Order::take_over ─► epoch ─► loop sends what it holds
+//! the loop:         no cycle for too long ──────┘   (the first one counts)
+//! ```
+//!
+//! The end of the active process is known by [`end_word`], or by its pidfd.
 
 use crate::machine::scheduling::{Granted, Request, above, set_below_services, set_fifo_of};
 use crate::survival::account::progress;
@@ -32,7 +35,7 @@ pub struct ActiveProcess {
     pub pid: i32,
 }
 
-/// What made a standby take over.
+/// Reason of a take-over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Cause {
@@ -58,7 +61,7 @@ const STANDING_BY: u32 = 0;
 const TOOK_OVER: u32 = 1;
 const REPLACED: u32 = 2;
 
-/// What the threads of a standby share.
+/// Data that the threads of a standby share.
 #[derive(Debug)]
 struct Order {
     page: SharedWords,
@@ -99,7 +102,7 @@ fn wake_by_topic(words: &WakeWords) {
     words.waker(Topic::RadarDetections).wake();
 }
 
-/// Where the link leaves the launcher's order to take over.
+/// Slot for the launcher's order to take over, filled by the link's thread.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct OrderSlot(Arc<Slot>);
 
@@ -135,18 +138,43 @@ impl OrderSlot {
     }
 }
 
-/// A standby as its loop sees it.
+/// The loop's side of a standby.
 #[derive(Debug)]
 pub(crate) struct Standby {
     order: Arc<Order>,
     /// The active process's account; none where it was gone before, or keeps none.
     account: Option<SharedWords>,
+    watch: CycleWatch,
+}
+
+/// Decides by another process's count of cycles whether that process works.
+#[derive(Debug)]
+struct CycleWatch {
     /// Cycles that it had done at the last look, and since when it had done them.
     cycles: u32,
     since_ns: i64,
     looked_ns: i64,
     period_ns: i64,
     timeout_ns: i64,
+}
+
+impl CycleWatch {
+    /// A watch from `now_ns` on over a process that works every `period_ns`.
+    fn new(now_ns: i64, period_ns: i64, timeout_ns: i64) -> Self {
+        Self { cycles: 0, since_ns: now_ns, looked_ns: now_ns, period_ns, timeout_ns }
+    }
+
+    /// Looks at the count at `now_ns`; true if the process completed no cycle for a period and the timeout.
+    fn is_silent(&mut self, now_ns: i64, cycles: u32) -> bool {
+        // Where this process did not get the processor, the other one may not have got it either.
+        let stalled = 2 * (now_ns - self.looked_ns) > 3 * self.period_ns.max(self.timeout_ns);
+        self.looked_ns = now_ns;
+        if cycles != self.cycles || stalled {
+            (self.cycles, self.since_ns) = (cycles, now_ns);
+            return false;
+        }
+        now_ns - self.since_ns > self.period_ns + self.timeout_ns
+    }
 }
 
 impl Standby {
@@ -189,16 +217,10 @@ impl Standby {
             .map_err(RuntimeError::setup("a standby's thread"))?;
         slot.fill(Arc::clone(&order));
         let timeout_ns = scenario.supervision.standby_timeout_ms.nanoseconds();
-        let now_ns = monotonic_ns();
-        Ok(Self {
-            order,
-            account: crate::survival::account::page(group, service, active.incarnation),
-            cycles: 0,
-            since_ns: now_ns,
-            looked_ns: now_ns,
-            period_ns: group.timetable.period_ns(service),
-            timeout_ns: i64::try_from(timeout_ns).unwrap_or(i64::MAX),
-        })
+        let timeout_ns = i64::try_from(timeout_ns).unwrap_or(i64::MAX);
+        let period_ns = group.timetable.period_ns(service);
+        let account = crate::survival::account::page(group, service, active.incarnation);
+        Ok(Self { order, account, watch: CycleWatch::new(monotonic_ns(), period_ns, timeout_ns) })
     }
 
     /// True while nothing has happened to the active process.
@@ -228,17 +250,11 @@ impl Standby {
 
     /// Looks, once in a cycle, whether the active process makes progress, and takes over if it does not.
     pub(crate) fn look_at_active(&mut self) {
-        let now_ns = monotonic_ns();
         let Some(account) = &self.account else { return };
-        let cycles = progress(account);
-        // Where this process did not get the processor, the active one may not have got it either.
-        let stalled = 2 * (now_ns - self.looked_ns) > 3 * self.period_ns.max(self.timeout_ns);
-        if cycles != self.cycles || stalled {
-            (self.cycles, self.since_ns) = (cycles, now_ns);
-        } else if now_ns - self.since_ns > self.period_ns + self.timeout_ns {
+        let now_ns = monotonic_ns();
+        if self.watch.is_silent(now_ns, progress(account)) {
             self.order.take_over(Cause::Silent, now_ns);
         }
-        self.looked_ns = now_ns;
     }
 }
 
@@ -256,5 +272,134 @@ fn watch(order: &Order, pidfd: Option<OwnedFd>, priority: u8) {
     order.take_over(Cause::Gone, monotonic_ns());
     if let Ok(words) = words {
         wake_by_topic(&words);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::survival::fence::tests::Run;
+    use proptest::prelude::*;
+
+    const PERIOD_NS: i64 = 100;
+    const TIMEOUT_NS: i64 = 30;
+
+    /// A standby of the controller, process 1, for process 0, without the threads.
+    fn order(run: &Run) -> Arc<Order> {
+        Arc::new(Order {
+            page: fence::map(&run.0).expect("shared memory"),
+            service: Service::Controller,
+            active: 0,
+            own: 1,
+            state: AtomicU32::new(STANDING_BY),
+            noticed: OnceLock::new(),
+            thread: 0,
+            priority: 0,
+            prefix: run.0.prefix.clone(),
+        })
+    }
+
+    fn standby(order: &Arc<Order>) -> Standby {
+        let watch = CycleWatch::new(0, PERIOD_NS, TIMEOUT_NS);
+        Standby { order: Arc::clone(order), account: None, watch }
+    }
+
+    fn run(name: &str) -> Run {
+        Run::new(name, &[Service::Controller])
+    }
+
+    #[test]
+    fn the_first_cause_takes_over_once() {
+        let run = run("first-cause");
+        let order = order(&run);
+        let standby = standby(&order);
+        assert!(standby.stands_by());
+        assert_eq!(standby.taken_over(), None);
+        order.take_over(Cause::Silent, 17);
+        order.take_over(Cause::Gone, 18);
+        assert!(!standby.stands_by());
+        assert_eq!(standby.taken_over(), Some((Cause::Silent, 17)));
+        assert_eq!(fence::word(&order.page, Service::Controller).load(Ordering::SeqCst), 1);
+    }
+
+    #[test]
+    fn a_standby_whose_service_another_process_took_is_replaced() {
+        let run = run("replaced-standby");
+        let order = order(&run);
+        fence::word(&order.page, Service::Controller).store(2, Ordering::SeqCst);
+        order.take_over(Cause::Gone, 17);
+        let standby = standby(&order);
+        assert!(!standby.stands_by());
+        assert_eq!(standby.taken_over(), None);
+        assert_eq!(fence::word(&order.page, Service::Controller).load(Ordering::SeqCst), 2);
+    }
+
+    #[test]
+    fn the_launchers_order_counts_whether_it_comes_before_the_standby_or_after() {
+        for first in [true, false] {
+            let run = run(if first { "order-first" } else { "standby-first" });
+            let (order, slot) = (order(&run), OrderSlot::default());
+            if first {
+                slot.take_over();
+            }
+            slot.fill(Arc::clone(&order));
+            assert_eq!(standby(&order).stands_by(), !first);
+            slot.take_over();
+            assert!(matches!(standby(&order).taken_over(), Some((Cause::Gone, _))));
+        }
+    }
+
+    #[test]
+    fn a_process_is_silent_after_a_period_and_the_timeout() {
+        let mut watch = CycleWatch::new(1_000, PERIOD_NS, TIMEOUT_NS);
+        assert!(!watch.is_silent(1_100, 1), "its first cycle");
+        assert!(!watch.is_silent(1_200, 1));
+        assert!(!watch.is_silent(1_230, 1), "not longer than both");
+        assert!(watch.is_silent(1_231, 1));
+        assert!(watch.is_silent(1_300, 1), "it stays silent");
+        assert!(!watch.is_silent(1_310, 2), "it works again");
+        assert!(!watch.is_silent(1_440, 2));
+        assert!(watch.is_silent(1_441, 2));
+    }
+
+    #[test]
+    fn an_observer_that_did_not_run_itself_starts_anew() {
+        let mut watch = CycleWatch::new(0, PERIOD_NS, TIMEOUT_NS);
+        assert!(watch.is_silent(150, 0), "1.5 periods between two looks are usual");
+        let mut watch = CycleWatch::new(0, PERIOD_NS, TIMEOUT_NS);
+        assert!(!watch.is_silent(151, 0), "more are not");
+        assert!(!watch.is_silent(281, 0), "from 151 on");
+        assert!(watch.is_silent(282, 0));
+        // The longer one of period and timeout is the measure.
+        let mut watch = CycleWatch::new(0, PERIOD_NS, 1_000);
+        assert!(watch.is_silent(1_500, 0), "1.5 timeouts");
+        let mut watch = CycleWatch::new(0, PERIOD_NS, 1_000);
+        assert!(!watch.is_silent(1_501, 0));
+    }
+
+    proptest! {
+        #[test]
+        fn a_process_that_completes_a_cycle_before_each_look_is_never_silent(
+            pauses in prop::collection::vec(1_i64..2_000, 1..50),
+        ) {
+            let mut watch = CycleWatch::new(0, PERIOD_NS, TIMEOUT_NS);
+            let mut now_ns = 0;
+            for (cycle, pause_ns) in (1..).zip(pauses) {
+                now_ns += pause_ns;
+                prop_assert!(!watch.is_silent(now_ns, cycle));
+            }
+        }
+
+        #[test]
+        fn a_process_that_ended_is_noticed_by_an_observer_that_runs(
+            pauses in prop::collection::vec(1_i64..=150, 1..200),
+        ) {
+            let mut watch = CycleWatch::new(0, PERIOD_NS, TIMEOUT_NS);
+            let mut now_ns = 0;
+            for pause_ns in pauses {
+                now_ns += pause_ns;
+                prop_assert_eq!(watch.is_silent(now_ns, 0), now_ns > PERIOD_NS + TIMEOUT_NS);
+            }
+        }
     }
 }

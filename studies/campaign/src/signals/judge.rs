@@ -8,8 +8,8 @@
 use super::draw::Corridor;
 use frame::batch::Done;
 use group::DriveStep;
+use group::report::Outcome;
 use report::Passing;
-use runtime::report::Outcome;
 use scenario::Scenario;
 use scenario::v2x::{Phase, Signal};
 use serde::{Deserialize, Serialize};

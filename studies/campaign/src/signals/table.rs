@@ -4,9 +4,9 @@ use super::judge::Kept;
 use super::limits::OF_RIVAL;
 use super::{LAWS, OURS, RIVAL};
 use frame::batch::ProcessesSample;
+use group::report::Outcome;
 use report::chart::number;
 use report::table::{self, TextTable};
-use runtime::report::Outcome;
 use serde::Serialize;
 
 /// What came of all corridors.

@@ -19,8 +19,8 @@ use report::results::{Document, ResultOptions};
 use report::summary::{Aebs, Control, LawAccount, Timing, braked};
 use report::{RunPicture, overlay};
 
+use group::report::Outcome;
 use runtime::Mode;
-use runtime::report::Outcome;
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -294,8 +294,8 @@ fn document(
 mod tests {
     use super::*;
     use clap::FromArgMatches;
+    use group::report::ControlFigures;
     use report::{Following, Trip};
-    use runtime::report::ControlFigures;
 
     /// A row of a car: without fuel, and without deadlines, since it was driven in lockstep.
     fn row(controller: &str, min_gap_m: f64) -> Row {

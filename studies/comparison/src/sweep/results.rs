@@ -4,13 +4,13 @@ use super::figure::{self, ALL, COUNT, Folded, Values};
 use frame::batch::ProcessesSample;
 use frame::param::Param;
 use group::Error;
+use group::report::Outcome;
 use report::print;
 use report::results::{
     Column, Format, Kind, Schema, Table, count, flag, judged, nested, outcome, word,
 };
 use report::summary::Summary;
 use runtime::Mode;
-use runtime::report::Outcome;
 use serde::de::{Deserialize, Deserializer};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use serde_json::{Map, Value, json};

@@ -1,8 +1,8 @@
 //! Why a run has no result.
 
+use group::report::Outcome;
 use group::{Failure, Status};
 use report::summary::Summary;
-use runtime::report::Outcome;
 
 /// The machine cannot give what a run needs.
 #[derive(Debug, thiserror::Error)]

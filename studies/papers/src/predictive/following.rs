@@ -9,9 +9,9 @@ use crate::row::{EXACT, Kind, Row, paper, requirement, within};
 use crate::runner::{Driven, Part, Runner, together};
 use controller::laws::truck::{GapKeys, Spacing};
 use group::Error;
+use group::report::Outcome;
 use group::{DriveStep, PowertrainStep};
 use report::chart::{Curve, Stroke, Tone};
-use runtime::report::Outcome;
 use truck_model::{FUEL_DENSITY_GPL, Preset, Truck};
 
 /// Scenarios driven.

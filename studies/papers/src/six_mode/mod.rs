@@ -13,7 +13,7 @@ use super::runner::{Driven, Part, Runner, together};
 use controller::laws::six_mode::Mode;
 use controller::laws::six_mode::deceleration::LEVELS_MPS2;
 use group::Error;
-use runtime::report::Outcome;
+use group::report::Outcome;
 
 /// Scenarios driven.
 pub const RUNS: usize = SETS.len();

@@ -239,8 +239,8 @@ mod tests {
 
     use clap::{Args, Command, FromArgMatches};
     use group::in_process::run_watched;
+    use group::report::Details;
     use messages::Service;
-    use runtime::report::Details;
 
     fn arguments(words: &[&str]) -> R157Arguments {
         let command = R157Arguments::augment_args(Command::new("r157"));

@@ -19,11 +19,11 @@ use crate::processes::Janitor;
 use crate::programs::programs;
 use crate::recording::{RecorderProcess, law_names};
 use crate::refusal::{check_processes, check_recorder};
+use crate::report::ServiceReport;
 use crate::room::check_room;
 use crate::root::RunRoot;
 use messages::Service;
 use roster::Roster;
-use runtime::report::ServiceReport;
 use runtime::scheduling::{Granted, Priority};
 use runtime::{
     Carrier, Group, Mode, Program, Timetable, enroll_listener, monotonic_ns, shared_memory_bytes,

@@ -9,6 +9,7 @@ use crate::exits::Exit;
 use crate::launch::{Ended, Moment};
 use crate::member::Member;
 use crate::recording::RecorderProcess;
+use crate::report::read;
 use crate::succession::{self, Phase};
 use messages::Service;
 use runtime::{FromService, Mode, ToService, monotonic_ns};
@@ -177,11 +178,11 @@ impl Supervisor<'_> {
                 let service = who.service;
                 if course.ended == Ended::Orderly && self.is_early(service, log, course, now_ns) {
                     let member = self.roster.of(service);
-                    member.leaves_early(*report);
+                    member.leaves_early(read(*report));
                     // Its end is an event.
                     member.order(&ToService::Abort);
                 } else {
-                    self.roster.of(service).report = Some(*report);
+                    self.roster.of(service).report = Some(read(*report));
                 }
             }
             Event::Message(_, FromService::Ended(step)) => {

@@ -3,7 +3,7 @@
 use crate::chart::number;
 use crate::summary::Summary;
 use crate::trip::Trip;
-use runtime::report::Outcome;
+use group::report::Outcome;
 
 pub(super) fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     let control = &summary.control.figures;

@@ -10,9 +10,9 @@ pub(crate) use drive::unstarted_acts;
 
 use crate::summary::Summary;
 use drive::{drive, emergency_brake, radar, storyboard};
+use group::report::{Outcome, ProgramReport};
 use group::{Error, RecordingSummary};
 use machine::{faults, machine, messages};
-use runtime::report::{Outcome, ProgramReport};
 use std::fmt::Write as _;
 use std::io::{ErrorKind, Write as _};
 use timing::timing;

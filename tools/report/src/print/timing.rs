@@ -2,7 +2,7 @@
 
 use crate::duration::{duration, percentiles};
 use crate::summary::{Summary, Timing};
-use runtime::report::WorstChain;
+use group::report::WorstChain;
 
 pub(super) fn timing(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     let timing = &summary.timing;

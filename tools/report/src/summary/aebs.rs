@@ -1,6 +1,6 @@
 //! Figures of the emergency brake.
 
-use runtime::report::{Details, Hops, PlantReport, ServiceReport};
+use group::report::{Details, Hops, PlantReport, ServiceReport};
 use runtime::statistics::Percentiles;
 use scenario::Scenario;
 use serde::Serialize;

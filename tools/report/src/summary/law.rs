@@ -1,6 +1,6 @@
 //! Who drove: the law that was asked for, or its backup.
 
-use runtime::report::{ControllerReport, Outcome};
+use group::report::{ControllerReport, Outcome};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 

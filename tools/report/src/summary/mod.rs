@@ -13,14 +13,14 @@ pub use topics::TopicCounts;
 
 use crate::following::{Following, GapErrors};
 use crate::trip::Trip;
-use group::{Ended, FaultRecord, GroupOutcome, Heartbeats, RecordingSummary, StandbyCost};
-use messages::Service;
-use messages::level::Levels;
-use runtime::report::{
+use group::report::{
     CheckReport, ControlFigures, ControllerReport, Details, Hops, LinkReport, ModeChange,
     ObuReport, Outcome, PerceptionReport, PlanningReport, PlantReport, ProgramReport,
     ServiceReport, SignalHops, WorstChain,
 };
+use group::{Ended, FaultRecord, GroupOutcome, Heartbeats, RecordingSummary, StandbyCost};
+use messages::Service;
+use messages::level::Levels;
 use runtime::scheduling::Granted;
 use runtime::statistics::{Latencies, Percentiles};
 use runtime::{Carrier, Mode, Program};

@@ -1,8 +1,8 @@
 //! Reports of the on-board unit and the carrier.
 
 use group::GroupOutcome;
+use group::report::{Details, LinkReport, ObuReport};
 use messages::Service;
-use runtime::report::{Details, LinkReport, ObuReport};
 
 /// The on-board unit's report; `None` without one.
 pub(super) fn unit(group: &GroupOutcome) -> Option<ObuReport> {

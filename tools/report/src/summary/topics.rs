@@ -1,9 +1,9 @@
 //! Counts of the messages of a run.
 
 use group::Drive;
+use group::report::{ReceivedTopic, ServiceReport};
 use messages::Service;
 use messages::e2e::Outcomes;
-use runtime::report::{ReceivedTopic, ServiceReport};
 use serde::Serialize;
 use std::collections::BTreeMap;
 

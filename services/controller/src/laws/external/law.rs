@@ -6,8 +6,8 @@ use super::host::{Host, HostError, News};
 use super::process::Plan;
 use super::record::{Refused, accept, question};
 use crate::law::{Hosted, HostedError, Input, Law, Output, Quality};
+use crate::report::ProgramReport;
 use messages::LAW_MODES;
-use runtime::report::ProgramReport;
 use scenario::Scenario;
 use std::time::{Duration, Instant};
 

@@ -1,6 +1,6 @@
-//! What the plant tells of the cause-effect chains that ended at its actuators.
+//! Figures of the cause-effect chains that ended at the actuators.
 
-use crate::statistics::Percentiles;
+use runtime::statistics::Percentiles;
 use serde::{Deserialize, Serialize};
 
 /// The parts of the reaction time, which add up to it sample by sample:

@@ -1,0 +1,24 @@
+//! Figures that the on-board unit reports at its end.
+
+use runtime::statistics::Percentiles;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// Frames on air, by what the on-board unit made of them.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ObuReport {
+    /// Frames that arrived.
+    pub frames: u64,
+    /// Frames that arrived and for which a batch had no room.
+    pub left_out: u64,
+    /// Frames by what was made of them.
+    pub verdicts: BTreeMap<String, u64>,
+    /// CAMs that it sent.
+    pub cams_sent: u64,
+    /// Time from the sending of a frame to its arrival.
+    pub air_us: Option<Percentiles>,
+    /// Time to decode and check a frame, on the wall clock in both modes.
+    pub decode_us: Option<Percentiles>,
+    /// Age of the oldest timing of the signals ahead when it is handed on.
+    pub age_us: Option<Percentiles>,
+}

@@ -1,0 +1,60 @@
+//! Reports of the services at their end: each service's crate defines its own figures.
+
+pub use aebs::report::AebsReport;
+pub use controller::report::{
+    CheckReport, ControllerReport, ModeChange, PlanningReport, ProgramReport,
+};
+pub use obu::report::ObuReport;
+pub use perception_sim::report::PerceptionReport;
+pub use plant::report::{
+    BrakeFigures, ControlFigures, HopTimes, Hops, Outcome, PlantReport, SignalHops, WorstChain,
+};
+pub use runtime::report::{ReceivedTopic, SentTopic};
+pub use v2x_sim::report::{LinkReport, StationReport};
+
+use messages::Service;
+use runtime::report::Payload;
+
+/// Report of one service, with its own figures.
+pub type ServiceReport = runtime::report::ServiceReport<Details>;
+
+/// Figures that only one service has.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Details {
+    /// None.
+    None,
+    /// Figures of the controller.
+    Controller(Box<ControllerReport>),
+    /// Figures of the plant.
+    Plant(Box<PlantReport>),
+    /// Figures of the emergency brake.
+    Aebs(Box<AebsReport>),
+    /// Figures of perception-sim.
+    Perception(Box<PerceptionReport>),
+    /// Figures of the on-board unit.
+    Obu(Box<ObuReport>),
+    /// Figures of v2x-sim, if the roadside units are on other hosts or in a capture.
+    Link(Box<LinkReport>),
+}
+
+impl Details {
+    /// The figures that `service` sent; none from a program in its place that sends others.
+    #[must_use]
+    pub fn of(service: Service, payload: &Payload) -> Self {
+        let details = match service {
+            Service::Plant => payload.read().map(Box::new).map(Self::Plant),
+            Service::PerceptionSim => payload.read().map(Box::new).map(Self::Perception),
+            Service::V2xSim => payload.read::<Option<_>>().flatten().map(Box::new).map(Self::Link),
+            Service::Controller => payload.read().map(Box::new).map(Self::Controller),
+            Service::Aebs => payload.read().map(Box::new).map(Self::Aebs),
+            Service::Obu => payload.read().map(Box::new).map(Self::Obu),
+        };
+        details.unwrap_or(Self::None)
+    }
+}
+
+/// The report that a service sent, with its figures read.
+pub(crate) fn read(report: runtime::report::ServiceReport) -> ServiceReport {
+    let service = report.service;
+    report.map(|payload| Details::of(service, &payload))
+}
