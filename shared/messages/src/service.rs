@@ -9,7 +9,6 @@
 //! # Ok::<(), messages::UnknownService>(())
 //! ```
 
-use crate::Topic;
 use crate::numbered::numbered;
 use serde::{Deserialize, Serialize};
 
@@ -46,8 +45,6 @@ pub struct Descriptor {
     pub presence: Presence,
     /// Usual priority under `SCHED_FIFO`.
     pub priority: u8,
-    /// Topic whose first message shows that a restarted process works.
-    pub first: Topic,
     /// Place of its track in a trace, along the data's way.
     pub track: u8,
     /// True if it can have a standby.
@@ -97,32 +94,32 @@ macro_rules! services {
 services! { $
     /// The ego vehicle, its actuator gateway and the referee.
     Plant = 1 "plant", plant: Descriptor {
-        pace: Pace::Plant, presence: Presence::Always, priority: 82, first: Topic::EgoTruth, track: 5,
+        pace: Pace::Plant, presence: Presence::Always, priority: 82, track: 5,
         can_stand_by: false,
     };
     /// The other vehicles and the radar.
     PerceptionSim = 2 "perception-sim", perception_sim: Descriptor {
-        pace: Pace::Radar, presence: Presence::Always, priority: 81, first: Topic::RadarTracks, track: 0,
+        pace: Pace::Radar, presence: Presence::Always, priority: 81, track: 0,
         can_stand_by: true,
     };
     /// The roadside unit.
     V2xSim = 3 "v2x-sim", v2x_sim: Descriptor {
-        pace: Pace::Signals, presence: Presence::Always, priority: 80, first: Topic::SignalTruth, track: 1,
+        pace: Pace::Signals, presence: Presence::Always, priority: 80, track: 1,
         can_stand_by: true,
     };
     /// The control law and its loop.
     Controller = 4 "controller", controller: Descriptor {
-        pace: Pace::Control, presence: Presence::Always, priority: 79, first: Topic::Command, track: 3,
+        pace: Pace::Control, presence: Presence::Always, priority: 79, track: 3,
         can_stand_by: true,
     };
     /// The emergency brake.
     Aebs = 5 "aebs", aebs: Descriptor {
-        pace: Pace::Radar, presence: Presence::EmergencyBrake, priority: 80, first: Topic::Brake, track: 4,
+        pace: Pace::Radar, presence: Presence::EmergencyBrake, priority: 80, track: 4,
         can_stand_by: true,
     };
     /// The on-board unit: decodes and checks frames on air.
     Obu = 6 "obu", obu: Descriptor {
-        pace: Pace::Signals, presence: Presence::Frames, priority: 80, first: Topic::Spat, track: 2,
+        pace: Pace::Signals, presence: Presence::Frames, priority: 80, track: 2,
         can_stand_by: false,
     };
 }
@@ -175,12 +172,6 @@ mod tests {
             assert_eq!(service.name().parse(), Ok(service));
             assert_eq!(serde_json::json!(service), service.name());
             assert_eq!(Service::by_number(service.to_wire()), Some(service));
-            let first = service.descriptor().first;
-            assert!(
-                first.sources().contains(&service),
-                "{service} does not publish {}",
-                first.name()
-            );
         }
         let tracks: std::collections::BTreeSet<_> =
             Service::ALL.map(|service| service.descriptor().track).into();

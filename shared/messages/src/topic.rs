@@ -52,13 +52,17 @@ struct Row {
     role: Role,
     sources: &'static [Service],
     consumers: &'static [Service],
+    shows: Option<Service>,
 }
 
 /// Declares the topics. `number Message "name" Role, [senders] to [receivers];` is a row: the variant has the
-/// message's name. `$d` is a dollar sign, for the macro that this one declares.
+/// message's name. `shows Service` at its end marks the topic whose first message shows that a restarted process
+/// works. `$d` is a dollar sign, for the macro that this one declares.
 macro_rules! topics {
+    (@shows) => { None };
+    (@shows $service:ident) => { Some(Service::$service) };
     ($d:tt $($(#[$doc:meta])* $number:literal $topic:ident $name:literal $role:ident,
-       [$($source:ident),*] to [$($consumer:ident),*];)+) => {
+       [$($source:ident),*] to [$($consumer:ident),*] $(shows $shown:ident)?;)+) => {
         /// Every topic of the group; the number is a part of its data ID.
         ///
         /// | topic | message | published by | read by |
@@ -87,6 +91,7 @@ macro_rules! topics {
                         role: Role::$role,
                         sources: &[$(Service::$source),*],
                         consumers: &[$(Service::$consumer),*],
+                        shows: topics!(@shows $($shown)?),
                     },)+
                 }
             }
@@ -131,24 +136,24 @@ topics! { $
     /// Sent for a truck.
     1 Powertrain "vehicle/powertrain" Function, [Plant] to [Controller];
     11 RadarDetections "radar/detections" Function, [PerceptionSim] to [Aebs];
-    2 RadarTracks "radar/tracks" Function, [PerceptionSim] to [Controller];
+    2 RadarTracks "radar/tracks" Function, [PerceptionSim] to [Controller] shows PerceptionSim;
     /// Sent where signals come as frames.
     14 RadioFrames "radio/frames" Function, [V2xSim] to [Obu];
     /// Sent by the on-board unit where there is one, else by the roadside unit.
-    3 Spat "v2x/spat" Function, [Obu, V2xSim] to [Controller];
+    3 Spat "v2x/spat" Function, [Obu, V2xSim] to [Controller] shows Obu;
     /// Sent as `v2x/spat` is.
     4 Map "v2x/map" Function, [Obu, V2xSim] to [Controller];
     /// Sent for a truck.
     5 Preview "v2x/preview" Function, [V2xSim] to [Controller];
     /// Read where the radio leads to another host, to send it on.
     15 RadioSent "radio/sent" Report, [Obu] to [V2xSim];
-    6 Command "control/command" Function, [Controller] to [Plant];
+    6 Command "control/command" Function, [Controller] to [Plant] shows Controller;
     7 Diagnostics "control/diagnostics" Report, [Controller] to [];
-    12 Brake "safety/brake" Function, [Aebs] to [Plant];
+    12 Brake "safety/brake" Function, [Aebs] to [Plant] shows Aebs;
     /// The last three receivers use it only for faults that wait for a phase of the drive.
-    13 EgoTruth "truth/ego" Truth, [Plant] to [PerceptionSim, V2xSim, Controller, Aebs, Obu];
+    13 EgoTruth "truth/ego" Truth, [Plant] to [PerceptionSim, V2xSim, Controller, Aebs, Obu] shows Plant;
     8 VehicleTruth "truth/vehicles" Truth, [PerceptionSim] to [Plant];
-    9 SignalTruth "truth/signals" Truth, [V2xSim] to [Plant];
+    9 SignalTruth "truth/signals" Truth, [V2xSim] to [Plant] shows V2xSim;
     10 Heartbeat "health/heartbeat" Report, [] to [];
 }
 
@@ -193,6 +198,22 @@ impl Topic {
     #[must_use]
     pub fn source(self, services: &[Service]) -> Option<Service> {
         self.sources().iter().copied().find(|source| services.contains(source))
+    }
+
+    /// Service whose restarted process works as soon as it publishes here.
+    #[must_use]
+    pub const fn shows(self) -> Option<Service> {
+        self.row().shows
+    }
+
+    /// Topic whose first message shows that a restarted process of `service` works.
+    ///
+    /// # Panics
+    /// Never: a test finds the topic of each service.
+    #[must_use]
+    pub fn showing(service: Service) -> Self {
+        let shows = |topic: &Self| topic.shows() == Some(service);
+        TOPICS.into_iter().find(shows).expect("each service has a topic that shows it")
     }
 
     /// Purpose of the topic.
@@ -243,5 +264,17 @@ mod tests {
         assert!(topics.into_iter().eq((0..).zip(recorded)), "{topics:?}");
         assert_eq!(Topic::Odometry.data_id(1), 0x1_0001);
         assert_eq!(Topic::RadioSent.data_id(6), 0x10_0006);
+    }
+
+    #[test]
+    fn each_service_publishes_the_topic_that_shows_it() {
+        for service in Service::ALL {
+            let topic = Topic::showing(service);
+            assert!(
+                topic.sources().contains(&service),
+                "{service} does not publish {}",
+                topic.name()
+            );
+        }
     }
 }

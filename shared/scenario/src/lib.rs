@@ -57,6 +57,7 @@ pub mod schema;
 pub mod speeds;
 pub mod storyboard;
 pub mod supervision;
+pub mod translation;
 pub mod v2x;
 
 mod accepted;
@@ -235,8 +236,8 @@ impl Scenario {
         parameters: &[openscenario::Assignment],
         overrides: &Overrides,
         check: &dyn Fn(&Self) -> Result<Reads, Problem>,
-    ) -> Result<Self, storyboard::OpenError> {
-        Ok(Self::from_foreign(&storyboard::keys_of(path, parameters)?, overrides, check)?)
+    ) -> Result<Self, translation::OpenError> {
+        Ok(Self::from_foreign(&translation::keys_of(path, parameters)?, overrides, check)?)
     }
 
     /// Builds a scenario from the keys of a file of another format, with `overrides` laid over them.

@@ -112,7 +112,7 @@ impl DriveLog {
         };
         let (perception, controller) =
             (timetable.stride(Service::PerceptionSim), timetable.stride(Service::Controller));
-        let others = Service::ALL.map(|service| service.descriptor().first).into_iter();
+        let others = Service::ALL.map(Topic::showing).into_iter();
         let others = others.filter(|topic| {
             mode == Mode::Realtime && ![EgoTruth::TOPIC, Command::TOPIC].contains(topic)
         });
@@ -169,7 +169,7 @@ impl DriveLog {
         let (incarnations, first) = (&mut self.incarnations, &mut self.first_messages);
         let mut note = |topic: Topic, header: &Header| {
             let sender = Service::by_number(header.source);
-            let Some(service) = sender.filter(|service| service.descriptor().first == topic) else {
+            let Some(service) = sender.filter(|service| topic.shows() == Some(*service)) else {
                 return;
             };
             let newest = &mut incarnations[service.index()];

@@ -5,7 +5,7 @@ use super::root::RootError;
 use messages::UnknownService;
 use recorder::ReadError;
 use runtime::RuntimeError;
-use scenario::storyboard::OpenError;
+use scenario::translation::OpenError;
 use scenario::{Problem, ScenarioError};
 use std::io::ErrorKind;
 use std::path::PathBuf;

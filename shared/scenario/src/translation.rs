@@ -1,0 +1,257 @@
+//! Translation of an OpenSCENARIO file into the keys of a scenario.
+//!
+//! The ego is this program's own: its place, its speed and its extent come from the file, its control from
+//! `[controller]`. Every other entity is an actor with the profile `storyboard`.
+
+use std::path::Path;
+
+use openscenario::model::condition::{Condition, Test, Trigger};
+use openscenario::model::{Category, Drive, Script};
+use openscenario::parameter::Rule;
+use openscenario::read;
+use openscenario::{Assignment, Disk, ReadError, World, WorldError};
+
+use super::SCHEMA_VERSION;
+use super::actor::MAX_ACTORS;
+use super::error::ScenarioError;
+use super::foreign::ForeignKeys;
+use super::storyboard::Storyboard;
+
+/// Duration of a run whose storyboard has no end in time, s.
+pub const DEFAULT_DURATION_S: f64 = 300.0;
+/// Longest line of prose that a scenario takes, characters.
+const MAX_LINE: usize = 500;
+/// Shortest extent of an actor along the road, m.
+const MIN_LENGTH_M: f64 = 0.1;
+
+/// An OpenSCENARIO file that makes no scenario.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum OpenError {
+    /// The file, a catalog or the road is refused.
+    #[error("error: {0}")]
+    Read(#[from] ReadError),
+    /// Its beginning makes no sense.
+    #[error("error: {place}: {cause}")]
+    Start {
+        /// The file, with the line where it says how the entity begins.
+        place: String,
+        /// What is wrong.
+        cause: WorldError,
+    },
+    /// It has more actors than a scenario takes.
+    #[error("error: {file}: {count} entities beside the ego, expected at most {MAX_ACTORS}")]
+    Actors {
+        /// The file.
+        file: String,
+        /// How many it has.
+        count: usize,
+    },
+    /// It does not fit a scenario, or an override does not.
+    #[error(transparent)]
+    Scenario(#[from] ScenarioError),
+}
+
+/// Reads an OpenSCENARIO file as the keys of the scenario that runs it.
+pub(super) fn keys_of(path: &Path, parameters: &[Assignment]) -> Result<ForeignKeys, OpenError> {
+    let file = path.display().to_string();
+    let read = read::scenario(path, &Disk, parameters)?;
+    let (script, lines) = (read.script, read.lines);
+    let place_of = |line: usize| format!("{file}:{line}");
+    let world = World::new(script.clone()).map_err(|cause| {
+        let entity = cause.entity().and_then(|name| script.entity(name));
+        let place = entity.map_or(file.clone(), |entity| place_of(lines.starts[entity]));
+        OpenError::Start { place, cause }
+    })?;
+    let count = script.entities.len() - 1;
+    if count > MAX_ACTORS {
+        return Err(OpenError::Actors { file, count });
+    }
+    let mut keys = ForeignKeys::new(&file);
+    let printable: String = read.description.chars().filter(|c| !c.is_control()).collect();
+    keys.set("schema_version", i64::from(SCHEMA_VERSION));
+    keys.set("name", word(path.file_stem().and_then(|stem| stem.to_str()), "scenario"));
+    keys.set("description", printable.chars().take(MAX_LINE).collect::<String>());
+    let duration_s = ends_after(&script).unwrap_or(DEFAULT_DURATION_S);
+    match lines.stop {
+        Some(line) => keys.set_at(&place_of(line), "the `StopTrigger`", "duration_s", duration_s),
+        None => keys.set("duration_s", duration_s),
+    }
+    let set = |keys: &mut ForeignKeys, entity: usize, key: &str, value: toml::Value| {
+        let name = &script.entities[entity].name;
+        let (line, what) = match key.ends_with("length_m") {
+            true => (lines.entities[entity], format!("`{name}`")),
+            false => (lines.starts[entity], format!("`{name}` in Init")),
+        };
+        keys.set_at(&place_of(line), &what, key, value);
+    };
+    let ego_mps = world.motion(script.ego).speed_mps;
+    set(&mut keys, script.ego, "set_speed_mps", ego_mps.into());
+    set(&mut keys, script.ego, "plant.initial_speed_mps", ego_mps.into());
+    let length_m = script.entities[script.ego].body.length_m;
+    set(&mut keys, script.ego, "plant.length_m", length_m.into());
+    let mut names: Vec<String> = Vec::new();
+    for (number, index) in scripted(&script).enumerate() {
+        let mut name = word(Some(&script.entities[index].name), "actor");
+        if names.contains(&name) {
+            name = format!("{}-{index}", name.chars().take(60).collect::<String>());
+        }
+        names.push(name.clone());
+        let (gap_m, length_m) = place_of_actor(&script, &world, index);
+        let mut set_own =
+            |key: &str, value| set(&mut keys, index, &format!("actors.{number}.{key}"), value);
+        set_own("name", name.into());
+        set_own("gap_m", gap_m.into());
+        set_own("initial_speed_mps", world.motion(index).speed_mps.into());
+        set_own("length_m", length_m.into());
+        set_own("profile", "storyboard".into());
+    }
+    keys.set_storyboard(Storyboard {
+        source: file,
+        notices: read.notices.into_iter().chain(against_its_lane(&script, &world)).collect(),
+        parameters: read.parameters.into_iter().collect(),
+        script,
+    });
+    Ok(keys)
+}
+
+/// Notices of vehicles that begin against the direction of their lane. The standard counts an
+/// orientation from the road's reference line, in every lane, and some files count it from the lane.
+fn against_its_lane(script: &Script, world: &World) -> Vec<String> {
+    let mut notices = Vec::new();
+    for (index, entity) in script.entities.iter().enumerate() {
+        let motion = world.motion(index);
+        let lane = script.road.lanes.get(script.road.index_at(motion.t_m));
+        let Some(lane) = lane.filter(|_| motion.present && script.road.holds(motion.t_m)) else {
+            continue;
+        };
+        if entity.category == Category::Vehicle && motion.direction() != script.road.direction(lane)
+        {
+            let (name, id) = (&entity.name, lane.id);
+            let h = if motion.direction() > 0.0 { "3.14159" } else { "0" };
+            notices.push(format!(
+                "`{name}` begins in lane {id} and faces against its traffic: orientations count from \
+                 the road's reference line, and h=\"{h}\" would face with the lane"
+            ));
+        }
+    }
+    notices
+}
+
+/// The entities that the storyboard moves.
+fn scripted(script: &Script) -> impl Iterator<Item = usize> {
+    let is_scripted = |&index: &usize| script.entities[index].drive == Drive::Scripted;
+    (0..script.entities.len()).filter(is_scripted)
+}
+
+/// The gap to the ego's front and the length of an entity that the storyboard moves, m, at the start.
+fn place_of_actor(script: &Script, world: &World, index: usize) -> (f64, f64) {
+    let (ego, extent) = (world.extent(script.ego), world.extent(index));
+    if !world.motion(index).present {
+        return (0.0, script.entities[index].body.length_m.max(MIN_LENGTH_M));
+    }
+    let gap_m = match world.motion(script.ego).direction() > 0.0 {
+        true => extent.from_s_m - ego.to_s_m,
+        false => ego.from_s_m - extent.to_s_m,
+    };
+    (gap_m.max(0.0), (extent.to_s_m - extent.from_s_m).max(MIN_LENGTH_M))
+}
+
+/// A text as a scenario's name: its letters, digits, `-` and `_`.
+fn word(text: Option<&str>, otherwise: &str) -> String {
+    let good = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    let word: String =
+        text.unwrap_or_default().chars().map(|c| if good(c) { c } else { '-' }).take(64).collect();
+    if word.is_empty() { otherwise.to_owned() } else { word }
+}
+
+/// The time after which a storyboard has ended whatever happens: a group of its stop trigger asks for
+/// nothing but that time has passed.
+fn ends_after(script: &Script) -> Option<f64> {
+    let Trigger(groups) = script.stop.as_ref()?;
+    let passes = |condition: &Condition| match condition.test {
+        Test::Time { rule: Rule::GreaterThan | Rule::GreaterOrEqual, value } => {
+            Some(value + condition.delay_ns as f64 * 1e-9)
+        }
+        _ => None,
+    };
+    let after = |group: &Vec<Condition>| {
+        group.iter().map(passes).try_fold(0.0, |most: f64, at| Some(most.max(at?)))
+    };
+    groups.iter().filter(|group| !group.is_empty()).filter_map(after).min_by(f64::total_cmp)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scenario;
+    use openscenario::model::condition::Edge;
+
+    fn at(value: f64, delay_s: f64) -> Condition {
+        let test = Test::Time { rule: Rule::GreaterOrEqual, value };
+        Condition { edge: Edge::Rising, delay_ns: (delay_s * 1e9) as u64, test }
+    }
+
+    #[test]
+    fn the_end_in_time_is_the_earliest_that_nothing_else_is_asked_for() {
+        let mut script = Script {
+            road: openscenario::road::Road::assumed(),
+            ego: 0,
+            entities: Vec::new(),
+            values: Vec::new(),
+            init: Vec::new(),
+            stories: Vec::new(),
+            stop: None,
+        };
+        assert_eq!(ends_after(&script), None);
+        let value = Condition {
+            test: Test::Value {
+                of: 0,
+                rule: Rule::EqualTo,
+                value: openscenario::Value::Number(1.0),
+            },
+            ..at(0.0, 0.0)
+        };
+        script.stop = Some(Trigger(vec![vec![at(1.0, 0.0), value], Vec::new()]));
+        assert_eq!(ends_after(&script), None);
+        let groups = &mut script.stop.as_mut().expect("it is there").0;
+        groups.push(vec![at(20.0, 2.5), at(3.0, 0.0)]);
+        groups.push(vec![at(40.0, 0.0)]);
+        assert_eq!(ends_after(&script), Some(22.5));
+    }
+
+    #[test]
+    fn names_become_words() {
+        assert_eq!(word(Some("Lead vehicle 1"), "x"), "Lead-vehicle-1");
+        assert_eq!(word(Some(""), "x"), "x");
+    }
+
+    #[test]
+    fn an_error_names_the_place_in_the_openscenario_file() {
+        const FILE: &str = "crossing_pedestrian.xosc";
+        let directory = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/openscenario");
+        let path = Path::new(directory).join(FILE);
+        let assigned = Assignment { name: "Ego_Speed_mps".to_owned(), value: "200".to_owned() };
+        let said = Scenario::open_openscenario(&path, &[assigned], &Default::default(), &|_| {
+            Ok(Default::default())
+        })
+        .expect_err("too fast")
+        .to_string();
+        let place = format!(
+            "{FILE}:30: `Ego` in Init makes a scenario with initial_speed_mps = 200.0: 200 is out of range, expected "
+        );
+        assert!(said.contains(&place), "{said}");
+    }
+
+    #[test]
+    fn an_option_that_leaves_no_actors_is_named() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/openscenario/cut_in.xosc");
+        let mut overrides = crate::Overrides::new();
+        overrides.set("actors=[]").expect("an option");
+        let said = Scenario::open_openscenario(Path::new(path), &[], &overrides, &|_| {
+            Ok(Default::default())
+        })
+        .expect_err("the storyboard moves one")
+        .to_string();
+        assert!(said.starts_with("error: --set actors=[]: 1 entities for 0 of 0 actors"), "{said}");
+    }
+}
