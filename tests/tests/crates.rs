@@ -22,7 +22,8 @@ const LAYERS: [&[&str]; 9] = [
 ];
 
 /// Crates of one layer that depend on each other in this order.
-const WITHIN: [(&str, &str); 2] = [("report", "group"), ("openscenario", "random")];
+const WITHIN: [(&str, &str); 3] =
+    [("report", "group"), ("openscenario", "random"), ("bench", "doctor")];
 
 fn layer(name: &str, path: &str) -> usize {
     let of = |entry: &&str| match entry.strip_suffix('/') {

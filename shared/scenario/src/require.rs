@@ -8,8 +8,8 @@ use super::quantity::Share;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Require {
-    /// Largest share of the control cycles in which the law's backup may drive. Beyond it the outcome is
-    /// `driven_by_backup`.
+    /// Largest share of the control cycles in which the backup of a law that is a program may drive. Beyond it the
+    /// outcome is `driven_by_backup`.
     pub max_backup_share: Share,
 }
 

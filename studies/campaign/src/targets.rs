@@ -59,9 +59,9 @@ mod tests {
     fn a_topic_that_no_scenario_receives_is_refused() {
         let mut targets = Targets::default();
         targets.note(&scenario(true, "radar/tracks"));
-        targets.note(&scenario(true, "radio/frames"));
-        let refused = targets.check().expect_err("no on-board unit takes part").to_string();
-        assert!(refused.contains("nothing receives radio/frames"), "{refused}");
+        targets.note(&scenario(false, "radar/detections"));
+        let refused = targets.check().expect_err("no emergency brake takes part").to_string();
+        assert!(refused.contains("radar/detections"), "{refused}");
     }
 
     #[test]

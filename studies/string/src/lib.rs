@@ -13,6 +13,7 @@
 mod arguments;
 mod columns;
 mod drive;
+mod driven;
 mod growing;
 mod limits;
 mod measure;

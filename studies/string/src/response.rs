@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::drive::Driven;
+use super::driven::Driven;
 use super::wave::Amplitudes;
 
 /// A sine ahead of a car is lost in its noise when it is smaller than this times the noise ...

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::STABLE_GAIN;
 use super::arguments::Task;
-use super::drive::Driven;
+use super::driven::Driven;
 use super::limits::Limits;
 use super::response::{Response, peak};
 use frame::batch::ProcessesSample;

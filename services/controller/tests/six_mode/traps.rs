@@ -5,7 +5,7 @@
 use super::plant::{Actor, DT, advance_ego, ask, input};
 use controller::law::{Ego, Input, Output, Target};
 use controller::laws::six_mode::deceleration::border_m;
-use controller::laws::six_mode::{Boundaries, Mode, Parameters, SIX_MODE, SixMode, Spacing};
+use controller::laws::six_mode::{Boundaries, Mode, Parameters, Parts, SIX_MODE, SixMode, Spacing};
 
 const PERIOD: f64 = 0.1;
 
@@ -16,7 +16,15 @@ fn literal() -> SixMode {
 /// The cures on the paper's own boundaries.
 fn cured() -> Parameters {
     let acceleration_mps2 = 1.0;
-    Parameters { spacing: Spacing::Paper, acceleration_mps2, dwell_s: 0.5, ..Parameters::default() }
+    let deceleration_parts = Parts::EqualSlices;
+    let spacing = Spacing::Paper;
+    Parameters {
+        spacing,
+        deceleration_parts,
+        acceleration_mps2,
+        dwell_s: 0.5,
+        ..Parameters::default()
+    }
 }
 
 fn robust() -> SixMode {

@@ -15,6 +15,6 @@ pub(super) use checks::{Checks, Expected};
 pub(super) use intake::{Intake, Next, Wire};
 pub use publisher::Publisher;
 pub(super) use publisher::{Backlog, Outgoing, Outlet, Protection};
-pub(super) use registry::{Counted, Ports};
+pub(super) use registry::Ports;
 pub use subscriber::Subscriber;
-pub(super) use tally::Tally;
+pub(super) use tally::{Counted, Tally};

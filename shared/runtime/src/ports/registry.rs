@@ -1,6 +1,6 @@
 //! All ports of one service.
 
-use super::{Backlog, Tally};
+use super::{Backlog, Counted, Tally};
 use crate::RuntimeError;
 use crate::ports::members::Members;
 use crate::report::{ReceivedTopic, SentTopic};
@@ -9,9 +9,6 @@ use crate::transport::{Carrier, Connect, Input, Transport};
 use messages::Topic;
 use std::cell::RefCell;
 use std::rc::Rc;
-
-/// A port's counts, shared with the port.
-pub(crate) type Counted = (Topic, Rc<RefCell<Tally>>);
 
 /// The ports that a service opened, and what new ones need.
 #[derive(Debug)]

@@ -9,6 +9,9 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use xxhash_rust::xxh3::Xxh3Default;
 
+/// A port's counts, shared with the port.
+pub(crate) type Counted = (Topic, Rc<RefCell<Tally>>);
+
 /// Counts of a port, shared with the runtime that reports them.
 #[derive(Default)]
 pub(crate) struct Tally {

@@ -29,7 +29,6 @@ impl<'a> Crew<'a> {
     }
 
     /// False once the study was interrupted or has failed.
-    #[must_use]
     pub fn going_on(&self) -> &dyn Fn() -> bool {
         self.going_on
     }

@@ -3,8 +3,8 @@
 use serde::Serialize;
 use serde_json::Value;
 
+use super::console;
 use super::table::Table;
-use super::{console, junit, markdown, page};
 use crate::html::Tile;
 
 /// A part of a result for people.
@@ -185,23 +185,5 @@ impl Document {
             text += &console::folded(&self.verdict, 0, width);
         }
         text
-    }
-
-    /// The page.
-    #[must_use]
-    pub fn page(&self) -> String {
-        page::text(self)
-    }
-
-    /// JUnit XML.
-    #[must_use]
-    pub fn junit(&self) -> String {
-        junit::text(self)
-    }
-
-    /// Markdown.
-    #[must_use]
-    pub fn markdown(&self) -> String {
-        markdown::text(self)
     }
 }

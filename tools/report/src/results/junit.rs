@@ -5,8 +5,16 @@ use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use super::document::{Document, Part};
 use super::table::Table;
 
+impl Document {
+    /// JUnit XML.
+    #[must_use]
+    pub fn junit(&self) -> String {
+        text(self)
+    }
+}
+
 /// The document.
-pub fn text(document: &Document) -> String {
+fn text(document: &Document) -> String {
     let mut report = Report::new(format!("timegap {}", document.command));
     let mut suite = TestSuite::new(document.title.clone());
     suite.add_test_case(case("verdict", &document.verdict, document.ok));

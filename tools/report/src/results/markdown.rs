@@ -6,8 +6,16 @@ use super::table::Table;
 /// Most rows of a table.
 const MOST_ROWS: usize = 200;
 
+impl Document {
+    /// Markdown.
+    #[must_use]
+    pub fn markdown(&self) -> String {
+        text(self)
+    }
+}
+
 /// The document.
-pub fn text(document: &Document) -> String {
+fn text(document: &Document) -> String {
     let mark = if document.ok { "✅" } else { "❌" };
     let mut text =
         format!("## {}\n\n{mark} {}\n", escape(&document.title), escape(&document.verdict));
@@ -15,10 +23,10 @@ pub fn text(document: &Document) -> String {
         text += &format!("\n{}\n", escape(&document.about));
     }
     for part in &document.parts {
-        if let Part::Table(table) = part
-            && !table.rows.is_empty()
-        {
-            text += &self::table(table);
+        match part {
+            Part::Table(table) if !table.rows.is_empty() => text += &self::table(table),
+            Part::Text(words) => text += &format!("\n{}\n", escape(words)),
+            _ => {}
         }
     }
     text

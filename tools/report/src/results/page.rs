@@ -8,8 +8,16 @@ use crate::html::{Cell, Column, document, section, table, tiles};
 /// Most rows of a table.
 const MOST_ROWS: usize = 1_000;
 
+impl Document {
+    /// The page.
+    #[must_use]
+    pub fn page(&self) -> String {
+        text(self)
+    }
+}
+
 /// The page.
-pub fn text(result: &Document) -> String {
+fn text(result: &Document) -> String {
     let body: String = result.parts.iter().map(part).collect();
     document(&result.title, &result.about, result.ok, &result.verdict, &body)
 }

@@ -47,11 +47,14 @@ impl LawAccount {
         if self.cycles == 0 { 0.0 } else { self.backup as f64 / self.cycles as f64 }
     }
 
-    /// The outcome of a run that ended as `reached`: a completed one must have been driven by the law.
+    /// The outcome of a run that ended as `reached`: a program of the user's must have driven a completed one. Laws of
+    /// timegap's own are counted alone: their backup belongs to them, and drives on purpose where inputs are faulty.
     pub(super) fn judge(&self, reached: Outcome, scenario: &Scenario) -> Outcome {
         let allowed = scenario.require.max_backup_share.value();
         match reached {
-            Outcome::Completed if self.backup_share() > allowed => Outcome::DrivenByBackup,
+            Outcome::Completed if self.refused.is_some() && self.backup_share() > allowed => {
+                Outcome::DrivenByBackup
+            }
             _ => reached,
         }
     }
@@ -74,7 +77,8 @@ mod tests {
 
     #[test]
     fn a_completed_run_of_the_backup_is_named_so_and_a_worse_outcome_stays() {
-        let by = |backup| LawAccount { cycles: 100, backup, ..LawAccount::default() };
+        let by =
+            |backup| LawAccount { cycles: 100, backup, refused: Some(0), ..LawAccount::default() };
         let judged = |backup, reached| by(backup).judge(reached, &scenario());
         assert_eq!(judged(10, Outcome::Completed), Outcome::Completed);
         assert_eq!(judged(11, Outcome::Completed), Outcome::DrivenByBackup);

@@ -347,7 +347,7 @@ mod tests {
     fn figures_are_whole_at_60_and_80_columns() {
         let mut history = history();
         let p = 123_456.7;
-        let answers = Percentiles { p50: p, p90: p, p99: p, p999: p, p9999: p, max: p, count: 7 };
+        let answers = Percentiles { p50: p, p90: p, p99: p, p999: p, p9999: p, max: p, count: 700 };
         history.newest.answer_us = Some(answers);
         for width in [60, 80] {
             let text = picture(width, 40, &history);

@@ -63,6 +63,10 @@ pub(super) fn graded(
     }
 }
 
+/// Way beyond R0 that gentle braking must leave, m. Chosen: gentle stops behind a lead that brakes with 2.5 m/s² end
+/// 0.1 m nearer than they are planned.
+const GENTLE_RESERVE_M: f64 = 0.5;
+
 /// The hardest request while gentle braking is enough for what the target does, m/s².
 #[must_use]
 pub(super) fn enough(
@@ -72,7 +76,7 @@ pub(super) fn enough(
     target_mps2: f64,
     period: f64,
 ) -> Option<f64> {
-    let safe = held(p, late_s(p, period), p.standstill_gap_m);
+    let safe = held(p, late_s(p, period), p.standstill_gap_m + GENTLE_RESERVE_M);
     let enough = safe.enough_mps2(own_motion(p, ego), &lead_now(s, target_mps2))?;
     Some((-2.0 * enough).min(-p.approach_limit_mps2))
 }

@@ -131,6 +131,7 @@ impl EnergyGrid {
     }
 
     /// Number of nodes.
+    #[expect(clippy::len_without_is_empty, reason = "a grid has nodes")]
     pub fn len(&self) -> usize {
         self.energy_j.len()
     }
