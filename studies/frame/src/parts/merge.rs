@@ -98,7 +98,7 @@ impl<T: DeserializeOwned> Merged<T> {
     /// Reads the parts of one study of the command `name`, whose result goes to `out`.
     ///
     /// # Errors
-    /// [`MergeError`], [`JournalError`], or a file cannot be read.
+    /// [`MergeError`], [`JournalError`](super::journal::JournalError), or a file cannot be read.
     pub fn read(name: &str, directories: &[PathBuf], out: Option<&Path>) -> Result<Self, Error> {
         refuse_into_part(directories, out)?;
         let mut study: Option<Study> = None;

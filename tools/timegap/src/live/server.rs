@@ -231,9 +231,7 @@ fn stream_events(hub: &Mutex<Hub>, mut stream: &TcpStream) -> std::io::Result<()
             let _ = sender.try_send(Arc::clone(message));
         }
         // After the end of the run the channel closes here: the past is all there is to send.
-        if !hub.over {
-            hub.clients.push(sender);
-        }
+        if hub.over { drop(sender) } else { hub.clients.push(sender) }
     }
     begin_events(stream)?;
     for message in messages {
