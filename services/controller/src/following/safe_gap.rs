@@ -118,7 +118,7 @@ impl SafeGap {
     /// The safe request nearest to `request`, tempered where gentle braking is enough.
     pub(crate) fn apply(&self, request: f64, ego: Motion, lead: &LeadNow) -> f64 {
         let safe = self.nearest(request, ego, lead);
-        // What is asked for harder than that has other reasons, as a stop line.
+        // A harder request has other reasons, as a stop line.
         if safe < self.comfort_mps2 { self.temper(safe, ego, lead).min(request) } else { safe }
     }
 

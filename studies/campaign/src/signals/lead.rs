@@ -1,4 +1,4 @@
-//! The lead of a corridor: a driver who follows nobody and obeys the signals, by the rules and values of
+//! The lead of a corridor: a driver with free road ahead who obeys the signals, by the rules and values of
 //! `acc-signal-stop`.
 
 use super::signal::Signal;
