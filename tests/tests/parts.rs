@@ -142,7 +142,7 @@ fn outside_an_array_job_auto_is_refused() {
     }
     let output = command.output().expect("it starts");
     assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
-    assert!(file(&corner, "two/campaign.toml").contains("shard = \"2/8\""));
+    assert!(file(&corner, "two/part.json").contains("\"shard\": \"2/8\""));
     assert_eq!(file(&corner, "two/runs.jsonl").lines().count(), 2);
 }
 

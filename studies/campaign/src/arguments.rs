@@ -3,7 +3,7 @@
 use clap::Args;
 use frame::parts::PartOptions;
 use group::GroupOptions;
-use report::output::OutputOptions;
+use report::results::ResultOptions;
 use std::fmt;
 use std::num::{NonZeroU32, NonZeroUsize};
 
@@ -43,12 +43,9 @@ pub struct CampaignArguments {
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
-    /// Where the results go, and in which form.
+    /// Where the results go, and in which forms.
     #[command(flatten)]
-    pub output: OutputOptions,
-    /// Print the verdict as JSON, and nothing else, on standard output
-    #[arg(long)]
-    pub json: bool,
+    pub results: ResultOptions,
 }
 
 /// A number of hours that a study can drive.

@@ -5,11 +5,11 @@
 pub struct Planned {
     /// Its number, from 0.
     pub run: usize,
-    /// Scenario as the campaign names it.
+    /// Scenario, as the campaign names it.
     pub scenario: String,
     /// Controller, if the campaign names one.
     pub controller: Option<String>,
-    /// What goes wrong, in a word.
+    /// Words on its faults.
     pub fault: String,
     /// Seed.
     pub seed: u32,
@@ -20,7 +20,20 @@ pub struct Planned {
 }
 
 impl Planned {
-    /// The faults of the run in words, each once: kind, and what it acts on.
+    /// The command that repeats the run.
+    pub fn repeat(&self, mode: &str) -> String {
+        let seed = self.seed.to_string();
+        let mut words = vec!["timegap", "run", &self.scenario];
+        if let Some(controller) = &self.controller {
+            words.extend(["--controller", controller]);
+        }
+        words.extend(["--mode", mode, "--seed", &seed]);
+        words.extend(self.keys.iter().flat_map(|key| ["--set", key]));
+        words.extend(self.parameters.iter().flat_map(|parameter| ["--param", parameter]));
+        runtime::command_line(&words)
+    }
+
+    /// The faults of the run in words, each once: kind and target.
     pub fn faults(&self) -> Vec<String> {
         let keys = self.keys.iter().rev().find(|key| key.starts_with("faults="));
         let table: toml::Table = keys.and_then(|keys| keys.parse().ok()).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! What a campaign keeps of a run.
+//! The record of a run: the figures that the verdict needs.
 
 use super::exposure::Struck;
 use super::planned::Planned;
@@ -12,11 +12,11 @@ use scenario::faults::{Helper, Kind};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Two kills so near to each other are one double kill, s.
+/// Two kills within this time are a double kill, s.
 const DOUBLE_S: f64 = 0.005;
 
-/// Reaction time of the reference that avoids collisions, s, and its deceleration, m/s². Chosen: the yardstick by which
-/// `r157` and the tight scenes judge too; a truck's own brakes may give less.
+/// Reaction time of the reference that avoids collisions, s, and its deceleration, m/s². Chosen: the yardstick of
+/// `r157` and of the tight scenes. A truck's own brakes may give less.
 const REACTION_S: f64 = 0.35;
 const REFERENCE_MPS2: f64 = 6.0;
 
@@ -27,7 +27,7 @@ pub struct Record {
     pub run: usize,
     pub scenario: String,
     pub controller: String,
-    /// What went wrong, in a word.
+    /// Words on its faults.
     pub fault: String,
     pub seed: u32,
     /// Parameters of an OpenSCENARIO file.
@@ -36,42 +36,46 @@ pub struct Record {
     pub outcome: Outcome,
     /// Why the outcome is `aborted`.
     pub aborted_because: Option<String>,
-    /// It ended in a collision that 6 m/s², 0.35 s after the need, would have avoided.
+    /// Whether its repetition in a process group gave the same bytes; none: it was not repeated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub same_in_processes: Option<bool>,
+    #[serde(flatten)]
+    pub measured: Measured,
+}
+
+/// Figures of a run. The default is a run that was aborted before anything was measured.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Measured {
+    /// It ended in a collision that the reference would have avoided.
     pub avoidable: bool,
     pub duration_s: f64,
     pub min_gap_m: Option<f64>,
     pub min_ttc_s: Option<f64>,
-    /// Processes killed.
+    /// Killed processes.
     pub kills: u64,
-    /// Pairs of services that were killed within [`DOUBLE_S`], processes that were killed before they took
-    /// part, and processes that are no service.
-    #[serde(default)]
+    /// Pairs of services killed within [`DOUBLE_S`].
     pub double_kills: u64,
-    #[serde(default)]
+    /// Processes killed before they took part.
     pub starting_kills: u64,
-    #[serde(default)]
+    /// Killed processes that are no service.
     pub helper_kills: u64,
     /// The launcher was killed, and the group ended with it.
-    #[serde(default)]
     pub launcher_died: bool,
-    /// A recording that cannot be read, or ends early although the recorder was not killed.
-    #[serde(default)]
+    /// The recording cannot be read, or ends early although the recorder was not killed.
     pub recording_lost: bool,
-    /// From a process fault until the launcher knew, µs.
+    /// Times from a process fault until the launcher noticed it, µs.
     pub detection_us: Vec<f64>,
-    /// From a process fault until the first fresh message of the next process, µs.
+    /// Times from a process fault until the first fresh message of the next process, µs.
     pub recovery_us: Vec<f64>,
-    /// Those of them in which a standby that was ready took over.
-    #[serde(default)]
+    /// Those of them in which a ready standby took over.
     pub take_over_us: Vec<f64>,
-    /// Times that the emergency brake braked.
-    #[serde(default)]
+    /// Interventions of the emergency brake.
     pub interventions: u64,
-    /// Process faults of a run that reached its end without a recovery.
+    /// Process faults without a recovery in a completed run.
     pub unrecovered: u64,
-    /// Time of each service on each level of the ladder, s.
+    /// Time of each service on each degradation level, s.
     pub rungs_s: BTreeMap<String, f64>,
-    /// Services that were not on the first level at the end of a completed run.
+    /// Services below the first level at the end of a completed run.
     pub degraded: Vec<String>,
     /// Longest time that the plant was without the command that was due, ms.
     pub command_overdue_ms: Option<f64>,
@@ -80,35 +84,39 @@ pub struct Record {
     pub disturbed: u64,
     /// Messages corrupted by faults.
     pub corrupted: u64,
+    /// Corrupted messages that were accepted.
     pub undetected: u64,
-    /// Faults that acted, those that acted in a critical phase, and how many in each phase.
-    #[serde(default)]
+    /// Faults that acted.
     pub faults: u64,
-    #[serde(default)]
+    /// Faults that acted in a critical phase.
     pub critical_faults: u64,
-    #[serde(default)]
+    /// Faults that acted in each phase.
     pub phases: BTreeMap<String, u64>,
-    /// What the run left behind.
+    /// Leftovers of the run.
     pub leaks: Vec<String>,
     /// Growth of memory and descriptors, where it was sampled.
     pub growth: Option<Growth>,
-    /// Of a run in one process that was repeated in a process group: whether it gave the same bytes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub same_in_processes: Option<bool>,
 }
 
 impl Record {
-    /// What came of a planned run.
-    pub fn new(planned: &Planned, scenario: &Scenario, result: Result<Done, Error>) -> Self {
-        let blank = Self::blank(planned, scenario);
+    /// The record of a planned run that ended, or that could not be brought up.
+    pub fn new(planned: &Planned, scenario: &Scenario, result: &Result<Done, Error>) -> Self {
+        let aborted = Self::aborted(planned, scenario);
         match result {
-            Ok(done) => blank.of(scenario, &done),
-            Err(error) => Self { aborted_because: Some(error.to_string()), ..blank },
+            Ok(done) => Self {
+                outcome: done.summary.outcome,
+                aborted_because: done.summary.aborted_because.clone(),
+                same_in_processes: (done.repetition.as_ref())
+                    .map(|repetition| *repetition == Repetition::Same),
+                measured: Measured::of(scenario, done),
+                ..aborted
+            },
+            Err(error) => Self { aborted_because: Some(error.to_string()), ..aborted },
         }
     }
 
-    /// Of a run that was aborted and measured nothing.
-    pub fn blank(planned: &Planned, scenario: &Scenario) -> Self {
+    /// The record of a run that was aborted before anything was measured.
+    pub fn aborted(planned: &Planned, scenario: &Scenario) -> Self {
         Self {
             run: planned.run,
             scenario: planned.scenario.clone(),
@@ -118,38 +126,14 @@ impl Record {
             parameters: planned.parameters.clone(),
             outcome: Outcome::Aborted,
             aborted_because: None,
-            avoidable: false,
-            duration_s: 0.0,
-            min_gap_m: None,
-            min_ttc_s: None,
-            kills: 0,
-            double_kills: 0,
-            starting_kills: 0,
-            helper_kills: 0,
-            launcher_died: false,
-            recording_lost: false,
-            detection_us: Vec::new(),
-            recovery_us: Vec::new(),
-            take_over_us: Vec::new(),
-            interventions: 0,
-            unrecovered: 0,
-            rungs_s: BTreeMap::new(),
-            degraded: Vec::new(),
-            command_overdue_ms: None,
-            messages_lost: 0,
-            disturbed: 0,
-            corrupted: 0,
-            undetected: 0,
-            faults: 0,
-            critical_faults: 0,
-            phases: BTreeMap::new(),
-            leaks: Vec::new(),
-            growth: None,
             same_in_processes: None,
+            measured: Measured::default(),
         }
     }
+}
 
-    fn of(self, scenario: &Scenario, done: &Done) -> Self {
+impl Measured {
+    fn of(scenario: &Scenario, done: &Done) -> Self {
         let summary = &done.summary;
         let fallback = &scenario.plant.fallback;
         let braking = Braking {
@@ -172,8 +156,6 @@ impl Record {
             faults: struck.faults,
             critical_faults: struck.critical,
             phases: struck.phases,
-            outcome: summary.outcome,
-            aborted_because: summary.aborted_because.clone(),
             avoidable: collided && avoids_contact(&done.drive.steps, &braking),
             duration_s: summary.duration_s,
             min_gap_m: summary.control.figures.min_gap_m,
@@ -194,7 +176,7 @@ impl Record {
             interventions: summary.aebs.interventions.unwrap_or(0),
             unrecovered: match summary.outcome {
                 Outcome::Completed => unrecovered.count() as u64,
-                // No service is restarted after the end or in the safe state.
+                // Services are restarted neither after the end nor in the safe state.
                 _ => 0,
             },
             rungs_s: (summary.rungs.iter())
@@ -217,16 +199,12 @@ impl Record {
             undetected: faults.iter().map(|fault| fault.undetected).sum(),
             leaks: done.leftovers.clone(),
             growth: Growth::over(&done.samples),
-            same_in_processes: done
-                .repetition
-                .as_ref()
-                .map(|repetition| *repetition == Repetition::Same),
-            ..self
+            launcher_died: false,
         }
     }
 }
 
-/// Pairs of neighbours in time that struck two services at nearly the same instant.
+/// Pairs of neighbours in time that struck two services within [`DOUBLE_S`].
 fn double_kills<'a>(killed: impl Iterator<Item = &'a FaultRecord>) -> u64 {
     let mut killed: Vec<_> = killed.filter(|fault| fault.service.is_some()).collect();
     killed.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
@@ -236,8 +214,8 @@ fn double_kills<'a>(killed: impl Iterator<Item = &'a FaultRecord>) -> u64 {
     pairs.count() as u64
 }
 
-/// Longest time without the command that was due, ms, of a plant whose levels changed so in `duration_s`: it follows
-/// the last plan or stops in lane. Where none came any more it lasts to the end.
+/// Longest time without the command that was due, ms, from the plant's changes of level in a run of `duration_s`.
+/// Meanwhile the plant follows the last plan or stops in lane. Such a time may last to the end of the run.
 fn overdue_ms(changes: &[LevelChange], duration_s: f64) -> f64 {
     let is_without = |level| matches!(level, Level::PlanFollowed | Level::StopInLane);
     let mut since_s = None;
@@ -271,7 +249,7 @@ mod tests {
             change(9.0, Level::Full, Level::PlanFollowed),
         ];
         assert_eq!(overdue_ms(&changes, 9.25), 500.0, "the emergency brake's time is not counted");
-        assert_eq!(overdue_ms(&changes, 30.0), 21_000.0, "to the end, where none came any more");
+        assert_eq!(overdue_ms(&changes, 30.0), 21_000.0, "to the end, when commands stay away");
         assert_eq!(overdue_ms(&[], 30.0), 0.0);
     }
 }

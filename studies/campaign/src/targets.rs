@@ -1,14 +1,20 @@
 //! Whether the faults of a campaign have something to act on.
 //!
-//! Faults are drawn for scenarios of all kinds, so that one may have no receiver in some of them. A fault without a
-//! receiver in any scenario shows nothing: `timegap run` refuses it, and so does a campaign.
+//! Faults are drawn for scenarios of all kinds, and a fault may have no receiver in some of them. A fault without a
+//! receiver in any scenario shows nothing: a campaign refuses it, as `timegap run` does.
 
-use super::error::CampaignError;
-use group::{Absent, absent};
+use group::{Absent, Failure, absent};
 use scenario::Scenario;
 use scenario::faults::Target;
 
-/// What the faults of the runs act on.
+/// A fault of the campaign has no receiver.
+#[derive(Debug, thiserror::Error)]
+#[error("faults: {0}; this holds in every scenario of the campaign")]
+pub struct NothingToFault(Absent);
+
+impl Failure for NothingToFault {}
+
+/// The targets of the faults, and those without a receiver.
 #[derive(Debug, Default)]
 pub struct Targets {
     present: Vec<Target>,
@@ -30,14 +36,14 @@ impl Targets {
         }
     }
 
-    /// Refuses what was absent in every run.
+    /// Refuses a target that was absent in every run.
     ///
     /// # Errors
-    /// [`CampaignError::NothingToFault`].
-    pub fn check(self) -> Result<(), CampaignError> {
+    /// [`NothingToFault`].
+    pub fn check(self) -> Result<(), NothingToFault> {
         let Self { present, absent } = self;
         match absent.into_iter().find(|(target, _)| !present.contains(target)) {
-            Some((_, what)) => Err(CampaignError::NothingToFault(what)),
+            Some((_, what)) => Err(NothingToFault(what)),
             None => Ok(()),
         }
     }

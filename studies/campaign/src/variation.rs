@@ -24,12 +24,12 @@ impl Failure for NoneAdmitted {}
 pub struct Variants {
     /// The scenario file.
     pub scenario: String,
-    /// What the variation file says of itself.
+    /// The description in the variation file.
     pub description: String,
-    /// Combinations that break a constraint of the scenario.
+    /// Number of combinations that break a constraint of the scenario.
     pub left_out: usize,
     variation: Variation,
-    /// The places of the others.
+    /// The places of those that keep them.
     admitted: Vec<usize>,
 }
 
@@ -40,8 +40,8 @@ impl Variants {
         let template = read::Template::open(&variation.scenario, &Disk).map_err(refuse)?;
         let mut admitted = Vec::new();
         for index in 0..variation.len() {
-            let admitted_so = template.admits(&variation.get(index));
-            if admitted_so.map_err(|error| refuse(variation.locate(error)))? {
+            let admits = template.admits(&variation.get(index));
+            if admits.map_err(|error| refuse(variation.locate(error)))? {
                 admitted.push(index);
             }
         }
@@ -54,7 +54,7 @@ impl Variants {
         Ok(Self { scenario, description, left_out, variation, admitted })
     }
 
-    /// Combinations that are runs; never 0.
+    /// Number of combinations that are runs; at least 1.
     pub fn len(&self) -> usize {
         self.admitted.len()
     }
@@ -66,7 +66,7 @@ impl Variants {
     }
 }
 
-/// A path without `.` in it.
+/// The path without its `.` parts.
 fn normal(path: &Path) -> PathBuf {
     path.components().filter(|part| *part != std::path::Component::CurDir).collect()
 }
@@ -77,8 +77,8 @@ fn refuse(error: ReadError) -> Error {
 
 #[cfg(test)]
 mod tests {
-    use super::super::file::of_variation;
-    use super::super::plan::plan;
+    use super::super::open::of_variation;
+    use super::super::plan::{Plan, plan};
     use super::*;
 
     const SCENARIO: &str = r#"<OpenSCENARIO><FileHeader revMajor="1" revMinor="1"/>
@@ -119,7 +119,7 @@ mod tests {
         assert_eq!(campaign.description.as_str(), "two by three");
         let planned = plan(&campaign).expect("a plan");
         assert_eq!(planned.left_out(), 2);
-        let runs: Vec<_> = planned.numbers().map(|run| planned.get(run)).collect();
+        let runs: Vec<_> = (0..planned.len()).map(|place| planned.at(place)).collect();
         let values: Vec<String> = runs.iter().map(|run| run.parameters.join(" ")).collect();
         assert_eq!(values, ["v=10 m=car", "v=10 m=bus", "v=20 m=car", "v=20 m=bus"]);
         let said = runs[1].repeat("lockstep");
@@ -135,10 +135,10 @@ mod tests {
         let mut campaign = of_variation(&files.0.join("v.xosc")).expect("a variation");
         campaign.sample = std::num::NonZeroUsize::new(3);
         let planned = plan(&campaign).expect("a plan");
-        let numbers: Vec<_> = planned.numbers().collect();
-        assert_eq!(numbers.len(), 3);
-        assert!(numbers.is_sorted());
-        assert_eq!(numbers, plan(&campaign).expect("a plan").numbers().collect::<Vec<_>>());
+        let numbers = |plan: Plan| (0..plan.len()).map(|place| plan.number(place)).collect();
+        let drawn: Vec<_> = numbers(planned);
+        assert!(drawn.len() == 3 && drawn.is_sorted(), "{drawn:?}");
+        assert_eq!(drawn, numbers(plan(&campaign).expect("a plan")));
         campaign.sample = std::num::NonZeroUsize::new(9);
         assert_eq!(plan(&campaign).expect("a plan").len(), 4);
     }

@@ -1,261 +1,127 @@
-//! Whether a campaign's runs are what it requires.
+//! Whether the runs of a campaign keep its limits.
 
+use super::blame::{Broken, Failure};
 use super::exposure::Exposure;
+use super::figure::Limit;
 use super::file::Campaign;
 use super::plan::Plan;
-use super::record::Record;
-use super::tally::{Sum, Tally, figure, is_least_number, limit_of_part, within};
+use super::sums::{Combination, Shared, Sums};
+use super::tally::Tally;
 use frame::batch::ProcessesSample;
 use runtime::Mode;
 use serde::Serialize;
 
-/// The verdict over a campaign, as `campaign.json` has it.
+/// The verdict over a campaign, as `campaign.json` has it. `columns` describes its fields.
 #[derive(Clone, Debug, Serialize)]
 pub struct Verdict {
     pub schema_version: u32,
-    /// All runs were done, and everything required holds.
     pub ok: bool,
     pub campaign: String,
     pub mode: Mode,
-    /// Runs that were to be done, and those of them of which nothing is known.
     pub planned: usize,
     pub unaccounted: usize,
-    /// Combinations of a variation that break a constraint of its scenario, and are no runs.
     pub left_out: usize,
-    /// What the drives of each scenario and controller meet without faults; empty without faults.
     pub exposure: Vec<Exposure>,
-    /// No fault struck in a critical phase, and the campaign does not say that this is meant
-    /// (`min_critical_faults = 0`): it shows nothing.
     pub met_nothing: bool,
     #[serde(flatten)]
     pub all: Tally,
     pub requirements: Vec<Requirement>,
-    /// One entry for every combination of scenario, controller and fault.
     pub combinations: Vec<Combination>,
-    /// The same runs by scenario, by controller, and by fault alone.
-    pub scenarios: Vec<Part>,
-    pub controllers: Vec<Part>,
+    pub scenarios: Vec<Shared>,
+    pub controllers: Vec<Shared>,
     #[serde(rename = "by_fault")]
-    pub faults: Vec<Part>,
-    /// The runs to blame for a requirement that does not hold.
+    pub faults: Vec<Shared>,
     pub failures: Vec<Failure>,
-    /// The same by scenario and fault: a run with several faults counts for each.
     pub broken: Vec<Broken>,
-    /// Runs in one process that were repeated in process groups.
     pub processes_sample: ProcessesSample,
 }
 
-/// Something required and what was found.
+/// A limit and what was found.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Requirement {
-    /// Key in the campaign's file.
     pub requirement: String,
     pub limit: f64,
-    /// Null if nothing measured it, which does not meet any requirement.
+    /// Null if no run measured it, which breaks every limit.
     pub found: Option<f64>,
     pub ok: bool,
 }
 
-/// Runs of the same scenario, controller and fault.
-#[derive(Clone, Debug, Serialize)]
-pub struct Combination {
-    pub scenario: String,
-    pub controller: String,
-    pub fault: String,
-    #[serde(flatten)]
-    pub tally: Tally,
-}
-
-/// Runs that have one thing in common.
-#[derive(Clone, Debug, Serialize)]
-pub struct Part {
-    /// What they have in common.
-    pub of: String,
-    #[serde(flatten)]
-    pub tally: Tally,
-}
-
-/// Runs to blame that have a scenario and a fault in common.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Broken {
-    pub scenario: String,
-    pub fault: String,
-    pub runs: u64,
-}
-
-/// A run to blame.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Failure {
-    pub run: usize,
-    pub scenario: String,
-    pub faults: Vec<String>,
-    pub why: String,
-    /// The command that repeats it.
-    pub repeat: String,
-}
-
-/// The runs added up, all together and by what they have in common.
-#[derive(Debug, Default)]
-pub struct Sums {
-    all: Sum,
-    combinations: Sorted<3>,
-    scenarios: Sorted<1>,
-    controllers: Sorted<1>,
-    faults: Sorted<1>,
-    processes_sample: ProcessesSample,
-}
-
-/// Runs by what they have in common, in the order of its first appearance.
-#[derive(Debug)]
-struct Sorted<const N: usize>(Vec<([String; N], Sum)>);
-
-impl<const N: usize> Default for Sorted<N> {
-    fn default() -> Self {
-        Self(Vec::new())
-    }
-}
-
-impl<const N: usize> Sorted<N> {
-    fn add(&mut self, names: [&str; N], record: &Record) {
-        let known = self.0.iter().position(|(known, _)| known.each_ref() == names.each_ref());
-        let place = known.unwrap_or_else(|| {
-            self.0.push((names.map(str::to_owned), Sum::default()));
-            self.0.len() - 1
-        });
-        self.0[place].1.add(record);
-    }
-}
-
-impl Sums {
-    /// Adds a run; they come in the order of their numbers.
-    pub fn add(&mut self, record: &Record) {
-        let Record { scenario, controller, fault, .. } = record;
-        self.all.add(record);
-        self.combinations.add([scenario, controller, fault], record);
-        self.scenarios.add([scenario], record);
-        self.controllers.add([controller], record);
-        self.faults.add([fault], record);
-        if let Some(same) = record.same_in_processes {
-            self.processes_sample.runs += 1;
-            self.processes_sample.different += usize::from(!same);
-        }
-    }
+/// The runs that are judged.
+#[derive(Clone, Copy, Debug)]
+pub struct Scope {
+    /// Number of runs that were to be done.
+    pub planned: usize,
+    /// They are a part of the campaign.
+    pub is_part: bool,
 }
 
 impl Verdict {
-    /// Judges the `planned` runs that were to be done of the plan. `exposure` is what the drives meet without
-    /// faults.
+    /// Judges the runs of `scope`. `exposure` is what the drives meet without faults.
     pub fn new(
         campaign: &Campaign,
         plan: &Plan,
-        planned: usize,
+        scope: Scope,
         exposure: Vec<Exposure>,
-        sums: Sums,
+        sums: &Sums,
+        processes_sample: ProcessesSample,
     ) -> Self {
-        let Sums { all, combinations, scenarios, controllers, faults, processes_sample } = sums;
-        let all = all.tally();
+        let Scope { planned, is_part } = scope;
+        let all = sums.all.tally();
+        let runs = usize::try_from(all.runs).unwrap_or(usize::MAX);
         let share = planned as f64 / plan.whole().max(1) as f64;
-        // What has to happen so often in all runs says nothing of one part: the merged whole is judged by it.
-        let is_part = campaign.shard.is_some();
-        let limits = campaign.require.iter().filter(|(key, _)| !(is_part && is_least_number(key)));
-        let requirements: Vec<_> =
-            limits.map(|(key, limit)| judge(key, *limit, share, &all)).collect();
-        let met = requirements.iter().all(|requirement| requirement.ok);
-        let same = processes_sample.different == 0;
+        let judge = |(key, value): (&String, &f64)| {
+            let limit = Limit::of(key, *value).for_share(share);
+            // The merged whole is judged by its least numbers, and no part is.
+            if is_part && limit.is_least_number() {
+                return None;
+            }
+            let found = limit.figure.value(&all);
+            let ok = found.is_some_and(|found| limit.holds(found));
+            Some(Requirement { requirement: key.clone(), limit: limit.value, found, ok })
+        };
+        let requirements: Vec<_> = campaign.require.iter().filter_map(judge).collect();
         let met_nothing = !is_part
             && !campaign.faults.is_empty()
             && all.critical_faults == 0
             && !campaign.require.contains_key("min_critical_faults");
-        let combinations =
-            combinations.0.into_iter().map(|([scenario, controller, fault], sum)| Combination {
-                scenario,
-                controller,
-                fault,
-                tally: sum.tally(),
-            });
-        let parts = |sums: Sorted<1>| {
-            sums.0.into_iter().map(|([of], sum)| Part { of, tally: sum.tally() }).collect()
-        };
         Self {
             schema_version: 1,
-            ok: met && same && !met_nothing && all.runs == planned as u64,
+            ok: requirements.iter().all(|requirement| requirement.ok)
+                && processes_sample.different == 0
+                && !met_nothing
+                && runs == planned,
             campaign: campaign.name.as_str().into(),
             mode: campaign.mode,
             planned,
-            unaccounted: planned.saturating_sub(usize::try_from(all.runs).unwrap_or(usize::MAX)),
+            unaccounted: planned.saturating_sub(runs),
             left_out: plan.left_out(),
             exposure,
             met_nothing,
             all,
             requirements,
-            combinations: combinations.collect(),
-            scenarios: parts(scenarios),
-            controllers: parts(controllers),
-            faults: parts(faults),
+            combinations: sums.combinations(),
+            scenarios: sums.scenarios(),
+            controllers: sums.controllers(),
+            faults: sums.faults(),
             failures: Vec::new(),
             broken: Vec::new(),
             processes_sample,
         }
     }
 
-    /// Notes what a run is to blame for; they come in the order of their numbers.
-    pub fn blame(&mut self, plan: &Plan, record: &Record) {
+    /// The limits that do not hold.
+    pub fn broken_limits(&self) -> Vec<Limit> {
         let broken = self.requirements.iter().filter(|requirement| !requirement.ok);
-        let reasons = broken.filter_map(|requirement| {
-            let (figure, least) = figure(&requirement.requirement);
-            let value = figure.blames(record, requirement.limit, least)?;
-            Some(format!("{} {value}", figure.name))
-        });
-        let mut reasons: Vec<String> = reasons.collect();
-        if record.same_in_processes == Some(false) {
-            reasons.push("other bytes in a process group".into());
-        }
-        if reasons.is_empty() {
-            return;
-        }
-        reasons.extend(record.aborted_because.clone());
-        reasons.extend(record.leaks.iter().chain(&record.degraded).cloned());
-        let planned = plan.get(record.run);
-        let faults = planned.faults();
-        for fault in &faults {
-            self.count(&record.scenario, fault);
-        }
-        self.failures.push(Failure {
-            run: record.run,
-            scenario: record.scenario.clone(),
-            why: reasons.join("; "),
-            repeat: planned.repeat(self.mode.name()),
-            faults,
-        });
+        broken.map(|broken| Limit::of(&broken.requirement, broken.limit)).collect()
     }
-
-    /// Counts a run to blame; the most frequent pairs come first.
-    fn count(&mut self, scenario: &str, fault: &str) {
-        let known = |broken: &&mut Broken| broken.scenario == scenario && broken.fault == fault;
-        match self.broken.iter_mut().find(known) {
-            Some(broken) => broken.runs += 1,
-            None => {
-                let (scenario, fault) = (scenario.to_owned(), fault.to_owned());
-                self.broken.push(Broken { scenario, fault, runs: 1 });
-            }
-        }
-        self.broken.sort_by_key(|broken| std::cmp::Reverse(broken.runs));
-    }
-}
-
-/// Judges `share` of a campaign's runs: of what has to happen so often in all of them, a part is due.
-fn judge(key: &str, limit: f64, share: f64, all: &Tally) -> Requirement {
-    let limit = limit_of_part(key, limit, share);
-    let (figure, least) = figure(key);
-    let found = figure.value(all);
-    let ok = found.is_some_and(|value| within(value, limit, least));
-    Requirement { requirement: key.into(), limit, found, ok }
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
+    use super::super::blame::Blame;
     use super::super::plan;
     use super::super::planned::Planned;
+    use super::super::record::{Measured, Record};
     use super::*;
     use group::report::Outcome;
 
@@ -266,37 +132,57 @@ mod tests {
     }
 
     fn record(planned: &Planned, outcome: Outcome, gap_m: f64, recovery_us: &[f64]) -> Record {
-        let value = serde_json::json!({
-            "run": planned.run, "scenario": planned.scenario, "controller": "acc-mpc",
-            "fault": planned.fault, "seed": planned.seed, "outcome": outcome,
-            "aborted_because": null, "avoidable": false, "duration_s": 1.0, "min_gap_m": gap_m,
-            "min_ttc_s": null, "kills": recovery_us.len(), "detection_us": recovery_us,
-            "recovery_us": recovery_us, "unrecovered": 0, "rungs_s": {"plant full": 1.0},
-            "degraded": [], "command_overdue_ms": 20.0,
-            "messages_lost": 1, "disturbed": 0, "corrupted": 0, "undetected": 0, "leaks": [], "growth": null,
-        });
-        serde_json::from_value(value).expect("a record")
+        Record {
+            run: planned.run,
+            scenario: planned.scenario.clone(),
+            controller: "acc-mpc".into(),
+            fault: planned.fault.clone(),
+            seed: planned.seed,
+            parameters: Vec::new(),
+            outcome,
+            aborted_because: None,
+            same_in_processes: None,
+            measured: Measured {
+                duration_s: 1.0,
+                min_gap_m: Some(gap_m),
+                kills: recovery_us.len() as u64,
+                detection_us: recovery_us.to_vec(),
+                recovery_us: recovery_us.to_vec(),
+                rungs_s: [("plant full".to_owned(), 1.0)].into(),
+                command_overdue_ms: Some(20.0),
+                messages_lost: 1,
+                ..Measured::default()
+            },
+        }
     }
 
-    fn verdict(require: &str, outcomes: [Outcome; 4]) -> Verdict {
+    /// Two runs of each of two scenarios, judged.
+    pub fn verdict(require: &str, outcomes: [Outcome; 4]) -> Verdict {
         let campaign = campaign(require);
         let plan = plan::plan(&campaign).expect("a plan");
-        let records = plan.numbers().map(|run| plan.get(run)).zip(outcomes).enumerate();
+        let records = planned(&plan).into_iter().zip(outcomes).enumerate();
         let records = records.map(|(number, (planned, outcome))| {
             record(&planned, outcome, 10.0 - number as f64, &[1e3 * (number + 1) as f64])
         });
-        of_records(&campaign, &plan, &records.collect::<Vec<_>>())
+        of_records(&campaign, &plan, false, &records.collect::<Vec<_>>())
     }
 
-    fn of_records(campaign: &Campaign, plan: &Plan, records: &[Record]) -> Verdict {
+    fn planned(plan: &Plan) -> Vec<Planned> {
+        (0..plan.len()).map(|place| plan.at(place)).collect()
+    }
+
+    fn of_records(campaign: &Campaign, plan: &Plan, is_part: bool, records: &[Record]) -> Verdict {
         let mut sums = Sums::default();
         records.iter().for_each(|record| sums.add(record));
-        let mut verdict = Verdict::new(campaign, plan, plan.len(), Vec::new(), sums);
-        records.iter().for_each(|record| verdict.blame(plan, record));
+        let (scope, sample) = (Scope { planned: plan.len(), is_part }, ProcessesSample::default());
+        let mut verdict = Verdict::new(campaign, plan, scope, Vec::new(), &sums, sample);
+        let mut blame = Blame::new(plan, campaign.mode, verdict.broken_limits());
+        records.iter().for_each(|record| blame.add(record));
+        (verdict.failures, verdict.broken) = blame.found();
         verdict
     }
 
-    const WHOLE: [Outcome; 4] = [Outcome::Completed; 4];
+    pub const WHOLE: [Outcome; 4] = [Outcome::Completed; 4];
 
     #[test]
     fn what_holds_holds() {
@@ -351,7 +237,7 @@ mod tests {
         let campaign: Campaign = toml::from_str(&text).expect("a campaign");
         let plan = plan::plan(&campaign).expect("a plan");
         assert_eq!((plan.len(), plan.whole()), (2, 4));
-        let limits = of_records(&campaign, &plan, &[]).requirements;
+        let limits = of_records(&campaign, &plan, false, &[]).requirements;
         let limit = |key: &str| limits.iter().find(|r| r.requirement == key).map(|r| r.limit);
         assert_eq!((limit("min_kills"), limit("min_gap_m")), (Some(4.0), Some(3.0)));
     }
@@ -363,12 +249,13 @@ mod tests {
             let text = format!("{FILE}[require]\n{require}\n{fault}");
             let campaign: Campaign = toml::from_str(&text).expect("a campaign");
             let plan = plan::plan(&campaign).expect("a plan");
-            let records = plan.numbers().map(|run| Record {
-                faults: 2,
-                critical_faults: critical,
-                ..record(&plan.get(run), Outcome::Completed, 5.0, &[])
-            });
-            let verdict = of_records(&campaign, &plan, &records.collect::<Vec<_>>());
+            let record = |planned: &Planned| {
+                let mut record = record(planned, Outcome::Completed, 5.0, &[]);
+                (record.measured.faults, record.measured.critical_faults) = (2, critical);
+                record
+            };
+            let records: Vec<_> = planned(&plan).iter().map(record).collect();
+            let verdict = of_records(&campaign, &plan, false, &records);
             (verdict.ok, verdict.met_nothing)
         };
         assert_eq!(judged("max_collisions = 0", 0), (false, true));
@@ -381,12 +268,12 @@ mod tests {
     fn a_part_is_not_judged_by_least_numbers_of_the_whole() {
         let fault = "[[faults]]\nkind = \"drop\"\ntopic = \"radar/tracks\"\n";
         let require = "[require]\nmin_critical_faults = 1\nmin_gap_m = 3\nmax_collisions = 0\n";
-        let text = format!("{FILE}shard = \"1/2\"\n{require}{fault}");
+        let text = format!("{FILE}{require}{fault}");
         let campaign: Campaign = toml::from_str(&text).expect("a campaign");
         let plan = plan::plan(&campaign).expect("a plan");
-        let records =
-            plan.numbers().map(|run| record(&plan.get(run), Outcome::Completed, 5.0, &[]));
-        let verdict = of_records(&campaign, &plan, &records.collect::<Vec<_>>());
+        let record = |planned: &Planned| record(planned, Outcome::Completed, 5.0, &[]);
+        let records: Vec<_> = planned(&plan).iter().map(record).collect();
+        let verdict = of_records(&campaign, &plan, true, &records);
         assert!(verdict.ok && !verdict.met_nothing, "{verdict:?}");
         let judged: Vec<_> = verdict.requirements.iter().map(|r| r.requirement.as_str()).collect();
         assert_eq!(judged, ["max_collisions", "min_gap_m"]);
@@ -397,7 +284,7 @@ mod tests {
         let campaign = campaign("max_collisions = 0");
         let plan = plan::plan(&campaign).expect("a plan");
         let records = [record(&plan.get(0), Outcome::Completed, 1.0, &[])];
-        let verdict = of_records(&campaign, &plan, &records);
+        let verdict = of_records(&campaign, &plan, false, &records);
         assert!(!verdict.ok && verdict.failures.is_empty());
         assert_eq!((verdict.all.runs, verdict.planned, verdict.unaccounted), (1, 4, 3));
     }

@@ -48,6 +48,7 @@ fn results() -> serde_json::Value {
     let all = [
         comparison::compare::schema(),
         comparison::sweep::schema(),
+        campaign::schema(),
         string::schema(),
         regulation::r157::schema(),
         regulation::iso15622::schema(),
@@ -114,7 +115,8 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
     let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.summary));
     let controllers = laws::ALL.iter().map(|law| (law.name, law.description));
     let campaigns = campaign::BUILTIN.iter().map(|builtin| (builtin.name, builtin.summary));
-    let campaigns = campaigns.chain(campaign::WITHOUT_FILE);
+    let campaigns =
+        campaigns.chain(campaign::WITHOUT_FILE.iter().map(|own| (own.name, own.summary)));
     if arguments.json {
         let entry = |(name, line)| serde_json::json!({"name": name, "description": line});
         let list = serde_json::json!({

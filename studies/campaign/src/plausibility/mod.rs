@@ -87,7 +87,7 @@ pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
         planned.extend((0..DRIVES).map(|drive| Planned::Faulty(case, drive)));
     }
     let mut table = Table::new(seed);
-    let bar = report::progress::count_bar(planned.len(), arguments.json);
+    let bar = report::progress::count_bar(planned.len(), arguments.results.json);
     bar.set_message(NAME);
     let make = |index: usize| job(seed, planned[index]);
     let source = Source { runs: planned.len(), make: &make };
@@ -105,7 +105,7 @@ pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     bar.finish_and_clear();
     end?;
     table.finish();
-    let text = if arguments.json {
+    let text = if arguments.results.json {
         serde_json::to_string_pretty(&table).expect("plain data") + "\n"
     } else {
         table.text()

@@ -12,10 +12,9 @@ mod draw;
 mod table;
 
 use crate::arguments::CampaignArguments;
-use crate::file::RADIO;
 use crate::planned::Planned;
 use frame::batch::{self, Done, Job, Source};
-use frame::parts::{self, Merged, Part, Study, name_incomplete};
+use frame::parts::{Merged, Part, Study, name_incomplete};
 use group::report::Outcome;
 use group::{Error, ScenarioOptions};
 use report::output::OutputDirectory;
@@ -23,9 +22,11 @@ use runtime::Mode;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
 use std::process::ExitCode;
 use table::Table;
+
+/// The campaign's name.
+pub const NAME: &str = "radio";
 
 /// Runs where nothing else is asked for.
 const RUNS: usize = 2_000;
@@ -118,23 +119,26 @@ fn job(number: usize) -> Result<Job, Error> {
     Ok(Job::lockstep(group::open_with(&scenario, &options, "set", &keys)?))
 }
 
-/// Whether these directories hold parts of it.
-pub fn holds_parts(directories: &[PathBuf]) -> bool {
-    directories.first().is_some_and(|directory| directory.join(parts::FILE).exists())
+/// Does the runs, or joins their parts.
+///
+/// # Errors
+/// As a campaign's runs.
+pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
+    if arguments.parts.merge.is_empty() { drive(arguments) } else { merge(arguments) }
 }
 
 /// Does the runs that are left of this part, and tells of each that fails as it ends.
 ///
 /// # Errors
 /// As a campaign's runs.
-pub fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
+fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     let numbers = Numbers::of(arguments);
     let study = Study::of_this_command(numbers.count, &job(numbers.number(0))?.scenario);
     let options = arguments.parts.clone();
-    let (mut part, output) = Part::<Kept>::open(&options, &arguments.output, study)?;
+    let (mut part, output) = Part::<Kept>::open(&options, &arguments.results.output, study)?;
     let left = part.left();
-    let bar = report::progress::count_bar(part.runs(), arguments.json);
-    bar.set_message(RADIO);
+    let bar = report::progress::count_bar(part.runs(), arguments.results.json);
+    bar.set_message(NAME);
     bar.set_position((part.runs() - left.len()) as u64);
     bar.reset_eta();
     let repeated = part.repeated(&left, SAMPLE_SEED);
@@ -165,13 +169,16 @@ pub fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
 ///
 /// # Errors
 /// Directories that are no parts of one campaign, or a file that cannot be read or written.
-pub fn merge(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
-    let merged =
-        Merged::<Kept>::read("campaign", &arguments.parts.merge, arguments.output.out.as_deref())?;
+fn merge(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
+    let merged = Merged::<Kept>::read(
+        "campaign",
+        &arguments.parts.merge,
+        arguments.results.output.out.as_deref(),
+    )?;
     let numbers = Numbers::of(&merged.study.arguments()?);
     merged.check(numbers.count, &job(numbers.number(0))?.scenario)?;
     name_incomplete(&merged.incomplete);
-    let output = OutputDirectory::create(&arguments.output, RADIO)?;
+    let output = OutputDirectory::create(&arguments.results.output, NAME)?;
     let is_whole = merged.incomplete.is_empty();
     conclude(arguments, merged.into_results()?.0, &output, is_whole)
 }
@@ -189,7 +196,7 @@ fn conclude(
     let written = output
         .write("radio.csv", table::csv(&kept).as_bytes())
         .and_then(|()| output.write("radio.json", json.as_bytes()));
-    if arguments.json {
+    if arguments.results.json {
         report::print::out(&json)?;
     } else {
         let results = format!("results: {}\n", output.path().display());

@@ -88,8 +88,8 @@ fn scenario(number: usize, law: &str) -> Result<Scenario, Error> {
 /// What keeps the runs from starting, or a file that cannot be written.
 pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
     let numbers = Numbers::of(arguments);
-    let output = OutputDirectory::create(&arguments.output, NAME)?;
-    let bar = report::progress::count_bar(numbers.runs(), arguments.json);
+    let output = OutputDirectory::create(&arguments.results.output, NAME)?;
+    let bar = report::progress::count_bar(numbers.runs(), arguments.results.json);
     bar.set_message(NAME);
     let repeated = batch::choose(SAMPLE_SEED, numbers.runs());
     let make = |index: usize| {
@@ -131,7 +131,7 @@ fn conclude(
         })
         .and_then(|()| output.write("signals.csv", table::csv(runs).as_bytes()))
         .and_then(|()| output.write("signals.json", json.as_bytes()));
-    if arguments.json {
+    if arguments.results.json {
         report::print::out(&json)?;
     } else {
         let results = format!("results: {}\n", output.path().display());

@@ -143,8 +143,10 @@ impl<T: DeserializeOwned> Merged<T> {
         let records = records.expect("it has a part");
         let done = |run: usize| records.has(run);
         let incomplete = incomplete(&parts, study.runs, &done, &|shard, directory| {
-            let own = directory.map(|path| path.to_string_lossy().into_owned());
-            let own = own.unwrap_or_else(|| format!("part-{}-of-{}", shard.index, shard.count));
+            if let Some(directory) = directory {
+                return study.resume(directory);
+            }
+            let own = format!("part-{}-of-{}", shard.index, shard.count);
             let more = ["--shard".into(), String::from(shard), "--resume".into(), own];
             format!("timegap {}", command_line(&[study.words.as_slice(), &more].concat()))
         });
@@ -273,7 +275,7 @@ mod tests {
         let (results, _) = merged.into_results().expect("readable");
         assert_eq!(results, [Some(7), Some(8), None, Some(9)]);
         let [left] = incomplete.as_slice() else { panic!("{incomplete:?}") };
-        assert!(left.command.starts_with("timegap sweep a --shard 1/2 --resume "), "{left:?}");
+        assert!(left.command.starts_with("timegap sweep --resume "), "{left:?}");
         for (directory, words) in [
             (write("other", &["sweep", "b"], "2/2", ""), "part of another sweep"),
             (write("counts", &["sweep", "a"], "2/3", ""), "part of another sweep"),

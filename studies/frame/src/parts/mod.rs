@@ -134,6 +134,13 @@ impl Study {
         Self::of(words::of_study(std::env::args_os().skip(1)), runs, subject)
     }
 
+    /// The command that continues the part in `directory`.
+    pub(crate) fn resume(&self, directory: &Path) -> String {
+        let directory = directory.to_string_lossy().into_owned();
+        let words = self.words.iter().take(1).cloned().chain(["--resume".into(), directory]);
+        format!("timegap {}", runtime::command_line(&words.collect::<Vec<_>>()))
+    }
+
     /// The same command as it is understood now.
     pub(crate) fn now(&self, runs: usize, subject: &str) -> Self {
         Self::of(self.words.clone(), runs, subject)
@@ -145,11 +152,22 @@ impl Study {
     }
 }
 
-/// The study that `--resume` continues, where the command line names none.
-pub(crate) fn begun(options: &PartOptions) -> Option<Result<Study, Error>> {
-    let path = options.resume.as_ref()?.join(FILE);
+/// The part that `--resume` continues, and its directory, where the command line names no study.
+pub(crate) fn begun(options: &PartOptions) -> Option<Result<(PathBuf, PartFile), Error>> {
+    let directory = options.resume.clone()?;
+    let path = directory.join(FILE);
     let is_named = words::of_study(std::env::args_os().skip(1)).len() > 1;
-    (!is_named && path.exists()).then(|| Ok(read_file(&path)?.study))
+    (!is_named && path.exists()).then(|| Ok((directory, read_file(&path)?)))
+}
+
+/// The study of the first directory to join, or of the directory to continue if it holds a part.
+///
+/// # Errors
+/// If the directory's `part.json` cannot be read.
+pub fn held(options: &PartOptions) -> Result<Option<Study>, Error> {
+    let continued = options.resume.as_ref().filter(|directory| directory.join(FILE).exists());
+    let directory = options.merge.first().or(continued);
+    directory.map(|directory| Ok(read_file(&directory.join(FILE))?.study)).transpose()
 }
 
 /// Reads a file `part.json`.

@@ -161,14 +161,8 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
     pub(crate) fn print_how_to_continue(&self, directory: &OutputDirectory) {
         if self.journal.is_some() {
             let (done, all) = (self.records.len(), self.runs());
-            let command = runtime::command_line(&self.study.words);
-            let shard = self
-                .shard
-                .map_or_else(String::new, |shard| format!(" --shard {}", String::from(shard)));
-            let path = directory.path().display();
-            eprintln!(
-                "{done} of {all} runs are kept; to continue: timegap {command}{shard} --resume {path}"
-            );
+            let command = self.study.resume(directory.path());
+            eprintln!("{done} of {all} runs are kept; to continue: {command}");
         }
     }
 

@@ -23,7 +23,8 @@ pub struct Records<T> {
 #[derive(Debug)]
 enum Entry<T> {
     None,
-    Memory(T),
+    /// Boxed: the others are small, and there may be a million of them.
+    Memory(Box<T>),
     /// Which journal, and where in it.
     Journal(u32, Place),
 }
@@ -56,7 +57,7 @@ impl<T> Records<T> {
 
     /// Keeps a record in memory.
     pub(crate) fn keep(&mut self, run: usize, record: T) {
-        self.runs[run] = Entry::Memory(record);
+        self.runs[run] = Entry::Memory(Box::new(record));
         self.count += 1;
     }
 
@@ -118,7 +119,7 @@ impl<T: DeserializeOwned> Records<T> {
         for (run, entry) in self.runs.into_iter().enumerate() {
             match entry {
                 Entry::None => {}
-                Entry::Memory(record) => all.push((run, record)),
+                Entry::Memory(record) => all.push((run, *record)),
                 Entry::Journal(journal, place) => all.push((run, reader.read(journal, place)?)),
             }
         }

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use group::{Error, GroupOptions};
 
+use super::{Gave, Study};
 use crate::batch::{self, Done, Job};
 
 /// The hands of a study: it drives in threads or process groups, and repeats the runs of the sample.
@@ -45,5 +46,24 @@ impl<'a> Crew<'a> {
     /// What keeps the run from starting, or [`Error::Interrupted`].
     pub fn drive(&self, run: usize, job: &Job) -> Result<Done, Error> {
         batch::drive_and_repeat(job, self.group, self.repeats(run), self.going_on)
+    }
+
+    /// Drives, repeats, and lets the study record the run. A failure of this run alone is its result.
+    ///
+    /// # Errors
+    /// As [`Crew::drive`], or that of [`Study::record`].
+    pub fn drive_and_record<S: Study>(
+        &self,
+        study: &S,
+        run: usize,
+        job: &Job,
+    ) -> Result<Gave<S::Record, S::Seen>, Error> {
+        let result = match self.drive(run, job) {
+            result @ (Ok(_) | Err(Error::NotReady { .. } | Error::Runtime(_))) => result,
+            Err(error) => return Err(error),
+        };
+        let repetition = result.as_ref().ok().and_then(|done| done.repetition.clone());
+        let (record, seen) = study.record(run, job, result)?;
+        Ok(Gave { record, seen, repetition })
     }
 }

@@ -8,6 +8,7 @@ pub use run::run;
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
+use std::path::Path;
 
 use clap::{Args, FromArgMatches};
 use group::{Error, GroupOptions};
@@ -87,6 +88,8 @@ pub trait Study: Sized + Sync {
     const NEEDS: Needs = Needs::Part;
     /// There may be too many records for memory: a journal is kept in any case.
     const KEEPS_JOURNAL: bool = false;
+    /// A run that gave other bytes in a process group is a finding of the study. Otherwise it ends the study.
+    const JUDGES_SAMPLE: bool = false;
 
     /// Where the arguments keep the common options.
     fn options(arguments: &Self::Arguments) -> Options<'_>;
@@ -96,6 +99,20 @@ pub trait Study: Sized + Sync {
     /// # Errors
     /// What is wrong with the arguments.
     fn plan(arguments: &Self::Arguments) -> Result<Self, Error>;
+
+    /// Plans the study of the part in `directory`, by the arguments that it began with.
+    ///
+    /// # Errors
+    /// As [`Study::plan`].
+    fn reopen(arguments: &Self::Arguments, directory: &Path) -> Result<Self, Error> {
+        let _ = directory;
+        Self::plan(arguments)
+    }
+
+    /// Name and contents of a file that each part keeps, for [`Study::reopen`]: a part then needs no other file.
+    fn inputs(&self) -> Option<(&'static str, String)> {
+        None
+    }
 
     /// Number of runs.
     fn runs(&self) -> usize;
@@ -156,17 +173,7 @@ pub trait Study: Sized + Sync {
     /// # Errors
     /// What ends the study.
     fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<Self::Record, Self::Seen>, Error> {
-        let job = self.job(run)?;
-        let mut result = crew.drive(run, &job);
-        let repetition = result.as_mut().ok().and_then(|done| done.repetition.take());
-        match result {
-            // A failure of this run alone is its result.
-            Ok(_) | Err(Error::NotReady { .. } | Error::Runtime(_)) => {
-                let (record, seen) = self.record(run, &job, result)?;
-                Ok(Gave { record, seen, repetition })
-            }
-            Err(error) => Err(error),
-        }
+        crew.drive_and_record(self, run, &self.job(run)?)
     }
 
     /// True if no other run may go on beside this one. Such runs come last.

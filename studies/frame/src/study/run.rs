@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::process::ExitCode;
 
-use group::Error;
+use group::{Error, GroupOptions};
 use indicatif::ProgressBar;
 use report::output::OutputDirectory;
 
 use super::{Crew, Found, Gave, Needs, Options, Study};
 use crate::batch::{self, ProcessesSample};
-use crate::parts::{self, Merged, Part, PartOptions, name_incomplete};
+use crate::parts::{self, Merged, Part, PartOptions, ShardChoice, name_incomplete};
 
 /// Runs the command of a study.
 ///
@@ -25,17 +25,25 @@ pub fn run<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
 
 /// Does the runs that are left of this part.
 fn drive<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
-    let options = S::options(arguments);
-    let begun = options.parts.and_then(parts::begun).transpose()?;
-    let study = match &begun {
-        Some(begun) => S::plan(&begun.arguments()?)?,
-        None => S::plan(arguments)?,
+    let given = S::options(arguments);
+    let mut parts = given.parts.cloned().unwrap_or_default();
+    let mut group = given.group.clone();
+    let (study, subject) = match parts::begun(&parts).transpose()? {
+        Some((directory, begun)) => {
+            let own = begun.study.arguments()?;
+            group = GroupOptions { processes: group.processes, ..S::options(&own).group.clone() };
+            parts.shard = parts.shard.or(begun.shard.map(ShardChoice::Given));
+            let study = S::reopen(&own, &directory)?;
+            let subject = begun.study.now(study.runs(), &study.subject()?);
+            (study, subject)
+        }
+        None => {
+            let study = S::plan(arguments)?;
+            let subject = parts::Study::of_command(study.runs(), &study.subject()?);
+            (study, subject)
+        }
     };
-    let subject = match begun {
-        Some(begun) => begun.now(study.runs(), &study.subject()?),
-        None => parts::Study::of_command(study.runs(), &study.subject()?),
-    };
-    let parts = options.parts.cloned().unwrap_or_default();
+    let options = Options { group: &group, ..given };
     let results = options.results;
     let (mut part, output) = Part::<S::Record>::open_as(
         &study.label(),
@@ -44,6 +52,9 @@ fn drive<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
         subject,
         S::KEEPS_JOURNAL,
     )?;
+    if let Some((name, text)) = study.inputs() {
+        output.write(name, text.as_bytes())?;
+    }
     let bar = report::progress::count_bar(part.runs(), results.json);
     bar.set_message(study.label());
     let mut seen = BTreeMap::new();
@@ -103,7 +114,7 @@ fn merge<S: Study>(arguments: &S::Arguments, parts: &PartOptions) -> Result<Exit
     let options = S::options(arguments);
     let out = options.results.output.out.as_deref();
     let merged = Merged::<S::Record>::read(S::NAME, &parts.merge, out)?;
-    let study = S::plan(&merged.study.arguments()?)?;
+    let study = S::reopen(&merged.study.arguments()?, &parts.merge[0])?;
     merged.check_subject(study.runs(), &study.subject()?)?;
     name_incomplete(&merged.incomplete);
     let is_whole = merged.incomplete.is_empty();
@@ -113,11 +124,19 @@ fn merge<S: Study>(arguments: &S::Arguments, parts: &PartOptions) -> Result<Exit
     let output = OutputDirectory::create(&options.results.output, &study.label())?;
     let Merged { records, sample, .. } = merged;
     let seen = BTreeMap::new();
-    let sample = sample.agreed(|run| study.describe(run))?;
+    let sample = agreed(&study, sample)?;
     let found = Found { records, seen, sample, shard: None, is_whole };
     let document = study.judge(found)?;
     options.results.deliver(&document, &output)?;
     Ok(if is_whole { document.exit_code() } else { ExitCode::FAILURE })
+}
+
+/// The sample, unless it ends the study.
+fn agreed<S: Study>(study: &S, sample: ProcessesSample) -> Result<ProcessesSample, Error> {
+    if S::JUDGES_SAMPLE {
+        return Ok(sample);
+    }
+    Ok(sample.agreed(|run| study.describe(run))?)
 }
 
 /// Judges, writes and prints. What an interrupt left undone is missing; what was done is kept.
@@ -131,8 +150,7 @@ fn conclude<S: Study>(
 ) -> Result<ExitCode, Error> {
     let (shard, runs) = (part.shard(), part.runs());
     let (records, sample) = part.into_records();
-    let agreed = end.and_then(|()| Ok(sample.agreed(|run| study.describe(run))?));
-    let (sample, end) = match agreed {
+    let (sample, end) = match end.and_then(|()| agreed(study, sample)) {
         Ok(sample) => (sample, Ok(())),
         Err(error) if S::NEEDS == Needs::Any => (ProcessesSample::default(), Err(error)),
         Err(error) => return Err(error),

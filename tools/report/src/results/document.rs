@@ -1,11 +1,17 @@
 //! A whole result, and what every output makes of it.
 
+use std::fmt;
+use std::rc::Rc;
+
+use group::Error;
 use serde::Serialize;
 use serde_json::Value;
 
+use super::column::Column;
 use super::console;
-use super::table::Table;
+use super::table::{Table, csv_head, csv_line};
 use crate::html::Tile;
+use crate::output::ResultFile;
 
 /// A part of a result for people.
 #[derive(Clone, Debug)]
@@ -26,7 +32,25 @@ pub struct Attachment {
     /// Its name.
     pub name: String,
     /// What is in it.
-    pub contents: Vec<u8>,
+    pub contents: Contents,
+}
+
+/// What is in a file beside the JSON and the page.
+#[derive(Clone)]
+pub enum Contents {
+    /// Bytes in memory.
+    Bytes(Vec<u8>),
+    /// Bytes that do not fit in memory.
+    Stream(Rc<dyn Fn(&mut ResultFile) -> Result<(), Error>>),
+}
+
+impl fmt::Debug for Contents {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Bytes(bytes) => write!(f, "{} bytes", bytes.len()),
+            Self::Stream(_) => f.write_str("a stream"),
+        }
+    }
 }
 
 /// A result: verdict, tables, charts, and its JSON.
@@ -133,7 +157,25 @@ impl Document {
     /// The same with a file more in its directory.
     #[must_use]
     pub fn file(mut self, name: &str, contents: impl Into<Vec<u8>>) -> Self {
-        self.files.push(Attachment { name: name.to_owned(), contents: contents.into() });
+        let contents = Contents::Bytes(contents.into());
+        self.files.push(Attachment { name: name.to_owned(), contents });
+        self
+    }
+
+    /// The same with a table of CSV whose rows do not fit in memory: `rows` hands them over one by one.
+    #[must_use]
+    pub fn csv<R: Serialize + 'static>(
+        mut self,
+        name: &str,
+        columns: &'static [Column<R>],
+        rows: impl Fn(&mut dyn FnMut(&R) -> Result<(), Error>) -> Result<(), Error> + 'static,
+    ) -> Self {
+        let fill = move |file: &mut ResultFile| {
+            file.add(&csv_head(columns))?;
+            rows(&mut |row| file.add(&csv_line(columns, row)))
+        };
+        let contents = Contents::Stream(Rc::new(fill));
+        self.files.push(Attachment { name: name.to_owned(), contents });
         self
     }
 
@@ -168,7 +210,7 @@ impl Document {
         let tables = self.parts.iter().filter(|part| matches!(part, Part::Table(_))).count();
         for part in &self.parts {
             match part {
-                Part::Table(table) if table.rows.is_empty() => {}
+                Part::Table(table) if table.rows.is_empty() || table.is_for_pages => {}
                 Part::Table(table) => {
                     if tables > 1 && table.block.is_none() {
                         text += &console::folded(&table.heading, 0, width);

@@ -12,6 +12,8 @@ use crate::table::NONE;
 pub enum Format {
     /// A number with so many decimals.
     Decimals(usize),
+    /// A number with as many decimals as it needs, at most three.
+    Exact,
     /// A duration in µs, shown in the unit that suits it.
     Duration,
     /// A whole number.
@@ -103,7 +105,11 @@ impl Head {
     pub(super) fn is_number(&self) -> bool {
         matches!(
             self.format,
-            Format::Decimals(_) | Format::Duration | Format::Count | Format::Mean(_)
+            Format::Decimals(_)
+                | Format::Exact
+                | Format::Duration
+                | Format::Count
+                | Format::Mean(_)
         )
     }
 
@@ -120,6 +126,9 @@ impl Head {
         match (self.format, value) {
             (_, Value::Null) => none(),
             (Format::Decimals(decimals), _) => decimal(decimals),
+            (Format::Exact, _) => {
+                value.as_f64().map_or_else(none, |v| ((v * 1e3).round() / 1e3).to_string())
+            }
             (Format::Duration, _) => value.as_f64().map_or_else(none, duration),
             (Format::Mean(decimals), Value::Object(parts)) => {
                 let part = |name: &str| parts.get(name).and_then(Value::as_f64);

@@ -36,8 +36,10 @@ fn rows(table: &Table) -> TestSuite {
         let verdict = table.columns.iter().position(super::Head::is_verdict).unwrap_or_default();
         let pairs = || table.columns.iter().zip(cells).filter(|(_, cell)| !cell.is_null());
         // A row is named by the words and counts that stand before its first verdict or figure.
-        let is_key =
-            |place: &usize| !matches!(table.columns[*place].format, super::Format::Decimals(_));
+        let is_key = |place: &usize| {
+            use super::Format::{Decimals, Exact};
+            !matches!(table.columns[*place].format, Decimals(_) | Exact)
+        };
         let keys = (0..verdict).take_while(is_key).filter(|&place| !cells[place].is_null());
         let name: Vec<_> = keys.map(|place| table.columns[place].text(&cells[place])).collect();
         let name = if name.is_empty() { format!("row {}", row + 1) } else { name.join(", ") };

@@ -7,7 +7,7 @@ use clap::Args;
 use group::{Error, Failure, Status};
 
 use super::console::width;
-use super::document::Document;
+use super::document::{Contents, Document};
 use crate::output::{OutputDirectory, OutputOptions};
 use crate::print;
 
@@ -76,7 +76,6 @@ impl ResultOptions {
         written
     }
 
-    /// Writes the forms for other programs.
     /// Writes the forms for a continuous integration job alone, of commands with a page of their own.
     ///
     /// # Errors
@@ -100,7 +99,10 @@ impl ResultOptions {
 /// [`Error::Path`].
 fn write(document: &Document, output: &OutputDirectory) -> Result<(), Error> {
     for file in &document.files {
-        output.write(&file.name, &file.contents)?;
+        match &file.contents {
+            Contents::Bytes(bytes) => output.write(&file.name, bytes)?,
+            Contents::Stream(fill) => output.write_by(&file.name, |file| fill(file))?,
+        }
     }
     output.write(&format!("{}.json", document.command), document.json.as_bytes())?;
     output.write(crate::FILE, document.page().as_bytes())

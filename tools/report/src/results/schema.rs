@@ -129,7 +129,7 @@ fn insert(node: &mut Value, head: &Head) {
         return;
     }
     let kind = match head.format {
-        Format::Decimals(_) | Format::Duration => json!(["number", "null"]),
+        Format::Decimals(_) | Format::Exact | Format::Duration => json!(["number", "null"]),
         Format::Count => json!(["integer", "null"]),
         Format::Mean(_) => json!(["object", "number", "null"]),
         Format::Word | Format::Sentence | Format::Command => json!(["string", "null"]),

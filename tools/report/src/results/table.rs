@@ -17,6 +17,8 @@ pub struct Table {
     pub(super) block: Option<usize>,
     /// Most rows that a terminal shows.
     pub(super) most_rows: usize,
+    /// A terminal does not show it.
+    pub(super) is_for_pages: bool,
     /// Its rows are cases of a continuous integration job.
     pub(super) has_cases: bool,
     /// HTML behind the block of this name.
@@ -47,6 +49,7 @@ impl Table {
             rows: rows.iter().map(|row| cells(columns, row)).collect(),
             block: None,
             most_rows: usize::MAX,
+            is_for_pages: false,
             has_cases: true,
             figures: Vec::new(),
         }
@@ -67,6 +70,13 @@ impl Table {
     #[must_use]
     pub fn most_rows(mut self, rows: usize) -> Self {
         self.most_rows = rows;
+        self
+    }
+
+    /// The same on the page and in Markdown alone.
+    #[must_use]
+    pub fn for_pages(mut self) -> Self {
+        self.is_for_pages = true;
         self
     }
 

@@ -1,0 +1,93 @@
+//! The runs to blame for broken requirements.
+
+use super::figure::Limit;
+use super::plan::Plan;
+use super::record::Record;
+use runtime::Mode;
+use serde::Serialize;
+
+/// A run to blame.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Failure {
+    /// Its number.
+    pub run: usize,
+    /// Its scenario.
+    pub scenario: String,
+    /// Its faults in words.
+    pub faults: Vec<String>,
+    /// The broken figures with their values, then the reasons of the run itself.
+    pub why: String,
+    /// The command that repeats it.
+    pub repeat: String,
+}
+
+/// Runs to blame that have scenario and fault in common. A run with several faults counts for each.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Broken {
+    /// The scenario.
+    pub scenario: String,
+    /// The fault.
+    pub fault: String,
+    /// Number of runs.
+    pub runs: u64,
+}
+
+/// Collects the runs to blame.
+pub struct Blame<'a> {
+    plan: &'a Plan,
+    mode: Mode,
+    limits: Vec<Limit>,
+    failures: Vec<Failure>,
+    broken: Vec<Broken>,
+}
+
+impl<'a> Blame<'a> {
+    /// Looks for runs that break one of `limits`.
+    pub fn new(plan: &'a Plan, mode: Mode, limits: Vec<Limit>) -> Self {
+        Self { plan, mode, limits, failures: Vec::new(), broken: Vec::new() }
+    }
+
+    /// Adds a run if it is to blame.
+    pub fn add(&mut self, record: &Record) {
+        let blamed = self.limits.iter().filter_map(|limit| {
+            let value = limit.blames(record)?;
+            Some(format!("{} {value}", limit.figure.name))
+        });
+        let mut reasons: Vec<String> = blamed.collect();
+        if record.same_in_processes == Some(false) {
+            reasons.push("other bytes in a process group".into());
+        }
+        if reasons.is_empty() {
+            return;
+        }
+        let measured = &record.measured;
+        reasons.extend(record.aborted_because.clone());
+        reasons.extend(measured.leaks.iter().chain(&measured.degraded).cloned());
+        let planned = self.plan.get(record.run);
+        let faults = planned.faults();
+        faults.iter().for_each(|fault| self.count(&record.scenario, fault));
+        self.failures.push(Failure {
+            run: record.run,
+            scenario: record.scenario.clone(),
+            why: reasons.join("; "),
+            repeat: planned.repeat(self.mode.name()),
+            faults,
+        });
+    }
+
+    fn count(&mut self, scenario: &str, fault: &str) {
+        let known = |broken: &&mut Broken| broken.scenario == scenario && broken.fault == fault;
+        if let Some(broken) = self.broken.iter_mut().find(known) {
+            broken.runs += 1;
+            return;
+        }
+        let (scenario, fault) = (scenario.to_owned(), fault.to_owned());
+        self.broken.push(Broken { scenario, fault, runs: 1 });
+    }
+
+    /// The runs in the order of their numbers, and the same by scenario and fault, the most frequent pairs first.
+    pub fn found(mut self) -> (Vec<Failure>, Vec<Broken>) {
+        self.broken.sort_by_key(|broken| std::cmp::Reverse(broken.runs));
+        (self.failures, self.broken)
+    }
+}

@@ -1,0 +1,291 @@
+//! The columns of a campaign's results: each figure is declared once.
+
+use super::blame::{Broken, Failure};
+use super::exposure::Exposure;
+use super::record::Record;
+use super::sums::Combination;
+use super::tally::Tally;
+use super::verdict::{Requirement, Verdict};
+use report::results::{
+    Column, Format, Kind, Schema, column, count, fact, flag, micros, nested, number, outcome, word,
+};
+use serde::Serialize;
+use serde_json::{Value, json};
+
+/// Fields of the verdict beside its lists and sums.
+const FIELDS: &[Column<Verdict>] = &[
+    flag("ok", "", ("ok", "BROKEN"), "All runs were done, and all requirements hold"),
+    word("campaign", "", "Name of the campaign"),
+    word("mode", "", "Clock of the runs"),
+    count("planned", "", "Runs that were to be done"),
+    count("unaccounted", "", "Planned runs without a record"),
+    count("left_out", "", "Combinations of a variation that break a constraint of its scenario"),
+    fact(
+        "met_nothing",
+        "",
+        "No fault acted in a critical phase, and no requirement says that this is meant",
+    ),
+    count("processes_sample.runs", "", "Runs that were repeated as separate processes"),
+    count("processes_sample.different", "", "Repeated runs whose messages were other bytes"),
+];
+
+/// The sums over some runs: the shown ones make a table of runs, the hidden ones are totals.
+pub fn sums<R>() -> Vec<Column<R>> {
+    vec![
+        count("runs", "runs", "Runs"),
+        count("completed", "completed", "Runs that reached their end"),
+        count("safe_stops", "safe stops", "Runs that ended in a safe stop").weight(2),
+        count("collisions", "collisions", "Runs that ended in a collision"),
+        count(
+            "avoidable_collisions",
+            "avoidable collisions",
+            "Collisions that a braking reference avoids",
+        )
+        .hidden(),
+        count("interventions", "emergency brakings", "Interventions of the emergency brake")
+            .weight(1),
+        count("red_lights", "red lights", "Runs that ended at a red light"),
+        count(
+            "driven_by_backup",
+            "driven by backup",
+            "Runs in which the backup law drove too much",
+        )
+        .weight(3),
+        count("aborted", "aborted", "Runs that were aborted").weight(2),
+        number("min_gap_m", "min gap", "m", 1, "Smallest gap to the vehicle ahead").weight(1),
+        number("min_ttc_s", "min TTC", "s", 1, "Least time to collision").weight(1),
+        micros(
+            "recovery_us.p50",
+            "recovery p50",
+            "Time until the next process's first message, median",
+        )
+        .weight(4),
+        micros("recovery_us.max", "recovery max", "The longest such time").weight(4),
+        count("recovery_us.count", "recoveries", "Timed recoveries").hidden(),
+        nested(
+            "recovery_us",
+            Kind::Object,
+            "From a process fault to the next process's first message, µs",
+        ),
+        micros("detection_us.p50", "detection p50", "Time until the launcher noticed, median")
+            .hidden(),
+        micros("detection_us.max", "detection max", "The longest such time").hidden(),
+        nested(
+            "detection_us",
+            Kind::Object,
+            "From a process fault until the launcher noticed it, µs",
+        ),
+        micros("take_over_us.p50", "take-over p50", "Time until a ready standby spoke, median")
+            .hidden(),
+        micros("take_over_us.max", "take-over max", "The longest such time").hidden(),
+        count("take_over_us.count", "take-overs", "Take-overs by a ready standby").hidden(),
+        nested("take_over_us", Kind::Object, "Recoveries in which a ready standby took over, µs"),
+        number("command_overdue_ms", "longest time without a due command", "ms", 0, "At the plant")
+            .hidden(),
+        count("faults", "faults that acted", "Faults that acted").hidden(),
+        count(
+            "critical_faults",
+            "faults in critical phases",
+            "Faults that acted in a critical phase",
+        )
+        .hidden(),
+        nested("phases", Kind::Object, "Faults that acted in each phase"),
+        count("kills", "processes killed", "Killed processes").hidden(),
+        count("double_kills", "pairs killed within 5 ms", "Pairs of services killed within 5 ms")
+            .hidden(),
+        count("starting_kills", "killed while starting", "Processes killed before they took part")
+            .hidden(),
+        count("helper_kills", "helpers killed", "Recorders, janitors and launchers killed")
+            .hidden(),
+        count("launcher_kills", "launchers killed", "Runs that ended with their launcher").hidden(),
+        count("recordings_lost", "recordings lost", "Recordings that are unreadable or end early")
+            .hidden(),
+        count("unrecovered", "unrecovered", "Process faults without a recovery in completed runs")
+            .hidden(),
+        count(
+            "degraded",
+            "services degraded at the end",
+            "Services below the first level at the end",
+        )
+        .hidden(),
+        count("leaks", "leftovers", "Objects and processes left behind").hidden(),
+        count("messages_lost", "messages lost", "Lost messages").hidden(),
+        count(
+            "disturbed",
+            "messages disturbed",
+            "Messages that faults disturbed, over all receivers",
+        )
+        .hidden(),
+        count("corrupted", "messages corrupted", "Messages that faults corrupted").hidden(),
+        count(
+            "undetected_corruptions",
+            "corruptions accepted",
+            "Corrupted messages that were accepted",
+        )
+        .hidden(),
+        nested("rungs_s", Kind::Object, "Time of each service on each degradation level, s"),
+        number("all_memory_kib", "memory of all services", "KiB", 0, "Largest sum over a run")
+            .hidden(),
+        number("all_descriptors", "descriptors of all services", "", 0, "Largest sum over a run")
+            .hidden(),
+        number("all_shared_memory_kib", "shared memory", "KiB", 0, "Largest sum over a run")
+            .hidden(),
+        number(
+            "memory_growth_kib",
+            "largest growth of memory",
+            "KiB",
+            0,
+            "Of one service in a run",
+        )
+        .hidden(),
+        word("memory_growth_of", "it was of", "The service whose memory grew most").hidden(),
+        number(
+            "descriptor_growth",
+            "largest growth of descriptors",
+            "",
+            0,
+            "Of one service in a run",
+        )
+        .hidden(),
+        number("shared_memory_growth_kib", "largest growth of shared memory", "KiB", 0, "In a run")
+            .hidden(),
+        number("shared_memory_object_growth", "largest growth of its objects", "", 0, "In a run")
+            .hidden(),
+    ]
+}
+
+/// Columns of the requirements.
+pub const REQUIREMENTS: &[Column<Requirement>] = &[
+    word("requirement", "requirement", "Key in the campaign's file"),
+    column("limit", "limit", "", Format::Exact, "The limit of these runs"),
+    column("found", "found", "", Format::Exact, "The value; null if no run measured it"),
+    flag("ok", "", ("holds", "BROKEN"), "The value keeps the limit"),
+];
+
+/// Columns of the drives without faults.
+pub const EXPOSURE: &[Column<Exposure>] = &[
+    word("scenario", "scenario", "Scenario"),
+    word("controller", "controller", "Control law"),
+    number("hardest_braking_mps2", "hardest braking", "m/s²", 1, "Hardest braking"),
+    number("min_ttc_s", "min TTC", "s", 1, "Least time to collision"),
+    count("reds_met", "lights on red", "Signals that were red when the ego was near").weight(1),
+    count("yellows_met", "on yellow", "Signals that were yellow when the ego was near").weight(2),
+    count("standstills", "standstills", "Times that the ego came to a standstill").weight(2),
+    number("standstill_s", "standing", "s", 0, "Time in standstill").weight(3),
+    count("cut_ins", "cut-ins", "Times that a vehicle began to come into the lane").weight(1),
+    number("cut_in_s", "", "s", 0, "Time with a vehicle on its way into the lane").hidden(),
+    number("critical_share", "", "", 2, "Share of the drive in a critical phase").hidden(),
+    number("", "critical", "%", 0, "").of(percent),
+];
+
+fn percent(met: &Exposure) -> Value {
+    json!(100.0 * met.critical_share)
+}
+
+/// Columns of the runs to blame.
+pub const FAILURES: &[Column<Failure>] = &[
+    count("run", "run", "Number of the run"),
+    word("scenario", "", "Scenario"),
+    nested("faults", Kind::List, "Its faults in words"),
+    word("", "", "").of(faults),
+    column("why", "why", "", Format::Sentence, "Broken figures and reasons"),
+    column("repeat", "", "", Format::Command, "Command that repeats it"),
+];
+
+fn faults(failure: &Failure) -> Value {
+    json!(failure.faults.join(", "))
+}
+
+/// Columns of the same by scenario and fault.
+pub const BROKEN: &[Column<Broken>] = &[
+    word("scenario", "scenario", "Scenario"),
+    word("fault", "fault", "Fault"),
+    count("runs", "runs", "Runs to blame"),
+];
+
+/// Some runs with their sums, for people.
+#[derive(Serialize)]
+pub struct Line<'a> {
+    /// The thing that they have in common.
+    pub by: &'static str,
+    /// Its value.
+    pub of: String,
+    /// The sums.
+    #[serde(flatten)]
+    pub tally: &'a Tally,
+}
+
+/// Columns of these lines.
+pub fn lines<'a>() -> Vec<Column<Line<'a>>> {
+    let names = [word("by", "", ""), word("of", "runs of", "Scenario, controller and fault")];
+    let p99 = micros("", "recovery p99", "")
+        .weight(4)
+        .of(|line: &Line<'_>| json!(line.tally.recovery_us.as_ref().and_then(report::print::p99)));
+    names.into_iter().chain(sums()).chain([p99]).collect()
+}
+
+/// Columns of the table of runs, `campaign.csv`.
+pub const RUNS: &[Column<Record>] = &[
+    count("run", "run", "Number of the run"),
+    word("scenario", "scenario", "Scenario"),
+    word("controller", "controller", "Control law"),
+    word("fault", "fault", "Words on its faults"),
+    count("seed", "seed", "Seed"),
+    outcome("outcome"),
+    fact("avoidable", "avoidable", "It ended in a collision that a braking reference avoids"),
+    number("duration_s", "duration", "s", 1, "Length of the drive"),
+    number("min_gap_m", "min gap", "m", 1, "Smallest gap to the vehicle ahead"),
+    number("min_ttc_s", "min TTC", "s", 1, "Least time to collision"),
+    count("interventions", "emergency brakings", "Interventions of the emergency brake"),
+    count("kills", "kills", "Killed processes"),
+    micros("max_detection_us", "detection", "Longest time until the launcher noticed")
+        .of(detection),
+    micros("max_recovery_us", "recovery", "Longest time until a first message").of(recovery),
+    count("unrecovered", "unrecovered", "Process faults without a recovery"),
+    count("messages_lost", "lost", "Lost messages"),
+    count("disturbed", "disturbed", "Messages disturbed by faults"),
+    count("corrupted", "corrupted", "Messages corrupted by faults"),
+    count("undetected", "undetected", "Corrupted messages that were accepted"),
+    count("leaks", "leaks", "Leftovers").of(leaks),
+    word("parameters", "parameters", "Parameters of an OpenSCENARIO file"),
+];
+
+fn longest(times_us: &[f64]) -> Value {
+    json!(times_us.iter().copied().max_by(f64::total_cmp))
+}
+
+fn detection(record: &Record) -> Value {
+    longest(&record.measured.detection_us)
+}
+
+fn recovery(record: &Record) -> Value {
+    longest(&record.measured.recovery_us)
+}
+
+fn leaks(record: &Record) -> Value {
+    json!(record.measured.leaks.len())
+}
+
+/// Contents of the JSON.
+#[must_use]
+pub fn schema() -> Schema {
+    let of = || std::iter::once(word("of", "", "The common scenario, controller or fault"));
+    let names: [Column<Combination>; 3] = [
+        word("scenario", "", "Scenario"),
+        word("controller", "", "Control law"),
+        word("fault", "", "Words on the faults"),
+    ];
+    let combinations: Vec<_> = names.into_iter().chain(sums()).collect();
+    let shared: Vec<Column<()>> = of().chain(sums()).collect();
+    Schema::new("campaign", "A campaign of a file")
+        .fields(FIELDS)
+        .fields(&sums::<()>())
+        .rows("exposure", "What the drives meet without faults", EXPOSURE)
+        .rows("requirements", "The limits, with what was found", REQUIREMENTS)
+        .rows("combinations", "Runs by scenario, controller and fault", &combinations)
+        .rows("scenarios", "Runs by scenario", &shared)
+        .rows("controllers", "Runs by controller", &shared)
+        .rows("by_fault", "Runs by fault", &shared)
+        .rows("failures", "The runs to blame for broken requirements", FAILURES)
+        .rows("broken", "Their number by scenario and fault", BROKEN)
+}

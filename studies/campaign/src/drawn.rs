@@ -1,0 +1,65 @@
+//! Values that are drawn: one of a list of words or tables, or a number in a range.
+
+use group::Failure;
+use rand_pcg::Pcg64;
+use toml::Value;
+
+/// A value from which nothing can be drawn.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "faults: {key} = {value} cannot be drawn from, expected two numbers, the smaller first, or a list of words or \
+     of tables"
+)]
+pub struct NotDrawable {
+    key: String,
+    value: Value,
+}
+
+impl Failure for NotDrawable {}
+
+/// Checks that a value, or each value of a table, can be drawn from.
+pub fn check(key: &str, value: &Value) -> Result<(), NotDrawable> {
+    match value {
+        Value::Table(table) => table.iter().try_for_each(|(key, value)| check(key, value)),
+        Value::Array(values) if is_choice(values) => {
+            let mut tables = values.iter().filter(|value| value.is_table());
+            tables.try_for_each(|table| check(key, table))
+        }
+        Value::Array(values) if range(values).is_none() => {
+            Err(NotDrawable { key: key.to_owned(), value: value.clone() })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// True for a list of which one element is drawn.
+fn is_choice(values: &[Value]) -> bool {
+    let all = |is: fn(&Value) -> bool| !values.is_empty() && values.iter().all(is);
+    all(Value::is_str) || all(Value::is_table)
+}
+
+/// The ends of a range: two numbers, in order.
+fn range(values: &[Value]) -> Option<(f64, f64)> {
+    let number = |value: &Value| value.as_float().or(value.as_integer().map(|i| i as f64));
+    let [from, to] = values else { return None };
+    let (from, to) = (number(from)?, number(to)?);
+    (from < to && (to - from).is_finite()).then_some((from, to))
+}
+
+/// A fixed value as it is, one of a list, or a number in a range: whole if both ends are, else with three decimals.
+/// In a table each value is drawn.
+pub fn drawn(value: &Value, random: &mut Pcg64) -> Value {
+    if let Value::Table(table) = value {
+        let each = table.iter().map(|(key, value)| (key.clone(), drawn(value, random)));
+        return Value::Table(each.collect());
+    }
+    let Value::Array(values) = value else { return value.clone() };
+    let uniform = random::uniform(random);
+    match range(values) {
+        Some((from, to)) if values.iter().all(Value::is_integer) => {
+            Value::Integer((from + uniform * (to - from + 1.0)).floor() as i64)
+        }
+        Some((from, to)) => Value::Float(((from + uniform * (to - from)) * 1e3).round() / 1e3),
+        None => drawn(&values[(uniform * values.len() as f64) as usize], random),
+    }
+}

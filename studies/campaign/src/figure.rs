@@ -1,0 +1,143 @@
+//! Figures that a campaign can require something of.
+
+use super::record::Record;
+use super::tally::{Sum, Tally};
+
+/// A figure over all runs.
+pub struct Figure {
+    /// Name behind `max_` or `min_`.
+    pub name: &'static str,
+    of: Kind,
+}
+
+#[derive(Clone, Copy)]
+enum Kind {
+    /// A number of runs or events. Each run that has one is to blame.
+    Count(fn(&Tally) -> u64),
+    /// A measured value; none if no run measured it.
+    Measure(fn(&Tally) -> Option<f64>),
+    /// The median of a measured value. A single run cannot be to blame for it.
+    Median(fn(&Tally) -> Option<f64>),
+}
+
+/// All figures.
+pub const FIGURES: [Figure; 36] = [
+    count("collisions", |t| t.collisions),
+    count("avoidable_collisions", |t| t.avoidable_collisions),
+    count("red_lights", |t| t.red_lights),
+    count("safe_stops", |t| t.safe_stops),
+    count("driven_by_backup", |t| t.driven_by_backup),
+    count("aborted", |t| t.aborted),
+    count("kills", |t| t.kills),
+    count("double_kills", |t| t.double_kills),
+    count("starting_kills", |t| t.starting_kills),
+    count("helper_kills", |t| t.helper_kills),
+    count("launcher_kills", |t| t.launcher_kills),
+    count("recordings_lost", |t| t.recordings_lost),
+    count("interventions", |t| t.interventions),
+    count("unrecovered", |t| t.unrecovered),
+    count("degraded", |t| t.degraded),
+    count("leaks", |t| t.leaks),
+    count("messages_lost", |t| t.messages_lost),
+    count("undetected_corruptions", |t| t.undetected_corruptions),
+    count("faults_struck", |t| t.faults_struck),
+    count("critical_faults", |t| t.critical_faults),
+    measure("gap_m", |t| t.min_gap_m),
+    measure("ttc_s", |t| t.min_ttc_s),
+    median("detection_p50_ms", |t| t.detection_us.map(|p| p.p50 / 1e3)),
+    measure("detection_p99_ms", |t| t.detection_us.map(|p| p.p99 / 1e3)),
+    measure("detection_max_ms", |t| t.detection_us.map(|p| p.max / 1e3)),
+    median("recovery_p50_ms", |t| t.recovery_us.map(|p| p.p50 / 1e3)),
+    measure("recovery_p99_ms", |t| t.recovery_us.map(|p| p.p99 / 1e3)),
+    measure("recovery_max_ms", |t| t.recovery_us.map(|p| p.max / 1e3)),
+    median("take_over_p50_ms", |t| t.take_over_us.map(|p| p.p50 / 1e3)),
+    measure("take_over_p99_ms", |t| t.take_over_us.map(|p| p.p99 / 1e3)),
+    measure("take_over_max_ms", |t| t.take_over_us.map(|p| p.max / 1e3)),
+    measure("command_overdue_ms", |t| t.command_overdue_ms),
+    measure("memory_growth_kib", |t| t.memory_growth_kib),
+    measure("descriptor_growth", |t| t.descriptor_growth),
+    measure("shared_memory_growth_kib", |t| t.shared_memory_growth_kib),
+    measure("shared_memory_object_growth", |t| t.shared_memory_object_growth),
+];
+
+const fn count(name: &'static str, of: fn(&Tally) -> u64) -> Figure {
+    Figure { name, of: Kind::Count(of) }
+}
+
+const fn measure(name: &'static str, of: fn(&Tally) -> Option<f64>) -> Figure {
+    Figure { name, of: Kind::Measure(of) }
+}
+
+const fn median(name: &'static str, of: fn(&Tally) -> Option<f64>) -> Figure {
+    Figure { name, of: Kind::Median(of) }
+}
+
+impl Figure {
+    /// The figure of that name.
+    pub fn named(name: &str) -> Option<&'static Self> {
+        FIGURES.iter().find(|figure| figure.name == name)
+    }
+
+    /// True if it counts runs or events.
+    pub fn is_count(&self) -> bool {
+        matches!(self.of, Kind::Count(_))
+    }
+
+    /// Its value over all runs; none if no run measured it.
+    pub fn value(&self, tally: &Tally) -> Option<f64> {
+        match self.of {
+            Kind::Count(of) => Some(of(tally) as f64),
+            Kind::Measure(of) | Kind::Median(of) => of(tally),
+        }
+    }
+}
+
+/// A limit of a figure: a `max_` or `min_` key and its value.
+#[derive(Clone, Copy)]
+pub struct Limit {
+    /// The figure.
+    pub figure: &'static Figure,
+    /// True for `min_`: the figure must be at least the value.
+    is_least: bool,
+    /// The value.
+    pub value: f64,
+}
+
+impl Limit {
+    /// The limit of a key in a campaign that was checked.
+    pub fn of(key: &str, value: f64) -> Self {
+        let (bound, name) = key.split_at(4);
+        let figure = Figure::named(name).expect("a campaign's keys are checked when it is read");
+        Self { figure, is_least: bound == "min_", value }
+    }
+
+    /// True if it asks for a least number of things in all runs together.
+    pub fn is_least_number(&self) -> bool {
+        self.is_least && self.figure.is_count()
+    }
+
+    /// The limit for a share of the runs: least numbers shrink in proportion.
+    pub fn for_share(self, share: f64) -> Self {
+        let value = if self.is_least_number() { (self.value * share).floor() } else { self.value };
+        Self { value, ..self }
+    }
+
+    /// True if a value keeps it.
+    pub fn holds(&self, found: f64) -> bool {
+        if self.is_least { found >= self.value } else { found <= self.value }
+    }
+
+    /// The figure of a single run, if that run is to blame for a broken limit.
+    pub fn blames(&self, record: &Record) -> Option<f64> {
+        let mut alone = Sum::default();
+        alone.add(record);
+        let alone = alone.tally();
+        match self.figure.of {
+            Kind::Count(of) => {
+                Some(of(&alone) as f64).filter(|count| *count > 0.0 && !self.is_least)
+            }
+            Kind::Measure(of) => of(&alone).filter(|value| !self.holds(*value)),
+            Kind::Median(_) => None,
+        }
+    }
+}

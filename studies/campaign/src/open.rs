@@ -1,0 +1,135 @@
+//! From the command's argument to a campaign: a built-in one, a file, or an OpenSCENARIO variation.
+
+use super::builtin::BUILTIN;
+use super::file::Campaign;
+use super::variation::Variants;
+use group::{Error, Failure};
+use scenario::name::{Line, Name, NotALine, NotAName};
+use std::path::{Path, PathBuf};
+
+/// Longest description that is taken from a variation file, characters.
+const MAX_LINE: usize = 500;
+/// Longest name that is taken from it, characters.
+const MAX_NAME: usize = 64;
+
+/// Limits of a campaign that comes from a variation file.
+const REQUIRED: &str =
+    "require = { max_avoidable_collisions = 0, max_aborted = 0, max_driven_by_backup = 0 }";
+
+/// A variation file gives its campaign no name or no description.
+#[derive(Debug, thiserror::Error)]
+pub enum VariationNameError {
+    /// The file's name has no letters that a name may have.
+    #[error(transparent)]
+    Name(NotAName),
+    /// Its description is none.
+    #[error(transparent)]
+    Description(NotALine),
+}
+
+impl Failure for VariationNameError {}
+
+/// The built-in campaign of that name, or the file at that path.
+pub fn open(argument: &str) -> Result<Campaign, Error> {
+    if let Some(builtin) = BUILTIN.iter().find(|builtin| builtin.name == argument) {
+        return Campaign::parse(&format!("built-in {argument}"), builtin.text);
+    }
+    let path = Path::new(argument);
+    if group::is_openscenario(argument) {
+        return of_variation(path);
+    }
+    let mut campaign = Campaign::read(path)?;
+    let directory = path.parent().unwrap_or(path);
+    // The campaign may be continued in another working directory.
+    for scenario in &mut campaign.scenarios {
+        let is_file = [".toml", ".xosc"].iter().any(|end| scenario.ends_with(end));
+        if scenario.contains('/') || is_file {
+            let file = absolute(&directory.join(&scenario))?.to_string_lossy().into_owned();
+            // The scenario's settings follow its name.
+            if let Some(settings) = campaign.settings.remove(scenario) {
+                campaign.settings.insert(file.clone(), settings);
+            }
+            *scenario = file;
+        }
+    }
+    if let Some(variation) = &mut campaign.variation {
+        *variation = absolute(&directory.join(&variation))?;
+        campaign.scenarios = vec![Variants::open(variation)?.scenario];
+    }
+    Ok(campaign)
+}
+
+fn absolute(file: &Path) -> Result<PathBuf, Error> {
+    std::fs::canonicalize(file).map_err(|reason| Error::Path {
+        action: "read",
+        path: file.to_owned(),
+        reason,
+    })
+}
+
+/// The campaign that runs a variation file.
+pub fn of_variation(path: &Path) -> Result<Campaign, Error> {
+    let file = absolute(path)?;
+    let variants = Variants::open(&file)?;
+    let good = |c: char| if c.is_ascii_alphanumeric() || c == '_' { c } else { '-' };
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let name: String = stem.chars().map(good).take(MAX_NAME).collect();
+    let printable = variants.description.chars().filter(|c| !c.is_control());
+    let description = printable.take(MAX_LINE).collect::<String>();
+    // The defaults of all other keys are those of a file.
+    let least = format!("schema_version = 1\nname = \"x\"\n{REQUIRED}\n");
+    Ok(Campaign {
+        name: Name::try_from(name).map_err(VariationNameError::Name)?,
+        description: Line::try_from(description).map_err(VariationNameError::Description)?,
+        scenarios: vec![variants.scenario],
+        variation: Some(file),
+        ..toml::from_str(&least).expect("it has all keys that a campaign needs")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::builtin::Builtin;
+    use super::*;
+    use std::num::NonZeroU32;
+
+    #[test]
+    fn the_built_in_campaigns_read_back_as_they_are() {
+        for Builtin { name, summary, .. } in BUILTIN {
+            let campaign = open(name).unwrap_or_else(|error| panic!("{error}"));
+            assert_eq!(campaign.name.as_str(), name);
+            assert_eq!(campaign.description.as_str(), summary);
+            let again = Campaign::parse("again", &campaign.to_toml());
+            assert_eq!(again.expect("it was written by us"), campaign);
+        }
+    }
+
+    #[test]
+    fn of_fewer_seeds_their_share_of_a_least_number_is_required() {
+        let mut campaign = open("messages").expect("it is built in");
+        let least = |campaign: &Campaign| campaign.require["min_critical_faults"];
+        let (all, seeds) = (least(&campaign), campaign.seeds.get());
+        campaign.limit_seeds(NonZeroU32::new(2 * seeds).expect("some"));
+        assert_eq!(least(&campaign), all);
+        campaign.limit_seeds(NonZeroU32::new(seeds / 5).expect("some"));
+        assert_eq!((least(&campaign), campaign.require["max_red_lights"]), (all / 10.0, 0.0));
+    }
+
+    #[test]
+    fn settings_of_a_scenario_file_reach_its_runs() {
+        let folder = std::env::temp_dir().join(format!("timegap-settings-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("writable");
+        let scenario = "schema_version = 1\nname = \"mine\"\n";
+        std::fs::write(folder.join("mine.toml"), scenario).expect("writable");
+        let text = "schema_version = 1\nname = \"x\"\nscenarios = [\"./mine.toml\"]\n\
+            [settings.\"./mine.toml\"]\nduration_s = 7\n";
+        std::fs::write(folder.join("c.toml"), text).expect("writable");
+        let campaign = open(&folder.join("c.toml").to_string_lossy());
+        let other = text.replace("settings.\"./mine.toml\"", "settings.\"./other.toml\"");
+        let refused = Campaign::parse("c.toml", &other).expect_err("it is wrong").to_string();
+        let plan = crate::plan::plan(&campaign.expect("a campaign")).expect("a plan");
+        let _ = std::fs::remove_dir_all(&folder);
+        assert_eq!(plan.get(0).keys, ["duration_s=7"]);
+        assert!(refused.contains("`./other.toml` is not run"), "{refused}");
+    }
+}

@@ -1,0 +1,159 @@
+//! Which campaign a command means, and the options that it takes.
+
+use crate::arguments::CampaignArguments;
+use crate::builtin::BUILTIN;
+use crate::{plausibility, radio, signals, study};
+use frame::parts;
+use group::{Error, Failure};
+use std::path::Path;
+use std::process::ExitCode;
+
+/// A campaign that comes from no file.
+#[derive(Debug)]
+pub struct Own {
+    /// Name, as given on the command line.
+    pub name: &'static str,
+    /// What it does, in one line.
+    pub summary: &'static str,
+    /// The options that it takes beside those of all campaigns.
+    takes: &'static [&'static str],
+    run: fn(&CampaignArguments) -> Result<ExitCode, Error>,
+}
+
+/// Campaigns that come from no file.
+pub const WITHOUT_FILE: [Own; 3] = [
+    Own {
+        name: radio::NAME,
+        summary: "2,000 drives through signals whose frames are lost, late and falsified",
+        takes: &["--sample N", "--first N", "--shard I/N", "--resume DIR"],
+        run: radio::run,
+    },
+    Own {
+        name: signals::NAME,
+        summary: "500 corridors of signals, `cacc-mpc` against an ACC that stops for them",
+        takes: &["--seeds N", "--first N"],
+        run: signals::run,
+    },
+    Own {
+        name: plausibility::NAME,
+        summary: "how often and how fast the checks of the inputs find a false sender",
+        takes: &["--hours H", "--seed S"],
+        run: plausibility::run,
+    },
+];
+
+/// The options that the campaigns of files take.
+const OF_FILES: &[&str] = &["--sample N", "--seeds N", "--shard I/N", "--resume DIR"];
+
+/// Why no campaign is chosen.
+#[derive(Debug, thiserror::Error)]
+pub enum SelectionError {
+    /// Nothing names one.
+    #[error("no campaign is named, expected a file or one of {}", names().collect::<Vec<_>>().join(", "))]
+    NoneNamed,
+    /// It is neither built in nor a file.
+    #[error(
+        "{argument}: no built-in campaign and no file of this name, expected a path or {}",
+        scenario::accepted(argument, names())
+    )]
+    Unknown {
+        /// The argument.
+        argument: String,
+    },
+    /// An option of other campaigns.
+    #[error("{option} is for {of}; the campaign `{name}` takes {}", takes.join(", "))]
+    Option {
+        /// The option.
+        option: &'static str,
+        /// The campaigns that take it.
+        of: String,
+        /// The campaign.
+        name: String,
+        /// The options that it takes.
+        takes: &'static [&'static str],
+    },
+}
+
+impl Failure for SelectionError {}
+
+/// The names of all campaigns.
+fn names() -> impl Iterator<Item = &'static str> {
+    BUILTIN.iter().map(|builtin| builtin.name).chain(WITHOUT_FILE.iter().map(|own| own.name))
+}
+
+/// Runs the campaign that the arguments name, or that the directories to continue or to join hold.
+pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
+    let name = name(arguments)?;
+    let Some(own) = WITHOUT_FILE.iter().find(|own| own.name == name) else {
+        refuse_options(arguments, &name, OF_FILES)?;
+        return study::run(arguments);
+    };
+    refuse_options(arguments, &name, own.takes)?;
+    (own.run)(arguments)
+}
+
+/// Name or file of the campaign.
+fn name(arguments: &CampaignArguments) -> Result<String, Error> {
+    let Some(argument) = arguments.campaign.clone() else {
+        let held = parts::held(&arguments.parts)?;
+        let held = held.map(|study| study.arguments::<CampaignArguments>()).transpose()?;
+        return Ok(held.and_then(|held| held.campaign).ok_or(SelectionError::NoneNamed)?);
+    };
+    if names().any(|name| name == argument) || Path::new(&argument).exists() {
+        return Ok(argument);
+    }
+    Err(SelectionError::Unknown { argument }.into())
+}
+
+/// Refuses options that the campaign does not take.
+fn refuse_options(
+    arguments: &CampaignArguments,
+    name: &str,
+    takes: &'static [&'static str],
+) -> Result<(), SelectionError> {
+    let given = [
+        ("--sample N", arguments.sample.is_some()),
+        ("--first N", arguments.first.is_some()),
+        ("--seeds N", arguments.seeds.is_some()),
+        ("--hours H", arguments.hours.is_some()),
+        ("--seed S", arguments.seed.is_some()),
+        ("--shard I/N", arguments.parts.shard.is_some()),
+        ("--resume DIR", arguments.parts.resume.is_some()),
+    ];
+    let refused = |(option, is_given): &(&str, bool)| *is_given && !takes.contains(option);
+    let Some((option, _)) = given.into_iter().find(refused) else { return Ok(()) };
+    let files = OF_FILES.contains(&option).then(|| "campaigns of a file".to_owned());
+    let own = WITHOUT_FILE.iter().filter(|own| own.takes.contains(&option));
+    let of: Vec<_> = files.into_iter().chain(own.map(|own| format!("`{}`", own.name))).collect();
+    let (of, name) = (of.join(", "), name.to_owned());
+    Err(SelectionError::Option { option, of, name, takes })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::{Args, FromArgMatches};
+
+    fn refusal(line: &str) -> Option<String> {
+        let words = line.split(' ');
+        let command = CampaignArguments::augment_args(clap::Command::new("campaign"));
+        let matches = command.try_get_matches_from(words).expect("it is a command");
+        let arguments = CampaignArguments::from_arg_matches(&matches).expect("it is one");
+        let name = name(&arguments).expect("it is a campaign");
+        let own = WITHOUT_FILE.iter().find(|own| own.name == name);
+        let takes = own.map_or(OF_FILES, |own| own.takes);
+        refuse_options(&arguments, &name, takes).err().map(|refused| refused.to_string())
+    }
+
+    #[test]
+    fn an_option_of_other_campaigns_is_refused_with_theirs_and_its_own() {
+        assert_eq!(refusal("campaign radio --first 3 --sample 2"), None);
+        assert_eq!(refusal("campaign kills --seeds 3 --shard 1/2"), None);
+        let said = refusal("campaign kills --first 3").expect("it is no option of a file");
+        assert!(
+            said.starts_with("--first N is for `radio`, `signals`; the campaign `kills` takes")
+        );
+        let said = refusal("campaign radio --seeds 3").expect("its number is its seed");
+        assert!(said.contains("campaigns of a file, `signals`") && said.contains("--sample N"));
+    }
+}

@@ -1,0 +1,176 @@
+//! The study of a campaign file: its runs, their records, and the verdict.
+
+use super::arguments::CampaignArguments;
+use super::blame::Blame;
+use super::document::document;
+use super::file::{Campaign, FILE};
+use super::jobs::{self, job};
+use super::launcher_death;
+use super::open::open;
+use super::plan::{Plan, plan};
+use super::record::Record;
+use super::sums::Sums;
+use super::targets::Targets;
+use super::verdict::{Scope, Verdict};
+use frame::batch::{Done, Job};
+use frame::{Crew, Found, Gave, Options, Study};
+use group::{Error, GroupOptions};
+use report::results::Document;
+use runtime::Mode;
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::process::ExitCode;
+
+/// Largest number of scenarios that are read before anything runs.
+const MAX_CHECKED: usize = 1_000;
+
+/// Runs a campaign file, or joins its parts.
+pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
+    frame::study::run::<FileCampaign>(arguments)
+}
+
+/// A campaign of a file with its runs.
+struct FileCampaign {
+    campaign: Campaign,
+    plan: Plan,
+    /// How the processes are started, for the drives without faults too.
+    group: GroupOptions,
+    may_kill_launcher: bool,
+}
+
+impl FileCampaign {
+    fn of(campaign: Campaign, arguments: &CampaignArguments) -> Result<Self, Error> {
+        let plan = plan(&campaign)?;
+        let may_kill_launcher = campaign.faults.iter().any(launcher_death::may_be);
+        Ok(Self { campaign, plan, group: arguments.group.clone(), may_kill_launcher })
+    }
+
+    /// Reads scenarios before anything runs: all of a small campaign, or evenly spread ones of a large one.
+    fn check(&self) -> Result<(), Error> {
+        let mut notices: BTreeSet<String> = BTreeSet::new();
+        let mut targets = Targets::default();
+        let stride = self.plan.len().div_ceil(MAX_CHECKED).max(1);
+        for place in (0..self.plan.len()).step_by(stride) {
+            let scenario = self.job(place)?.scenario;
+            // How OpenSCENARIO files are run.
+            notices.extend(scenario.notices().map(str::to_owned));
+            targets.note(&scenario);
+        }
+        targets.check()?;
+        jobs::fault_free(&self.campaign, &self.plan)?;
+        if self.plan.left_out() > 0 {
+            let count = self.plan.left_out();
+            notices.insert(format!(
+                "{count} combinations break a constraint of the scenario and are left out"
+            ));
+        }
+        notices.iter().for_each(|notice| report::print::note(&format!("note: {notice}")));
+        Ok(())
+    }
+}
+
+impl Study for FileCampaign {
+    type Arguments = CampaignArguments;
+    type Record = Record;
+    type Seen = ();
+
+    const NAME: &'static str = "campaign";
+    const KEEPS_JOURNAL: bool = true;
+    const JUDGES_SAMPLE: bool = true;
+
+    fn options(arguments: &CampaignArguments) -> Options<'_> {
+        let CampaignArguments { parts, jobs, group, results, .. } = arguments;
+        Options { parts: Some(parts), jobs: *jobs, group, results }
+    }
+
+    fn plan(arguments: &CampaignArguments) -> Result<Self, Error> {
+        let name = arguments.campaign.as_deref().unwrap_or_default();
+        let mut campaign = open(name)?;
+        if let Some(seeds) = arguments.seeds {
+            campaign.limit_seeds(seeds);
+        }
+        campaign.sample = arguments.sample.or(campaign.sample);
+        let study = Self::of(campaign, arguments)?;
+        study.check()?;
+        Ok(study)
+    }
+
+    fn reopen(arguments: &CampaignArguments, directory: &Path) -> Result<Self, Error> {
+        let kept = directory.join(FILE);
+        if kept.exists() {
+            Self::of(Campaign::read(&kept)?, arguments)
+        } else {
+            Self::plan(arguments)
+        }
+    }
+
+    fn inputs(&self) -> Option<(&'static str, String)> {
+        Some((FILE, self.campaign.to_toml()))
+    }
+
+    fn subject(&self) -> Result<String, Error> {
+        Ok(self.campaign.to_toml())
+    }
+
+    fn runs(&self) -> usize {
+        self.plan.len()
+    }
+
+    fn mode(&self) -> Mode {
+        self.campaign.mode
+    }
+
+    fn label(&self) -> String {
+        self.campaign.name.as_str().to_owned()
+    }
+
+    fn job(&self, run: usize) -> Result<Job, Error> {
+        job(&self.campaign, &self.plan.at(run))
+    }
+
+    fn is_alone(&self, run: usize) -> Result<bool, Error> {
+        Ok(self.may_kill_launcher && launcher_death::is_planned(&self.job(run)?.scenario))
+    }
+
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<Record, ()>, Error> {
+        let job = self.job(run)?;
+        if !launcher_death::is_planned(&job.scenario) {
+            return crew.drive_and_record(self, run, &job);
+        }
+        let (planned, mode) = (self.plan.at(run), self.campaign.mode);
+        let record = launcher_death::run(&planned, &job.scenario, mode, crew.going_on())?;
+        Ok(Gave { record, seen: (), repetition: None })
+    }
+
+    fn record(
+        &self,
+        run: usize,
+        job: &Job,
+        result: Result<Done, Error>,
+    ) -> Result<(Record, ()), Error> {
+        Ok((Record::new(&self.plan.at(run), &job.scenario, &result), ()))
+    }
+
+    fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
+        let Found { records, sample, shard, .. } = found;
+        let exposure = jobs::exposure(&self.campaign, &self.plan, &self.group)?;
+        let mut sums = Sums::default();
+        records.each(&mut |_, record| {
+            sums.add(record);
+            Ok(())
+        })?;
+        let is_mine = |run: &usize| shard.is_none_or(|shard| shard.holds(*run));
+        let planned = (0..self.runs()).filter(is_mine).count();
+        let scope = Scope { planned, is_part: shard.is_some() };
+        let mut verdict = Verdict::new(&self.campaign, &self.plan, scope, exposure, &sums, sample);
+        if !verdict.ok {
+            let mut blame = Blame::new(&self.plan, self.campaign.mode, verdict.broken_limits());
+            records.each(&mut |_, record| {
+                blame.add(record);
+                Ok(())
+            })?;
+            (verdict.failures, verdict.broken) = blame.found();
+        }
+        Ok(document(&verdict, &sums.all, records))
+    }
+}

@@ -1,0 +1,169 @@
+//! The faults of a run, drawn from the tables of the campaign's file.
+
+use super::drawn::{NotDrawable, check, drawn};
+use group::Failure;
+use rand_core::Rng;
+use rand_pcg::Pcg64;
+use toml::{Table, Value};
+
+/// Why no fault can be drawn from a table.
+#[derive(Debug, thiserror::Error)]
+pub enum TemplateError {
+    /// A number of faults.
+    #[error("faults: {key} = {value}, expected a whole number from 1 to 64")]
+    Count {
+        /// The key.
+        key: String,
+        /// Its value.
+        value: Value,
+    },
+    /// Whether a fault has runs of its own.
+    #[error("faults: alone = {0}, expected true or false")]
+    Alone(Value),
+    /// Too few services to strike together.
+    #[error(
+        "faults: together needs `service` to be a list of as many or more, and no `count` beside it"
+    )]
+    Together,
+    /// A key's value cannot be drawn.
+    #[error(transparent)]
+    NotDrawable(#[from] NotDrawable),
+}
+
+impl Failure for TemplateError {}
+
+/// How the faults of a run are drawn.
+#[derive(Debug)]
+pub enum Drawing {
+    /// The run has no faults.
+    None,
+    /// One template, as often as it says.
+    One(Template),
+    /// A number of faults, each from any of the templates.
+    Mixed {
+        /// The templates.
+        templates: Vec<Template>,
+        /// Least number of draws.
+        least: u32,
+        /// Largest number of draws.
+        most: u32,
+    },
+}
+
+impl Drawing {
+    /// The ways in which the runs of a campaign draw their faults. With `per_run`, all tables but those `alone` are mixed.
+    pub fn all(tables: &[Table], per_run: Option<[u32; 2]>) -> Result<Vec<Self>, TemplateError> {
+        let templates = tables.iter().map(Template::of).collect::<Result<Vec<_>, _>>()?;
+        if templates.is_empty() {
+            return Ok(vec![Self::None]);
+        }
+        let Some([least, most]) = per_run else {
+            return Ok(templates.into_iter().map(Self::One).collect());
+        };
+        let (alone, templates): (Vec<_>, Vec<_>) =
+            templates.into_iter().partition(|template| template.is_alone);
+        let mixed = (!templates.is_empty()).then_some(Self::Mixed { templates, least, most });
+        Ok(mixed.into_iter().chain(alone.into_iter().map(Self::One)).collect())
+    }
+
+    /// Words on the faults, for results.
+    pub fn label(&self) -> &str {
+        match self {
+            Self::None => "none",
+            Self::One(template) => &template.label,
+            Self::Mixed { .. } => "mixed",
+        }
+    }
+
+    /// The faults of a run as TOML, by its seed and the random stream of its scenario and drawing.
+    pub fn draw(&self, seed: u32, stream: u128) -> Vec<String> {
+        let mut random = Pcg64::new(seed.into(), stream);
+        // The first number of a stream is almost the same for all small seeds.
+        random.next_u64();
+        match self {
+            Self::None => Vec::new(),
+            Self::One(template) => template.draw(&mut random),
+            Self::Mixed { templates, least, most } => {
+                let span = f64::from(most - least + 1);
+                let count = least + (random::uniform(&mut random) * span) as u32;
+                let mut each = |_| {
+                    let which = random::uniform(&mut random) * templates.len() as f64;
+                    templates[which as usize].draw(&mut random)
+                };
+                (0..count).flat_map(&mut each).collect()
+            }
+        }
+    }
+}
+
+/// A fault with values that are drawn for each run.
+#[derive(Debug)]
+pub struct Template {
+    label: String,
+    /// It has runs of its own, also in a campaign that mixes its faults.
+    is_alone: bool,
+    count: usize,
+    /// All of them begin at the same instant, and no two act on the same service.
+    is_together: bool,
+    keys: Table,
+}
+
+impl Template {
+    fn of(table: &Table) -> Result<Self, TemplateError> {
+        let mut keys = table.clone();
+        let mut whole = |key: &str| match keys.remove(key) {
+            None => Ok(None),
+            Some(Value::Integer(count @ 1..=64)) => Ok(Some(count as usize)),
+            Some(value) => Err(TemplateError::Count { key: key.to_owned(), value }),
+        };
+        let (count, together) = (whole("count")?, whole("together")?);
+        let is_alone = match keys.remove("alone") {
+            None => false,
+            Some(Value::Boolean(alone)) => alone,
+            Some(other) => return Err(TemplateError::Alone(other)),
+        };
+        let services = keys.get("service").and_then(Value::as_array).map_or(0, Vec::len);
+        if together.is_some_and(|together| together > services || count.is_some()) {
+            return Err(TemplateError::Together);
+        }
+        for (key, value) in &keys {
+            check(key, value)?;
+        }
+        let word = |key: &str| match keys.get(key) {
+            Some(Value::String(word)) => Some(word.clone()),
+            _ => None,
+        };
+        let parts = ["kind", "service", "topic", "field"].into_iter().filter_map(word);
+        Ok(Self {
+            label: parts.collect::<Vec<_>>().join(" "),
+            is_alone,
+            count: count.or(together).unwrap_or(1),
+            is_together: together.is_some(),
+            keys,
+        })
+    }
+
+    /// As many faults as the template says, as TOML.
+    fn draw(&self, random: &mut Pcg64) -> Vec<String> {
+        let shared = |key: &str| self.is_together && matches!(key, "at_s" | "when");
+        let mut keys = self.keys.clone();
+        for (_, value) in keys.iter_mut().filter(|(key, _)| shared(key)) {
+            *value = drawn(value, random);
+        }
+        let mut draw = |_| {
+            let mut pairs = Vec::new();
+            for (key, value) in &mut keys {
+                let one = if shared(key) { value.clone() } else { drawn(value, random) };
+                if self.is_together
+                    && key == "service"
+                    && let Value::Array(left) = value
+                {
+                    left.retain(|other| *other != one);
+                }
+                pairs.push(format!("{key} = {one}"));
+            }
+            format!("{{ {} }}", pairs.join(", "))
+        };
+        (0..self.count).map(&mut draw).collect()
+    }
+}
