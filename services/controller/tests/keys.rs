@@ -298,23 +298,13 @@ fn differs(scenario: &Scenario, recorded: &Record) -> bool {
 }
 
 /// Keys that no scene here can show, with the reason.
-const RARE: [(&str, &str, &str); 12] = [
+const RARE: [(&str, &str, &str); 10] = [
     ("acc-signal-stop", "max_request_mps2", "limits road.acceleration_mps2, as for acc-mpc"),
     ("acc-signal-stop", "signal_stop.stop_deceleration_mps2", "acts in the scenario corridor"),
     ("acc-signal-stop", "signal_stop.stop_margin_m", "acts in the scenario corridor"),
     ("predictive", "predictive.follow.free_min_mps2", "acts in the scenario truck-follow"),
     ("predictive", "predictive.bounds.drag_share", "acts in the scenario truck-hills"),
     ("predictive", "predictive.plan.terminal_square", "acts in the scenario truck-hills"),
-    (
-        "predictive",
-        "predictive.gap.stopping_mps2",
-        "changes the warning of a near target, which is rare",
-    ),
-    (
-        "predictive",
-        "predictive.gap.drag_mps2",
-        "lets a far target count, which is rare behind a car",
-    ),
     ("acc-mpc", "max_request_mps2", "limits road.acceleration_mps2, which bounds the request"),
     ("cacc-mpc", "max_request_mps2", "limits road.acceleration_mps2, which bounds the request"),
     (

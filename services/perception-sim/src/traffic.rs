@@ -174,8 +174,8 @@ impl Mover {
             lateral_m,
             lateral_speed_mps,
             length_m: self.actor.length_m.value(),
-            width_m: VEHICLE_WIDTH_M,
-            touches_within_m: VEHICLE_WIDTH_M,
+            width_m: self.actor.width_m.value(),
+            touches_within_m: 0.5 * (self.actor.width_m.value() + VEHICLE_WIDTH_M),
         }
     }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::cycle::Cycle;
-use super::event::ActorEvent;
+use super::event::{ActorEvent, VEHICLE_WIDTH_M};
 use super::name::Name;
 use super::quantity::{
     Acceleration, AccelerationMagnitude, Distance, Duration, Lateral, Length, Speed, Time,
@@ -34,6 +34,9 @@ pub struct Actor {
     /// Length, m.
     #[serde(default = "car_length")]
     pub length_m: Length,
+    /// Width, m.
+    #[serde(default = "car_width")]
+    pub width_m: Length,
     /// Lateral position of its centre when it appears, m from the centre of the ego's lane, left
     /// positive.
     #[serde(default = "in_lane")]
@@ -186,6 +189,10 @@ impl LateralMotion {
 
 fn car_length() -> Length {
     Length::of(4.5)
+}
+
+fn car_width() -> Length {
+    Length::of(VEHICLE_WIDTH_M)
 }
 
 fn in_lane() -> Lateral {

@@ -30,7 +30,7 @@ use super::quantity::{
 
 /// Most events of an actor.
 pub(super) const MAX_EVENTS: usize = 100;
-/// Width of every vehicle of a scenario file, m.
+/// Width of the ego, and of a vehicle whose `width_m` is absent, m.
 pub const VEHICLE_WIDTH_M: f64 = 1.8;
 
 /// Something that an actor does once.

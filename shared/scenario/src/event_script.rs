@@ -38,20 +38,21 @@ impl Scenario {
 /// The events of a scenario's actors as a storyboard. Origins are at rear bumpers, `t` counts from the
 /// middle of the ego's lane.
 fn of_events(scenario: &Scenario) -> Script {
-    let body = |length_m: f64| Body {
+    let body = |length_m: f64, width_m: f64| Body {
         center_ahead_m: 0.5 * length_m,
         center_left_m: 0.0,
         length_m,
-        width_m: VEHICLE_WIDTH_M,
+        width_m,
     };
     let ego_length_m = scenario.plant.length_m.value();
-    let entity = |name: &str, length_m: f64, drive: Drive| Entity {
+    let entity = |name: &str, body: Body, drive: Drive| Entity {
         name: name.to_owned(),
         category: Category::Vehicle,
-        body: body(length_m),
+        body,
         drive,
     };
-    let mut entities = vec![entity("the ego", ego_length_m, Drive::External)];
+    let ego = body(ego_length_m, VEHICLE_WIDTH_M);
+    let mut entities = vec![entity("the ego", ego, Drive::External)];
     let place = |actor, s_m, t_m| InitAction {
         actor: Some(actor),
         action: Action::Teleport(Position {
@@ -69,7 +70,8 @@ fn of_events(scenario: &Scenario) -> Script {
     for (index, actor) in scenario.actors.iter().enumerate() {
         let moved = !actor.events.is_empty();
         let drive = if moved { Drive::Scripted } else { Drive::External };
-        entities.push(entity(actor.name.as_str(), actor.length_m.value(), drive));
+        let body = body(actor.length_m.value(), actor.width_m.value());
+        entities.push(entity(actor.name.as_str(), body, drive));
         if moved {
             init.push(place(index + 1, actor.gap_m.value(), actor.lateral_offset_m.value()));
             let initial_mps = actor.initial_speed_mps.map_or(0.0, |speed| speed.value());

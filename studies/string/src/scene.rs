@@ -3,6 +3,7 @@
 use controller::laws;
 use group::Failure;
 use scenario::actor::{Actor, Profile, Sine};
+use scenario::event::VEHICLE_WIDTH_M;
 use scenario::name::Name;
 use scenario::quantity::{
     Acceleration, Distance, Duration, Height, Lateral, Length, OutOfRange, Seed, Speed, Time,
@@ -159,6 +160,7 @@ fn actor(name: &str, gap_m: Distance, length_m: Length) -> Actor {
         initial_speed_mps: None,
         max_speed_mps: None,
         length_m,
+        width_m: Length::of(VEHICLE_WIDTH_M),
         lateral_offset_m: Lateral::of(0.0),
         appears_at_s: Time::of(0.0),
         leaves_at_s: None,

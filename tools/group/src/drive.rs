@@ -11,6 +11,8 @@ pub struct Drive {
     pub steps: Vec<DriveStep>,
     /// Ground truth of the other vehicles, in order of time.
     pub vehicles: Vec<VehicleTruth>,
+    /// Times at which the emergency brake began to brake, s.
+    pub interventions_s: Vec<f64>,
     /// Counts of received messages, per topic.
     pub received: Vec<ReceivedTopic>,
     /// Age of the signal timing behind the control cycles, µs.

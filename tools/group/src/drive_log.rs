@@ -6,8 +6,8 @@ use crate::kept_steps::{KeptSteps, MOST_IN_REALTIME};
 use crate::report::ControlFigures;
 use bytemuck::Zeroable;
 use messages::{
-    Command, Diagnostics, EgoTruth, Header, Heartbeat, Message, Powertrain, Service, ServiceState,
-    Topic, VehicleTruth,
+    Brake, Command, Diagnostics, EgoTruth, Header, Heartbeat, Message, Powertrain, Service,
+    ServiceState, Topic, VehicleTruth,
 };
 use runtime::statistics::Latencies;
 use runtime::{Group, InProcess, Mode, Observed, Observer, RuntimeError, Timetable};
@@ -24,6 +24,7 @@ pub struct DriveLog {
     truth: Observed<VehicleTruth>,
     command: Observed<Command>,
     diagnostics: Observed<Diagnostics>,
+    brake: Observed<Brake>,
     heartbeat: Observed<Heartbeat>,
     /// In realtime: topics that show the first messages of restarted services, beside those above.
     others: Vec<Box<dyn Headers>>,
@@ -41,6 +42,9 @@ pub struct DriveLog {
     cycles: Vec<Diagnostics>,
     history: CycleHistory,
     signal_ages: Latencies,
+    /// The emergency brake braked in its last message.
+    is_braking: bool,
+    interventions_s: Vec<f64>,
     /// True in realtime: the supervisor takes the signs of life.
     supervised: bool,
     kept: KeptSteps,
@@ -114,7 +118,8 @@ impl DriveLog {
             (timetable.stride(Service::PerceptionSim), timetable.stride(Service::Controller));
         let others = Service::ALL.map(Topic::showing).into_iter();
         let others = others.filter(|topic| {
-            mode == Mode::Realtime && ![EgoTruth::TOPIC, Command::TOPIC].contains(topic)
+            mode == Mode::Realtime
+                && ![EgoTruth::TOPIC, Command::TOPIC, Brake::TOPIC].contains(topic)
         });
         let mut this = Self {
             ego: observer.listen()?,
@@ -122,6 +127,7 @@ impl DriveLog {
             truth: observer.listen()?,
             command: observer.listen()?,
             diagnostics: observer.listen()?,
+            brake: observer.listen()?,
             heartbeat: observer.listen()?,
             others: others.map(|topic| listen_to(&observer, topic)).collect::<Result<_, _>>()?,
             observer,
@@ -135,6 +141,8 @@ impl DriveLog {
             cycles: Vec::with_capacity(room(Service::Controller)),
             history: CycleHistory::new(controller),
             signal_ages: Latencies::default(),
+            is_braking: false,
+            interventions_s: Vec::new(),
             supervised: mode == Mode::Realtime,
             kept: KeptSteps::new(mode, perception, controller),
             signs: Vec::new(),
@@ -221,6 +229,14 @@ impl DriveLog {
                 self.cycles.pop();
             }
             self.cycles.push(*m);
+        })?;
+        self.brake.drain(|m| {
+            note(Brake::TOPIC, &m.header);
+            let is_braking = m.deceleration_mps2 > 0.0;
+            if is_braking && !self.is_braking {
+                self.interventions_s.push(m.header.acquisition_ns as f64 / 1e9);
+            }
+            self.is_braking = is_braking;
         })?;
         for topic in &mut self.others {
             topic.drain_headers(&mut note)?;
@@ -332,7 +348,13 @@ impl DriveLog {
             ego.powertrain = take_step(&mut powertrains, step, |p| p.0).map(|p| p.1);
         }
         let signal_age_us = self.signal_ages.percentiles_us();
-        Ok(Drive { steps: self.steps, vehicles: self.truths, received, signal_age_us })
+        Ok(Drive {
+            steps: self.steps,
+            vehicles: self.truths,
+            interventions_s: self.interventions_s,
+            received,
+            signal_age_us,
+        })
     }
 }
 

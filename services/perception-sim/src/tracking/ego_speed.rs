@@ -12,8 +12,12 @@
 use crate::radar::scene::Ego;
 use messages::{Detection, MAX_DETECTIONS};
 
-/// Detections nearer to the ego's axis than this may be vehicles ahead, m.
+/// Detections nearer to the ego's axis than this may be vehicles of this lane or the next one, m. Chosen: the far side of
+/// a vehicle in the middle of a lane of 3.5 m.
 const OFF_LANE_M: f64 = 4.5;
+/// The same of a distant detection grows with its range, rad: three standard deviations of the azimuth of an echo at the
+/// threshold of 12 dB. Otherwise a queue that crawls in the next lane passes for what stands.
+const OFF_LANE_RAD: f64 = 0.015;
 /// Speed by which a standing object's detection may be off, m/s.
 const NOISE_MPS: f64 = 0.6;
 /// Largest acceleration of the ego, m/s².
@@ -93,7 +97,8 @@ impl EgoSpeed {
         self.votes_mps.clear();
         for detection in detections {
             let (sine, cosine) = libm::sincos(detection.azimuth_rad);
-            let is_beside = (detection.range_m * sine).abs() > OFF_LANE_M && cosine > 0.5;
+            let lane_m = OFF_LANE_M + OFF_LANE_RAD * detection.range_m;
+            let is_beside = (detection.range_m * sine).abs() > lane_m && cosine > 0.5;
             if is_beside && detection.ambiguity_group == 0 {
                 self.votes_mps.push(-detection.range_rate_mps / cosine);
             }
@@ -169,6 +174,29 @@ mod tests {
         assert!((chosen.speed_mps - 20.0).abs() < 0.3, "{chosen:?}");
         let chosen = speed.take_scan(200_000_000, told(20.0), &scan(20.0, 0, 0.0));
         assert_eq!(chosen.speed_mps, 20.0, "it agrees again");
+    }
+
+    /// Points of a queue in the next lane whose azimuth is off, nearer to the last estimate than any post.
+    #[test]
+    fn a_queue_that_crawls_in_the_next_lane_does_not_stand() {
+        let mut speed = EgoSpeed::default();
+        let ego_mps = 15.0;
+        for k in 0..40 {
+            let mut detections = scan(ego_mps, 0, 0.0);
+            detections.extend((0..20).map(|place| {
+                let (x_m, noise_rad) = (30.0 + 4.0 * f64::from(place), f64::from(k % 3) * 0.005);
+                let azimuth_rad = libm::atan2(4.4, x_m) + noise_rad;
+                Detection {
+                    range_m: libm::hypot(x_m, 4.4),
+                    range_rate_mps: (1.0 - ego_mps) * libm::cos(azimuth_rad),
+                    azimuth_rad,
+                    ..Detection::zeroed()
+                }
+            }));
+            speed.take_scan(i64::from(k) * 50_000_000, told(ego_mps), &detections);
+            let (measured, _) = speed.measured().expect("six posts");
+            assert!((measured - ego_mps).abs() < 0.4, "{measured}");
+        }
     }
 
     #[test]

@@ -93,9 +93,12 @@ fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
     let vehicle = reader.plant().vehicle;
     let preset = Preset::named(vehicle.as_str()).unwrap_or(Preset::Jh6At49T);
     reader.without(TABLE.name, keys.planner.unused());
-    if vehicle.is_truck() {
-        reader.without(TABLE.name, &["lead_deceleration_mps2"]);
-    }
+    // A car brakes as its own driver model says, not by the truck's estimates of risk.
+    let of_the_other_vehicle: &[&str] = match vehicle.is_truck() {
+        true => &["lead_deceleration_mps2"],
+        false => &["gap.stopping_mps2", "gap.drag_mps2"],
+    };
+    reader.without(TABLE.name, of_the_other_vehicle);
     let car = (!vehicle.is_truck()).then(|| {
         let lag_s = key!(reader, model_time_constant_s).value();
         let headway_s = key!(reader, time_headway_s).value();
