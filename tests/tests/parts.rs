@@ -183,6 +183,29 @@ fn journals_that_do_not_fit_are_refused() {
     assert!(words.iter().all(|word| text(&output).contains(word)), "{}", text(&output));
 }
 
+fn a_campaigns_part_goes_on_and_is_merged_without_the_file_of_its_command() {
+    let corner = Corner::new(PROGRAM);
+    std::fs::write(corner.path().join("small.toml"), CAMPAIGN).expect("our own directory");
+    let own = ["campaign", "small.toml", "--seeds", "1", "--out"];
+    let done = |arguments: &[&str]| {
+        let output = corner.run(arguments);
+        assert!(matches!(output.status.code(), Some(0 | 1)), "{arguments:?}: {}", text(&output));
+    };
+    done(&[&own[..], &["whole"]].concat());
+    for shard in ["1/2", "2/2"] {
+        done(&[&own[..], &[&shard[..1], "--shard", shard]].concat());
+    }
+    std::fs::remove_file(corner.path().join("small.toml")).expect("our own file");
+    let journal = corner.path().join("2/runs.jsonl");
+    let kept = std::fs::read_to_string(&journal).expect("a journal");
+    let first = kept.lines().next().expect("a run").to_owned() + "\n";
+    std::fs::write(&journal, first).expect("our own file");
+    done(&["campaign", "--resume", "2"]);
+    assert_eq!(file(&corner, "2/runs.jsonl"), kept, "its own runs, the same bytes");
+    done(&["campaign", "--merge", "1", "2", "--out", "merged"]);
+    assert_eq!(file(&corner, "merged/campaign.json"), file(&corner, "whole/campaign.json"));
+}
+
 fn a_killed_part_goes_on_with_what_it_kept() {
     let corner = Corner::new(PROGRAM);
     std::fs::write(corner.path().join("small.toml"), CAMPAIGN).expect("our own directory");
@@ -446,6 +469,10 @@ fn main() -> ExitCode {
         case(
             "nothing_is_gone_on_with_that_was_not_begun",
             nothing_is_gone_on_with_that_was_not_begun,
+        ),
+        case(
+            "a_campaigns_part_goes_on_and_is_merged_without_the_file_of_its_command",
+            a_campaigns_part_goes_on_and_is_merged_without_the_file_of_its_command,
         ),
         case("a_killed_part_goes_on_with_what_it_kept", a_killed_part_goes_on_with_what_it_kept),
         needing(

@@ -9,32 +9,27 @@ use std::num::{NonZeroU32, NonZeroUsize};
 
 /// Arguments of `campaign`.
 #[derive(Debug, Args)]
-#[command(
-    after_help = "Built-in campaigns: kills, messages, restarts, soak, takeovers. `plausibility` prints how often and how \
-fast the controller's checks of its inputs find a false sender, `radio` what becomes of frames that are lost, late \
-and falsified (2,000 runs, or --sample N from --first M on), `signals` trips through corridors of signals, `cacc-mpc` \
-against an ACC that stops for them (500 corridors, or --seeds N from --first M on)."
-)]
+#[command(after_help = "`timegap list` describes the built-in campaigns.")]
 pub struct CampaignArguments {
     /// A campaign file, an OpenSCENARIO parameter variation (.xosc), or the name of a built-in campaign
     #[arg(conflicts_with = "merge")]
     pub campaign: Option<String>,
-    /// Do only N of the runs, drawn by the first seed
+    /// Do only N of the runs, drawn by the first seed; number of runs (`radio`) [default: 2000]
     #[arg(long, value_name = "N", conflicts_with = "merge")]
     pub sample: Option<NonZeroUsize>,
-    /// Begin with run or corridor number N: `radio` and `signals` alone
+    /// Begin with run or corridor number N (`radio` and `signals`) [default: 1]
     #[arg(long, value_name = "N", conflicts_with = "merge")]
     pub first: Option<NonZeroUsize>,
-    /// Runs of every combination, instead of what the file says
+    /// Runs of every combination [default: as in the file]; number of corridors (`signals`) [default: 500]
     #[arg(long, value_name = "N", conflicts_with = "merge")]
     pub seeds: Option<NonZeroU32>,
-    /// Hours of random drives without faults: `plausibility` alone [default: 3]
+    /// Hours of random drives without faults (`plausibility`) [default: 3]
     #[arg(long, value_name = "H", conflicts_with = "merge")]
     pub hours: Option<Hours>,
-    /// Seed of these drives: `plausibility` alone [default: 1]
+    /// Seed of these drives (`plausibility`) [default: 1]
     #[arg(long, value_name = "S", conflicts_with = "merge")]
     pub seed: Option<u32>,
-    /// In parts.
+    /// Parts of the campaign.
     #[command(flatten)]
     pub parts: PartOptions,
     /// Runs at once [default: one per core; 1 in realtime]
@@ -48,7 +43,7 @@ pub struct CampaignArguments {
     pub results: ResultOptions,
 }
 
-/// A number of hours that a study can drive.
+/// Hours of driving, from 0.01 to 1000.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hours(f64);
 
@@ -67,7 +62,7 @@ impl std::str::FromStr for Hours {
     }
 }
 
-/// A text is no number of hours.
+/// A text that is not such a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct NotHours;
 

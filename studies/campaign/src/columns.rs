@@ -12,6 +12,9 @@ use report::results::{
 use serde::Serialize;
 use serde_json::{Value, json};
 
+/// Weight of the columns of runs that are also among the totals.
+pub const LEFT_OUT: u8 = 4;
+
 /// Fields of the verdict beside its lists and sums.
 const FIELDS: &[Column<Verdict>] = &[
     flag("ok", "", ("ok", "BROKEN"), "All runs were done, and all requirements hold"),
@@ -20,138 +23,95 @@ const FIELDS: &[Column<Verdict>] = &[
     count("planned", "", "Runs that were to be done"),
     count("unaccounted", "", "Planned runs without a record"),
     count("left_out", "", "Combinations of a variation that break a constraint of its scenario"),
-    fact(
-        "met_nothing",
-        "",
-        "No fault acted in a critical phase, and no requirement says that this is meant",
-    ),
+    fact("met_nothing", "", "No fault acted in a critical phase, and no limit allows that"),
     count("processes_sample.runs", "", "Runs that were repeated as separate processes"),
     count("processes_sample.different", "", "Repeated runs whose messages were other bytes"),
 ];
 
-/// The sums over some runs: the shown ones make a table of runs, the hidden ones are totals.
+/// The sums over some runs. The shown ones make a table of runs; `totals` has the others of all runs.
 pub fn sums<R>() -> Vec<Column<R>> {
-    vec![
+    let shown = [
         count("runs", "runs", "Runs"),
         count("completed", "completed", "Runs that reached their end"),
         count("safe_stops", "safe stops", "Runs that ended in a safe stop").weight(2),
         count("collisions", "collisions", "Runs that ended in a collision"),
-        count(
-            "avoidable_collisions",
-            "avoidable collisions",
-            "Collisions that a braking reference avoids",
-        )
-        .hidden(),
         count("interventions", "emergency brakings", "Interventions of the emergency brake")
             .weight(1),
         count("red_lights", "red lights", "Runs that ended at a red light"),
-        count(
-            "driven_by_backup",
-            "driven by backup",
-            "Runs in which the backup law drove too much",
-        )
-        .weight(3),
+        count("driven_by_backup", "driven by backup", "Runs that the backup law drove").weight(3),
         count("aborted", "aborted", "Runs that were aborted").weight(2),
         number("min_gap_m", "min gap", "m", 1, "Smallest gap to the vehicle ahead").weight(1),
         number("min_ttc_s", "min TTC", "s", 1, "Least time to collision").weight(1),
-        micros(
-            "recovery_us.p50",
-            "recovery p50",
-            "Time until the next process's first message, median",
-        )
-        .weight(4),
-        micros("recovery_us.max", "recovery max", "The longest such time").weight(4),
-        count("recovery_us.count", "recoveries", "Timed recoveries").hidden(),
-        nested(
-            "recovery_us",
-            Kind::Object,
-            "From a process fault to the next process's first message, µs",
-        ),
-        micros("detection_us.p50", "detection p50", "Time until the launcher noticed, median")
-            .hidden(),
-        micros("detection_us.max", "detection max", "The longest such time").hidden(),
-        nested(
-            "detection_us",
-            Kind::Object,
-            "From a process fault until the launcher noticed it, µs",
-        ),
-        micros("take_over_us.p50", "take-over p50", "Time until a ready standby spoke, median")
-            .hidden(),
-        micros("take_over_us.max", "take-over max", "The longest such time").hidden(),
-        count("take_over_us.count", "take-overs", "Take-overs by a ready standby").hidden(),
-        nested("take_over_us", Kind::Object, "Recoveries in which a ready standby took over, µs"),
-        number("command_overdue_ms", "longest time without a due command", "ms", 0, "At the plant")
-            .hidden(),
-        count("faults", "faults that acted", "Faults that acted").hidden(),
-        count(
+        micros("recovery_us.p50", "recovery p50", "Median time of a recovery").weight(LEFT_OUT),
+        micros("recovery_us.max", "recovery max", "Longest time of a recovery").weight(LEFT_OUT),
+    ];
+    // An object follows its parts: it is null where nothing was timed.
+    let timed = [
+        total("recovery_us.count", "recoveries", "Timed recoveries"),
+        nested("recovery_us", Kind::Object, "From a fault to the next process's first message, µs"),
+        micros("detection_us.p50", "detection p50", "Median time until it was noticed").hidden(),
+        micros("detection_us.max", "detection max", "Longest time until it was noticed").hidden(),
+        nested("detection_us", Kind::Object, "From a fault until the launcher noticed it, µs"),
+        micros("take_over_us.p50", "take-over p50", "Median time of a take-over").hidden(),
+        micros("take_over_us.max", "take-over max", "Longest time of a take-over").hidden(),
+        total("take_over_us.count", "take-overs", "Timed take-overs"),
+        nested("take_over_us", Kind::Object, "Recoveries by a standby that was ready, µs"),
+        nested("phases", Kind::Object, "Faults that acted in each phase"),
+        nested("rungs_s", Kind::Object, "Time of each service on each degradation level, s"),
+    ];
+    shown.into_iter().chain(timed).chain(totals()).collect()
+}
+
+/// Sums over all runs that are told unless they are zero.
+fn totals<R>() -> [Column<R>; 25] {
+    [
+        total("avoidable_collisions", "avoidable collisions", "That a braking reference avoids"),
+        amount("command_overdue_ms", "plant without a due command", "ms", "Longest time"),
+        total("faults", "faults that acted", "Faults that acted"),
+        total(
             "critical_faults",
             "faults in critical phases",
             "Faults that acted in a critical phase",
-        )
-        .hidden(),
-        nested("phases", Kind::Object, "Faults that acted in each phase"),
-        count("kills", "processes killed", "Killed processes").hidden(),
-        count("double_kills", "pairs killed within 5 ms", "Pairs of services killed within 5 ms")
-            .hidden(),
-        count("starting_kills", "killed while starting", "Processes killed before they took part")
-            .hidden(),
-        count("helper_kills", "helpers killed", "Recorders, janitors and launchers killed")
-            .hidden(),
-        count("launcher_kills", "launchers killed", "Runs that ended with their launcher").hidden(),
-        count("recordings_lost", "recordings lost", "Recordings that are unreadable or end early")
-            .hidden(),
-        count("unrecovered", "unrecovered", "Process faults without a recovery in completed runs")
-            .hidden(),
-        count(
+        ),
+        total("kills", "processes killed", "Killed processes"),
+        total("double_kills", "pairs killed within 5 ms", "Pairs of services killed within 5 ms"),
+        total("starting_kills", "killed while starting", "Killed before they took part"),
+        total("helper_kills", "helpers killed", "Killed recorders, janitors and launchers"),
+        total("launcher_kills", "launchers killed", "Runs that ended with their launcher"),
+        total("recordings_lost", "recordings lost", "Recordings that cannot be read or end early"),
+        total("unrecovered", "unrecovered", "Process faults without a recovery"),
+        total(
             "degraded",
             "services degraded at the end",
             "Services below the first level at the end",
-        )
-        .hidden(),
-        count("leaks", "leftovers", "Objects and processes left behind").hidden(),
-        count("messages_lost", "messages lost", "Lost messages").hidden(),
-        count(
-            "disturbed",
-            "messages disturbed",
-            "Messages that faults disturbed, over all receivers",
-        )
-        .hidden(),
-        count("corrupted", "messages corrupted", "Messages that faults corrupted").hidden(),
-        count(
-            "undetected_corruptions",
-            "corruptions accepted",
-            "Corrupted messages that were accepted",
-        )
-        .hidden(),
-        nested("rungs_s", Kind::Object, "Time of each service on each degradation level, s"),
-        number("all_memory_kib", "memory of all services", "KiB", 0, "Largest sum over a run")
-            .hidden(),
-        number("all_descriptors", "descriptors of all services", "", 0, "Largest sum over a run")
-            .hidden(),
-        number("all_shared_memory_kib", "shared memory", "KiB", 0, "Largest sum over a run")
-            .hidden(),
-        number(
-            "memory_growth_kib",
-            "largest growth of memory",
-            "KiB",
-            0,
-            "Of one service in a run",
-        )
-        .hidden(),
-        word("memory_growth_of", "it was of", "The service whose memory grew most").hidden(),
-        number(
-            "descriptor_growth",
-            "largest growth of descriptors",
-            "",
-            0,
-            "Of one service in a run",
-        )
-        .hidden(),
-        number("shared_memory_growth_kib", "largest growth of shared memory", "KiB", 0, "In a run")
-            .hidden(),
-        number("shared_memory_object_growth", "largest growth of its objects", "", 0, "In a run")
-            .hidden(),
+        ),
+        total("leaks", "leftovers", "Objects and processes left behind"),
+        total("messages_lost", "messages lost", "Lost messages"),
+        total("disturbed", "messages disturbed", "Disturbed by faults, over all receivers"),
+        total("corrupted", "messages corrupted", "Corrupted by faults"),
+        total("undetected_corruptions", "corruptions accepted", "Accepted corrupted messages"),
+        amount("all_memory_kib", "memory of all services", "KiB", "Largest of all runs"),
+        amount("all_descriptors", "descriptors of all services", "", "Largest of all runs"),
+        amount("all_shared_memory_kib", "shared memory", "KiB", "Largest of all runs"),
+        amount("memory_growth_kib", "growth of memory", "KiB", "Largest of a service in a run"),
+        word("memory_growth_of", "memory grew in", "The service that grew most").hidden(),
+        amount("descriptor_growth", "growth of descriptors", "", "Largest of a service in a run"),
+        amount("shared_memory_growth_kib", "growth of shared memory", "KiB", "Largest in a run"),
+        amount("shared_memory_object_growth", "growth of its objects", "", "Largest in a run"),
     ]
+}
+
+const fn total<R>(name: &'static str, heading: &'static str, meaning: &'static str) -> Column<R> {
+    count(name, heading, meaning).hidden()
+}
+
+const fn amount<R>(
+    name: &'static str,
+    heading: &'static str,
+    unit: &'static str,
+    meaning: &'static str,
+) -> Column<R> {
+    number(name, heading, unit, 0, meaning).hidden()
 }
 
 /// Columns of the requirements.
@@ -206,8 +166,8 @@ pub const BROKEN: &[Column<Broken>] = &[
 /// Some runs with their sums, for people.
 #[derive(Serialize)]
 pub struct Line<'a> {
-    /// The thing that they have in common.
-    pub by: &'static str,
+    /// The thing that they have in common; none in a table of combinations.
+    pub by: Option<&'static str>,
     /// Its value.
     pub of: String,
     /// The sums.
@@ -219,7 +179,7 @@ pub struct Line<'a> {
 pub fn lines<'a>() -> Vec<Column<Line<'a>>> {
     let names = [word("by", "", ""), word("of", "runs of", "Scenario, controller and fault")];
     let p99 = micros("", "recovery p99", "")
-        .weight(4)
+        .weight(LEFT_OUT)
         .of(|line: &Line<'_>| json!(line.tally.recovery_us.as_ref().and_then(report::print::p99)));
     names.into_iter().chain(sums()).chain([p99]).collect()
 }

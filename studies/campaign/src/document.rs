@@ -1,6 +1,6 @@
 //! A verdict as a document: tables, pictures and sentences.
 
-use super::columns::{BROKEN, EXPOSURE, FAILURES, Line, REQUIREMENTS, RUNS, lines, sums};
+use super::columns::{BROKEN, EXPOSURE, FAILURES, LEFT_OUT, Line, REQUIREMENTS, RUNS, lines, sums};
 use super::record::Record;
 use super::tally::{Sum, Tally};
 use super::verdict::Verdict;
@@ -60,14 +60,14 @@ pub fn document(verdict: &Verdict, runs: &Sum, records: Records<Record>) -> Docu
 fn runs_of(verdict: &Verdict, document: Document) -> Document {
     let columns = lines();
     let combinations = verdict.combinations.iter().map(|runs| Line {
-        by: "",
+        by: None,
         of: format!("{} {}, {}", runs.scenario, runs.controller, runs.fault),
         tally: &runs.tally,
     });
     let mut rows: Vec<Line<'_>> = combinations.collect();
     let are_many = rows.len() > MAX_LINES;
     if rows.len() > 1 && !are_many {
-        rows.push(Line { by: "", of: "all".into(), tally: &verdict.all });
+        rows.push(Line { by: None, of: "all".into(), tally: &verdict.all });
     }
     let combinations = Table::new("Runs", &columns, &rows);
     if !are_many {
@@ -79,9 +79,9 @@ fn runs_of(verdict: &Verdict, document: Document) -> Document {
         ("by fault", &verdict.faults),
     ];
     let rows = shared.into_iter().flat_map(|(by, all)| {
-        all.iter().map(move |runs| Line { by, of: runs.of.clone(), tally: &runs.tally })
+        all.iter().map(move |runs| Line { by: Some(by), of: runs.of.clone(), tally: &runs.tally })
     });
-    let all = Line { by: "all", of: "all".into(), tally: &verdict.all };
+    let all = Line { by: Some("all"), of: "all".into(), tally: &verdict.all };
     let rows: Vec<Line<'_>> = rows.chain([all]).collect();
     document.table(Table::new("Runs", &columns, &rows).blocks("by")).table(combinations.for_pages())
 }
@@ -93,7 +93,7 @@ struct Total {
     found: String,
 }
 
-/// The sums over all runs that have no column in the tables of runs, unless they are zero.
+/// The sums over all runs that the tables of runs do not show everywhere, unless they are zero.
 fn totals(all: &Tally) -> Table {
     const COLUMNS: &[Column<Total>] = &[word("figure", "all runs", ""), word("found", "found", "")];
     let json = serde_json::to_value(all).expect("plain data");
@@ -105,8 +105,9 @@ fn totals(all: &Tally) -> Table {
             Value::String(text) => !text.is_empty(),
             _ => false,
         };
-        let is_total = head.is_hidden && is_told;
-        is_total.then(|| Total { figure: head.title(), found: head.text(value) })
+        // A narrow terminal leaves out the columns of the largest weight.
+        let is_total = head.is_hidden || head.weight == LEFT_OUT;
+        (is_total && is_told).then(|| Total { figure: head.title(), found: head.text(value) })
     };
     let rows: Vec<Total> = sums().into_iter().filter_map(total).collect();
     Table::new("Totals", COLUMNS, &rows)

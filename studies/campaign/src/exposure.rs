@@ -1,5 +1,6 @@
-//! What drives meet: how near they come to what a fault could turn into an accident, and in which phase
-//! of the drive each fault struck. A campaign whose faults strike where nothing happens shows nothing.
+//! Critical phases of drives: those that a fault can turn into an accident, and the phases in which faults struck.
+//!
+//! A campaign whose faults strike where nothing happens shows nothing.
 
 use group::{DriveStep, FaultRecord};
 use messages::PhaseState;
@@ -10,11 +11,11 @@ use std::collections::BTreeMap;
 
 /// Time to collision below which a phase is critical, s.
 pub const CRITICAL_TTC_S: f64 = 4.0;
-/// Braking above which it is, m/s².
+/// Braking above which a phase is critical, m/s².
 pub const CRITICAL_BRAKING_MPS2: f64 = 1.5;
-/// Distance to a red line below which it is, m.
+/// Distance to a red line below which a phase is critical, m.
 pub const CRITICAL_LINE_M: f64 = 80.0;
-/// How long a fault of a process whose recovery is not known is taken to last, s.
+/// Assumed length of a process fault without a known recovery, s.
 const PROCESS_FAULT_S: f64 = 0.1;
 
 /// A phase of the drive in which a fault can do harm.
@@ -62,24 +63,24 @@ impl Phase {
     }
 }
 
-/// In which phases the faults of a run struck.
+/// The phases in which the faults of a run struck.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Struck {
     /// Faults that acted.
     pub faults: u64,
-    /// Those that acted in a critical phase.
+    /// Faults that acted in a critical phase.
     pub critical: u64,
-    /// How many acted in each phase.
+    /// Faults that acted in each phase.
     pub phases: BTreeMap<String, u64>,
 }
 
 impl Struck {
-    /// What the faults of a drive met.
+    /// The faults of a drive, by its steps.
     pub fn of(scenario: &Scenario, faults: &[FaultRecord], steps: &[DriveStep]) -> Self {
         let mut struck = Self::default();
         for record in faults {
             let asked = scenario.faults.get(record.number as usize);
-            // What never acted on a message met nothing.
+            // A fault that disturbed no message met nothing.
             let Some(fault) = asked.filter(|_| record.messages != Some(0)) else { continue };
             struck.faults += 1;
             let end_s = match (record.recovered_after_us, fault.effect.extent()) {
@@ -108,30 +109,33 @@ impl Struck {
     }
 }
 
-/// What a drive without faults meets.
+/// Critical phases of a drive without faults.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Exposure {
     pub scenario: String,
     pub controller: String,
     /// Hardest braking, m/s².
     pub hardest_braking_mps2: f64,
-    /// Least time to collision, s; null if it never came closer to anything.
+    /// Least time to collision, s; null if the ego never closed in.
     pub min_ttc_s: Option<f64>,
-    /// Signals that showed yellow, or red, when the ego was near.
+    /// Signals that were yellow when the ego was near.
     pub yellows_met: u64,
+    /// Signals that were red when the ego was near.
     pub reds_met: u64,
-    /// Times that the ego came to a standstill, and that a vehicle began to come into the lane.
+    /// Times that the ego came to a standstill.
     pub standstills: u64,
+    /// Times that a vehicle began to come into the lane.
     pub cut_ins: u64,
-    /// Time in standstill, and with a vehicle on its way into the lane, s.
+    /// Time in standstill, s.
     pub standstill_s: f64,
+    /// Time with a vehicle on its way into the lane, s.
     pub cut_in_s: f64,
     /// Share of the drive in a critical phase.
     pub critical_share: f64,
 }
 
 impl Exposure {
-    /// Of a drive with evenly spaced steps.
+    /// The phases of a drive with evenly spaced steps.
     pub fn of(scenario: String, controller: String, steps: &[DriveStep]) -> Self {
         let period_s = match steps {
             [first, second, ..] => second.time_s - first.time_s,
@@ -159,14 +163,14 @@ impl Exposure {
     }
 }
 
-/// How often something began.
+/// Number of steps at which a state begins.
 fn beginnings(steps: &[DriveStep], holds: fn(&DriveStep) -> bool) -> u64 {
     let now = steps.iter().map(holds);
     let before = std::iter::once(false).chain(now.clone());
     now.zip(before).filter(|(now, before)| *now && !before).count() as u64
 }
 
-/// How many lines were near while their signal showed `state`.
+/// Number of stop lines that were near while their signal showed `state`.
 fn met(steps: &[DriveStep], state: PhaseState) -> u64 {
     let mut count = 0;
     let mut last_m = None::<f64>;

@@ -12,7 +12,7 @@
 use group::DriveStep;
 use plant::ahead::{Ahead, required_deceleration};
 
-/// What the reference may do.
+/// Parameters of the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Braking {
     /// Deceleration above which a driver would act, m/s².
@@ -34,8 +34,7 @@ struct Sample {
     lead_mps2: f64,
 }
 
-/// True if the reference, in the place of the ego of this drive, would not have touched the vehicle
-/// ahead.
+/// True if the reference, driving in place of the ego, does not touch the vehicle ahead.
 pub fn avoids_contact(steps: &[DriveStep], braking: &Braking) -> bool {
     let samples = samples(steps);
     let needs = |sample: &Sample| {
@@ -47,7 +46,7 @@ pub fn avoids_contact(steps: &[DriveStep], braking: &Braking) -> bool {
         required_deceleration(sample.speed_mps, &ahead)
     };
     let Some(first) = samples.iter().position(|s| needs(s) > braking.comfortable_mps2) else {
-        // It never came near a collision.
+        // No braking was needed.
         return true;
     };
     let begin = samples[first];
@@ -63,31 +62,31 @@ pub fn avoids_contact(steps: &[DriveStep], braking: &Braking) -> bool {
     samples[first..].iter().all(clear) && stays_clear(&begin, stop_s, position_m, &samples)
 }
 
-/// The time after the record's end, until the reference stands.
+/// True if the reference stays clear from the end of the record until it stands.
 fn stays_clear(
     begin: &Sample,
     stop_s: f64,
     position_m: impl Fn(f64) -> f64,
     samples: &[Sample],
 ) -> bool {
-    /// Time between two looks, s.
-    const LOOK_S: f64 = 0.01;
+    /// Time between two checks, s.
+    const CHECK_S: f64 = 0.01;
     let Some(last) = samples.last() else { return true };
     let braking = (-last.lead_mps2).max(0.0);
     let lead_stops_s = if braking > 0.0 { last.lead_speed_mps / braking } else { f64::INFINITY };
     let left_s = begin.time_s + stop_s - last.time_s;
-    let looks = (left_s / LOOK_S).ceil().max(0.0) as u64;
-    (1..=looks).map(|look| look as f64 * LOOK_S).all(|after_s| {
+    let checks = (left_s / CHECK_S).ceil().max(0.0) as u64;
+    (1..=checks).map(|check| check as f64 * CHECK_S).all(|after_s| {
         let braked_s = after_s.min(lead_stops_s);
         let rear_m = last.rear_m + (last.lead_speed_mps - 0.5 * braking * braked_s) * braked_s;
         position_m(last.time_s + after_s) < rear_m
     })
 }
 
-/// The samples with a vehicle ahead. The acceleration of the vehicle ahead is the slope of its
-/// speed, while it is the same one: a speed that jumps is another vehicle's.
+/// The samples with a vehicle ahead. Its acceleration is the slope of its speed. Where the speed jumps, another
+/// vehicle is ahead from then on.
 fn samples(steps: &[DriveStep]) -> Vec<Sample> {
-    /// Slope that no vehicle has, m/s².
+    /// Slope beyond that of any vehicle, m/s².
     const JUMP_MPS2: f64 = 30.0;
     let mut samples: Vec<Sample> = Vec::new();
     for step in steps {
@@ -201,7 +200,7 @@ mod tests {
 
     #[test]
     fn a_reference_that_still_rolls_at_the_records_end_is_followed_until_it_stands() {
-        // The record ends just after the first look: the lead keeps braking as hard as the reference.
+        // The record ends just after the first need: the lead keeps braking as hard as the reference.
         let steps = drive(30.0, -8.0, 0.0);
         let short: Vec<_> = steps.into_iter().take(30).collect();
         assert!(avoids_contact(&short, &BRAKING));

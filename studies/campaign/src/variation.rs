@@ -5,7 +5,7 @@ use openscenario::variation::Variation;
 use openscenario::{Disk, ReadError, read};
 use std::path::{Path, PathBuf};
 
-/// No combination of values keeps the scenario's constraints.
+/// All combinations of values break a constraint of the scenario.
 #[derive(Debug, thiserror::Error)]
 #[error(
     "{}: all {left_out} combinations break a constraint of {scenario}, expected one that does not",

@@ -23,7 +23,8 @@
 //! Runs that are not one drive implement [`Study::drive`] with a [`Crew`]. Runs begin in the order of their numbers,
 //! so that a run may wait for an earlier one. [`Study::is_alone`] names runs beside which no other may go on.
 //! [`Study::NEEDS`] says whether some of the runs are worth a result. With [`Study::KEEPS_JOURNAL`] records stay on
-//! the disk, and [`Records::each`](parts::Records::each) reads them back one by one.
+//! the disk, and [`Records::each`](parts::Records::each) reads them back one by one. With [`Study::inputs`] a part keeps
+//! the files that its command names, and [`Study::reopen`] plans from them.
 //!
 //! ```
 //! use clap::Args;

@@ -81,7 +81,7 @@ impl<T> Records<T> {
         let path = || self.journals[journal].clone();
         match self.runs.get(run) {
             Some(Entry::None) if is_mine => {}
-            Some(Entry::Memory(_) | Entry::Journal(..)) => {
+            Some(Entry::Memory(_) | Entry::Journal(..)) if is_mine => {
                 return Err(JournalError::Twice { path: path(), run });
             }
             _ => return Err(JournalError::OtherPart { path: path(), run }),
