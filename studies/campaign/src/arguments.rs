@@ -1,6 +1,7 @@
 //! The arguments of `campaign`.
 
 use clap::Args;
+use frame::Options;
 use frame::parts::PartOptions;
 use group::GroupOptions;
 use report::results::ResultOptions;
@@ -46,6 +47,14 @@ pub struct CampaignArguments {
 /// Hours of driving, from 0.01 to 1000.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hours(f64);
+
+impl CampaignArguments {
+    /// The options that all studies have.
+    pub(crate) fn options(&self) -> Options<'_> {
+        let Self { parts, jobs, group, results, .. } = self;
+        Options { parts: Some(parts), jobs: *jobs, group, results }
+    }
+}
 
 impl From<Hours> for f64 {
     fn from(hours: Hours) -> Self {

@@ -17,15 +17,13 @@ pub const LEFT_OUT: u8 = 4;
 
 /// Fields of the verdict beside its lists and sums.
 const FIELDS: &[Column<Verdict>] = &[
-    flag("ok", "", ("ok", "BROKEN"), "All runs were done, and all requirements hold"),
+    frame::ok("All runs were done, and all requirements hold"),
     word("campaign", "", "Name of the campaign"),
     word("mode", "", "Clock of the runs"),
     count("planned", "", "Runs that were to be done"),
     count("unaccounted", "", "Planned runs without a record"),
     count("left_out", "", "Combinations of a variation that break a constraint of its scenario"),
     fact("met_nothing", "", "No fault acted in a critical phase, and no limit allows that"),
-    count("processes_sample.runs", "", "Runs that were repeated as separate processes"),
-    count("processes_sample.different", "", "Repeated runs whose messages were other bytes"),
 ];
 
 /// The sums over some runs. The shown ones make a table of runs; `totals` has the others of all runs.
@@ -237,7 +235,7 @@ pub fn schema() -> Schema {
     ];
     let combinations: Vec<_> = names.into_iter().chain(sums()).collect();
     let shared: Vec<Column<()>> = of().chain(sums()).collect();
-    Schema::new("campaign", "A campaign of a file")
+    frame::schema("campaign", "A campaign of a file")
         .fields(FIELDS)
         .fields(&sums::<()>())
         .rows("exposure", "What the drives meet without faults", EXPOSURE)

@@ -61,5 +61,12 @@ mod verdict;
 
 pub use arguments::CampaignArguments;
 pub use builtin::BUILTIN;
-pub use columns::schema;
 pub use select::{WITHOUT_FILE, run};
+
+use report::results::Schema;
+
+/// Contents of the JSON of all campaigns.
+#[must_use]
+pub fn schemas() -> Vec<Schema> {
+    vec![columns::schema(), radio::schema(), signals::schema(), plausibility::schema()]
+}

@@ -31,13 +31,13 @@ pub const WITHOUT_FILE: [Own; 3] = [
     Own {
         name: signals::NAME,
         summary: "500 corridors of signals, `cacc-mpc` against an ACC that stops for them",
-        takes: &["--seeds N", "--first N"],
+        takes: &["--seeds N", "--first N", "--shard I/N", "--resume DIR"],
         run: signals::run,
     },
     Own {
         name: plausibility::NAME,
         summary: "how often and how fast the checks of the inputs find a false sender",
-        takes: &["--hours H", "--seed S"],
+        takes: &["--hours H", "--seed S", "--shard I/N", "--resume DIR"],
         run: plausibility::run,
     },
 ];

@@ -79,8 +79,7 @@ impl Study for FileCampaign {
     const JUDGES_SAMPLE: bool = true;
 
     fn options(arguments: &CampaignArguments) -> Options<'_> {
-        let CampaignArguments { parts, jobs, group, results, .. } = arguments;
-        Options { parts: Some(parts), jobs: *jobs, group, results }
+        arguments.options()
     }
 
     fn plan(arguments: &CampaignArguments) -> Result<Self, Error> {

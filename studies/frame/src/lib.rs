@@ -1,4 +1,4 @@
-//! What all studies have in common. A study drives many runs and judges them.
+//! The common part of all studies. A study drives many runs and judges them.
 //!
 //! ```text
 //! arguments ─ plan ─► run 0 … run N-1 ─ job ─► drive ─ record ─► journal ─ judge ─► Document
@@ -18,7 +18,9 @@
 //!    What only pictures need is the other half of its result ([`Study::Seen`]).
 //! 4. Columns: `report::results::Column`, one line each. A column's name is the path of its value in the record's
 //!    JSON. Tables of them make a `Document`, with a verdict that answers the command's question.
-//! 5. `pub fn run(arguments) { frame::study::run::<MyStudy>(arguments) }`, and its row in timegap's `cli.rs`.
+//! 5. A schema: [`schema`] has the fields that all studies have, and the columns add the study's own. It gets a row in
+//!    `results()` of timegap's `list.rs`, and a command in `tests/tests/schema.rs`.
+//! 6. `pub fn run(arguments) { frame::study::run::<MyStudy>(arguments) }`, and its row in timegap's `cli.rs`.
 //!
 //! Runs that are not one drive implement [`Study::drive`] with a [`Crew`]. Runs begin in the order of their numbers,
 //! so that a run may wait for an earlier one. [`Study::is_alone`] names runs beside which no other may go on.
@@ -98,4 +100,4 @@ pub mod param;
 pub mod parts;
 pub mod study;
 
-pub use study::{Crew, Found, Gave, Needs, Options, Study};
+pub use study::{Crew, Found, Gave, Needs, Options, Study, ok, schema};

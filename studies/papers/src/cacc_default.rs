@@ -4,11 +4,8 @@
 //! purpose: it passes the light sooner, and farther from the switch, than the blind law.
 
 use super::row::{Kind, Row, requirement, within};
-use super::runner::{Driven, Part, Runner, together};
+use super::runner::{Driven, Part, Piece, Runner};
 use group::{DriveStep, Error};
-
-/// Scenarios driven.
-pub const RUNS: usize = 8;
 
 /// Set of all rows.
 const SET: &str = "default law";
@@ -28,17 +25,18 @@ const SCENES: [Scene; 4] = [
     ("T3", "cacc-table3", 58.0, 10.0, false),
 ];
 
-/// Drives the scenes with both laws and adds their rows to the paper's.
-///
-/// # Errors
-/// Reasons why a run does not reach its end.
-pub fn add_rows(mut part: Part, runner: &Runner<'_>) -> Result<Part, Error> {
-    for of_scene in together(SCENES.map(|scene| move || of_scene(runner, scene))) {
-        part.rows.extend(of_scene?.map(|row| row.in_set(SET)));
-    }
-    Ok(part)
+/// A piece for each scene.
+pub fn pieces() -> Vec<Piece> {
+    let piece = |scene: Scene| {
+        Piece::new(format!("{SET}, {}", scene.0), move |runner| {
+            let rows = of_scene(runner, scene)?;
+            Ok(Part::of_rows(rows.map(|row| row.in_set(SET)).into()))
+        })
+    };
+    SCENES.map(piece).into()
 }
 
+/// Drives a scene with both laws and compares.
 fn of_scene(runner: &Runner<'_>, scene: Scene) -> Result<[Row; 6], Error> {
     let (name, scenario, line_m, switch_s, opens) = scene;
     let drive = |law: &str| {

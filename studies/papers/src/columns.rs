@@ -1,45 +1,100 @@
-//! The columns of the figures, for continuous integration and the schema. Console and page group them by set and
-//! kind ([`super::console`], [`super::page`]).
+//! The columns of the figures, for every output.
 
-use super::row::{Row, Verdict};
-use super::tally::in_words;
-use super::{Paper, Reproduction};
 use report::results::{
-    Column, Document, Format, Kind, Schema, Table, column, count, flag, nested, number, word,
+    Column, Format, Kind, Schema, Table, column, count, flag, nested, number, word,
 };
-use serde_json::json;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::row::{self, Row, Verdict};
+use super::tally::Tally;
+use super::{Paper, Reproduction};
 
 /// Fields of the JSON.
-const FIELDS: &[Column<Reproduction>] = &[
-    flag("ok", "", ("ok", "OUTSIDE"), "Every compared figure is within its tolerance"),
-    count("processes_sample.runs", "", "Runs that were repeated as separate processes"),
-    count("processes_sample.different", "", "Repeated runs whose messages were other bytes"),
-];
+const FIELDS: &[Column<Reproduction>] =
+    &[frame::ok("Every compared figure is within its tolerance")];
 
-/// What programs see of a paper.
+/// Columns of a paper, for programs.
 const PAPERS: &[Column<Paper>] = &[
     word("paper", "", "Name of the paper's controller"),
     nested("tally", Kind::List, "Figures of each kind within their tolerance, each counted once"),
     nested("rows", Kind::List, "The figures"),
 ];
 
+/// Columns of a tally, for programs.
+const TALLY: &[Column<Tally>] = &[
+    word("kind", "", "Source of the expected values"),
+    count("figures", "", "Different figures that are compared"),
+    count("in_every_set", "", "Figures within their tolerance in every set that has them"),
+    count("in_some_sets", "", "Figures within it in one set and outside it in another"),
+    count("in_no_set", "", "Figures outside it in every set"),
+];
+
 /// Columns of the figures.
 const ROWS: &[Column<Row>] = &[
+    word("set", "set", "Variant of law, scene and weights").optional().of(|row| json!(row.set)),
     word("id", "figure", "Scenario and figure; the same in all sets"),
-    word("set", "set", "Variant of law, scene and weights"),
-    word("kind", "kind", "Source of the expected value"),
-    number("expected", "expected", "", 2, "Expected value"),
+    word("kind", "kind", "Source of the expected value: paper, reconstruction or requirement")
+        .weight(1),
     number("ours", "ours", "", 2, "Our value; null where the run never got there"),
-    number("tolerance", "tolerance", "", 2, "Largest accepted difference"),
+    word("", "expected", "Expected value").of(|row| json!(row.expectation())),
+    word("", "tolerance", "Largest accepted difference")
+        .of(|row: &Row| json!(row.tolerance_in_words()))
+        .weight(2),
     word("unit", "unit", "Unit of the numbers"),
-    column("", "verdict", "", Format::Verdict(verdict_words), "Within the tolerance").of(|row| {
-        match row.verdict() {
-            Verdict::Within => json!("within"),
-            Verdict::Outside => json!("outside"),
-            Verdict::Shown => json!(null),
-        }
-    }),
+    column("", "verdict", "", Format::Verdict(verdict_words), "Within the tolerance")
+        .of(|row| verdict(row)),
+    word("source", "source", "Sentence, figure or equation of the paper, shortened")
+        .optional()
+        .weight(4),
+    word("inferred", "inferred value behind it", "Inferred value that the row depends on")
+        .optional()
+        .weight(3),
+    word("note", "note", "Origin of ours, or a remark").optional().weight(4),
+    word("tolerance_reason", "reason of the tolerance", "Why the tolerance is that large")
+        .optional()
+        .weight(5),
 ];
+
+/// The rest of a figure, which programs see.
+const NUMBERS: &[Column<Row>] = &[
+    word("weights", "", "Set of weights, where there are several").optional(),
+    number("paper", "", "", 2, "The paper's value; null where it prints none"),
+    number("expected", "", "", 2, "Expected value; null where nothing is compared"),
+    word("check", "", "Comparison: near, at_most, at_least, or shown without one"),
+    number("tolerance", "", "", 2, "Largest accepted difference; null where nothing is compared"),
+    flag("ok", "", ("ok", "OUTSIDE"), "Ours is accepted"),
+];
+
+/// A set of a paper at a glance.
+#[derive(Serialize)]
+struct Line {
+    paper: &'static str,
+    set: String,
+    from_paper: Option<String>,
+    reconstruction: Option<String>,
+    requirement: Option<String>,
+    /// Ids of the rows outside their tolerance.
+    outside: Option<Value>,
+}
+
+/// Columns of these lines.
+const LINES: &[Column<Line>] = &[
+    word("paper", "paper", "Name of the paper's controller"),
+    word("set", "set", "Variant of law, scene and weights"),
+    word("from_paper", "paper", "Figures that the paper prints, within their tolerance"),
+    word("reconstruction", "reconstruction", "Figures of the reconstruction, within it"),
+    word("requirement", "requirement", "Requirements that are met"),
+    column("outside", "outside", "", Format::Judged, "Figures outside their tolerance").weight(1),
+];
+
+fn verdict(row: &Row) -> Value {
+    match row.verdict() {
+        Verdict::Within => json!("within"),
+        Verdict::Outside => json!("outside"),
+        Verdict::Shown => json!(null),
+    }
+}
 
 fn verdict_words(name: &str) -> (&'static str, bool) {
     if name == "outside" { ("OUTSIDE", false) } else { ("within", true) }
@@ -48,44 +103,45 @@ fn verdict_words(name: &str) -> (&'static str, bool) {
 /// Contents of the JSON.
 #[must_use]
 pub fn schema() -> Schema {
-    Schema::new("reproduce", "Figures of the papers beside ours").fields(FIELDS).rows(
-        "papers",
-        "The papers",
-        PAPERS,
-    )
+    frame::schema("reproduce", "Figures of the papers beside ours")
+        .fields(FIELDS)
+        .rows("papers", "The papers", PAPERS)
+        .rows("papers.tally", "Counts of each kind of figure", TALLY)
+        .rows("papers.rows", "The figures", &[ROWS, NUMBERS].concat())
 }
 
-/// The document of a reproduction.
-pub fn document(reproduction: &Reproduction) -> Document {
-    let papers = reproduction.papers.iter();
-    let words = papers.clone().map(|paper| format!("{}: {}", paper.paper, in_words(&paper.tally)));
-    let verdict = words.collect::<Vec<_>>().join("; ");
-    let document = Document::new("reproduce", "Reproduction of the papers", reproduction)
-        .about("every run in lockstep")
-        .verdict(reproduction.ok, verdict);
-    papers.fold(document, |document, paper| {
-        document.table(Table::new(paper.paper, ROWS, &paper.rows))
-    })
+/// The rows of a paper, in a block for each set.
+pub fn rows(paper: &Paper) -> Table {
+    Table::new(paper.paper, ROWS, &paper.rows).blocks("set")
 }
 
-#[cfg(test)]
-mod tests {
-    use super::super::row::{paper, within};
-    use super::*;
-    use frame::batch::ProcessesSample;
+/// Every set with its counts, and the rows outside their tolerance.
+pub fn overview(papers: &[Paper]) -> Table {
+    let lines = papers.iter().flat_map(|paper| {
+        paper.rows.chunk_by(|a, b| a.set == b.set).map(|rows| Line::of(paper.paper, rows))
+    });
+    Table::new("Figures within their tolerance", LINES, &lines.collect::<Vec<_>>())
+        .blocks("paper")
+        .without_cases()
+}
 
-    #[test]
-    fn a_figure_outside_its_tolerance_is_a_failed_case() {
-        let row = |ours| Row::near("A.x", "s", paper(4.0), Some(ours), within(0.1, "a reason"));
-        let rows = vec![row(4.0), row(3.0)];
-        let tally = super::super::tally::tally(&rows);
-        let paper = Paper { paper: "cacc", tally, rows, drives: Vec::new(), pictures: Vec::new() };
-        let processes_sample = ProcessesSample::default();
-        let papers = vec![paper];
-        let found = Reproduction { schema_version: 1, ok: false, papers, processes_sample };
-        let document = document(&found);
-        assert!(document.junit().contains("<failure"), "{}", document.junit());
-        assert!(document.markdown().contains("OUTSIDE"), "{}", document.markdown());
-        assert_eq!(report::results::check(&schema().json(), &document.value()), [""; 0]);
+impl Line {
+    fn of(paper: &'static str, rows: &[Row]) -> Self {
+        let tally = super::tally::tally(rows);
+        let of_kind = |kind: row::Kind| {
+            let tally = tally.iter().find(|tally| tally.kind == kind)?;
+            Some(format!("{} of {}", tally.in_every_set, tally.figures))
+        };
+        let outside = rows.iter().filter(|row| row.verdict() == Verdict::Outside);
+        let outside: Vec<_> = outside.map(|row| row.id.as_str()).collect();
+        Self {
+            paper,
+            set: rows[0].set.clone(),
+            from_paper: of_kind(row::Kind::Paper),
+            reconstruction: of_kind(row::Kind::Reconstruction),
+            requirement: of_kind(row::Kind::Requirement),
+            outside: (!outside.is_empty())
+                .then(|| json!({"text": outside.join(", "), "ok": false})),
+        }
     }
 }

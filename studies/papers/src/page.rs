@@ -1,148 +1,104 @@
-//! The page of a reproduction: the expected figures beside ours, and what was driven for them.
+//! The result for every output, and the pictures of its page.
 
-use super::row::{Row, Verdict};
-use super::tally::{in_words, tally};
-use super::{Gallery, Paper, Reproduction};
-use report::chart::{escape, number};
-use report::html::{Cell, Column, document, figure, section, table};
+use report::chart::escape;
+use report::html::figure;
+use report::results::Document;
 use report::run_pictures;
 
+use super::tally::in_words;
+use super::{Gallery, Paper, Pictures, Reproduction, columns};
+
 /// Meaning of the kinds.
-const SOURCES: &str = "<p class=\"quiet\">Kinds: <b>paper</b>, printed by the paper; \
+const KINDS: &str = "<p class=\"quiet\">Kinds: <b>paper</b>, printed by the paper; \
     <b>reconstruction</b>, from a reference implementation of what the paper does not print; \
     <b>requirement</b>, demanded of the controller. A figure counts as within its tolerance \
     where it is within it in every set.</p>\n";
+/// Most drives of a paper that the page shows unfolded.
+const UNFOLDED: usize = 3;
 
-/// The page.
-pub fn page(reproduction: &Reproduction) -> String {
-    let papers: String = reproduction.papers.iter().map(paper).collect();
-    let verdict = reproduction.papers.iter().map(in_short).collect::<Vec<_>>().join("; ");
-    document(
-        "Reproduction of the papers",
-        "every run in lockstep",
-        reproduction.ok,
-        &verdict,
-        &(overview(&reproduction.papers) + SOURCES + &papers),
-    )
+/// The result.
+pub fn document(reproduction: &Reproduction) -> Document {
+    let papers = &reproduction.papers;
+    let verdict = papers.iter().map(in_short).collect::<Vec<_>>().join("; ");
+    let document = Document::new("reproduce", "Reproduction of the papers", reproduction)
+        .about("every run in lockstep")
+        .verdict(reproduction.ok, verdict)
+        .table(columns::overview(papers))
+        .figures("", KINDS.to_owned());
+    papers.iter().fold(document, |document, paper| {
+        document
+            .figures(&in_short(paper), galleries(&paper.pictures))
+            .table(columns::rows(paper))
+            .figures("", drives(&paper.pictures))
+    })
 }
 
-/// The printed figures of a paper that come out.
+/// The figures of a paper that come out.
 fn in_short(paper: &Paper) -> String {
     format!("{}: {}", paper.paper, in_words(&paper.tally))
 }
 
-/// Every set with its figures, and the rows that are outside their tolerance.
-fn overview(papers: &[Paper]) -> String {
-    let head = [
-        ("paper", Column::Text),
-        ("set", Column::Text),
-        ("within their tolerance", Column::Text),
-        ("outside", Column::Text),
-    ];
-    let mut rows = Vec::new();
-    for paper in papers {
-        for set in sets(&paper.rows) {
-            let outside = set.iter().filter(|row| row.verdict() == Verdict::Outside);
-            let outside: Vec<_> = outside.map(|row| row.id.as_str()).collect();
-            rows.push(vec![
-                Cell::Plain(paper.paper.into()),
-                Cell::Plain(set[0].set.clone()),
-                Cell::Plain(in_words(&tally(set))),
-                Cell::Bad(outside.join(", ")),
-            ]);
-        }
-    }
-    section("What comes out", &table(&head, &rows))
-}
-
-/// The rows of a paper, set by set.
-fn sets(rows: &[Row]) -> impl Iterator<Item = &[Row]> {
-    rows.chunk_by(|a, b| a.set == b.set)
-}
-
-fn paper(paper: &Paper) -> String {
-    let tables: String = sets(&paper.rows)
-        .map(|rows| {
-            let heading = &rows[0].set;
-            let heading = match heading.as_str() {
-                "" => String::new(),
-                set => format!("<h3>{}</h3>\n", escape(set)),
-            };
-            heading + &rows_of_a_set(rows)
-        })
-        .collect();
-    section(&in_short(paper), &(pictures(paper) + &tables + &drives(paper)))
-}
-
-/// Columns of a set's table; one in which every cell is empty is left out.
-const COLUMNS: [(&str, Column); 11] = [
-    ("figure", Column::Text),
-    ("kind", Column::Text),
-    ("expected", Column::Number),
-    ("ours", Column::Number),
-    ("unit", Column::Text),
-    ("tolerance", Column::MoreNumber),
-    ("", Column::Text),
-    ("source", Column::MoreText),
-    ("inferred value behind it", Column::MoreText),
-    ("note", Column::MoreText),
-    ("reason of the tolerance", Column::MoreText),
-];
-
-fn rows_of_a_set(rows: &[Row]) -> String {
-    let rows: Vec<_> = rows.iter().map(cells).collect();
-    let is_empty = |cell: &Cell| *cell == Cell::Plain(String::new());
-    let is_shown = |column: usize| rows.iter().any(|row| !is_empty(&row[column]));
-    let shown: Vec<usize> = (0..COLUMNS.len()).filter(|column| is_shown(*column)).collect();
-    let head: Vec<_> = shown.iter().map(|&column| COLUMNS[column]).collect();
-    let cells = |row: &[Cell; 11]| shown.iter().map(|&column| row[column].clone()).collect();
-    table(&head, &rows.iter().map(cells).collect::<Vec<_>>())
-}
-
-fn cells(row: &Row) -> [Cell; 11] {
-    let value = |value: Option<f64>| value.map_or_else(|| "–".into(), |value| number(value, 2));
-    let text = |text: Option<&str>| Cell::Plain(text.unwrap_or_default().into());
-    let verdict = match row.verdict() {
-        Verdict::Within => Cell::Good("within".into()),
-        Verdict::Outside => Cell::Bad("OUTSIDE".into()),
-        Verdict::Shown => Cell::Plain(String::new()),
-    };
-    [
-        Cell::Plain(row.id.clone()),
-        Cell::Plain(row.kind.name().into()),
-        Cell::Plain(row.expectation()),
-        Cell::Plain(value(row.ours)),
-        Cell::Plain(row.unit.into()),
-        Cell::Plain(row.tolerance_in_words()),
-        verdict,
-        text(row.source),
-        text(row.inferred),
-        text(row.note),
-        text(row.tolerance_reason),
-    ]
-}
-
-/// The paper's own pictures.
-fn pictures(paper: &Paper) -> String {
+/// The paper's own figures.
+fn galleries(pictures: &Pictures) -> String {
     let gallery = |gallery: &Gallery| {
         let plots: String = gallery.plots.iter().map(|plot| figure(plot)).collect();
         format!("<h3>{}</h3>\n<div class=\"columns\">{plots}</div>\n", escape(&gallery.heading))
     };
-    paper.pictures.iter().map(gallery).collect()
+    pictures.galleries.iter().map(gallery).collect()
 }
 
 /// The drives, folded where there are many.
-fn drives(paper: &Paper) -> String {
-    let open = if paper.drives.len() <= 3 { " open" } else { "" };
-    paper
-        .drives
-        .iter()
-        .map(|(what, run)| {
-            format!(
-                "<details class=\"drive\"{open}><summary>{}</summary>\n{}</details>\n",
-                escape(what),
-                run_pictures(run)
-            )
-        })
-        .collect()
+fn drives(pictures: &Pictures) -> String {
+    let open = if pictures.drives.len() <= UNFOLDED { " open" } else { "" };
+    let drive = |(name, run): &(String, report::RunPicture)| {
+        let (name, run) = (escape(name), run_pictures(run));
+        format!("<details class=\"drive\"{open}><summary>{name}</summary>\n{run}</details>\n")
+    };
+    pictures.drives.iter().map(drive).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::row::{Row, Tolerance, paper, reconstruction, requirement, within};
+    use super::super::study::reproduction;
+    use super::*;
+    use frame::batch::ProcessesSample;
+
+    const TENTH: Tolerance = within(0.1, "a reason");
+
+    fn of(name: &'static str, rows: Vec<Row>) -> Document {
+        let paper = Paper { paper: name, tally: Vec::new(), rows, pictures: Pictures::default() };
+        document(&reproduction(vec![paper], ProcessesSample::default()))
+    }
+
+    #[test]
+    fn a_figure_outside_its_tolerance_is_not_hidden() {
+        let row = |ours| Row::near("A.x", "s", paper(4.0), Some(ours), TENTH);
+        let document = of("cacc", vec![row(4.0), row(3.0)]);
+        assert!(!document.is_ok());
+        let text = document.console(80);
+        assert!(text.contains("0 of 1") && text.contains("OUTSIDE"), "{text}");
+        assert!(document.junit().contains("<failure"), "{}", document.junit());
+        assert!(document.markdown().contains("OUTSIDE"), "{}", document.markdown());
+        assert_eq!(report::results::check(&columns::schema().json(), &document.value()), [""; 0]);
+    }
+
+    #[test]
+    fn a_set_an_inferred_value_and_a_long_id_fit_in_eighty_columns() {
+        let id = "dynamic-programming.above_full_route_generated";
+        let row = |id| {
+            Row::at_most(id, "m/s²", requirement(-123.0), Some(-122.0), TENTH)
+                .in_set("joint weights")
+                .depending_on("the desired distance keeps its first value, v t_h + d_b = 34.5 m")
+                .with_source("a long sentence of the paper that only the page has room for")
+                .with_note("a long note that only the page has room for, and the JSON")
+        };
+        let other = Row::near("y", "", reconstruction(4.0), None, TENTH);
+        let document = of("predictive", vec![row(id), row("x"), other]);
+        let text = document.console(80);
+        assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
+        assert!(text.contains("joint weights") && text.contains("≤ −123.00"), "{text}");
+        assert!(document.page().contains("34.5 m"), "the page names the inferred value");
+        assert_eq!(report::results::check(&columns::schema().json(), &document.value()), [""; 0]);
+    }
 }

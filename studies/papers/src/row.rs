@@ -1,7 +1,7 @@
 //! One figure to be reproduced, beside ours.
 //!
-//! The expected value has one of three sources, and every row names it. The *paper* prints it; the
-//! *reconstruction* gives what the paper does not print; or it is a *requirement* on any working
+//! The expected value has one of three sources, and every row names it. The *paper* prints it. The
+//! *reconstruction* gives values that the paper does not print. A *requirement* holds for any working
 //! controller.
 //!
 //! A row belongs to a set: one variant of law, scene and weights. A printed figure keeps its id in
@@ -11,10 +11,11 @@
 
 use report::chart::number;
 use report::table::NONE;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// Source of the expected value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// Printed by the paper, as a number or in a plot.
@@ -37,7 +38,7 @@ impl Kind {
 }
 
 /// Comparison of ours with the expected value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Check {
     /// Ours is within the tolerance on both sides.
@@ -87,27 +88,27 @@ pub const fn within(value: f64, reason: &'static str) -> Tolerance {
 /// No difference is accepted.
 pub const EXACT: Tolerance = within(0.0, "exact");
 
-/// An expected figure and what a run gave.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+/// An expected figure and the one of a run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Scenario and figure, joined by dots; the same in all sets.
     pub id: String,
     /// Variant of law, scene and weights that the row belongs to; empty where there is only one.
-    #[serde(skip_serializing_if = "String::is_empty")]
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub set: String,
     /// Set of weights, where there are several: the name that it has had in results from the first.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub weights: Option<&'static str>,
+    pub weights: Option<Cow<'static, str>>,
     /// Sentence, figure or equation of the paper behind the expected value, shortened.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub source: Option<&'static str>,
+    pub source: Option<Cow<'static, str>>,
     /// Inferred value that the row depends on.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub inferred: Option<&'static str>,
+    pub inferred: Option<Cow<'static, str>>,
     /// Source of the expected value.
     pub kind: Kind,
     /// Unit of the numbers.
-    pub unit: &'static str,
+    pub unit: Cow<'static, str>,
     /// The paper's value; null where the paper prints no number.
     pub paper: Option<f64>,
     /// Expected value: the paper's value in rows of its kind; null where nothing is compared.
@@ -120,12 +121,12 @@ pub struct Row {
     pub tolerance: Option<f64>,
     /// Why the tolerance is that large.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub tolerance_reason: Option<&'static str>,
+    pub tolerance_reason: Option<Cow<'static, str>>,
     /// Whether ours is accepted.
     pub ok: bool,
     /// Origin of ours, or a remark beside the number.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub note: Option<&'static str>,
+    pub note: Option<Cow<'static, str>>,
 }
 
 /// Result of the comparison.
@@ -188,7 +189,7 @@ impl Row {
             source: None,
             inferred: None,
             kind,
-            unit,
+            unit: unit.into(),
             paper: None,
             expected: None,
             ours,
@@ -196,7 +197,7 @@ impl Row {
             tolerance: None,
             tolerance_reason: None,
             ok: true,
-            note: Some(note),
+            note: Some(note.into()),
         }
     }
 
@@ -220,13 +221,13 @@ impl Row {
             source: None,
             inferred: None,
             kind,
-            unit,
+            unit: unit.into(),
             paper: (kind == Kind::Paper).then_some(value),
             expected: Some(value),
             ours,
             check,
             tolerance: Some(tolerance.value),
-            tolerance_reason: Some(tolerance.reason),
+            tolerance_reason: Some(tolerance.reason.into()),
             ok: ours.is_some_and(|ours| off(ours) <= tolerance.value + 1e-9),
             note: None,
         }
@@ -234,12 +235,12 @@ impl Row {
 
     /// The same row with a remark beside the number.
     pub fn with_note(self, note: &'static str) -> Self {
-        Self { note: Some(note), ..self }
+        Self { note: Some(note.into()), ..self }
     }
 
     /// The same row with the sentence, figure or equation of the paper behind it.
     pub fn with_source(self, source: &'static str) -> Self {
-        Self { source: Some(source), ..self }
+        Self { source: Some(source.into()), ..self }
     }
 
     /// The same row in a set: a variant of law, scene and weights.
@@ -249,7 +250,7 @@ impl Row {
 
     /// The same row with the inferred value that it depends on.
     pub fn depending_on(self, inferred: &'static str) -> Self {
-        Self { inferred: Some(inferred), ..self }
+        Self { inferred: Some(inferred.into()), ..self }
     }
 
     /// Result of the comparison.
@@ -261,12 +262,12 @@ impl Row {
         }
     }
 
-    /// The expected value in words, with "at most" or "at least" for a bound.
+    /// The expected value in words, with `≤` or `≥` for a bound.
     pub fn expectation(&self) -> String {
         let value = self.expected.map_or_else(|| NONE.into(), |value| number(value, 2));
         match self.check {
-            Check::AtMost => format!("at most {value}"),
-            Check::AtLeast => format!("at least {value}"),
+            Check::AtMost => format!("≤ {value}"),
+            Check::AtLeast => format!("≥ {value}"),
             Check::Near | Check::Shown => value,
         }
     }

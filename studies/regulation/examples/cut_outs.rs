@@ -72,7 +72,7 @@ struct Driven {
     case: cut_out::Case,
     verdict: Verdict,
     model: Verdict,
-    /// Where the law collides.
+    /// Cases in which the law collides.
     instants: Option<Instants>,
 }
 

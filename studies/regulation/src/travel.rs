@@ -18,7 +18,7 @@ impl Travel {
         Travel { start_m, speeds_mps: 0.0 }
     }
 
-    /// Where steps whose speeds sum up to `speeds_mps` lead to 0.
+    /// Start of steps that end at 0 and whose speeds sum up to `speeds_mps`.
     pub(crate) fn ending_at_0(speeds_mps: f64) -> Travel {
         Travel { start_m: 0.0, speeds_mps: -speeds_mps }
     }

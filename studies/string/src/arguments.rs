@@ -48,7 +48,7 @@ pub struct StringArguments {
     /// `KEY=a,b,c`
     #[arg(long = "param", value_name = "KEY=VALUES")]
     pub param: Option<String>,
-    /// What all cars have in common.
+    /// Options of all cars.
     #[command(flatten)]
     pub scenario_options: ScenarioOptions,
     /// Cars driven at once, each a moment behind the one before it [default: one per core]
@@ -57,7 +57,7 @@ pub struct StringArguments {
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
-    /// Where the results go, and in which forms.
+    /// Directory and forms of the results.
     #[command(flatten)]
     pub results: ResultOptions,
 }
@@ -83,7 +83,7 @@ pub enum StringError {
     Frequencies {
         /// The argument.
         list: String,
-        /// What is wrong with it.
+        /// The mistake in it.
         #[source]
         reason: FrequenciesError,
     },
@@ -100,7 +100,7 @@ pub enum StringError {
 
 impl Failure for StringError {}
 
-/// What is wrong with a list or range of frequencies.
+/// A list or range of frequencies that cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum FrequenciesError {
     /// A list cannot be read.

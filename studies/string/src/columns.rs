@@ -3,7 +3,7 @@
 use group::report::Outcome;
 use report::print::outcome_word;
 use report::results::{
-    Column, Kind, Schema, Table, count, fact, flag, judged, nested, number, outcome, word,
+    Column, Kind, Schema, Table, count, fact, flag, judged, nested, number, outcome, value, word,
 };
 use serde_json::json;
 
@@ -32,8 +32,6 @@ const FIELDS: &[Column<Results>] = &[
     number("min_gap_m", "", "m", 2, "Smallest gap of all cars"),
     flag("string_stable", "", ("stable", "unstable"), "No car amplifies the disturbance"),
     nested("peak", Kind::Object, "Highest point of the gain curve"),
-    count("processes_sample.runs", "", "Runs that were repeated as separate processes"),
-    count("processes_sample.different", "", "Repeated runs whose messages were other bytes"),
 ];
 
 /// Columns of the cars.
@@ -78,8 +76,19 @@ const CURVE: &[Column<Response>] = &[
     nested("gains", Kind::List, "Gain of each car"),
 ];
 
+/// Columns of a law's limit, for programs.
+const LIMITS: &[Column<Limits>] = &[
+    word("controller", "", "Control law"),
+    word("key", "", "Swept key"),
+    value("stable", "", "Stable value of the first two neighbours that differ in stability"),
+    value("unstable", "", "Unstable value of these two"),
+    number("ceases_at", "", "", 4, "Value at which the peak of the gain passes the limit"),
+    nested("points", Kind::List, "The values of the key"),
+];
+
 /// Columns of the values of a swept key.
 const POINTS: &[Column<Point>] = &[
+    value("value", "", "Value of the key"),
     number("peak_gain", "peak gain", "", 3, "Largest gain at any frequency").limit(STABLE_GAIN),
     number("peak_hz", "at", "Hz", 4, "Frequency of the largest gain"),
     flag("string_stable", "", ("stable", "unstable"), "No frequency is amplified"),
@@ -96,21 +105,15 @@ struct Gain<'a> {
     response: &'a Response,
 }
 
-/// What the JSON holds.
+/// Contents of the JSON.
 pub fn schema() -> Schema {
-    let limits: [Column<Limits>; 3] = [
-        word("controller", "", "Law"),
-        word("key", "", "Swept key"),
-        number("ceases_at", "", "", 4, "Value at which the peak of the gain passes the limit"),
-    ];
-    Schema::new("string", "A string of cars")
+    frame::schema("string", "A string of cars")
         .fields(FIELDS)
         .rows("vehicles", "The cars, first to last", CARS)
         .rows("frequencies", "The string behind a sine of each frequency", CURVE)
-        .rows("limits", "Limits of string stability of each law", &limits)
-        .open("limits")
+        .rows("limits", "Limits of string stability of each law", LIMITS)
         .rows("limits.points", "A row for each value of the key", POINTS)
-        .open("limits.points")
+        .rows("limits.points.frequencies", "The gain curve", CURVE)
 }
 
 /// The cars.
@@ -125,8 +128,8 @@ pub fn curve(results: &Results) -> Table {
 
 /// A law over the values of a key.
 pub fn limit(limits: &Limits) -> Table {
-    let value = word("value", "", "Value of the key").named("value".into(), limits.key.clone());
-    let columns: Vec<Column<Point>> = [value].into_iter().chain(POINTS.iter().cloned()).collect();
+    let mut columns = POINTS.to_vec();
+    columns[0].head.heading = limits.key.clone().into();
     Table::new(&limits.controller, &columns, &limits.points).without_cases()
 }
 

@@ -24,8 +24,8 @@ use super::{page, response};
 
 /// The study: every car of every string is a run.
 ///
-/// The strings are the one that is asked for, the same behind a sine of each frequency, and each law alone behind
-/// each sine at each value of the swept key.
+/// The first string is the one of the command. Further strings drive behind a sine of each frequency. With a swept
+/// key, each law alone drives behind each sine at each value.
 pub struct Strings {
     task: Task,
     strings: Vec<Plan>,

@@ -129,7 +129,7 @@ pub struct Giver<'a> {
 }
 
 impl<'a> Giver<'a> {
-    /// Of a drive of `scenario`, if it reaches its end.
+    /// A giver for a drive of `scenario` that reaches its end.
     pub fn new(growing: &'a Growing, scenario: &Scenario) -> Self {
         let steps = Timetable::of(scenario).last_step + 1;
         let stride = motion::stride(usize::try_from(steps).expect("runs are finite"));

@@ -16,7 +16,7 @@ pub struct Limits {
     pub stable: Option<Value>,
     /// The unstable value of these two.
     pub unstable: Option<Value>,
-    /// Where the peak of the gain passes the limit between the two, if they are numbers.
+    /// Value between the two at which the peak of the gain passes the limit, if they are numbers.
     pub ceases_at: Option<f64>,
     /// Every value: numbers in their order, others as they were given.
     pub points: Vec<Point>,

@@ -69,11 +69,11 @@ pub fn samples(drive: &Drive) -> impl Iterator<Item = Sample> + '_ {
 /// The norms of a drive; what the drive does not have is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
-    /// Of the car's speed.
+    /// Norms of the car's speed.
     pub speed: Option<Norms>,
-    /// Of the speed of the vehicle ahead.
+    /// Norms of the speed of the vehicle ahead.
     pub ahead: Option<Norms>,
-    /// Of the gap's distance from the one that the law aims at.
+    /// Norms of the gap's difference from the gap that the law aims at.
     pub gap_error: Option<Norms>,
 }
 

@@ -36,7 +36,7 @@ pub struct Results {
     pub peak: Option<Peak>,
     /// The string behind a sine of each frequency.
     pub frequencies: Vec<Response>,
-    /// Where each law stops to be string stable.
+    /// Limit of string stability of each law.
     pub limits: Vec<Limits>,
     /// Runs in one process that were repeated in process groups.
     pub processes_sample: ProcessesSample,

@@ -52,7 +52,7 @@ pub struct Plan {
     pub wave: Option<Wave>,
 }
 
-/// Where a car of the string begins.
+/// Start of a car of the string.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Place {
     /// Index in the string, from 0.
@@ -77,7 +77,7 @@ impl Plan {
         self.law(0).clone()
     }
 
-    /// Where every car begins.
+    /// The start of every car.
     pub fn places(&self) -> Vec<Place> {
         let first = Some(Place::default());
         let behind = |place: &Place| {

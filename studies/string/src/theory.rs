@@ -1,7 +1,7 @@
 //! The measured gain against the transfer function of the closed loop.
 //!
-//! Where no bound is met, `acc-mpc` is a linear feedback of the measured state, whose gains are taken
-//! from the law itself by differences around the equilibrium,
+//! Between its bounds `acc-mpc` is a linear feedback of the measured state. Differences around the equilibrium give
+//! its gains,
 //!
 //! ```text
 //! u = k_g gap + k_r (v_l - v) + k_l a_l + k_v v + k_a a
@@ -48,7 +48,7 @@ impl Complex {
     }
 }
 
-/// What the law is told: gap, relative speed, acceleration of the lead, speed and acceleration.
+/// Input of the law: gap, relative speed, acceleration of the lead, speed and acceleration.
 type Told = [f64; 5];
 
 fn request(law: &mut dyn Law, scenario: &Scenario, told: Told) -> f64 {

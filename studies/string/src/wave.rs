@@ -90,7 +90,7 @@ impl Wave {
         (LEAST_MEASURED_S * self.hz).ceil()
     }
 
-    /// What the car made of the sine; none if the drive ended before.
+    /// Measures the sine in the speeds of a drive; none if the drive ended before.
     pub fn amplitudes(&self, drive: &Drive) -> Option<Amplitudes> {
         let reached_s = drive.steps.last()?.time_s;
         if reached_s < self.duration_s() - 1.0 {
@@ -117,14 +117,14 @@ impl Wave {
     }
 }
 
-/// What a car made of a sine, m/s.
+/// Amplitudes of a sine, m/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Amplitudes {
-    /// Of its speed.
+    /// Amplitude of the car's speed.
     pub car_mps: f64,
-    /// Of the speed of the vehicle ahead.
+    /// Amplitude of the speed of the vehicle ahead.
     pub ahead_mps: f64,
-    /// Of its speed at the neighbouring frequencies, root mean square.
+    /// Root mean square of the car's amplitudes at the neighbouring frequencies.
     pub noise_mps: f64,
 }
 
@@ -214,7 +214,7 @@ mod tests {
     #[test]
     fn what_a_car_moves_beside_the_sine_is_its_noise() {
         let wave = Wave { hz: 0.3, centre_mps: 20.0, settle_s: 60.0 };
-        // Of the four neighbouring frequencies one has 0.01 m/s.
+        // One of the four neighbouring frequencies has 0.01 m/s.
         let other_hz = wave.hz * (wave.periods() + 1.0) / wave.periods();
         let step = |k: u32| {
             let time_s = f64::from(k) * 0.05;

@@ -10,7 +10,7 @@ use std::fmt::Write;
 
 /// Licence of the library that draws the charts.
 const LICENCE: &str = include_str!("../assets/uplot/LICENSE");
-/// What a page without scripts says in the place of its charts.
+/// Text of a page without scripts, instead of its charts.
 const NO_SCRIPT: &str = "<noscript><style>.chart { display: none; }</style><p class=\"quiet\">The \
                          charts need JavaScript; verdict and tables are complete without \
                          it.</p></noscript>\n";
@@ -80,11 +80,11 @@ pub fn figure(picture: &dyn Picture) -> String {
 /// A figure that is read at a glance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tile {
-    /// What it is.
+    /// Its name.
     pub label: &'static str,
     /// Value and unit.
     pub value: String,
-    /// What else there is to say.
+    /// A remark below it.
     pub note: String,
 }
 

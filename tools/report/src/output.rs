@@ -1,4 +1,4 @@
-//! Where results go: a directory with one owner.
+//! The directory of the results. It has one owner.
 //!
 //! The directory itself is locked for as long as its command runs, so that no second one mixes its files
 //! with the first one's. One that holds results is refused, and stays as it is; `--force` replaces those
@@ -21,8 +21,8 @@ use std::fs::File;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// What commands write into their directory; a name without a dot is a directory.
-const RESULTS: [&str; 29] = [
+/// Files that commands write into their directory; a name without a dot is a directory.
+const RESULTS: [&str; 32] = [
     "bench.json",
     "campaign.csv",
     "campaign.json",
@@ -35,6 +35,7 @@ const RESULTS: [&str; 29] = [
     "live.json",
     "metadata.yaml",
     "part.json",
+    "plausibility.json",
     "r157.json",
     "radio.csv",
     "radio.json",
@@ -45,6 +46,8 @@ const RESULTS: [&str; 29] = [
     "reproduce.json",
     "runs.jsonl",
     "scenario.toml",
+    "signals.csv",
+    "signals.json",
     "string.csv",
     "string.json",
     "summary.json",
@@ -54,10 +57,10 @@ const RESULTS: [&str; 29] = [
     "trajectory.csv",
 ];
 
-/// Where results are until others take their place.
+/// Directory of earlier results until new ones replace them.
 const REPLACED: &str = ".replaced";
 
-/// Where the results go.
+/// Options for the directory of the results.
 #[derive(Clone, Debug, Default, Args)]
 pub struct OutputOptions {
     /// Directory for the results; by default below `runs`, named after time and subject
@@ -90,7 +93,7 @@ impl OutputDirectory {
     pub fn create(options: &OutputOptions, name: &str) -> Result<Self, Error> {
         let Some(path) = &options.out else { return Self::create_new(name) };
         let mut output = Self::take(path)?;
-        // Of a command that was killed before it had a result.
+        // A command was killed before it had a result.
         output.put_back()?;
         let found: Vec<_> = results_in(path).collect();
         match found.first() {
@@ -209,7 +212,7 @@ impl OutputDirectory {
     /// Keeps the directory also if no result is written into it. Results that were to be replaced are gone then.
     pub fn keep(&self) {
         if !self.is_used.replace(true) {
-            // What cannot be removed stays aside.
+            // A file that cannot be removed stays aside.
             let _ = remove(&self.path.join(REPLACED));
         }
     }
@@ -285,7 +288,7 @@ impl Drop for OutputDirectory {
         }
         if self.is_cleared {
             for name in results_in(&self.path) {
-                // What cannot be removed stays; the command has failed anyway.
+                // A file that cannot be removed stays; the command has failed anyway.
                 let _ = remove(&self.path.join(name));
             }
             let _ = self.put_back();

@@ -3,7 +3,7 @@
 use comfy_table::{CellAlignment, Table, presets};
 use std::fmt::Write;
 
-/// What stands where a figure does not apply.
+/// Text where a figure does not apply.
 pub const NONE: &str = "-";
 
 /// On which side a column's cells are flush.

@@ -114,7 +114,7 @@ impl Draws {
     }
 }
 
-/// What drives of all kinds have in common: vehicle, radar and law.
+/// The common part of all kinds: vehicle, radar and law.
 fn head(draws: &mut Draws, duration_s: f64, speed_mps: f64, set_mps: f64) -> String {
     let law = draws.one(&LAWS);
     let latency_ms = draws.one(&[0, 50, 100]);

@@ -11,18 +11,24 @@
 mod cases;
 mod draw;
 mod rate;
+mod results;
 mod table;
+
+pub use table::schema;
+
+use std::process::ExitCode;
+
+use frame::batch::{Done, Job};
+use frame::{Found, Options, Study};
+use group::report::CheckReport;
+use group::{Error, ScenarioOptions};
+use report::results::Document;
+use serde::{Deserialize, Serialize};
 
 use crate::arguments::CampaignArguments;
 use cases::{BIAS, CASES, FREEZE};
-use frame::batch::{self, Job, Source};
-use group::{Error, ScenarioOptions};
-use runtime::Mode;
-use std::collections::BTreeSet;
-use std::process::ExitCode;
-use table::Table;
 
-/// The table of the controller's checks, which is no campaign of its own.
+/// The campaign's name.
 pub const NAME: &str = "plausibility";
 
 /// Hours without faults where nothing else is asked for: less than a minute on two cores.
@@ -30,13 +36,23 @@ const HOURS: f64 = 3.0;
 /// Drives with each fault.
 const DRIVES: u32 = 20;
 
-/// One drive of the table.
+/// A planned drive.
 #[derive(Clone, Copy, Debug)]
 enum Planned {
     /// A random drive by its number.
     Quiet(usize),
     /// A false sender by its place in [`CASES`], and the drive with it.
     Faulty(usize, u32),
+}
+
+/// The record of a drive.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Kept {
+    /// Name of its scenario.
+    scenario: String,
+    duration_s: f64,
+    /// The findings of each check.
+    checks: Vec<CheckReport>,
 }
 
 /// When the fault of a drive begins, s: spread over the time that its case allows.
@@ -76,40 +92,87 @@ fn quiet(seed: u32, hours: f64) -> Result<Vec<Planned>, Error> {
     Ok(planned)
 }
 
-/// Runs the drives and prints the table. Fails if a check found something where nothing was.
+/// Runs the campaign, or joins its parts.
 ///
 /// # Errors
-/// As a campaign's runs.
+/// As [`frame::study::run`].
 pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
-    let seed = arguments.seed.unwrap_or(1);
-    let mut planned = quiet(seed, arguments.hours.map_or(HOURS, f64::from))?;
-    for case in 0..CASES.len() {
-        planned.extend((0..DRIVES).map(|drive| Planned::Faulty(case, drive)));
+    frame::study::run::<Checks>(arguments)
+}
+
+/// The study: random drives without faults, then the drives with each false sender.
+struct Checks {
+    seed: u32,
+    drives: Vec<Planned>,
+}
+
+impl Study for Checks {
+    type Arguments = CampaignArguments;
+    type Record = Kept;
+    type Seen = ();
+
+    const NAME: &'static str = "campaign";
+
+    fn options(arguments: &CampaignArguments) -> Options<'_> {
+        arguments.options()
     }
-    let mut table = Table::new(seed);
-    let bar = report::progress::count_bar(planned.len(), arguments.results.json);
-    bar.set_message(NAME);
-    let make = |index: usize| job(seed, planned[index]);
-    let source = Source { runs: planned.len(), make: &make };
-    let at_once = batch::at_once(arguments.jobs, Mode::Lockstep);
-    let mut each = |index: usize, job: &Job, result: Result<batch::Done, Error>| {
-        let done = result?;
-        match planned[index] {
-            Planned::Quiet(number) => table.quiet(draw::kind(number), job, &done),
-            Planned::Faulty(case, drive) => table.faulty(case, begins_s(case, drive), &done),
+
+    fn plan(arguments: &CampaignArguments) -> Result<Self, Error> {
+        let seed = arguments.seed.unwrap_or(1);
+        let mut drives = quiet(seed, arguments.hours.map_or(HOURS, f64::from))?;
+        for case in 0..CASES.len() {
+            drives.extend((0..DRIVES).map(|drive| Planned::Faulty(case, drive)));
         }
-        Ok(())
-    };
-    let none = BTreeSet::new();
-    let end = batch::run_made(&none, &source, at_once, &arguments.group, &bar, &mut each);
-    bar.finish_and_clear();
-    end?;
-    table.finish();
-    let text = if arguments.results.json {
-        serde_json::to_string_pretty(&table).expect("plain data") + "\n"
-    } else {
-        table.text()
-    };
-    report::print::out(&text)?;
-    Ok(if table.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+        Ok(Self { seed, drives })
+    }
+
+    fn runs(&self) -> usize {
+        self.drives.len()
+    }
+
+    fn seed(&self) -> u64 {
+        self.seed.into()
+    }
+
+    fn label(&self) -> String {
+        NAME.to_owned()
+    }
+
+    fn job(&self, run: usize) -> Result<Job, Error> {
+        job(self.seed, self.drives[run])
+    }
+
+    fn record(
+        &self,
+        _: usize,
+        job: &Job,
+        result: Result<Done, Error>,
+    ) -> Result<(Kept, ()), Error> {
+        let summary = result?.summary;
+        let scenario = job.scenario.name.as_str().to_owned();
+        let kept = Kept { scenario, duration_s: summary.duration_s, checks: summary.checks };
+        Ok((kept, ()))
+    }
+
+    fn describe(&self, run: usize) -> String {
+        match self.drives[run] {
+            Planned::Quiet(number) => format!(" ({}-{number})", draw::kind(number)),
+            Planned::Faulty(case, drive) => {
+                let (fault, size, ..) = CASES[case];
+                format!(" ({fault} {size}, drive {})", drive + 1)
+            }
+        }
+    }
+
+    fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
+        let mut results = results::Results::new(self.seed, found.sample);
+        for (run, kept) in found.records.all()? {
+            match self.drives[run] {
+                Planned::Quiet(number) => results.quiet(draw::kind(number), &kept),
+                Planned::Faulty(case, drive) => results.faulty(case, begins_s(case, drive), &kept),
+            }
+        }
+        results.finish();
+        Ok(table::document(&results))
+    }
 }

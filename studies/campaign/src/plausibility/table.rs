@@ -1,229 +1,209 @@
-//! The table: false alarms by check and by kind of drive, and what was found of false senders.
+//! The tables: false alarms by check and by kind of drive, and the false senders that were found.
 
-use super::cases::CASES;
-use super::draw::KINDS;
-use super::rate::poisson;
-use frame::batch::{Done, Job};
-use report::table::TextTable;
+use report::results::{Column, Document, Kind, Schema, Table, count, nested, number, word};
 use serde::Serialize;
-use std::collections::BTreeMap;
 
-/// Drives with a false alarm, in a time without faults.
-#[derive(Clone, Debug, Default, Serialize)]
-struct Rate {
+use super::NAME;
+use super::draw::KINDS;
+use super::results::{Found, Rate, Results};
+
+/// Fields of the JSON.
+const FIELDS: &[Column<Results>] = &[
+    frame::ok("No check found a contradiction without a fault"),
+    count("seed", "", "Seed of the random drives"),
+    number("quiet_s", "", "s", 1, "Simulated time without faults"),
+    count("drives", "", "Random drives without faults"),
+];
+
+/// Columns of a false sender, for programs.
+const FAULTS: &[Column<Found>] = &[
+    word("fault", "", "Fault of the sender"),
+    word("size", "", "Size of the fault"),
+    word("scenario", "", "Scenario"),
+    count("drives", "", "Drives with the fault"),
+    count("found", "", "Drives in which a check found it"),
+    nested("checks", Kind::Object, "Number of drives by the check that found it first"),
+    nested(
+        "after_s",
+        Kind::List,
+        "Times from the fault's beginning until a check found it, s, in order",
+    ),
+];
+
+/// Columns of a rate, for programs, at a path below its row.
+fn rate<R>(below: &str) -> Vec<Column<R>> {
+    let all = [
+        count("drives", "", "Drives"),
+        number("hours", "", "h", 2, "Simulated time"),
+        count("alarmed", "", "Drives with at least one false alarm"),
+        number("per_hour", "", "1/h", 2, "Drives with a false alarm per hour"),
+        nested("per_hour_ci95", Kind::List, "Exact 95 % interval of this rate (Garwood, 1936)"),
+    ];
+    let at_path = |column: Column<R>| {
+        let name = format!("{below}{}", column.head.name);
+        column.named(name, String::new())
+    };
+    all.into_iter().map(at_path).collect()
+}
+
+/// Contents of the JSON.
+#[must_use]
+pub fn schema() -> Schema {
+    let own: [Column<()>; 5] = [
+        count("false_alarms", "", "Cycles with a false alarm"),
+        nested("kinds", Kind::Object, "Drives with a false alarm, by kind"),
+        word("example", "", "A drive with a false alarm"),
+        number("nearest", "", "", 2, "Largest value without an alarm, as a share of the threshold"),
+        word("scenario", "", "The drive with that value"),
+    ];
+    let check: Vec<Column<()>> = own.into_iter().chain(rate("")).collect();
+    frame::schema(
+        NAME,
+        "False alarms of the controller's checks, and the false senders that they find",
+    )
+    .fields(FIELDS)
+    .fields(&rate::<()>("all."))
+    .map("checks", "Each check by its name, in drives without faults", &check)
+    .map("kinds", "Each kind of drive by its name, without faults", &rate::<()>(""))
+    .rows("faults", "The false senders", FAULTS)
+}
+
+/// A rate with its interval, for people.
+#[derive(Serialize)]
+struct Line<'a> {
+    name: &'a str,
     drives: u64,
     hours: f64,
-    /// Drives with at least one false alarm.
     alarmed: u64,
-    /// Those of them per hour, with the exact 95 % interval of a Poisson count.
     per_hour: f64,
-    per_hour_ci95: [f64; 2],
+    low: f64,
+    high: f64,
+    nearest_percent: Option<f64>,
+    example: Option<&'a str>,
 }
 
-impl Rate {
-    fn add(&mut self, hours: f64, is_alarmed: bool) {
-        self.drives += 1;
-        self.hours += hours;
-        self.alarmed += u64::from(is_alarmed);
-    }
-
-    fn finish(&mut self) {
-        let hours = self.hours.max(f64::MIN_POSITIVE);
-        self.per_hour = self.alarmed as f64 / hours;
-        self.per_hour_ci95 = poisson(self.alarmed).map(|limit| limit / hours);
-    }
-
-    /// The rate and its interval, in two cells.
-    fn cells(&self) -> [String; 2] {
-        let [low, high] = self.per_hour_ci95;
-        [format!("{:.2}", self.per_hour), format!("{low:.2} to {high:.2}")]
+impl<'a> Line<'a> {
+    fn of(name: &'a str, rate: &Rate) -> Self {
+        let Rate { drives, hours, alarmed, per_hour, per_hour_ci95: [low, high] } = *rate;
+        let (nearest_percent, example) = (None, None);
+        Self { name, drives, hours, alarmed, per_hour, low, high, nearest_percent, example }
     }
 }
 
-/// What a check found without faults.
-#[derive(Clone, Debug, Default, Serialize)]
-struct Check {
-    /// Cycles with a false alarm.
-    false_alarms: u64,
-    #[serde(flatten)]
-    rate: Rate,
-    /// Drives with a false alarm, by kind.
-    kinds: BTreeMap<&'static str, u64>,
-    /// A drive with a false alarm.
-    example: Option<String>,
-    /// Largest value without an alarm, as a share of the threshold.
-    nearest: f64,
-    /// The drive with that value.
-    scenario: String,
+/// Columns of these lines; the first has the heading of what the lines are of.
+fn lines<'a>(heading: &str) -> [Column<Line<'a>>; 9] {
+    [
+        word("", "", "Check or kind").named("name".to_owned(), heading.to_owned()),
+        count("drives", "drives", "Drives").weight(1),
+        number("hours", "time", "h", 2, "Simulated time").weight(2),
+        count("alarmed", "alarmed", "Drives with at least one false alarm").less(),
+        number("per_hour", "rate", "1/h", 2, "Drives with a false alarm per hour"),
+        number("low", "from", "1/h", 2, "Lower end of the 95 % interval"),
+        number("high", "to", "1/h", 2, "Upper end of the 95 % interval"),
+        number(
+            "nearest_percent",
+            "nearest",
+            "%",
+            0,
+            "Largest value without an alarm, of the threshold",
+        ),
+        word("example", "in", "A drive with a false alarm, else the one with the nearest value"),
+    ]
 }
 
-/// What was found of a false sender.
-#[derive(Clone, Debug, Serialize)]
-struct Found {
+/// A false sender, for people.
+#[derive(Serialize)]
+struct Sender {
     fault: &'static str,
     size: &'static str,
     scenario: &'static str,
-    drives: usize,
-    found: usize,
-    /// Checks that found it first, and in how many drives.
-    checks: BTreeMap<String, usize>,
-    /// Times from the fault's beginning until a check found it, s, in order.
-    after_s: Vec<f64>,
+    found: String,
+    median_s: Option<f64>,
+    longest_s: Option<f64>,
+    by: String,
 }
 
-/// The whole table.
-#[derive(Clone, Debug, Serialize)]
-pub struct Table {
-    schema_version: u32,
-    /// No check found something where nothing was.
-    pub ok: bool,
-    seed: u32,
-    quiet_s: f64,
-    drives: u64,
-    /// All checks together.
-    all: Rate,
-    checks: BTreeMap<String, Check>,
-    kinds: BTreeMap<&'static str, Rate>,
-    faults: Vec<Found>,
-}
+/// Columns of the false senders.
+const SENDERS: &[Column<Sender>] = &[
+    word("fault", "fault", "Fault of the sender, for 10 s"),
+    word("size", "size", "Size of the fault"),
+    word("scenario", "scenario", "Scenario").weight(1),
+    word("found", "found", "Drives in which a check found it"),
+    number("median_s", "median", "s", 2, "Median time until a check found it"),
+    number("longest_s", "longest", "s", 2, "Longest time until a check found it"),
+    word("by", "first found by", "Checks that found it first, with the number of drives").weight(2),
+];
 
-impl Table {
-    /// A table without a drive.
-    pub fn new(seed: u32) -> Self {
-        let faults = CASES.map(|(fault, size, scenario, ..)| Found {
-            fault,
-            size,
-            scenario,
-            drives: 0,
-            found: 0,
-            checks: BTreeMap::new(),
-            after_s: Vec::new(),
-        });
+impl Sender {
+    fn of(found: &Found) -> Self {
+        let by = found.checks.iter().map(|(check, count)| format!("{check} {count}"));
+        let after = &found.after_s;
         Self {
-            schema_version: 1,
-            ok: false,
-            seed,
-            quiet_s: 0.0,
-            drives: 0,
-            all: Rate::default(),
-            checks: BTreeMap::new(),
-            kinds: BTreeMap::new(),
-            faults: faults.into(),
+            fault: found.fault,
+            size: found.size,
+            scenario: found.scenario,
+            found: format!("{} of {}", found.found, found.drives),
+            median_s: after.get(after.len() / 2).copied(),
+            longest_s: after.last().copied(),
+            by: by.collect::<Vec<_>>().join(", "),
         }
     }
+}
 
-    /// Adds a drive without faults.
-    pub fn quiet(&mut self, kind: &'static str, job: &Job, done: &Done) {
-        let name = job.scenario.name.as_str();
-        let hours = done.summary.duration_s / 3600.0;
-        self.drives += 1;
-        self.quiet_s += done.summary.duration_s;
-        for found in &done.summary.checks {
-            let check = self.checks.entry(found.check.clone()).or_default();
-            let is_alarmed = found.cycles > 0;
-            check.false_alarms += found.cycles;
-            check.rate.add(hours, is_alarmed);
-            if is_alarmed {
-                *check.kinds.entry(kind).or_default() += 1;
-                check.example.get_or_insert_with(|| name.to_owned());
-            }
-            if found.nearest > check.nearest {
-                check.nearest = found.nearest;
-                check.scenario = name.to_owned();
-            }
-        }
-        let is_alarmed = done.summary.checks.iter().any(|found| found.cycles > 0);
-        self.all.add(hours, is_alarmed);
-        self.kinds.entry(kind).or_default().add(hours, is_alarmed);
-    }
+/// The document of all drives.
+pub fn document(results: &Results) -> Document {
+    let checks = results.checks.iter().map(|(name, check)| Line {
+        nearest_percent: Some(100.0 * check.nearest),
+        example: Some(check.example.as_ref().unwrap_or(&check.scenario)),
+        ..Line::of(name, &check.rate)
+    });
+    let kinds = KINDS.iter().filter_map(|(name, _)| Some(Line::of(name, results.kinds.get(name)?)));
+    let senders: Vec<_> =
+        results.faults.iter().filter(|found| found.drives > 0).map(Sender::of).collect();
+    let Rate { hours, alarmed, per_hour, per_hour_ci95: [low, high], .. } = results.all;
+    let about = format!(
+        "{hours:.1} h without faults, {} drives from seed {}, lockstep",
+        results.drives, results.seed
+    );
+    let found: usize = results.faults.iter().map(|found| found.found).sum();
+    let faulty: usize = results.faults.iter().map(|found| found.drives).sum();
+    let verdict = format!(
+        "{alarmed} drives with a false alarm, {per_hour:.2} per hour (95 %: {low:.2} to {high:.2}); \
+         {found} of {faulty} false senders found"
+    );
+    Document::new(NAME, "Plausibility of the controller's inputs", results)
+        .about(about)
+        .verdict(results.ok, verdict)
+        .table(Table::new("Checks", &lines("check"), &checks.collect::<Vec<_>>()))
+        .table(Table::new("Kinds of drives", &lines("kind"), &kinds.collect::<Vec<_>>()))
+        .table(Table::new("False senders", SENDERS, &senders))
+}
 
-    /// Adds a drive with the false sender of a case, which begins at `at_s`.
-    pub fn faulty(&mut self, case: usize, at_s: f64, done: &Done) {
-        let found = &mut self.faults[case];
-        found.drives += 1;
-        let alarms = done.summary.checks.iter().filter_map(|check| {
-            check.first_s.filter(|first_s| *first_s >= at_s).map(|first_s| (first_s, &check.check))
-        });
-        if let Some((first_s, check)) = alarms.min_by(|a, b| a.0.total_cmp(&b.0)) {
-            found.found += 1;
-            found.after_s.push(first_s - at_s);
-            *found.checks.entry(check.clone()).or_insert(0) += 1;
-        }
-    }
+#[cfg(test)]
+mod tests {
+    use super::super::Kept;
+    use super::*;
+    use frame::batch::ProcessesSample;
+    use group::report::CheckReport;
 
-    /// Computes the rates, once all drives are there.
-    pub fn finish(&mut self) {
-        for found in &mut self.faults {
-            found.after_s.sort_by(f64::total_cmp);
-        }
-        let rates = self.checks.values_mut().map(|check| &mut check.rate);
-        rates.chain(self.kinds.values_mut()).chain([&mut self.all]).for_each(Rate::finish);
-        self.ok = self.all.alarmed == 0;
-    }
-
-    /// For a terminal.
-    pub fn text(&self) -> String {
-        let [rate, interval] = self.all.cells();
-        let mut text = format!(
-            "{:.1} h without faults, {} drives from seed {}: {} with a false alarm, {rate} per hour (95 %: {interval})\n",
-            self.all.hours, self.drives, self.seed, self.all.alarmed
-        );
-        let mut checks =
-            TextTable::of_figures(["check", "alarmed", "per hour", "95 %", "nearest", "in"]);
-        for (name, check) in &self.checks {
-            let [rate, interval] = check.rate.cells();
-            let nearest = format!("{:.0} %", 100.0 * check.nearest);
-            let alarmed = check.rate.alarmed.to_string();
-            let example = check.example.as_ref().unwrap_or(&check.scenario).clone();
-            checks.row([name.clone(), alarmed, rate, interval, nearest, example]);
-        }
-        text += &checks.text();
-        text += "\nfalse alarms by kind of drive\n";
-        let mut kinds =
-            TextTable::of_figures(["kind", "drives", "hours", "alarmed", "per hour", "95 %"]);
-        for (kind, _) in KINDS {
-            let Some(of) = self.kinds.get(kind) else { continue };
-            let [rate, interval] = of.cells();
-            let hours = format!("{:.2}", of.hours);
-            kinds.row([
-                kind.into(),
-                of.drives.to_string(),
-                hours,
-                of.alarmed.to_string(),
-                rate,
-                interval,
-            ]);
-        }
-        text += &kinds.text();
-        text + "\nfalse senders, for 10 s\n" + &self.found()
-    }
-
-    fn found(&self) -> String {
-        let mut faults = TextTable::of_figures([
-            "fault",
-            "size",
-            "scenario",
-            "found",
-            "median",
-            "longest",
-            "first found by",
-        ]);
-        for found in &self.faults {
-            let after = |place: usize| {
-                found.after_s.get(place).map_or_else(|| "-".into(), |s| format!("{s:.2} s"))
-            };
-            let by: Vec<String> =
-                found.checks.iter().map(|(check, count)| format!("{check} {count}")).collect();
-            faults.row([
-                found.fault.into(),
-                found.size.into(),
-                found.scenario.into(),
-                format!("{} of {}", found.found, found.drives),
-                after(found.after_s.len() / 2),
-                after(found.after_s.len().saturating_sub(1)),
-                by.join(", "),
-            ]);
-        }
-        faults.text()
+    #[test]
+    fn a_false_alarm_breaks_the_verdict_and_a_false_sender_has_its_time() {
+        let kept = |cycles, first_s| Kept {
+            scenario: "free-road-0".to_owned(),
+            duration_s: 1_800.0,
+            checks: vec![CheckReport { check: "motion".to_owned(), cycles, first_s, nearest: 0.4 }],
+        };
+        let mut results = Results::new(1, ProcessesSample::default());
+        results.quiet(KINDS[0].0, &kept(0, None));
+        results.quiet(KINDS[0].0, &kept(3, Some(7.0)));
+        results.faulty(0, 5.0, &kept(9, Some(5.25)));
+        results.faulty(0, 5.0, &kept(0, None));
+        results.finish();
+        let document = document(&results);
+        assert!(!document.is_ok());
+        let text = document.console(100);
+        assert!(text.contains("1 drives with a false alarm, 1.00 per hour"), "{text}");
+        assert!(text.contains("1 of 2") && text.contains("0.25"), "{text}");
+        assert_eq!(report::results::check(&schema().json(), &document.value()), [""; 0]);
     }
 }

@@ -1,8 +1,8 @@
-//! What is different in each run: its number alone decides.
+//! The draws of each run: its number alone decides.
 //!
-//! Left out is what no receiver without signatures can tell: a unit that is wrong from its first frame on and
-//! that no other one contradicts. So the air is clear at first, and a map that moves a stop line away from the
-//! vehicle is that of the first intersection, after it was heard. Those of the others move the line towards it.
+//! A receiver without signatures cannot find a unit that is wrong from its first frame on and that no other unit
+//! contradicts. Such units are left out: the air is clear at first. Only the map of the first intersection may move
+//! its stop line away from the vehicle, after it was received. The other maps move their lines towards the vehicle.
 
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
@@ -28,7 +28,7 @@ const CLOCKS: [(&str, f64); 4] = [
     ("v2x.obu.clock_drift_ppm", 100.0),
 ];
 
-/// What is different in run `number`.
+/// Keys of run `number`.
 pub fn keys(number: u64) -> Vec<String> {
     let mut generator = Pcg64::seed_from_u64(number);
     let mut uniform = |low: f64, high: f64| low + (high - low) * random::uniform(&mut generator);
@@ -36,7 +36,7 @@ pub fn keys(number: u64) -> Vec<String> {
     for signal in 0..3 {
         keys.push(format!("v2x.signals.{signal}.offset_s={:.1}", uniform(0.0, 60.0)));
     }
-    // Where the air is bad from: never before the vehicle can have heard of the first signal.
+    // The air gets bad after the vehicle can have received the first signal.
     keys.push(format!("v2x.air.from_s={:.1}", uniform(2.0, 60.0)));
     if uniform(0.0, 1.0) < 0.5 {
         keys.push(format!("v2x.air.for_s={:.1}", uniform(1.0, 60.0)));

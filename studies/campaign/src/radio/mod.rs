@@ -1,47 +1,42 @@
 //! `timegap campaign radio`: drives through signals whose frames are lost, late and falsified.
 //!
-//! Each run is `corridor` with its own signal programs and its own things wrong with the air, the roadside
-//! units and the on-board unit, drawn from a generator that the run's number seeds. No run may cross a red
-//! light or touch another vehicle.
-//!
-//! ```text
-//! number ─ draw ─► batch ─► journal ─► table, verdict
-//! ```
+//! Each run is `corridor` with its own signal programs. The run's number seeds a generator, which draws the faults of
+//! the air, of the roadside units and of the on-board unit. No run may cross a red light or touch another vehicle.
 
 mod draw;
 mod table;
 
-use crate::arguments::CampaignArguments;
-use crate::planned::Planned;
-use frame::batch::{self, Done, Job, Source};
-use frame::parts::{Merged, Part, Study, name_incomplete};
-use group::report::Outcome;
-use group::{Error, ScenarioOptions};
-use report::output::OutputDirectory;
-use runtime::Mode;
-use serde::{Deserialize, Serialize};
+pub use table::schema;
+
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::process::ExitCode;
-use table::Table;
+
+use frame::batch::{Done, Job};
+use frame::{Found, Options, Study};
+use group::report::Outcome;
+use group::{Error, ScenarioOptions};
+use report::results::Document;
+use serde::{Deserialize, Serialize};
+
+use crate::arguments::CampaignArguments;
+use crate::planned::Planned;
 
 /// The campaign's name.
 pub const NAME: &str = "radio";
 
 /// Runs where nothing else is asked for.
 const RUNS: usize = 2_000;
-/// Chooses the runs that are repeated in process groups.
-const SAMPLE_SEED: u64 = 1;
 const SCENARIO: &str = "corridor";
 
-/// What is kept of a run.
+/// The record of a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-struct Kept {
+pub struct Kept {
     /// The run's number, from 1.
     number: usize,
     outcome: Outcome,
     driven_s: f64,
-    /// How far the vehicle came, m.
+    /// Position of the vehicle at the end, m.
     reached_m: f64,
     frames: u64,
     verdicts: BTreeMap<String, u64>,
@@ -70,11 +65,16 @@ impl Kept {
         self.outcome == Outcome::Completed
     }
 
-    /// What broke the promise, and the command that repeats it.
+    /// The command that repeats it.
+    fn repeat(&self) -> String {
+        planned(self.number).repeat("lockstep")
+    }
+
+    /// How it failed, and the command that repeats it.
     fn failure(&self) -> String {
         let outcome = report::print::outcome_word(self.outcome).to_lowercase();
-        let repeat = planned(self.number).repeat("lockstep");
-        format!("run {}: {outcome} after {} s\n  {repeat}", self.number, self.driven_s)
+        let (number, driven_s, repeat) = (self.number, self.driven_s, self.repeat());
+        format!("run {number}: {outcome} after {driven_s} s\n  {repeat}")
     }
 }
 
@@ -119,91 +119,67 @@ fn job(number: usize) -> Result<Job, Error> {
     Ok(Job::lockstep(group::open_with(&scenario, &options, "set", &keys)?))
 }
 
-/// Does the runs, or joins their parts.
+/// Runs the campaign, or joins its parts.
 ///
 /// # Errors
-/// As a campaign's runs.
+/// As [`frame::study::run`].
 pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
-    if arguments.parts.merge.is_empty() { drive(arguments) } else { merge(arguments) }
+    frame::study::run::<Drives>(arguments)
 }
 
-/// Does the runs that are left of this part, and tells of each that fails as it ends.
-///
-/// # Errors
-/// As a campaign's runs.
-fn drive(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
-    let numbers = Numbers::of(arguments);
-    let study = Study::of_this_command(numbers.count, &job(numbers.number(0))?.scenario);
-    let options = arguments.parts.clone();
-    let (mut part, output) = Part::<Kept>::open(&options, &arguments.results.output, study)?;
-    let left = part.left();
-    let bar = report::progress::count_bar(part.runs(), arguments.results.json);
-    bar.set_message(NAME);
-    bar.set_position((part.runs() - left.len()) as u64);
-    bar.reset_eta();
-    let repeated = part.repeated(&left, SAMPLE_SEED);
-    let at_once = batch::at_once(arguments.jobs, Mode::Lockstep);
-    let make = |index: usize| job(numbers.number(left[index]));
-    let source = Source { runs: left.len(), make: &make };
-    let mut each = |index: usize, _: &Job, result: Result<Done, Error>| {
-        let done = result?;
-        let kept = Kept::of(numbers.number(left[index]), &done);
-        if !kept.holds() {
-            bar.suspend(|| report::print::note(&kept.failure()));
-        }
-        part.keep(left[index], kept, done.repetition.as_ref())
-    };
-    let end = batch::run_made(&repeated, &source, at_once, &arguments.group, &bar, &mut each);
-    part.finish(end, left.len(), &bar, &output)?;
-    let shard = part.shard();
-    let (results, sample) = part.into_results();
-    sample.agreed(|index| format!(" (number {})", numbers.number(index)))?;
-    if let Some(shard) = shard {
-        let (name, directory) = (String::from(shard), output.path().display());
-        eprintln!("shard {name} is in {directory}; timegap campaign --merge puts all together");
+/// The study: each number is a run.
+struct Drives {
+    numbers: Numbers,
+}
+
+impl Study for Drives {
+    type Arguments = CampaignArguments;
+    type Record = Kept;
+    type Seen = ();
+
+    const NAME: &'static str = "campaign";
+
+    fn options(arguments: &CampaignArguments) -> Options<'_> {
+        arguments.options()
     }
-    conclude(arguments, results, &output, true)
-}
 
-/// Puts parts together.
-///
-/// # Errors
-/// Directories that are no parts of one campaign, or a file that cannot be read or written.
-fn merge(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
-    let merged = Merged::<Kept>::read(
-        "campaign",
-        &arguments.parts.merge,
-        arguments.results.output.out.as_deref(),
-    )?;
-    let numbers = Numbers::of(&merged.study.arguments()?);
-    merged.check(numbers.count, &job(numbers.number(0))?.scenario)?;
-    name_incomplete(&merged.incomplete);
-    let output = OutputDirectory::create(&arguments.results.output, NAME)?;
-    let is_whole = merged.incomplete.is_empty();
-    conclude(arguments, merged.into_results()?.0, &output, is_whole)
-}
-
-/// Adds up, writes and prints.
-fn conclude(
-    arguments: &CampaignArguments,
-    results: Vec<Option<Kept>>,
-    output: &OutputDirectory,
-    is_whole: bool,
-) -> Result<ExitCode, Error> {
-    let kept: Vec<Kept> = results.into_iter().flatten().collect();
-    let table = Table::of(&kept);
-    let json = serde_json::to_string_pretty(&table).expect("plain data") + "\n";
-    let written = output
-        .write("radio.csv", table::csv(&kept).as_bytes())
-        .and_then(|()| output.write("radio.json", json.as_bytes()));
-    if arguments.results.json {
-        report::print::out(&json)?;
-    } else {
-        let results = format!("results: {}\n", output.path().display());
-        report::print::out(&(table.text() + &results))?;
+    fn plan(arguments: &CampaignArguments) -> Result<Self, Error> {
+        Ok(Self { numbers: Numbers::of(arguments) })
     }
-    written?;
-    Ok(if table.ok && is_whole { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+
+    fn runs(&self) -> usize {
+        self.numbers.count
+    }
+
+    fn label(&self) -> String {
+        NAME.to_owned()
+    }
+
+    fn job(&self, run: usize) -> Result<Job, Error> {
+        job(self.numbers.number(run))
+    }
+
+    fn record(
+        &self,
+        run: usize,
+        _: &Job,
+        result: Result<Done, Error>,
+    ) -> Result<(Kept, ()), Error> {
+        Ok((Kept::of(self.numbers.number(run), &result?), ()))
+    }
+
+    fn notice(&self, kept: &Kept) -> Option<String> {
+        (!kept.holds()).then(|| kept.failure())
+    }
+
+    fn describe(&self, run: usize) -> String {
+        format!(" (number {})", self.numbers.number(run))
+    }
+
+    fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
+        let kept: Vec<Kept> = found.records.all()?.into_iter().map(|(_, kept)| kept).collect();
+        Ok(table::document(&kept, found.sample))
+    }
 }
 
 #[cfg(test)]

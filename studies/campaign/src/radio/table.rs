@@ -1,102 +1,172 @@
-//! All runs added up.
+//! The result: all runs added up.
 
-use super::{Kept, SCENARIO};
-use report::table::{self, TextTable};
-use serde::Serialize;
 use std::collections::BTreeMap;
+
+use frame::batch::ProcessesSample;
+use report::print::outcome_word;
+use report::results::{
+    Column, Document, Format, Kind, Schema, Table, column, count, nested, number, outcome, word,
+};
+use serde::Serialize;
+use serde_json::json;
+
+use super::{Kept, NAME, SCENARIO, planned};
 
 /// Stop line of the last signal, m.
 const LAST_LINE_M: f64 = 1_000.0;
 
-/// What came of all runs.
+/// The sums over all runs.
 #[derive(Clone, Debug, Serialize)]
-pub struct Table {
+struct Results {
     schema_version: u32,
-    /// No run crossed a red light, touched another vehicle or ended before its time.
-    pub ok: bool,
+    ok: bool,
     runs: usize,
     outcomes: BTreeMap<String, usize>,
-    /// The runs that did, each with the command that repeats it.
     failures: Vec<String>,
-    /// Runs in which the vehicle got past all signals: safety is not to come from standing still.
     past_all_signals: usize,
     frames: u64,
     verdicts: BTreeMap<String, u64>,
-    /// Time that the controller was without its signals, s, over all runs.
     signals_lost_s: f64,
     driven_s: f64,
+    processes_sample: ProcessesSample,
 }
 
-impl Table {
-    /// Adds up.
-    pub fn of(runs: &[Kept]) -> Self {
+/// Fields of the JSON.
+const FIELDS: &[Column<Results>] = &[
+    frame::ok("No run crossed a red light, touched another vehicle or ended early"),
+    count("runs", "", "Runs"),
+    nested("outcomes", Kind::Object, "Number of runs by their outcome"),
+    nested("failures", Kind::List, "Runs that broke a requirement, each with its command"),
+    count("past_all_signals", "", "Runs that passed the last stop line"),
+    count("frames", "", "Received frames"),
+    nested("verdicts", Kind::Object, "Number of frames by the on-board unit's verdict"),
+    number("signals_lost_s", "", "s", 1, "Time of the controller without its signals, all runs"),
+    number("driven_s", "", "s", 1, "Simulated time of all runs"),
+];
+
+/// Columns of `radio.csv`.
+const RUNS: &[Column<Kept>] = &[
+    count("run", "", "Number of the run").of(|kept| json!(kept.number)),
+    outcome("outcome"),
+    number("driven_s", "", "s", 2, "Simulated time"),
+    number("reached_m", "", "m", 1, "Position at the end"),
+    count("frames", "", "Received frames"),
+    number("signals_lost_s", "", "s", 2, "Time of the controller without its signals"),
+    word("keys", "", "Keys that are set").of(|kept| json!(planned(kept.number).keys.join(" "))),
+];
+
+/// Columns of the runs that broke a requirement.
+const FAILURES: &[Column<Kept>] = &[
+    count("number", "run", "Number of the run"),
+    outcome("outcome"),
+    number("driven_s", "after", "s", 2, "Simulated time"),
+    column("repeat", "", "", Format::Command, "Command that repeats the run")
+        .of(|kept| json!(kept.repeat())),
+];
+
+/// Frames with one verdict.
+#[derive(Serialize)]
+struct Frames {
+    verdict: String,
+    count: u64,
+    share_percent: f64,
+}
+
+/// Columns of the frames.
+const FRAMES: &[Column<Frames>] = &[
+    word("verdict", "frames", "Verdict of the on-board unit"),
+    count("count", "number", "Frames"),
+    number("share_percent", "share", "%", 2, "Share of the received frames"),
+];
+
+/// Contents of the JSON.
+#[must_use]
+pub fn schema() -> Schema {
+    frame::schema(NAME, "Drives through signals whose frames are lost, late and falsified")
+        .fields(FIELDS)
+}
+
+/// The document of all runs.
+pub fn document(runs: &[Kept], processes_sample: ProcessesSample) -> Document {
+    let results = Results::of(runs, processes_sample);
+    let frames = results.verdicts.iter().map(|(verdict, &count)| {
+        let share_percent = 100.0 * count as f64 / results.frames.max(1) as f64;
+        Frames { verdict: verdict.replace('_', " "), count, share_percent }
+    });
+    let failed: Vec<Kept> = runs.iter().filter(|run| !run.holds()).cloned().collect();
+    let outcomes: Vec<_> = results.outcomes.iter().map(|(o, n)| format!("{n} {o}")).collect();
+    let (all, past) = (results.runs, results.past_all_signals);
+    let about = format!(
+        "{all} runs of {SCENARIO}, lockstep: {}; {past} passed all signals",
+        outcomes.join(", ")
+    );
+    let time = format!(
+        "{:.1} h driven, {:.1} % of it without signals",
+        results.driven_s / 3600.0,
+        100.0 * results.signals_lost_s / results.driven_s.max(1.0)
+    );
+    let verdict = format!("{} of {all} runs crossed a red light or ended early", failed.len());
+    Document::new(NAME, "Signals by radio", &results)
+        .about(about)
+        .verdict(results.ok, verdict)
+        .text(time)
+        .table(Table::new("Frames", FRAMES, &frames.collect::<Vec<_>>()))
+        .table(Table::new("Runs that broke a requirement", FAILURES, &failed))
+        .file("radio.csv", Table::new("", RUNS, runs).csv())
+}
+
+impl Results {
+    fn of(runs: &[Kept], processes_sample: ProcessesSample) -> Self {
         let (mut outcomes, mut verdicts) = (BTreeMap::new(), BTreeMap::new());
         for run in runs {
-            let outcome = report::print::outcome_word(run.outcome).to_lowercase();
-            *outcomes.entry(outcome).or_default() += 1;
+            *outcomes.entry(outcome_word(run.outcome).to_lowercase()).or_default() += 1;
             for (verdict, count) in &run.verdicts {
                 *verdicts.entry(verdict.clone()).or_default() += count;
             }
         }
         let sum = |figure: fn(&Kept) -> f64| runs.iter().map(figure).sum::<f64>();
-        let failures = runs.iter().filter(|run| !run.holds()).map(Kept::failure);
         Self {
             schema_version: 1,
             ok: runs.iter().all(Kept::holds),
             runs: runs.len(),
             outcomes,
-            failures: failures.collect(),
+            failures: runs.iter().filter(|run| !run.holds()).map(Kept::failure).collect(),
             past_all_signals: runs.iter().filter(|run| run.reached_m > LAST_LINE_M).count(),
             frames: runs.iter().map(|run| run.frames).sum(),
             verdicts,
             signals_lost_s: sum(|run| run.signals_lost_s),
             driven_s: sum(|run| run.driven_s),
+            processes_sample,
         }
-    }
-
-    /// For a terminal.
-    pub fn text(&self) -> String {
-        let outcomes: Vec<_> = self.outcomes.iter().map(|(o, n)| format!("{n} {o}")).collect();
-        let mut text = format!(
-            "{} runs of {SCENARIO}: {}; {} got past all signals\n\
-             {:.1} h driven, {:.1} % of it without signals\n",
-            self.runs,
-            outcomes.join(", "),
-            self.past_all_signals,
-            self.driven_s / 3600.0,
-            100.0 * self.signals_lost_s / self.driven_s.max(1.0)
-        );
-        let mut rows = TextTable::of_figures(["frames", "", "share"]);
-        for (verdict, count) in &self.verdicts {
-            let share = 100.0 * *count as f64 / self.frames.max(1) as f64;
-            rows.row([verdict.replace('_', " "), count.to_string(), format!("{share:.2} %")]);
-        }
-        text += &rows.text();
-        let (mark, failed) = if self.ok { ("ok", 0) } else { ("BROKEN", self.failures.len()) };
-        text += &format!(
-            "  {mark:<6} runs that crossed a red light or did not end well = 0: {failed}\n"
-        );
-        for failure in &self.failures {
-            text += &format!("  {}\n", failure.replace('\n', "\n  "));
-        }
-        let word = if self.ok { "all requirements hold" } else { "A REQUIREMENT IS BROKEN" };
-        text + "verdict: " + word + "\n"
     }
 }
 
-/// One row per run.
-pub fn csv(runs: &[Kept]) -> String {
-    let columns = ["run", "outcome", "driven_s", "reached_m", "frames", "signals_lost_s", "keys"];
-    let rows = runs.iter().map(|run| {
-        [
-            run.number.to_string(),
-            report::print::outcome_word(run.outcome).to_lowercase(),
-            run.driven_s.to_string(),
-            run.reached_m.to_string(),
-            run.frames.to_string(),
-            run.signals_lost_s.to_string(),
-            super::planned(run.number).keys.join(" "),
-        ]
-    });
-    table::csv(columns, rows)
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use group::report::Outcome;
+
+    #[test]
+    fn a_red_light_breaks_the_verdict_and_is_a_failed_case_with_its_command() {
+        let run = |number, outcome| Kept {
+            number,
+            outcome,
+            driven_s: 31.5,
+            reached_m: 1_200.0,
+            frames: 4,
+            verdicts: [("accepted".to_owned(), 3), ("too_old".to_owned(), 1)].into(),
+            signals_lost_s: 3.15,
+        };
+        let runs = [run(1, Outcome::Completed), run(2, Outcome::RedLight)];
+        let document = document(&runs, ProcessesSample::default());
+        assert!(!document.is_ok());
+        let text = document.console(80);
+        assert!(
+            text.contains("1 of 2 runs crossed a red light") && text.contains("10.0 %"),
+            "{text}"
+        );
+        assert!(text.contains("timegap run corridor --mode lockstep --seed 2"), "{text}");
+        assert!(document.junit().contains("<failure"), "{}", document.junit());
+        assert_eq!(report::results::check(&schema().json(), &document.value()), [""; 0]);
+    }
 }

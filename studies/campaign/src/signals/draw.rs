@@ -1,4 +1,4 @@
-//! What a corridor looks like: its number alone decides.
+//! The draws of a corridor: its number alone decides.
 //!
 //! | drawn | from | to |
 //! |---|---|---|
@@ -7,10 +7,10 @@
 //! | first line; way from line to line, m | 150 | 450 |
 //! | green; red, s | 10 | 40 |
 //! | yellow, s | 3 | 5 |
-//! | countdowns reach the vehicle so long before the line at the set speed, s | 2 | 60 |
+//! | time before the line at which its countdown arrives, at the set speed, s | 2 | 60 |
 //!
-//! A vehicle that hears of a red signal within its way to a stop cannot stop, whatever it does. So the radio
-//! reaches at least that way, with a reaction time and a gentle deceleration.
+//! A vehicle cannot stop for a red signal that it receives too late. So the radio reaches at least the stopping
+//! distance, with a reaction time and a gentle deceleration.
 //!
 //! Two corridors of three have a lead, which obeys the signals as the rival's driver does.
 

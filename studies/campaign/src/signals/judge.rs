@@ -1,9 +1,9 @@
-//! What a drive through a corridor came to, beside the fastest legal trip.
+//! Figures of a drive through a corridor, beside the fastest legal trip.
 //!
-//! A trip ends so far behind the last line that the speed at which that line is crossed counts.
+//! A trip ends well behind the last line, so that the speed at that line counts.
 //!
 //! A green is used when the line is crossed before the red that follows the first green which could be reached
-//! from the line before, not beyond the lead. So a green that was missed is counted once, at its line, and not at those behind it.
+//! from the line before, not beyond the lead. So a missed green counts once, at its line, and not at the lines behind it.
 
 use super::draw::Corridor;
 use frame::batch::Done;
@@ -18,7 +18,7 @@ use v2x_sim::program::Program;
 /// How far behind the last line a trip ends, m.
 pub const BEYOND_M: f64 = 150.0;
 
-/// What is kept of a drive.
+/// The record of a drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Kept {
     /// The corridor's number, from 1.
@@ -96,11 +96,15 @@ impl Kept {
         self.outcome == Outcome::Completed
     }
 
-    /// What broke it.
+    /// The command that repeats both drives of its corridor.
+    pub fn repeat(&self) -> String {
+        format!("timegap campaign signals --first {} --seeds 1", self.corridor)
+    }
+
+    /// How it failed, and the command that repeats it.
     pub fn failure(&self) -> String {
         let outcome = report::print::outcome_word(self.outcome).to_lowercase();
-        let repeat = format!("timegap campaign signals --first {} --seeds 1", self.corridor);
-        format!("corridor {}: {outcome}; to repeat: {repeat}", self.corridor)
+        format!("corridor {}: {outcome}; to repeat: {}", self.corridor, self.repeat())
     }
 
     #[cfg(test)]

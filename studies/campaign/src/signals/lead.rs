@@ -13,16 +13,16 @@ const STEP_S: f64 = 0.1;
 const EVERY: usize = 5;
 /// Longest drive, s.
 const LONGEST_S: f64 = 900.0;
-/// Behind the last line it goes on for so long, m.
+/// Way beyond the last line, m.
 const BEYOND_M: f64 = 400.0;
-/// Where it turns off behind a line, m.
+/// Way from a line to the place where it turns off, m.
 const TURN_M: f64 = 8.0;
 /// Length of a car, m.
 const LENGTH_M: f64 = 4.5;
 /// Its temper on an open road and in front of a line.
 const DRIVER: Driver = Driver { acceleration_mps2: 2.0, deceleration_mps2: 1.7, hardest_mps2: 6.0 };
 
-/// What is drawn of a lead.
+/// Random traits of a lead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Traits {
     /// Gap from the ego at the start, m.
@@ -44,11 +44,11 @@ pub struct Lead {
     leaves_at_s: Option<f64>,
     /// Speeds over time.
     speeds: Vec<(f64, f64)>,
-    /// Where its rear is at these times, m.
+    /// Positions of its rear at these times, m.
     places: Vec<f64>,
 }
 
-/// What the driver makes of the next signal.
+/// The driver's decision at the next signal.
 #[derive(Clone, Copy, Default)]
 struct Heed {
     line: usize,
@@ -109,7 +109,7 @@ impl Lead {
         lead
     }
 
-    /// Where its rear is at a time, m; infinite once it has left.
+    /// Position of its rear at a time, m; infinite once it has left.
     pub fn rear_m(&self, time_s: f64) -> f64 {
         if self.leaves_at_s.is_some_and(|leaves_s| time_s >= leaves_s) {
             return f64::INFINITY;
@@ -145,7 +145,7 @@ impl Heed {
         v: f64,
         rules: &SignalStop,
     ) -> bool {
-        // What is heeded is what was shown a reaction time ago.
+        // The driver heeds the phase of a reaction time ago.
         let phase = signal.phase_at((time_s - rules.reaction_s).max(0.0));
         if (self.line, self.phase) != (line, phase) || self.since_s == 0.0 {
             let was_yellow = self.line == line && self.phase == 1;

@@ -8,24 +8,28 @@
 //! ```
 
 pub(crate) mod draw;
+mod figures;
 mod judge;
 mod lead;
 mod limits;
 mod signal;
 mod table;
 
-use crate::arguments::CampaignArguments;
-use controller::laws;
-use draw::Corridor;
-use frame::batch::{self, Done, Job, ProcessesSample, Source};
-use group::Error;
-use judge::Kept;
-use report::output::OutputDirectory;
-use runtime::Mode;
-use scenario::{Overrides, Scenario};
+pub use table::schema;
+
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::process::ExitCode;
-use table::Table;
+
+use controller::laws;
+use draw::Corridor;
+use frame::batch::{Done, Job};
+use frame::{Found, Options, Study};
+use group::Error;
+use judge::Kept;
+use report::results::Document;
+use scenario::{Overrides, Scenario};
+
+use crate::arguments::CampaignArguments;
 
 /// The campaign's name.
 pub const NAME: &str = "signals";
@@ -38,8 +42,6 @@ const RIVAL: &str = "acc-signal-stop";
 const LAWS: [&str; 2] = [OURS, RIVAL];
 /// Corridors where nothing else is asked for.
 const CORRIDORS: u32 = 500;
-/// Chooses the runs that are repeated in process groups.
-const SAMPLE_SEED: u64 = 1;
 
 /// The corridors of a command.
 #[derive(Clone, Copy, Debug)]
@@ -72,73 +74,71 @@ pub(crate) fn corridor(number: u64, law: &str) -> String {
     Corridor::new(number).text(number, law, law == RIVAL)
 }
 
-/// A corridor's scenario file for a law.
-fn text(number: usize, law: &str) -> String {
-    corridor(number as u64, law)
-}
-
 /// The scenario of that file.
 fn scenario(number: usize, law: &str) -> Result<Scenario, Error> {
-    Ok(Scenario::parse_with(NAME, &text(number, law), &Overrides::new(), &laws::check)?)
+    Ok(Scenario::parse_with(NAME, &corridor(number as u64, law), &Overrides::new(), &laws::check)?)
 }
 
-/// Drives all corridors and judges them.
+/// Runs the campaign, or joins its parts.
 ///
 /// # Errors
-/// What keeps the runs from starting, or a file that cannot be written.
+/// As [`frame::study::run`].
 pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
-    let numbers = Numbers::of(arguments);
-    let output = OutputDirectory::create(&arguments.results.output, NAME)?;
-    let bar = report::progress::count_bar(numbers.runs(), arguments.results.json);
-    bar.set_message(NAME);
-    let repeated = batch::choose(SAMPLE_SEED, numbers.runs());
-    let make = |index: usize| {
-        let (number, law) = numbers.run(index);
-        Ok(Job::lockstep(scenario(number, law)?))
-    };
-    let source = Source { runs: numbers.runs(), make: &make };
-    let mut runs = vec![None; numbers.runs()];
-    let mut each = |index: usize, job: &Job, result: Result<Done, Error>| {
-        let (number, _) = numbers.run(index);
-        runs[index] = Some(Kept::of(number, &job.scenario, &result?));
-        Ok(())
-    };
-    let at_once = batch::at_once(arguments.jobs, Mode::Lockstep);
-    let end = batch::run_made(&repeated, &source, at_once, &arguments.group, &bar, &mut each);
-    bar.finish_and_clear();
-    let sample = end?;
-    sample.print(numbers.runs(), &bar);
-    let describe =
-        |index| format!(" (corridor {}, {})", numbers.run(index).0, numbers.run(index).1);
-    let sample = sample.agreed(describe)?;
-    conclude(arguments, &runs.into_iter().flatten().collect::<Vec<_>>(), sample, &output)
+    frame::study::run::<Corridors>(arguments)
 }
 
-/// Adds up, writes and prints.
-fn conclude(
-    arguments: &CampaignArguments,
-    runs: &[Kept],
-    sample: ProcessesSample,
-    output: &OutputDirectory,
-) -> Result<ExitCode, Error> {
-    let table = Table::of(runs, sample);
-    let json = serde_json::to_string_pretty(&table).expect("plain data") + "\n";
-    let mut failed = runs.iter().filter(|run| !run.holds());
-    let written = failed
-        .try_for_each(|run| {
-            let text = text(run.corridor, &run.law);
-            output.write(&format!("corridor-{}-{}.toml", run.corridor, run.law), text.as_bytes())
-        })
-        .and_then(|()| output.write("signals.csv", table::csv(runs).as_bytes()))
-        .and_then(|()| output.write("signals.json", json.as_bytes()));
-    if arguments.results.json {
-        report::print::out(&json)?;
-    } else {
-        let results = format!("results: {}\n", output.path().display());
-        report::print::out(&(table.text() + &results))?;
+/// The study: each corridor with each law.
+struct Corridors {
+    numbers: Numbers,
+}
+
+impl Study for Corridors {
+    type Arguments = CampaignArguments;
+    type Record = Kept;
+    type Seen = ();
+
+    const NAME: &'static str = "campaign";
+
+    fn options(arguments: &CampaignArguments) -> Options<'_> {
+        arguments.options()
     }
-    written?;
-    Ok(if table.ok { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+
+    fn plan(arguments: &CampaignArguments) -> Result<Self, Error> {
+        Ok(Self { numbers: Numbers::of(arguments) })
+    }
+
+    fn runs(&self) -> usize {
+        self.numbers.runs()
+    }
+
+    fn label(&self) -> String {
+        NAME.to_owned()
+    }
+
+    fn job(&self, run: usize) -> Result<Job, Error> {
+        let (number, law) = self.numbers.run(run);
+        Ok(Job::lockstep(scenario(number, law)?))
+    }
+
+    fn record(
+        &self,
+        run: usize,
+        job: &Job,
+        result: Result<Done, Error>,
+    ) -> Result<(Kept, ()), Error> {
+        let (number, _) = self.numbers.run(run);
+        Ok((Kept::of(number, &job.scenario, &result?), ()))
+    }
+
+    fn describe(&self, run: usize) -> String {
+        let (number, law) = self.numbers.run(run);
+        format!(" (corridor {number}, {law})")
+    }
+
+    fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
+        let kept: Vec<Kept> = found.records.all()?.into_iter().map(|(_, kept)| kept).collect();
+        Ok(table::document(&kept, found.sample))
+    }
 }
 
 #[cfg(test)]

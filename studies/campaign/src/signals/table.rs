@@ -1,29 +1,32 @@
-//! All drives added up, and the goals.
+//! The result: all drives added up, and the goals.
 
-use super::judge::Kept;
-use super::limits::OF_RIVAL;
-use super::{LAWS, OURS, RIVAL};
 use frame::batch::ProcessesSample;
 use group::report::Outcome;
-use report::chart::number;
-use report::table::{self, TextTable};
+use report::results::{
+    Column, Document, Format, Kind, Schema, Table, column, count, fact, flag, nested, number,
+    outcome, word,
+};
 use serde::Serialize;
+use serde_json::json;
 
-/// What came of all corridors.
+use super::figures::{self, Figures};
+use super::judge::Kept;
+use super::limits::OF_RIVAL;
+use super::{LAWS, NAME, OURS, RIVAL, corridor};
+
+/// The sums over all corridors.
 #[derive(Clone, Debug, Serialize)]
-pub struct Table {
+struct Results {
     schema_version: u32,
-    /// `cacc-mpc` crossed no red light, touched nothing and ended every run. The goals do not count here.
-    pub ok: bool,
+    ok: bool,
     corridors: usize,
     laws: Vec<Law>,
     goals: Vec<Goal>,
-    /// Runs of `cacc-mpc` that broke a requirement.
     failures: Vec<String>,
     processes_sample: ProcessesSample,
 }
 
-/// A law's figures.
+/// Figures of a law.
 #[derive(Clone, Debug, Serialize)]
 struct Law {
     law: String,
@@ -31,50 +34,13 @@ struct Law {
     collisions: usize,
     #[serde(flatten)]
     all: Figures,
-    /// Corridors without and with a lead.
+    /// Corridors without a lead.
     free: Figures,
+    /// Corridors with a lead.
     led: Figures,
 }
 
-/// Figures of a law over some corridors.
-#[derive(Clone, Debug, Serialize)]
-struct Figures {
-    corridors: usize,
-    /// Trip time beyond the fastest legal trip.
-    excess_trip_s: Excess,
-    /// The same at the last line.
-    excess_at_last_line_s: Excess,
-    /// Trip time beyond the fastest legal trip that stays behind the lead.
-    excess_behind_lead_s: Excess,
-    /// Share of the lines that were crossed in the first green that could be reached from the line before.
-    greens_used: f64,
-    /// Lines that were not.
-    greens_missed: usize,
-    /// Lines that were not passed before the run's end.
-    lines_not_passed: usize,
-    stops_per_corridor: f64,
-    energy_kwh_per_100km: f64,
-    rms_jerk_mps3: f64,
-    max_jerk_mps3: f64,
-    emergency_brakings: u64,
-}
-
-#[derive(Clone, Copy, Debug, Serialize)]
-struct Excess {
-    mean: f64,
-    p90: f64,
-}
-
-impl Excess {
-    fn of(mut all: Vec<f64>) -> Self {
-        all.sort_by(f64::total_cmp);
-        let mean = all.iter().sum::<f64>() / all.len().max(1) as f64;
-        let place = ((0.9 * all.len() as f64).ceil() as usize).saturating_sub(1);
-        Self { mean, p90: all.get(place).copied().unwrap_or(0.0) }
-    }
-}
-
-/// A figure of ours that is to be at most half of the rival's.
+/// A figure of ours that may be at most half of the rival's.
 #[derive(Clone, Debug, Serialize)]
 struct Goal {
     name: &'static str,
@@ -86,9 +52,123 @@ struct Goal {
     met: bool,
 }
 
-impl Table {
-    /// Adds up.
-    pub fn of(runs: &[Kept], processes_sample: ProcessesSample) -> Self {
+/// A law over corridors of one kind, for people.
+#[derive(Serialize)]
+struct Line<'a> {
+    kind: String,
+    law: &'a str,
+    #[serde(flatten)]
+    figures: &'a Figures,
+}
+
+/// Fields of the JSON.
+const FIELDS: &[Column<Results>] = &[
+    frame::ok(
+        "cacc-mpc crossed no red light, touched nothing and ended every run; goals do not count",
+    ),
+    count("corridors", "", "Corridors, each driven by both laws"),
+    nested("failures", Kind::List, "Runs of cacc-mpc that broke a requirement, with the command"),
+];
+
+/// Columns of the goals.
+const GOALS: &[Column<Goal>] = &[
+    word("name", "goal", "Figure of cacc-mpc beside the one of acc-signal-stop"),
+    number("ours", OURS, "", 2, "Figure of cacc-mpc"),
+    number("rival", RIVAL, "", 2, "Figure of acc-signal-stop"),
+    number("ratio", "ratio", "", 2, "Ours over the rival's; null where that is 0"),
+    number("limit", "at most", "", 2, "Largest accepted ratio"),
+    flag("met", "verdict", ("met", "missed"), "The ratio is within its limit"),
+];
+
+/// Columns of `signals.csv`.
+const DRIVES: &[Column<Kept>] = &[
+    count("corridor", "", "Number of the corridor"),
+    word("law", "", "Control law"),
+    fact("is_led", "", "The corridor has a lead"),
+    number("ahead_s", "", "s", 1, "Time before a line at which its countdown arrives"),
+    outcome("outcome"),
+    number("excess_s", "", "s", 3, "Trip time beyond the fastest legal trip"),
+    number("excess_at_line_s", "", "s", 3, "The same at the last line"),
+    number("excess_behind_lead_s", "", "s", 3, "The same beyond the fastest trip behind the lead"),
+    count("lines", "", "Stop lines"),
+    count("greens_used", "", "Lines crossed in the first green that could be reached"),
+    count("not_passed", "", "Lines that were not passed"),
+    count("stops", "", "Standstills"),
+    number("energy_kwh_per_100km", "", "kWh/100 km", 2, "Energy at the wheels"),
+    number("rms_jerk_mps3", "", "m/s³", 3, "Root mean square of the jerk"),
+    number("max_jerk_mps3", "", "m/s³", 1, "Largest magnitude of the jerk"),
+    count("emergency_brakings", "", "Interventions of the emergency brake")
+        .of(|run| json!(run.interventions)),
+];
+
+/// Columns of the drives that broke a requirement.
+const FAILURES: &[Column<Kept>] = &[
+    count("corridor", "corridor", "Number of the corridor"),
+    word("law", "law", "Control law"),
+    outcome("outcome"),
+    column("repeat", "", "", Format::Command, "Command that repeats both drives of the corridor")
+        .of(|run| json!(run.repeat())),
+];
+
+/// Contents of the JSON.
+#[must_use]
+pub fn schema() -> Schema {
+    let law = [
+        word("law", "", "Control law"),
+        count("red_lights", "", "Runs that crossed a red light"),
+        count("collisions", "", "Runs that ended in a collision"),
+    ];
+    let laws: Vec<Column<()>> = law
+        .into_iter()
+        .chain(["", "free.", "led."].into_iter().flat_map(figures::columns))
+        .collect();
+    frame::schema(
+        NAME,
+        "Corridors of signals, driven by cacc-mpc and by an ACC that stops for them",
+    )
+    .fields(FIELDS)
+    .rows("laws", "Each law over all corridors, without a lead, and with one", &laws)
+    .rows("goals", "Figures of cacc-mpc that may be at most a share of the rival's", GOALS)
+}
+
+/// The document of all drives.
+pub fn document(runs: &[Kept], processes_sample: ProcessesSample) -> Document {
+    let results = Results::of(runs, processes_sample);
+    let columns: Vec<Column<Line<'_>>> =
+        [word("kind", "corridors", "Kind of the corridors"), word("law", "law", "Control law")]
+            .into_iter()
+            .chain(figures::columns(""))
+            .collect();
+    let of_kind = |kind: &str, of: fn(&Law) -> &Figures| {
+        let lines = results.laws.iter().map(|law| {
+            let figures = of(law);
+            Line { kind: format!("{} corridors{kind}", figures.corridors), law: &law.law, figures }
+        });
+        lines.filter(|line| line.figures.corridors > 0).collect::<Vec<_>>()
+    };
+    let mut lines = of_kind("", |law| &law.all);
+    lines.extend(of_kind(" without a lead", |law| &law.free));
+    lines.extend(of_kind(" with a lead", |law| &law.led));
+    let failed: Vec<Kept> = runs.iter().filter(|run| !run.holds()).cloned().collect();
+    let broken: Vec<String> = results.laws.iter().map(Law::in_words).collect();
+    let met = results.goals.iter().filter(|goal| goal.met).count();
+    let verdict = format!("{}; {met} of {} goals met", broken.join("; "), results.goals.len());
+    let document = Document::new(NAME, "Corridors of signals", &results)
+        .about(format!("{} corridors, lockstep", results.corridors))
+        .verdict(results.ok, verdict)
+        .table(Table::new("Laws", &columns, &lines).blocks("kind"))
+        // A goal is no requirement.
+        .table(Table::new("Goals", GOALS, &results.goals).without_cases())
+        .table(Table::new("Runs that broke a requirement", FAILURES, &failed))
+        .file("signals.csv", Table::new("", DRIVES, runs).csv());
+    failed.iter().fold(document, |document, run| {
+        let name = format!("corridor-{}-{}.toml", run.corridor, run.law);
+        document.file(&name, corridor(run.corridor as u64, &run.law))
+    })
+}
+
+impl Results {
+    fn of(runs: &[Kept], processes_sample: ProcessesSample) -> Self {
         let laws: Vec<Law> = LAWS.iter().map(|law| Law::of(law, runs)).collect();
         let figures = |name: &str| laws.iter().find(|law| law.law == name).map(|law| &law.all);
         let goals = figures(OURS).zip(figures(RIVAL)).map_or_else(Vec::new, |(ours, rival)| {
@@ -108,68 +188,12 @@ impl Table {
         Self {
             schema_version: 1,
             ok: failures.is_empty(),
-            corridors: runs.len() / LAWS.len(),
+            corridors: laws.iter().map(|law| law.all.corridors).max().unwrap_or(0),
             laws,
             goals,
             failures,
             processes_sample,
         }
-    }
-
-    /// For a terminal.
-    pub fn text(&self) -> String {
-        let mut rows = TextTable::of_figures([
-            "law",
-            "corridors",
-            "trip beyond the fastest, s: mean",
-            "p90",
-            "behind the lead",
-            "greens used",
-            "missed",
-            "stops",
-            "kWh/100 km",
-            "jerk rms, m/s³",
-            "max",
-        ]);
-        for law in &self.laws {
-            for (kind, figures) in [("all", &law.all), ("free", &law.free), ("led", &law.led)] {
-                rows.row([
-                    law.law.clone(),
-                    format!("{} {kind}", figures.corridors),
-                    number(figures.excess_trip_s.mean, 2),
-                    number(figures.excess_trip_s.p90, 2),
-                    number(figures.excess_behind_lead_s.mean, 2),
-                    format!("{:.1} %", 100.0 * figures.greens_used),
-                    figures.greens_missed.to_string(),
-                    number(figures.stops_per_corridor, 2),
-                    number(figures.energy_kwh_per_100km, 2),
-                    number(figures.rms_jerk_mps3, 3),
-                    number(figures.max_jerk_mps3, 1),
-                ]);
-            }
-        }
-        let mut text = format!("{} corridors\n{}", self.corridors, rows.text());
-        for law in &self.laws {
-            let mark = if law.law != OURS || self.ok { "" } else { "  BROKEN" };
-            text += &format!(
-                "  {}: {} red lights, {} collisions{mark}\n",
-                law.law, law.red_lights, law.collisions
-            );
-        }
-        for goal in &self.goals {
-            let mark = if goal.met { "met" } else { "missed" };
-            text += &format!(
-                "  goal {mark:<7} {} at most {} of {RIVAL}'s: {} against {}\n",
-                goal.name,
-                goal.limit,
-                number(goal.ours, 2),
-                number(goal.rival, 2)
-            );
-        }
-        for failure in &self.failures {
-            text += &format!("  {failure}\n");
-        }
-        text
     }
 }
 
@@ -186,34 +210,10 @@ impl Law {
             led: Figures::of(&of_law().filter(|run| run.is_led).collect::<Vec<_>>()),
         }
     }
-}
 
-impl Figures {
-    fn of(runs: &[&Kept]) -> Self {
-        let mean = |figure: &dyn Fn(&Kept) -> Option<f64>| {
-            let figures: Vec<f64> = runs.iter().filter_map(|run| figure(run)).collect();
-            figures.iter().sum::<f64>() / figures.len().max(1) as f64
-        };
-        let lines: usize = runs.iter().map(|run| run.lines).sum();
-        let used: usize = runs.iter().map(|run| run.greens_used).sum();
-        Self {
-            corridors: runs.len(),
-            excess_trip_s: Excess::of(runs.iter().map(|run| run.excess_s).collect()),
-            excess_at_last_line_s: Excess::of(
-                runs.iter().map(|run| run.excess_at_line_s).collect(),
-            ),
-            excess_behind_lead_s: Excess::of(
-                runs.iter().map(|run| run.excess_behind_lead_s).collect(),
-            ),
-            greens_used: used as f64 / lines.max(1) as f64,
-            greens_missed: lines - used,
-            lines_not_passed: runs.iter().map(|run| run.not_passed).sum(),
-            stops_per_corridor: mean(&|run| Some(run.stops as f64)),
-            energy_kwh_per_100km: mean(&|run| run.energy_kwh_per_100km),
-            rms_jerk_mps3: mean(&|run| run.rms_jerk_mps3),
-            max_jerk_mps3: runs.iter().filter_map(|run| run.max_jerk_mps3).fold(0.0, f64::max),
-            emergency_brakings: runs.iter().map(|run| run.interventions).sum(),
-        }
+    fn in_words(&self) -> String {
+        let Self { law, red_lights, collisions, .. } = self;
+        format!("{law}: {red_lights} red lights, {collisions} collisions")
     }
 }
 
@@ -222,49 +222,6 @@ impl Goal {
         let ratio = (rival > 0.0).then(|| ours / rival);
         Self { name, ours, rival, ratio, limit: OF_RIVAL, met: ours <= OF_RIVAL * rival }
     }
-}
-
-/// One row for each drive.
-pub fn csv(runs: &[Kept]) -> String {
-    let head = [
-        "corridor",
-        "law",
-        "is_led",
-        "ahead_s",
-        "outcome",
-        "excess_s",
-        "excess_at_line_s",
-        "excess_behind_lead_s",
-        "lines",
-        "greens_used",
-        "not_passed",
-        "stops",
-        "energy_kwh_per_100km",
-        "rms_jerk_mps3",
-        "max_jerk_mps3",
-        "emergency_brakings",
-    ];
-    let rows = runs.iter().map(|run| {
-        [
-            run.corridor.to_string(),
-            run.law.clone(),
-            run.is_led.to_string(),
-            format!("{:.1}", run.ahead_s),
-            report::print::outcome_word(run.outcome).to_lowercase(),
-            format!("{:.3}", run.excess_s),
-            format!("{:.3}", run.excess_at_line_s),
-            format!("{:.3}", run.excess_behind_lead_s),
-            run.lines.to_string(),
-            run.greens_used.to_string(),
-            run.not_passed.to_string(),
-            run.stops.to_string(),
-            table::field(run.energy_kwh_per_100km),
-            table::field(run.rms_jerk_mps3),
-            table::field(run.max_jerk_mps3),
-            run.interventions.to_string(),
-        ]
-    });
-    table::csv(head, rows)
 }
 
 #[cfg(test)]
@@ -279,15 +236,28 @@ mod tests {
     fn a_goal_is_judged_by_the_rival_and_a_red_light_by_itself() {
         let done = Outcome::Completed;
         let runs = [run(OURS, 2.0, 3, done), run(RIVAL, 5.0, 2, done)];
-        let table = Table::of(&runs, ProcessesSample::default());
-        assert!(table.ok);
-        assert_eq!(table.goals.iter().map(|goal| goal.met).collect::<Vec<_>>(), [true, true, true]);
-        let runs = [run(OURS, 3.0, 2, Outcome::RedLight), run(RIVAL, 5.0, 2, Outcome::RedLight)];
-        let table = Table::of(&runs, ProcessesSample::default());
-        assert!(!table.ok && table.failures.len() == 1 && table.failures[0].contains("red light"));
+        let results = Results::of(&runs, ProcessesSample::default());
+        assert!(results.ok);
         assert_eq!(
-            table.goals.iter().map(|goal| goal.met).collect::<Vec<_>>(),
+            results.goals.iter().map(|goal| goal.met).collect::<Vec<_>>(),
+            [true, true, true]
+        );
+        let runs = [run(OURS, 3.0, 2, Outcome::RedLight), run(RIVAL, 5.0, 2, Outcome::RedLight)];
+        let results = Results::of(&runs, ProcessesSample::default());
+        assert!(
+            !results.ok && results.failures.len() == 1 && results.failures[0].contains("red light")
+        );
+        assert_eq!(
+            results.goals.iter().map(|goal| goal.met).collect::<Vec<_>>(),
             [false, false, false]
         );
+        let document = document(&runs, ProcessesSample::default());
+        assert!(
+            document.console(80).contains("cacc-mpc: 1 red lights"),
+            "{}",
+            document.console(80)
+        );
+        assert!(document.junit().contains("<failure"), "{}", document.junit());
+        assert_eq!(report::results::check(&schema().json(), &document.value()), [""; 0]);
     }
 }

@@ -1,22 +1,12 @@
 //! The columns of a comparison.
 
 use super::{Comparison, Row};
-use report::results::{
-    Column, Kind, Schema, Table, count, flag, micros, nested, number, outcome, word,
-};
+use report::results::{Column, Kind, Schema, Table, count, micros, nested, number, outcome, word};
 use serde_json::json;
 
 /// Fields beside the rows.
-const FIELDS: &[Column<Comparison>] = &[
-    flag(
-        "ok",
-        "",
-        ("ok", "BROKEN"),
-        "Every run reached its end without a collision or a red light",
-    ),
-    count("processes_sample.runs", "", "Runs that were repeated as separate processes"),
-    count("processes_sample.different", "", "Repeated runs whose messages were other bytes"),
-];
+const FIELDS: &[Column<Comparison>] =
+    &[frame::ok("Every run reached its end without a collision or a red light")];
 
 /// Columns of the runs.
 const ROWS: &[Column<Row>] = &[
@@ -108,13 +98,13 @@ pub fn table(rows: &[Row]) -> Table {
     Table::new("Runs", ROWS, rows).blocks("scenario")
 }
 
-/// What the JSON holds.
+/// Contents of the JSON.
 pub fn schema() -> Schema {
     let columns = [NESTED, ROWS].concat();
     // A figure is in the JSON of every run; what is nested below `timing` may be null as a whole.
     let columns: Vec<_> =
         columns.into_iter().filter(|column| !column.head.name.starts_with("timing.")).collect();
-    Schema::new("compare", "Laws side by side on the same scenarios").fields(FIELDS).rows(
+    frame::schema("compare", "Laws side by side on the same scenarios").fields(FIELDS).rows(
         "rows",
         "A row for each scenario and law",
         &columns,

@@ -89,7 +89,7 @@ pub struct CompareArguments {
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
-    /// Where the results go, and in which forms.
+    /// Directory and forms of the results.
     #[command(flatten)]
     pub results: ResultOptions,
 }

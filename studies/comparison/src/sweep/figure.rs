@@ -26,7 +26,36 @@ pub struct Figure {
     /// How seeds are folded.
     pub fold: Fold,
     /// Its value; none where it does not apply.
-    pub of: fn(&Summary) -> Option<f64>,
+    pub of: Of,
+}
+
+type Of = fn(&Summary) -> Option<f64>;
+
+/// A figure whose seeds become their mean; `(panel, label)` are its names in the picture.
+const fn mean(
+    column: Column<Value>,
+    (panel, label): (&'static str, &'static str),
+    of: Of,
+) -> Figure {
+    Figure { column, panel, label, fold: Fold::Mean, of }
+}
+
+/// A figure whose seeds become the smallest one.
+const fn least(
+    column: Column<Value>,
+    (panel, label): (&'static str, &'static str),
+    of: Of,
+) -> Figure {
+    Figure { column, panel, label, fold: Fold::Least, of }
+}
+
+/// A figure whose seeds become the largest one.
+const fn most(
+    column: Column<Value>,
+    (panel, label): (&'static str, &'static str),
+    of: Of,
+) -> Figure {
+    Figure { column, panel, label, fold: Fold::Most, of }
 }
 
 impl Figure {
@@ -44,129 +73,85 @@ const KWH: &str = "kWh/100 km";
 
 /// All figures, in the order of the columns. None of them depends on the wall clock in lockstep.
 pub static ALL: [Figure; COUNT] = [
-    Figure {
-        column: number(
-            "rms_gap_error_m",
-            "gap error rms",
-            "m",
-            2,
-            "Root mean square of the gap error",
-        )
-        .less(),
-        panel: "gap error",
-        label: "rms",
-        fold: Fold::Mean,
-        of: |s| s.control.figures.rms_gap_error_m,
-    },
-    Figure {
-        column: number("max_abs_gap_error_m", "max gap error", "m", 2, "Largest gap error")
+    mean(
+        number("rms_gap_error_m", "gap error rms", "m", 2, "Root mean square of the gap error")
+            .less(),
+        ("gap error", "rms"),
+        |s| s.control.figures.rms_gap_error_m,
+    ),
+    most(
+        number("max_abs_gap_error_m", "max gap error", "m", 2, "Largest gap error")
             .less()
             .weight(3),
-        panel: "gap error",
-        label: "largest",
-        fold: Fold::Most,
-        of: |s| s.control.figures.max_abs_gap_error_m,
-    },
-    Figure {
-        column: number("rms_jerk_mps3", "jerk rms", "m/s³", 2, "Root mean square of the jerk")
+        ("gap error", "largest"),
+        |s| s.control.figures.max_abs_gap_error_m,
+    ),
+    mean(
+        number("rms_jerk_mps3", "jerk rms", "m/s³", 2, "Root mean square of the jerk")
             .less()
             .weight(1),
-        panel: "jerk",
-        label: "rms",
-        fold: Fold::Mean,
-        of: |s| s.control.figures.rms_jerk_mps3,
-    },
-    Figure {
-        column: number("max_abs_jerk_mps3", "max jerk", "m/s³", 2, "Largest magnitude of the jerk")
+        ("jerk", "rms"),
+        |s| s.control.figures.rms_jerk_mps3,
+    ),
+    most(
+        number("max_abs_jerk_mps3", "max jerk", "m/s³", 2, "Largest magnitude of the jerk")
             .less()
             .weight(3),
-        panel: "jerk",
-        label: "largest",
-        fold: Fold::Most,
-        of: |s| s.control.figures.max_abs_jerk_mps3,
-    },
-    Figure {
-        column: number("min_gap_m", "min gap", "m", 2, "Smallest gap to the vehicle ahead").more(),
-        panel: "smallest gap",
-        label: "smallest gap",
-        fold: Fold::Least,
-        of: |s| s.control.figures.min_gap_m,
-    },
-    Figure {
-        column: number("min_ttc_s", "min TTC", "s", 2, "Smallest time to collision")
-            .more()
+        ("jerk", "largest"),
+        |s| s.control.figures.max_abs_jerk_mps3,
+    ),
+    least(
+        number("min_gap_m", "min gap", "m", 2, "Smallest gap to the vehicle ahead").more(),
+        ("smallest gap", "smallest gap"),
+        |s| s.control.figures.min_gap_m,
+    ),
+    least(
+        number("min_ttc_s", "min TTC", "s", 2, "Smallest time to collision").more().weight(1),
+        ("smallest time to collision", "smallest"),
+        |s| s.control.figures.min_ttc_s,
+    ),
+    least(
+        number("min_time_gap_s", "min time gap", "s", 2, "Smallest time gap").more().weight(1),
+        ("time gap", "shortest"),
+        |s| s.control.following.min_time_gap_s,
+    ),
+    mean(
+        number("median_time_gap_s", "median time gap", "s", 2, "Median time gap").weight(3),
+        ("time gap", "median"),
+        |s| s.control.following.median_time_gap_s,
+    ),
+    mean(
+        number("stop_line_crossing_s", "crossing", "s", 2, "Time at which a stop line was crossed")
             .weight(1),
-        panel: "smallest time to collision",
-        label: "smallest",
-        fold: Fold::Least,
-        of: |s| s.control.figures.min_ttc_s,
-    },
-    Figure {
-        column: number("min_time_gap_s", "min time gap", "s", 2, "Smallest time gap")
-            .more()
-            .weight(1),
-        panel: "time gap",
-        label: "shortest",
-        fold: Fold::Least,
-        of: |s| s.control.following.min_time_gap_s,
-    },
-    Figure {
-        column: number("median_time_gap_s", "median time gap", "s", 2, "Median time gap").weight(3),
-        panel: "time gap",
-        label: "median",
-        fold: Fold::Mean,
-        of: |s| s.control.following.median_time_gap_s,
-    },
-    Figure {
-        column: number(
-            "stop_line_crossing_s",
-            "crossing",
-            "s",
-            2,
-            "Time at which a stop line was crossed",
-        )
-        .weight(1),
-        panel: "stop line crossed",
-        label: "crossed",
-        fold: Fold::Mean,
-        of: |s| s.control.figures.stop_line_crossing_s,
-    },
-    Figure {
-        column: number("fuel_l_per_100km", "fuel", "L/100 km", 2, "Fuel").less().weight(2),
-        panel: "fuel",
-        label: "fuel",
-        fold: Fold::Mean,
-        of: |s| s.control.figures.fuel_l_per_100km,
-    },
-    Figure {
-        column: number("wheel_energy_kwh_per_100km", "wheels", KWH, 2, "Energy at the wheels")
+        ("stop line crossed", "crossed"),
+        |s| s.control.figures.stop_line_crossing_s,
+    ),
+    mean(
+        number("fuel_l_per_100km", "fuel", "L/100 km", 2, "Fuel").less().weight(2),
+        ("fuel", "fuel"),
+        |s| s.control.figures.fuel_l_per_100km,
+    ),
+    mean(
+        number("wheel_energy_kwh_per_100km", "wheels", KWH, 2, "Energy at the wheels")
             .less()
             .weight(2),
-        panel: "energy at the wheels",
-        label: "energy",
-        fold: Fold::Mean,
-        of: |s| s.control.figures.wheel_energy_kwh_per_100km,
-    },
-    Figure {
-        column: count(INTERVENTIONS, "emergency brakings", "Interventions of the emergency brake")
+        ("energy at the wheels", "energy"),
+        |s| s.control.figures.wheel_energy_kwh_per_100km,
+    ),
+    most(
+        count(INTERVENTIONS, "emergency brakings", "Interventions of the emergency brake")
             .less()
             .weight(1),
-        panel: "emergency brakings",
-        label: "brakings",
-        fold: Fold::Most,
-        of: |s| s.aebs.interventions.map(|times| times as f64),
-    },
-    Figure {
-        column: number("stops", "stops", "", 2, "Times that the vehicle came to a stand")
-            .less()
-            .weight(3),
-        panel: "stops",
-        label: "stops",
-        fold: Fold::Mean,
-        of: |s| s.control.figures.stops.map(|stops| stops as f64),
-    },
-    Figure {
-        column: number(
+        ("emergency brakings", "brakings"),
+        |s| s.aebs.interventions.map(|times| times as f64),
+    ),
+    mean(
+        number("stops", "stops", "", 2, "Times that the vehicle came to a stand").less().weight(3),
+        ("stops", "stops"),
+        |s| s.control.figures.stops.map(|stops| stops as f64),
+    ),
+    mean(
+        number(
             "data_age_p50_ms",
             "data age",
             "ms",
@@ -174,28 +159,18 @@ pub static ALL: [Figure; COUNT] = [
             "Median age of the radar data behind an actuation",
         )
         .weight(2),
-        panel: "median data age",
-        label: "median",
-        fold: Fold::Mean,
-        of: |s| s.timing.data_age_us.map(|age| age.p50 / 1e3),
-    },
-    Figure {
-        column: number(
-            "deadline_misses",
-            "deadlines missed",
-            "",
-            2,
-            "Control cycles that ended late",
-        )
-        .less()
-        .weight(1),
-        panel: "deadlines missed",
-        label: "missed",
-        fold: Fold::Mean,
-        of: |s| s.timing.deadline_misses.map(|misses| misses as f64),
-    },
-    Figure {
-        column: number(
+        ("median data age", "median"),
+        |s| s.timing.data_age_us.map(|age| age.p50 / 1e3),
+    ),
+    mean(
+        number("deadline_misses", "deadlines missed", "", 2, "Control cycles that ended late")
+            .less()
+            .weight(1),
+        ("deadlines missed", "missed"),
+        |s| s.timing.deadline_misses.map(|misses| misses as f64),
+    ),
+    mean(
+        number(
             "undelivered_commands",
             "undelivered",
             "",
@@ -204,11 +179,9 @@ pub static ALL: [Figure; COUNT] = [
         )
         .less()
         .weight(2),
-        panel: "commands not delivered",
-        label: "commands",
-        fold: Fold::Mean,
-        of: |s| s.timing.undelivered_commands.map(|commands| commands as f64),
-    },
+        ("commands not delivered", "commands"),
+        |s| s.timing.undelivered_commands.map(|commands| commands as f64),
+    ),
 ];
 
 /// The figures of one run or point, in the order of [`ALL`].

@@ -48,7 +48,7 @@ pub struct SweepArguments {
     /// Seeds, by commas or as A..B; every point is run with each
     #[arg(long, value_name = "SEEDS", conflicts_with = "seed")]
     pub seeds: Option<String>,
-    /// What every point of the grid has in common.
+    /// Options of all points of the grid.
     #[command(flatten)]
     pub scenario_options: ScenarioOptions,
     /// Clock: curves repeat exactly in `lockstep`; `realtime` also measures deadlines
@@ -63,7 +63,7 @@ pub struct SweepArguments {
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
-    /// Where the results go, and in which forms.
+    /// Directory and forms of the results.
     #[command(flatten)]
     pub results: ResultOptions,
 }
@@ -192,7 +192,7 @@ pub enum SweepError {
     Seeds {
         /// The argument.
         seeds: String,
-        /// What is wrong with it.
+        /// The mistake in it.
         #[source]
         reason: ValuesError,
     },

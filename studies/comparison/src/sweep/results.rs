@@ -7,7 +7,7 @@ use group::Error;
 use group::report::Outcome;
 use report::print;
 use report::results::{
-    Column, Format, Kind, Schema, Table, count, flag, judged, nested, outcome, word,
+    Column, Format, Kind, Schema, Table, count, judged, nested, number, outcome, word,
 };
 use report::summary::Summary;
 use runtime::Mode;
@@ -96,21 +96,14 @@ impl<'de> Deserialize<'de> for Figures {
     }
 }
 
-/// What the JSON holds.
+/// Contents of the JSON.
 pub fn schema() -> Schema {
-    let fields: [Column<()>; 7] = [
-        flag(
-            "ok",
-            "",
-            ("ok", "BROKEN"),
-            "Every run reached its end without a collision or a red light",
-        ),
+    let fields: [Column<()>; 5] = [
+        frame::ok("Every run reached its end without a collision or a red light"),
         word("scenario", "", "Scenario that was driven"),
         nested("controllers", Kind::List, "Laws that drove"),
         word("mode", "", "Clock of the runs"),
         nested("params", Kind::List, "Keys that were swept"),
-        count("processes_sample.runs", "", "Runs that were repeated as separate processes"),
-        count("processes_sample.different", "", "Repeated runs whose messages were other bytes"),
     ];
     let figures =
         || ALL.iter().map(|figure| of_json(figure, &format!("figures.{}", figure.name())));
@@ -118,24 +111,26 @@ pub fn schema() -> Schema {
         nested("values", Kind::List, "Value of each key"),
         count("seeds", "", "Runs of the point"),
         count("completed", "", "Runs that reached their end"),
-        nested(
-            "spread",
-            Kind::Object,
-            "Standard deviation of each figure over the seeds, and its n",
-        ),
     ];
+    let spread = ALL.iter().flat_map(|figure| {
+        let at = |what: &str| format!("spread.{}.{what}", figure.name());
+        let unit = figure.column.head.unit;
+        let deviation = number("", "", unit, 2, "Standard deviation over the seeds");
+        let n = count("", "", "Seeds in which the figure applies");
+        [deviation.named(at("deviation"), String::new()), n.named(at("n"), String::new())]
+    });
     let run = [
         nested("values", Kind::List, "Value of each key"),
         count("seed", "", "Seed of the run"),
         outcome("outcome"),
         word("aborted_because", "", "Why the run was aborted"),
     ];
-    Schema::new("sweep", "Figures as functions of keys")
+    frame::schema("sweep", "Figures as functions of keys")
         .fields(&fields)
         .rows(
             "points",
             "A row for each point of the grid",
-            &point.into_iter().chain(figures()).collect::<Vec<_>>(),
+            &point.into_iter().chain(figures()).chain(spread).collect::<Vec<_>>(),
         )
         .rows("runs", "A row for each run", &run.into_iter().chain(figures()).collect::<Vec<_>>())
 }

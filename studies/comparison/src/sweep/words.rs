@@ -18,7 +18,7 @@ const UNITS: [(&str, &str); 14] = [
     ("_m", "m"),
 ];
 
-/// What a key is called, and its unit if its name has one.
+/// The name of a key in words, and its unit if the key has one.
 pub fn name(key: &str) -> (String, Option<&'static str>) {
     let last = key.rsplit('.').next().unwrap_or(key);
     let unit = UNITS.iter().find_map(|(suffix, unit)| Some((last.strip_suffix(suffix)?, *unit)));

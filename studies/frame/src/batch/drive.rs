@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 /// Does one lockstep run. With `repeat`, a run in memory is repeated in a process group.
 ///
 /// # Errors
-/// What keeps the run from starting, or [`Error::Interrupted`].
+/// Reasons why the run does not start, or [`Error::Interrupted`].
 pub fn lockstep(
     scenario: &Scenario,
     group: &GroupOptions,
@@ -27,7 +27,7 @@ pub fn lockstep(
 /// Repeats a lockstep run that was done in memory in a process group, and compares bytes and figures.
 ///
 /// # Errors
-/// What keeps the run from starting, or [`Error::Interrupted`].
+/// Reasons why the run does not start, or [`Error::Interrupted`].
 pub fn repeat(
     scenario: &Scenario,
     summary: &Summary,
@@ -41,7 +41,7 @@ pub fn repeat(
 /// each moment of it.
 ///
 /// # Errors
-/// What keeps the run from starting, or [`Error::Interrupted`].
+/// Reasons why the run does not start, or [`Error::Interrupted`].
 pub fn lockstep_behind(
     scenario: &Scenario,
     sealing: Sealing,

@@ -112,7 +112,7 @@ pub fn in_one_thread(group: &GroupOptions) -> bool {
 /// Refuses a scenario that its run would refuse, before any run begins.
 ///
 /// # Errors
-/// What is in the way.
+/// The reason for the refusal.
 pub fn check(scenario: &Scenario, mode: Mode, group: &GroupOptions) -> Result<(), Error> {
     group.programs()?;
     match carrier(group, mode) {

@@ -35,7 +35,7 @@ pub struct Sample {
 pub struct Growth {
     /// Growth of the own memory of the service that grew most, KiB.
     pub memory_kib: f64,
-    /// That service, by its name in `ps`; empty if no service grew.
+    /// Name of that service in `ps`; empty if no service grew.
     #[serde(default)]
     pub memory_of: String,
     /// Descriptors of the service that gained most.
@@ -103,7 +103,7 @@ fn service(path: &Path, parent: &str) -> Option<(String, Usage)> {
     name.starts_with("timegap-").then_some((name, usage(path)?))
 }
 
-/// What the process at `path` has.
+/// Resources of the process at `path`.
 fn usage(path: &Path) -> Option<Usage> {
     let status = std::fs::read_to_string(path.join("status")).ok()?;
     let kib = |name: &str| {

@@ -1,7 +1,8 @@
-//! The journal of a study: one line of JSON per finished run, handed to the system at once, so that
-//! it survives the end of this process, and brought to the disk a few times a second. A line that a
-//! crash cut off is dropped; its run is done again. The last key of a line is a checksum of the rest. Otherwise a
-//! flipped digit would pass as a result.
+//! The journal of a study: one line of JSON per finished run.
+//!
+//! A line is handed to the system at once, so that it survives the end of this process. It is brought to the disk a
+//! few times a second. A line that a crash cut off is dropped; its run is done again. The last key of a line is a
+//! checksum of the rest. Otherwise a flipped digit would pass as a result.
 
 use group::{Error, Failure};
 use serde::Serialize;
@@ -29,7 +30,7 @@ pub enum JournalError {
         path: PathBuf,
         /// Number of the line, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// The mistake in it.
         #[source]
         reason: serde_json::Error,
     },

@@ -155,7 +155,7 @@ impl<T: DeserializeOwned> Merged<T> {
 }
 
 impl<T: DeserializeOwned> Merged<T> {
-    /// What every finished run gave, by its number.
+    /// The record of every finished run, by its number.
     ///
     /// # Errors
     /// If a journal cannot be read.

@@ -66,7 +66,7 @@ pub enum PartError {
     Description {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The mistake in it.
         #[source]
         reason: serde_json::Error,
     },

@@ -139,7 +139,7 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
     /// process groups, or, if they ended early, how to go on.
     ///
     /// # Errors
-    /// What ended them early.
+    /// The error that ended them early.
     pub fn finish(
         &self,
         end: Result<ProcessesSample, Error>,

@@ -1,6 +1,6 @@
-//! What the runs of a study gave: in memory, or where journals have it.
+//! The records of a study's runs: in memory, or in journals.
 //!
-//! A study may have a million runs. With a journal, what stays in memory of each is the place of its line.
+//! A study may have a million runs. With a journal, memory holds only the place of each line.
 
 use std::fs::File;
 use std::os::unix::fs::FileExt;

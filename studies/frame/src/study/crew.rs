@@ -1,4 +1,4 @@
-//! What does a study's runs.
+//! The means by which a study does its runs.
 
 use std::collections::BTreeSet;
 
@@ -7,7 +7,7 @@ use group::{Error, GroupOptions};
 use super::{Gave, Study};
 use crate::batch::{self, Done, Job};
 
-/// The hands of a study: it drives in threads or process groups, and repeats the runs of the sample.
+/// Drives runs in threads or process groups, and repeats the runs of the sample.
 pub struct Crew<'a> {
     group: &'a GroupOptions,
     repeated: &'a BTreeSet<usize>,
@@ -43,7 +43,7 @@ impl<'a> Crew<'a> {
     /// Drives, and repeats what is in the sample.
     ///
     /// # Errors
-    /// What keeps the run from starting, or [`Error::Interrupted`].
+    /// Reasons why the run does not start, or [`Error::Interrupted`].
     pub fn drive(&self, run: usize, job: &Job) -> Result<Done, Error> {
         batch::drive_and_repeat(job, self.group, self.repeats(run), self.going_on)
     }

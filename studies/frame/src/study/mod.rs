@@ -1,10 +1,12 @@
-//! What a study is, and the one way in which all of them run.
+//! The trait of all studies, and the one way in which they run.
 
 mod crew;
 mod run;
+mod schema;
 
 pub use crew::Crew;
 pub use run::run;
+pub use schema::{ok, schema};
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
@@ -29,37 +31,37 @@ pub struct Options<'a> {
     pub jobs: Option<NonZeroUsize>,
     /// How processes are started.
     pub group: &'a GroupOptions,
-    /// Where the results go.
+    /// Directory and forms of the results.
     pub results: &'a ResultOptions,
 }
 
-/// What one run gave.
+/// Results of one run.
 #[derive(Debug)]
 pub struct Gave<R, S> {
-    /// What is kept of it, in the journal too.
+    /// Its record, which goes into the journal too.
     pub record: R,
-    /// What is kept in memory alone, such as a picture.
+    /// Data for pictures, which stays in memory alone.
     pub seen: S,
-    /// What came of repeating it in a process group; none: it was not repeated.
+    /// Result of repeating it in a process group; none: it was not repeated.
     pub repetition: Option<Repetition>,
 }
 
 /// When a result can be made of some of the runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
-    /// Never: a part is only kept.
+    /// All runs are needed: a part is only kept.
     All,
-    /// Of a part, but not of runs that were interrupted.
+    /// A part gives a result, interrupted runs do not.
     Part,
-    /// Of any number of runs, also when the rest was interrupted.
+    /// Any number of runs gives a result, also when the rest was interrupted.
     Any,
 }
 
 /// All that was done.
 pub struct Found<S: Study> {
-    /// What the runs gave, in the order of their numbers.
+    /// The records, in the order of the runs' numbers.
     pub records: Records<S::Record>,
-    /// What was seen of the runs that this command did.
+    /// Data for pictures, of the runs that this command did.
     pub seen: BTreeMap<usize, S::Seen>,
     /// Runs that were repeated in process groups.
     pub sample: ProcessesSample,
@@ -77,9 +79,9 @@ pub struct Found<S: Study> {
 pub trait Study: Sized + Sync {
     /// The command's arguments.
     type Arguments: Args + FromArgMatches;
-    /// What is kept of a run: a line of the journal.
+    /// The record of a run: a line of the journal.
     type Record: Serialize + DeserializeOwned + Send;
-    /// What is kept of a run in memory, for pictures; parts that are joined have none.
+    /// Data of a run for pictures, in memory alone. Merged parts have none.
     type Seen: Send;
 
     /// Name of the command.
@@ -91,13 +93,13 @@ pub trait Study: Sized + Sync {
     /// A run that gave other bytes in a process group is a finding of the study. Otherwise it ends the study.
     const JUDGES_SAMPLE: bool = false;
 
-    /// Where the arguments keep the common options.
+    /// Finds the common options in the arguments.
     fn options(arguments: &Self::Arguments) -> Options<'_>;
 
     /// Reads and checks all that the arguments name. Nothing is written before.
     ///
     /// # Errors
-    /// What is wrong with the arguments.
+    /// Mistakes in the arguments.
     fn plan(arguments: &Self::Arguments) -> Result<Self, Error>;
 
     /// Plans the study of the part in `directory`, by the arguments that it began with.
@@ -135,7 +137,7 @@ pub trait Study: Sized + Sync {
     /// A run by its number. It is made when its turn comes, in the thread that does it.
     ///
     /// # Errors
-    /// What is wrong with its scenario.
+    /// Mistakes in its scenario.
     ///
     /// # Panics
     /// In a study that has a [`Study::drive`] of its own, unless it makes jobs too.
@@ -143,7 +145,7 @@ pub trait Study: Sized + Sync {
         unreachable!("run {run} of {} is not one job", Self::NAME)
     }
 
-    /// What the files say that the words of the command name. Parts of other texts are not joined.
+    /// Content of the files that the command names. Parts of other contents are not joined.
     ///
     /// # Errors
     /// As [`Study::job`].
@@ -151,10 +153,10 @@ pub trait Study: Sized + Sync {
         Ok(self.job(0)?.scenario.to_toml())
     }
 
-    /// What is kept of a run that ended, or that could not be brought up.
+    /// Makes the record of a run that ended, or that could not be started.
     ///
     /// # Errors
-    /// What ends the study.
+    /// Errors that end the study.
     ///
     /// # Panics
     /// In a study that has a [`Study::drive`] of its own.
@@ -171,7 +173,7 @@ pub trait Study: Sized + Sync {
     /// Does a run. A study whose run is not one drive has its own, and its own [`Study::subject`].
     ///
     /// # Errors
-    /// What ends the study.
+    /// Errors that end the study.
     fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<Self::Record, Self::Seen>, Error> {
         crew.drive_and_record(self, run, &self.job(run)?)
     }

@@ -14,8 +14,7 @@ use crate::parts::{self, Merged, Part, PartOptions, ShardChoice, name_incomplete
 /// Runs the command of a study.
 ///
 /// # Errors
-/// What is wrong with the arguments, what keeps the runs from starting, an interrupt, or a file that cannot be
-/// written.
+/// Mistakes in the arguments, reasons why the runs do not start, an interrupt, or a file that cannot be written.
 pub fn run<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
     match S::options(arguments).parts {
         Some(parts) if !parts.merge.is_empty() => merge::<S>(arguments, parts),
@@ -139,7 +138,7 @@ fn agreed<S: Study>(study: &S, sample: ProcessesSample) -> Result<ProcessesSampl
     Ok(sample.agreed(|run| study.describe(run))?)
 }
 
-/// Judges, writes and prints. What an interrupt left undone is missing; what was done is kept.
+/// Judges, writes and prints the runs that were done; after an interrupt some are missing.
 fn conclude<S: Study>(
     study: &S,
     options: Options<'_>,

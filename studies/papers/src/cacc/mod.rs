@@ -1,10 +1,10 @@
 //! CACC through signalised intersections (He et al. 2024): scenarios A, B, C and Table 3 under both
 //! controllers, in three sets.
 //!
-//! The paper prints no weights: one set takes weights that fit all scenarios at once, the second
-//! those fitted to each scenario. Both keep the desired distance of A, B and C at its first value,
-//! 34.5 m, which is not what equation 1 says and is nearer to the printed figures. The third set has
-//! equation 1 as printed, `v t_h + d_b` at every cycle. Table 3 is driven with equation 1 always.
+//! The paper prints no weights. One set takes weights that fit all scenarios at once, the second takes weights that
+//! are fitted to each scenario. Both keep the desired distance of A, B and C at its first value, 34.5 m. This departs
+//! from equation 1 and is nearer to the printed figures. The third set has equation 1 as printed, `v t_h + d_b` at
+//! every cycle. Table 3 always has equation 1.
 
 mod claims;
 mod figures;
@@ -20,15 +20,13 @@ pub use scenes::{
 };
 pub use trajectory::Runs;
 
+use super::Pictures;
 use super::row::Row;
-use super::runner::{Driven, Part, Runner, together};
+use super::runner::{Driven, Part, Piece, Runner};
 use controller::laws::cacc::weights::Weights;
 use figures::Figure;
 use group::Error;
 use trajectory::Trajectory;
-
-/// Scenarios driven.
-pub(super) const RUNS: usize = 22;
 
 /// Lead acceleration of Table 3 that goes with the weights fitted to it, m/s².
 const TABLE_3_LEAD: &str = "actors.0.profile.steps.0.acceleration_mps2=2.594";
@@ -97,34 +95,35 @@ impl Set {
     }
 }
 
-/// Drives the scenarios in all sets and compares.
-pub(super) fn reproduce(runner: &Runner<'_>) -> Result<Part, Error> {
-    let recorded = together(Set::ALL.map(|set| move || record(runner, set)));
-    let mut part = Part::default();
-    for (set, recorded) in Set::ALL.into_iter().zip(recorded) {
-        let recorded = recorded?;
-        let run = |index: usize| recorded.get(index).map(Recorded::trajectory);
-        let runs = Runs {
-            a_acc: run(0),
-            a_cacc: run(1),
-            b_acc: run(2),
-            b_cacc: run(3),
-            c_acc: run(4),
-            c_cacc: run(5),
-            t3_acc: run(6),
-            t3_cacc: run(7),
-        };
-        let figures = PRINTED.iter().chain(CLAIMS).filter(|figure| set.has(figure));
-        part.rows.extend(figures.map(|figure| {
-            let row = figure.row(&runs, set.calibration());
-            let row = Row { weights: set.weights(), ..row };
-            row.in_set(set.name()).depending_on(set.inferred(figure))
-        }));
-        if set == Set::Joint {
-            part.pictures = panels::panels(&runs);
-        }
-    }
-    Ok(part)
+/// A piece for each set.
+pub(super) fn pieces() -> Vec<Piece> {
+    let piece = |set: Set| Piece::new(set.name(), move |runner| reproduce(runner, set));
+    Set::ALL.map(piece).into()
+}
+
+/// Drives the scenarios of a set and compares.
+fn reproduce(runner: &Runner<'_>, set: Set) -> Result<Part, Error> {
+    let recorded = record(runner, set)?;
+    let run = |index: usize| recorded.get(index).map(Recorded::trajectory);
+    let runs = Runs {
+        a_acc: run(0),
+        a_cacc: run(1),
+        b_acc: run(2),
+        b_cacc: run(3),
+        c_acc: run(4),
+        c_cacc: run(5),
+        t3_acc: run(6),
+        t3_cacc: run(7),
+    };
+    let figures = PRINTED.iter().chain(CLAIMS).filter(|figure| set.has(figure));
+    let rows = figures.map(|figure| {
+        let row = figure.row(&runs, set.calibration());
+        let row = Row { weights: set.weights().map(Into::into), ..row };
+        row.in_set(set.name()).depending_on(set.inferred(figure))
+    });
+    let rows = rows.collect();
+    let galleries = if set == Set::Joint { panels::panels(&runs) } else { Vec::new() };
+    Ok(Part { rows, pictures: Pictures { galleries, drives: Vec::new() } })
 }
 
 /// Drives the set's scenarios in the order of [`Runs`].
@@ -147,17 +146,15 @@ fn record(runner: &Runner<'_>, set: Set) -> Result<Vec<Recorded>, Error> {
     let drives = scenarios
         .into_iter()
         .flat_map(|(scenario, keys)| ["acc-mpc", "cacc-mpc"].map(|law| (scenario, law, keys)));
-    let driven = together(drives.map(|(scenario, law, keys)| {
-        move || {
-            let name = format!("controller.name={law}");
-            // `acc-mpc` has no light, and refuses its keys.
-            let is_read = |key: &&str| law == "cacc-mpc" || !key.contains(".light_");
-            let keys = keys.iter().map(String::as_str).filter(is_read);
-            let keys: Vec<_> = keys.chain([name.as_str()]).collect();
-            Ok(Recorded::new(&runner.drive(scenario, &keys)?))
-        }
-    }));
-    driven.into_iter().collect()
+    let driven = drives.map(|(scenario, law, keys)| {
+        let name = format!("controller.name={law}");
+        // `acc-mpc` has no light, and refuses its keys.
+        let is_read = |key: &&str| law == "cacc-mpc" || !key.contains(".light_");
+        let keys = keys.iter().map(String::as_str).filter(is_read);
+        let keys: Vec<_> = keys.chain([name.as_str()]).collect();
+        Ok(Recorded::new(&runner.drive(scenario, &keys)?))
+    });
+    driven.collect()
 }
 
 fn weight_keys(weights: &Weights) -> Vec<String> {

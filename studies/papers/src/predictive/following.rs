@@ -1,21 +1,18 @@
-//! The following figure, and what is asked of following beyond it.
+//! The following figure, and requirements beyond it.
 //!
 //! The paper describes four points of its figure in words; the scenario's road and lead are laid out
 //! after them. Each point is one or two rows.
 
 use super::pictures::{height, over, over_distance};
-use crate::Gallery;
 use crate::row::{EXACT, Kind, Row, paper, requirement, within};
-use crate::runner::{Driven, Part, Runner, together};
+use crate::runner::{Driven, Part, Piece, Runner};
+use crate::{Gallery, Pictures};
 use controller::laws::truck::{GapKeys, Spacing};
 use group::Error;
 use group::report::Outcome;
 use group::{DriveStep, PowertrainStep};
 use report::chart::{Curve, Stroke, Tone};
 use truck_model::{FUEL_DENSITY_GPL, Preset, Truck};
-
-/// Scenarios driven.
-pub const RUNS: usize = 1 + 2 + 2;
 
 /// End of the figure, m.
 const FIGURE_M: f64 = 3500.0;
@@ -37,32 +34,36 @@ const MIN_HEADWAY_S: f64 = 1.0;
 /// The law alone: the paper's truck has no emergency brake, and its radar gives objects.
 const ALONE: [&str; 2] = ["perception.radar.model=\"object-list\"", "aebs.enabled=false"];
 
-/// Drives the scenarios and compares.
-pub fn reproduce(runner: &Runner<'_>) -> Result<Part, Error> {
-    let vehicles = Preset::ALL.map(|preset| format!("plant.vehicle=\"{}\"", preset.name()));
-    let mut drives = vec![
-        ("truck-follow", None),
-        ("truck-traffic", None),
-        ("truck-traffic", Some("controller.name=\"acc-mpc\"")),
-    ];
-    drives.extend(vehicles.iter().map(|vehicle| ("truck-brake", Some(vehicle.as_str()))));
-    let driven = together((drives.into_iter()).map(|(scenario, key)| {
-        move || {
-            let keys: Vec<&str> = ALONE.into_iter().chain(key).collect();
-            runner.drive(scenario, &keys)
-        }
-    }));
-    let driven = driven.into_iter().collect::<Result<Vec<_>, Error>>()?;
-    let [figure, ours, other, braked @ ..] = driven.as_slice() else {
-        unreachable!("three drives and one for each preset");
+/// The figure, the fuel in traffic, and the lead that brakes before each truck.
+pub fn pieces() -> Vec<Piece> {
+    let braking = |preset: Preset| {
+        Piece::new(format!("braking lead, {}", preset.name()), move |runner| {
+            let vehicle = format!("plant.vehicle=\"{}\"", preset.name());
+            let driven = drive(runner, "truck-brake", Some(&vehicle))?;
+            Ok(Part::of_rows(emergency(preset, &driven)))
+        })
     };
-    let mut rows = points(figure);
-    rows.extend(traffic(ours, other));
-    for (preset, driven) in Preset::ALL.into_iter().zip(braked) {
-        rows.extend(emergency(preset, driven));
-    }
-    // The picture shows the drive, over distance.
-    Ok(Part { rows, drives: Vec::new(), pictures: vec![picture(figure)] })
+    let mut pieces = vec![
+        Piece::new("following figure", |runner| {
+            let driven = drive(runner, "truck-follow", None)?;
+            // The picture shows the drive, over distance.
+            let pictures = Pictures { galleries: vec![picture(&driven)], drives: Vec::new() };
+            Ok(Part { rows: points(&driven), pictures })
+        }),
+        Piece::new("fuel in traffic", |runner| {
+            let ours = drive(runner, "truck-traffic", None)?;
+            let other = drive(runner, "truck-traffic", Some("controller.name=\"acc-mpc\""))?;
+            Ok(Part::of_rows(traffic(&ours, &other).into()))
+        }),
+    ];
+    pieces.extend(Preset::ALL.map(braking));
+    pieces
+}
+
+/// Drives a scenario with the law alone, and with another key.
+fn drive(runner: &Runner<'_>, scenario: &str, key: Option<&str>) -> Result<Driven, Error> {
+    let keys: Vec<&str> = ALONE.into_iter().chain(key).collect();
+    runner.drive(scenario, &keys)
 }
 
 /// The four points of the figure.

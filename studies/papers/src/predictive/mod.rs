@@ -1,19 +1,18 @@
 //! Predictive adaptive cruise of a heavy truck (Li, Zheng, Wang, Wang): what it saves on sixty
 //! kilometres of hills, and how it follows.
 //!
-//! Savings count against a baseline that each row names, at equal trip time: the mean speed of the one
-//! that is compared is moved until both need the same time within 0.1 %. Fuel is taken where the road
-//! ends and corrected for the kinetic energy there. Rows marked `driven` come from the process group in
-//! lockstep, rows marked `computed` from the same truck and road without processes.
+//! Savings count against a baseline that each row names, at equal trip time: the mean speed of the compared drive is
+//! changed until both need the same time within 0.1 %. Fuel is taken where the road ends and corrected for the kinetic
+//! energy there. Rows marked `driven` come from a run in lockstep, rows marked `computed` from the same truck and road
+//! without services.
 //!
-//! The paper prints its headline (about 20 L/100 km against about 22 of a skilled driver) and describes the points
-//! of the following figure. It prints no table of savings and no parameters: the other savings are compared with
-//! those of the reconstruction.
+//! The paper prints its headline: about 20 L/100 km against about 22 of a skilled driver. It describes the points of
+//! the following figure. It prints no table of savings and no parameters: the other savings are compared with the
+//! savings of the reconstruction.
 
-use super::runner::{Part, Runner, together};
+use super::runner::Piece;
 use controller::laws::truck::Prices;
 use group::DriveStep;
-use group::Error;
 use truck_model::{FUEL_DENSITY_GPL, Preset, Truck};
 
 mod computed;
@@ -22,26 +21,14 @@ mod headline;
 mod pictures;
 mod savings;
 
-/// Scenarios driven, at most.
-pub const RUNS: usize =
-    2 * (1 + 2 * savings::MAX_ATTEMPTS) + savings::ROBUSTNESS_RUNS + following::RUNS;
-
 /// Length of the trip, m.
 const ROAD_M: f64 = 60e3;
 /// Set speed of the trip, m/s.
 const SET_SPEED_MPS: f64 = 75.0 / 3.6;
 
-/// One part of the reproduction.
-type Reproduce = fn(&Runner<'_>) -> Result<Part, Error>;
-
-/// Drives the scenarios, computes the plans over the whole route, and compares.
-pub fn reproduce(runner: &Runner<'_>) -> Result<Part, Error> {
-    let mut part = Part::default();
-    let parts: [Reproduce; 2] = [savings::reproduce, following::reproduce];
-    for result in together(parts.map(|reproduce| move || reproduce(runner))) {
-        part.extend(result?);
-    }
-    Ok(part)
+/// The pieces of the saving table and of the following figure.
+pub fn pieces() -> Vec<Piece> {
+    [savings::pieces(), following::pieces()].concat()
 }
 
 /// A trip to the road's end.

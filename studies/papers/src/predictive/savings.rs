@@ -4,14 +4,15 @@ use super::Trip;
 use super::computed::{self, Baseline};
 use super::headline;
 use super::pictures;
+use crate::Pictures;
 use crate::row::{Kind, Row, Tolerance, reconstruction, requirement, within};
-use crate::runner::{Driven, Part, Runner, together};
+use crate::runner::{Driven, Part, Piece, Runner};
 use group::Error;
 use scenario::grade::GradeProfile;
 use truck_model::Preset;
 
 /// Drives of one planner until it takes the baseline's trip time.
-pub const MAX_ATTEMPTS: usize = 3;
+const MAX_ATTEMPTS: usize = 3;
 /// Largest difference of trip times that counts as none, percent.
 const EQUAL_TIME_PERCENT: f64 = 0.1;
 
@@ -69,25 +70,24 @@ const WRONG: [(&str, &[&str]); 4] = [
     ("map_shifted_60_m", &["v2x.preview.shift_m=60"]),
     ("grade_noise_0.25_percent", &["v2x.preview.noise_percent=0.25"]),
 ];
-/// Drives of the robustness table, at most.
-pub const ROBUSTNESS_RUNS: usize = WRONG.len() * (1 + MAX_ATTEMPTS);
 
-/// Drives and computes everything that the saving table needs.
-pub fn reproduce(runner: &Runner<'_>) -> Result<Part, Error> {
-    let presets = together(RECONSTRUCTED.iter().map(|expected| || preset(runner, expected)));
-    let mut part = Part::default();
-    let mut baselines = Vec::new();
-    for result in presets {
-        let (of_preset, baseline) = result?;
-        part.extend(of_preset);
-        baselines.push(baseline);
-    }
-    part.rows.extend(robustness(runner, baselines[0])?);
-    Ok(part)
+/// A piece for each truck on the given road, on generated roads, and for each error of the robustness table.
+pub fn pieces() -> Vec<Piece> {
+    let on_the_road = RECONSTRUCTED
+        .iter()
+        .map(|expected| Piece::new(expected.preset.name(), |runner| preset(runner, expected)));
+    let on_generated = RECONSTRUCTED.iter().map(|expected| {
+        let name = format!("{} on generated roads", expected.preset.name());
+        Piece::new(name, |_| Ok(Part::of_rows(vec![generated(expected.preset)])))
+    });
+    let wrong = WRONG.into_iter().map(|(what, keys)| {
+        Piece::new(what, move |runner| Ok(Part::of_rows(vec![robustness(runner, what, keys)?])))
+    });
+    on_the_road.chain(on_generated).chain(wrong).collect()
 }
 
-/// The rows of one preset, and its trip at constant speed.
-fn preset(runner: &Runner<'_>, expected: &Reconstructed) -> Result<(Part, Option<Trip>), Error> {
+/// The rows of one preset on the given road.
+fn preset(runner: &Runner<'_>, expected: &Reconstructed) -> Result<Part, Error> {
     let preset = expected.preset;
     let (baseline, constant) = constant_speed(runner, preset, &[])?;
     let name = |what: &str| format!("{}.{what}", preset.name());
@@ -106,12 +106,9 @@ fn preset(runner: &Runner<'_>, expected: &Reconstructed) -> Result<(Part, Option
     ];
     let planners =
         [("paper-n2", expected.paper_n2), ("dynamic-programming", expected.dynamic_programming)];
-    let driven = together(
-        planners.map(|(planner, _)| move || at_equal_time(runner, preset, planner, &[], baseline)),
-    );
     let mut of_planners = Vec::new();
-    for ((planner, value), driven) in planners.into_iter().zip(driven) {
-        let (trip, driven) = driven?;
+    for (planner, value) in planners {
+        let (trip, driven) = at_equal_time(runner, preset, planner, &[], baseline)?;
         let change = trip.zip(baseline).map(|(trip, baseline)| trip.against(&baseline));
         rows.push(
             Row::near(&name(planner), "%", reconstruction(value), change, PLAN_POINTS)
@@ -124,7 +121,6 @@ fn preset(runner: &Runner<'_>, expected: &Reconstructed) -> Result<(Part, Option
     let road = constant.scenario.road.profile().unwrap_or_default();
     let (of_model, driver_percent) = computed(runner, expected, &road, change);
     rows.extend(of_model);
-    rows.push(generated(runner, preset));
     for (planner, _, driven) in &of_planners {
         let name = format!("{}.{planner}.service_brake_s", preset.name());
         let braked_s = driven.summary.control.figures.service_brake_s;
@@ -140,9 +136,9 @@ fn preset(runner: &Runner<'_>, expected: &Reconstructed) -> Result<(Part, Option
     let trips: Vec<(&'static str, &Driven)> = std::iter::once(("constant speed", &constant))
         .chain(of_planners.iter().map(|(planner, _, driven)| (*planner, driven)))
         .collect();
-    let pictures = vec![pictures::trips(preset, &trips)];
     // The pictures show the drives, over distance.
-    Ok((Part { rows, drives: Vec::new(), pictures }, baseline))
+    let galleries = vec![pictures::trips(preset, &trips)];
+    Ok(Part { rows, pictures: Pictures { galleries, drives: Vec::new() } })
 }
 
 /// The trip at constant speed.
@@ -225,13 +221,11 @@ fn computed(
     const AGAINST: &str = "computed; fuel against constant speed, computed alike";
     let preset = expected.preset;
     let name = |what: &str| format!("{}.{what}", preset.name());
-    let baseline = runner.compute(|| Baseline::drive(preset, road));
-    let route = runner.compute(|| baseline.as_ref().and_then(Baseline::full_route_percent));
-    let human = runner.compute(|| {
-        baseline
-            .as_ref()
-            .map_or([None; 3], |baseline| baseline.human_percent(runner.driver_spread_mps()))
-    });
+    let baseline = Baseline::drive(preset, road);
+    let route = baseline.as_ref().and_then(Baseline::full_route_percent);
+    let human = baseline
+        .as_ref()
+        .map_or([None; 3], |baseline| baseline.human_percent(runner.driver_spread_mps()));
     let above = driven.zip(route).map(|(driven, route)| driven - route);
     let litres = baseline.as_ref().map(Baseline::litres);
     let [calm, restless] = [expected.human_sigma_2_5, expected.human_sigma_4].map(reconstruction);
@@ -265,18 +259,13 @@ fn computed(
     (rows, human[2])
 }
 
-/// Distance of the planner from the full-route plan on roads of other seeds: the largest one, on
-/// either side.
-fn generated(runner: &Runner<'_>, preset: Preset) -> Row {
-    let above = together((1..=computed::GENERATED).map(|seed| {
-        move || {
-            runner.compute(|| {
-                let baseline = Baseline::drive(preset, &computed::generated(seed))?;
-                Some(baseline.planned_percent()? - baseline.full_route_percent()?)
-            })
-        }
-    }));
-    let above = above.into_iter().collect::<Option<Vec<f64>>>();
+/// Distance of the planner from the full-route plan on roads of other seeds: the largest one, on either side.
+fn generated(preset: Preset) -> Row {
+    let above = (1..=computed::GENERATED).map(|seed| {
+        let baseline = Baseline::drive(preset, &computed::generated(seed))?;
+        Some(baseline.planned_percent()? - baseline.full_route_percent()?)
+    });
+    let above = above.collect::<Option<Vec<f64>>>();
     let farthest = above.and_then(|all| all.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs())));
     let id = format!("{}.dynamic-programming.above_full_route_generated", preset.name());
     Row::near(&id, "%", requirement(0.0), farthest, ROUTE_POINTS)
@@ -284,30 +273,22 @@ fn generated(runner: &Runner<'_>, preset: Preset) -> Row {
 }
 
 /// Rest of the saving when the law's truck or map is wrong.
-fn robustness(runner: &Runner<'_>, right: Option<Trip>) -> Result<Vec<Row>, Error> {
+fn robustness(runner: &Runner<'_>, what: &str, keys: &[&str]) -> Result<Row, Error> {
     let preset = RECONSTRUCTED[0].preset;
-    let rows = together(WRONG.map(|(what, keys)| {
-        move || {
-            // A wrong mass changes the baseline, a wrong map does not.
-            let baseline = if what.starts_with("mass") {
-                constant_speed(runner, preset, keys)?.0
-            } else {
-                right
-            };
-            let (trip, _) = at_equal_time(runner, preset, "dynamic-programming", keys, baseline)?;
-            // Unequal trip times are not compared.
-            let equal = trip
-                .zip(baseline)
-                .filter(|(trip, baseline)| trip.slower_than(baseline).abs() <= EQUAL_TIME_PERCENT);
-            let change = equal.map(|(trip, baseline)| trip.against(&baseline));
-            Ok(Row::shown(
-                &format!("{}.{what}", preset.name()),
-                "%",
-                Kind::Requirement,
-                change,
-                "driven; dynamic-programming against constant speed of the same truck",
-            ))
-        }
-    }));
-    rows.into_iter().collect()
+    // A wrong mass changes the baseline, a wrong map does not.
+    let of_truck = if what.starts_with("mass") { keys } else { &[] };
+    let (baseline, _) = constant_speed(runner, preset, of_truck)?;
+    let (trip, _) = at_equal_time(runner, preset, "dynamic-programming", keys, baseline)?;
+    // Unequal trip times are not compared.
+    let equal = trip
+        .zip(baseline)
+        .filter(|(trip, baseline)| trip.slower_than(baseline).abs() <= EQUAL_TIME_PERCENT);
+    let change = equal.map(|(trip, baseline)| trip.against(&baseline));
+    Ok(Row::shown(
+        &format!("{}.{what}", preset.name()),
+        "%",
+        Kind::Requirement,
+        change,
+        "driven; dynamic-programming against constant speed of the same truck",
+    ))
 }

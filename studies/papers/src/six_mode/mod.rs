@@ -8,15 +8,13 @@
 mod pictures;
 mod releases;
 
+use super::Pictures;
 use super::row::{EXACT, Kind, Row, Tolerance, paper, requirement, within};
-use super::runner::{Driven, Part, Runner, together};
+use super::runner::{Driven, Part, Piece, Runner};
 use controller::laws::six_mode::Mode;
 use controller::laws::six_mode::deceleration::LEVELS_MPS2;
 use group::Error;
 use group::report::Outcome;
-
-/// Scenarios driven.
-pub const RUNS: usize = SETS.len();
 
 /// Switches are printed in whole seconds; this is less than rounding alone would excuse.
 const PRINTED_S: Tolerance = within(0.3, "printed in whole seconds");
@@ -150,20 +148,28 @@ const SWITCHES: [Switch; 6] = [
     switch(2, 4, 26.0, "at 26 s R_b1 < R < R_w1: decelerate, braking suitably to a stop"),
 ];
 
-/// Drives the scenario in every set and compares.
-pub fn reproduce(runner: &Runner<'_>) -> Result<Part, Error> {
-    let mut part = Part { rows: releases::rows(), ..Part::default() };
-    let driven = together(SETS.map(|set| move || set.drive(runner)));
-    for (set, driven) in SETS.into_iter().zip(driven) {
-        let driven = driven?;
-        part.rows.extend(rows(set, &driven).into_iter().map(|row| row.in_set(set.name)));
-        if set.is_drawn() {
-            part.pictures.extend(pictures::of(set.name, &driven));
-        }
-        let (_, picture) = driven.picture();
-        part.drives.push((set.name.to_owned(), picture));
-    }
-    Ok(part)
+/// A piece for each set. The first one also has the rows that need no drive.
+pub fn pieces() -> Vec<Piece> {
+    let piece = |(place, set): (usize, Set)| {
+        Piece::new(set.name, move |runner| {
+            let mut part = reproduce(runner, set)?;
+            if place == 0 {
+                part.rows.splice(0..0, releases::rows());
+            }
+            Ok(part)
+        })
+    };
+    SETS.into_iter().enumerate().map(piece).collect()
+}
+
+/// Drives the scenario in a set and compares.
+fn reproduce(runner: &Runner<'_>, set: Set) -> Result<Part, Error> {
+    let driven = set.drive(runner)?;
+    let rows = rows(set, &driven).into_iter().map(|row| row.in_set(set.name)).collect();
+    let galleries = if set.is_drawn() { pictures::of(set.name, &driven) } else { Vec::new() };
+    let (_, picture) = driven.picture();
+    let drives = vec![(set.name.to_owned(), picture)];
+    Ok(Part { rows, pictures: Pictures { drives, galleries } })
 }
 
 /// A change of mode: from, to, s.

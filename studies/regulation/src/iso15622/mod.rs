@@ -15,7 +15,7 @@ use frame::batch::{self, Done, Job, ProcessesSample};
 use frame::parts::{self, PartOptions};
 use frame::{Found, Options, Study};
 use group::{Error, GroupOptions};
-use report::results::{Column, Document, ResultOptions, Schema, Table, count, flag, number, word};
+use report::results::{Column, Document, ResultOptions, Schema, Table, flag, number, word};
 use rows::Row;
 use scenes::Test;
 use serde::Serialize;
@@ -40,7 +40,7 @@ pub struct Iso15622Arguments {
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
-    /// Where the results go, and in which forms.
+    /// Directory and forms of the results.
     #[command(flatten)]
     pub results: ResultOptions,
 }
@@ -54,11 +54,7 @@ struct Results {
 }
 
 /// Fields beside the rows.
-const FIELDS: &[Column<Results>] = &[
-    flag("ok", "", ("ok", "MISSED"), "Every figure is inside its limits"),
-    count("processes_sample.runs", "", "Runs that were repeated as separate processes"),
-    count("processes_sample.different", "", "Repeated runs whose messages were other bytes"),
-];
+const FIELDS: &[Column<Results>] = &[frame::ok("Every figure is inside its limits")];
 
 /// Columns of the figures.
 const ROWS: &[Column<Row>] = &[
@@ -75,11 +71,9 @@ const ROWS: &[Column<Row>] = &[
 /// Contents of the JSON.
 #[must_use]
 pub fn schema() -> Schema {
-    Schema::new("iso15622", "Tests of adaptive cruise control after ISO 15622").fields(FIELDS).rows(
-        "rows",
-        "A row for each figure of each test and law",
-        ROWS,
-    )
+    frame::schema("iso15622", "Tests of adaptive cruise control after ISO 15622")
+        .fields(FIELDS)
+        .rows("rows", "A row for each figure of each test and law", ROWS)
 }
 
 /// Runs the command.

@@ -4,21 +4,17 @@ use super::judged::Judged;
 use super::pictures;
 use super::results::{Figures, LawResult, Results};
 use report::results::{
-    Column, Document, Format, Kind, Schema, Table, column, count, flag, nested, number, word,
+    Column, Document, Format, Kind, Schema, Table, column, count, fact, nested, number, word,
 };
 use serde::Serialize;
 use std::collections::BTreeSet;
 
 /// Fields of the JSON.
-const FIELDS: &[Column<Results>] = &[
-    flag("ok", "", ("ok", "MISSED"), "Every law with the emergency brake is within the criteria"),
-    count("processes_sample.runs", "", "Runs that were repeated as separate processes"),
-    count("processes_sample.different", "", "Repeated runs whose messages were other bytes"),
-];
+const FIELDS: &[Column<Results>] =
+    &[frame::ok("Every law with the emergency brake is within the criteria")];
 
-/// What programs see of a matrix.
-const MATRICES: &[Column<()>] = &[
-    word("matrix", "", "Name of the matrix"),
+/// Figures over some cases, for programs.
+const FIGURES: &[Column<()>] = &[
     count("cases", "", "Number of cases"),
     nested("models", Kind::Object, "Collisions with each model; null where it says nothing"),
     nested("models_rear_end", Kind::Object, "Rear-end collisions with each model"),
@@ -28,7 +24,32 @@ const MATRICES: &[Column<()>] = &[
         "Cases that both models of the regulation end without a collision",
     ),
     nested("laws", Kind::List, "Each law, with and without the emergency brake"),
-    nested("parts", Kind::Object, "The same figures of each part, by its name"),
+];
+
+/// A law over some cases, for programs.
+const LAWS: &[Column<()>] = &[
+    word("law", "", "Control law"),
+    fact("aebs", "", "With the emergency brake"),
+    count("collisions", "", "Collisions"),
+    count("rear_end", "", "Rear-end collisions"),
+    count("avoidable.careful-driver", "", "Collisions in cases that careful-driver masters"),
+    count("avoidable.regulation", "", "Collisions in cases that the regulation's model masters"),
+    count("avoidable.both", "", "Collisions in cases that both master"),
+    count(
+        "avoidable.both-within-a-step",
+        "",
+        "Those whose contact at constant speeds is nearer than a step of the models",
+    ),
+    nested(
+        "from_its_gap",
+        Kind::Object,
+        "careful-driver from the law's gap; null without cut-outs",
+    ),
+    count("from_its_gap.collisions", "", "Its collisions"),
+    count("from_its_gap.mastered", "", "Cases that it ends without one"),
+    count("from_its_gap.avoidable", "", "Collisions of the law in these cases"),
+    number("mean_impact_mps", "", "m/s", 2, "Mean speed difference at the contact"),
+    number("model_impact_mps", "", "m/s", 2, "The model's over the same cases"),
 ];
 
 /// A driver over some cases, for people.
@@ -80,11 +101,17 @@ fn verdict_words(name: &str) -> (&'static str, bool) {
 /// Contents of the JSON.
 #[must_use]
 pub fn schema() -> Schema {
-    Schema::new("r157", "UN R157's matrices").fields(FIELDS).rows(
-        "matrices",
-        "The matrices",
-        MATRICES,
-    )
+    let matrix = [
+        word("matrix", "", "Name of the matrix"),
+        nested("parts", Kind::Object, "The same figures of each part, by its name"),
+    ];
+    let matrices: Vec<_> = matrix.into_iter().chain(FIGURES.iter().cloned()).collect();
+    frame::schema("r157", "UN R157's matrices")
+        .fields(FIELDS)
+        .rows("matrices", "The matrices", &matrices)
+        .rows("matrices.laws", "Each law over all cases", LAWS)
+        .map("matrices.parts", "The same figures of each part, by its name", FIGURES)
+        .rows("matrices.parts.*.laws", "Each law over the cases of the part", LAWS)
 }
 
 /// The document of the results.

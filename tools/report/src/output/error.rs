@@ -25,7 +25,7 @@ pub enum OutputError {
         /// One of the results.
         first: &'static str,
     },
-    /// What is in it was not begun in parts.
+    /// Its results were not begun in parts.
     #[error(
         "{} holds results ({first}) but no {expected}: nothing in it can be gone on with, choose another directory",
         path.display()

@@ -8,7 +8,7 @@ use super::head::{Format, Good, Head, Kind};
 
 /// A column of rows `R`.
 ///
-/// A cell is what stands at the column's name in the row's JSON, or what [`Column::of`] computes.
+/// A cell is the value at the column's name in the row's JSON, or the value that [`Column::of`] computes.
 ///
 /// ```
 /// use report::results::{Column, number, word};
@@ -27,7 +27,7 @@ use super::head::{Format, Good, Head, Kind};
 /// ```
 #[derive(Debug)]
 pub struct Column<R> {
-    /// What it is.
+    /// Its description.
     pub head: Head,
     value: Option<fn(&R) -> Value>,
 }
@@ -56,11 +56,12 @@ pub const fn column<R>(
         limit: None,
         weight: 0,
         is_hidden: false,
+        is_optional: false,
     };
     Column { head, value: None }
 }
 
-/// A number with a unit, shown with so many decimals.
+/// A number with a unit and a number of decimals.
 pub const fn number<R>(
     name: &'static str,
     heading: &'static str,
@@ -96,6 +97,15 @@ pub const fn word<R>(
     meaning: &'static str,
 ) -> Column<R> {
     column(name, heading, "", Format::Word, meaning)
+}
+
+/// A number as it was given, or a word: the value of a key.
+pub const fn value<R>(
+    name: &'static str,
+    heading: &'static str,
+    meaning: &'static str,
+) -> Column<R> {
+    column(name, heading, "", Format::Value, meaning)
 }
 
 /// How a run ended.
@@ -179,6 +189,13 @@ impl<R> Column<R> {
         self
     }
 
+    /// The same whose key the JSON leaves out where it does not apply.
+    #[must_use]
+    pub const fn optional(mut self) -> Self {
+        self.head.is_optional = true;
+        self
+    }
+
     /// The same with a cell that is computed from the row.
     #[must_use]
     pub const fn of(mut self, value: fn(&R) -> Value) -> Self {
@@ -204,7 +221,7 @@ pub(super) fn cells<R: Serialize>(columns: &[Column<R>], row: &R) -> Vec<Value> 
     columns.iter().map(cell).collect()
 }
 
-/// What stands at a dotted path; a number is a place in a list.
+/// The value at a dotted path; a number is a place in a list.
 #[must_use]
 pub fn at<'a>(json: &'a Value, path: &str) -> Option<&'a Value> {
     path.split('.').try_fold(json, |json, part| match json {

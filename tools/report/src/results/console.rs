@@ -1,7 +1,7 @@
 //! A table on a terminal, never wider than it.
 //!
-//! A table that is too wide is transposed. One that is too wide even then loses the columns of the largest weight,
-//! and a line names them.
+//! A table that is too wide is transposed. If it is still too wide, it loses the columns of the largest weight, and a
+//! line names them. At last the cells of its first column are broken behind dots and spaces.
 
 use serde_json::Value;
 use std::ops::Range;
@@ -46,6 +46,22 @@ pub fn folded(words: &str, indent: usize, width: usize) -> String {
     lines.join("\n") + "\n"
 }
 
+/// A cell in lines of at most `most` characters, broken behind dots and spaces; none where a part is longer.
+fn broken(cell: &str, most: usize) -> Option<String> {
+    let mut lines = vec![String::new()];
+    for part in cell.split_inclusive(['.', ' ']) {
+        let line = lines.last_mut()?;
+        let is_too_long = line.chars().count() + part.trim_end().chars().count() > most;
+        if is_too_long && !line.is_empty() {
+            lines.push(format!("  {part}"));
+        } else {
+            *line += part;
+        }
+    }
+    let lines: Vec<_> = lines.iter().map(|line| line.trim_end()).collect();
+    lines.iter().all(|line| line.chars().count() <= most).then(|| lines.join("\n"))
+}
+
 /// Characters of the longest line.
 fn widest(text: &str) -> usize {
     text.lines().map(|line| line.chars().count()).max().unwrap_or(0)
@@ -60,7 +76,11 @@ impl Table {
     }
 
     fn block_text(&self, name: &str, rows: &Range<usize>, width: usize) -> String {
-        let heading = if name.is_empty() { String::new() } else { folded(name, 0, width) };
+        let heading = match (name, self.block) {
+            ("", None) => String::new(),
+            ("", Some(_)) => folded(&self.heading, 0, width),
+            (name, _) => folded(name, 0, width),
+        };
         let shown = self.shown(rows);
         let (long, mut short): (Vec<usize>, Vec<usize>) =
             shown.into_iter().partition(|&place| self.columns[place].is_long());
@@ -78,26 +98,29 @@ impl Table {
             }
         }
         let mut left_out: Vec<usize> = Vec::new();
-        loop {
+        let text = loop {
             let upright = self.upright(rows, &short);
-            let heaviest = (0..short.len()).max_by_key(|&k| (self.columns[short[k]].weight, k));
-            let heaviest = heaviest.filter(|&k| self.columns[short[k]].weight > 0);
-            match heaviest {
-                Some(place) if widest(&upright) > width => left_out.push(short.remove(place)),
-                _ if widest(&upright) > width => {
-                    return heading + &self.listed(rows, &short[..1], &short[1..], width);
-                }
-                _ => {
-                    left_out.sort_unstable();
-                    let names: Vec<_> = left_out
-                        .iter()
-                        .map(|&place| self.columns[place].heading.as_ref())
-                        .collect();
-                    let note = format!("(on the page: {})", names.join(", "));
-                    return heading + &upright + &folded(&note, 2, width);
-                }
+            let excess = widest(&upright).saturating_sub(width);
+            if excess == 0 {
+                break upright;
             }
+            let heaviest = (0..short.len()).max_by_key(|&k| (self.columns[short[k]].weight, k));
+            match heaviest.filter(|&k| self.columns[short[k]].weight > 0) {
+                Some(place) => left_out.push(short.remove(place)),
+                None => match self.narrowed(rows, &short, excess) {
+                    Some(narrowed) => break narrowed,
+                    None => return heading + &self.listed(rows, &short[..1], &short[1..], width),
+                },
+            }
+        };
+        if left_out.is_empty() {
+            return heading + &text;
         }
+        left_out.sort_unstable();
+        let names: Vec<_> =
+            left_out.iter().map(|&place| self.columns[place].heading.as_ref()).collect();
+        let note = format!("(on the page: {})", names.join(", "));
+        heading + &text + &folded(&note, 2, width)
     }
 
     /// The cell, marked when it is the best; `marked` columns leave room for the mark in every cell.
@@ -120,7 +143,29 @@ impl Table {
         first.map(Some).chain([None]).chain(end.map(Some)).collect()
     }
 
+    /// The table with cells of the first column in several lines, so that it is narrower by `by`; none where that
+    /// cannot be.
+    fn narrowed(&self, rows: &Range<usize>, shown: &[usize], by: usize) -> Option<String> {
+        let place = *shown.first()?;
+        let first = self.chosen(rows).into_iter().flatten();
+        let cells: Vec<String> =
+            first.map(|row| self.columns[place].text(&self.rows[row][place])).collect();
+        let most = cells.iter().map(|cell| cell.chars().count()).max()?.checked_sub(by)?;
+        let cells = cells.iter().map(|cell| broken(cell, most)).collect::<Option<Vec<_>>>()?;
+        Some(self.upright_under(rows, shown, cells.into_iter()))
+    }
+
     fn upright(&self, rows: &Range<usize>, shown: &[usize]) -> String {
+        self.upright_under(rows, shown, std::iter::empty())
+    }
+
+    /// The upright table; `firsts` replace the cells of its first column.
+    fn upright_under(
+        &self,
+        rows: &Range<usize>,
+        shown: &[usize],
+        mut firsts: impl Iterator<Item = String>,
+    ) -> String {
         let titles: Vec<String> = shown.iter().map(|&place| self.columns[place].title()).collect();
         let align = |place: &usize| match self.columns[*place].is_number() {
             true => Align::Right,
@@ -141,10 +186,12 @@ impl Table {
                 table.row(["...".to_owned(), format!("{more} more")]);
                 continue;
             };
+            let mut first = firsts.next();
             table.row(shown.iter().zip(&best).map(|(&place, best)| {
                 let text = self.cell(row, place, best.as_deref());
                 let is_unmarked = best.is_some() && !text.ends_with(BEST);
-                if is_unmarked { text + " " } else { text }
+                let text = if is_unmarked { text + " " } else { text };
+                first.take().unwrap_or(text)
             }));
         }
         without_trailing_spaces(&table.text())
@@ -262,6 +309,19 @@ mod tests {
         let text = Table::new("Failures", &columns, &rows).console(80);
         assert!(text.starts_with("  run 7\n    because of a because"), "{text}");
         assert!(text.contains(&format!("    {command}\n")), "{text}");
+    }
+
+    #[test]
+    fn long_names_are_broken_where_nothing_else_can_be_left_out() {
+        let columns: [Column<Value>; 2] = [word("id", "id", ""), number("x", "x", "m", 1, "")];
+        let row = |id: &str| json!({"id": id, "x": 1.5});
+        let rows = [row("a.long.name.of.a.figure"), row("b")];
+        let text = Table::new("", &columns, &[&rows[..]; 5].concat()).console(24);
+        assert!(
+            text.starts_with("  id               x, m\n  a.long.name.of.   1.5\n    a.figure\n"),
+            "{text}"
+        );
+        assert!(widest(&text) <= 24, "{text}");
     }
 
     #[test]

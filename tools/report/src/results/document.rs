@@ -1,4 +1,4 @@
-//! A whole result, and what every output makes of it.
+//! A whole result, for every output.
 
 use std::fmt;
 use std::rc::Rc;
@@ -31,11 +31,11 @@ pub enum Part {
 pub struct Attachment {
     /// Its name.
     pub name: String,
-    /// What is in it.
+    /// Its contents.
     pub contents: Contents,
 }
 
-/// What is in a file beside the JSON and the page.
+/// Contents of a file beside the JSON and the page.
 #[derive(Clone)]
 pub enum Contents {
     /// Bytes in memory.
@@ -107,7 +107,7 @@ impl Document {
         self
     }
 
-    /// The same for a question whose answer may be no: the exit status is of `succeeds` alone.
+    /// The same for a question whose answer may be no: `succeeds` alone decides the exit status.
     #[must_use]
     pub fn succeeds(mut self, succeeds: bool) -> Self {
         self.succeeds = Some(succeeds);
@@ -200,7 +200,7 @@ impl Document {
         serde_json::from_str(&self.json).expect("it was written as JSON")
     }
 
-    /// The text of a terminal with so many columns; the verdict is its last line.
+    /// The text for a terminal of this width; the verdict is its last line.
     #[must_use]
     pub fn console(&self, width: usize) -> String {
         let mut text = String::new();

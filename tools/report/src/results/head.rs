@@ -10,7 +10,7 @@ use crate::table::NONE;
 /// How a column's cells look for people.
 #[derive(Clone, Copy, Debug)]
 pub enum Format {
-    /// A number with so many decimals.
+    /// A number with this number of decimals.
     Decimals(usize),
     /// A number with as many decimals as it needs, at most three.
     Exact,
@@ -18,10 +18,12 @@ pub enum Format {
     Duration,
     /// A whole number.
     Count,
-    /// An object `{mean, deviation, n}`, shown with so many decimals; n is left out where it is null.
+    /// An object `{mean, deviation, n}` with this number of decimals; n is left out where it is null.
     Mean(usize),
     /// A short word.
     Word,
+    /// A number as it was given, or a word.
+    Value,
     /// A sentence, which a terminal shows below its row.
     Sentence,
     /// A command, which is never broken into lines.
@@ -58,7 +60,7 @@ pub enum Good {
     More,
 }
 
-/// What a column is, whatever its rows are.
+/// The description of a column, for rows of any type.
 #[derive(Clone, Debug)]
 pub struct Head {
     /// Dotted path in the row's JSON (`control.min_gap_m`); empty where only people see the column.
@@ -67,7 +69,7 @@ pub struct Head {
     pub heading: Cow<'static, str>,
     /// Unit; empty where there is none.
     pub unit: &'static str,
-    /// What it means, in one sentence.
+    /// Its meaning, in one sentence.
     pub meaning: &'static str,
     /// How its cells look.
     pub format: Format,
@@ -79,6 +81,8 @@ pub struct Head {
     pub weight: u8,
     /// It is in JSON and CSV alone.
     pub is_hidden: bool,
+    /// The JSON has no such key where it does not apply.
+    pub is_optional: bool,
 }
 
 impl Head {

@@ -7,9 +7,9 @@
 //!       └─► Schema ─► `timegap list --schema results`
 //! ```
 //!
-//! A [`Column`] has a name, which is the dotted path of its value in the row's JSON, and all that people and programs
-//! must know of it. A [`Table`] is columns over rows. A [`Document`] is verdict, tables and charts of one command;
-//! [`ResultOptions::deliver`] writes and prints it. [`Schema`] is what the columns promise to programs.
+//! A [`Column`] has a name: the dotted path of its value in the row's JSON. It also has unit, meaning and format. A
+//! [`Table`] is columns over rows. A [`Document`] is verdict, tables and charts of one command;
+//! [`ResultOptions::deliver`] writes and prints it. [`Schema`] describes the JSON.
 
 mod column;
 mod console;
@@ -23,7 +23,7 @@ mod schema;
 mod table;
 
 pub use column::{
-    Column, at, column, count, fact, flag, judged, micros, nested, number, outcome, word,
+    Column, at, column, count, fact, flag, judged, micros, nested, number, outcome, value, word,
 };
 pub use console::{folded, width};
 pub use document::{Attachment, Contents, Document, Part};

@@ -1,4 +1,4 @@
-//! The options that say which outputs a result has, and their delivery.
+//! The options for the outputs of a result, and their delivery.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -11,7 +11,7 @@ use super::document::{Contents, Document};
 use crate::output::{OutputDirectory, OutputOptions};
 use crate::print;
 
-/// Where the results go, and in which forms.
+/// Directory and forms of the results.
 #[derive(Clone, Debug, Default, Args)]
 pub struct ResultOptions {
     /// The directory.
@@ -76,7 +76,7 @@ impl ResultOptions {
         written
     }
 
-    /// Writes the forms for a continuous integration job alone, of commands with a page of their own.
+    /// Writes the forms for a continuous integration job alone, for commands with a page of their own.
     ///
     /// # Errors
     /// [`ExportError`].

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use super::column::Column;
 use super::head::{Format, Head, Kind};
 
-/// What a command's JSON holds.
+/// Contents of a command's JSON.
 ///
 /// ```
 /// use report::results::{Column, Schema, check, flag, number, word};
@@ -65,10 +65,23 @@ impl Schema {
         self
     }
 
-    /// Lets the objects of the list at `path` have keys that are not declared.
+    /// Adds an object at a dotted path, each of whose values has these columns.
+    ///
+    /// ```
+    /// use report::results::{Column, Schema, check, count};
+    /// use serde_json::json;
+    ///
+    /// const OF_KIND: &[Column<()>] = &[count("drives", "drives", "Drives of the kind")];
+    /// let schema = Schema::new("x", "").map("kinds", "Each kind by its name", OF_KIND).json();
+    /// let result = json!({"schema_version": 1, "kinds": {"truck": {"drives": 3}}});
+    /// assert_eq!(check(&schema, &result), [""; 0]);
+    /// ```
     #[must_use]
-    pub fn open(mut self, path: &str) -> Self {
-        descend(&mut self.root, path)["items"]["type"] = json!(["object"]);
+    pub fn map<R>(mut self, path: &str, meaning: &str, columns: &[Column<R>]) -> Self {
+        let mut values = json!({"type": "object"});
+        columns.iter().for_each(|column| insert(&mut values, &column.head));
+        let node = descend(&mut self.root, path);
+        *node = json!({"type": "object", "description": meaning, "additionalProperties": values});
         self
     }
 
@@ -122,7 +135,7 @@ fn descend<'a>(node: &'a mut Value, path: &str) -> &'a mut Value {
     node
 }
 
-fn insert(node: &mut Value, head: &Head) {
+fn insert(object: &mut Value, head: &Head) {
     // Places of a list have one description: that of the list.
     let is_place = |part: &str| part.bytes().all(|byte| byte.is_ascii_digit());
     if head.name.is_empty() || head.name.split('.').any(is_place) {
@@ -132,6 +145,7 @@ fn insert(node: &mut Value, head: &Head) {
         Format::Decimals(_) | Format::Exact | Format::Duration => json!(["number", "null"]),
         Format::Count => json!(["integer", "null"]),
         Format::Mean(_) => json!(["object", "number", "null"]),
+        Format::Value => json!(["number", "string", "null"]),
         Format::Word | Format::Sentence | Format::Command => json!(["string", "null"]),
         Format::Verdict(_) => json!(["string", "null"]),
         Format::Flag(..) | Format::Fact => json!(["boolean", "null"]),
@@ -142,12 +156,27 @@ fn insert(node: &mut Value, head: &Head) {
         "" => head.meaning.to_owned(),
         unit => format!("{}, {unit}", head.meaning),
     };
-    let node = descend(node, &head.name);
+    let node = descend(object, &head.name);
     node["type"] = kind;
     node["description"] = json!(meaning);
+    if head.is_optional {
+        forget(object, &head.name);
+    }
 }
 
-/// What of `value` is not as the schema says, each with its place. Of JSON Schema it knows what [`Schema`] writes.
+/// Takes a key at a path from the required ones of its object.
+fn forget(object: &mut Value, path: &str) {
+    let (object, name) = match path.rsplit_once('.') {
+        Some((above, name)) => (descend(object, above), name),
+        None => (object, path),
+    };
+    if let Some(required) = object["required"].as_array_mut() {
+        required.retain(|known| known != name);
+    }
+}
+
+/// Deviations of `value` from the schema, each with its place: values of another type, keys that are missing, and keys
+/// that are not declared. It knows the part of JSON Schema that [`Schema`] writes.
 #[must_use]
 pub fn check(schema: &Value, value: &Value) -> Vec<String> {
     let mut wrong = Vec::new();
@@ -181,7 +210,7 @@ fn walk(schema: &Value, value: &Value, place: &str, wrong: &mut Vec<String>) {
             match (schema["properties"].get(name), schema.get("additionalProperties")) {
                 (Some(schema), _) => walk(schema, value, &below(name), wrong),
                 (None, Some(schema)) => walk(schema, value, &below(name), wrong),
-                // An object is open where it may be something else too, or has no declared keys.
+                // An object that may be null, or that has no declared keys, may have others.
                 (None, None)
                     if schema.get("properties").is_some() && schema["type"] == "object" =>
                 {
@@ -215,6 +244,18 @@ fn is_of(kind: &str, value: &Value) -> bool {
 mod tests {
     use super::super::column::{count, nested, number, word};
     use super::*;
+
+    #[test]
+    fn a_key_that_may_be_absent_is_not_required_and_still_checked() {
+        let columns: [Column<()>; 2] =
+            [word("id", "", ""), number("limits.least", "", "", 1, "").optional()];
+        let schema = Schema::new("x", "").rows("rows", "", &columns).json();
+        let with = |row: Value| json!({"schema_version": 1, "rows": [row]});
+        let absent = with(json!({"id": "a", "limits": {}}));
+        assert_eq!(check(&schema, &absent), [""; 0]);
+        let wrong = with(json!({"id": "a", "limits": {"least": "b"}}));
+        assert_eq!(check(&schema, &wrong), ["rows.0.limits.least: \"b\" is no number"]);
+    }
 
     #[test]
     fn nested_rows_and_keys_are_described_and_what_is_not_declared_is_found() {

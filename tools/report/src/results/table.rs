@@ -66,7 +66,7 @@ impl Table {
         self
     }
 
-    /// The same with at most so many rows on a terminal: the first ones, and the last.
+    /// The same with at most this number of rows on a terminal: the first ones, and the last.
     #[must_use]
     pub fn most_rows(mut self, rows: usize) -> Self {
         self.most_rows = rows;

@@ -1,0 +1,129 @@
+//! The papers as a study: each piece of a paper is a run.
+
+use frame::batch::ProcessesSample;
+use frame::{Crew, Found, Gave, Needs, Options, Study};
+use group::Error;
+use report::results::Document;
+
+use super::row::{Row, Verdict};
+use super::runner::{Part, Piece, Runner};
+use super::{
+    PAPERS, Paper, PaperName, Pictures, ReproduceArguments, Reproduction, page, tally::tally,
+};
+
+/// The study: the pieces of the papers, in their order.
+pub struct Papers {
+    papers: Vec<PaperName>,
+    pieces: Vec<(PaperName, Piece)>,
+    /// Standard deviation of the skilled driver's aimed speed, m/s.
+    driver_spread_mps: f64,
+}
+
+impl Study for Papers {
+    type Arguments = ReproduceArguments;
+    type Record = Vec<Row>;
+    type Seen = Pictures;
+
+    const NAME: &'static str = "reproduce";
+    const NEEDS: Needs = Needs::All;
+
+    fn options(arguments: &ReproduceArguments) -> Options<'_> {
+        let ReproduceArguments { group, results, .. } = arguments;
+        Options { parts: None, jobs: None, group, results }
+    }
+
+    fn plan(arguments: &ReproduceArguments) -> Result<Self, Error> {
+        let papers = arguments.paper.map_or(PAPERS.to_vec(), |paper| vec![paper]);
+        let of_paper =
+            |&paper: &PaperName| paper.pieces().into_iter().map(move |piece| (paper, piece));
+        let pieces = papers.iter().flat_map(of_paper).collect();
+        Ok(Self { papers, pieces, driver_spread_mps: arguments.driver_spread / 3.6 })
+    }
+
+    fn runs(&self) -> usize {
+        self.pieces.len()
+    }
+
+    /// The words of the command name no file.
+    fn subject(&self) -> Result<String, Error> {
+        Ok(String::new())
+    }
+
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<Vec<Row>, Pictures>, Error> {
+        let runner = Runner::new(crew, run, self.driver_spread_mps);
+        let Part { rows, pictures } = self.pieces[run].1.reproduce(&runner)?;
+        Ok(Gave { record: rows, seen: pictures, repetition: runner.repetition() })
+    }
+
+    fn describe(&self, run: usize) -> String {
+        let (paper, piece) = &self.pieces[run];
+        format!(" ({}, {})", paper.as_str(), piece.name)
+    }
+
+    fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
+        let Found { records, mut seen, sample, .. } = found;
+        let mut papers: Vec<Paper> = self.papers.iter().map(|&name| empty(name)).collect();
+        for (run, rows) in records.all()? {
+            let name = self.pieces[run].0;
+            let place = self.papers.iter().position(|paper| *paper == name);
+            let paper = &mut papers[place.expect("every piece is of a paper of the study")];
+            paper.rows.extend(rows);
+            paper.pictures.extend(seen.remove(&run).unwrap_or_default());
+        }
+        Ok(page::document(&reproduction(papers, sample)))
+    }
+}
+
+fn empty(name: PaperName) -> Paper {
+    let (tally, rows, pictures) = (Vec::new(), Vec::new(), Pictures::default());
+    Paper { paper: name.as_str(), tally, rows, pictures }
+}
+
+/// Judges the rows.
+pub fn reproduction(mut papers: Vec<Paper>, processes_sample: ProcessesSample) -> Reproduction {
+    for paper in &mut papers {
+        by_set(&mut paper.rows);
+        paper.tally = tally(&paper.rows);
+    }
+    let mut rows = papers.iter().flat_map(|paper| &paper.rows);
+    let ok = rows.all(|row| row.verdict() != Verdict::Outside);
+    Reproduction { schema_version: 1, ok, papers, processes_sample }
+}
+
+/// Puts the rows of each set together. The sets keep their order.
+fn by_set(rows: &mut [Row]) {
+    let mut sets: Vec<String> = Vec::new();
+    for row in rows.iter() {
+        if !sets.contains(&row.set) {
+            sets.push(row.set.clone());
+        }
+    }
+    rows.sort_by_key(|row| sets.iter().position(|set| *set == row.set));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::row::{EXACT, paper};
+    use super::*;
+
+    #[test]
+    fn rows_of_a_set_stand_together_in_the_order_in_which_they_came() {
+        let row =
+            |id: &str, set: &str| Row::near(id, "s", paper(1.0), Some(1.0), EXACT).in_set(set);
+        let mut rows = vec![row("a", "x"), row("a", "y"), row("b", "x"), row("b", "y")];
+        by_set(&mut rows);
+        let places: Vec<_> = rows.iter().map(|row| format!("{}{}", row.set, row.id)).collect();
+        assert_eq!(places, ["xa", "xb", "ya", "yb"]);
+    }
+
+    #[test]
+    fn every_piece_has_a_name_of_its_own() {
+        for paper in PAPERS {
+            let mut names: Vec<_> = paper.pieces().into_iter().map(|piece| piece.name).collect();
+            let count = names.len();
+            names.sort();
+            names.dedup();
+            assert_eq!(names.len(), count, "{paper:?}");
+        }
+    }
+}

@@ -1,0 +1,81 @@
+//! The JSON of every study against the schema that `timegap list --schema results` prints. Each declared key is
+//! there, unless it is optional, and no other one.
+
+use std::collections::BTreeSet;
+
+use report::results::check;
+use serde_json::Value;
+use system_tests::{Corner, text};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
+
+/// Defines a test for each study: its name in the schema, and the words of a small command.
+macro_rules! studies {
+    ($($name:ident: $words:literal;)*) => {
+        const STUDIES: &[&str] = &[$(stringify!($name)),*];
+
+        $(
+            #[test]
+            fn $name() {
+                has_its_schema(stringify!($name), $words);
+            }
+        )*
+    };
+}
+
+studies! {
+    compare: "compare following cut-in --controllers acc-mpc,six-mode --set duration_s=5";
+    sweep: "sweep cut-in --duration 5 --param runtime.extra_delay_ms=0,100 --seeds 1..2";
+    string: "string following --vehicles 2 --frequencies 0.05,0.1 --param controller.time_headway_s=1,2";
+    r157: "r157 --controllers acc-mpc --sample 1";
+    iso15622: "iso15622 --controllers acc-mpc";
+    reproduce: "reproduce six-mode";
+    bench: "bench --quick --seconds 0.1";
+    radio: "campaign radio --sample 3";
+    signals: "campaign signals --seeds 3";
+    plausibility: "campaign plausibility --hours 0.01";
+    campaign: "campaign messages --sample 4";
+}
+
+/// The schemas of all results, by the names of the commands.
+fn schemas(corner: &Corner) -> Value {
+    let output = corner.run(&["list", "--schema", "results"]);
+    let schema: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    schema["$defs"].clone()
+}
+
+fn has_its_schema(name: &str, words: &str) {
+    let corner = Corner::new(PROGRAM);
+    let arguments: Vec<&str> = words.split(' ').chain(["--json"]).collect();
+    let output = corner.run(&arguments);
+    // A study may find that a requirement is broken.
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{words}: {}", text(&output));
+    let result: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    let schema = &schemas(&corner)[name];
+    assert_eq!(check(schema, &result), [""; 0], "{words}");
+    corner.expect_nothing_left(&[]);
+}
+
+#[test]
+fn every_schema_is_held_against_a_result() {
+    let defined = schemas(&Corner::new(PROGRAM));
+    let defined: BTreeSet<&str> =
+        defined.as_object().expect("definitions").keys().map(String::as_str).collect();
+    assert_eq!(defined, STUDIES.iter().copied().collect());
+}
+
+/// What the check finds: a renamed key is a missing and an undeclared one.
+#[test]
+fn a_renamed_key_is_found_in_both_directions() {
+    let corner = Corner::new(PROGRAM);
+    let mut schema = schemas(&corner)["sweep"].clone();
+    let points = &mut schema["properties"]["points"]["items"];
+    let seeds = points["properties"].as_object_mut().expect("keys").remove("seeds");
+    points["properties"]["count"] = seeds.expect("it is declared");
+    let required = points["required"].as_array_mut().expect("a list");
+    required.iter_mut().filter(|key| **key == "seeds").for_each(|key| *key = "count".into());
+    let words = ["sweep", "cut-in", "--duration", "1", "--param", "seed=1"];
+    let result = corner.json(&words);
+    let wrong = check(&schema, &result);
+    assert_eq!(wrong, ["points.0.count: missing", "points.0.seeds: not declared"]);
+}
