@@ -4,11 +4,10 @@
 //! cargo run --release -p papers --example joint_weights -- [EVALUATIONS] [SEED]
 //! ```
 //!
-//! Score: the mean over all published figures of `((ours - paper) / joint tolerance)²`. Searched:
-//! `Q1`, `Q2`, `Q3`, `w`, `d_th` and the lead's acceleration in Table 3, which the paper does not
-//! give; `R` only scales the cost and stays 1. Nelder-Mead in the logarithms, in turn from the best
-//! point with a fresh simplex and from the best of a sample of the whole box of plausible weights.
-//! Same arguments, same result.
+//! The score is the mean over all published figures of `((ours - paper) / joint tolerance)²`. The search is over `Q1`,
+//! `Q2`, `Q3`, `w`, `d_th` and the lead's acceleration in Table 3, which the paper does not give. `R` only scales the
+//! cost and stays 1. Nelder-Mead works in the logarithms. It starts in turn from the best point with a fresh simplex,
+//! and from the best of a random sample of all plausible weights. The same arguments give the same result.
 
 use controller::laws::cacc::config::Config;
 use controller::laws::cacc::paper::PaperLaw;

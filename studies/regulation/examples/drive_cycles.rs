@@ -13,8 +13,8 @@
 //! | changes | changes of the law's mode |
 //! | fall-back | share of the commands that the law's fall-back gave |
 //!
-//! A drive is marked if it ends with a collision, if the emergency brake brakes, if the stop jerk is above
-//! 5 m/s³, or if the mean time gap of `six-mode` is above 3 s.
+//! A drive is marked after a collision or an emergency braking. It is also marked if the stop jerk is above 5 m/s³, or if
+//! the mean time gap of `six-mode` is above 3 s.
 
 use std::process::ExitCode;
 use std::sync::Mutex;

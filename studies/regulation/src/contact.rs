@@ -1,9 +1,11 @@
-//! When two rectangles touch, and how.
+//! Contact of two rectangles.
 
 use crate::{Outcome, VEHICLE_LENGTH_M};
 
-/// The contact of the ego with a vehicle whose rear bumper is `gap_m` ahead of the ego's front bumper
-/// and whose side is `clearance_m` away from the ego's side (both negative in overlap) \[m\].
+/// The contact of the ego with another vehicle.
+///
+/// `gap_m` is the distance from the ego's front bumper to the other's rear bumper, `clearance_m` the distance between
+/// their sides \[m\]. Both are negative in overlap.
 pub fn contact(gap_m: f64, clearance_m: f64) -> Outcome {
     let overlap = clearance_m < 0.0 && gap_m < 0.0 && gap_m > -2.0 * VEHICLE_LENGTH_M;
     if !overlap {

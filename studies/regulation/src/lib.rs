@@ -1,9 +1,8 @@
 //! UN Regulation No. 157 (automated lane keeping): when is a collision preventable?
 //!
-//! Two vehicles of 4.3 m by 1.9 m. The ego has the speed `v`, the other `v_o`; `d` is the distance
-//! from bumper to bumper, `s` the clearance between the vehicles' sides (negative once they overlap
-//! laterally), `w` the other's lateral speed. A *model* says when an attentive driver, or a defined
-//! system, would have begun to brake, and how hard:
+//! Both vehicles are 4.3 m by 1.9 m. The ego has the speed `v`, the other has `v_o`. `d` is the distance from bumper to
+//! bumper. `s` is the clearance between the vehicles' sides, negative in lateral overlap. `w` is the other's lateral
+//! speed. A *model* says when an attentive driver, or a defined system, would have begun to brake, and how hard:
 //!
 //! | model | begins when | brakes |
 //! | --- | --- | --- |
@@ -12,13 +11,12 @@
 //! | [`Model::Rss`] | both safe distances are fallen short of | 0.75 s later, up to 0.774 g |
 //! | [`Model::Fuzzy`] | a proactive or a critical measure is above 0 | 0.75 s later, by the measure |
 //!
-//! [`Driver`] is a model with its memory: a plain function of (state, what is seen, one step of
-//! 0.1 s). Three matrices of cases ([`cut_in`], [`following`], [`cut_out`]) are driven by the models
-//! to an [`Outcome`]. A case is *mastered* by a model if its outcome is [`Outcome::None`]; a system
-//! should master what both of the regulation's models master.
+//! [`Driver`] is a model with its memory: a plain function of state, view and one step of 0.1 s. The models drive three
+//! matrices of cases ([`cut_in`], [`following`], [`cut_out`]) to an [`Outcome`]. A case is *mastered* by a model if its
+//! outcome is [`Outcome::None`]. A system should master the cases that both of the regulation's models master.
 //!
-//! [`r157`] drives our laws through these matrices and judges them by the models, [`iso15622`] runs the tests of
-//! adaptive cruise control, and [`everyday`] draws scenes in which an emergency brake has nothing to do.
+//! [`r157`] drives our laws through these matrices and judges them by the models. [`iso15622`] runs the tests of
+//! adaptive cruise control. [`everyday`] draws scenes in which an emergency brake has nothing to do.
 //!
 //! Sources: UN R157, paragraph 5.2.5.2 and annex 4, appendix 3; Mattas and others, "Fuzzy surrogate
 //! safety metrics for real-time assessment of rear-end collision risk", Accident Analysis &

@@ -1,7 +1,7 @@
-//! Norms of a car's speed and gap error, and those of the vehicle ahead.
+//! Norms of speed and gap error, of a car and of the vehicle ahead.
 //!
-//! A speed is measured from where it began, `v(t) - v(0)`, and both signals of a gain at the same
-//! instants, those at which the vehicle ahead is published:
+//! A speed is measured from its start, `v(t) - v(0)`. Both signals of a gain are taken at the same instants: when the
+//! vehicle ahead is published.
 //!
 //! ```text
 //! |x|_2 = sqrt( sum x(t_k)² (t_k - t_(k-1)) )        |x|_max = max |x(t_k)|
@@ -66,7 +66,7 @@ pub fn samples(drive: &Drive) -> impl Iterator<Item = Sample> + '_ {
     })
 }
 
-/// The norms of a drive; what the drive does not have is none.
+/// The norms of a drive; a signal that the drive does not have gives none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
     /// Norms of the car's speed.

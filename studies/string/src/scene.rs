@@ -14,7 +14,7 @@ use scenario::{Problem, Scenario};
 use super::motion::Motion;
 use super::wave::{TooSlow, Wave};
 
-/// Time gap of a first distance that neither law nor scenario tells, s.
+/// Time gap of a first distance that neither law nor scenario gives, s.
 const FIRST_TIME_GAP_S: f64 = 2.0;
 /// Distance added to that, m.
 const FIRST_DISTANCE_M: f64 = 5.0;
@@ -22,7 +22,7 @@ const FIRST_DISTANCE_M: f64 = 5.0;
 /// Why a car of a string has no scenario.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
-    /// No road is so long.
+    /// The string is longer than any road.
     #[error("car {car}: the string is too long")]
     TooLong {
         /// Number of the car, from 1.
@@ -31,7 +31,7 @@ pub enum SceneError {
     /// A figure that no scenario takes.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange<f64>),
-    /// The road is none.
+    /// The road cannot be used.
     #[error("{}", .0.message)]
     Road(#[source] Problem),
     /// No wave can be driven.

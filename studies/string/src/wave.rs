@@ -1,14 +1,14 @@
 //! A lead whose speed is a sine, and the amplitude with which a car follows it.
 //!
-//! The lead drives `v(t) = c - A cos(2 pi f t)`, small enough that no bound of law or vehicle is met.
-//! After a time in which the start is forgotten, both speeds are fitted by least squares,
+//! The lead drives `v(t) = c - A cos(2 pi f t)`. The amplitude is small, so that law and vehicle stay within their
+//! bounds. After a settling time both speeds are fitted by least squares,
 //!
 //! ```text
 //! v(t) ~ m + p cos(2 pi f t) + q sin(2 pi f t),     amplitude = sqrt(p² + q²)
 //! ```
 //!
-//! over whole periods. The fit asks for no sampling in step with the sine. What a car moves beside that, by its
-//! radar's noise, is fitted in the same way at the neighbouring frequencies of the same window.
+//! over whole periods. The samples need not be in step with the sine. The car's other motion, from its radar's noise,
+//! is fitted in the same way at the neighbouring frequencies of the same window.
 
 use std::f64::consts::TAU;
 

@@ -27,7 +27,7 @@ const ROWS: &[Column<Row>] = &[
     count("aebs.interventions", "emergency brakings", "Interventions of the emergency brake")
         .less()
         .weight(1),
-    number("", "trip over the fastest", "s", 1, "Trip time beyond that of the fastest legal trip")
+    number("", "trip over the fastest", "s", 1, "Trip time beyond the fastest legal trip")
         .less()
         .weight(3)
         .of(|row| {
@@ -59,7 +59,7 @@ const ROWS: &[Column<Row>] = &[
         .less()
         .weight(3),
     number("control.fuel_l_per_100km", "fuel", "L/100 km", 2, "Fuel").less().weight(2),
-    word("", "energy", "Whether energy and fuel can be compared with those of other trips")
+    word("", "energy", "Whether energy and fuel can be compared with other trips")
         .weight(3)
         .of(|row| match row.control.trip.energy_is_comparable {
             Some(false) => json!("not comparable: too short"),

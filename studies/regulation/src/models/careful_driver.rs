@@ -1,8 +1,8 @@
 //! `careful-driver`: the competent and careful human driver of UN R157, annex 4, appendix 3.
 //!
-//! A cut-in is recognised when the other's side reaches the ego's (`s <= 0`). The risk is perceived if
-//! the time to collision is then at most 2 s; otherwise no reaction is needed. For 0.75 s the pedal is
-//! released (0.4 m/s²), then the deceleration grows by 12.65 m/s³ to 0.774 g.
+//! The driver recognises a cut-in when the other's side reaches the ego's (`s <= 0`). The driver perceives the risk if
+//! the time to collision is then at most 2 s; otherwise no reaction is needed. The pedal is released for 0.75 s
+//! (0.4 m/s²). Then the deceleration grows by 12.65 m/s³ to 0.774 g.
 
 use super::braking::Braking;
 use super::{Situation, View};

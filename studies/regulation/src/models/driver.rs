@@ -26,8 +26,8 @@ impl Driver {
         }
     }
 
-    /// The ego's speed after one step of [`STEP_S`] that begins at `speed_mps` with `view` of the
-    /// vehicle that matters, if there is one \[m/s\].
+    /// The ego's speed \[m/s\] after one step of [`STEP_S`]. The step begins at `speed_mps`; `view` is of the relevant
+    /// vehicle, if there is one.
     ///
     /// A vehicle whose centre is behind the ego's is no reason to brake.
     pub fn step(&mut self, speed_mps: f64, view: Option<&View>) -> f64 {

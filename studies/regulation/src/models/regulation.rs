@@ -1,9 +1,8 @@
 //! `regulation`: the system of UN R157, paragraph 5.2.5.2.
 //!
-//! A collision must be avoided unless the time to collision when the other is 0.5 m or less away
-//! laterally (0.3 m inside the lane) is below `(v - v_o)/(2·6) + 0.35 s`. The model brakes from 0.1 s
-//! above that limit, 0.35 s later, with 6 m/s² at once. Beside the other the distance counts by its
-//! magnitude.
+//! The time to collision counts when the other is 0.5 m or less away laterally (0.3 m inside the lane). A collision
+//! must be avoided unless this time is below `(v - v_o)/(2·6) + 0.35 s`. The model decides at 0.1 s above that limit
+//! and brakes 0.35 s later, with 6 m/s² at once. Beside the other the distance counts by its magnitude.
 
 use super::View;
 use super::braking::Braking;

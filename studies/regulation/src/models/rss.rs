@@ -1,7 +1,7 @@
 //! `rss`: responsibility-sensitive safety (Shalev-Shwartz and others 2017).
 //!
-//! Braking is due while both distances are too short, with the response time `t`, the acceleration
-//! `a` in it, the braking `b` of both vehicles and the lateral acceleration `l`:
+//! Braking is due while both distances are too short. `t` is the response time, `a` the acceleration in it, `b` the
+//! braking of both vehicles, `l` the lateral acceleration:
 //!
 //! ```text
 //! d < v t + a t²/2 + (v + a t)²/(2b) - v_o²/(2b)

@@ -16,8 +16,8 @@ use super::settled::Settled;
 
 /// Time before a cut-in: the ego drives alone, and sees the other.
 const CRUISE_S: f64 = 3.0;
-/// Time before a lead brakes or leaves: law and emergency brake get to know it, the tracker knows it from the start.
-/// At its end gap, speed and acceleration are those after 25 s behind the lead, within 0.05 m, 0.11 m/s and 0.03 m/s².
+/// Time before a lead brakes or leaves. Law and emergency brake need it to settle; the tracker knows the lead from the
+/// start. It is long enough: after 25 s gap, speed and acceleration differ by at most 0.05 m, 0.11 m/s and 0.03 m/s².
 pub const RUN_IN_S: f64 = 2.0;
 /// Time after which the ego stands or has matched the speed, from the last point at which something
 /// can happen.
