@@ -72,14 +72,6 @@ impl ProcessesSample {
         }
     }
 
-    /// Adds the results of other runs, whose indices begin at `first`.
-    pub fn add(&mut self, other: Self, first: usize) {
-        self.runs += other.runs;
-        self.different += other.different;
-        let difference = other.first_difference.map(|(index, why)| (first + index, why));
-        self.first_difference = self.first_difference.take().or(difference);
-    }
-
     /// The sample, if every repeated run gave the same bytes. `describe` gives words on a run.
     ///
     /// # Errors

@@ -154,30 +154,12 @@ impl<T: DeserializeOwned> Merged<T> {
     }
 }
 
-impl<T: DeserializeOwned> Merged<T> {
-    /// The record of every finished run, by its number.
-    ///
-    /// # Errors
-    /// If a journal cannot be read.
-    pub fn into_results(self) -> Result<(Vec<Option<T>>, ProcessesSample), Error> {
-        Ok((super::by_number(self.study.runs, self.records)?, self.sample))
-    }
-}
-
 impl<T> Merged<T> {
-    /// Checks that the command still means what its parts mean.
+    /// Checks that the command still means the same as its parts; `subject` is the content of all that its words name.
     ///
     /// # Errors
     /// [`MergeError::Changed`].
-    pub fn check(&self, runs: usize, first: &scenario::Scenario) -> Result<(), MergeError> {
-        self.check_subject(runs, &first.to_toml())
-    }
-
-    /// The same with all that the words name, as text.
-    ///
-    /// # Errors
-    /// [`MergeError::Changed`].
-    pub fn check_subject(&self, runs: usize, subject: &str) -> Result<(), MergeError> {
+    pub fn check(&self, runs: usize, subject: &str) -> Result<(), MergeError> {
         if self.study.now(runs, subject) == self.study {
             return Ok(());
         }
@@ -272,8 +254,8 @@ mod tests {
         let into = Merged::<u32>::read("sweep", &[two.clone(), one.clone()], Some(&one)).map(drop);
         assert!(into.expect_err("it is a part").to_string().contains("is one of the parts"));
         let incomplete = merged.incomplete.clone();
-        let (results, _) = merged.into_results().expect("readable");
-        assert_eq!(results, [Some(7), Some(8), None, Some(9)]);
+        let records = merged.records.all().expect("readable");
+        assert_eq!(records, [(0, 7), (1, 8), (3, 9)]);
         let [left] = incomplete.as_slice() else { panic!("{incomplete:?}") };
         assert!(left.command.starts_with("timegap sweep --resume "), "{left:?}");
         for (directory, words) in [

@@ -9,16 +9,16 @@
 //! completes them, and refuses parts of different studies. The sample for process groups is drawn from the whole
 //! study: it is the same in any number of parts.
 
-pub mod journal;
+mod journal;
 mod merge;
 mod part;
 mod records;
 mod shard;
 mod words;
 
-pub use merge::{Incomplete, MergeError, Merged, incomplete, name_incomplete, refuse_into_part};
-pub use part::Part;
-pub(crate) use part::{by_number, holds, take};
+pub use merge::MergeError;
+pub(crate) use merge::{Merged, name_incomplete};
+pub(crate) use part::{Part, holds, take};
 pub use records::Records;
 pub use shard::{ArrayJobError, Shard, ShardChoice};
 
@@ -124,12 +124,7 @@ impl Study {
         read.and_then(|matches| A::from_arg_matches(&matches)).map_err(PartError::Arguments)
     }
 
-    /// The study of this process's own command line.
-    pub fn of_this_command(runs: usize, first: &scenario::Scenario) -> Self {
-        Self::of_command(runs, &first.to_toml())
-    }
-
-    /// The same with the content of all that the words name.
+    /// The study of this process's own command line; `subject` is the content of all that its words name.
     pub(crate) fn of_command(runs: usize, subject: &str) -> Self {
         Self::of(words::of_study(std::env::args_os().skip(1)), runs, subject)
     }

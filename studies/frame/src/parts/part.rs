@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 
 use group::Error;
-use indicatif::ProgressBar;
 use report::output::{OutputDirectory, OutputOptions};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -24,26 +23,12 @@ pub struct Part<T> {
 }
 
 impl<T: Serialize + DeserializeOwned> Part<T> {
-    /// Opens the directory of a part, or of the whole study. Without the options of parts, no run is written before the
-    /// end.
+    /// Opens the directory of a part, or of the whole study; `name` is for a directory that the command names itself.
+    /// Without the options of parts no run is written before the end, unless there are too many records for memory.
     ///
     /// # Errors
     /// [`ArrayJobError`](super::ArrayJobError), [`PartError`], [`JournalError`], or a file cannot be read or written.
     pub fn open(
-        options: &PartOptions,
-        output: &OutputOptions,
-        study: Study,
-    ) -> Result<(Self, OutputDirectory), Error> {
-        let name = study.words.first().cloned().unwrap_or_default();
-        Self::open_as(&name, options, output, study, false)
-    }
-
-    /// The same with a name for the directory; with a journal in any case where there are too many records for
-    /// memory.
-    ///
-    /// # Errors
-    /// As [`Part::open`].
-    pub fn open_as(
         name: &str,
         options: &PartOptions,
         output: &OutputOptions,
@@ -102,12 +87,6 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         self.mine().count()
     }
 
-    /// Places in `left` of the runs that are repeated in process groups.
-    pub fn repeated(&self, left: &[usize], seed: u64) -> BTreeSet<usize> {
-        let chosen = crate::batch::choose(seed, self.study.runs);
-        (0..left.len()).filter(|place| chosen.contains(&left[*place])).collect()
-    }
-
     /// The runs of the whole study that are repeated in process groups.
     pub(crate) fn sampled(&self, seed: u64) -> BTreeSet<usize> {
         crate::batch::choose(seed, self.study.runs)
@@ -135,28 +114,6 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         }
     }
 
-    /// Reports the runs that were done of this part, `count` of them: those that were repeated in
-    /// process groups, or, if they ended early, how to go on.
-    ///
-    /// # Errors
-    /// The error that ended them early.
-    pub fn finish(
-        &self,
-        end: Result<ProcessesSample, Error>,
-        count: usize,
-        bar: &ProgressBar,
-        directory: &OutputDirectory,
-    ) -> Result<(), Error> {
-        if let Ok(sample) = &end {
-            sample.print(count, bar);
-        }
-        bar.finish_and_clear();
-        if end.is_err() {
-            self.print_how_to_continue(directory);
-        }
-        end.map(|_| ())
-    }
-
     /// Prints the command that continues runs which ended early.
     pub(crate) fn print_how_to_continue(&self, directory: &OutputDirectory) {
         if self.journal.is_some() {
@@ -170,27 +127,6 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
     pub fn into_records(self) -> (Records<T>, ProcessesSample) {
         (self.records, self.sample)
     }
-
-    /// The records by the numbers of their runs, and the result of the repeated ones.
-    ///
-    /// # Panics
-    /// If the journal can no longer be read.
-    pub fn into_results(self) -> (Vec<Option<T>>, ProcessesSample) {
-        let (runs, sample) = (self.study.runs, self.sample);
-        (by_number(runs, self.records).expect("the journal is there"), sample)
-    }
-}
-
-/// Records in a list of all runs.
-pub(crate) fn by_number<T: DeserializeOwned>(
-    runs: usize,
-    records: Records<T>,
-) -> Result<Vec<Option<T>>, Error> {
-    let mut results: Vec<Option<T>> = std::iter::repeat_with(|| None).take(runs).collect();
-    for (run, record) in records.all()? {
-        results[run] = Some(record);
-    }
-    Ok(results)
 }
 
 /// Whether a run belongs to a part. Nothing else decides it.

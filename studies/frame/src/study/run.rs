@@ -44,7 +44,7 @@ fn drive<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
     };
     let options = Options { group: &group, ..given };
     let results = options.results;
-    let (mut part, output) = Part::<S::Record>::open_as(
+    let (mut part, output) = Part::<S::Record>::open(
         &study.label(),
         &parts,
         &results.output,
@@ -114,7 +114,7 @@ fn merge<S: Study>(arguments: &S::Arguments, parts: &PartOptions) -> Result<Exit
     let out = options.results.output.out.as_deref();
     let merged = Merged::<S::Record>::read(S::NAME, &parts.merge, out)?;
     let study = S::reopen(&merged.study.arguments()?, &parts.merge[0])?;
-    merged.check_subject(study.runs(), &study.subject()?)?;
+    merged.check(study.runs(), &study.subject()?)?;
     name_incomplete(&merged.incomplete);
     let is_whole = merged.incomplete.is_empty();
     if !is_whole && S::NEEDS == Needs::All {
