@@ -74,7 +74,7 @@ fn a_renamed_key_is_found_in_both_directions() {
     points["properties"]["count"] = seeds.expect("it is declared");
     let required = points["required"].as_array_mut().expect("a list");
     required.iter_mut().filter(|key| **key == "seeds").for_each(|key| *key = "count".into());
-    let words = ["sweep", "cut-in", "--duration", "1", "--param", "seed=1"];
+    let words = ["sweep", "cut-in", "--duration", "1", "--param", "runtime.extra_delay_ms=0"];
     let result = corner.json(&words);
     let wrong = check(&schema, &result);
     assert_eq!(wrong, ["points.0.count: missing", "points.0.seeds: not declared"]);

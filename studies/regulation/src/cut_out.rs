@@ -110,7 +110,7 @@ struct Lead {
     travel: Travel,
     offset: Travel,
     stands: bool,
-    /// Whether it already stood a step ago: only then a driver behind knows.
+    /// Whether it already stood a step ago: only then can a driver behind see it.
     known_to_stand: bool,
 }
 

@@ -147,7 +147,7 @@ impl Car {
         plan.places().into_iter().map(car).collect()
     }
 
-    /// The scenario, with the whole motion of the car before, and what came of it.
+    /// The scenario with the whole motion of the car before, and its drive.
     fn drive(
         &self,
         plan: &Plan,

@@ -1,9 +1,8 @@
 //! The directory of the results. It has one owner.
 //!
-//! The directory itself is locked for as long as its command runs, so that no second one mixes its files
-//! with the first one's. One that holds results is refused, and stays as it is; `--force` replaces those
-//! results, all of them, so that none of an earlier run stays beside those of the new one. They are put aside
-//! until the first new result is written, and put back if there is none. Other files are left alone.
+//! The command locks its directory until it ends, so that no second command mixes its files with the first one's. A
+//! directory that holds results is refused and not changed. `--force` replaces all earlier results. They are put aside
+//! until the first new result is written, and put back if no result is written. Other files are left alone.
 
 mod error;
 mod result_file;
@@ -107,8 +106,7 @@ impl OutputDirectory {
         Ok(output)
     }
 
-    /// Opens the directory of a command that was broken off, with what it holds; `begun` is the file that says
-    /// what that is.
+    /// Opens the directory of a command that was broken off, with its contents; the file `begun` describes them.
     ///
     /// # Errors
     /// If it cannot be written, belongs to a command that is running, or holds results without that file.

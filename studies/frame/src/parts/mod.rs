@@ -89,7 +89,7 @@ pub struct Study {
     pub words: Vec<String>,
     /// Runs of the whole study.
     pub runs: usize,
-    /// Checksum of what the words name: a file may have changed.
+    /// Checksum of the files that the words name: a file may have changed.
     pub scenario: String,
 }
 

@@ -74,8 +74,8 @@ pub struct Found<S: Study> {
 /// A study: numbered runs, a record of each, and a judgement over all records.
 ///
 /// Runs are done in the order of their numbers, several at a time, each in one thread. So a run may wait for one
-/// with a smaller number. The judgement sees records alone, so that a study that was interrupted or split comes to
-/// the same one.
+/// with a smaller number. The judgement sees records alone, so that it is the same
+/// for a study that was interrupted or split.
 pub trait Study: Sized + Sync {
     /// The command's arguments.
     type Arguments: Args + FromArgMatches;
