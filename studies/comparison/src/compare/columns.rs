@@ -59,12 +59,12 @@ const ROWS: &[Column<Row>] = &[
         .less()
         .weight(3),
     number("control.fuel_l_per_100km", "fuel", "L/100 km", 2, "Fuel").less().weight(2),
-    word("", "energy", "Whether energy and fuel can be compared with other trips")
-        .weight(3)
-        .of(|row| match row.control.trip.energy_is_comparable {
+    word("", "energy", "Whether energy and fuel can be compared with other trips").weight(3).of(
+        |row| match row.control.trip.energy_is_comparable {
             Some(false) => json!("not comparable: too short"),
             _ => json!(null),
-        }),
+        },
+    ),
     count("", "cycles by backup", "Cycles that the backup of the law commanded")
         .less()
         .weight(2)

@@ -28,7 +28,7 @@ use std::process::ExitCode;
 use crate::table;
 use clap::Args;
 use frame::batch::{Done, Job};
-use frame::parts::{self, Merged, PartOptions};
+use frame::parts::{self, PartOptions};
 use frame::{Crew, Found, Gave, Needs, Options, Study};
 use group::{Error, Failure, GroupOptions};
 use judged::Judged;
@@ -86,9 +86,8 @@ pub fn run(arguments: &R157Arguments) -> Result<ExitCode, Error> {
         let matrices = if arguments.parts.merge.is_empty() {
             asked::matrices(arguments)
         } else {
-            let out = arguments.results.output.out.as_deref();
-            let merged = Merged::<Kept>::read("r157", &arguments.parts.merge, out)?;
-            asked::matrices(&merged.study.arguments()?)
+            let study = parts::held(&arguments.parts)?.expect("a merge has a directory");
+            asked::matrices(&study.arguments()?)
         };
         write_table(path, &matrices)?;
     }
