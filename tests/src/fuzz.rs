@@ -9,6 +9,8 @@ use recorder::Recording;
 use runtime::{FromService, Group, ToService};
 use scenario::Scenario;
 use scenario::faults::Fault;
+use scenario::quantity::TimeConstant;
+use scenario::recorded::{CsvFile, read_text};
 use std::path::{Path, PathBuf};
 
 /// A reader of bytes from outside.
@@ -20,9 +22,10 @@ pub struct Target {
 }
 
 /// All readers.
-pub const TARGETS: [Target; 11] = [
+pub const TARGETS: [Target; 12] = [
     Target { name: "scenario", read: scenario },
     Target { name: "speed_table", read: speed_table },
+    Target { name: "bag", read: bag },
     Target { name: "road", read: road },
     Target { name: "design", read: design },
     Target { name: "recording", read: recording },
@@ -47,7 +50,21 @@ pub fn scenario(bytes: &[u8]) {
 /// Tables of a vehicle's speed.
 pub fn speed_table(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
-    let _ = scenario::read_speed_table("fuzz.csv", text);
+    let usual = CsvFile::default();
+    let smooth_s = Some(TimeConstant::of(1.0));
+    let smooth =
+        CsvFile { columns: Some("t=t:ms, lat=a, lon=b".into()), smooth_s, ..usual.clone() };
+    for keys in [usual, smooth] {
+        if let Ok(record) = read_text("fuzz.csv", text, &keys) {
+            assert!(record.points.windows(2).all(|pair| pair[0].0 < pair[1].0));
+        }
+    }
+}
+
+/// Bags of other programs.
+pub fn bag(bytes: &[u8]) {
+    let fields = ["header.stamp", "twist.linear.x"].map(String::from);
+    let _ = bags::series_from(&mut std::io::Cursor::new(bytes), "/gps/velocity", &fields);
 }
 
 /// Tables of a road's height or grade. An accepted one has a slope everywhere.

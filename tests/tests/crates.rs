@@ -9,7 +9,7 @@ use std::process::Command;
 /// Layers, lowest first. A crate depends on crates of lower layers only; no crate imports the command at the
 /// top.
 const LAYERS: [&[&str]; 9] = [
-    &["messages", "mpc-solver", "truck-model"],
+    &["bags", "messages", "mpc-solver", "truck-model"],
     &["scenario"],
     &["radio"],
     &["runtime"],

@@ -16,7 +16,11 @@ fn examples(name: &str) -> Vec<Vec<u8>> {
     let text = |text: &str| text.as_bytes().to_vec();
     match name {
         "scenario" => builtin::ALL.iter().map(|builtin| text(builtin.text)).collect(),
-        "speed_table" => vec![text("time_s,speed_mps\n0,10\n1.5,12\n4,0\n")],
+        "speed_table" => vec![
+            text("time_s,speed_mps\n0,10\n1.5,12\n4,0\n"),
+            text("t,a,b\n0,48.1,11.5\n100,48.1001,11.5\n200,48.1003,11.50001\n"),
+        ],
+        "bag" => vec![file("examples/lead/drive.mcap")[..2_000].to_vec()],
         "road" => vec![
             text("distance_m,height_m\n0,10\n50,11\n100,9.5\n"),
             text("distance_m,grade\n0,0.01\n50,-0.02\n"),

@@ -1,7 +1,7 @@
 //! Which channels of a file carry our messages.
 
-use crate::format::{self, Channel, Malformed, Schema, opcode};
 use crate::schema;
+use bags::mcap::{self as format, Channel, Malformed, Schema, opcode};
 use messages::{TOPICS, Topic};
 use std::collections::BTreeMap;
 

@@ -22,7 +22,6 @@ mod cdr;
 mod counter;
 mod damage;
 mod definitions;
-mod format;
 mod link;
 mod metadata;
 mod outline;
@@ -38,7 +37,6 @@ mod service;
 mod source;
 mod takes;
 mod unit_takes;
-mod unpack;
 mod writer;
 
 pub use damage::{Damage, ReadError};

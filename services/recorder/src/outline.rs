@@ -2,9 +2,9 @@
 //! and to read the messages in the order of their log times afterwards.
 
 use crate::definitions::Definitions;
-use crate::format::{self, Fields, MAGIC, Malformed, Statistics, opcode};
 use crate::source::{Source, Spot, Window};
 use crate::{Damage, Metadata, Tally};
+use bags::mcap::{self as format, Fields, MAGIC, Malformed, Statistics, opcode};
 use std::io;
 
 /// Longest record that is read whole, but for chunks, bytes.

@@ -2,12 +2,12 @@
 
 use crate::counter::Counter;
 use crate::definitions::Definitions;
-use crate::format::{MAGIC, Statistics};
 use crate::outline::{Outline, Segment};
 use crate::record::Timed;
 use crate::records::Records;
 use crate::source::{Source, Window};
 use crate::{Damage, FILE, Metadata, ReadError, Tally, TopicTally};
+use bags::mcap::{MAGIC, Statistics};
 use messages::{Message, TOPICS, Topic};
 use std::fs::File;
 use std::path::{Path, PathBuf};

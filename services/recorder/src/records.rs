@@ -5,11 +5,11 @@
 
 use crate::cdr::ENCAPSULATION;
 use crate::definitions::Definitions;
-use crate::format::{self, HEAD, Malformed, opcode};
 use crate::outline::Segment;
 use crate::source::{Source, Spot, Window};
-use crate::unpack::{LONGEST_CHUNK, UnpackError, unpack};
 use crate::{Damage, Record};
+use bags::mcap::{self as format, HEAD, Malformed, opcode};
+use bags::mcap::{LONGEST_CHUNK, UnpackError, unpack};
 use messages::Topic;
 use std::cmp::Ordering;
 use std::collections::{BinaryHeap, VecDeque};

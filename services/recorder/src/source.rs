@@ -1,6 +1,6 @@
 //! The bytes of a recording, a piece at a time.
 
-use crate::format::{self, HEAD};
+use bags::mcap::{self as format, HEAD};
 use std::fs::File;
 use std::io;
 use std::os::unix::fs::FileExt;

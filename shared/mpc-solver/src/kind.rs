@@ -1,5 +1,6 @@
 //! Choice of a solver by name, for configuration.
 
+#[cfg(feature = "clarabel")]
 use crate::clarabel::Clarabel;
 use crate::riccati::Riccati;
 use crate::solver::Solver;
@@ -11,7 +12,7 @@ use crate::solver::Solver;
 ///
 /// assert_eq!("riccati".parse(), Ok(Kind::Riccati));
 /// assert!("simplex".parse::<Kind>().is_err());
-/// let solver = Kind::Clarabel.create(50);
+/// let solver = Kind::Riccati.create(50);
 /// assert!(solver.inputs().is_empty(), "nothing has been solved yet");
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,6 +21,7 @@ pub enum Kind {
     #[default]
     Riccati,
     /// [`Clarabel`], named `clarabel`.
+    #[cfg(feature = "clarabel")]
     Clarabel,
 }
 
@@ -33,6 +35,7 @@ impl Kind {
     pub fn create(self, max_horizon: usize) -> Box<dyn Solver + Send> {
         match self {
             Self::Riccati => Box::new(Riccati::new(max_horizon)),
+            #[cfg(feature = "clarabel")]
             Self::Clarabel => Box::new(Clarabel::new()),
         }
     }
@@ -44,6 +47,7 @@ impl std::str::FromStr for Kind {
     fn from_str(name: &str) -> Result<Self, Self::Err> {
         match name {
             "riccati" => Ok(Self::Riccati),
+            #[cfg(feature = "clarabel")]
             "clarabel" => Ok(Self::Clarabel),
             _ => Err(UnknownSolver),
         }

@@ -63,11 +63,12 @@
 //!
 //! Build a [`Problem`] once with [`Problem::builder`]; each cycle overwrite what changed (state, limits,
 //! light) and call [`Solver::solve`]. Nothing allocates after construction. [`Riccati`] is the solver
-//! made for this problem; [`Clarabel`] is the general one, the oracle of the tests.
+//! made for this problem; `Clarabel` (feature `clarabel`) is the general one, the oracle of the tests.
 
 #![allow(clippy::needless_range_loop, reason = "matrix code keeps the indices of its equations")]
 
 mod builder;
+#[cfg(feature = "clarabel")]
 mod clarabel;
 mod error;
 mod kind;
@@ -78,6 +79,7 @@ mod riccati;
 mod solver;
 
 pub use builder::ProblemBuilder;
+#[cfg(feature = "clarabel")]
 pub use clarabel::Clarabel;
 pub use error::ProblemError;
 pub use kind::{Kind, UnknownSolver};
@@ -86,3 +88,8 @@ pub use limits::{MAX_HORIZON, MAX_ROWS};
 pub use problem::{LightCost, LightStage, Problem, Row, Softness, Terminal};
 pub use riccati::Riccati;
 pub use solver::{Report, Solver, Start, Status};
+
+/// The examples of the README run as tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

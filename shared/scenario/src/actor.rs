@@ -1,7 +1,5 @@
 //! `[[actors]]`: the other vehicles.
 
-use std::path::PathBuf;
-
 use serde::{Deserialize, Serialize};
 
 use super::cycle::Cycle;
@@ -10,6 +8,7 @@ use super::name::Name;
 use super::quantity::{
     Acceleration, AccelerationMagnitude, Distance, Duration, Lateral, Length, Speed, Time,
 };
+use super::recorded::CsvFile;
 use super::speeds::SpeedPoint;
 
 /// Most actors of a scenario: as many as one message carries.
@@ -73,7 +72,7 @@ pub enum Profile {
     Piecewise(Vec<AccelerationPiece>),
     /// Speed interpolated between points of (time in s, speed in m/s); constant after the last.
     Speeds(Vec<SpeedPoint>),
-    /// The same from a CSV file with the columns `time_s` and `speed_mps`.
+    /// The same from a recorded motion: a CSV file, an MCAP file or a ROS 1 bag.
     Csv(CsvFile),
     /// As the scenario's storyboard says: the n-th such actor is the n-th entity that it moves.
     Storyboard,
@@ -130,18 +129,6 @@ pub struct AccelerationPiece {
     pub time_s: Time,
     /// Acceleration during the piece, m/s².
     pub acceleration_mps2: Acceleration,
-}
-
-/// A file with a speed table.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct CsvFile {
-    /// Path of the file; a relative one starts at the scenario file's directory, with `--set` also at the
-    /// present one.
-    pub file: PathBuf,
-    /// What the file held when the scenario was opened; not read again when present.
-    #[serde(default)]
-    pub points: Vec<SpeedPoint>,
 }
 
 /// A change of the lateral position: a fifth-order curve with rest at both ends, or one at constant

@@ -49,6 +49,7 @@ pub mod plant;
 pub mod preview;
 pub mod quantity;
 pub mod radio;
+pub mod recorded;
 pub mod referee;
 pub mod require;
 pub mod road;
@@ -220,7 +221,7 @@ impl Scenario {
         if !looks_like_a_path && !path.exists() {
             return Err(builtin::unknown(argument));
         }
-        let text = files::read(path)
+        let text = files::read(path, MAX_TEXT_BYTES)
             .map_err(|reason| ScenarioError::whole(argument, reason.to_string()))?;
         Self::build(argument, &text, overrides, Place::In(path.parent().unwrap_or(path)), check)
     }
@@ -298,9 +299,10 @@ impl Scenario {
         }
         scenario.controller.place_command(directory);
         scenario.v2x.radio.place(directory);
-        files::load(&mut scenario, document, directory)?;
+        let of_records = files::load(&mut scenario, document, directory)?;
         check::all(&scenario).map_err(|problem| document.problem(&problem))?;
         let reads = check(&scenario).map_err(|problem| document.problem(&problem))?;
+        scenario.notes = of_records;
         if !matches!(place, Place::TakenEffect) {
             let notes = reads.judge(document).and_then(|mut notes| {
                 notes.extend(reads::judge_radar(document, &scenario.perception)?);
@@ -308,7 +310,9 @@ impl Scenario {
             });
             let notes = notes.map_err(|problem| document.problem(&problem))?;
             // A file that a run has kept has every key, read or not.
-            scenario.notes = if document.is_kept() { Vec::new() } else { notes };
+            if !document.is_kept() {
+                scenario.notes.extend(notes);
+            }
         }
         Ok(scenario)
     }
@@ -414,18 +418,6 @@ pub fn read_as<T: serde::de::DeserializeOwned>(
     let (value, ()) = document.read(|_| (), |_| None)?;
     check(&value).map_err(|problem| document.problem(&problem))?;
     Ok(value)
-}
-
-/// Reads a table of a vehicle's speed over time, with a heading `time_s,speed_mps`. `source` stands for
-/// it in errors.
-///
-/// # Errors
-/// When the text is no such table; shows the line.
-pub fn read_speed_table(
-    source: &str,
-    text: &str,
-) -> Result<Vec<speeds::SpeedPoint>, ScenarioError> {
-    files::parse_csv(source, text)
 }
 
 /// Reads a table of a road's height or grade over distance. `source` stands for it in errors.

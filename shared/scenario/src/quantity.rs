@@ -80,6 +80,8 @@ quantity! {
     Lateral, -50.0, 50.0, "a lateral position from -50 to 50 m";
     /// A point in time or a waiting time, s.
     Time, 0.0, 86_400.0, "a time from 0 to 86400 s";
+    /// A shift in time, s.
+    TimeShift, -86_400.0, 86_400.0, "a time from -86400 to 86400 s";
     /// A time that passes, s.
     Duration, 1e-3, 86_400.0, "a duration from 0.001 to 86400 s";
     /// A time constant or a time headway, s.

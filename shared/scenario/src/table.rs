@@ -9,8 +9,11 @@ type Field<'a> = (Range<usize>, &'a str);
 /// What some programs begin a file of UTF-8 with.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
-/// A CSV text: a line of names, then lines of numbers. Empty lines and those that start with `#`
-/// are passed over.
+/// What may separate the fields of a line.
+const SEPARATORS: [char; 3] = [',', ';', '\t'];
+
+/// A CSV text: a line of names, then lines of numbers. The line of names decides which separator it has. Fields may
+/// stand in quotes. Empty lines and those that start with `#` are passed over.
 pub(super) struct Table<'a> {
     source: &'a str,
     text: &'a str,
@@ -23,14 +26,19 @@ impl<'a> Table<'a> {
     pub(super) fn split(source: &'a str, text: &'a str) -> Self {
         let mut table = Self { source, text, names: Vec::new(), rows: Vec::new() };
         let mut offset = text.len() - text.trim_start_matches(BYTE_ORDER_MARK).len();
+        let mut separator = SEPARATORS[0];
         for line in text[offset..].split_inclusive('\n') {
             let bare = line.trim_end_matches(['\n', '\r']);
             if !bare.trim().is_empty() && !bare.starts_with('#') {
-                let fields = split(offset, bare);
                 if table.names.is_empty() {
-                    table.names = fields;
+                    let counts = SEPARATORS.map(|separator| split(offset, bare, separator).len());
+                    // The first of those with the most fields.
+                    let most = counts.iter().max().copied().unwrap_or_default();
+                    let best = counts.iter().position(|count| *count == most).unwrap_or_default();
+                    separator = SEPARATORS[best];
+                    table.names = split(offset, bare, separator);
                 } else {
-                    table.rows.push(fields);
+                    table.rows.push(split(offset, bare, separator));
                 }
             }
             offset += line.len();
@@ -57,12 +65,23 @@ impl<'a> Table<'a> {
         })
     }
 
-    /// The number in a field.
+    /// The text in a field.
+    pub(super) fn text(&self, row: usize, column: usize) -> Option<&'a str> {
+        self.rows[row].get(column).map(|(_, field)| *field)
+    }
+
+    /// The number in a field, in the range of its quantity.
     pub(super) fn number<T: TryFrom<f64, Error = OutOfRange<f64>>>(
         &self,
         row: usize,
         column: usize,
     ) -> Result<T, ScenarioError> {
+        let value = self.float(row, column)?;
+        T::try_from(value).map_err(|error| self.fault(row, column, &error.to_string()))
+    }
+
+    /// The number in a field, which may be NaN.
+    pub(super) fn float(&self, row: usize, column: usize) -> Result<f64, ScenarioError> {
         let (_, name) = self.names[column];
         let Some((span, field)) = self.rows[row].get(column) else {
             let span = self.rows[row].last().map_or(0..0, |(span, _)| span.clone());
@@ -70,11 +89,10 @@ impl<'a> Table<'a> {
                 .refusal(span, &format!("no `{name}` in this line"))
                 .expecting("as many columns as in the first line"));
         };
-        let value: f64 = field.parse().map_err(|_| {
+        field.parse().map_err(|_| {
             self.refusal(span.clone(), &format!("`{field}` is not a number"))
                 .expecting(format!("`{name}`"))
-        })?;
-        T::try_from(value).map_err(|error| self.refusal(span.clone(), &error.to_string()))
+        })
     }
 
     /// An error at a field.
@@ -88,15 +106,21 @@ impl<'a> Table<'a> {
     }
 }
 
-fn split(offset: usize, line: &str) -> Vec<Field<'_>> {
+/// Fields of a line that begins at `offset`. A separator in quotes separates nothing.
+fn split(offset: usize, line: &str, separator: char) -> Vec<Field<'_>> {
+    let mut is_quoted = false;
     let mut at = offset;
-    line.split(',')
-        .map(|field| {
-            let lead = field.len() - field.trim_start().len();
-            let text = field.trim();
-            let span = at + lead..at + lead + text.len();
-            at += field.len() + 1;
-            (span, text)
-        })
-        .collect()
+    line.split(|c: char| {
+        is_quoted ^= c == '"';
+        c == separator && !is_quoted
+    })
+    .map(|field| {
+        let lead = field.len() - field.trim_start().len();
+        let text = field.trim();
+        let span = at + lead..at + lead + text.len();
+        at += field.len() + separator.len_utf8();
+        let bare = text.strip_prefix('"').and_then(|text| text.strip_suffix('"'));
+        bare.map_or((span.clone(), text), |bare| (span.start + 1..span.end - 1, bare))
+    })
+    .collect()
 }

@@ -69,6 +69,8 @@ pub enum Command {
     Doctor(doctor::DoctorArguments),
     /// Inject a fault into a run in progress
     Inject(crate::inject::InjectArguments),
+    /// Show a recorded motion of a vehicle as a scenario reads it
+    Lead(crate::lead::LeadArguments),
     /// List scenarios, controllers and campaigns
     List(crate::list::ListArguments),
     /// Write shell completions, the man page or a reference page

@@ -18,6 +18,7 @@ mod allocations;
 mod cli;
 mod generate;
 mod inject;
+mod lead;
 mod list;
 mod live;
 mod recordings;
@@ -84,6 +85,7 @@ fn run_command() -> ExitCode {
         Command::Synthesize(arguments) => synthesize::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Inject(arguments) => inject::run(&arguments),
+        Command::Lead(arguments) => lead::run(&arguments),
         Command::List(arguments) => list::run(&arguments),
         Command::Generate(arguments) => generate::run(&arguments, Cli::command()),
         Command::Service(arguments) => service::run(&arguments),

@@ -4,6 +4,7 @@
 const SOURCES: &[(&str, &str)] = &[
     ("", include_str!("../lib.rs")),
     ("actors", include_str!("../actor.rs")),
+    ("actors", include_str!("../recorded/keys.rs")),
     ("aebs", include_str!("../aebs.rs")),
     ("controller", include_str!("../controller.rs")),
     ("events", include_str!("../event.rs")),

@@ -3,10 +3,11 @@
 //! * clarabel, the general conic solver, on the sparse problem; only its own solve counts, not the assembly of its
 //!   matrices.
 //! * OSQP ([`osqp`](crate::osqp)), operator splitting for sparse quadratic programs, on those without the light: `cargo
-//!   bench -p controller --features field --bench solver`. It is C and needs cmake, so that it is not in the default
+//!   bench -p mpc-solver --features osqp --bench solver`. It is C and needs cmake, so that it is not in the default
 //!   build.
 //!
-//! PIQP, HPIPM, DAQP and qpOASES are in no registry of this language; quadprog is under the GPL.
+//! PIQP and DAQP are in no registry of this language: the bench `peers` compares with their Python wheels. quadprog is
+//! under the GPL.
 
 use std::time::Instant;
 
@@ -18,7 +19,7 @@ use crate::summary::{Sample, TOLERANCE};
 /// Samples of every solver that can solve the set.
 pub(crate) fn solve(set: &[&Instance], repeats: usize) -> Vec<(&'static str, Vec<Sample>)> {
     let conic = ("clarabel", clarabel(set, repeats));
-    #[cfg(feature = "field")]
+    #[cfg(feature = "osqp")]
     if set.iter().all(|instance| instance.stages == 0) {
         return vec![conic, ("osqp", crate::osqp::solve(set, repeats))];
     }

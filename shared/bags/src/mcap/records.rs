@@ -13,34 +13,46 @@
 use std::collections::BTreeMap;
 
 /// What a file begins and ends with.
-pub(crate) const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
+pub const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 /// Bytes of a record before its body: opcode and length.
-pub(crate) const HEAD: usize = 9;
+pub const HEAD: usize = 9;
 /// Bytes of a message's body before its payload.
-pub(crate) const MESSAGE_HEAD: usize = 22;
+pub const MESSAGE_HEAD: usize = 22;
 
 /// Kinds of record that are read; all others are passed over.
-pub(crate) mod opcode {
-    pub(crate) const FOOTER: u8 = 0x02;
-    pub(crate) const SCHEMA: u8 = 0x03;
-    pub(crate) const CHANNEL: u8 = 0x04;
-    pub(crate) const MESSAGE: u8 = 0x05;
-    pub(crate) const CHUNK: u8 = 0x06;
-    pub(crate) const STATISTICS: u8 = 0x0B;
-    pub(crate) const METADATA: u8 = 0x0C;
-    pub(crate) const DATA_END: u8 = 0x0F;
+pub mod opcode {
+    /// End of the file, with the place of its summary.
+    pub const FOOTER: u8 = 0x02;
+    /// A message type.
+    pub const SCHEMA: u8 = 0x03;
+    /// A topic.
+    pub const CHANNEL: u8 = 0x04;
+    /// A message.
+    pub const MESSAGE: u8 = 0x05;
+    /// Packed records.
+    pub const CHUNK: u8 = 0x06;
+    /// Counts of the whole file.
+    pub const STATISTICS: u8 = 0x0B;
+    /// A named map.
+    pub const METADATA: u8 = 0x0C;
+    /// End of the messages.
+    pub const DATA_END: u8 = 0x0F;
 }
 
 /// A body is shorter than what it says it holds, or holds no text where one belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Malformed;
+pub struct Malformed;
 
 /// Reads one field after another.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Fields<'a>(pub(crate) &'a [u8]);
+pub struct Fields<'a>(pub &'a [u8]);
 
 impl<'a> Fields<'a> {
-    pub(crate) fn bytes(&mut self, count: usize) -> Result<&'a [u8], Malformed> {
+    /// Takes `count` bytes.
+    ///
+    /// # Errors
+    /// [`Malformed`] if the bytes end too early.
+    pub fn bytes(&mut self, count: usize) -> Result<&'a [u8], Malformed> {
         let (now, rest) = self.0.split_at_checked(count).ok_or(Malformed)?;
         self.0 = rest;
         Ok(now)
@@ -50,15 +62,27 @@ impl<'a> Fields<'a> {
         Ok(self.bytes(N)?.try_into().expect("as many as were asked for"))
     }
 
-    pub(crate) fn u16(&mut self) -> Result<u16, Malformed> {
+    /// Takes a number of 16 bits.
+    ///
+    /// # Errors
+    /// [`Malformed`] if the bytes end too early.
+    pub fn u16(&mut self) -> Result<u16, Malformed> {
         self.array().map(u16::from_le_bytes)
     }
 
-    pub(crate) fn u32(&mut self) -> Result<u32, Malformed> {
+    /// Takes a number of 32 bits.
+    ///
+    /// # Errors
+    /// [`Malformed`] if the bytes end too early.
+    pub fn u32(&mut self) -> Result<u32, Malformed> {
         self.array().map(u32::from_le_bytes)
     }
 
-    pub(crate) fn u64(&mut self) -> Result<u64, Malformed> {
+    /// Takes a number of 64 bits.
+    ///
+    /// # Errors
+    /// [`Malformed`] if the bytes end too early.
+    pub fn u64(&mut self) -> Result<u64, Malformed> {
         self.array().map(u64::from_le_bytes)
     }
 
@@ -68,7 +92,11 @@ impl<'a> Fields<'a> {
         self.bytes(usize::try_from(length).map_err(|_| Malformed)?)
     }
 
-    pub(crate) fn text(&mut self) -> Result<&'a str, Malformed> {
+    /// Takes a text with its length before it.
+    ///
+    /// # Errors
+    /// [`Malformed`] if the bytes end too early.
+    pub fn text(&mut self) -> Result<&'a str, Malformed> {
         std::str::from_utf8(self.block()?).map_err(|_| Malformed)
     }
 
@@ -82,8 +110,11 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// Opcode and length of the body of a record that begins with `head`.
-pub(crate) fn head(head: &[u8]) -> Result<(u8, u64), Malformed> {
+/// Reads opcode and length of the body of a record that begins with `head`.
+///
+/// # Errors
+/// [`Malformed`] if the bytes end too early.
+pub fn head(head: &[u8]) -> Result<(u8, u64), Malformed> {
     let mut fields = Fields(head);
     let [opcode] = fields.array()?;
     Ok((opcode, fields.u64()?))
@@ -91,14 +122,22 @@ pub(crate) fn head(head: &[u8]) -> Result<(u8, u64), Malformed> {
 
 /// A message type.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Schema<'a> {
-    pub(crate) id: u16,
-    pub(crate) name: &'a str,
-    pub(crate) encoding: &'a str,
-    pub(crate) definition: &'a [u8],
+pub struct Schema<'a> {
+    /// Number in the file.
+    pub id: u16,
+    /// Name of the type.
+    pub name: &'a str,
+    /// Language of the definition.
+    pub encoding: &'a str,
+    /// The definition itself.
+    pub definition: &'a [u8],
 }
 
-pub(crate) fn schema(body: &[u8]) -> Result<Schema<'_>, Malformed> {
+/// Reads the body of a schema.
+///
+/// # Errors
+/// [`Malformed`] if the bytes end too early.
+pub fn schema(body: &[u8]) -> Result<Schema<'_>, Malformed> {
     let mut fields = Fields(body);
     let id = fields.u16()?;
     let name = fields.text()?;
@@ -108,14 +147,22 @@ pub(crate) fn schema(body: &[u8]) -> Result<Schema<'_>, Malformed> {
 
 /// A topic.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Channel<'a> {
-    pub(crate) id: u16,
-    pub(crate) schema: u16,
-    pub(crate) topic: &'a str,
-    pub(crate) encoding: &'a str,
+pub struct Channel<'a> {
+    /// Number in the file.
+    pub id: u16,
+    /// Number of the type; 0 if there is none.
+    pub schema: u16,
+    /// Name of the topic.
+    pub topic: &'a str,
+    /// Encoding of the payloads.
+    pub encoding: &'a str,
 }
 
-pub(crate) fn channel(body: &[u8]) -> Result<Channel<'_>, Malformed> {
+/// Reads the body of a channel.
+///
+/// # Errors
+/// [`Malformed`] if the bytes end too early.
+pub fn channel(body: &[u8]) -> Result<Channel<'_>, Malformed> {
     let mut fields = Fields(body);
     let (id, schema) = (fields.u16()?, fields.u16()?);
     let topic = fields.text()?;
@@ -124,13 +171,20 @@ pub(crate) fn channel(body: &[u8]) -> Result<Channel<'_>, Malformed> {
 
 /// What stands before a message's payload.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct MessageHead {
-    pub(crate) channel: u16,
-    pub(crate) log_time: u64,
-    pub(crate) publish_time: u64,
+pub struct MessageHead {
+    /// Number of the channel.
+    pub channel: u16,
+    /// Time of recording, ns since 1970.
+    pub log_time: u64,
+    /// Time of sending, ns since 1970.
+    pub publish_time: u64,
 }
 
-pub(crate) fn message(body: &[u8]) -> Result<(MessageHead, &[u8]), Malformed> {
+/// Reads the body of a message: its head and its payload.
+///
+/// # Errors
+/// [`Malformed`] if the bytes end too early.
+pub fn message(body: &[u8]) -> Result<(MessageHead, &[u8]), Malformed> {
     let mut fields = Fields(body);
     let channel = fields.u16()?;
     fields.u32()?;
@@ -140,16 +194,22 @@ pub(crate) fn message(body: &[u8]) -> Result<(MessageHead, &[u8]), Malformed> {
 
 /// A chunk, still packed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Chunk<'a> {
+pub struct Chunk<'a> {
     /// Length of its records, bytes.
-    pub(crate) unpacked: u64,
+    pub unpacked: u64,
     /// CRC-32 of its records; 0 if there is none.
-    pub(crate) checksum: u32,
-    pub(crate) compression: &'a str,
-    pub(crate) packed: &'a [u8],
+    pub checksum: u32,
+    /// Name of the compression; empty if there is none.
+    pub compression: &'a str,
+    /// The packed records.
+    pub packed: &'a [u8],
 }
 
-pub(crate) fn chunk(body: &[u8]) -> Result<Chunk<'_>, Malformed> {
+/// Reads the body of a chunk.
+///
+/// # Errors
+/// [`Malformed`] if the bytes end too early.
+pub fn chunk(body: &[u8]) -> Result<Chunk<'_>, Malformed> {
     let mut fields = Fields(body);
     let (_start, _end) = (fields.u64()?, fields.u64()?);
     let (unpacked, checksum) = (fields.u64()?, fields.u32()?);
@@ -159,23 +219,32 @@ pub(crate) fn chunk(body: &[u8]) -> Result<Chunk<'_>, Malformed> {
 }
 
 /// A named map.
-pub(crate) fn metadata(body: &[u8]) -> Result<(&str, BTreeMap<String, String>), Malformed> {
+///
+/// # Errors
+/// [`Malformed`] if the bytes end too early.
+pub fn metadata(body: &[u8]) -> Result<(&str, BTreeMap<String, String>), Malformed> {
     let mut fields = Fields(body);
     Ok((fields.text()?, fields.texts()?))
 }
 
 /// What a whole file says of itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Statistics {
-    pub(crate) messages: u64,
-    /// Earliest and latest log time.
-    pub(crate) start: u64,
-    pub(crate) end: u64,
+pub struct Statistics {
+    /// Number of messages.
+    pub messages: u64,
+    /// Earliest log time, ns since 1970.
+    pub start: u64,
+    /// Latest log time, ns since 1970.
+    pub end: u64,
     /// Messages by channel.
-    pub(crate) channels: BTreeMap<u16, u64>,
+    pub channels: BTreeMap<u16, u64>,
 }
 
-pub(crate) fn statistics(body: &[u8]) -> Result<Statistics, Malformed> {
+/// Reads the body of the statistics.
+///
+/// # Errors
+/// [`Malformed`] if the bytes end too early.
+pub fn statistics(body: &[u8]) -> Result<Statistics, Malformed> {
     let mut fields = Fields(body);
     let messages = fields.u64()?;
     fields.bytes(2 + 4 + 4 + 4 + 4)?;

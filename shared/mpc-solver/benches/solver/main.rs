@@ -1,4 +1,4 @@
-//! The solvers side by side: `cargo bench -p controller --bench solver`.
+//! The solvers side by side: `cargo bench -p mpc-solver --bench solver`.
 //!
 //! Same process, same instances, N = 100, the same judge: the largest scaled residual of the optimality conditions,
 //! evaluated by `mpc_solver::residuals`, of which 1e-8 counts as solved. Each instance is solved several times; its
@@ -9,15 +9,15 @@
 //!   active at the solution.
 //! * *Random problems*, feasible by construction, in four classes: with or without a row that acts, with or without
 //!   the light. Their number is `TIMEGAP_BENCH_SEEDS` (of which about four in ten have 100 steps), 10,000 unless given.
-//! * *The field* ([`field`]): clarabel on all drives, OSQP on those without the light (with `--features field`).
+//! * *The field* ([`field`]): clarabel on all drives, OSQP on those without the light (with `--features osqp`).
 //! * *Horizon*: time per stage up to N = 1000.
 
-#[path = "../../../../shared/mpc-solver/tests/common/mod.rs"]
+#[path = "../../tests/common/mod.rs"]
 mod common;
 mod field;
-#[cfg(feature = "field")]
+#[cfg(feature = "osqp")]
 mod osqp;
-#[path = "../../../../shared/mpc-solver/tests/common/random.rs"]
+#[path = "../../tests/common/random.rs"]
 mod random;
 mod summary;
 

@@ -1,14 +1,14 @@
 //! Taking a chunk out of its compression, within bounds.
 
-use crate::format::Chunk;
+use super::records::Chunk;
 use std::io::Read;
 
 /// Longest chunk that is read, bytes unpacked and packed.
-pub(crate) const LONGEST_CHUNK: u64 = 64 << 20;
+pub const LONGEST_CHUNK: u64 = 64 << 20;
 
 /// Why a chunk cannot be used.
 #[derive(Debug, thiserror::Error)]
-pub(crate) enum UnpackError {
+pub enum UnpackError {
     /// It would need more memory than a reader gives.
     #[error("it unpacks to {0} bytes; a chunk may have {LONGEST_CHUNK}")]
     TooLong(u64),
@@ -29,8 +29,11 @@ pub(crate) enum UnpackError {
     Checksum,
 }
 
-/// The records in `chunk`.
-pub(crate) fn unpack(chunk: &Chunk<'_>) -> Result<Vec<u8>, UnpackError> {
+/// Unpacks the records of `chunk`.
+///
+/// # Errors
+/// If the chunk is too long, damaged or packed in another way.
+pub fn unpack(chunk: &Chunk<'_>) -> Result<Vec<u8>, UnpackError> {
     if chunk.unpacked > LONGEST_CHUNK {
         return Err(UnpackError::TooLong(chunk.unpacked));
     }

@@ -1,0 +1,80 @@
+//! Reasons why a bag gives no series.
+
+use std::io;
+
+/// Reason why a bag gives no series.
+#[derive(Debug, thiserror::Error)]
+pub enum BagError {
+    /// The file cannot be opened or read.
+    #[error("it cannot be read: {0}")]
+    File(#[from] io::Error),
+    /// The file begins like no bag that is known.
+    #[error("it is no bag, expected an MCAP file or a ROS 1 bag of version 2.0")]
+    NoBag,
+    /// A bag of ROS 2 that is an SQLite database.
+    #[error("it is an SQLite bag, expected an MCAP file; `ros2 bag convert` makes one of it")]
+    Sqlite,
+    /// A record is shorter than its lengths say.
+    #[error("a record in it is not whole")]
+    Malformed,
+    /// A chunk cannot be unpacked.
+    #[error("a chunk in it cannot be read: {0}")]
+    Chunk(String),
+    /// No topic has this name.
+    #[error("no topic `{topic}`, expected one of {}", listed(.topics))]
+    NoTopic {
+        /// The name.
+        topic: String,
+        /// Topics of the file.
+        topics: Vec<String>,
+    },
+    /// The topic has no messages.
+    #[error("no messages of topic `{0}`")]
+    Empty(String),
+    /// The topic's encoding is not read.
+    #[error("topic `{topic}` is encoded as {encoding}, expected CDR (ros2msg), ROS 1 or JSON")]
+    Encoding {
+        /// The topic.
+        topic: String,
+        /// Name of the encoding.
+        encoding: String,
+    },
+    /// The messages have no such field, or it is no number.
+    #[error("`{field}` is no number of {type_name}, expected one of {}", listed(.fields))]
+    NoField {
+        /// Path of the field.
+        field: String,
+        /// Type of the messages.
+        type_name: String,
+        /// Numbers of the type.
+        fields: Vec<String>,
+    },
+    /// A message is shorter than its definition says.
+    #[error("message {index} of topic `{topic}` does not fit its definition")]
+    Message {
+        /// The topic.
+        topic: String,
+        /// Number of the message, from 1.
+        index: usize,
+    },
+    /// The topic has more messages than are read.
+    #[error("topic `{topic}` has more than {most} messages")]
+    TooMany {
+        /// The topic.
+        topic: String,
+        /// Most messages.
+        most: usize,
+    },
+}
+
+/// Most names that an error lists.
+const MOST_LISTED: usize = 30;
+
+fn listed(names: &[String]) -> String {
+    let quoted = names.iter().take(MOST_LISTED).map(|name| format!("`{name}`"));
+    let rest = if names.len() > MOST_LISTED { ", …" } else { "" };
+    match names {
+        [] => "no name".to_owned(),
+        _ => quoted.collect::<Vec<_>>().join(", ") + rest,
+    }
+}

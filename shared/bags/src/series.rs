@@ -1,0 +1,242 @@
+//! The numbers of one topic as rows.
+
+use crate::decode::{self, Layout};
+use crate::definition::Definition;
+use crate::{BagError, mcap, ros1};
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+
+/// Most messages of a topic that are read.
+const MOST_MESSAGES: usize = 4_000_000;
+/// First bytes of an SQLite database.
+const SQLITE: &[u8] = b"SQLite format 3\0";
+
+/// Encoding of the messages of a topic.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// CDR with a definition in ROS 2's language.
+    Cdr,
+    /// Serialised as in ROS 1, with its definition.
+    Ros1,
+    /// JSON text.
+    Json,
+    /// Another encoding, by name.
+    Other(String),
+}
+
+/// A topic of a file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Topic {
+    /// Name.
+    pub name: String,
+    /// Type of the messages.
+    pub type_name: String,
+    /// Number of messages.
+    pub messages: u64,
+    /// Paths of the numbers in a message; empty where the definition is not read.
+    pub fields: Vec<String>,
+}
+
+/// One message: its time and the values of the chosen fields.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// Time of recording, ns since 1970.
+    pub log_time_ns: u64,
+    /// Values, in the order of the fields that were asked for.
+    pub values: Vec<f64>,
+}
+
+impl Row {
+    /// Time of recording, s since 1970.
+    #[must_use]
+    pub fn log_time_s(&self) -> f64 {
+        self.log_time_ns as f64 * 1e-9
+    }
+}
+
+/// The numbers of one topic, in the order of the log times.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Series {
+    /// Type of the messages.
+    pub type_name: String,
+    /// A row for each message.
+    pub rows: Vec<Row>,
+}
+
+/// A topic's declaration in a file.
+pub(crate) struct Connection<'a> {
+    pub(crate) id: u32,
+    pub(crate) topic: &'a str,
+    pub(crate) type_name: &'a str,
+    pub(crate) definition: &'a str,
+    pub(crate) encoding: Encoding,
+}
+
+/// Receiver of what a file holds.
+pub(crate) trait Sink {
+    /// A topic; the same one may come again.
+    fn connection(&mut self, connection: Connection<'_>);
+    /// A message of connection `id`.
+    fn message(&mut self, id: u32, log_time_ns: u64, payload: &[u8]) -> Result<(), BagError>;
+}
+
+/// True if the file at `path` begins like a bag, also like one that is not read (SQLite).
+#[must_use]
+pub fn is_bag(path: &Path) -> bool {
+    let mut first = [0; 16];
+    // Opening a pipe would wait for its other end.
+    let is_file = path.metadata().is_ok_and(|metadata| metadata.is_file());
+    let read =
+        is_file && File::open(path).is_ok_and(|mut file| file.read_exact(&mut first).is_ok());
+    read && (first.starts_with(&mcap::MAGIC) || first.starts_with(ros1::MAGIC) || first == SQLITE)
+}
+
+/// Lists the topics of the file at `path`, by name.
+///
+/// # Errors
+/// If the file cannot be read.
+pub fn topics(path: &Path) -> Result<Vec<Topic>, BagError> {
+    let mut listing = Listing::default();
+    read(&mut open(path)?, &mut listing)?;
+    let mut topics: Vec<Topic> = listing.0.into_values().collect();
+    topics.sort_by(|a, b| a.name.cmp(&b.name));
+    Ok(topics)
+}
+
+/// Reads the values of `fields` of all messages of `topic` in the file at `path`.
+///
+/// # Errors
+/// If the file cannot be read, or has no such topic or field.
+pub fn series(path: &Path, topic: &str, fields: &[String]) -> Result<Series, BagError> {
+    series_from(&mut open(path)?, topic, fields)
+}
+
+/// Reads the same from a file in memory or elsewhere.
+///
+/// # Errors
+/// As [`series`].
+pub fn series_from(
+    file: &mut (impl Read + Seek),
+    topic: &str,
+    fields: &[String],
+) -> Result<Series, BagError> {
+    let mut choice = Choice {
+        topic,
+        fields,
+        sources: BTreeMap::new(),
+        type_name: String::new(),
+        rows: Vec::new(),
+        topics: Vec::new(),
+    };
+    read(file, &mut choice)?;
+    let Choice { sources, type_name, mut rows, mut topics, .. } = choice;
+    if sources.is_empty() {
+        topics.sort_unstable();
+        topics.dedup();
+        return Err(BagError::NoTopic { topic: topic.to_owned(), topics });
+    }
+    if rows.is_empty() {
+        return Err(BagError::Empty(topic.to_owned()));
+    }
+    // Stable: messages of one instant keep the file's order.
+    rows.sort_by_key(|row| row.log_time_ns);
+    Ok(Series { type_name, rows })
+}
+
+fn open(path: &Path) -> Result<BufReader<File>, BagError> {
+    if !path.metadata()?.is_file() {
+        return Err(BagError::NoBag);
+    }
+    Ok(BufReader::with_capacity(1 << 16, File::open(path)?))
+}
+
+fn read(file: &mut (impl Read + Seek), sink: &mut dyn Sink) -> Result<(), BagError> {
+    let mut first = Vec::new();
+    file.by_ref().take(16).read_to_end(&mut first)?;
+    file.seek(SeekFrom::Start(0))?;
+    if first.starts_with(&mcap::MAGIC) {
+        mcap::read(file, sink)
+    } else if first.starts_with(ros1::MAGIC) {
+        ros1::read(file, sink)
+    } else if first == SQLITE {
+        Err(BagError::Sqlite)
+    } else {
+        Err(BagError::NoBag)
+    }
+}
+
+/// Collects the topics.
+#[derive(Default)]
+struct Listing(BTreeMap<u32, Topic>);
+
+impl Sink for Listing {
+    fn connection(&mut self, connection: Connection<'_>) {
+        self.0.entry(connection.id).or_insert_with(|| Topic {
+            name: connection.topic.to_owned(),
+            type_name: connection.type_name.to_owned(),
+            messages: 0,
+            fields: Definition::parse(connection.type_name, connection.definition).numbers(),
+        });
+    }
+
+    fn message(&mut self, id: u32, _: u64, _: &[u8]) -> Result<(), BagError> {
+        if let Some(topic) = self.0.get_mut(&id) {
+            topic.messages += 1;
+        }
+        Ok(())
+    }
+}
+
+/// Collects the rows of one topic.
+struct Choice<'a> {
+    topic: &'a str,
+    fields: &'a [String],
+    /// Connections of the topic. A bag can hold several, one for each publisher.
+    sources: BTreeMap<u32, (Definition, Encoding)>,
+    type_name: String,
+    rows: Vec<Row>,
+    topics: Vec<String>,
+}
+
+impl Sink for Choice<'_> {
+    fn connection(&mut self, connection: Connection<'_>) {
+        if connection.topic != self.topic {
+            self.topics.push(connection.topic.to_owned());
+            return;
+        }
+        connection.type_name.clone_into(&mut self.type_name);
+        self.sources.entry(connection.id).or_insert_with(|| {
+            let definition = Definition::parse(connection.type_name, connection.definition);
+            (definition, connection.encoding)
+        });
+    }
+
+    fn message(&mut self, id: u32, log_time_ns: u64, payload: &[u8]) -> Result<(), BagError> {
+        let Some((definition, encoding)) = self.sources.get(&id) else { return Ok(()) };
+        let topic = || self.topic.to_owned();
+        if self.rows.len() >= MOST_MESSAGES {
+            return Err(BagError::TooMany { topic: topic(), most: MOST_MESSAGES });
+        }
+        let broken = || BagError::Message { topic: topic(), index: self.rows.len() + 1 };
+        let value = |field: &String| {
+            let found = match encoding {
+                Encoding::Cdr => decode::number(definition, field, Layout::Cdr, payload),
+                Encoding::Ros1 => decode::number(definition, field, Layout::Ros1, payload),
+                Encoding::Json => decode::json_number(field, payload),
+                Encoding::Other(name) => {
+                    return Err(BagError::Encoding { topic: topic(), encoding: name.clone() });
+                }
+            };
+            found.map_err(|_| broken())?.ok_or_else(|| BagError::NoField {
+                field: field.clone(),
+                type_name: self.type_name.clone(),
+                fields: definition.numbers(),
+            })
+        };
+        let values = self.fields.iter().map(value).collect::<Result<_, _>>()?;
+        self.rows.push(Row { log_time_ns, values });
+        Ok(())
+    }
+}

@@ -1,0 +1,315 @@
+//! `timegap lead`: a recorded motion as a scenario reads it.
+
+use clap::Args;
+use group::{Error, Failure};
+use report::chart::{Curve, Plot, Stroke, Tone};
+use report::html::{Tile, document, figure, tiles};
+use report::print;
+use scenario::ScenarioError;
+use scenario::accepted;
+use scenario::quantity::{Duration, OutOfRange, TimeConstant, TimeShift};
+use scenario::recorded::{self, AfterEnd, CsvFile, Record, RecordedError};
+use serde_json::{Value, json};
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+/// Arguments of `lead`.
+#[derive(Debug, Args)]
+#[command(
+    after_long_help = "The options have the names of the keys of `actors[].profile.csv`. Exit status 1: \
+a scenario refuses this record because of its gaps."
+)]
+pub struct LeadArguments {
+    /// A CSV file, an MCAP file or a ROS 1 bag
+    pub file: PathBuf,
+    /// Columns by what they hold, with units: `t=stamp, v=speed:km/h` [default: time_s and speed_mps]
+    #[arg(long, value_name = "LIST")]
+    pub columns: Option<String>,
+    /// Rows of one vehicle in a file of several
+    #[arg(long, value_name = "COLUMN=VALUE")]
+    pub rows: Option<String>,
+    /// Topic of a bag; without it, the topics of a bag are listed
+    #[arg(long, value_name = "NAME")]
+    pub topic: Option<String>,
+    /// Start of the run, s after the first row
+    #[arg(long, value_name = "S", value_parser = quantity::<TimeShift>)]
+    pub offset_s: Option<TimeShift>,
+    /// Half the window of the smoothing filter, s
+    #[arg(long, value_name = "S", value_parser = quantity::<TimeConstant>)]
+    pub smooth_s: Option<TimeConstant>,
+    /// Longest step between two rows, s
+    #[arg(long, value_name = "S", value_parser = quantity::<Duration>)]
+    pub max_gap_s: Option<Duration>,
+    /// Motion after the last row: keep-speed, stop or leave
+    #[arg(long, value_name = "HOW", value_parser = after_end, default_value = "keep-speed")]
+    pub after_end: AfterEnd,
+    /// Write the plot as a page
+    #[arg(long, value_name = "FILE")]
+    pub page: Option<PathBuf>,
+    /// Write the points that a run would use as CSV
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+    /// Print the result as JSON, and nothing else
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A value outside its range.
+#[derive(Debug, thiserror::Error)]
+enum OptionError {
+    #[error("expected a number")]
+    NoNumber,
+    #[error(transparent)]
+    Range(#[from] OutOfRange<f64>),
+    #[error("expected {0}")]
+    Word(String),
+}
+
+fn quantity<T: TryFrom<f64, Error = OutOfRange<f64>>>(text: &str) -> Result<T, OptionError> {
+    Ok(T::try_from(text.parse().map_err(|_| OptionError::NoNumber)?)?)
+}
+
+fn after_end(text: &str) -> Result<AfterEnd, OptionError> {
+    let found = AfterEnd::ALL.into_iter().find(|kind| kind.name() == text);
+    found.ok_or_else(|| {
+        OptionError::Word(accepted(text, AfterEnd::ALL.iter().map(|kind| kind.name())))
+    })
+}
+
+/// An option that does not fit the file.
+#[derive(Debug, thiserror::Error)]
+#[error("--{}: {message}, expected {expected}", key.replace('_', "-"))]
+pub struct LeadError {
+    key: &'static str,
+    message: String,
+    expected: String,
+}
+
+impl Failure for LeadError {}
+
+/// Runs the command.
+pub fn run(arguments: &LeadArguments) -> Result<ExitCode, Error> {
+    let path = &arguments.file;
+    if arguments.topic.is_none() && bags::is_bag(path) {
+        return list(path, arguments.json);
+    }
+    let keys = CsvFile {
+        file: path.clone(),
+        columns: arguments.columns.clone(),
+        rows: arguments.rows.clone(),
+        topic: arguments.topic.clone(),
+        offset_s: arguments.offset_s,
+        smooth_s: arguments.smooth_s,
+        max_gap_s: arguments.max_gap_s,
+        after_end: arguments.after_end,
+        points: Vec::new(),
+    };
+    let record = recorded::read(path, &keys).map_err(|error| match error {
+        RecordedError::Key { key, message, expected } => {
+            Error::from(LeadError { key, message, expected })
+        }
+        RecordedError::File(error) => error.into(),
+    })?;
+    let refusal = record.expect_whole().err();
+    if let Some(page) = &arguments.page {
+        write(page, &as_page(path, &record, refusal.as_ref()))?;
+    }
+    if let Some(csv) = &arguments.csv {
+        let lines = record.profile().map(|(t, v)| format!("{t},{v}\n"));
+        write(csv, &("time_s,speed_mps\n".to_owned() + &lines.collect::<String>()))?;
+    }
+    if arguments.json {
+        let text = serde_json::to_string_pretty(&as_json(path, &record)).expect("plain data");
+        print::out(&(text + "\n"))?;
+    } else {
+        print::out(&as_text(path, &record, keys.smooth_s.is_some()))?;
+    }
+    if let Some(refusal) = &refusal {
+        print::note(&refusal.to_string());
+    }
+    Ok(if refusal.is_some() { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}
+
+fn write(path: &Path, text: &str) -> Result<(), Error> {
+    let failed = |reason| Error::Path { action: "write", path: path.to_owned(), reason };
+    std::fs::write(path, text).map_err(failed)
+}
+
+/// Lists the topics of a bag.
+fn list(path: &Path, is_json: bool) -> Result<ExitCode, Error> {
+    let topics = bags::topics(path).map_err(|error| LeadError {
+        key: "topic",
+        message: format!("{}: {error}", path.display()),
+        expected: "an MCAP file or a ROS 1 bag".into(),
+    })?;
+    let mut text = String::new();
+    if is_json {
+        let topics = topics.iter().map(|topic| {
+            json!({"name": topic.name, "type": topic.type_name, "messages": topic.messages,
+                   "fields": topic.fields})
+        });
+        let topics: Vec<_> = topics.collect();
+        let list = json!({"schema_version": 1, "file": path.to_string_lossy(), "topics": topics});
+        text = serde_json::to_string_pretty(&list).expect("plain data") + "\n";
+    } else {
+        for topic in &topics {
+            let fields = topic.fields.iter().take(MOST_FIELDS).map(String::as_str);
+            let mut fields = fields.collect::<Vec<_>>().join(", ");
+            if topic.fields.len() > MOST_FIELDS {
+                fields.push_str(", …");
+            }
+            let line =
+                format!("{} · {} · {} messages", topic.name, topic.type_name, topic.messages);
+            text.push_str(&printable(&format!("{line}\n    {fields}\n")));
+        }
+        text.push_str("--topic NAME --columns v=FIELD reads one of them\n");
+    }
+    print::out(&text)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Most fields that are printed of a topic.
+const MOST_FIELDS: usize = 12;
+
+/// Names from a file without control characters.
+fn printable(text: &str) -> String {
+    text.chars().map(|c| if c.is_control() && c != '\n' { '\u{fffd}' } else { c }).collect()
+}
+
+/// Distance of a profile, m.
+fn distance_m(points: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let points: Vec<_> = points.collect();
+    let part = |pair: &[(f64, f64)]| (pair[1].0 - pair[0].0) * (pair[0].1 + pair[1].1) / 2.0;
+    points.windows(2).map(part).sum()
+}
+
+fn length_s(record: &Record) -> f64 {
+    record.rows.last().map_or(0.0, |last| last.0 - record.rows[0].0)
+}
+
+fn as_json(path: &Path, record: &Record) -> Value {
+    let hardest = |points: &mut dyn Iterator<Item = (f64, f64)>| {
+        recorded::hardest(points)
+            .map(|(rate, at_s)| json!({"acceleration_mps2": rate, "at_s": at_s}))
+    };
+    let gap = |gap: &recorded::Gap| json!({"from_s": gap.from_s, "length_s": gap.length_s});
+    let stop = |(from_s, to_s): &(f64, f64)| json!({"from_s": from_s, "to_s": to_s});
+    json!({
+        "schema_version": 1,
+        "file": path.to_string_lossy(),
+        "rows": record.rows.len(),
+        "points": record.points.len(),
+        "length_s": length_s(record),
+        "median_step_s": record.median_step_s,
+        "longest_step_s": longest_step_s(record),
+        "gaps": record.gaps.iter().map(gap).collect::<Vec<_>>(),
+        "stops": record.stops.iter().map(stop).collect::<Vec<_>>(),
+        "top_speed_mps": record.profile().map(|point| point.1).fold(0.0, f64::max),
+        "distance_m": distance_m(record.profile()),
+        "hardest_recorded": hardest(&mut record.rows.iter().copied()),
+        "hardest_read": hardest(&mut record.profile()),
+        "leaves_at_s": record.leaves_at_s.map(|time| time.value()),
+        "notes": record.notes(),
+    })
+}
+
+fn longest_step_s(record: &Record) -> f64 {
+    record.rows.windows(2).map(|pair| pair[1].0 - pair[0].0).fold(0.0, f64::max)
+}
+
+/// Columns of the plot in the terminal.
+const WIDTH: usize = 64;
+
+/// A profile as a row of bars.
+fn bars(record: &Record) -> String {
+    const BARS: [char; 9] = [' ', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
+    let points: Vec<_> = record.profile().collect();
+    let top = points.iter().map(|point| point.1).fold(1e-9, f64::max);
+    let end_s = points.last().map_or(0.0, |last| last.0);
+    let bar = |column: usize| {
+        let at_s = end_s * (column as f64 + 0.5) / WIDTH as f64;
+        let before = points.partition_point(|point| point.0 <= at_s);
+        let speed = points[before.saturating_sub(1)].1;
+        // A vehicle that moves has at least the lowest bar.
+        let height = (speed / top * 8.0).ceil().clamp(0.0, 8.0);
+        BARS[height as usize]
+    };
+    (0..WIDTH).map(bar).collect()
+}
+
+fn as_text(path: &Path, record: &Record, is_smooth: bool) -> String {
+    let mut text = format!("{}\n", printable(&path.display().to_string()));
+    let mut line = |label: &str, value: String| {
+        writeln!(text, "  {label:<14} {value}").expect("a string takes all");
+    };
+    let step_s = record.median_step_s;
+    line(
+        "rows",
+        format!(
+            "{} in {:.1} s, usual step {step_s:.3} s, longest {:.3} s",
+            record.rows.len(),
+            length_s(record),
+            longest_step_s(record)
+        ),
+    );
+    let top = record.profile().map(|point| point.1).fold(0.0, f64::max);
+    line("speed", format!("0 to {top:.1} m/s: {}", bars(record)));
+    line("distance", format!("{:.0} m", distance_m(record.profile())));
+    let hardest = |(rate, at_s): (f64, f64)| format!("{rate:.2} m/s² at {at_s:.1} s");
+    let of_rows = recorded::hardest(record.rows.iter().copied()).map(hardest);
+    line("hardest", of_rows.unwrap_or_else(|| "one row has no acceleration".into()));
+    if is_smooth {
+        let filtered = recorded::hardest(record.profile()).map(hardest).unwrap_or_default();
+        line("filtered", format!("{filtered}, {} points", record.points.len()));
+        let stops = record.stops.iter().map(|(from, to)| format!("{from:.1} to {to:.1} s"));
+        let stops = stops.collect::<Vec<_>>().join(", ");
+        line("stops", if stops.is_empty() { "none of this length".into() } else { stops });
+    }
+    for gap in &record.gaps {
+        line("GAP", format!("{:.2} s after {:.1} s", gap.length_s, gap.from_s));
+    }
+    for note in record.notes() {
+        line("NOTE", note);
+    }
+    text
+}
+
+fn as_page(path: &Path, record: &Record, refusal: Option<&ScenarioError>) -> String {
+    let until_s = record.profile().last().map_or(1.0, |last| last.0);
+    let from_s = record.rows.first().map_or(0.0, |first| first.0.min(0.0));
+    let axis = || report::chart::Axis::linear("time, s", from_s, until_s.max(from_s + 1e-3));
+    let read: Vec<_> = record.profile().collect();
+    let rates = |points: &[(f64, f64)]| -> Vec<(f64, f64)> {
+        let rate =
+            |pair: &[(f64, f64)]| (pair[0].0, (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0));
+        points.windows(2).map(rate).collect()
+    };
+    let curves = |of_read, of_rows| {
+        vec![
+            Curve::new("as a run uses it", Tone::Series(0), of_read),
+            Curve::new("as recorded", Tone::Muted, of_rows).stroke(Stroke::Dotted).thin(),
+        ]
+    };
+    let speed = Plot::over("Speed", axis(), "m/s", curves(read.clone(), record.rows.clone()));
+    let rates = curves(rates(&read), rates(&record.rows));
+    let acceleration = Plot::over("Acceleration", axis(), "m/s²", rates);
+    let tile = |label, value: String| Tile { label, value, note: String::new() };
+    let hardest = recorded::hardest(record.profile()).map_or(0.0, |hardest| hardest.0);
+    let figures = [
+        tile("Rows", record.rows.len().to_string()),
+        tile("Usual step", format!("{:.3} s", record.median_step_s)),
+        tile("Distance", format!("{:.0} m", distance_m(record.profile()))),
+        tile("Largest acceleration", format!("{hardest:.2} m/s²")),
+        tile("Gaps", record.gaps.len().to_string()),
+    ];
+    let notes = record.notes();
+    let verdict = match (refusal, notes.first()) {
+        (Some(refusal), _) => format!("A scenario refuses it: {}", refusal.message()),
+        (None, Some(note)) => format!("Readable, but {note}"),
+        (None, None) => "Readable".into(),
+    };
+    let is_good = refusal.is_none() && notes.is_empty();
+    let body = tiles(&figures) + &figure(&speed) + &figure(&acceleration);
+    document("Recorded motion", &path.display().to_string(), is_good, &verdict, &body)
+}
