@@ -5,12 +5,13 @@ use std::process::{Command, Output};
 use std::sync::OnceLock;
 
 /// Packages from PyPI.
-const PACKAGES: [&str; 6] = [
+const PACKAGES: [&str; 7] = [
     "autosar-e2e==1.0.0",
     "iceoryx2==0.10.0",
     "mcap==1.6.0",
     "mcap-ros2-support==0.6.0",
     "pandas==3.1.1",
+    "pyarrow==26.0.1",
     "rosbags==0.11.9",
 ];
 

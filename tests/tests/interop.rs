@@ -323,6 +323,22 @@ fn always() -> Needed {
     Ok(())
 }
 
+/// Every table as CSV and as Parquet, compared cell by cell with pyarrow.
+fn parquet_tables_hold_what_csv_tables_hold() {
+    let python = interpreter().expect("looked for before");
+    let corner = Corner::new(PROGRAM);
+    for (scenario, tables) in [("corridor", 10), ("truck-follow", 10)] {
+        let run = ["run", scenario, "--mode", "lockstep", "--duration", "5", "--out", scenario];
+        printed(&corner, &run);
+        printed(&corner, &["export", scenario, "--csv", "--parquet"]);
+        let script = Path::new(SCRIPTS).join("parquet.py");
+        let compared =
+            succeeded(Command::new(&python).arg(script).arg(corner.path().join(scenario)));
+        let compared: usize = compared.trim().parse().expect("a number of tables");
+        assert!(compared >= tables, "{compared} tables of {scenario}");
+    }
+}
+
 fn main() -> ExitCode {
     cases::run(&[
         needing(tshark, "wireshark_reads_the_frames_of_a_run", wireshark_reads_the_frames_of_a_run),
@@ -342,6 +358,11 @@ fn main() -> ExitCode {
             the_shipped_layout_shows_what_is_there,
         ),
         needing(pypi, "other_readers_see_the_same_values", other_readers_see_the_same_values),
+        needing(
+            pypi,
+            "parquet_tables_hold_what_csv_tables_hold",
+            parquet_tables_hold_what_csv_tables_hold,
+        ),
         needing(pypi, "the_pandas_example_runs_as_printed", the_pandas_example_runs_as_printed),
         needing(
             pypi,

@@ -21,7 +21,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Files that commands write into their directory; a name without a dot is a directory.
-const RESULTS: [&str; 32] = [
+const RESULTS: [&str; 34] = [
     "bench.json",
     "campaign.csv",
     "campaign.json",
@@ -33,6 +33,7 @@ const RESULTS: [&str; 32] = [
     "iso15622.json",
     "live.json",
     "metadata.yaml",
+    "parquet",
     "part.json",
     "plausibility.json",
     "r157.json",
@@ -53,6 +54,7 @@ const RESULTS: [&str; 32] = [
     "sweep.csv",
     "sweep.json",
     "trace.pftrace",
+    "trajectories.parquet",
     "trajectory.csv",
 ];
 

@@ -211,7 +211,7 @@ mod tests {
 
     #[test]
     fn an_export_without_a_format_says_which_there_are() {
-        assert!(refusal("timegap export x").contains("<--csv|--pcap>"));
+        assert!(refusal("timegap export x").contains("<--csv|--parquet|--pcap>"));
         assert!(Cli::of(["timegap", "export", "x", "--csv", "--pcap"]).is_ok());
     }
 

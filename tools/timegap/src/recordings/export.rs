@@ -1,6 +1,7 @@
 //! `timegap export`: a recording as tables, its frames as a capture.
 
 use super::capture::Capture;
+use super::sheet::{Form, Item, Sheet};
 use super::{count, open, print_damage};
 use clap::{ArgGroup, Args};
 use group::Error;
@@ -9,25 +10,26 @@ use messages::{Element, Place, TOPICS, Topic, Value};
 use recorder::{LawNames, Record};
 use report::print;
 use serde_json::json;
-use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Arguments of `export`.
 #[derive(Debug, Args)]
 #[command(after_long_help = PANDAS)]
-#[command(group = ArgGroup::new("formats").args(["csv", "pcap"]).required(true).multiple(true))]
+#[command(group = ArgGroup::new("formats").args(["csv", "parquet", "pcap"]).required(true).multiple(true))]
 pub struct ExportArguments {
     /// Results directory of a run, or a recording
     pub run: PathBuf,
     /// Write a CSV file per topic: a row per message, a column per value, units in the names
     #[arg(long)]
     pub csv: bool,
+    /// Write the same tables as Parquet files
+    #[arg(long)]
+    pub parquet: bool,
     /// Write the vehicle's received and sent radio frames as a capture for Wireshark, `radio.pcap`
     #[arg(long)]
     pub pcap: bool,
-    /// Directory for the files [default: csv beside the recording; for a capture alone, the recording's]
+    /// Directory for the files [default: csv or parquet beside the recording; for a capture alone, the recording's]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print the written files as JSON, and nothing else
@@ -41,7 +43,7 @@ message's own, by their dotted path. Nested arrays count from 0: `tracks.0.range
 detections, up to 1,024 in a message, have a table of their own with a row for each, \
 `radar_detections.detections.csv`, and so have frames on air, `radio_frames.frames.csv`. Behind a number \
 that has a name stands the name: `rung` and `rung.name`; figures of the law have theirs in place of \
-their number. Of a damaged recording what can be read is exported, with a note and status 1. In Python:
+their number. Parquet files have the same columns with their types. Of a damaged recording what can be read is exported, with a note and status 1. In Python:
 
     import pandas as pd
     odometry = pd.read_csv(\"runs/mine/csv/vehicle_odometry.csv\")
@@ -52,22 +54,25 @@ their number. Of a damaged recording what can be read is exported, with a note a
 /// Runs the command.
 pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
     let recording = open(&arguments.run)?;
-    let beside = || recording.path().with_file_name(if arguments.csv { "csv" } else { "" });
-    let directory = arguments.out.clone().unwrap_or_else(beside);
-    std::fs::create_dir_all(&directory).map_err(|reason| Error::Path {
-        action: "create",
-        path: directory.clone(),
-        reason,
-    })?;
-    let mut tables = TOPICS
-        .into_iter()
-        .filter(|_| arguments.csv)
-        .map(|topic| Table::begin(topic, &directory, &recording.metadata().law))
-        .collect::<Result<Vec<_>, _>>()?;
+    let forms = [(arguments.csv, Form::Csv), (arguments.parquet, Form::Parquet)];
+    let forms: Vec<Form> =
+        forms.into_iter().filter_map(|(asked, form)| asked.then_some(form)).collect();
+    let directory = |form: Option<Form>| {
+        let name = form.map_or("", Form::extension);
+        arguments.out.clone().unwrap_or_else(|| recording.path().with_file_name(name))
+    };
+    let mut tables = Vec::new();
+    for form in &forms {
+        let directory = directory(Some(*form));
+        make(&directory)?;
+        for topic in TOPICS {
+            tables.push(Table::begin(topic, &directory, &recording.metadata().law, *form)?);
+        }
+    }
     let mut capture = arguments.pcap.then(Capture::default);
     let mut records = recording.records();
     for record in records.by_ref() {
-        if let Some(table) = tables.iter_mut().find(|table| table.topic == record.topic) {
+        for table in tables.iter_mut().filter(|table| table.topic == record.topic) {
             table.add(&record)?;
         }
         if let Some(capture) = &mut capture {
@@ -76,12 +81,15 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
     }
     let damage = [recording.damage(), records.damage()].concat();
     let files = tables.into_iter().map(Table::finish).collect::<Result<Vec<_>, _>>()?;
-    let captured = capture.map(|capture| capture.finish(&directory)).transpose()?;
+    let beside = directory(forms.first().copied());
+    make(&beside)?;
+    let captured = capture.map(|capture| capture.finish(&beside)).transpose()?;
     let mut tables = files.concat();
     if !damage.is_empty() {
         // An empty table of a damaged recording would pass for a topic without messages.
         for (path, _) in tables.extract_if(.., |(_, rows)| *rows == 0) {
-            std::fs::remove_file(&path).map_err(write_error(&path))?;
+            let failed = |reason| Error::Path { action: "remove", path: path.clone(), reason };
+            std::fs::remove_file(&path).map_err(failed)?;
         }
     }
     let files: Vec<_> = tables.iter().chain(&captured).collect();
@@ -93,10 +101,12 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
         let result = json!({"schema_version": 1, "files": files});
         print::out(&(serde_json::to_string_pretty(&result).expect("plain data") + "\n"))?;
     } else {
-        if arguments.csv {
+        for form in forms {
+            let of_form = |path: &Path| path.extension().is_some_and(|end| end == form.extension());
+            let tables: Vec<_> = tables.iter().filter(|(path, _)| of_form(path)).collect();
             let rows = tables.iter().map(|(_, rows)| rows).sum();
             let (tables, rows) = (count(tables.len() as u64, "table"), count(rows, "row"));
-            print::out(&format!("{tables} with {rows} in {}\n", directory.display()))?;
+            print::out(&format!("{tables} with {rows} in {}\n", directory(Some(form)).display()))?;
         }
         if let Some((path, frames)) = &captured {
             print::out(&format!("{} in {}\n", count(*frames, "frame"), path.display()))?;
@@ -106,13 +116,16 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
     Ok(if damage.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
+fn make(directory: &Path) -> Result<(), Error> {
+    let failed = |reason| Error::Path { action: "create", path: directory.to_owned(), reason };
+    std::fs::create_dir_all(directory).map_err(failed)
+}
+
 /// A topic's table during writing.
 struct Table {
     topic: Topic,
-    path: PathBuf,
-    file: BufWriter<File>,
+    sheet: Sheet,
     columns: Vec<Column>,
-    rows: u64,
     lists: Vec<List>,
 }
 
@@ -129,72 +142,44 @@ enum Names {
 }
 
 impl Table {
-    fn begin(topic: Topic, directory: &Path, law: &LawNames) -> Result<Self, Error> {
-        let path = directory.join(format!("{}.csv", topic.name().replace('/', "_")));
-        let lists = List::of(topic, &path)?;
+    fn begin(topic: Topic, directory: &Path, law: &LawNames, form: Form) -> Result<Self, Error> {
+        let path = directory.join(topic.name().replace('/', "_"));
+        let lists = List::of(topic, &path, form)?;
         let in_a_list = |place: &Place| lists.iter().any(|list| list.holds(place));
         let places = topic.layout().scalars().into_iter().filter(|place| !in_a_list(place));
         let columns: Vec<_> = places.map(|place| Column::new(place, law)).collect();
-        let mut head = String::from("log_time_ns");
-        for column in &columns {
-            column.head(law, &mut head);
-        }
-        let begin = || {
-            let mut file = BufWriter::new(File::create(&path)?);
-            writeln!(file, "{head}")?;
-            Ok(file)
-        };
-        let file = begin().map_err(write_error(&path))?;
-        Ok(Self { topic, path, file, columns, rows: 0, lists })
+        let mut names = vec!["log_time_ns".to_owned()];
+        columns.iter().for_each(|column| column.head(law, &mut names));
+        let sheet = Sheet::begin(&path, form, &names)?;
+        Ok(Self { topic, sheet, columns, lists })
     }
 
     fn add(&mut self, record: &Record) -> Result<(), Error> {
-        self.rows += 1;
-        self.row(record).map_err(write_error(&self.path))?;
+        let values = self.columns.iter().flat_map(|column| {
+            let value = column.place.read(record.bytes());
+            let name = match (&column.names, value) {
+                (Some(names), Value::Unsigned(number)) => Some(Item::Name(names.of(number))),
+                (Some(_), _) => Some(Item::Name("")),
+                (None, _) => None,
+            };
+            [Some(Item::Value(value)), name].into_iter().flatten()
+        });
+        self.sheet.row([Item::Whole(record.log_time_ns)].into_iter().chain(values))?;
         self.lists.iter_mut().try_for_each(|list| list.add(record))
     }
 
-    fn row(&mut self, record: &Record) -> std::io::Result<()> {
-        let file = &mut self.file;
-        write!(file, "{}", record.log_time_ns)?;
-        for column in &self.columns {
-            let value = column.place.read(record.bytes());
-            cell(file, value)?;
-            if let (Some(names), Value::Unsigned(number)) = (&column.names, value) {
-                write!(file, ",{}", text(names.of(number)))?;
-            }
-        }
-        file.write_all(b"\n")
-    }
-
-    fn finish(mut self) -> Result<Vec<(PathBuf, u64)>, Error> {
-        self.file.flush().map_err(write_error(&self.path))?;
-        let mut files = vec![(self.path, self.rows)];
+    fn finish(self) -> Result<Vec<(PathBuf, u64)>, Error> {
+        let mut files = vec![self.sheet.finish()?];
         for list in self.lists {
-            files.push(list.finish()?);
+            files.push(list.sheet.finish()?);
         }
         Ok(files)
     }
 }
 
-/// Writes a value into its cell.
-fn cell(file: &mut BufWriter<File>, value: Value) -> std::io::Result<()> {
-    match value {
-        // Readers of CSV accept this as not a number.
-        Value::Float(value) if value.is_nan() => file.write_all(b",nan"),
-        value => write!(file, ",{value}"),
-    }
-}
-
-/// A name from the file without characters that end a cell or a line.
-fn text(name: &str) -> String {
-    name.chars().map(|c| if matches!(c, ',' | '"') || c.is_control() { '_' } else { c }).collect()
-}
-
 /// An array too long for columns: a table of its own with a row for each valid entry.
 struct List {
-    path: PathBuf,
-    file: BufWriter<File>,
+    sheet: Sheet,
     /// Valid entries.
     count: Place,
     sequence: Place,
@@ -204,7 +189,6 @@ struct List {
     first: usize,
     each: usize,
     len: usize,
-    rows: u64,
 }
 
 /// Longest array that is written as columns.
@@ -214,7 +198,7 @@ const MOST_IN_A_NUMBER: usize = 8;
 
 impl List {
     /// The lists of a topic's messages.
-    fn of(topic: Topic, table: &Path) -> Result<Vec<Self>, Error> {
+    fn of(topic: Topic, table: &Path, form: Form) -> Result<Vec<Self>, Error> {
         let layout = topic.layout();
         let scalar = |path: &str| layout.scalars().into_iter().find(|place| place.path == path);
         let mut lists = Vec::new();
@@ -229,17 +213,15 @@ impl List {
             if len <= MOST_IN_COLUMNS && !has_data {
                 continue;
             }
-            let path = table.with_extension(format!("{}.csv", field.name));
             let columns = entry.scalars();
-            let begin = || {
-                let mut file = BufWriter::new(File::create(&path)?);
-                write!(file, "log_time_ns,header.sequence,index")?;
-                columns.iter().try_for_each(|column| write!(file, ",{}", column.path))?;
-                file.write_all(b"\n").map(|()| file)
-            };
-            let file = begin().map_err(write_error(&path))?;
+            let own = columns.iter().map(|column| column.path.clone());
+            let names = ["log_time_ns", "header.sequence", "index"].map(str::to_owned);
+            let names: Vec<String> = names.into_iter().chain(own).collect();
+            let name = table.file_name().unwrap_or_default().to_string_lossy();
+            let path = table.with_file_name(format!("{name}.{}", field.name));
+            let sheet = Sheet::begin(&path, form, &names)?;
             let (first, each) = (field.offset, entry.bytes);
-            lists.push(Self { path, file, count, sequence, columns, first, each, len, rows: 0 });
+            lists.push(Self { sheet, count, sequence, columns, first, each, len });
         }
         Ok(lists)
     }
@@ -249,34 +231,18 @@ impl List {
     }
 
     fn add(&mut self, record: &Record) -> Result<(), Error> {
-        self.entries(record).map_err(write_error(&self.path))
-    }
-
-    fn entries(&mut self, record: &Record) -> std::io::Result<()> {
         let Value::Unsigned(count) = self.count.read(record.bytes()) else { return Ok(()) };
         let count = usize::try_from(count).map_or(self.len, |count| count.min(self.len));
         let sequence = self.sequence.read(record.bytes());
         let entries = record.bytes()[self.first..].chunks_exact(self.each).take(count);
         for (index, entry) in entries.enumerate() {
-            self.rows += 1;
-            write!(self.file, "{},{sequence},{index}", record.log_time_ns)?;
-            for column in &self.columns {
-                cell(&mut self.file, column.read(entry))?;
-            }
-            self.file.write_all(b"\n")?;
+            let head =
+                [Item::Whole(record.log_time_ns), Item::Value(sequence), Item::Whole(index as i64)];
+            let values = self.columns.iter().map(|column| Item::Value(column.read(entry)));
+            self.sheet.row(head.into_iter().chain(values))?;
         }
         Ok(())
     }
-
-    fn finish(mut self) -> Result<(PathBuf, u64), Error> {
-        self.file.flush().map_err(write_error(&self.path))?;
-        Ok((self.path, self.rows))
-    }
-}
-
-fn write_error(path: &Path) -> impl FnOnce(std::io::Error) -> Error {
-    let path = path.to_owned();
-    move |reason| Error::Path { action: "write", path, reason }
 }
 
 impl Column {
@@ -290,17 +256,17 @@ impl Column {
         Self { place, names }
     }
 
-    fn head(&self, law: &LawNames, into: &mut String) {
+    fn head(&self, law: &LawNames, into: &mut Vec<String>) {
         let path = &self.place.path;
         let figure = path
             .strip_prefix("figures.")
             .and_then(|index| law.figures.get(index.parse::<usize>().ok()?));
-        match figure {
-            Some(figure) => into.push_str(&format!(",figures.{}", text(&figure.name))),
-            None => into.push_str(&format!(",{path}")),
-        }
+        into.push(match figure {
+            Some(figure) => format!("figures.{}", figure.name),
+            None => path.clone(),
+        });
         if self.names.is_some() {
-            into.push_str(&format!(",{path}.name"));
+            into.push(format!("{path}.name"));
         }
     }
 }

@@ -7,6 +7,7 @@ pub mod info;
 pub mod layouts;
 pub mod recover;
 pub mod replay;
+mod sheet;
 
 use group::{Error, Failure, is_alive};
 use recorder::{Damage, Recording};
