@@ -339,6 +339,21 @@ fn parquet_tables_hold_what_csv_tables_hold() {
     }
 }
 
+fn kept_trajectories_are_those_of_the_runs() {
+    let python = interpreter().expect("looked for before");
+    let corner = Corner::new(PROGRAM);
+    for (keep, runs) in [("all", "4"), ("worst:1", "1")] {
+        let keys = ["--param", "runtime.extra_delay_ms=0,100", "--seeds", "1,2", "--duration", "12"];
+        let sweep = [&["sweep", "cut-in", "--keep", keep, "--out", keep], &keys[..]].concat();
+        printed(&corner, &sweep);
+        let script = Path::new(SCRIPTS).join("trajectories.py");
+        let found = succeeded(Command::new(&python).arg(script).arg(corner.path().join(keep)));
+        assert_eq!(found.trim(), runs);
+    }
+    let refused = corner.run(&["r157", "--keep", "all"]);
+    assert_eq!(refused.status.code(), Some(2), "{}", text(&refused));
+}
+
 fn main() -> ExitCode {
     cases::run(&[
         needing(tshark, "wireshark_reads_the_frames_of_a_run", wireshark_reads_the_frames_of_a_run),
@@ -358,6 +373,11 @@ fn main() -> ExitCode {
             the_shipped_layout_shows_what_is_there,
         ),
         needing(pypi, "other_readers_see_the_same_values", other_readers_see_the_same_values),
+        needing(
+            pypi,
+            "kept_trajectories_are_those_of_the_runs",
+            kept_trajectories_are_those_of_the_runs,
+        ),
         needing(
             pypi,
             "parquet_tables_hold_what_csv_tables_hold",

@@ -96,6 +96,7 @@
 //! ```
 
 pub mod batch;
+pub mod keep;
 pub mod param;
 pub mod parts;
 pub mod study;

@@ -12,10 +12,13 @@ struct Asked<'a> {
     sets: &'a [Set],
 }
 
+/// Name of a solver, its times in µs, its inputs.
+type OfSolver = (String, Vec<f64>, Vec<Vec<f64>>);
+
 #[derive(Deserialize)]
 struct Answered {
-    /// For each set, for each solver: its name, times in µs, inputs.
-    sets: Vec<Vec<(String, Vec<f64>, Vec<Vec<f64>>)>>,
+    /// For each set, the answers of each solver.
+    sets: Vec<Vec<OfSolver>>,
     notes: Vec<String>,
 }
 

@@ -29,7 +29,7 @@ pub(super) fn speeds(t: &[f64], v: &[f64], half_s: f64) -> (Vec<f64>, Vec<Range<
     let stops = stops(t, v, half_s);
     let mut smoothed = vec![0.0; v.len()];
     let mut begin = 0;
-    for stop in stops.iter().cloned().chain([v.len()..v.len()]) {
+    for stop in stops.iter().cloned().chain(std::iter::once(v.len()..v.len())) {
         let moving = begin..stop.start;
         let before = begin.checked_sub(1).map(|last| t[last]);
         let after = t.get(stop.start).copied();

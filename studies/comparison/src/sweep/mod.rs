@@ -159,6 +159,15 @@ impl Study for Grid {
         Ok((Run::new(&self.points[run], seed, summary), ()))
     }
 
+    fn keys(&self, run: usize) -> Vec<(String, String)> {
+        let pair = |setting: &String| {
+            let (key, value) = setting.split_once('=').unwrap_or((setting, ""));
+            (key.to_owned(), value.trim_matches('"').to_owned())
+        };
+        // The seed has a column of its own.
+        self.points[run].iter().map(pair).filter(|(key, _)| key != "seed").collect()
+    }
+
     fn describe(&self, run: usize) -> String {
         format!(" ({})", self.points[run].join(" "))
     }

@@ -28,6 +28,8 @@ use clap::{Args, FromArgMatches};
 use group::{Error, Failure};
 use serde::{Deserialize, Serialize};
 
+use crate::keep::Keep;
+
 /// Name of the file that describes a part.
 pub const FILE: &str = "part.json";
 
@@ -44,6 +46,9 @@ pub struct PartOptions {
     /// Join the parts in these directories
     #[arg(long, value_name = "DIR", num_args = 1.., conflicts_with_all = ["shard", "resume"])]
     pub merge: Vec<PathBuf>,
+    /// Keep the trajectories of runs in trajectories.parquet: all, failures, or worst:N by the smallest gap
+    #[arg(long, value_name = "WHICH", conflicts_with_all = ["resume", "merge"])]
+    pub keep: Option<Keep>,
 }
 
 /// Options of runs, by their names: a merge drives none.

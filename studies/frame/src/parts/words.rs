@@ -3,7 +3,8 @@
 use std::ffi::OsString;
 
 /// Options for place and manner of a study, with a value.
-const WITH_VALUE: [&str; 6] = ["--shard", "--resume", "--out", "--jobs", "--junit", "--markdown"];
+const WITH_VALUE: [&str; 7] =
+    ["--shard", "--resume", "--out", "--jobs", "--junit", "--markdown", "--keep"];
 /// The same without a value.
 const ALONE: [&str; 3] = ["--json", "--force", "--processes"];
 

@@ -6,12 +6,14 @@ use group::{Error, GroupOptions};
 
 use super::{Gave, Study};
 use crate::batch::{self, Done, Job};
+use crate::keep::Keeper;
 
 /// Drives runs in threads or process groups, and repeats the runs of the sample.
 pub struct Crew<'a> {
     group: &'a GroupOptions,
     repeated: &'a BTreeSet<usize>,
     going_on: &'a dyn Fn() -> bool,
+    keeper: Option<&'a Keeper>,
 }
 
 impl<'a> Crew<'a> {
@@ -19,8 +21,9 @@ impl<'a> Crew<'a> {
         group: &'a GroupOptions,
         repeated: &'a BTreeSet<usize>,
         going_on: &'a dyn Fn() -> bool,
+        keeper: Option<&'a Keeper>,
     ) -> Self {
-        Self { group, repeated, going_on }
+        Self { group, repeated, going_on, keeper }
     }
 
     /// How processes are started.
@@ -62,6 +65,9 @@ impl<'a> Crew<'a> {
             result @ (Ok(_) | Err(Error::NotReady { .. } | Error::Runtime(_))) => result,
             Err(error) => return Err(error),
         };
+        if let (Ok(done), Some(keeper)) = (&result, self.keeper) {
+            keeper.offer(run, &job.scenario, &study.keys(run), done);
+        }
         let repetition = result.as_ref().ok().and_then(|done| done.repetition.clone());
         let (record, seen) = study.record(run, job, result)?;
         Ok(Gave { record, seen, repetition })

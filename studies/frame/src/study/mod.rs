@@ -90,6 +90,8 @@ pub trait Study: Sized + Sync {
     const NEEDS: Needs = Needs::Part;
     /// There may be too many records for memory: a journal is kept in any case.
     const KEEPS_JOURNAL: bool = false;
+    /// Each run has one trajectory, which `--keep` can keep.
+    const KEEPS_TRAJECTORIES: bool = true;
     /// A run that gave other bytes in a process group is a finding of the study. Otherwise it ends the study.
     const JUDGES_SAMPLE: bool = false;
 
@@ -185,6 +187,13 @@ pub trait Study: Sized + Sync {
     fn is_alone(&self, run: usize) -> Result<bool, Error> {
         let _ = run;
         Ok(false)
+    }
+
+    /// The keys that the study varies, with their values in a run: columns of the trajectories that `--keep` keeps.
+    /// All runs have the same keys.
+    fn keys(&self, run: usize) -> Vec<(String, String)> {
+        let _ = run;
+        Vec::new()
     }
 
     /// A line for standard error when a run has ended.

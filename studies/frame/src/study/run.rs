@@ -9,6 +9,7 @@ use report::output::OutputDirectory;
 
 use super::{Crew, Found, Gave, Needs, Options, Study};
 use crate::batch::{self, ProcessesSample};
+use crate::keep::{self, Keeper, KeepsNone};
 use crate::parts::{self, Merged, Part, PartOptions, ShardChoice, name_incomplete};
 
 /// Runs the command of a study.
@@ -26,6 +27,9 @@ pub fn run<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
 fn drive<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
     let given = S::options(arguments);
     let mut parts = given.parts.cloned().unwrap_or_default();
+    if parts.keep.is_some() && !S::KEEPS_TRAJECTORIES {
+        return Err(KeepsNone { command: S::NAME.to_owned() }.into());
+    }
     let mut group = given.group.clone();
     let (study, subject) = match parts::begun(&parts).transpose()? {
         Some((directory, begun)) => {
@@ -57,8 +61,15 @@ fn drive<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
     let bar = report::progress::count_bar(part.runs(), results.json);
     bar.set_message(study.label());
     let mut seen = BTreeMap::new();
-    let end = all(&study, options, &mut part, &mut seen, &bar);
+    let keeper =
+        parts.keep.map(|keep| Keeper::new(keep, &output, &part.left(), &|run| study.keys(run)));
+    let end = all(&study, options, &mut part, &mut seen, keeper.as_ref(), &bar);
     bar.finish_and_clear();
+    if let Some(keeper) = keeper {
+        let kept = keeper.finish()?;
+        let place = output.path().join(keep::FILE);
+        report::print::note(&format!("trajectories kept: {kept} in {}", place.display()));
+    }
     if end.is_err() {
         part.print_how_to_continue(&output);
     }
@@ -75,6 +86,7 @@ fn all<S: Study>(
     options: Options<'_>,
     part: &mut Part<S::Record>,
     seen: &mut BTreeMap<usize, S::Seen>,
+    keeper: Option<&Keeper>,
     bar: &ProgressBar,
 ) -> Result<(), Error> {
     let left = part.left();
@@ -92,13 +104,16 @@ fn all<S: Study>(
             bar.suspend(|| report::print::note(&line));
         }
         sample.count(run, repetition.as_ref());
+        if let Some(keeper) = keeper {
+            keeper.settle(run)?;
+        }
         seen.insert(run, picture);
         part.keep(run, record, repetition.as_ref())
     };
     let at_once = batch::at_once(options.jobs, study.mode());
     for (runs, at_once) in [(together, at_once), (alone, 1)] {
         let work = |place: usize, going_on: &dyn Fn() -> bool| {
-            let crew = Crew::new(options.group, &sampled, going_on);
+            let crew = Crew::new(options.group, &sampled, going_on, keeper);
             study.drive(runs[place], &crew)
         };
         let mut each = |place: usize, gave| keep(runs[place], gave);

@@ -100,6 +100,8 @@ impl Study for Plan {
     type Seen = ();
 
     const NAME: &'static str = "r157";
+    // A case is driven as often as its judgement takes.
+    const KEEPS_TRAJECTORIES: bool = false;
     const NEEDS: Needs = Needs::All;
 
     fn options(arguments: &R157Arguments) -> Options<'_> {

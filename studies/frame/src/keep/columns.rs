@@ -1,0 +1,102 @@
+//! The columns of a trajectory.
+
+use group::{Drive, DriveStep};
+use parquet_writer::Cells;
+use scenario::Scenario;
+
+/// Names of the columns before and behind the study's keys.
+pub(super) const NAMES: [&[&str]; 2] = [
+    &["run", "scenario", "law", "seed"],
+    &[
+        "time_s",
+        "position_m",
+        "speed_mps",
+        "acceleration_mps2",
+        "applied_mps2",
+        "request_mps2",
+        "gap_m",
+        "lead_speed_mps",
+        "mode",
+        "quality",
+        "gear",
+        "engine_torque_nm",
+        "fuel_g",
+        "figure_0",
+        "figure_1",
+        "figure_2",
+        "figure_3",
+        "figure_4",
+        "figure_5",
+        "figure_6",
+        "figure_7",
+    ],
+];
+
+/// A key that the study varies.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Key {
+    pub(super) name: String,
+    /// Its values are numbers in all runs.
+    pub(super) is_number: bool,
+}
+
+/// The keys of a study by those of its runs.
+pub(super) fn keys(runs: impl Iterator<Item = Vec<(String, String)>>) -> Vec<Key> {
+    let mut keys: Vec<Key> = Vec::new();
+    for run in runs {
+        if keys.is_empty() {
+            let key = |(name, _): &(String, String)| Key { name: name.clone(), is_number: true };
+            keys = run.iter().map(key).collect();
+        }
+        for (key, (_, value)) in keys.iter_mut().zip(&run) {
+            key.is_number &= value.parse::<f64>().is_ok();
+        }
+    }
+    keys
+}
+
+/// The cells of a run, in the order of the columns.
+pub(super) fn cells(
+    run: usize,
+    scenario: &Scenario,
+    law: &str,
+    keys: &[Key],
+    values: &[(String, String)],
+    drive: &Drive,
+) -> Vec<Cells> {
+    let steps = &drive.steps;
+    let text = |text: &str| Cells::Text(vec![Some(text.to_owned()); steps.len()]);
+    let number =
+        |of: &dyn Fn(&DriveStep) -> Option<f64>| Cells::Number(steps.iter().map(of).collect());
+    let whole =
+        |of: &dyn Fn(&DriveStep) -> Option<i64>| Cells::Integer(steps.iter().map(of).collect());
+    let mut cells = vec![
+        whole(&|_| Some(run as i64)),
+        text(scenario.name.as_str()),
+        text(law),
+        whole(&|_| i64::try_from(scenario.seed.value()).ok()),
+    ];
+    cells.extend(keys.iter().zip(values).map(|(key, (_, value))| match key.is_number {
+        true => number(&|_| value.parse().ok()),
+        false => text(value),
+    }));
+    cells.extend([
+        number(&|step| Some(step.time_s)),
+        number(&|step| Some(step.position_m)),
+        number(&|step| Some(step.speed_mps)),
+        number(&|step| Some(step.acceleration_mps2)),
+        number(&|step| Some(step.applied_mps2)),
+        number(&|step| step.request_mps2),
+        number(&|step| step.gap_m),
+        number(&|step| step.lead_speed_mps),
+        whole(&|step| step.mode.map(i64::from)),
+        whole(&|step| step.quality.map(i64::from)),
+        whole(&|step| step.powertrain.map(|powertrain| i64::from(powertrain.gear))),
+        number(&|step| step.powertrain.map(|powertrain| powertrain.engine_torque_nm)),
+        number(&|step| step.powertrain.map(|powertrain| powertrain.fuel_g)),
+    ]);
+    let figures = NAMES[1].iter().filter(|name| name.starts_with("figure_")).enumerate();
+    let figures = figures.map(|(index, _)| number(&|step| step.figures?.get(index).copied()));
+    cells.extend(figures);
+    cells
+}

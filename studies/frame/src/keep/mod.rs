@@ -1,0 +1,268 @@
+//! `--keep`: trajectories of a study's runs, in one Parquet file.
+//!
+//! ```text
+//! run ends ─► offer (its steps as columns) ─► settle ─► row groups, in the order of the runs
+//! ```
+//!
+//! A row is a step of a run. Columns: `run`, `scenario`, `law`, `seed`, the keys that the study varies, then those of
+//! `trajectory.csv`, and the law's own figures by their place, `figure_0` on. The file's metadata has their names, as
+//! `figures.LAW`.
+
+mod columns;
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::sync::Mutex;
+
+use group::report::Outcome;
+use group::{Error, Failure};
+use parquet_writer::{Cells, Writer};
+use report::output::OutputDirectory;
+use scenario::Scenario;
+
+use crate::batch::Done;
+use columns::{Key, NAMES, cells};
+
+/// Name of the file.
+pub const FILE: &str = "trajectories.parquet";
+
+/// The runs whose trajectories are kept.
+///
+/// ```
+/// use frame::keep::Keep;
+///
+/// assert_eq!("worst:3".parse::<Keep>().unwrap(), Keep::Worst(3.try_into().unwrap()));
+/// assert!("best:3".parse::<Keep>().is_err());
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keep {
+    /// All runs.
+    All,
+    /// Runs that did not end as completed.
+    Failures,
+    /// The runs with the smallest gaps, so many.
+    Worst(NonZeroUsize),
+}
+
+/// A word that names no choice of runs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("expected all, failures or worst:N with N of 1 or more")]
+pub struct KeepError;
+
+/// The command has no single trajectory for a run.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "--keep: {command} keeps no trajectories, expected compare, sweep, iso15622 or campaign"
+)]
+pub struct KeepsNone {
+    /// The command.
+    pub command: String,
+}
+
+impl Failure for KeepsNone {}
+
+impl FromStr for Keep {
+    type Err = KeepError;
+
+    fn from_str(text: &str) -> Result<Self, KeepError> {
+        match text {
+            "all" => Ok(Self::All),
+            "failures" => Ok(Self::Failures),
+            _ => {
+                let count = text.strip_prefix("worst:").and_then(|count| count.parse().ok());
+                count.map(Self::Worst).ok_or(KeepError)
+            }
+        }
+    }
+}
+
+/// The trajectory of a run.
+struct Kept {
+    cells: Vec<Cells>,
+    failed: bool,
+    /// Smallest gap, m; infinite without a vehicle ahead.
+    gap_m: f64,
+    figures: Option<(String, String)>,
+}
+
+/// Takes the trajectories of runs as they end, and writes those that are to be kept.
+pub(crate) struct Keeper {
+    keep: Keep,
+    path: PathBuf,
+    keys: Vec<Key>,
+    /// Runs that ended and are not settled. Workers offer them.
+    offered: Mutex<BTreeMap<usize, Kept>>,
+    book: Mutex<Book>,
+}
+
+/// What the command's own thread keeps.
+#[derive(Default)]
+struct Book {
+    /// Runs that are not settled, in order.
+    expected: VecDeque<usize>,
+    settled: BTreeSet<usize>,
+    /// Settled runs that are to be written when all before them are settled, or at the end.
+    waiting: BTreeMap<usize, Kept>,
+    writer: Option<Writer<BufWriter<File>>>,
+    written: usize,
+}
+
+impl Keeper {
+    /// Begins for the runs `left`, each with its values of the study's keys. The file begins with the first
+    /// trajectory.
+    pub(crate) fn new(
+        keep: Keep,
+        output: &OutputDirectory,
+        left: &[usize],
+        values: &dyn Fn(usize) -> Vec<(String, String)>,
+    ) -> Self {
+        Self {
+            keep,
+            path: output.path().join(FILE),
+            keys: columns::keys(left.iter().map(|run| values(*run))),
+            offered: Mutex::default(),
+            book: Mutex::new(Book { expected: left.iter().copied().collect(), ..Book::default() }),
+        }
+    }
+
+    /// Takes the trajectory of a run, in the worker's thread.
+    pub(crate) fn offer(
+        &self,
+        run: usize,
+        scenario: &Scenario,
+        values: &[(String, String)],
+        done: &Done,
+    ) {
+        let failed = done.summary.outcome != Outcome::Completed;
+        let law = done.summary.controller.clone();
+        let names = controller::laws::figure_names(scenario);
+        let figures = (!names.is_empty()).then(|| (law.clone(), names.join(",")));
+        let gap_m = done.summary.control.figures.min_gap_m.unwrap_or(f64::INFINITY);
+        let cells = cells(run, scenario, &law, &self.keys, values, &done.drive);
+        let kept = Kept { cells, failed, gap_m, figures };
+        self.offered.lock().expect("no worker panics here").insert(run, kept);
+    }
+
+    /// Decides on a run that ended.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub(crate) fn settle(&self, run: usize) -> Result<(), Error> {
+        let offered = self.offered.lock().expect("no worker panics here").remove(&run);
+        let mut book = self.book.lock().expect("one thread settles");
+        book.settled.insert(run);
+        let offered = offered.filter(|kept| match self.keep {
+            Keep::All | Keep::Worst(_) => true,
+            Keep::Failures => kept.failed,
+        });
+        book.waiting.extend(offered.map(|kept| (run, kept)));
+        if let Keep::Worst(most) = self.keep {
+            if book.waiting.len() > most.get() {
+                let gap = |entry: &(&usize, &Kept)| entry.1.gap_m;
+                let best = book.waiting.iter().max_by(|a, b| gap(a).total_cmp(&gap(b)));
+                let best = best.map(|(run, _)| *run).expect("it is not empty");
+                book.waiting.remove(&best);
+            }
+            return Ok(());
+        }
+        // In the order of the runs, so that the file repeats.
+        while let Some(next) = book.expected.front().copied()
+            && book.settled.remove(&next)
+        {
+            book.expected.pop_front();
+            if let Some(kept) = book.waiting.remove(&next) {
+                self.write(&mut book, &kept)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes what is left, also of a study that was interrupted. Returns the number of trajectories.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub(crate) fn finish(&self) -> Result<usize, Error> {
+        let mut book = std::mem::take(&mut *self.book.lock().expect("one thread settles"));
+        for (_, kept) in std::mem::take(&mut book.waiting) {
+            self.write(&mut book, &kept)?;
+        }
+        if let Some(writer) = book.writer {
+            writer.finish().map_err(self.failed())?;
+        }
+        Ok(book.written)
+    }
+
+    fn write(&self, book: &mut Book, kept: &Kept) -> Result<(), Error> {
+        let mut write = || -> io::Result<()> {
+            if book.writer.is_none() {
+                let keys = self.keys.iter().map(|key| key.name.as_str());
+                let [head, rest] = NAMES;
+                let names = head.iter().copied().chain(keys).chain(rest.iter().copied());
+                let names: Vec<&str> = names.collect();
+                let file = BufWriter::new(File::create(&self.path)?);
+                book.writer = Some(Writer::new(file, &names, &[])?);
+            }
+            let writer = book.writer.as_mut().expect("it was made above");
+            if let Some((law, figures)) = &kept.figures {
+                writer.metadata(&format!("figures.{law}"), figures);
+            }
+            writer.group(&kept.cells)
+        };
+        write().map_err(self.failed())?;
+        book.written += 1;
+        Ok(())
+    }
+
+    fn failed(&self) -> impl FnOnce(io::Error) -> Error + use<> {
+        let path = self.path.clone();
+        move |reason| Error::Path { action: "write", path, reason }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn keeper(keep: Keep, name: &str) -> (Keeper, PathBuf) {
+        let path = std::env::temp_dir().join(format!("timegap-keep-{name}-{}", std::process::id()));
+        let book = Mutex::new(Book { expected: (0..4).collect(), ..Book::default() });
+        let keeper =
+            Keeper { keep, path: path.clone(), keys: Vec::new(), offered: Mutex::default(), book };
+        for (run, gap_m) in [(0, 5.0), (1, 1.0), (2, 9.0), (3, 2.0)] {
+            let one = || Cells::Number(vec![Some(gap_m)]);
+            let names = NAMES.concat();
+            let cells = names.iter().map(|_| one()).collect();
+            let kept = Kept { cells, failed: gap_m < 3.0, gap_m, figures: None };
+            keeper.offered.lock().expect("alone").insert(run, kept);
+        }
+        // They end in another order.
+        for run in [2, 0, 3, 1] {
+            keeper.settle(run).expect("writable");
+        }
+        (keeper, path)
+    }
+
+    #[test]
+    fn the_chosen_runs_are_written() {
+        let two = NonZeroUsize::new(2).expect("not zero");
+        for (keep, name, count) in
+            [(Keep::All, "all", 4), (Keep::Failures, "failures", 2), (Keep::Worst(two), "worst", 2)]
+        {
+            let (keeper, path) = keeper(keep, name);
+            if keep != Keep::All {
+                let book = keeper.book.lock().expect("alone");
+                let waiting: Vec<usize> = book.waiting.keys().copied().collect();
+                let expected: &[usize] = if keep == Keep::Failures { &[] } else { &[1, 3] };
+                assert_eq!(waiting, expected);
+            }
+            assert_eq!(keeper.finish().expect("writable"), count, "{name}");
+            let file = std::fs::read(&path).expect("it was written");
+            std::fs::remove_file(&path).expect("it was written");
+            assert!(file.ends_with(b"PAR1"));
+        }
+    }
+}
