@@ -1,5 +1,5 @@
-//! What the radar's imperfections cost the tracker, and how fast it follows a lead that brakes:
-//! `cargo bench -p perception-sim --bench radar [-- SCENES]`.
+//! Cost of the radar's imperfections for the tracker, and its speed behind a lead that brakes: `cargo bench -p
+//! perception-sim --bench radar [-- SCENES]`.
 //!
 //! Every figure is of seeded scenes and the same on every machine. A scene is 10 s on a motorway: a lead, a
 //! vehicle on the left and one on the right, which moves into the ego's lane in every second scene. GOSPA and

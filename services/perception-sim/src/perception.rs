@@ -1,8 +1,7 @@
 //! One step of perception: traffic, radar, tracks, target.
 //!
-//! The radar has been on before the run begins: the scans that its latency holds back at the start, and
-//! those from which the tracker knows the traffic already, are those of the time before, in which
-//! every vehicle kept the speed of the start.
+//! The radar is on before the run begins. The scans that its latency holds back at the start are from that time, and
+//! those from which the tracker knows the traffic. In that time every vehicle keeps its speed of the start.
 
 use crate::report::PerceptionReport;
 use bytemuck::Zeroable;
@@ -95,9 +94,9 @@ impl Perception {
         }
     }
 
-    /// Takes the scan of `time_ns` with the ego as it truly is then, and returns the tracks of the
-    /// scan that the radar's latency lets out now, whose detections are written to `detections`. Called
-    /// once in each period; a period that was missed may be left out.
+    /// Takes the scan of `time_ns` with the true state of the ego. Returns the tracks of the scan that the radar's
+    /// latency lets out now, and writes its detections to `detections`. Called once in each period; a period that was
+    /// missed may be left out.
     pub fn step(
         &mut self,
         time_ns: u64,
@@ -202,13 +201,13 @@ impl Perception {
         }
     }
 
-    /// How many detections the last step wrote, and how many found no room.
+    /// Number of detections that the last step wrote, and number of those without room.
     #[must_use]
     pub fn received(&self) -> Received {
         self.received
     }
 
-    /// How well the tracks have matched the traffic.
+    /// Figures of how well the tracks have matched the traffic.
     #[must_use]
     pub fn report(&self) -> PerceptionReport {
         let counts = matches!(self.sensor, Sensor::Detections(_));

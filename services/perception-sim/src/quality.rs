@@ -1,4 +1,4 @@
-//! How well the tracks match the traffic, by ground truth.
+//! Quality of the tracks by ground truth.
 //!
 //! * GOSPA (generalised optimal sub-pattern assignment) with c = 10 m, p = 2, alpha = 2, on the positions
 //!   (gap, lateral) of all vehicles whose rear is in range and field of view, hidden ones included. A
@@ -13,8 +13,8 @@
 //!   false add up to that of the whole.
 //! * Time to confirm a cut-in: from the moment when the bodies' lanes overlap to the publication of a
 //!   track of it that is in the path; negative when it was recognised before.
-//! * False targets: selected targets that are no vehicle, or a vehicle that neither overlaps the ego's
-//!   lane nor moves towards it.
+//! * False targets: selected targets without a vehicle, or with a vehicle that neither overlaps the ego's lane nor
+//!   moves towards it.
 //!
 //! Source: Rahmathullah, García-Fernández and Svensson, Generalized optimal sub-pattern assignment
 //! metric (FUSION 2017).
@@ -32,7 +32,7 @@ use crate::vehicle::Vehicle;
 const CUTOFF_M: f64 = 10.0;
 /// A track may be this far from the body of a vehicle that is seen in part, m.
 const BODY_MARGIN_M: f64 = 3.0;
-/// A vehicle that moves inwards faster than this is no false target, m/s.
+/// Inward speed from which a vehicle beside the path is a right target, m/s.
 const INWARD_MPS: f64 = 0.1;
 
 /// The account of a run so far.
@@ -64,7 +64,7 @@ struct CutIn {
     outside: bool,
     /// When it began to overlap, if it has not been confirmed since.
     overlaps_ns: Option<i64>,
-    /// Since when a track of it has been in the path.
+    /// Begin of the time for which a track of it has been in the path.
     in_path_ns: Option<i64>,
 }
 
@@ -251,7 +251,7 @@ impl Assignment {
         }
     }
 
-    /// What pairs save of the penalty for missed and false.
+    /// Penalty for missed and false that the pairs save.
     fn saved(&self) -> f64 {
         CUTOFF_M * CUTOFF_M * self.count as f64 - self.squares
     }

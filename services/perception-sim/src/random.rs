@@ -62,8 +62,7 @@ impl Random {
         exponential(self.uniform())
     }
 
-    /// How many events of a Poisson process with this mean happen: exponential waiting times are
-    /// counted.
+    /// Number of events of a Poisson process with this mean: exponential waiting times are counted.
     pub fn poisson(&mut self, mean: f64) -> u32 {
         let (mut elapsed, mut events) = (self.exponential(), 0);
         while elapsed < mean {

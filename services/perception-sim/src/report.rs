@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// How well perception's tracks matched the traffic. Module [`quality`](crate::quality) computes
-/// each figure.
+/// Quality of perception's tracks by ground truth. Module [`quality`](crate::quality) computes each figure.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PerceptionReport {
     /// Scans judged.
@@ -27,7 +26,7 @@ pub struct PerceptionReport {
     pub cut_in_worst_s: Option<f64>,
     /// Vehicles that came into the lane and have no track in the path yet.
     pub cut_ins_unconfirmed: u64,
-    /// Times that a target was selected that is no vehicle in or on its way into the path.
+    /// Number of targets that are not a vehicle in the path or on its way into it.
     pub false_targets: u64,
     /// Time for which there was one, s.
     pub false_target_s: f64,

@@ -56,7 +56,7 @@ pub fn run_behind(mut runtime: Runtime, mut ahead: Ahead) -> Result<(), RuntimeE
         let Some(release) = runtime.next_release(Overrun::Skip)? else { return Ok(Cycle::Last) };
         runtime.update(&mut odometry)?;
         runtime.update(&mut ego_truth)?;
-        // The radar measures from where the ego is, not from where it was last heard of.
+        // The radar measures from the ego's true place, not from that of its last message.
         let ego = ego_truth.newest().map_or(start, |truth| true_at(truth, release.time_s));
         let told = told_at(odometry.newest(), start, &release);
         let time_ns = release.scheduled_ns.unsigned_abs();
@@ -70,7 +70,7 @@ pub fn run_behind(mut runtime: Runtime, mut ahead: Ahead) -> Result<(), RuntimeE
             checkpoint.save(&perception.traffic().snapshot())?;
         }
 
-        // What releases others first, the smaller of both before the larger; the referee has time.
+        // Others wait for tracks and detections: these go first, the smaller before the larger.
         let origins = Origins { odometry: odometry.origin(), ..Origins::NONE };
         let header = Header::new(release.step, release.scheduled_ns, origins);
         let acquired = Header { acquisition_ns: list.acquisition_ns, ..header };
@@ -102,7 +102,7 @@ fn follow(perception: &mut Perception, kept: Option<&mut Checkpoint<Snapshot>>, 
     }
 }
 
-/// Where the radar writes its detections, and what sends them.
+/// Room for the radar's detections, and their publisher.
 struct DetectionOutput {
     port: Option<Publisher<RadarDetections>>,
     /// Room for a model that has none.
@@ -123,7 +123,7 @@ impl DetectionOutput {
         self.port.as_ref().map(Publisher::loan_used).transpose()
     }
 
-    /// Where the radar writes.
+    /// The room for the detections.
     fn room<'a>(
         &'a mut self,
         message: Option<&'a mut Loan<RadarDetections>>,
@@ -143,7 +143,7 @@ impl DetectionOutput {
     ) -> Result<(), RuntimeError> {
         let Some(port) = &mut self.port else { return Ok(()) };
         let received = perception.received();
-        // Of the earlier message; behind its valid entries it had zeros as well.
+        // Clear leftovers of the previous message; the rest is already zero.
         let before = message.detections().len();
         if let Some(left_over) = message.detections.get_mut(received.count..before) {
             left_over.fill(Detection::zeroed());

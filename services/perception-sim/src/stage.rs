@@ -1,7 +1,7 @@
 //! Vehicles that a storyboard moves.
 //!
-//! The storyboard's world has the road's coordinates; the simulation's axis begins at the ego's front
-//! bumper where the run starts, in the middle of the ego, and points the way the ego faces.
+//! The storyboard's world has the road's coordinates. The simulation's axis begins at the middle of the ego's front
+//! bumper where the run starts. It points the way the ego faces.
 
 use openscenario::model::Drive;
 use openscenario::world::State;

@@ -34,7 +34,7 @@ pub struct Traffic {
     vehicles: Vec<Vehicle>,
 }
 
-/// Where all vehicles are, as it outlives a process.
+/// State of all vehicles that outlives a process.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Snapshot([Option<Base>; MAX_ACTORS], Option<State>);
 
@@ -120,8 +120,7 @@ impl Traffic {
         self.stage.as_ref().map(Stage::unstarted_acts).unwrap_or_default()
     }
 
-    /// Where all vehicles are, for a process that goes on in this one's place: they do not vanish with
-    /// who simulates them.
+    /// State of all vehicles for a process that takes this one's place: they do not vanish with who simulates them.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         let mut kept = Snapshot::default();

@@ -1,43 +1,29 @@
 //! The echoes of vehicles.
 //!
-//! A vehicle reflects at a few places of its body: the middle of its rear, the rear corners, and the
-//! wheelhouses of the side that it shows, on long vehicles more along that side. A place is strong when
-//! its face is seen squarely; each has a fluctuation of its own. What another vehicle hides is seen under
-//! that vehicle only, weaker. Beside the straight path a wave takes two others:
+//! A vehicle reflects at a few places of its body: the middle of its rear, the rear corners, and the wheelhouses of
+//! the side that it shows, on long vehicles more along that side. A place is strong when its face is seen squarely;
+//! each has a fluctuation of its own. A hidden place is seen under the other vehicle only, weaker. Beside the
+//! straight path a wave takes two others:
 //!
 //! * under the body: it is thrown to and fro between the road and the floor and comes back from the same
 //!   direction, later: an echo beyond the true range.
 //! * by the guard rail: the vehicle's mirror image, farther off and beyond the rail. A rail stands on
 //!   some stretches of the road and not on others.
 //!
-//! Sources: the reflecting places after Bühren and Yang, Simulation of automotive radar target lists
-//! using a novel approach of object representation (IEEE Intelligent Vehicles 2006); the mean cross section
-//! of a car, 10 m², is that of the test target of ISO 15622; multipath by guard rails after
-//! Kamann and others, Automotive radar multipath propagation in uncertain environments (ITSC 2018).
-//! The strengths of the places and of the detours are chosen, not measured.
+//! Sources. The reflecting places are those of Bühren and Yang, Simulation of automotive radar target lists using a
+//! novel approach of object representation (IEEE Intelligent Vehicles 2006). The mean cross section of a car, 10 m²,
+//! is that of ISO 15622's test target. Multipath by guard rails follows Kamann and others, Automotive radar multipath
+//! propagation in uncertain environments (ITSC 2018). The strengths of the places and of the detours are chosen, not
+//! measured.
 
 use super::echo::{Antenna, Echo, Fluctuation};
+use super::numbers::Numbers;
 use super::receiver::Echoes;
 use super::scene::{Ego, Scene};
 use crate::random::{Random, fixed, hash};
 use crate::vehicle::Vehicle;
 
-/// Share of the mean cross section in the middle of the rear.
-const REAR_SHARE: f64 = 0.6;
-/// Share in each rear corner.
-const CORNER_SHARE: f64 = 0.2;
-/// Share in each wheelhouse of a side seen squarely.
-const SIDE_SHARE: f64 = 0.5;
-/// Distance of a wheelhouse from the end of the body, m.
-const WHEELHOUSE_M: f64 = 0.9;
-/// Longest stretch of a side without a place that reflects, m.
-const SIDE_SPACING_M: f64 = 4.0;
-/// A longer vehicle is a lorry, m.
-const LONGEST_CAR_M: f64 = 7.0;
-/// Length of a stretch of road with or without a rail, m.
-const RAIL_STRETCH_M: f64 = 100.0;
-
-/// How vehicles reflect.
+/// Reflections of vehicles.
 #[derive(Clone, Copy, Debug)]
 pub struct Bodies {
     /// Mean cross section of a car's rear, m².
@@ -46,7 +32,7 @@ pub struct Bodies {
     pub lorry_m2: f64,
     /// Probability that a vehicle is missing from a scan, whatever its echoes are like.
     pub dropout_probability: f64,
-    /// How each place fluctuates.
+    /// Fluctuation of each place.
     pub fluctuation: Fluctuation,
     /// Factor on the power of what another vehicle hides; 1: nothing hides anything.
     pub hidden_factor: f64,
@@ -54,6 +40,8 @@ pub struct Bodies {
     pub under_body: UnderBody,
     /// Mirror images in guard rails.
     pub rail: Rail,
+    /// Places that reflect.
+    pub numbers: Numbers,
 }
 
 /// Echoes from under the body.
@@ -152,31 +140,39 @@ struct Sight<'a> {
 
 impl Sight<'_> {
     fn vehicle(&mut self, index: usize, vehicle: &Vehicle, body: &Body) {
-        let lorry = vehicle.length_m > LONGEST_CAR_M;
+        let numbers = &self.bodies.numbers;
+        let lorry = vehicle.length_m > numbers.longest_car_m;
         let mean_m2 = if lorry { self.bodies.lorry_m2 } else { self.bodies.car_m2 };
         let velocity = (vehicle.speed_mps - self.scene.ego.speed_mps, vehicle.lateral_speed_mps);
         if body.rear_m > 0.0 {
             let middle = (body.rear_m, vehicle.lateral_m);
             let squarely = middle.0 / libm::sqrt(middle.0 * middle.0 + middle.1 * middle.1);
             let rear_m2 = mean_m2 * squarely * squarely;
-            let echo = self.place(index, middle, velocity, REAR_SHARE * rear_m2);
+            let echo = self.place(index, middle, velocity, numbers.rear_share * rear_m2);
             if let Some(echo) = echo {
                 self.under_body(&echo);
             }
-            self.place(index, (body.rear_m, body.left_m), velocity, CORNER_SHARE * rear_m2);
-            self.place(index, (body.rear_m, body.right_m), velocity, CORNER_SHARE * rear_m2);
+            self.place(index, (body.rear_m, body.left_m), velocity, numbers.corner_share * rear_m2);
+            self.place(
+                index,
+                (body.rear_m, body.right_m),
+                velocity,
+                numbers.corner_share * rear_m2,
+            );
             self.mirrored(middle, velocity, rear_m2);
         }
         let side_m = if body.right_m > 0.0 { body.right_m } else { body.left_m };
         if body.right_m > 0.0 || body.left_m < 0.0 {
-            self.side(index, body, side_m, velocity, SIDE_SHARE * mean_m2);
+            self.side(index, body, side_m, velocity, numbers.side_share * mean_m2);
         }
     }
 
     /// The places along a side.
     fn side(&mut self, index: usize, body: &Body, y_m: f64, velocity: (f64, f64), area_m2: f64) {
-        let (first, last) = (body.rear_m + WHEELHOUSE_M, body.front_m - WHEELHOUSE_M);
-        let gaps = ((last - first) / SIDE_SPACING_M).ceil().max(1.0);
+        let numbers = &self.bodies.numbers;
+        let (first, last) =
+            (body.rear_m + numbers.wheelhouse_m, body.front_m - numbers.wheelhouse_m);
+        let gaps = ((last - first) / numbers.side_spacing_m).ceil().max(1.0);
         for k in 0..=gaps as u32 {
             let x_m = first + (last - first) * f64::from(k) / gaps;
             let squarely = y_m.abs() / libm::sqrt(x_m * x_m + y_m * y_m);
@@ -224,7 +220,7 @@ impl Sight<'_> {
             }
             let image_y = 2.0 * offset_m - y;
             let struck_m = self.scene.ego.position_m + x * offset_m / image_y;
-            let stretch = (struck_m / RAIL_STRETCH_M).floor() as i64;
+            let stretch = (struck_m / self.bodies.numbers.rail_stretch_m).floor() as i64;
             let there = fixed(hash(self.seed, RAIL_STREAM + side), stretch as u64) < rail.share;
             if !there {
                 continue;
@@ -238,7 +234,7 @@ impl Sight<'_> {
     }
 }
 
-/// Where rails stand is drawn from these streams.
+/// Streams of random numbers for the places of rails.
 const RAIL_STREAM: u64 = 1 << 32;
 
 #[cfg(test)]
@@ -253,6 +249,7 @@ mod tests {
         hidden_factor: 0.01,
         under_body: UnderBody { probability: 0.0, factor: 0.1, mean_m: 1.5 },
         rail: Rail { share: 0.0, offset_m: 8.0, factor: 0.03 },
+        numbers: Numbers::DEFAULT,
     };
 
     fn car(rear_m: f64, lateral_m: f64) -> Vehicle {
@@ -270,7 +267,7 @@ mod tests {
     fn echoes(bodies: &Bodies, vehicles: &[Vehicle]) -> Vec<Echo> {
         let ego = Ego { position_m: 0.0, speed_mps: 25.0, acceleration_mps2: 0.0 };
         let scene = Scene::new(0, ego, vehicles);
-        let mut echoes = Echoes::with_capacity(64);
+        let mut echoes = Echoes::new(64, &Numbers::DEFAULT);
         bodies.reflect(1, &scene, &Antenna::new(15.0, 6.0, 60.0, 150.0), &mut echoes);
         echoes.list().to_vec()
     }

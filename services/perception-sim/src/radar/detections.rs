@@ -16,6 +16,7 @@ use scenario::perception::{Detections, Radar, Swerling};
 
 use super::bodies::{Bodies, Rail, UnderBody};
 use super::echo::{Antenna, Fluctuation, ratio};
+use super::numbers::Numbers;
 use super::receiver::{Accuracy, Echoes, Received, Receiver};
 use super::roadside::Roadside;
 use super::scene::Scene;
@@ -38,6 +39,12 @@ impl DetectionRadar {
     /// The radar of a scenario.
     #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
+        Self::with(scenario, &Numbers::DEFAULT)
+    }
+
+    /// The radar of a scenario with other numbers, for studies of their effect.
+    #[must_use]
+    pub fn with(scenario: &Scenario, numbers: &Numbers) -> Self {
         let radar = &scenario.perception.radar;
         let keys = &radar.detections;
         let fluctuation = match keys.swerling {
@@ -53,7 +60,7 @@ impl DetectionRadar {
                 radar.field_of_view_deg.value(),
                 radar.max_range_m.value(),
             ),
-            bodies: bodies(radar, fluctuation),
+            bodies: bodies(radar, fluctuation, numbers),
             roadside: Roadside {
                 objects_per_km: keys.standing_objects_per_km.value(),
                 offset_m: keys.roadside_offset_m.value(),
@@ -61,14 +68,14 @@ impl DetectionRadar {
                 fluctuation,
                 dropout_probability: radar.dropout_probability.value(),
                 hidden_factor: ratio(-keys.hidden_loss_db.value()),
+                depth_m: numbers.roadside_depth_m,
             },
-            receiver: receiver(keys),
-            echoes: Echoes::with_capacity(ECHOES),
+            receiver: receiver(keys, numbers),
+            echoes: Echoes::new(ECHOES, numbers),
         }
     }
 
-    /// Writes the detections of a scene, nearest first, as many as there is room for. What the rest of
-    /// `detections` holds stays.
+    /// Writes the detections of a scene, nearest first, as many as there is room for. The rest of `detections` stays.
     pub fn scan(
         &mut self,
         scene: &Scene,
@@ -88,7 +95,7 @@ impl DetectionRadar {
     }
 }
 
-fn bodies(radar: &Radar, fluctuation: Fluctuation) -> Bodies {
+fn bodies(radar: &Radar, fluctuation: Fluctuation, numbers: &Numbers) -> Bodies {
     let keys = &radar.detections;
     Bodies {
         dropout_probability: radar.dropout_probability.value(),
@@ -106,10 +113,11 @@ fn bodies(radar: &Radar, fluctuation: Fluctuation) -> Bodies {
             offset_m: keys.roadside_offset_m.value(),
             factor: ratio(-keys.guard_rail_loss_db.value()),
         },
+        numbers: *numbers,
     }
 }
 
-fn receiver(keys: &Detections) -> Receiver {
+fn receiver(keys: &Detections, numbers: &Numbers) -> Receiver {
     Receiver {
         range: Accuracy {
             resolution: keys.range_resolution_m.value(),
@@ -126,5 +134,6 @@ fn receiver(keys: &Detections) -> Receiver {
         merges: keys.merge,
         threshold: ratio(keys.threshold_db.value()),
         false_alarms: keys.false_alarms_per_scan.value(),
+        numbers: *numbers,
     }
 }

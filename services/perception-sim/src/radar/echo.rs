@@ -20,8 +20,8 @@ pub struct Echo {
     pub false_alarm: bool,
 }
 
-/// How the mean power of an echo follows from its place: the radar equation with everything but range,
-/// azimuth and radar cross section in one constant,
+/// Mean power of an echo by its place: the radar equation with everything but range, azimuth and radar cross section
+/// in one constant,
 ///
 /// ```text
 /// S/N = (S/N at 100 m, 1 m²) · sigma / 1 m² · (100 m / R)^4 · g(azimuth)²
@@ -39,7 +39,7 @@ pub struct Antenna {
     pub half_field_of_view_rad: f64,
     /// Farthest range, m.
     pub max_range_m: f64,
-    /// What is farther to the side than this times its distance ahead is surely out of sight.
+    /// A point farther to the side than this times its distance ahead is surely out of sight.
     beyond_sight: f64,
 }
 
@@ -64,8 +64,8 @@ impl Antenna {
         }
     }
 
-    /// The echo of a point at (`x_m` ahead, `y_m` left) that moves relative to the antenna with
-    /// (`vx_mps`, `vy_mps`), with the cross section that `area_m2` gives if it is needed; `None` out of sight.
+    /// The echo of a point at (`x_m` ahead, `y_m` left); `None` out of sight. It moves relative to the antenna with
+    /// (`vx_mps`, `vy_mps`). `area_m2` computes its cross section, if it is in sight.
     #[must_use]
     pub fn echo(
         &self,
@@ -98,8 +98,8 @@ impl Antenna {
     }
 }
 
-/// How the cross section of a point changes from scan to scan. At 77 GHz a wave is 4 mm long: between two
-/// scans every vehicle moves by many of them, so that successive scans are independent.
+/// Change of a point's cross section from scan to scan. At 77 GHz a wave is 4 mm long: between two scans every
+/// vehicle moves by many of them, so that successive scans are independent.
 ///
 /// Source: Swerling, Probability of detection for fluctuating targets, IRE Trans. Information Theory 6
 /// (1960) 269.

@@ -9,6 +9,7 @@
 pub mod bodies;
 pub mod detections;
 pub mod echo;
+pub mod numbers;
 pub mod object_list;
 pub mod receiver;
 pub mod roadside;

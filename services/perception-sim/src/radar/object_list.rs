@@ -1,9 +1,9 @@
 //! The object list: what a radar with a perfect tracker's knowledge of identities would measure.
 //!
-//! It measures each visible vehicle at the middle of its rear bumper: range, range rate and azimuth,
-//! with independent Gaussian noise on each, and misses it with a given probability. A vehicle is
-//! visible when its rear bumper is ahead of the ego's front bumper, within range and field of view;
-//! nothing hides behind anything. Which measurement belongs to which vehicle is known.
+//! It measures each visible vehicle at the middle of its rear bumper: range, range rate and azimuth, with independent
+//! Gaussian noise on each, and misses it with a given probability. A vehicle is visible when its rear bumper is ahead
+//! of the ego's front bumper, within range and field of view. Vehicles do not hide each other. Which measurement
+//! belongs to which vehicle is known.
 //!
 //! Every vehicle has its own stream of random numbers, drawn whether it is visible or not: what
 //! happens to one vehicle does not change the noise on another.
@@ -27,10 +27,10 @@ pub struct Measurement {
     pub azimuth_rad: f64,
 }
 
-/// What one scan saw, by the vehicle's place in the scenario.
+/// Measurements of one scan, by the vehicle's place in the scenario.
 pub type Scan = [Option<Measurement>; MAX_TRACKS];
 
-/// What is within range and field of view.
+/// Range and field of view.
 #[derive(Clone, Copy, Debug)]
 pub struct View {
     max_range_m: f64,

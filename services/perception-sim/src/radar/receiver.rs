@@ -10,8 +10,8 @@
 //!   floor.
 //! * Noise alone exceeds the threshold somewhere in the measured volume a Poisson number of times.
 //! * The receiver keeps a constant false-alarm rate: where noise exceeds the set threshold more than
-//!   [`ALARMS_KEPT`] times in a scan, it raises the threshold for that scan. Noise power is exponential, so that
-//!   ln(n / ALARMS_KEPT) more leaves that number of n alarms.
+//!   [`Numbers::alarms_kept`] times in a scan, it raises the threshold for that scan. Noise power is exponential, so that
+//!   ln(n / kept) more leaves that number of n alarms.
 //!
 //! Sources: Swerling (1960) as in [`super::echo`]; Rife and Boorstyn, Single-tone parameter estimation
 //! from discrete-time observations, IEEE Trans. Information Theory 20 (1974) 591; Richards, Fundamentals
@@ -20,18 +20,11 @@
 use messages::{Detection, MAX_DETECTIONS};
 
 use super::echo::{Antenna, Echo, decibels, ratio};
+use super::numbers::Numbers;
 use crate::random::Random;
 
 /// √6/(2π).
 const TONE: f64 = 0.389_848_400_616_838_7;
-/// Weaker echoes are left out: what noise makes of them is in the false alarms.
-const LEAST_POWER: f64 = 0.1;
-/// False alarms have range rates between minus and plus this, m/s: what the waveform measures without
-/// ambiguity.
-const LARGEST_RANGE_RATE_MPS: f64 = 70.0;
-/// Alarms of noise in a scan that the receiver lets through. Chosen: with 10 in a scan the emergency brake has made
-/// no false intervention, with 20 some; a sound radar has 0.5, and keeps its threshold.
-const ALARMS_KEPT: f64 = 4.0;
 /// Number of the random numbers' stream; vehicles have those below.
 const STREAM: u64 = 1 << 21;
 
@@ -40,19 +33,21 @@ const STREAM: u64 = 1 << 21;
 pub struct Echoes {
     list: Vec<Echo>,
     capacity: usize,
+    least_power: f64,
     left_out: u64,
 }
 
 impl Echoes {
     /// Room for `capacity` echoes.
     #[must_use]
-    pub fn with_capacity(capacity: usize) -> Self {
-        Self { list: Vec::with_capacity(capacity), capacity, left_out: 0 }
+    pub fn new(capacity: usize, numbers: &Numbers) -> Self {
+        let least_power = numbers.least_power;
+        Self { list: Vec::with_capacity(capacity), capacity, least_power, left_out: 0 }
     }
 
     /// Adds an echo that is not lost in noise.
     pub fn add(&mut self, echo: Echo) {
-        if echo.power < LEAST_POWER {
+        if echo.power < self.least_power {
             return;
         }
         if self.list.len() < self.capacity {
@@ -96,11 +91,11 @@ impl Accuracy {
 /// The receiver.
 #[derive(Clone, Copy, Debug)]
 pub struct Receiver {
-    /// Of the range, m.
+    /// Accuracy of the range, m.
     pub range: Accuracy,
-    /// Of the range rate, m/s.
+    /// Accuracy of the range rate, m/s.
     pub range_rate: Accuracy,
-    /// Of the azimuth on the axis, rad. The aperture shrinks with the cosine of the azimuth.
+    /// Accuracy of the azimuth on the axis, rad. The aperture shrinks with the cosine of the azimuth.
     pub azimuth: Accuracy,
     /// Echoes within one cell are merged.
     pub merges: bool,
@@ -108,20 +103,22 @@ pub struct Receiver {
     pub threshold: f64,
     /// Mean number of false alarms in a scan.
     pub false_alarms: f64,
+    /// Numbers of its noise.
+    pub numbers: Numbers,
 }
 
-/// What became of the echoes of one scan.
+/// Account of the echoes of one scan.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Received {
     /// Detections written.
     pub count: usize,
-    /// Echoes and detections for which there was no room.
+    /// Echoes and detections without room.
     pub left_out: u64,
 }
 
 impl Receiver {
-    /// Turns echoes into detections in the order of their ranges. What finds no room in `detections` is
-    /// counted; the nearest ones are kept.
+    /// Turns echoes into detections in the order of their ranges. The nearest detections are kept; the ones without
+    /// room in `detections` are counted.
     pub fn detect(
         &self,
         seed: u64,
@@ -157,17 +154,18 @@ impl Receiver {
             return self.threshold;
         }
         let half = antenna.half_field_of_view_rad;
+        let fastest_mps = self.numbers.largest_range_rate_mps;
         let alarms = random.poisson(self.false_alarms);
         for _ in 0..alarms {
             echoes.add(Echo {
                 range_m: random.between(0.0, antenna.max_range_m),
-                range_rate_mps: random.between(-LARGEST_RANGE_RATE_MPS, LARGEST_RANGE_RATE_MPS),
+                range_rate_mps: random.between(-fastest_mps, fastest_mps),
                 azimuth_rad: random.between(-half, half),
                 power: self.threshold + random.exponential(),
                 false_alarm: true,
             });
         }
-        self.threshold + libm::log((f64::from(alarms) / ALARMS_KEPT).max(1.0))
+        self.threshold + libm::log((f64::from(alarms) / self.numbers.alarms_kept).max(1.0))
     }
 
     /// Merges what is in one cell; `list` is in the order of ranges.
@@ -255,6 +253,7 @@ mod tests {
         merges: true,
         threshold: 16.0,
         false_alarms: 0.0,
+        numbers: Numbers::DEFAULT,
     };
 
     fn antenna() -> Antenna {
@@ -270,7 +269,7 @@ mod tests {
         let mut detections = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
         (0..scans)
             .map(|scan| {
-                let mut list = Echoes::with_capacity(8000);
+                let mut list = Echoes::new(8000, &Numbers::DEFAULT);
                 echoes.iter().for_each(|echo| list.add(*echo));
                 let received = receiver.detect(1, scan, &antenna(), &mut list, &mut detections);
                 detections[..received.count].to_vec()
@@ -379,7 +378,7 @@ mod tests {
     fn what_finds_no_room_is_counted_and_the_nearest_are_kept() {
         let receiver = Receiver { false_alarms: 0.0, ..RECEIVER };
         let mut detections = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
-        let mut list = Echoes::with_capacity(4096);
+        let mut list = Echoes::new(4096, &Numbers::DEFAULT);
         (0..1500).for_each(|k| list.add(echo(0.1 * f64::from(k), 1e6)));
         let receiver = Receiver { merges: false, ..receiver };
         let received = receiver.detect(1, 0, &antenna(), &mut list, &mut detections);

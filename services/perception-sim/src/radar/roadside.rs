@@ -1,7 +1,7 @@
-//! What stands beside the road: posts, signs, trees.
+//! Objects beside the road: posts, signs, trees.
 //!
-//! On each side the road is cut into cells, and in each stands one object, at a place and with a mean
-//! cross section that depend on the seed and the cell alone: the same object is met in every scan.
+//! On each side the road is cut into cells of one object each. Its place and its mean cross section depend on the
+//! seed and the cell alone: it is the same in every scan.
 
 use super::bodies::hidden;
 use super::echo::{Antenna, Fluctuation};
@@ -9,26 +9,26 @@ use super::receiver::Echoes;
 use super::scene::Scene;
 use crate::random::{Random, fixed, hash};
 
-/// Objects stand at most this much farther off than the nearest, m.
-const DEPTH_M: f64 = 3.0;
 /// Number of the random numbers' stream; vehicles have those below.
 const STREAM: u64 = 1 << 20;
 
-/// How the roadside reflects.
+/// Reflections of the roadside.
 #[derive(Clone, Copy, Debug)]
 pub struct Roadside {
     /// Objects on each side of a kilometre; 0: none.
     pub objects_per_km: f64,
     /// Distance of the nearest from the centre of the ego's lane, m.
     pub offset_m: f64,
-    /// Mean cross section, m². That of one object is exponential over the objects.
+    /// Mean cross section, m². It is exponential over the objects.
     pub area_m2: f64,
-    /// How each fluctuates from scan to scan.
+    /// Fluctuation of each from scan to scan.
     pub fluctuation: Fluctuation,
     /// Probability that an object is missing from a scan, whatever its echo is like.
     pub dropout_probability: f64,
     /// Factor on the power of what a vehicle hides; 1: nothing hides anything.
     pub hidden_factor: f64,
+    /// Depth of the strip in which objects stand, m.
+    pub depth_m: f64,
 }
 
 impl Roadside {
@@ -46,7 +46,7 @@ impl Roadside {
             for (side, sign) in [(0, 1.0), (1, -1.0)] {
                 let object = hash(seed, STREAM.wrapping_add_signed(2 * cell + side));
                 let x_m = (cell as f64 + fixed(object, 0)) * cell_m - ego.position_m;
-                let y_m = sign * (self.offset_m + DEPTH_M * fixed(object, 1));
+                let y_m = sign * (self.offset_m + self.depth_m * fixed(object, 1));
                 let scanned = hash(object, scene.time_ns as u64);
                 let is_missing =
                     self.dropout_probability > 0.0 && fixed(scanned, 3) < self.dropout_probability;
@@ -72,6 +72,7 @@ impl Roadside {
 
 #[cfg(test)]
 mod tests {
+    use super::super::numbers::Numbers;
     use super::super::scene::Ego;
     use super::*;
 
@@ -82,13 +83,14 @@ mod tests {
         fluctuation: Fluctuation::None,
         dropout_probability: 0.0,
         hidden_factor: 1.0,
+        depth_m: 3.0,
     };
 
     /// Places of the objects on the road, m, and how far beside it.
     fn seen(position_m: f64) -> Vec<(f64, f64)> {
         let ego = Ego { position_m, speed_mps: 30.0, acceleration_mps2: 0.0 };
         let scene = Scene::new(0, ego, &[]);
-        let mut echoes = Echoes::with_capacity(100);
+        let mut echoes = Echoes::new(100, &Numbers::DEFAULT);
         ROADSIDE.reflect(7, &scene, &Antenna::new(40.0, 0.0, 60.0, 150.0), &mut echoes);
         let place = |echo: &super::super::echo::Echo| {
             let (sine, cosine) = libm::sincos(echo.azimuth_rad);

@@ -1,4 +1,4 @@
-//! What there is for the radar to see at one instant.
+//! The scene before the radar at one instant.
 
 use messages::MAX_TRACKS;
 

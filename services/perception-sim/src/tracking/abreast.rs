@@ -1,18 +1,18 @@
-//! Two vehicles abreast that the receiver does not tell apart.
+//! Two vehicles abreast that the receiver does not resolve.
 //!
-//! Echoes within the azimuth's resolution come out as one, at their mean weighted by power. Far off, the
-//! vehicles in both neighbouring lanes then look like one between them, where none is. The scatter tells
-//! them from one vehicle: the powers fluctuate independently from scan to scan (exponential ones have a
-//! share that is uniform), so that the mean of two wanders over all of the distance D between their
-//! middles, with the variance D²/12, while that of one vehicle stays on its body.
+//! Echoes within the azimuth's resolution come out as one, at their mean weighted by power. Far off, the vehicles in
+//! both neighbouring lanes then look like one between them, where none is. The scatter distinguishes them from one
+//! vehicle. The powers fluctuate independently from scan to scan, and the share of one of two exponential powers is
+//! uniform. So the mean of two wanders over all of the distance D between their middles, with the variance D²/12. The
+//! mean of one vehicle stays on its body.
 //!
-//! A track therefore keeps the logarithm of the likelihood ratio of one body to two, and the outermost
-//! places. Until the ratio speaks for one body ([`ONE`]), there are bodies at the outermost places and
-//! nothing is known to be between. Where the resolution keeps neighbouring lanes apart,
-//! a track is one body unless its scatter has said otherwise.
+//! A track therefore keeps the logarithm of the likelihood ratio of one body to two, and the outermost places. Until
+//! the ratio speaks for one body ([`Numbers::one_body`]), there are bodies at the outermost places and nothing is
+//! known to be between. If the resolution keeps neighbouring lanes apart, a track is one body unless its scatter
+//! contradicts.
 //!
-//! The price: of three abreast, one of them in the ego's lane, the middle one counts only once it is
-//! resolved, or once more than comfortable braking would be needed for it.
+//! The price: the middle one of three abreast, in the ego's lane, counts late. It has to be resolved first, or to
+//! need more than comfortable braking.
 //!
 //! Source of the scatter of unresolved targets: Blair and Brandt-Pearce, Unresolved Rayleigh target
 //! detection using monopulse measurements, IEEE Trans. Aerospace and Electronic Systems 34 (1998) 543.
@@ -20,18 +20,9 @@
 use scenario::event::VEHICLE_WIDTH_M;
 
 use super::longitudinal::Measured;
+use super::numbers::Numbers;
 
-/// Least distance between the middles of vehicles in both neighbouring lanes, m: two lanes of 3 m.
-const LEAST_APART_M: f64 = 6.0;
-/// Logarithm of the likelihood ratio from which on a track is one body: 55 to 1. Below 0 it is not any more.
-const ONE: f64 = 4.0;
-/// Its limits: so that what a vehicle is among others is found anew when it changes.
-const LIMITS: (f64, f64) = (-4.0, 6.0);
-/// Scans after which the outermost places are near the bodies: of so many shares of two rears, whose
-/// middles and corners fluctuate each, none is in the outer quarter on one side with a probability of 2 %.
-const ENOUGH: u32 = 24;
-
-/// What a track's scatter across the lanes says.
+/// Evidence from a track's scatter across the lanes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Abreast {
     /// It was found to be one body.
@@ -54,32 +45,39 @@ impl Default for Abreast {
 impl Abreast {
     /// Takes a measured lateral position beside the predicted one. `cell_m` is the width over which the
     /// azimuth's resolution merges echoes at the range.
-    pub fn observe(&mut self, measured: Measured, predicted: Measured, cell_m: f64) {
+    pub fn observe(
+        &mut self,
+        measured: Measured,
+        predicted: Measured,
+        cell_m: f64,
+        numbers: &Numbers,
+    ) {
         let apart_m = cell_m + VEHICLE_WIDTH_M;
-        if apart_m < LEAST_APART_M && self.evidence >= 0.0 {
+        if apart_m < numbers.least_apart_m && self.evidence >= 0.0 {
             self.one = true;
             return;
         }
         let off_m = measured.value - predicted.value;
         let one_m2 = measured.variance + predicted.variance;
         // Mean of D²/12 over all distances of two that merge.
-        let (least_m, most_m) = (LEAST_APART_M, apart_m.max(LEAST_APART_M));
+        let least_m = numbers.least_apart_m;
+        let most_m = apart_m.max(least_m);
         let two_m2 = one_m2 + (least_m * least_m + least_m * most_m + most_m * most_m) / 36.0;
         let squared = 0.5 * off_m * off_m;
         self.evidence += 0.5 * libm::log(two_m2 / one_m2) - squared / one_m2 + squared / two_m2;
-        self.evidence = self.evidence.clamp(LIMITS.0, LIMITS.1);
-        self.one = self.evidence >= if self.one { 0.0 } else { ONE };
+        self.evidence = self.evidence.clamp(numbers.least_evidence, numbers.most_evidence);
+        self.one = self.evidence >= if self.one { 0.0 } else { numbers.one_body };
         self.right_m = self.right_m.min(measured.value);
         self.left_m = self.left_m.max(measured.value);
         self.scans = self.scans.saturating_add(1);
     }
 
-    /// Of several bodies the place of the one nearest to the ego's axis, m; `None` while that is not known.
-    /// The mean of two is between them, so that one is at its rightmost place or beyond and one at its
-    /// leftmost. `others` says on which sides (right, left) the body is one that has a track of its own.
+    /// Place of the body nearest to the ego's axis if there are several, m; `None` while it is unknown. The mean of
+    /// two is between them, so that one is at its rightmost place or beyond and one at its leftmost. `others` says on
+    /// which sides (right, left) the body is one that has a track of its own.
     #[must_use]
-    pub fn nearest_of_several_m(&self, others: (bool, bool)) -> Option<f64> {
-        if self.evidence >= 0.0 || self.scans < ENOUGH {
+    pub fn nearest_of_several_m(&self, others: (bool, bool), numbers: &Numbers) -> Option<f64> {
+        if self.evidence >= 0.0 || self.scans < numbers.enough_scans {
             return None;
         }
         match others {
@@ -104,7 +102,9 @@ mod tests {
     use super::*;
     use crate::random::Random;
 
-    /// What a track is taken for after each of `scans` of echoes at `places` whose powers are exponential.
+    const NUMBERS: &Numbers = &Numbers::DEFAULT;
+
+    /// Evidence after `scans` of echoes at `places` whose powers are exponential.
     fn follow(places: &[f64], scans: u32, seed: u64) -> Abreast {
         let mut random = Random::of_run(seed, 0);
         let mut abreast = Abreast::default();
@@ -119,14 +119,14 @@ mod tests {
             let measured = Measured::new(moment / power + NOISE_M * random.normal(), NOISE_M);
             let measured = Measured { variance: measured.variance + BODY_M2, ..measured };
             let Some(filter) = &mut track else {
-                track = Some(lateral::Filter::start(measured));
+                track = Some(lateral::Filter::start(measured, NUMBERS));
                 continue;
             };
-            filter.predict(0.05);
+            filter.predict(0.05, NUMBERS);
             let sigma_m = filter.position_sigma_m();
             let predicted = Measured::new(filter.position_m(), sigma_m);
-            abreast.observe(measured, predicted, CELL_M);
-            filter.update(measured);
+            abreast.observe(measured, predicted, CELL_M, NUMBERS);
+            filter.update(measured, NUMBERS);
         }
         abreast
     }
@@ -143,7 +143,9 @@ mod tests {
 
     fn in_path(abreast: &Abreast) -> bool {
         abreast.is_one()
-            || abreast.nearest_of_several_m((false, false)).is_some_and(|y_m| y_m.abs() < 1.6)
+            || abreast
+                .nearest_of_several_m((false, false), NUMBERS)
+                .is_some_and(|y_m| y_m.abs() < 1.6)
     }
 
     #[test]
@@ -175,12 +177,12 @@ mod tests {
         let resolved_m = 2.0;
         let at = |value: f64| Measured::new(value, 0.4);
         let mut one = Abreast::default();
-        one.observe(at(0.3), at(0.0), resolved_m);
+        one.observe(at(0.3), at(0.0), resolved_m, NUMBERS);
         assert!(one.is_one());
         let mut two = follow(&[-3.5, 3.5], 20, 1);
-        two.observe(at(3.3), at(3.0), resolved_m);
+        two.observe(at(3.3), at(3.0), resolved_m, NUMBERS);
         assert!(!two.is_one());
-        (0..12).for_each(|_| two.observe(at(3.3), at(3.2), resolved_m));
+        (0..12).for_each(|_| two.observe(at(3.3), at(3.2), resolved_m, NUMBERS));
         assert!(two.is_one(), "it has settled on one of them");
     }
 }

@@ -9,24 +9,8 @@
 
 use messages::Detection;
 
+use super::numbers::Numbers;
 use crate::radar::receiver::{Receiver, snr_of};
-
-/// Gate of the position, standard deviations.
-const POSITION_GATE: f64 = 3.0;
-/// Standard deviation of where on the body an echo arises, m.
-const BODY_SIGMA_M: f64 = 0.3;
-/// An echo may arise this far beyond the known length: lengths are found out, and echoes from under the
-/// body come late, m.
-const BEYOND_M: f64 = 2.5;
-/// The same along the side that a vehicle on another lane shows: places that reflect are far apart on
-/// long vehicles, m.
-const BEYOND_ALONG_SIDE_M: f64 = 6.0;
-/// Vehicles farther than this from the ego's axis show a side, m.
-const SIDE_SHOWN_M: f64 = 1.8;
-/// Widest vehicle, m (Directive 96/53/EC: 2.55 m, refrigerated 2.6 m).
-pub const WIDEST_M: f64 = 2.6;
-/// Distance that is added for a track that is not confirmed.
-const TENTATIVE_PENALTY: f64 = 4.0;
 
 /// A detection in the ego's coordinates.
 #[derive(Clone, Copy, Debug)]
@@ -109,15 +93,19 @@ pub struct Outline {
 impl Outline {
     /// Distance of a detection from the outline, squared; `None` outside the gate.
     #[must_use]
-    pub fn distance(&self, point: &Point, gate: f64) -> Option<f64> {
+    pub fn distance(&self, point: &Point, gate: f64, numbers: &Numbers) -> Option<f64> {
         let along_m = point.x_m - self.rear_m;
-        let beyond_m = if self.is_on_side(point) { BEYOND_ALONG_SIDE_M } else { BEYOND_M };
+        let beyond_m = match self.is_on_side(point, numbers) {
+            true => numbers.beyond_along_side_m,
+            false => numbers.beyond_m,
+        };
         let off_x = (-along_m).max(along_m - self.length_m - beyond_m).max(0.0);
         let off_y = ((point.y_m - self.lateral_m).abs() - self.half_width_m).max(0.0);
-        let body = BODY_SIGMA_M * BODY_SIGMA_M;
+        let body = numbers.body_sigma_m * numbers.body_sigma_m;
         let x = off_x * off_x / (self.variances[0] + point.range_variance + body);
         let y = off_y * off_y / (self.variances[1] + point.lateral_variance + body);
-        if x > POSITION_GATE * POSITION_GATE || y > POSITION_GATE * POSITION_GATE {
+        let position_gate = numbers.position_gate * numbers.position_gate;
+        if x > position_gate || y > position_gate {
             return None;
         }
         let (cosine, sine) = point.direction;
@@ -126,35 +114,39 @@ impl Outline {
         let variance =
             self.variances[2] + point.range_rate_variance + sine * sine * self.variances[3];
         let rate = residual * residual / variance;
-        let penalty = if self.confirmed { 0.0 } else { TENTATIVE_PENALTY };
+        let penalty = if self.confirmed { 0.0 } else { numbers.tentative_penalty };
         (rate <= gate * gate).then_some(x + y + rate + penalty)
     }
 
     /// A point is on the line of the side that the vehicle shows to the ego.
-    fn is_on_side(&self, point: &Point) -> bool {
+    fn is_on_side(&self, point: &Point, numbers: &Numbers) -> bool {
         let side_m = self.lateral_m - self.half_width_m * self.lateral_m.signum();
-        let margin_m = 0.4 + 2.0 * (self.variances[1] + point.lateral_variance).sqrt();
-        self.lateral_m.abs() > SIDE_SHOWN_M && (point.y_m - side_m).abs() < margin_m
+        let sigma_m = (self.variances[1] + point.lateral_variance).sqrt();
+        let margin_m = numbers.side_line_m + numbers.likely_sigma * sigma_m;
+        self.lateral_m.abs() > numbers.side_shown_m && (point.y_m - side_m).abs() < margin_m
     }
 
     /// A point is on the vehicle or close to it, however fast it moves.
     #[must_use]
-    pub fn covers(&self, point: &Point) -> bool {
-        let margin_x = 1.0 + POSITION_GATE * (self.variances[0] + point.range_variance).sqrt();
-        let margin_y = 0.5 + POSITION_GATE * (self.variances[1] + point.lateral_variance).sqrt();
+    pub fn covers(&self, point: &Point, numbers: &Numbers) -> bool {
+        let gate = numbers.position_gate;
+        let sigma_x = (self.variances[0] + point.range_variance).sqrt();
+        let sigma_y = (self.variances[1] + point.lateral_variance).sqrt();
+        let margin_x = numbers.covers_along_m + gate * sigma_x;
+        let margin_y = numbers.covers_across_m + gate * sigma_y;
         let along_m = point.x_m - self.rear_m;
         along_m > -margin_x
-            && along_m < self.length_m + BEYOND_M + margin_x
+            && along_m < self.length_m + numbers.beyond_m + margin_x
             && (point.y_m - self.lateral_m).abs() < self.half_width_m + margin_y
     }
 }
 
 /// Gives every point to the track with the nearest outline.
-pub fn associate(points: &mut [Point], outlines: &[Outline], gate: f64) {
+pub fn associate(points: &mut [Point], outlines: &[Outline], gate: f64, numbers: &Numbers) {
     for point in points {
         let mut nearest = f64::INFINITY;
         for outline in outlines {
-            if let Some(distance) = outline.distance(point, gate)
+            if let Some(distance) = outline.distance(point, gate, numbers)
                 && distance < nearest
             {
                 nearest = distance;
@@ -166,7 +158,7 @@ pub fn associate(points: &mut [Point], outlines: &[Outline], gate: f64) {
 
 /// Lets go of the points on one side of a track whose points are farther apart than a vehicle is wide: they
 /// are of two abreast. It keeps those on the side on which it is expected.
-pub fn part(points: &mut [Point], outline: &Outline) {
+pub fn part(points: &mut [Point], outline: &Outline, numbers: &Numbers) {
     let own = |point: &&Point| point.owner == Some(outline.place);
     let (mut right_m, mut left_m, mut variance) = (f64::INFINITY, f64::NEG_INFINITY, 0.0f64);
     for point in points.iter().filter(own) {
@@ -174,7 +166,7 @@ pub fn part(points: &mut [Point], outline: &Outline) {
         left_m = left_m.max(point.y_m);
         variance = variance.max(point.lateral_variance);
     }
-    if left_m - right_m < WIDEST_M + POSITION_GATE * (2.0 * variance).sqrt() {
+    if left_m - right_m < numbers.widest_m + numbers.position_gate * (2.0 * variance).sqrt() {
         return;
     }
     let middle_m = 0.5 * (left_m + right_m);
@@ -222,7 +214,7 @@ pub(super) mod tests {
 
     fn owners(points: &[Point], outlines: &[Outline]) -> Vec<Option<usize>> {
         let mut points = points.to_vec();
-        associate(&mut points, outlines, 5.0);
+        associate(&mut points, outlines, 5.0, &Numbers::DEFAULT);
         points.iter().map(|point| point.owner).collect()
     }
 
@@ -249,12 +241,12 @@ pub(super) mod tests {
     fn a_track_between_two_vehicles_keeps_one_of_them() {
         let mut points = [point(40.0, 2.7, 0.0), point(40.0, -2.7, 0.0), point(40.0, 3.0, 0.0)];
         points.iter_mut().for_each(|point| point.owner = Some(3));
-        part(&mut points, &outline(3, 40.0, 0.5));
+        part(&mut points, &outline(3, 40.0, 0.5), &Numbers::DEFAULT);
         assert_eq!(points.map(|point| point.owner), [Some(3), None, Some(3)]);
         // The two sides of a lorry are one vehicle's.
         let mut lorry = [point(40.0, 1.3, 0.0), point(40.0, -1.3, 0.0)];
         lorry.iter_mut().for_each(|point| point.owner = Some(3));
-        part(&mut lorry, &outline(3, 40.0, 0.0));
+        part(&mut lorry, &outline(3, 40.0, 0.0), &Numbers::DEFAULT);
         assert_eq!(lorry.map(|point| point.owner), [Some(3); 2]);
     }
 

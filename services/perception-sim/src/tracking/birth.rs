@@ -1,33 +1,21 @@
 //! New tracks from detections that belong to none.
 //!
-//! Standing targets: a track begins with a standing echo only in the ego's lane
-//! ([`STANDING_HALF_WIDTH_M`]), where a standing object is an obstacle, and needs twice the scans to be
-//! confirmed. What stands elsewhere is taken for the roadside. A vehicle that has been tracked while it
-//! moved stays a track when it stops. Nothing begins beyond the road's edge ([`super::road_edge`]) nor
-//! three lanes off ([`super::mirror`]).
+//! Standing targets: a track begins with a standing echo only in the ego's lane ([`Numbers::standing_half_width_m`]).
+//! There a standing object is an obstacle. The track needs twice the scans to be confirmed. Standing echoes elsewhere
+//! count as roadside. A vehicle that has been tracked while it moved stays a track when it stops. Nothing begins
+//! beyond the road's edge ([`super::road_edge`]) nor three lanes off ([`super::mirror`]).
 
 use super::association::{Outline, Point};
 use super::mirror;
+use super::numbers::Numbers;
 use super::road_edge::RoadEdge;
-use super::track::Sighting;
-
-/// What moves slower than this over ground stands, m/s.
-const STANDING_MPS: f64 = 1.0;
-/// A standing echo farther from the centre of the lane begins no track, m.
-const STANDING_HALF_WIDTH_M: f64 = 2.0;
-/// Echoes of one new vehicle are at most this far apart, m and m/s.
-const CLUSTER_LENGTH_M: f64 = 5.0;
-/// The places that reflect on the side of a long vehicle are at most this far apart along it, and this
-/// near to its line, m.
-const CHAIN_LENGTH_M: f64 = 8.0;
-const CHAIN_WIDTH_M: f64 = 0.5;
-const CLUSTER_WIDTH_M: f64 = 2.0;
-const CLUSTER_RATE_MPS: f64 = 1.0;
+use super::sighting::Sighting;
 
 /// An echo moves over ground.
 #[must_use]
-pub fn moves(point: &Point) -> bool {
-    point.ground_speed_mps.abs() > STANDING_MPS + 3.0 * point.range_rate_variance.sqrt()
+pub fn moves(point: &Point, numbers: &Numbers) -> bool {
+    let noise_mps = numbers.surely_sigma * point.range_rate_variance.sqrt();
+    point.ground_speed_mps.abs() > numbers.standing_mps + noise_mps
 }
 
 /// Calls `begin` with what is seen of each new vehicle, and whether it moves. `outlines` are those of the
@@ -36,15 +24,17 @@ pub fn find(
     points: &mut [Point],
     outlines: &[Outline],
     edge: &RoadEdge,
+    numbers: &Numbers,
     mut begin: impl FnMut(&Sighting, bool),
 ) {
     for point in points.iter_mut() {
-        let stands_aside = !moves(point) && point.y_m.abs() > STANDING_HALF_WIDTH_M;
+        let stands_aside =
+            !moves(point, numbers) && point.y_m.abs() > numbers.standing_half_width_m;
         if point.owner.is_none()
             && (stands_aside
-                || mirror::is_too_far(point)
-                || edge.is_beyond(point.y_m)
-                || outlines.iter().any(|outline| outline.covers(point)))
+                || mirror::is_too_far(point, numbers)
+                || edge.is_beyond(point.y_m, numbers)
+                || outlines.iter().any(|outline| outline.covers(point, numbers)))
         {
             point.owner = Some(NO_TRACK);
         }
@@ -56,14 +46,16 @@ pub fn find(
         let seed = points[first];
         let mut last = seed;
         for point in &mut points[first..] {
-            if point.owner.is_none() && (together(&seed, point) || chained(&last, point)) {
+            if point.owner.is_none()
+                && (together(&seed, point, numbers) || chained(&last, point, numbers))
+            {
                 point.owner = Some(NEW_TRACK);
                 last = *point;
             }
         }
         let members = points.iter().filter(|point| point.owner == Some(NEW_TRACK));
-        if let Some(sighting) = Sighting::of(members, 0.0) {
-            begin(&sighting, moves(&seed));
+        if let Some(sighting) = Sighting::of(members, 0.0, numbers) {
+            begin(&sighting, moves(&seed, numbers));
         }
         for point in points.iter_mut().filter(|point| point.owner == Some(NEW_TRACK)) {
             point.owner = Some(NO_TRACK);
@@ -76,23 +68,31 @@ const NO_TRACK: usize = usize::MAX;
 /// Owner of what belongs to the track that is about to begin.
 const NEW_TRACK: usize = usize::MAX - 1;
 
-fn together(a: &Point, b: &Point) -> bool {
-    let width = CLUSTER_WIDTH_M + 2.0 * (a.lateral_variance + b.lateral_variance).sqrt();
-    let rate = CLUSTER_RATE_MPS + 3.0 * (a.range_rate_variance + b.range_rate_variance).sqrt();
-    (b.x_m - a.x_m).abs() < CLUSTER_LENGTH_M
-        && (b.y_m - a.y_m).abs() < width
-        && (b.relative_speed_mps(0.0) - a.relative_speed_mps(0.0)).abs() < rate
+fn together(a: &Point, b: &Point, numbers: &Numbers) -> bool {
+    let (width_m, rate_mps) = noise(a, b, numbers);
+    (b.x_m - a.x_m).abs() < numbers.cluster_length_m
+        && (b.y_m - a.y_m).abs() < numbers.cluster_width_m + width_m
+        && differ_mps(a, b) < numbers.cluster_rate_mps + rate_mps
 }
 
 /// Two echoes come from the side of one long vehicle on another lane.
-fn chained(a: &Point, b: &Point) -> bool {
-    let width = CHAIN_WIDTH_M + 2.0 * (a.lateral_variance + b.lateral_variance).sqrt();
-    let rate =
-        0.5 * CLUSTER_RATE_MPS + 3.0 * (a.range_rate_variance + b.range_rate_variance).sqrt();
-    a.y_m.abs() > STANDING_HALF_WIDTH_M
-        && (b.x_m - a.x_m).abs() < CHAIN_LENGTH_M
-        && (b.y_m - a.y_m).abs() < width
-        && (b.relative_speed_mps(0.0) - a.relative_speed_mps(0.0)).abs() < rate
+fn chained(a: &Point, b: &Point, numbers: &Numbers) -> bool {
+    let (width_m, rate_mps) = noise(a, b, numbers);
+    a.y_m.abs() > numbers.standing_half_width_m
+        && (b.x_m - a.x_m).abs() < numbers.chain_length_m
+        && (b.y_m - a.y_m).abs() < numbers.chain_width_m + width_m
+        && differ_mps(a, b) < 0.5 * numbers.cluster_rate_mps + rate_mps
+}
+
+fn differ_mps(a: &Point, b: &Point) -> f64 {
+    (b.relative_speed_mps(0.0) - a.relative_speed_mps(0.0)).abs()
+}
+
+/// By how much noise alone may set two points apart across the lanes, m, and in speed, m/s.
+fn noise(a: &Point, b: &Point, numbers: &Numbers) -> (f64, f64) {
+    let lateral_m = (a.lateral_variance + b.lateral_variance).sqrt();
+    let rate_mps = (a.range_rate_variance + b.range_rate_variance).sqrt();
+    (numbers.likely_sigma * lateral_m, numbers.surely_sigma * rate_mps)
 }
 
 #[cfg(test)]
@@ -102,7 +102,7 @@ mod tests {
 
     fn begun(points: &[Point], edge: &RoadEdge) -> usize {
         let (mut points, mut count) = (points.to_vec(), 0);
-        find(&mut points, &[], edge, |_, _| count += 1);
+        find(&mut points, &[], edge, &Numbers::DEFAULT, |_, _| count += 1);
         assert!(points.iter().all(|point| point.owner.is_some()));
         count
     }
@@ -129,7 +129,7 @@ mod tests {
     #[test]
     fn nothing_begins_beyond_the_edge() {
         let mut edge = RoadEdge::default();
-        edge.observe(8.0);
+        edge.observe(8.0, &Numbers::DEFAULT);
         assert_eq!(begun(&[point(60.0, 10.0, -2.0)], &edge), 0);
         assert_eq!(begun(&[point(60.0, -10.0, -2.0)], &edge), 1);
         assert_eq!(begun(&[point(60.0, -16.0, -2.0)], &edge), 0, "more than three lanes off");

@@ -1,8 +1,8 @@
 //! The tracker that works on detections alone, and on the ego's own motion.
 //!
-//! In each scan: move all tracks on; give every detection to a track ([`super::association`]); let each
-//! track take in what it got ([`super::track`]); begin tracks with what is left ([`super::birth`]);
-//! unite tracks of one vehicle, end mirror images ([`super::mirror`]), confirm and end tracks. It allocates nothing after its making.
+//! Each scan moves all tracks on and gives every detection to a track ([`super::association`]). Each track takes in
+//! its detections ([`super::track`]), and the rest begins tracks ([`super::birth`]). Then tracks of one vehicle are
+//! united, mirror images end ([`super::mirror`]), and tracks are confirmed or end. A step allocates nothing.
 
 use messages::Detection;
 use scenario::Scenario;
@@ -12,19 +12,20 @@ use super::association::{Outline, Point, associate, part};
 use super::birth;
 use super::list::{Track, TrackList};
 use super::longitudinal::{Kind, Maneuver, Measured, Model};
+use super::lost::Lost;
 use super::mirror;
+use super::numbers::Numbers;
 use super::path::{Across, PathLimits};
 use super::road_edge::RoadEdge;
-use super::sight::{Sight, TRACK_REACH_M};
-use super::track::{DetectedTrack, FieldOfView, Life, Sighting};
+use super::sight::Sight;
+use super::sighting::Sighting;
+use super::track::{DetectedTrack, FieldOfView, Life};
 use crate::radar::receiver::Receiver;
 use crate::radar::scene::Ego;
 use scenario::event::VEHICLE_WIDTH_M;
 
 /// Tracks at most, those that are not confirmed included.
 const MAX_KEPT: usize = 32;
-/// Braking up to which there is time to find out what an echo comes from, m/s².
-const COMFORTABLE_MPS2: f64 = 3.0;
 
 /// The tracker.
 #[derive(Clone, Debug)]
@@ -46,7 +47,7 @@ pub struct DetectionTracker {
 
 /// The longitudinal model that a scenario asks for.
 #[must_use]
-pub fn model_of(scenario: &Scenario) -> Model {
+pub fn model_of(scenario: &Scenario, numbers: &Numbers) -> Model {
     let keys = &scenario.perception.tracker;
     let quiet = Maneuver {
         sigma_mps2: keys.lead_acceleration_sigma_mps2.value(),
@@ -56,19 +57,25 @@ pub fn model_of(scenario: &Scenario) -> Model {
         TrackingFilter::Singer => Kind::Singer,
         TrackingFilter::InteractingModels => Kind::Interacting,
     };
-    Model::new(kind, quiet, keys.gate_sigma.value())
+    Model::new(kind, quiet, keys.gate_sigma.value(), numbers)
 }
 
 impl DetectionTracker {
     /// The tracker of a scenario, which knows how exact the receiver is.
     #[must_use]
     pub fn new(scenario: &Scenario, receiver: &Receiver) -> Self {
+        Self::with(scenario, receiver, &Numbers::DEFAULT)
+    }
+
+    /// The tracker of a scenario with other numbers, for studies of their effect.
+    #[must_use]
+    pub fn with(scenario: &Scenario, receiver: &Receiver, numbers: &Numbers) -> Self {
         let perception = &scenario.perception;
         let keys = &perception.tracker;
         let radar = &perception.radar.detections;
         Self {
-            model: model_of(scenario),
-            limits: PathLimits::new(&perception.target_selection, false),
+            model: model_of(scenario, numbers),
+            limits: PathLimits::new(&perception.target_selection, false, numbers),
             life: Life {
                 hits: keys.confirm_hits.value().into(),
                 scans: keys.confirm_scans.value().into(),
@@ -79,12 +86,17 @@ impl DetectionTracker {
             view: FieldOfView {
                 half_rad: 0.5 * perception.radar.field_of_view_deg.value().to_radians(),
                 resolution_rad: receiver.azimuth.resolution,
+                edge_rad: numbers.edge_rad,
             },
             tracks: Vec::with_capacity(MAX_KEPT),
             points: Vec::with_capacity(messages::MAX_DETECTIONS),
             outlines: Vec::with_capacity(MAX_KEPT),
             edge: RoadEdge::default(),
-            sight: Sight::new(radar.threshold_db.value(), radar.standing_objects_per_km.value()),
+            sight: Sight::new(
+                radar.threshold_db.value(),
+                radar.standing_objects_per_km.value(),
+                numbers,
+            ),
             last_ns: None,
             next_id: 1,
         }
@@ -119,8 +131,8 @@ impl DetectionTracker {
         self.points.clear();
         for (index, detection) in detections.iter().enumerate() {
             let point = Point::new(index, detection, ego.speed_mps, &self.receiver);
-            if !birth::moves(&point) {
-                self.edge.observe(point.y_m);
+            if !birth::moves(&point, self.model.numbers()) {
+                self.edge.observe(point.y_m, self.model.numbers());
             }
             self.points.push(point);
         }
@@ -128,20 +140,25 @@ impl DetectionTracker {
 
     fn associate(&mut self) {
         self.outlines.clear();
-        let outlines = self.tracks.iter().enumerate().map(|(place, track)| track.outline(place));
+        let outlines =
+            self.tracks.iter().enumerate().map(|(place, track)| track.outline(place, &self.model));
         self.outlines.extend(outlines);
-        associate(&mut self.points, &self.outlines, self.gate);
-        self.outlines.iter().for_each(|outline| part(&mut self.points, outline));
+        let numbers = self.model.numbers();
+        associate(&mut self.points, &self.outlines, self.gate, numbers);
+        self.outlines.iter().for_each(|outline| part(&mut self.points, outline, numbers));
     }
 
     fn update(&mut self, dt_s: f64, ego_acceleration_mps2: f64) {
         let step = self.model.step(dt_s, ego_acceleration_mps2);
+        let numbers = self.model.numbers();
         let mut seen = [None; MAX_KEPT];
         for (place, track) in self.tracks.iter_mut().enumerate() {
             let own = self.points.iter().filter(|point| point.owner == Some(place));
-            let Some(sighting) = Sighting::of(own, track.across.speed_mps()) else { continue };
+            let Some(sighting) = Sighting::of(own, track.across.speed_mps(), numbers) else {
+                continue;
+            };
             seen[place] = Some(track.see(&self.model, &step, &sighting, &self.view));
-            let moving = sighting.ground_mps().abs() > MOVING_MPS;
+            let moving = sighting.ground_mps().abs() > numbers.moving_mps;
             track.moved |= moving;
         }
         self.share(&seen);
@@ -149,13 +166,15 @@ impl DetectionTracker {
 
     /// Compares the tracks that should have been seen with those that were.
     fn watch(&mut self) {
+        let numbers = self.model.numbers();
         for track in self.tracks.iter().filter(|track| track.id != 0) {
             let (gap_m, lateral_m) = (track.along.estimate().gap_m, track.across.position_m());
-            let is_near = gap_m < TRACK_REACH_M && self.view.surely_shows(gap_m, lateral_m);
-            // What another vehicle hides, or what has merged with one, is not expected.
+            let is_near = gap_m < numbers.track_reach_m && self.view.surely_shows(gap_m, lateral_m);
+            // A vehicle that another one hides, or that has merged with one, is not expected.
             let is_hidden = self.tracks.iter().any(|other| {
-                let nearer = other.id != track.id && other.along.estimate().gap_m < gap_m + 5.0;
-                nearer && (other.across.position_m() - lateral_m).abs() < HIDES_M
+                let to_m = gap_m + numbers.hides_behind_m;
+                let nearer = other.id != track.id && other.along.estimate().gap_m < to_m;
+                nearer && (other.across.position_m() - lateral_m).abs() < numbers.hides_m
             });
             if is_near && !is_hidden {
                 self.sight.observe_track(track.is_seen());
@@ -184,16 +203,17 @@ impl DetectionTracker {
             let merged = others.filter(|(other, _)| self.is_merged(track, other));
             let Some(measured) = merged.filter_map(|(_, seen)| *seen).next() else { continue };
             let (predicted, abreast) = (track.across.position(), &mut self.tracks[place].abreast);
-            abreast.observe(measured, predicted, cell_m);
+            abreast.observe(measured, predicted, cell_m, self.model.numbers());
         }
     }
 
     /// Two tracks are in one cell of the receiver, or parts of their vehicles are.
     fn is_merged(&self, a: &DetectedTrack, b: &DetectedTrack) -> bool {
+        let surely_sigma = self.model.numbers().surely_sigma;
         let (of_a, of_b) = (a.along.estimate(), b.along.estimate());
         let agree = |difference: f64, resolution: f64, entry: usize| {
             let variance = of_a.covariance[entry][entry] + of_b.covariance[entry][entry];
-            difference.abs() < resolution + 3.0 * variance.max(0.0).sqrt()
+            difference.abs() < resolution + surely_sigma * variance.max(0.0).sqrt()
         };
         let cell_m = self.view.resolution_rad * of_a.gap_m;
         agree(of_a.gap_m - of_b.gap_m, self.receiver.range.resolution, 0)
@@ -209,26 +229,27 @@ impl DetectionTracker {
         let tracks = &mut self.tracks;
         self.outlines.retain(|outline| tracks[outline.place].is_seen());
         let model = &self.model;
-        birth::find(&mut self.points, &self.outlines, &self.edge, |sighting, moves| {
+        let numbers = model.numbers();
+        birth::find(&mut self.points, &self.outlines, &self.edge, numbers, |sighting, moves| {
             if tracks.len() < MAX_KEPT {
                 tracks.push(DetectedTrack::begin(model, sighting, moves));
             }
         });
     }
 
-    /// Of two tracks of one vehicle the older stays.
+    /// Unites tracks of one vehicle; the older one stays.
     fn unite(&mut self) {
         let mut newer = 1;
         while newer < self.tracks.len() {
             // One that is lost is not what is found: its place is a guess.
             let same = (0..newer).find(|&older| {
                 self.tracks[older].unseen_s <= self.life.coast_s
-                    && same(&self.tracks[older], &self.tracks[newer])
+                    && same(&self.tracks[older], &self.tracks[newer], self.model.numbers())
             });
             match same {
                 Some(older) => {
                     let newer = self.tracks.remove(newer);
-                    self.tracks[older].take_over(&newer);
+                    self.tracks[older].take_over(&newer, self.model.numbers());
                 }
                 None => newer += 1,
             }
@@ -241,7 +262,9 @@ impl DetectionTracker {
         while place < self.tracks.len() {
             let track = &self.tracks[place];
             let mut others = self.tracks.iter();
-            if track.id == 0 && others.any(|other| mirror::is_image(track, other)) {
+            if track.id == 0
+                && others.any(|other| mirror::is_image(track, other, self.model.numbers()))
+            {
                 self.tracks.remove(place);
             } else {
                 place += 1;
@@ -252,21 +275,24 @@ impl DetectionTracker {
     /// Carries on what is lost in the path, until it is found again: a track there that is seen.
     fn lose(&mut self, dt_s: f64, ego: &Ego) {
         let seen_share = self.sight.share();
+        let numbers = self.model.numbers();
         let found_m = (self.tracks.iter())
             .filter(|track| track.id != 0 && track.is_seen() && track.membership.in_path())
             .map(|track| track.along.estimate().gap_m)
             .fold(f64::INFINITY, f64::min);
-        self.tracks.iter_mut().for_each(|track| track.watch(dt_s, ego, seen_share));
+        self.tracks.iter_mut().for_each(|track| track.watch(dt_s, ego, seen_share, numbers));
         let coast_s = self.life.coast_s;
         self.tracks.retain(|track| {
-            let is_found = track.lost().is_some_and(|lost| found_m < lost.gap_m + FOUND_M);
+            let reach_m = |lost: &Lost| lost.gap_m + numbers.found_m;
+            let is_found = track.lost(numbers).is_some_and(|lost| found_m < reach_m(lost));
             !(is_found && track.unseen_s > coast_s)
         });
     }
 
     fn confirm(&mut self, dt_s: f64) {
         let life = &self.life.with_sight(self.sight.share());
-        self.tracks.retain(|track| !track.is_over(life));
+        let numbers = self.model.numbers();
+        self.tracks.retain(|track| !track.is_over(life, numbers));
         for place in 0..self.tracks.len() {
             let nearest_m = self.nearest_of_several_m(&self.tracks[place]);
             let track = &mut self.tracks[place];
@@ -274,9 +300,9 @@ impl DetectionTracker {
                 track.id = self.next_id;
                 self.next_id = self.next_id.wrapping_add(1).max(1);
             }
-            // The mean of several is no vehicle's place, nor is its motion one's; but what might be one is not
-            // waited for until only hard braking helps.
-            let is_urgent = track.along.estimate().braking_mps2() > COMFORTABLE_MPS2;
+            // The centroid of several vehicles is not a vehicle. But a track that may be one vehicle has to count
+            // before only hard braking helps.
+            let is_urgent = track.along.estimate().braking_mps2() > numbers.comfortable_mps2;
             let across = if track.abreast.is_one() || is_urgent {
                 track.across()
             } else {
@@ -286,7 +312,7 @@ impl DetectionTracker {
         }
     }
 
-    /// Where the body nearest to the ego's axis is of those that a track may stand for, m.
+    /// Place of the body nearest to the ego's axis among those that a track may stand for, m.
     fn nearest_of_several_m(&self, track: &DetectedTrack) -> Option<f64> {
         let lateral_m = track.across.position_m();
         let (mut right, mut left) = (false, false);
@@ -296,7 +322,7 @@ impl DetectionTracker {
                 left |= other.across.position_m() > lateral_m;
             }
         }
-        track.abreast.nearest_of_several_m((right, left))
+        track.abreast.nearest_of_several_m((right, left), self.model.numbers())
     }
 
     fn list(&self, time_ns: i64, ego: &Ego, detections: &[Detection]) -> TrackList {
@@ -316,7 +342,7 @@ impl DetectionTracker {
                 in_path: track.membership.in_path(),
                 ..Track::default()
             };
-            if let Some(lost) = track.lost() {
+            if let Some(lost) = track.lost(self.model.numbers()) {
                 entry.gap_m = lost.gap_m.max(0.0);
                 entry.relative_speed_mps = lost.speed_mps - ego.speed_mps;
                 entry.acceleration_mps2 = lost.acceleration_mps2;
@@ -340,27 +366,18 @@ impl DetectionTracker {
     }
 }
 
-/// A track that is seen ends a lost one that is farther, or nearer by less than this, m.
-const FOUND_M: f64 = 15.0;
-/// A nearer vehicle within this distance across the lanes may hide another one, m.
-const HIDES_M: f64 = 2.5;
-/// A track that is faster than this over ground has moved, m/s.
-const MOVING_MPS: f64 = 2.0;
-
 /// Two tracks are of one vehicle: the newer one is on the older one and moves with it. On another lane
 /// it may be before the older one by the length of a lorry, whose rear comes into view last.
-fn same(older: &DetectedTrack, newer: &DetectedTrack) -> bool {
+fn same(older: &DetectedTrack, newer: &DetectedTrack, numbers: &Numbers) -> bool {
     let (a, b) = (older.along.estimate(), newer.along.estimate());
     let along_m = b.gap_m - a.gap_m;
     let (a_y, b_y) = (older.across.position_m(), newer.across.position_m());
     let aside = a_y.abs().min(b_y.abs()) > VEHICLE_WIDTH_M;
-    let (before_m, rate_mps) = if aside { (LORRY_M, 0.5) } else { (2.0, 1.5) };
-    let rate_mps = if along_m > -2.0 { 1.5 } else { rate_mps };
+    let before_m = if aside { numbers.lorry_m } else { numbers.same_before_m };
+    let is_far_before = along_m <= -numbers.same_before_m && aside;
+    let rate_mps = if is_far_before { numbers.same_lorry_mps } else { numbers.same_mps };
     (-before_m..older.length_m).contains(&along_m)
-        && (a_y - b_y).abs() < 1.2
+        && (a_y - b_y).abs() < numbers.same_across_m
         && (a.relative_speed_mps - b.relative_speed_mps).abs() < rate_mps
         && (older.unseen_s <= newer.unseen_s || newer.id == 0)
 }
-
-/// A part of a lorry that is seen before its rear may be this far ahead of it, m.
-const LORRY_M: f64 = 9.0;

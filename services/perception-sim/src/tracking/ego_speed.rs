@@ -1,75 +1,66 @@
 //! The ego's speed as the radar measures it: by what stands beside the road.
 //!
-//! A standing object at azimuth `phi` has the range rate `-v cos(phi)`; each detection off the ego's lane is
-//! one such measurement of `v`, if it stands. Those within reach of the last estimate (what a vehicle can
-//! gain or lose since) vote, and the median of the votes is the new estimate. The first scan takes
-//! odometry's speed for the last estimate; from then on the two are independent of each other.
+//! A standing object at azimuth `phi` has the range rate `-v cos(phi)`. So each detection off the ego's lane measures
+//! `v`, if it stands. The measurements within reach of the last estimate vote: a vehicle can gain or lose no more
+//! since. The median of the votes is the new estimate. The first scan takes odometry's speed for the last estimate;
+//! from then on the two are independent of each other.
 //!
 //! Source: D. Kellner, M. Barjenbruch, J. Klappstein, J. Dickmann, K. Dietmayer, Instantaneous ego-motion
 //! estimation using Doppler radar, ITSC 2013: the velocity profile of standing targets, without its search
 //! for inliers, which the last estimate replaces, and without yaw rate.
 
+use super::numbers::Numbers;
 use crate::radar::scene::Ego;
 use messages::{Detection, MAX_DETECTIONS};
-
-/// Detections nearer to the ego's axis than this may be vehicles of this lane or the next one, m. Chosen: the far side of
-/// a vehicle in the middle of a lane of 3.5 m.
-const OFF_LANE_M: f64 = 4.5;
-/// The same of a distant detection grows with its range, rad: three standard deviations of the azimuth of an echo at the
-/// threshold of 12 dB. Otherwise a queue that crawls in the next lane passes for what stands.
-const OFF_LANE_RAD: f64 = 0.015;
-/// Speed by which a standing object's detection may be off, m/s.
-const NOISE_MPS: f64 = 0.6;
-/// Largest acceleration of the ego, m/s².
-const MAX_MPS2: f64 = 12.0;
-/// Fewest detections that make a measurement.
-const LEAST_POINTS: usize = 3;
-/// Time without a measurement after which the next one is not bound to the last, s.
-const FORGOTTEN_S: f64 = 1.0;
-/// Fewest detections that agree when it is not bound.
-const LEAST_UNBOUND: usize = 6;
-/// Difference from which odometry is not believed by the tracker, m/s, and for so many scans in a row.
-const DISAGREES_MPS: f64 = 1.0;
-const DISAGREES_SCANS: u32 = 2;
 
 /// Measures the ego's speed.
 #[derive(Clone, Debug)]
 pub struct EgoSpeed {
+    numbers: Numbers,
     votes_mps: Vec<f64>,
     /// The last estimate and its time, ns.
     last: Option<(f64, i64)>,
-    /// Of the last scan.
+    /// Measurement of the last scan.
     measured: Option<(f64, u64)>,
     disagrees: u32,
 }
 
 impl Default for EgoSpeed {
     fn default() -> Self {
-        let votes_mps = Vec::with_capacity(MAX_DETECTIONS);
-        Self { votes_mps, last: None, measured: None, disagrees: 0 }
+        Self::new(&Numbers::DEFAULT)
     }
 }
 
 impl EgoSpeed {
+    /// No measurement yet.
+    #[must_use]
+    pub fn new(numbers: &Numbers) -> Self {
+        let votes_mps = Vec::with_capacity(MAX_DETECTIONS);
+        Self { numbers: *numbers, votes_mps, last: None, measured: None, disagrees: 0 }
+    }
+
     /// The measurement of the last scan, m/s, and the detections behind it.
     #[must_use]
     pub fn measured(&self) -> Option<(f64, u64)> {
         self.measured
     }
 
-    /// Takes the scan of `time_ns`; `told` is what odometry says. Returns the motion for the tracker to
-    /// work with: odometry's, or the measured one where odometry is missing or contradicts it.
-    /// Allocates nothing.
+    /// Takes the scan of `time_ns`; `told` is the motion by odometry. Returns the motion for the tracker to work
+    /// with: odometry's, or the measured one where odometry is missing or contradicts it. Allocates nothing.
     pub fn take_scan(&mut self, time_ns: i64, told: Option<Ego>, detections: &[Detection]) -> Ego {
+        let numbers = self.numbers;
+        let reach_mps =
+            |elapsed_s: f64| numbers.stand_noise_mps + numbers.ego_change_mps2 * elapsed_s;
         let known = self.last.or_else(|| told.map(|told| (told.speed_mps, time_ns)));
         self.vote(detections);
         let elapsed_s = known.map_or(0.0, |(_, then_ns)| (time_ns - then_ns) as f64 * 1e-9);
         let speed_mps = match known {
-            Some((last_mps, _)) if elapsed_s <= FORGOTTEN_S => {
-                median_near(&self.votes_mps, last_mps, NOISE_MPS + MAX_MPS2 * elapsed_s)
-                    .filter(|(_, points)| *points >= LEAST_POINTS)
+            Some((last_mps, _)) if elapsed_s <= numbers.forgotten_s => {
+                median_near(&self.votes_mps, last_mps, reach_mps(elapsed_s))
+                    .filter(|(_, points)| *points >= numbers.least_points as usize)
             }
-            _ => densest(&self.votes_mps).filter(|(_, points)| *points >= LEAST_UNBOUND),
+            _ => densest(&self.votes_mps, numbers.stand_noise_mps)
+                .filter(|(_, points)| *points >= numbers.least_unbound as usize),
         };
         self.measured = speed_mps.map(|(mps, points)| (mps.max(0.0), points as u64));
         if let Some((mps, _)) = self.measured {
@@ -83,11 +74,11 @@ impl EgoSpeed {
         let of_measured = |mps| Ego { speed_mps: mps, ..Ego::default() };
         let Some(told) = told else { return last_mps.map_or(Ego::default(), of_measured) };
         if let Some((mps, _)) = self.measured {
-            let differs = (mps - told.speed_mps).abs() > DISAGREES_MPS;
+            let differs = (mps - told.speed_mps).abs() > self.numbers.disagrees_mps;
             self.disagrees = if differs { self.disagrees + 1 } else { 0 };
         }
         match last_mps {
-            Some(mps) if self.disagrees >= DISAGREES_SCANS => of_measured(mps),
+            Some(mps) if self.disagrees >= self.numbers.disagrees_scans => of_measured(mps),
             _ => told,
         }
     }
@@ -97,7 +88,8 @@ impl EgoSpeed {
         self.votes_mps.clear();
         for detection in detections {
             let (sine, cosine) = libm::sincos(detection.azimuth_rad);
-            let lane_m = OFF_LANE_M + OFF_LANE_RAD * detection.range_m;
+            let Numbers { off_lane_m, off_lane_rad, .. } = self.numbers;
+            let lane_m = off_lane_m + off_lane_rad * detection.range_m;
             let is_beside = (detection.range_m * sine).abs() > lane_m && cosine > 0.5;
             if is_beside && detection.ambiguity_group == 0 {
                 self.votes_mps.push(-detection.range_rate_mps / cosine);
@@ -116,8 +108,8 @@ fn median_near(votes: &[f64], at: f64, reach: f64) -> Option<(f64, usize)> {
 }
 
 /// The median of the densest window of the sorted votes, and how many are in it.
-fn densest(votes: &[f64]) -> Option<(f64, usize)> {
-    let around = votes.iter().filter_map(|vote| median_near(votes, *vote, NOISE_MPS));
+fn densest(votes: &[f64], reach: f64) -> Option<(f64, usize)> {
+    let around = votes.iter().filter_map(|vote| median_near(votes, *vote, reach));
     around.max_by_key(|(_, points)| *points)
 }
 

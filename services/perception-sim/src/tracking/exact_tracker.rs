@@ -5,6 +5,7 @@ use messages::MAX_TRACKS;
 use scenario::Scenario;
 
 use super::list::{Track, TrackList};
+use super::numbers::Numbers;
 use super::path::{Across, Membership, PathLimits};
 use crate::radar::object_list::{Measurement, View};
 use crate::radar::scene::Scene;
@@ -27,7 +28,7 @@ impl ExactTracker {
         let perception = &scenario.perception;
         Self {
             view: View::new(&perception.radar),
-            limits: PathLimits::new(&perception.target_selection, true),
+            limits: PathLimits::new(&perception.target_selection, true, &Numbers::DEFAULT),
             tracks: [None; MAX_TRACKS],
             last_ns: None,
             next_id: 1,
@@ -47,7 +48,7 @@ impl ExactTracker {
             let (id, mut membership) = place.unwrap_or_else(|| {
                 let id = self.next_id;
                 self.next_id = self.next_id.wrapping_add(1).max(1);
-                // What the radar sees of it is what selects it first, its true place afterwards.
+                // Its measured place selects it first, its true place afterwards.
                 let lateral_m = measurement.range_m * libm::sin(measurement.azimuth_rad);
                 (id, self.limits.long_known(lateral_m))
             });

@@ -1,8 +1,8 @@
 //! Interacting multiple models: a bank of Kalman filters with different ideas of how much the target
 //! manoeuvres, each weighted by how well it predicts.
 //!
-//! Each step mixes the filters' states by the probabilities of a change of model, moves each on, takes
-//! the measurement into each, and reweights them:
+//! Each step mixes the filters' states by the probabilities of a change of model and moves each on. Then each takes
+//! the measurement in, and is weighted anew:
 //!
 //! ```text
 //! c_j = Σ_i p_ij mu_i       x0_j = Σ_i p_ij mu_i x_i / c_j        P0_j likewise, with the spread of means
@@ -39,8 +39,8 @@ impl<const N: usize, const M: usize> Bank<N, M> {
         Self { filters, weights }
     }
 
-    /// Mixes the filters, where `change[i]` is the probability that model `i` ends within the step,
-    /// every other being equally likely to follow, and then moves each on.
+    /// Mixes the filters and then moves each on. `change[i]` is the probability that model `i` ends within the step;
+    /// every other one is equally likely to follow.
     pub fn predict(&mut self, change: &[f64; M], mut advance: impl FnMut(usize, &mut Gaussian<N>)) {
         if M > 1 {
             self.mix(change);

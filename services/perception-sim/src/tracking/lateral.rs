@@ -2,23 +2,13 @@
 //!
 //! State [y, s]: lateral position, m, and lateral speed, m/s. Two models run side by side
 //! ([`super::interacting`]): a vehicle that keeps its lane, whose lateral speed fades with
-//! [`FADING_S`], and one that changes it, whose lateral speed is a random walk. The noise is a white
+//! [`Numbers::fading_s`], and one that changes it, whose lateral speed is a random walk. The noise is a white
 //! acceleration of the given density.
 
 use super::interacting::Bank;
 use super::longitudinal::Measured;
+use super::numbers::Numbers;
 use kalman::Gaussian;
-
-/// Density of the lateral acceleration in lane and in a lane change, m²/s³.
-const DENSITY: [f64; 2] = [0.01, 2.0];
-/// Time constant with which the lateral speed of a vehicle that keeps its lane fades, s.
-const FADING_S: f64 = 1.0;
-/// Mean time that a vehicle stays in lane, and in a lane change, s.
-const SOJOURN_S: [f64; 2] = [5.0, 2.0];
-/// Standard deviation of the lateral speed of a vehicle that is new, m/s.
-const FIRST_SPEED_SIGMA_MPS: f64 = 1.0;
-/// A lateral position is limited to this many standard deviations of its prediction.
-const LIMIT_SIGMA: f64 = 3.0;
 
 /// The filter of one vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,31 +20,33 @@ pub struct Filter {
 impl Filter {
     /// A filter that starts with one measured position, m.
     #[must_use]
-    pub fn start(position: Measured) -> Self {
-        let speed_variance = FIRST_SPEED_SIGMA_MPS * FIRST_SPEED_SIGMA_MPS;
+    pub fn start(position: Measured, numbers: &Numbers) -> Self {
+        let speed_variance = numbers.first_lateral_mps * numbers.first_lateral_mps;
         let state =
             Gaussian::independent([position.value, 0.0], [position.variance, speed_variance]);
         Self { bank: Bank::new([state; 2]), combined: state }
     }
 
     /// Moves the estimate on by `dt_s`.
-    pub fn predict(&mut self, dt_s: f64) {
-        let change = SOJOURN_S.map(|sojourn_s| (dt_s / sojourn_s).min(0.5));
+    pub fn predict(&mut self, dt_s: f64, numbers: &Numbers) {
+        let density = [numbers.in_lane_m2ps3, numbers.lane_change_m2ps3];
+        let sojourns_s = [numbers.in_lane_s, numbers.lane_change_s];
+        let change = sojourns_s.map(|sojourn_s| (dt_s / sojourn_s).min(0.5));
         // The first order of the fading's exponential: steps are short beside it.
-        let fading = [1.0 / (1.0 + dt_s / FADING_S), 1.0];
+        let fading = [1.0 / (1.0 + dt_s / numbers.fading_s), 1.0];
         self.bank.predict(&change, |model, state| {
             let kept = fading[model];
             state.mean[0] += dt_s * state.mean[1];
             state.mean[1] *= kept;
-            state.spread(&[[1.0, dt_s], [0.0, kept]], &[0.5 * dt_s, 1.0], DENSITY[model] * dt_s);
+            state.spread(&[[1.0, dt_s], [0.0, kept]], &[0.5 * dt_s, 1.0], density[model] * dt_s);
         });
         self.combined = self.bank.combined();
     }
 
     /// Takes in a measured position, m. One far off counts as one at the limit.
-    pub fn update(&mut self, position: Measured) {
+    pub fn update(&mut self, position: Measured, numbers: &Numbers) {
         let innovation = self.bank.widest(0, position.value, position.variance);
-        let limit = LIMIT_SIGMA * innovation.variance.sqrt();
+        let limit = numbers.lateral_limit_sigma * innovation.variance.sqrt();
         let predicted = position.value - innovation.residual;
         let value = predicted + innovation.residual.clamp(-limit, limit);
         if value.is_finite() {
@@ -110,10 +102,10 @@ mod tests {
     /// Runs the filter over a lateral motion measured with `sigma_m`; calls back after each scan.
     fn follow(sigma_m: f64, motion: impl Fn(f64) -> f64, mut see: impl FnMut(f64, &Filter)) {
         let measured = |k: u32| motion(f64::from(k) * DT_S) + sigma_m * error(k);
-        let mut filter = Filter::start(Measured::new(measured(0), sigma_m));
+        let mut filter = Filter::start(Measured::new(measured(0), sigma_m), &Numbers::DEFAULT);
         for k in 1..400 {
-            filter.predict(DT_S);
-            filter.update(Measured::new(measured(k), sigma_m));
+            filter.predict(DT_S, &Numbers::DEFAULT);
+            filter.update(Measured::new(measured(k), sigma_m), &Numbers::DEFAULT);
             see(f64::from(k) * DT_S, &filter);
         }
     }
@@ -150,15 +142,15 @@ mod tests {
 
     #[test]
     fn one_wild_position_moves_it_little() {
-        let mut filter = Filter::start(Measured::new(0.0, 0.2));
+        let mut filter = Filter::start(Measured::new(0.0, 0.2), &Numbers::DEFAULT);
         for _ in 0..100 {
-            filter.predict(DT_S);
-            filter.update(Measured::new(0.0, 0.2));
+            filter.predict(DT_S, &Numbers::DEFAULT);
+            filter.update(Measured::new(0.0, 0.2), &Numbers::DEFAULT);
         }
-        filter.update(Measured::new(50.0, 0.2));
+        filter.update(Measured::new(50.0, 0.2), &Numbers::DEFAULT);
         assert!(filter.position_m() < 0.6, "{}", filter.position_m());
         let before = filter;
-        filter.update(Measured::new(f64::NAN, 0.2));
+        filter.update(Measured::new(f64::NAN, 0.2), &Numbers::DEFAULT);
         assert_eq!(filter, before);
     }
 }

@@ -1,4 +1,4 @@
-//! What tracking hands out after a scan.
+//! The result of tracking after a scan.
 
 use messages::MAX_TRACKS;
 
@@ -11,7 +11,7 @@ pub struct TrackList {
     pub tracks: [Track; MAX_TRACKS],
     /// Valid entries of `tracks`.
     pub count: usize,
-    /// Tracks for which there was no room: the farthest that are not in the path.
+    /// Tracks without room: the farthest that are not in the path.
     pub left_out: u32,
     /// Index of the target among the tracks: the nearest one in the path.
     pub target: Option<usize>,

@@ -14,20 +14,19 @@
 //! | sigma, tau | `lead_acceleration_sigma_mps2`, `maneuver_time_constant_s` | m/s², s |
 //! | gate | `gate_sigma` | - |
 //!
-//! With `filter = "singer"` that is all, and a range rate outside the gate opens the filter: the lead is
-//! then believed to manoeuvre hard ([`HARD`]), and the measurement is judged again. With
-//! `filter = "interacting-models"` three such models run side by side ([`super::interacting`]): the one
-//! above, moderate and hard manoeuvres.
+//! With `filter = "singer"` that is all. A range rate outside the gate opens the filter: it assumes a hard manoeuvre
+//! of the lead ([`Numbers::hard_mps2`]) and judges the measurement again. With `filter = "interacting-models"` three
+//! such models run side by side ([`super::interacting`]): the one above, moderate and hard manoeuvres.
 //!
 //! Sources: the radar filter of Li et al.'s predictive cruise control; Singer, Estimating optimal
 //! tracking filter performance for manned maneuvering targets, IEEE Trans. Aerospace and Electronic
 //! Systems 6 (1970) 473.
 
 use super::interacting::Bank;
+use super::numbers::Numbers;
 use kalman::Gaussian;
 
-/// Smallest standard deviation that the filter believes of a measurement, in its unit: with less,
-/// rounding would decide.
+/// Smallest standard deviation of a measurement, in its unit. Numeric guard: with less, rounding would decide.
 pub const LEAST_SIGMA: f64 = 1e-3;
 
 /// A manoeuvring lead's acceleration.
@@ -38,14 +37,6 @@ pub struct Maneuver {
     /// Correlation time, s.
     pub tau_s: f64,
 }
-
-/// Braking and accelerating in ordinary traffic.
-pub const MODERATE: Maneuver = Maneuver { sigma_mps2: 2.0, tau_s: 1.5 };
-/// Emergency braking.
-pub const HARD: Maneuver = Maneuver { sigma_mps2: 7.0, tau_s: 1.5 };
-
-/// Mean time that a lead stays in the quiet, the moderate and the hard model, s.
-const SOJOURN_S: [f64; 3] = [5.0, 1.0, 1.0];
 
 /// Which filter is behind a track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,6 +53,7 @@ pub struct Model {
     kind: Kind,
     maneuvers: [Maneuver; 3],
     gate: f64,
+    numbers: Numbers,
 }
 
 /// A time step, with what depends on its length alone.
@@ -81,7 +73,7 @@ impl Step {
     }
 }
 
-/// What is known of one vehicle's motion.
+/// Estimate of one vehicle's motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// Gap, m.
@@ -122,7 +114,7 @@ impl Measured {
     }
 }
 
-/// Which of two measurements the filter believed.
+/// Measurements that passed their gates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Believed {
     /// The range passed its gate.
@@ -147,17 +139,27 @@ enum Models {
 impl Model {
     /// The model of a quiet lead and a gate in standard deviations.
     #[must_use]
-    pub fn new(kind: Kind, quiet: Maneuver, gate: f64) -> Self {
-        Self { kind, maneuvers: [quiet, MODERATE, HARD], gate }
+    pub fn new(kind: Kind, quiet: Maneuver, gate: f64, numbers: &Numbers) -> Self {
+        let moderate = Maneuver { sigma_mps2: numbers.moderate_mps2, tau_s: numbers.moderate_s };
+        let hard = Maneuver { sigma_mps2: numbers.hard_mps2, tau_s: numbers.hard_s };
+        Self { kind, maneuvers: [quiet, moderate, hard], gate, numbers: *numbers }
+    }
+
+    /// The tracker's numbers.
+    #[must_use]
+    pub fn numbers(&self) -> &Numbers {
+        &self.numbers
     }
 
     /// A step of `dt_s` over which the ego has a constant acceleration.
     #[must_use]
     pub fn step(&self, dt_s: f64, ego_acceleration_mps2: f64) -> Step {
+        let Numbers { quiet_sojourn_s, moderate_sojourn_s, hard_sojourn_s, .. } = self.numbers;
+        let sojourns_s = [quiet_sojourn_s, moderate_sojourn_s, hard_sojourn_s];
         Step {
             dt_s,
             kept: self.maneuvers.map(|maneuver| libm::exp(-dt_s / maneuver.tau_s)),
-            change: SOJOURN_S.map(|sojourn_s| (dt_s / sojourn_s).min(0.5)),
+            change: sojourns_s.map(|sojourn_s| (dt_s / sojourn_s).min(0.5)),
             ego_acceleration_mps2,
         }
     }
@@ -219,7 +221,7 @@ impl Filter {
             range_rate: self.passes(model, 1, range_rate),
         };
         if !believed.range_rate {
-            self.open(step.dt_s);
+            self.open(model, step.dt_s);
             believed.range_rate = self.passes(model, 1, range_rate);
         }
         let both = [(0, range.value, range.variance), (1, range_rate.value, range_rate.variance)];
@@ -251,10 +253,10 @@ impl Filter {
         }
     }
 
-    /// A filter of one model believes in a hard manoeuvre since the last step.
-    fn open(&mut self, dt_s: f64) {
+    /// A filter of one model assumes a hard manoeuvre since the last step.
+    fn open(&mut self, model: &Model, dt_s: f64) {
         if let Models::Singer(bank) = &mut self.bank {
-            let hard = HARD.sigma_mps2 * HARD.sigma_mps2;
+            let hard = model.numbers.hard_mps2 * model.numbers.hard_mps2;
             bank.for_each(|state| {
                 let missing = (hard - state.covariance[2][2]).max(0.0);
                 let b = [0.0, dt_s, 1.0];
@@ -271,10 +273,10 @@ impl Filter {
     /// model has to expect the hard manoeuvre with which [`Self::update`] would judge the measurement again:
     /// what is not expected never comes to it.
     #[must_use]
-    pub fn range_rate_variance(&self, variance: f64, since_s: f64) -> f64 {
+    pub fn range_rate_variance(&self, model: &Model, variance: f64, since_s: f64) -> f64 {
         match &self.bank {
             Models::Singer(bank) => {
-                let hard_mps = HARD.sigma_mps2 * since_s;
+                let hard_mps = model.numbers.hard_mps2 * since_s;
                 bank.widest(1, 0.0, variance).variance + hard_mps * hard_mps
             }
             Models::Interacting(bank) => bank.widest(1, 0.0, variance).variance,

@@ -19,11 +19,6 @@
 
 use crate::radar::scene::Ego;
 
-/// Time for which a lost vehicle is carried on, s. Chosen: an outage of 2 s is bridged with a margin of a quarter.
-pub const LOST_S: f64 = 2.5;
-/// Time after which the filter's prediction gives way to it, s. Chosen: two missed scans of 50 ms are chance.
-pub const UNSEEN_S: f64 = 0.12;
-
 /// The motion of a lost vehicle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lost {

@@ -1,68 +1,66 @@
-//! Mirror images of vehicles in a guard rail, told from vehicles without knowing of a rail.
+//! Mirror images of vehicles in a guard rail, recognised without knowledge of a rail.
 //!
-//! An image has the place along the road and the speed of its vehicle, and is as far beyond the rail as the
-//! vehicle is before it. Two rules keep images from becoming tracks:
+//! An image has its vehicle's place along the road and its speed. It is as far beyond the rail as the vehicle is
+//! before it. Two rules keep images from becoming tracks:
 //!
-//! * lateral position: farther than three lanes from the ego's ([`FARTHEST_M`]) no track begins: what drives
+//! * lateral position: farther than three lanes from the ego's ([`Numbers::farthest_m`]) no track begins: what drives
 //!   there cannot come before the ego soon, and most images are there;
 //! * consistency: a track that is not yet confirmed ends where it could be the image of a track nearer to the
-//!   ego's lane, in a rail that is outside the next lane ([`NEAREST_RAIL_M`]) and leaves that vehicle room.
+//!   ego's lane, in a rail that is outside the next lane ([`Numbers::nearest_rail_m`]) and leaves that vehicle room.
 //!
 //! The price: a vehicle three lanes off becomes a track only once it does not drive exactly beside another one
 //! at the same speed.
 
 use super::association::Point;
+use super::numbers::Numbers;
 use super::track::DetectedTrack;
-
-/// A new track is nearer to the centre of the ego's lane than this, m: three and a half lanes of 3.5 m.
-const FARTHEST_M: f64 = 12.25;
-/// A rail stands at least this far from the centre of the ego's lane, m.
-const NEAREST_RAIL_M: f64 = 4.5;
-/// It stands at least this far from the centre of the vehicle that it mirrors, m: half a lane and a shoulder.
-const RAIL_ROOM_M: f64 = 2.5;
-/// An image and its vehicle differ at most by this along the road and in speed, beside three standard
-/// deviations, m and m/s.
-const ALONG_M: f64 = 2.0;
-const SPEED_MPS: f64 = 0.5;
 
 /// A detection is so far off that no track begins with it.
 #[must_use]
-pub fn is_too_far(point: &Point) -> bool {
-    point.y_m.abs() > FARTHEST_M
+pub fn is_too_far(point: &Point, numbers: &Numbers) -> bool {
+    point.y_m.abs() > numbers.farthest_m
 }
 
 /// `track` could be the image of `vehicle`.
 #[must_use]
-pub fn is_image(track: &DetectedTrack, vehicle: &DetectedTrack) -> bool {
+pub fn is_image(track: &DetectedTrack, vehicle: &DetectedTrack, numbers: &Numbers) -> bool {
     let side = track.across.position_m().signum();
     let (image_m, vehicle_m) =
         (side * track.across.position_m(), side * vehicle.across.position_m());
     let rail_m = 0.5 * (image_m + vehicle_m);
-    if vehicle_m.abs() > image_m || rail_m < NEAREST_RAIL_M || rail_m - vehicle_m < RAIL_ROOM_M {
+    if vehicle_m.abs() > image_m
+        || rail_m < numbers.nearest_rail_m
+        || rail_m - vehicle_m < numbers.rail_room_m
+    {
         return false;
     }
     let (a, b) = (track.along.estimate(), vehicle.along.estimate());
     let agrees = |difference: f64, slack: f64, variance: f64| {
-        difference.abs() < slack + 3.0 * variance.max(0.0).sqrt()
+        difference.abs() < slack + numbers.surely_sigma * variance.max(0.0).sqrt()
     };
     let variance = |entry: usize| a.covariance[entry][entry] + b.covariance[entry][entry];
-    agrees(a.gap_m - b.gap_m, ALONG_M, variance(0))
-        && agrees(a.relative_speed_mps - b.relative_speed_mps, SPEED_MPS, variance(1))
+    agrees(a.gap_m - b.gap_m, numbers.image_along_m, variance(0))
+        && agrees(a.relative_speed_mps - b.relative_speed_mps, numbers.image_mps, variance(1))
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::longitudinal::{Kind, Maneuver, Model};
-    use super::super::track::Sighting;
-    use super::*;
+    use super::super::sighting::Sighting;
+    use super::DetectedTrack;
+    use super::Numbers;
     use crate::tracking::association::tests::point;
 
     fn track(gap_m: f64, lateral_m: f64, relative_mps: f64) -> DetectedTrack {
         let quiet = Maneuver { sigma_mps2: 1.0, tau_s: 2.0 };
-        let model = Model::new(Kind::Interacting, quiet, 4.0);
+        let model = Model::new(Kind::Interacting, quiet, 4.0, &Numbers::DEFAULT);
         let points = [point(gap_m, lateral_m, relative_mps)];
-        let sighting = Sighting::of(points.iter(), 0.0).expect("a point");
+        let sighting = Sighting::of(points.iter(), 0.0, &Numbers::DEFAULT).expect("a point");
         DetectedTrack::begin(&model, &sighting, true)
+    }
+
+    fn is_image(track: &DetectedTrack, vehicle: &DetectedTrack) -> bool {
+        super::is_image(track, vehicle, &Numbers::DEFAULT)
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! From the radar's measurements to tracks.
 //!
-//! [`interacting`] is a bank of Kalman filters, [`longitudinal`] and [`lateral`] what they know of
-//! vehicles, [`path`] which of these are in the ego's way. [`association`], [`birth`], [`mirror`]
-//! and [`track`] are the parts of [`detection_tracker`], which works on detections; [`object_tracker`] works on
-//! measurements whose vehicle is known. Both hand out a [`TrackList`].
+//! [`interacting`] is a bank of Kalman filters. [`longitudinal`] and [`lateral`] are the vehicles' models, and
+//! [`path`] selects those in the ego's way. [`association`], [`birth`], [`mirror`] and [`track`] are the parts of
+//! [`detection_tracker`], which works on detections; [`object_tracker`] works on measurements whose vehicle is known.
+//! Both hand out a [`TrackList`].
 
 pub mod abreast;
 pub mod association;
@@ -17,10 +17,12 @@ pub mod list;
 pub mod longitudinal;
 pub mod lost;
 pub mod mirror;
+pub mod numbers;
 pub mod object_tracker;
 pub mod path;
 pub mod road_edge;
 pub mod sight;
+pub mod sighting;
 pub mod track;
 
 pub use list::{Track, TrackList};

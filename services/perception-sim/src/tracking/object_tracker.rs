@@ -7,16 +7,12 @@ use super::detection_tracker::model_of;
 use super::lateral;
 use super::list::{Track, TrackList};
 use super::longitudinal::{Filter, Measured, Model, Step};
+use super::numbers::Numbers;
 use super::path::{Across, Approach, Membership, PathLimits};
 use super::sight::Share;
 use super::track::FieldOfView;
 use crate::radar::object_list::{Measurement, Scan};
 use crate::radar::scene::Ego;
-
-/// A track is given up, and begun anew, after this many scans in a row outside its gate.
-const MISFITS: u32 = 3;
-/// Length of a vehicle, which the object list does not tell, m.
-const ASSUMED_LENGTH_M: f64 = 4.5;
 
 /// The tracker.
 #[derive(Clone, Debug)]
@@ -34,7 +30,7 @@ pub struct ObjectTracker {
     next_id: u32,
 }
 
-/// What is known of one vehicle.
+/// State of one vehicle.
 #[derive(Clone, Copy, Debug)]
 struct ObjectTrack {
     id: u32,
@@ -51,11 +47,12 @@ impl ObjectTracker {
     /// The tracker of a scenario.
     #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
+        let numbers = Numbers::DEFAULT;
         let perception = &scenario.perception;
         let radar = &perception.radar;
         Self {
-            model: model_of(scenario),
-            limits: PathLimits::new(&perception.target_selection, false),
+            model: model_of(scenario, &numbers),
+            limits: PathLimits::new(&perception.target_selection, false, &numbers),
             range_sigma_m: radar.range_sigma_m.value(),
             range_rate_sigma_mps: radar.range_rate_sigma_mps.value(),
             azimuth_sigma_rad: radar.azimuth_sigma_deg.value().to_radians(),
@@ -63,9 +60,10 @@ impl ObjectTracker {
             view: FieldOfView {
                 half_rad: 0.5 * radar.field_of_view_deg.value().to_radians(),
                 resolution_rad: 0.0,
+                edge_rad: numbers.edge_rad,
             },
             tracks: [None; MAX_TRACKS],
-            share: Share::default(),
+            share: Share::new(&numbers),
             last_ns: None,
             next_id: 1,
         }
@@ -83,7 +81,7 @@ impl ObjectTracker {
             let mut track = self.tracks[index].take();
             if let Some(known) = &mut track {
                 known.along.predict(&self.model, &step);
-                known.across.predict(dt_s);
+                known.across.predict(dt_s, self.model.numbers());
                 known.unseen_s += dt_s;
                 known.measured = false;
                 if self.view.surely_shows(known.along.estimate().gap_m, known.across.position_m()) {
@@ -137,7 +135,7 @@ impl ObjectTracker {
         ObjectTrack {
             id,
             along: self.model.start(self.range(&measurement), self.range_rate(&measurement)),
-            across: lateral::Filter::start(lateral),
+            across: lateral::Filter::start(lateral, self.model.numbers()),
             membership,
             measurement,
             measured: true,
@@ -160,11 +158,11 @@ impl ObjectTracker {
             known.misfits = 0;
         } else {
             known.misfits += 1;
-            if known.misfits >= MISFITS {
+            if known.misfits >= self.model.numbers().misfits {
                 return self.begin(measurement, false);
             }
         }
-        known.across.update(self.lateral(&measurement));
+        known.across.update(self.lateral(&measurement), self.model.numbers());
         let across = Across {
             lateral_m: known.across.position_m(),
             speed_mps: known.across.speed_mps(),
@@ -172,7 +170,7 @@ impl ObjectTracker {
             approach: Approach {
                 gap_m: known.along.estimate().gap_m,
                 relative_speed_mps: known.along.estimate().relative_speed_mps,
-                length_m: ASSUMED_LENGTH_M,
+                length_m: self.model.numbers().first_length_m,
             },
         };
         self.limits.observe(&mut known.membership, &across, step.dt_s());

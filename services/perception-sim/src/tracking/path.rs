@@ -1,28 +1,17 @@
 //! Which track is the target: the nearest one in the ego's path.
 //!
-//! A track enters the path when it has been within `enter_half_width_m` of the lane's centre for
-//! `confirm_s`, and leaves it when it is beyond `leave_half_width_m`: a vehicle on the line between
-//! two lanes does not flicker, and one noisy scan makes no target. A track also counts as within the
-//! entry limit when its lateral motion will take its body before the ego's in less than `predict_s`: a
-//! cut-in is recognised before the bodies overlap. One that the ego will have passed by then stays out, and one
-//! that it will be beside by then even if it brakes as hard as a cruise control does: there braking only makes
-//! the time beside it longer.
+//! A track enters the path when it has been within `enter_half_width_m` of the lane's centre for `confirm_s`. It
+//! leaves the path beyond `leave_half_width_m`: a vehicle on the line between two lanes does not flicker, and one
+//! noisy scan makes no target. A track also counts as within the entry limit when its lateral motion will take its
+//! body before the ego's in less than `predict_s`: a cut-in is recognised before the bodies overlap. A track that the
+//! ego will have passed by then stays out. So does a track that it will be beside by then, even with a cruise
+//! control's hardest braking: braking only makes the time beside it longer.
 
 use scenario::perception::TargetSelection;
 
 use scenario::event::VEHICLE_WIDTH_M;
 
-/// Slower lateral motion is wandering within the lane, m/s.
-const LEAST_LATERAL_SPEED_MPS: f64 = 0.3;
-/// The lateral speed has to exceed its standard deviation by this factor to be believed.
-const BELIEVED_SIGMA: f64 = 2.0;
-
-/// Length that is assumed of the ego, m.
-const EGO_LENGTH_M: f64 = 4.5;
-/// Hardest braking of an adaptive cruise control, m/s² (ISO 15622).
-const HARDEST_MPS2: f64 = 5.0;
-/// Time until its braking acts: confirmation, control cycle and the actuator's lag, s.
-const LATE_S: f64 = 0.5;
+use super::numbers::Numbers;
 
 /// Limits of the path.
 #[derive(Clone, Copy, Debug)]
@@ -31,9 +20,10 @@ pub struct PathLimits {
     leave_m: f64,
     confirm_s: f64,
     predict_s: f64,
+    numbers: Numbers,
 }
 
-/// Where a track is across the lanes, and how it moves there.
+/// Place and motion of a track across the lanes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Across {
     /// Lateral position of its centre, m, left positive.
@@ -42,11 +32,11 @@ pub struct Across {
     pub speed_mps: f64,
     /// Standard deviation of the lateral speed, m/s.
     pub speed_sigma_mps: f64,
-    /// How the ego comes nearer to it.
+    /// Approach of the ego to it.
     pub approach: Approach,
 }
 
-/// How the ego comes nearer to a track along the road.
+/// Approach of the ego to a track along the road.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Approach {
     /// Bumper-to-bumper distance, m.
@@ -61,22 +51,21 @@ impl Across {
     /// A position without a motion.
     #[must_use]
     pub fn resting(lateral_m: f64) -> Self {
-        let approach =
-            Approach { gap_m: f64::INFINITY, relative_speed_mps: 0.0, length_m: EGO_LENGTH_M };
+        let approach = Approach { gap_m: f64::INFINITY, relative_speed_mps: 0.0, length_m: 0.0 };
         Self { lateral_m, speed_mps: 0.0, speed_sigma_mps: 0.0, approach }
     }
 }
 
 impl Approach {
-    /// Whether the ego has passed the track in `time_s` if both keep their speeds.
-    fn is_passed_in(&self, time_s: f64) -> bool {
-        self.gap_m + self.relative_speed_mps * time_s < -(self.length_m + EGO_LENGTH_M)
+    /// True if the ego has passed the track in `time_s` with both speeds constant.
+    fn is_passed_in(&self, time_s: f64, numbers: &Numbers) -> bool {
+        self.gap_m + self.relative_speed_mps * time_s < -(self.length_m + numbers.ego_length_m)
     }
 
-    /// Whether the ego is not behind the track in `time_s` even if it brakes.
-    fn is_beside_in(&self, time_s: f64) -> bool {
-        let braked_s = (time_s - LATE_S).max(0.0);
-        let gained_m = 0.5 * HARDEST_MPS2 * braked_s * braked_s;
+    /// True if the ego is beside the track in `time_s` even if it brakes.
+    fn is_beside_in(&self, time_s: f64, numbers: &Numbers) -> bool {
+        let braked_s = (time_s - numbers.braking_late_s).max(0.0);
+        let gained_m = 0.5 * numbers.cruise_braking_mps2 * braked_s * braked_s;
         self.gap_m + self.relative_speed_mps * time_s + gained_m < 0.0
     }
 }
@@ -92,12 +81,13 @@ pub struct Membership {
 impl PathLimits {
     /// The limits of a scenario. Exact tracks need no confirmation and are not predicted.
     #[must_use]
-    pub fn new(selection: &TargetSelection, exact: bool) -> Self {
+    pub fn new(selection: &TargetSelection, exact: bool, numbers: &Numbers) -> Self {
         Self {
             enter_m: selection.enter_half_width_m.value(),
             leave_m: selection.leave_half_width_m.value(),
             confirm_s: if exact { 0.0 } else { selection.confirm_s.value() },
             predict_s: if exact { 0.0 } else { selection.predict_s.value() },
+            numbers: *numbers,
         }
     }
 
@@ -123,28 +113,30 @@ impl PathLimits {
 
     /// The lateral motion will take the body before the ego's in less than `predict_s`.
     fn cuts_in(&self, across: &Across) -> bool {
+        let Numbers { wandering_mps, inward_sigma, .. } = self.numbers;
         let inward_mps = -across.speed_mps * across.lateral_m.signum();
-        inward_mps > LEAST_LATERAL_SPEED_MPS.max(BELIEVED_SIGMA * across.speed_sigma_mps)
+        inward_mps > wandering_mps.max(inward_sigma * across.speed_sigma_mps)
             && across.lateral_m.abs() - inward_mps * self.predict_s < VEHICLE_WIDTH_M
-            && !braking_is_vain(across, inward_mps)
+            && !braking_is_vain(across, inward_mps, &self.numbers)
     }
 
     /// A track that was taken into the path for its motion goes on with it, if more slowly.
     fn still_comes(&self, across: &Across) -> bool {
         let inward_mps = -across.speed_mps * across.lateral_m.signum();
         let reach_m = 2.0 * self.predict_s * inward_mps;
-        inward_mps > 0.5 * LEAST_LATERAL_SPEED_MPS
+        inward_mps > 0.5 * self.numbers.wandering_mps
             && across.lateral_m.abs() - reach_m < VEHICLE_WIDTH_M
-            && !braking_is_vain(across, inward_mps)
+            && !braking_is_vain(across, inward_mps, &self.numbers)
     }
 }
 
 /// To brake is of no use: when the track's body comes before the ego's, the ego has passed it, or is beside it
 /// even if it brakes.
-fn braking_is_vain(across: &Across, inward_mps: f64) -> bool {
+fn braking_is_vain(across: &Across, inward_mps: f64, numbers: &Numbers) -> bool {
     let comes_s = (across.lateral_m.abs() - VEHICLE_WIDTH_M) / inward_mps;
     comes_s > 0.0
-        && (across.approach.is_passed_in(comes_s) || across.approach.is_beside_in(comes_s))
+        && (across.approach.is_passed_in(comes_s, numbers)
+            || across.approach.is_beside_in(comes_s, numbers))
 }
 
 impl Membership {
@@ -160,7 +152,7 @@ mod tests {
     use super::*;
 
     fn limits() -> PathLimits {
-        PathLimits::new(&TargetSelection::default(), false)
+        PathLimits::new(&TargetSelection::default(), false, &Numbers::DEFAULT)
     }
 
     fn history(laterals: &[f64]) -> Vec<bool> {
@@ -238,7 +230,7 @@ mod tests {
 
     #[test]
     fn exact_tracks_and_those_of_the_start_count_at_once() {
-        let exact = PathLimits::new(&TargetSelection::default(), true);
+        let exact = PathLimits::new(&TargetSelection::default(), true, &Numbers::DEFAULT);
         let mut membership = Membership::default();
         exact.observe(&mut membership, &Across::resting(1.0), 0.0);
         assert!(membership.in_path());

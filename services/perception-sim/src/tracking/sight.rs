@@ -1,16 +1,16 @@
-//! How much of what the radar should see it does see.
+//! Share of the expected detections that come.
 //!
-//! Each scan is compared with what the scan before promises: a vehicle that is tracked and in view should give a
-//! detection again, and so should a post beside the road, moved on by the ego's own motion. The share is
+//! Each scan is compared with the promises of the previous one. A tracked vehicle in view should give a detection
+//! again. So should a post beside the road, moved by the ego's own motion. The share is
 //!
 //! ```text
 //!           Σ w · seen            seen: 1 if a detection came, else 0
 //! share  =  ──────────            expected: probability of detection of a sound radar
-//!           Σ w · expected        w: exp(-age / MEMORY_S)
+//!           Σ w · expected        w: exp(-age / memory)
 //! ```
 //!
 //! A radar that sees nothing at all has nothing to compare. The map promises posts then: if none comes over
-//! [`UNSEEN_S`], though [`PROMISED`] were to be seen, the share is 0.
+//! [`Numbers::blind_s`], though [`Numbers::promised`] were to be seen, the share is 0.
 //!
 //! ```
 //! use perception_sim::tracking::sight::Share;
@@ -27,54 +27,37 @@ use messages::Detection;
 
 use super::association::Point;
 use super::birth;
+use super::numbers::Numbers;
 use super::track::FieldOfView;
 
-/// Memory of the share, s. Chosen: 20 scans, so that a car's chance misses stay below a tenth.
-const MEMORY_S: f64 = 1.0;
-/// Weight of what is assumed before the first scan: a sound radar.
-const ASSUMED: f64 = 4.0;
-/// A post is expected again if its detection was this much stronger than the threshold, dB. Chosen: an echo with
-/// Swerling's case 1 that is 10 dB above comes again in nine of ten scans.
-const STRONG_DB: f64 = 10.0;
-/// Probability that such a post is seen again, measured over the built-in scenarios without dropout.
-const POST_AGAIN: f64 = 0.9;
-/// Probability that a tracked vehicle within [`TRACK_REACH_M`] is seen again, measured the same way.
-const TRACK_AGAIN: f64 = 0.95;
-/// Vehicles farther than this are not counted, m: their echoes are weak.
-pub const TRACK_REACH_M: f64 = 80.0;
-/// Posts are at least this far off the ego's axis, m: the next lanes and their vehicles are nearer.
-const POSTS_FROM_M: f64 = 5.0;
-/// Posts are counted up to this distance ahead, m.
-const POSTS_TO_M: f64 = 80.0;
-/// A post may be this far from where it is expected, m along and across.
-const POST_GATE_M: (f64, f64) = (1.0, 2.0);
-/// Margin at the edge of the field of view, rad.
-const EDGE_RAD: f64 = 0.05;
 /// Most posts that are compared.
 const MAX_POSTS: usize = 128;
-/// Time without any detection of a post or a tracked vehicle after which the radar may be blind, s.
-const UNSEEN_S: f64 = 0.5;
-/// Posts, times scans, that the map promised in this time. Chosen: in each of them the probability to see none by
-/// chance, with two of three hidden by vehicles, is below e^-10.
-const PROMISED: f64 = 30.0;
 
 /// A share of expected events with a fading memory.
 #[derive(Clone, Copy, Debug)]
 pub struct Share {
     seen: f64,
     expected: f64,
+    memory_s: f64,
 }
 
 impl Default for Share {
     fn default() -> Self {
-        Self { seen: ASSUMED, expected: ASSUMED }
+        Self::new(&Numbers::DEFAULT)
     }
 }
 
 impl Share {
+    /// A sound radar is assumed.
+    #[must_use]
+    pub fn new(numbers: &Numbers) -> Self {
+        let Numbers { assumed, memory_s, .. } = *numbers;
+        Self { seen: assumed, expected: assumed, memory_s }
+    }
+
     /// Lets `dt_s` pass.
     pub fn forget(&mut self, dt_s: f64) {
-        let kept = libm::exp(-dt_s / MEMORY_S);
+        let kept = libm::exp(-dt_s / self.memory_s);
         self.seen *= kept;
         self.expected *= kept;
     }
@@ -102,6 +85,7 @@ struct Post {
 /// The estimate of a radar that gives detections.
 #[derive(Clone, Debug)]
 pub struct Sight {
+    numbers: Numbers,
     share: Share,
     posts: Vec<Post>,
     /// Posts that a scan should show according to the map.
@@ -114,12 +98,13 @@ pub struct Sight {
 impl Sight {
     /// A radar with this threshold, dB, on a road with this number of posts on each side of a kilometre.
     #[must_use]
-    pub fn new(threshold_db: f64, posts_per_km: f64) -> Self {
+    pub fn new(threshold_db: f64, posts_per_km: f64, numbers: &Numbers) -> Self {
         Self {
-            share: Share::default(),
+            numbers: *numbers,
+            share: Share::new(numbers),
             posts: Vec::with_capacity(MAX_POSTS),
-            promised_per_scan: 2e-3 * posts_per_km * POSTS_TO_M,
-            strong_db: threshold_db + STRONG_DB,
+            promised_per_scan: 2e-3 * posts_per_km * numbers.posts_to_m,
+            strong_db: threshold_db + numbers.strong_db,
             unseen_s: 0.0,
             promised: 0.0,
         }
@@ -127,7 +112,7 @@ impl Sight {
 
     /// Takes a vehicle that was tracked before this scan and should be in it.
     pub fn observe_track(&mut self, seen: bool) {
-        self.share.observe(TRACK_AGAIN, seen);
+        self.share.observe(self.numbers.track_again, seen);
     }
 
     /// Takes that this scan showed a tracked vehicle, wherever: a near one hides all posts.
@@ -144,24 +129,28 @@ impl Sight {
         detections: &[Detection],
         view: &FieldOfView,
     ) {
+        let numbers = &self.numbers;
         self.share.forget(dt_s);
         let stands = |point: &&Point| {
-            !birth::moves(point) && point.y_m.abs() > POSTS_FROM_M && point.x_m > 0.0
+            !birth::moves(point, numbers)
+                && point.y_m.abs() > numbers.posts_from_m
+                && point.x_m > 0.0
         };
         for post in &self.posts {
             let (x_m, y_m) = (post.x_m - ego_mps * dt_s, post.y_m);
-            let is_in_view = x_m > 0.0 && libm::atan2(y_m.abs(), x_m) < view.half_rad - EDGE_RAD;
+            let is_in_view =
+                x_m > 0.0 && libm::atan2(y_m.abs(), x_m) < view.half_rad - view.edge_rad;
             if is_in_view {
                 let again = points.iter().filter(stands).any(|point| {
-                    (point.x_m - x_m).abs() < POST_GATE_M.0
-                        && (point.y_m - y_m).abs() < POST_GATE_M.1
+                    (point.x_m - x_m).abs() < numbers.post_along_m
+                        && (point.y_m - y_m).abs() < numbers.post_across_m
                 });
-                self.share.observe(POST_AGAIN, again);
+                self.share.observe(numbers.post_again, again);
             }
         }
         self.posts.clear();
         let mut any = false;
-        for point in points.iter().filter(stands).filter(|point| point.x_m < POSTS_TO_M) {
+        for point in points.iter().filter(stands).filter(|point| point.x_m < numbers.posts_to_m) {
             any = true;
             let is_strong = detections[point.detection].snr_db > self.strong_db;
             if is_strong && self.posts.len() < MAX_POSTS {
@@ -176,7 +165,7 @@ impl Sight {
     /// Share of the expected detections that came.
     #[must_use]
     pub fn share(&self) -> f64 {
-        if self.unseen_s >= UNSEEN_S && self.promised >= PROMISED {
+        if self.unseen_s >= self.numbers.blind_s && self.promised >= self.numbers.promised {
             0.0
         } else {
             self.share.value()
@@ -190,11 +179,11 @@ mod tests {
     use super::*;
     use bytemuck::Zeroable;
 
-    const VIEW: FieldOfView = FieldOfView { half_rad: 0.52, resolution_rad: 0.05 };
+    const VIEW: FieldOfView = FieldOfView { half_rad: 0.52, resolution_rad: 0.05, edge_rad: 0.05 };
 
     /// The share after 4 s of posts every 10 m at 20 m/s, of which the scans `sees` says show all.
     fn drive(sees: impl Fn(u32) -> bool) -> f64 {
-        let mut sight = Sight::new(12.0, 50.0);
+        let mut sight = Sight::new(12.0, 50.0, &Numbers::DEFAULT);
         let strong = [Detection { snr_db: 30.0, ..Detection::zeroed() }; 16];
         for scan in 0..80 {
             let moved_m = f64::from(scan % 10);
@@ -222,7 +211,7 @@ mod tests {
     #[test]
     fn nothing_at_all_is_blind_where_the_map_promises_posts() {
         assert_eq!(drive(|_| false), 0.0);
-        let mut nowhere = Sight::new(12.0, 0.0);
+        let mut nowhere = Sight::new(12.0, 0.0, &Numbers::DEFAULT);
         for _ in 0..80 {
             nowhere.take_scan(0.05, 20.0, &[], &[], &VIEW);
         }
@@ -231,7 +220,7 @@ mod tests {
 
     #[test]
     fn tracked_vehicles_count_and_the_past_fades() {
-        let mut sight = Sight::new(12.0, 0.0);
+        let mut sight = Sight::new(12.0, 0.0, &Numbers::DEFAULT);
         let mut see = |seen: bool, scans: u32| {
             for _ in 0..scans {
                 sight.take_scan(0.05, 20.0, &[], &[], &VIEW);

@@ -1,4 +1,4 @@
-//! How the other vehicles move.
+//! Tests of the other vehicles' motion.
 
 use proptest::prelude::*;
 use scenario::builtin;

@@ -1,4 +1,4 @@
-//! What the filters of the motion along the road do.
+//! Tests of the filters for the motion along the road.
 
 use proptest::prelude::*;
 
@@ -9,7 +9,7 @@ const QUIET: Maneuver = Maneuver { sigma_mps2: 0.5, tau_s: 2.5 };
 const SIGMA: [f64; 2] = [0.4, 0.15];
 
 fn model(kind: Kind) -> Model {
-    Model::new(kind, QUIET, 5.0)
+    Model::new(kind, QUIET, 5.0, &Numbers::DEFAULT)
 }
 
 fn start(model: &Model, gap_m: f64, rate_mps: f64) -> Filter {
@@ -116,7 +116,7 @@ fn the_gate_keeps_outliers_out_and_lets_the_rest_in() {
     }
 }
 
-/// The range rates of a lead that brakes as hard as it can are true, and believed.
+/// The range rates of a lead that brakes as hard as it can pass their gate.
 #[test]
 fn hard_braking_is_believed_from_the_first_scan() {
     for kind in [Kind::Singer, Kind::Interacting] {
@@ -147,7 +147,7 @@ fn hard_braking_is_believed_from_the_first_scan() {
     }
 }
 
-/// What association expects includes the first range rates of a lead that brakes hard, however quiet it was.
+/// Association's gate includes the first range rates of a lead that brakes hard after a quiet drive.
 #[test]
 fn the_first_range_rate_of_hard_braking_is_expected() {
     for kind in [Kind::Singer, Kind::Interacting] {
@@ -159,7 +159,7 @@ fn the_first_range_rate_of_hard_braking_is_expected() {
                 see(&mut filter, &model, &step, 50.0, 0.0);
             }
             filter.predict(&model, &step);
-            let sigma_mps = filter.range_rate_variance(0.0, dt_s).sqrt();
+            let sigma_mps = filter.range_rate_variance(&model, 0.0, dt_s).sqrt();
             assert!(8.0 * dt_s < 5.0 * sigma_mps, "{kind:?} {dt_s}: {sigma_mps}");
         }
     }
@@ -168,7 +168,7 @@ fn the_first_range_rate_of_hard_braking_is_expected() {
 #[test]
 fn a_radar_without_noise_does_not_break_the_filter() {
     let still = Maneuver { sigma_mps2: 0.0, tau_s: 2.5 };
-    let model = Model::new(Kind::Singer, still, 5.0);
+    let model = Model::new(Kind::Singer, still, 5.0, &Numbers::DEFAULT);
     let step = model.step(0.05, 0.0);
     let mut filter = model.start(Measured::new(50.0, 0.0), Measured::new(1.0, 0.0));
     for k in 1..10_000 {

@@ -1,0 +1,275 @@
+//! Effect of each number of the sensor model and of the tracker.
+//!
+//! ```sh
+//! cargo run --release -p perception-sim --example sensitivity -- [SCENES]
+//! ```
+//!
+//! Each number is halved and doubled, within its range, while all others keep their values. The scenes are those of
+//! the example `quality`. A quarter each has a sound radar, a radar that misses three vehicles and posts of ten,
+//! odometry that is 1.5 m/s fast from 8 s on, and a radar that is blind for 1.5 s. A last line of each number says in
+//! words what its row says.
+
+use bytemuck::Zeroable;
+use messages::{Detection, MAX_DETECTIONS};
+use parameters::{Row, Table};
+use perception_sim::quality::Quality;
+use perception_sim::radar::detections::DetectionRadar;
+use perception_sim::radar::numbers::Numbers as RadarNumbers;
+use perception_sim::radar::receiver::Receiver;
+use perception_sim::radar::scene::{Ego, Scene};
+use perception_sim::tracking::TrackList;
+use perception_sim::tracking::detection_tracker::DetectionTracker;
+use perception_sim::tracking::ego_speed::EgoSpeed;
+use perception_sim::tracking::numbers::Numbers as TrackerNumbers;
+use perception_sim::traffic::Traffic;
+use scenario::Scenario;
+
+mod scenes;
+
+use scenes::{PERIOD_NS, SCANS, follow, scene};
+
+/// Scans before the figures begin: the tracker gets to know the traffic.
+const SETTLING: usize = 20;
+
+/// Fault in a scene.
+#[derive(Clone, Copy, PartialEq)]
+enum Condition {
+    Sound,
+    Misses,
+    FastOdometry,
+    Blind,
+}
+
+const CONDITIONS: [Condition; 4] =
+    [Condition::Sound, Condition::Misses, Condition::FastOdometry, Condition::Blind];
+
+/// Share of vehicles and posts that a radar with misses does not show in a scan.
+const MISSED: f64 = 0.3;
+
+/// Sums over the scenes.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    scenes: f64,
+    gospa_m2: f64,
+    cut_ins: f64,
+    cut_in_s: f64,
+    false_s: f64,
+    acceleration: (f64, f64),
+    share: (f64, f64),
+    speed: (f64, f64),
+}
+
+/// One figure: its name, its unit, the smallest change that counts, and whether the change is relative.
+struct Figure {
+    name: &'static str,
+    unit: &'static str,
+    counts: f64,
+    relative: bool,
+    value: fn(&Sums) -> f64,
+}
+
+const FIGURES: [Figure; 6] = [
+    Figure {
+        name: "GOSPA",
+        unit: "%",
+        counts: 1.0,
+        relative: true,
+        value: |sums| (sums.gospa_m2 / sums.scenes).sqrt(),
+    },
+    Figure {
+        name: "cut-in delay",
+        unit: "s",
+        counts: 0.02,
+        relative: false,
+        value: |sums| sums.cut_in_s / sums.cut_ins,
+    },
+    Figure {
+        name: "time with a false target",
+        unit: "%",
+        counts: 10.0,
+        relative: true,
+        value: |sums| sums.false_s,
+    },
+    Figure {
+        name: "error of the target's acceleration",
+        unit: "%",
+        counts: 2.0,
+        relative: true,
+        value: |sums| (sums.acceleration.0 / sums.acceleration.1).sqrt(),
+    },
+    Figure {
+        name: "error of the seen share",
+        unit: "%",
+        counts: 5.0,
+        relative: true,
+        value: |sums| sums.share.0 / sums.share.1,
+    },
+    Figure {
+        name: "error of the ego's speed",
+        unit: "%",
+        counts: 5.0,
+        relative: true,
+        value: |sums| (sums.speed.0 / sums.speed.1).sqrt(),
+    },
+];
+
+/// The truth of a scene, and how it is seen.
+struct Drive {
+    scenario: Scenario,
+    condition: Condition,
+    truth: Vec<Scene>,
+}
+
+impl Drive {
+    fn new(seed: u32) -> Self {
+        let condition = CONDITIONS[(seed / 4) as usize % CONDITIONS.len()];
+        let missed = format!("/perception.radar.dropout_probability={MISSED}");
+        let keys: &[&str] = if condition == Condition::Misses { &[&missed] } else { &[] };
+        let scenario = scene(seed, keys);
+        let mut traffic = Traffic::new(&scenario);
+        let mut ego = Ego { speed_mps: scenario.plant.initial_speed_mps.value(), ..Ego::default() };
+        let mut truth = Vec::new();
+        for time_ns in (0..SCANS).map(|k| k * PERIOD_NS) {
+            traffic.advance(time_ns, &ego);
+            let mut scene = Scene::new(time_ns as i64, ego, traffic.vehicles());
+            if condition == Condition::FastOdometry && time_ns >= 8_000_000_000 {
+                scene.told = Some(Ego { speed_mps: ego.speed_mps + 1.5, ..ego });
+            }
+            truth.push(scene);
+            ego = follow(ego, scenario.set_speed_mps.value(), traffic.vehicles());
+        }
+        Self { scenario, condition, truth }
+    }
+
+    /// The detections of all scans.
+    fn scan(&self, numbers: &RadarNumbers) -> (Receiver, Vec<Vec<Detection>>) {
+        let mut radar = DetectionRadar::with(&self.scenario, numbers);
+        let mut room = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
+        let scans = self.truth.iter().map(|scene| {
+            let count = radar.scan(scene, &mut room).count;
+            let blind = self.condition == Condition::Blind
+                && (10_000_000_000..11_500_000_000).contains(&scene.time_ns);
+            room[..if blind { 0 } else { count }].to_vec()
+        });
+        let scans = scans.collect();
+        (*radar.receiver(), scans)
+    }
+
+    fn track(
+        &self,
+        (receiver, scans): &(Receiver, Vec<Vec<Detection>>),
+        numbers: &TrackerNumbers,
+        sums: &mut Sums,
+    ) {
+        let mut tracker = DetectionTracker::with(&self.scenario, receiver, numbers);
+        let mut ego_speed = EgoSpeed::new(numbers);
+        let mut quality = Quality::new(&self.scenario);
+        for (k, (scene, detections)) in self.truth.iter().zip(scans).enumerate() {
+            let known = ego_speed.take_scan(scene.time_ns, scene.told, detections);
+            let list = tracker.step(scene.time_ns, &known, detections);
+            if k < SETTLING {
+                continue;
+            }
+            quality.observe(scene, &list, scene.time_ns);
+            add_acceleration(scene, &list, &mut sums.acceleration);
+            if self.condition != Condition::Blind {
+                let truly = if self.condition == Condition::Misses { 1.0 - MISSED } else { 1.0 };
+                sums.share.0 += (tracker.seen_share() - truly).abs();
+                sums.share.1 += 1.0;
+            }
+            if scene.told != Some(scene.ego) {
+                sums.speed.0 += (known.speed_mps - scene.ego.speed_mps).powi(2);
+                sums.speed.1 += 1.0;
+            }
+        }
+        let figures = quality.figures();
+        sums.scenes += 1.0;
+        sums.gospa_m2 += figures.gospa_m * figures.gospa_m;
+        sums.cut_ins += figures.cut_ins as f64;
+        sums.cut_in_s += figures.cut_in_mean_s.unwrap_or(0.0) * figures.cut_ins as f64;
+        sums.false_s += figures.false_target_s;
+    }
+}
+
+/// Adds the squared error of the target's acceleration, if the target is the vehicle ahead.
+fn add_acceleration(scene: &Scene, list: &TrackList, sum: &mut (f64, f64)) {
+    let gap_m = |rear_m: f64| rear_m - scene.ego.position_m;
+    let ahead = scene.vehicles.iter().filter(|vehicle| vehicle.in_ego_path());
+    let ahead = ahead.filter(|vehicle| gap_m(vehicle.rear_position_m) > 0.0);
+    let ahead = ahead.min_by(|a, b| a.rear_position_m.total_cmp(&b.rear_position_m));
+    if let (Some(ahead), Some(target)) = (ahead, list.target())
+        && (gap_m(ahead.rear_position_m) - target.gap_m).abs() < 5.0
+    {
+        sum.0 += (target.acceleration_mps2 - ahead.acceleration_mps2).powi(2);
+        sum.1 += 1.0;
+    }
+}
+
+/// The sums with each row of a table halved and doubled.
+fn vary<T: Table>(default: T, mut run: impl FnMut(&T, &mut Sums), sums: &mut [[Sums; 2]]) {
+    for (row, sums) in sums.iter_mut().enumerate() {
+        for (factor, sums) in [0.5, 2.0].into_iter().zip(sums) {
+            run(&default.scaled(row, factor), sums);
+        }
+    }
+}
+
+fn print<T: Table>(default: T, base: &Sums, sums: &[[Sums; 2]]) {
+    for (row, (Row { name, .. }, sums)) in T::ROWS.iter().zip(sums).enumerate() {
+        let mut words = Vec::new();
+        for (factor, sums) in [0.5, 2.0].into_iter().zip(sums) {
+            let value = default.scaled(row, factor).value(row);
+            let values = FIGURES.each_ref().map(|figure| (figure.value)(sums));
+            println!("{name:22} {value:8.4} {}", cells(&values));
+            words.push(format!("at {value} {}", effect(base, sums)));
+        }
+        println!("  {name}: {}.", words.join("; "));
+    }
+}
+
+fn cells(values: &[f64]) -> String {
+    values.iter().map(|value| format!("{value:10.3}")).collect()
+}
+
+/// The figures that change, in words.
+fn effect(base: &Sums, sums: &Sums) -> String {
+    let changed = FIGURES.iter().filter_map(|figure| {
+        let (was, is) = ((figure.value)(base), (figure.value)(sums));
+        let change = if figure.relative { 100.0 * (is / was - 1.0) } else { is - was };
+        let digits = if figure.relative { 0 } else { 2 };
+        let counts = change.abs() >= figure.counts;
+        counts.then(|| format!("{} {change:+.digits$} {}", figure.name, figure.unit))
+    });
+    let changed: Vec<String> = changed.collect();
+    if changed.is_empty() { "no change".to_owned() } else { changed.join(", ") }
+}
+
+fn main() {
+    let scenes = std::env::args().nth(1).map_or(160, |argument| {
+        argument.parse().unwrap_or_else(|_| panic!("`{argument}` is not a number of scenes"))
+    });
+    let mut base = Sums::default();
+    let mut radar = vec![[Sums::default(); 2]; RadarNumbers::ROWS.len()];
+    let mut tracker = vec![[Sums::default(); 2]; TrackerNumbers::ROWS.len()];
+    for seed in 0..scenes {
+        let drive = Drive::new(seed);
+        let seen = drive.scan(&RadarNumbers::DEFAULT);
+        drive.track(&seen, &TrackerNumbers::DEFAULT, &mut base);
+        let with_radar = |numbers: &RadarNumbers, sums: &mut Sums| {
+            drive.track(&drive.scan(numbers), &TrackerNumbers::DEFAULT, sums);
+        };
+        vary(RadarNumbers::DEFAULT, with_radar, &mut radar);
+        let with_tracker =
+            |numbers: &TrackerNumbers, sums: &mut Sums| drive.track(&seen, numbers, sums);
+        vary(TrackerNumbers::DEFAULT, with_tracker, &mut tracker);
+    }
+    println!("{scenes} scenes of {} s", SCANS / 20);
+    for figure in &FIGURES {
+        let unit = if figure.relative { "" } else { figure.unit };
+        println!("{}: {:.3} {unit}", figure.name, (figure.value)(&base));
+    }
+    println!("\nSensor model");
+    print(RadarNumbers::DEFAULT, &base, &radar);
+    println!("\nTracker");
+    print(TrackerNumbers::DEFAULT, &base, &tracker);
+}

@@ -1,0 +1,35 @@
+//! Numbers of the sensor model beside a scenario's keys, each with its origin.
+//!
+//! The keys of `[perception.radar.detections]` say how strong and how exact the radar is. These numbers say how
+//! bodies reflect and what the receiver does with noise. The effects that the rows state are those of
+//! `cargo run --release -p perception-sim --example sensitivity`.
+
+use parameters::parameters;
+
+parameters! {
+    /// Numbers of the sensor model.
+    pub struct Numbers {
+        /// Share of a vehicle's mean cross section in the middle of its rear.
+        rear_share: f64 = 0.6, "1", 0.1..=1.0, "Chosen.";
+        /// Share in each rear corner.
+        corner_share: f64 = 0.2, "1", 0.0..=0.5, "Chosen.";
+        /// Share in each wheelhouse of a side that is seen squarely.
+        side_share: f64 = 0.5, "1", 0.0..=1.0, "Chosen.";
+        /// Distance of a wheelhouse from the end of the body.
+        wheelhouse_m: f64 = 0.9, "m", 0.4..=1.5, "Chosen.";
+        /// Longest stretch of a side without a place that reflects.
+        side_spacing_m: f64 = 4.0, "m", 1.0..=8.0, "Chosen.";
+        /// Length beyond which a vehicle is a lorry.
+        longest_car_m: f64 = 7.0, "m", 5.5..=12.0, "Chosen.";
+        /// Length of a stretch of road with or without a guard rail.
+        rail_stretch_m: f64 = 100.0, "m", 10.0..=1000.0, "Chosen.";
+        /// Depth of the strip beside the road in which objects stand.
+        roadside_depth_m: f64 = 3.0, "m", 0.0..=20.0, "Chosen.";
+        /// Power, in multiples of the noise, below which an echo is left out: noise alone is in the false alarms.
+        least_power: f64 = 0.1, "1", 0.01..=1.0, "Chosen.";
+        /// Largest range rate of a false alarm: the ambiguity limit of the waveform.
+        largest_range_rate_mps: f64 = 70.0, "m/s", 30.0..=150.0, "Chosen.";
+        /// False alarms in a scan beyond which the receiver raises its threshold.
+        alarms_kept: f64 = 4.0, "alarms", 1.0..=20.0, "Chosen.";
+    }
+}

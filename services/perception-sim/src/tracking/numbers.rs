@@ -1,0 +1,261 @@
+//! Numbers of the tracker beside a scenario's keys, each with its origin.
+//!
+//! The effects that the rows state are those of `cargo run --release -p perception-sim --example sensitivity`.
+//!
+//! ```
+//! use perception_sim::tracking::numbers::Numbers;
+//!
+//! let calm = Numbers { hard_mps2: 5.0, ..Numbers::DEFAULT };
+//! assert!(calm.hard_mps2 > calm.moderate_mps2);
+//! ```
+
+use parameters::parameters;
+
+parameters! {
+    /// Numbers of the tracker.
+    pub struct Numbers {
+        // Motion along the road.
+
+        /// Standard deviation of the acceleration of a lead that brakes or accelerates in ordinary traffic.
+        moderate_mps2: f64 = 2.0, "m/s²", 1.0..=4.0, "Chosen.";
+        /// Correlation time of that acceleration.
+        moderate_s: f64 = 1.5, "s", 0.3..=10.0, "Chosen.";
+        /// Standard deviation of the acceleration of a lead in emergency braking.
+        hard_mps2: f64 = 7.0, "m/s²", 4.0..=12.0, "Chosen.";
+        /// Correlation time of that acceleration.
+        hard_s: f64 = 1.5, "s", 0.3..=10.0, "Chosen.";
+        /// Mean time that a lead stays in the quiet model.
+        quiet_sojourn_s: f64 = 5.0, "s", 1.0..=60.0, "Chosen.";
+        /// Mean time that a lead stays in the moderate model.
+        moderate_sojourn_s: f64 = 1.0, "s", 0.2..=10.0, "Chosen.";
+        /// Mean time that a lead stays in the hard model.
+        hard_sojourn_s: f64 = 1.0, "s", 0.2..=10.0, "Chosen.";
+
+        // Motion across the lanes.
+
+        /// Density of the lateral acceleration of a vehicle that keeps its lane.
+        in_lane_m2ps3: f64 = 0.01, "m²/s³", 0.001..=0.5, "Chosen.";
+        /// Density of the lateral acceleration in a lane change.
+        lane_change_m2ps3: f64 = 2.0, "m²/s³", 0.5..=10.0, "Chosen.";
+        /// Time constant with which the lateral speed of a vehicle that keeps its lane fades.
+        fading_s: f64 = 1.0, "s", 0.2..=5.0, "Chosen.";
+        /// Mean time that a vehicle keeps its lane.
+        in_lane_s: f64 = 5.0, "s", 1.0..=60.0, "Chosen.";
+        /// Mean time of a lane change.
+        lane_change_s: f64 = 2.0, "s", 0.5..=10.0, "Chosen.";
+        /// Standard deviation of the lateral speed of a new vehicle.
+        first_lateral_mps: f64 = 1.0, "m/s", 0.2..=3.0, "Chosen.";
+        /// Standard deviations of its prediction to which a lateral position is limited.
+        lateral_limit_sigma: f64 = 3.0, "σ", 2.0..=6.0, "Chosen.";
+
+        // Bodies.
+
+        /// Length of a vehicle of which nothing is known yet; also the object list's.
+        first_length_m: f64 = 4.5, "m", 3.5..=6.0, "Chosen.";
+        /// Width of a vehicle of which nothing is known yet.
+        first_width_m: f64 = 1.8, "m", 1.5..=2.6, "Chosen.";
+        /// Greatest length of a vehicle.
+        longest_m: f64 = 25.0, "m", 12.0..=30.0, "Chosen.";
+        /// Greatest width of a vehicle.
+        widest_m: f64 = 2.6, "m", 2.0..=3.0, "Source: Directive 96/53/EC, Annex I, 1.2: 2.55 m, refrigerated 2.6 m.";
+        /// Depth behind the nearest echo in which echoes come from the rear.
+        rear_depth_m: f64 = 0.8, "m", 0.2..=2.0, "Chosen.";
+        /// Weight of a scan in length and width.
+        extent_weight: f64 = 0.1, "1", 0.01..=0.5, "Chosen.";
+        /// Standard deviation of the mean place of the echoes on a rear.
+        rear_sigma_m: f64 = 0.1, "m", 0.0..=0.5, "Chosen.";
+        /// Standard deviation of the mean motion of the echoes on a rear.
+        rear_sigma_mps: f64 = 0.02, "m/s", 0.0..=0.2, "Chosen.";
+        /// Standard deviation of an echo from the side.
+        side_sigma_m: f64 = 0.2, "m", 0.05..=1.0, "Chosen.";
+        /// Half of a rear that may show no echo before the rest counts as hidden.
+        small_slack_m: f64 = 0.25, "m", 0.05..=0.9, "Chosen.";
+        /// Share of a uniform distribution's variance in unresolved echoes between the sides: the middle is strong.
+        middle_share: f64 = 0.4, "1", 0.1..=1.0, "Chosen.";
+        /// Margin to the edge of the field of view within which a vehicle is cut off.
+        edge_rad: f64 = 0.05, "rad", 0.0..=0.2, "Chosen.";
+        /// Scans in a row that contradict a track before it begins anew.
+        misfits: u32 = 3, "scans", 1.0..=20.0, "Chosen.";
+        /// Share of the expected hits from which a track is surely a vehicle.
+        firm_share: f64 = 0.5, "1", 0.1..=1.0, "Chosen.";
+
+        // Which detection belongs to which track.
+
+        /// Gate of the position.
+        position_gate: f64 = 3.0, "σ", 2.0..=6.0, "Chosen.";
+        /// Standard deviations within which two quantities surely agree.
+        surely_sigma: f64 = 3.0, "σ", 2.0..=6.0, "Chosen.";
+        /// Standard deviations within which two lateral positions probably agree.
+        likely_sigma: f64 = 2.0, "σ", 1.0..=4.0, "Chosen.";
+        /// Standard deviation of the place on the body from which an echo comes.
+        body_sigma_m: f64 = 0.3, "m", 0.05..=1.0, "Chosen.";
+        /// Distance beyond the known length from which an echo may come: echoes from under the body are late.
+        beyond_m: f64 = 2.5, "m", 0.0..=6.0, "Chosen.";
+        /// The same along the side of a vehicle on another lane: on long vehicles the places are far apart.
+        beyond_along_side_m: f64 = 6.0, "m", 0.0..=15.0, "Chosen.";
+        /// Distance from the ego's axis beyond which a vehicle shows a side.
+        side_shown_m: f64 = 1.8, "m", 1.0..=3.5, "Chosen.";
+        /// Distance from the line of a side within which an echo is on it.
+        side_line_m: f64 = 0.4, "m", 0.1..=1.5, "Chosen.";
+        /// Squared distance that is added for a track that is not confirmed.
+        tentative_penalty: f64 = 4.0, "σ²", 0.0..=20.0, "Chosen.";
+        /// Distance along the road within which a track covers an echo, so that no other begins with it.
+        covers_along_m: f64 = 1.0, "m", 0.0..=5.0, "Chosen.";
+        /// The same across the lanes.
+        covers_across_m: f64 = 0.5, "m", 0.0..=2.0, "Chosen.";
+
+        // New tracks.
+
+        /// Speed over ground below which something stands.
+        standing_mps: f64 = 1.0, "m/s", 0.2..=3.0, "Chosen.";
+        /// Distance from the lane's centre beyond which a standing echo begins no track.
+        standing_half_width_m: f64 = 2.0, "m", 1.0..=3.5, "Chosen.";
+        /// Greatest distance between echoes of one new vehicle along the road.
+        cluster_length_m: f64 = 5.0, "m", 1.0..=15.0, "Chosen.";
+        /// The same across the lanes.
+        cluster_width_m: f64 = 2.0, "m", 0.5..=3.5, "Chosen.";
+        /// Greatest difference between their speeds.
+        cluster_rate_mps: f64 = 1.0, "m/s", 0.2..=4.0, "Chosen.";
+        /// Greatest distance between neighbouring places on the side of a long vehicle.
+        chain_length_m: f64 = 8.0, "m", 2.0..=15.0, "Chosen.";
+        /// Greatest distance of such a place from the side's line.
+        chain_width_m: f64 = 0.5, "m", 0.1..=1.5, "Chosen.";
+
+        // One vehicle with two tracks.
+
+        /// Distance by which the newer track may be before the older one in the ego's lane.
+        same_before_m: f64 = 2.0, "m", 0.5..=6.0, "Chosen.";
+        /// The same on another lane: a lorry's rear comes into view after its front.
+        lorry_m: f64 = 9.0, "m", 2.0..=18.0, "Chosen.";
+        /// Distance across the lanes below which two tracks may be one vehicle.
+        same_across_m: f64 = 1.2, "m", 0.4..=2.5, "Chosen.";
+        /// Difference of speeds below which they may be one vehicle.
+        same_mps: f64 = 1.5, "m/s", 0.3..=5.0, "Chosen.";
+        /// The same for a part of a lorry that is far before its rear.
+        same_lorry_mps: f64 = 0.5, "m/s", 0.1..=3.0, "Chosen.";
+        /// Speed over ground from which a track has moved.
+        moving_mps: f64 = 2.0, "m/s", 0.5..=6.0, "Chosen.";
+
+        // Mirror images and the road's edge.
+
+        /// Distance from the lane's centre beyond which no track begins: three and a half lanes of 3.5 m.
+        farthest_m: f64 = 12.25, "m", 5.0..=30.0, "Chosen.";
+        /// Least distance of a rail from the lane's centre.
+        nearest_rail_m: f64 = 4.5, "m", 2.0..=8.0, "Chosen.";
+        /// Least distance of a rail from the vehicle that it mirrors: half a lane and a shoulder.
+        rail_room_m: f64 = 2.5, "m", 1.0..=6.0, "Chosen.";
+        /// Distance along the road within which a vehicle and its image agree.
+        image_along_m: f64 = 2.0, "m", 0.5..=8.0, "Chosen.";
+        /// Difference of speeds within which they agree.
+        image_mps: f64 = 0.5, "m/s", 0.1..=3.0, "Chosen.";
+        /// Distance from the lane's centre from which standing echoes may be the road's edge.
+        edge_from_m: f64 = 4.5, "m", 2.0..=8.0, "Chosen.";
+        /// Weight of an object inside the known edge.
+        edge_inward: f64 = 0.3, "1", 0.02..=1.0, "Chosen.";
+        /// Weight of an object outside the known edge.
+        edge_outward: f64 = 0.005, "1", 0.0..=0.1, "Chosen.";
+        /// Distance between the edge and the place that is beyond it.
+        edge_margin_m: f64 = 1.0, "m", 0.0..=4.0, "Chosen.";
+
+        // Vehicles abreast that the receiver does not resolve.
+
+        /// Least distance between the middles of vehicles in both neighbouring lanes: two lanes of 3 m.
+        least_apart_m: f64 = 6.0, "m", 4.0..=8.0, "Chosen.";
+        /// Logarithm of the likelihood ratio from which a track is one body.
+        one_body: f64 = 4.0, "1", 1.0..=5.9, "Chosen: 55 to 1.";
+        /// Least value of that logarithm.
+        least_evidence: f64 = -4.0, "1", -20.0..=-1.0, "Chosen.";
+        /// Greatest value of that logarithm.
+        most_evidence: f64 = 6.0, "1", 4.1..=30.0, "Chosen.";
+        /// Scans after which the outermost places are near the bodies.
+        enough_scans: u32 = 24, "scans", 4.0..=100.0, "Chosen: the probability that none of them is in the outer quarter on one side is 2 %.";
+        /// Braking up to which there is time to find out the source of an echo.
+        comfortable_mps2: f64 = 3.0, "m/s²", 1.0..=5.0, "Chosen.";
+
+        // The ego's path.
+
+        /// Lateral speed below which a vehicle wanders within its lane.
+        wandering_mps: f64 = 0.3, "m/s", 0.05..=1.0, "Chosen.";
+        /// Standard deviations that a lateral speed has to exceed.
+        inward_sigma: f64 = 2.0, "σ", 0.0..=4.0, "Chosen.";
+        /// Length that is assumed of the ego.
+        ego_length_m: f64 = 4.5, "m", 3.5..=20.0, "Chosen.";
+        /// Hardest braking of an adaptive cruise control.
+        cruise_braking_mps2: f64 = 5.0, "m/s²", 3.0..=8.0, "Source: ISO 15622: 5 m/s² at low speed.";
+        /// Time until its braking acts: confirmation, control cycle and actuator.
+        braking_late_s: f64 = 0.5, "s", 0.0..=1.5, "Chosen.";
+
+        // Vehicles that are lost in the path.
+
+        /// Time for which a lost vehicle is carried on.
+        lost_s: f64 = 2.5, "s", 0.5..=6.0, "Chosen: an outage of 2 s is bridged with a margin of a quarter.";
+        /// Time after which its last motion takes the place of the filter's prediction.
+        chance_s: f64 = 0.12, "s", 0.04..=1.0, "Chosen: two missed scans of 50 ms are chance.";
+        /// Distance by which a lost vehicle may be before the one that is found.
+        found_m: f64 = 15.0, "m", 2.0..=50.0, "Chosen.";
+
+        // Share of the expected detections that come.
+
+        /// Memory of the share.
+        memory_s: f64 = 1.0, "s", 0.2..=5.0, "Chosen: 20 scans, so that a car's chance misses stay below a tenth.";
+        /// Weight of the sound radar that is assumed before the first scan.
+        assumed: f64 = 4.0, "scans", 0.5..=20.0, "Chosen.";
+        /// Strength over the threshold from which a post is expected again.
+        strong_db: f64 = 10.0, "dB", 3.0..=20.0, "Chosen: an echo of Swerling's case 1 that is 10 dB above comes again in nine of ten scans.";
+        /// Probability that such a post is seen again.
+        post_again: f64 = 0.9, "1", 0.5..=1.0, "Measured over the built-in scenarios without dropout.";
+        /// Probability that a tracked vehicle within reach is seen again.
+        track_again: f64 = 0.95, "1", 0.5..=1.0, "Measured over the built-in scenarios without dropout.";
+        /// Distance up to which vehicles are counted: farther echoes are weak.
+        track_reach_m: f64 = 80.0, "m", 30.0..=150.0, "Chosen.";
+        /// Distance of posts from the ego's axis: the next lane is nearer.
+        posts_from_m: f64 = 5.0, "m", 3.0..=8.0, "Chosen.";
+        /// Distance ahead up to which posts are counted.
+        posts_to_m: f64 = 80.0, "m", 30.0..=150.0, "Chosen.";
+        /// Distance along the road between a post and the place where it is expected.
+        post_along_m: f64 = 1.0, "m", 0.3..=4.0, "Chosen.";
+        /// The same across the lanes.
+        post_across_m: f64 = 2.0, "m", 0.5..=4.0, "Chosen.";
+        /// Distance across the lanes within which a nearer vehicle may hide another one.
+        hides_m: f64 = 2.5, "m", 1.0..=5.0, "Chosen.";
+        /// Distance by which a vehicle that hides another one may be behind it: two that have merged.
+        hides_behind_m: f64 = 5.0, "m", 0.0..=15.0, "Chosen.";
+        /// Time without a detection of post or vehicle after which the radar may be blind.
+        blind_s: f64 = 0.5, "s", 0.1..=3.0, "Chosen.";
+        /// Posts, times scans, that the map promised in this time.
+        promised: f64 = 30.0, "posts", 5.0..=200.0, "Chosen: with two of three hidden by vehicles the probability to see none by chance is below e^-10.";
+
+        // The ego's speed by standing objects.
+
+        /// Distance from the ego's axis within which a detection may be a vehicle of this lane or the next one.
+        off_lane_m: f64 = 4.5, "m", 2.0..=8.0, "Chosen: the far side of a vehicle in the middle of a lane of 3.5 m.";
+        /// Growth of that distance with the range: else a queue that crawls in the next lane passes for standing objects.
+        off_lane_rad: f64 = 0.015, "rad", 0.0..=0.06, "Chosen: three standard deviations of the azimuth of an echo at the threshold of 12 dB.";
+        /// Error of the speed of a standing object's detection.
+        stand_noise_mps: f64 = 0.6, "m/s", 0.1..=2.0, "Chosen.";
+        /// Greatest acceleration of the ego, either way.
+        ego_change_mps2: f64 = 12.0, "m/s²", 6.0..=15.0, "Chosen.";
+        /// Fewest detections that make a measurement.
+        least_points: u32 = 3, "detections", 1.0..=20.0, "Chosen.";
+        /// Time without a measurement after which the next one is not bound to the last.
+        forgotten_s: f64 = 1.0, "s", 0.2..=5.0, "Chosen.";
+        /// Fewest detections that agree in a measurement that is not bound.
+        least_unbound: u32 = 6, "detections", 1.0..=30.0, "Chosen.";
+        /// Difference from which odometry contradicts the measurement.
+        disagrees_mps: f64 = 1.0, "m/s", 0.3..=4.0, "Chosen.";
+        /// Scans in a row with such a difference before the tracker uses the measurement.
+        disagrees_scans: u32 = 2, "scans", 1.0..=20.0, "Chosen.";
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ::parameters::Table;
+
+    #[test]
+    fn each_value_is_within_its_range() {
+        assert!(Numbers::DEFAULT.within_ranges());
+        assert!(crate::radar::numbers::Numbers::DEFAULT.within_ranges());
+    }
+}

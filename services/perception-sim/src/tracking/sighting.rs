@@ -1,0 +1,125 @@
+//! Measurement of one vehicle by all its detections in one scan.
+
+use super::association::Point;
+use super::longitudinal::Measured;
+use super::numbers::Numbers;
+
+/// The detections of one vehicle in one scan, gathered.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sighting {
+    count: u32,
+    pub(super) farthest_m: f64,
+    pub(super) nearest: usize,
+    range_weight: f64,
+    range_moment: f64,
+    rate_weight: f64,
+    rate_moment: f64,
+    pub(super) right_m: f64,
+    pub(super) left_m: f64,
+    rear_count: u32,
+    lateral_variance: f64,
+    ground_mps: f64,
+}
+
+impl Sighting {
+    /// Gathers points that belong together; `lateral_mps` is the vehicle's lateral speed.
+    #[must_use]
+    pub fn of<'a>(
+        points: impl Iterator<Item = &'a Point> + Clone,
+        lateral_mps: f64,
+        numbers: &Numbers,
+    ) -> Option<Self> {
+        let nearest = points.clone().min_by(|a, b| a.x_m.total_cmp(&b.x_m))?;
+        let mut sighting = Self {
+            nearest: nearest.detection,
+            right_m: f64::INFINITY,
+            left_m: f64::NEG_INFINITY,
+            ..Self::default()
+        };
+        for point in points {
+            sighting.count += 1;
+            sighting.farthest_m = sighting.farthest_m.max(point.x_m);
+            sighting.ground_mps += point.ground_speed_mps;
+            let weight = 1.0 / point.range_rate_variance;
+            sighting.rate_weight += weight;
+            sighting.rate_moment += weight * point.relative_speed_mps(lateral_mps);
+            let noise_m = numbers.surely_sigma * point.range_variance.sqrt();
+            let depth_m = numbers.rear_depth_m + noise_m;
+            if point.x_m - nearest.x_m <= depth_m {
+                let weight = 1.0 / point.range_variance;
+                sighting.range_weight += weight;
+                sighting.range_moment += weight * point.x_m;
+                sighting.right_m = sighting.right_m.min(point.y_m);
+                sighting.left_m = sighting.left_m.max(point.y_m);
+                sighting.lateral_variance += point.lateral_variance;
+                sighting.rear_count += 1;
+            }
+        }
+        sighting.ground_mps /= f64::from(sighting.count);
+        Some(sighting)
+    }
+
+    /// Distance of the rear.
+    pub(super) fn range(&self, numbers: &Numbers) -> Measured {
+        let value = self.range_moment / self.range_weight;
+        Measured { value, variance: 1.0 / self.range_weight + square(numbers.rear_sigma_m) }
+    }
+
+    /// Speed relative to the ego.
+    pub(super) fn relative_speed(&self, numbers: &Numbers) -> Measured {
+        let value = self.rate_moment / self.rate_weight;
+        Measured { value, variance: 1.0 / self.rate_weight + square(numbers.rear_sigma_mps) }
+    }
+
+    /// Lateral position of the centre of a rear of the given width.
+    pub(super) fn lateral(&self, width_m: f64, numbers: &Numbers) -> Measured {
+        let count = f64::from(self.rear_count);
+        let hidden_m = self.hidden_m(width_m);
+        let body = numbers.middle_share * hidden_m * hidden_m / 12.0;
+        // The outermost two of several points decide.
+        let variance = self.lateral_variance / (count * count.min(2.0)) + body;
+        Measured { value: 0.5 * (self.left_m + self.right_m), variance }
+    }
+
+    /// Part of a rear of the given width without an echo, m.
+    fn hidden_m(&self, width_m: f64) -> f64 {
+        (width_m - (self.left_m - self.right_m)).max(0.0)
+    }
+
+    /// Lateral position of the centre of a vehicle of which the inner side is seen.
+    pub(super) fn lateral_by_side(&self, width_m: f64, side: f64, numbers: &Numbers) -> Measured {
+        let inner_m = if side > 0.0 { self.right_m } else { self.left_m };
+        let variance =
+            self.lateral_variance / f64::from(self.rear_count) + square(numbers.side_sigma_m);
+        Measured { value: inner_m + 0.5 * width_m * side, variance }
+    }
+
+    /// As [`Self::lateral`], of a rear that the receiver resolves, so that its sides show when nothing
+    /// hides them: an echo from part of it agrees with every centre that has it on the rear. `None`
+    /// when it agrees with the one that is expected.
+    pub(super) fn lateral_of_part(
+        &self,
+        width_m: f64,
+        expected_m: f64,
+        numbers: &Numbers,
+    ) -> Option<Measured> {
+        let whole = self.lateral(width_m, numbers);
+        let slack_m = 0.5 * self.hidden_m(width_m);
+        if slack_m < numbers.small_slack_m {
+            return Some(whole);
+        }
+        let off_m = whole.value - expected_m;
+        let value = expected_m + off_m - off_m.clamp(-slack_m, slack_m);
+        (value != expected_m).then_some(Measured { value, ..whole })
+    }
+
+    /// Mean speed over ground along the line of sight, m/s.
+    #[must_use]
+    pub fn ground_mps(&self) -> f64 {
+        self.ground_mps
+    }
+}
+
+fn square(value: f64) -> f64 {
+    value * value
+}
