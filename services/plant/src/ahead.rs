@@ -1,7 +1,6 @@
 //! The vehicle ahead as it truly is: for the referee, and for verdicts on what braking could have done.
 
-/// Distance that is kept from it at standstill, m.
-const MARGIN_M: f64 = 1.0;
+use crate::numbers::Numbers;
 
 /// The vehicle ahead as it truly is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,11 +13,17 @@ pub struct Ahead {
     pub acceleration_mps2: f64,
 }
 
-/// Constant deceleration that keeps the ego behind the vehicle ahead, m/s², when that one keeps its
-/// present acceleration until it stands; 0 when none is needed.
+/// Constant deceleration that keeps the ego behind the vehicle ahead, m/s². The vehicle ahead keeps its present
+/// acceleration until it stands. 0 without a need to brake.
 #[must_use]
 pub fn required_deceleration(speed_mps: f64, ahead: &Ahead) -> f64 {
-    let room = (ahead.gap_m - MARGIN_M).max(0.1);
+    required_with(speed_mps, ahead, &Numbers::DEFAULT)
+}
+
+/// The same with other numbers, for studies of their effect.
+#[must_use]
+pub fn required_with(speed_mps: f64, ahead: &Ahead, numbers: &Numbers) -> f64 {
+    let room = (ahead.gap_m - numbers.margin_m).max(0.1);
     let braking = (-ahead.acceleration_mps2).max(0.0);
     let closing = speed_mps - ahead.speed_mps;
     let lead_stops_in_s = if braking > 0.0 { ahead.speed_mps / braking } else { f64::INFINITY };

@@ -1,10 +1,9 @@
 //! The emergency brake's own path to the wheels.
 //!
-//! A request acts after the dead time. From then on the path holds the vehicle's acceleration below a
-//! ceiling, which begins at the acceleration of that instant and falls with the path's jerk to what is
-//! asked, at most the authority. When nothing is asked any more the ceiling rises with the same jerk
-//! until the vehicle is below it by itself. The path is apart from the actuator that the controller
-//! commands: the vehicle gets the lower of the two accelerations.
+//! A request acts after the dead time. From then on the path holds the vehicle's acceleration below a ceiling. The
+//! ceiling begins at the acceleration of that instant. It falls with the path's jerk to the request, at most to the
+//! authority. After the request has ended it rises with the same jerk, until the vehicle is below it by itself. The
+//! path is apart from the actuator that the controller commands: the vehicle gets the lower of the two accelerations.
 
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
@@ -16,7 +15,7 @@ pub struct BrakePath {
     jerk_mps3: f64,
     authority_mps2: f64,
     period_s: f64,
-    /// Since when a deceleration is asked for, ns of run time.
+    /// Begin of the present request, ns of run time.
     asked_since_ns: Option<u64>,
     ceiling_mps2: Option<f64>,
 }
@@ -36,9 +35,9 @@ impl BrakePath {
         }
     }
 
-    /// Ceiling on the acceleration, m/s², in the plant's period that starts at `now_ns` with a vehicle
-    /// of acceleration `now_mps2`; `None` while the path is released. A request that is not a positive
-    /// number asks for nothing. Called once in each period.
+    /// Ceiling on the acceleration, m/s², in the plant's period that starts at `now_ns`; `None` while the path is
+    /// released. The vehicle's acceleration is `now_mps2`. A request that is not a positive number asks for nothing.
+    /// Called once in each period.
     pub fn step(&mut self, now_ns: u64, asked_mps2: f64, now_mps2: f64) -> Option<f64> {
         let asks = asked_mps2 > 0.0;
         self.asked_since_ns = if asks { self.asked_since_ns.or(Some(now_ns)) } else { None };
@@ -48,7 +47,7 @@ impl BrakePath {
             let from = self.ceiling_mps2.map_or(now_mps2, |ceiling| ceiling.min(now_mps2));
             Some((from - reach).max(-asked_mps2.min(self.authority_mps2)))
         } else if asks {
-            // What was built up before stays while a new request is on its way.
+            // An earlier ceiling stays while a new request is on its way.
             self.ceiling_mps2
         } else {
             let risen = self.ceiling_mps2.map(|ceiling| ceiling + reach);

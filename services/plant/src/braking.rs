@@ -2,6 +2,7 @@
 
 use crate::brake::BrakePath;
 use crate::chains::Chains;
+use crate::numbers::Numbers;
 use crate::parts::Actuated;
 use crate::report::BrakeFigures;
 use crate::times::BRAKE_PATH;
@@ -10,10 +11,7 @@ use runtime::{Release, Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 
-/// Periods of the emergency brake without a message after which there is none.
-const LOST_PERIODS: i64 = 3;
-
-/// What outlives the plant's process.
+/// State that outlives the plant's process.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Snapshot {
     path: BrakePath,
@@ -29,7 +27,7 @@ pub(crate) struct Braking {
     chains: Chains,
 }
 
-/// What the emergency brake did so far, period by period.
+/// Actions of the emergency brake so far, counted in each period.
 struct Account {
     period_s: f64,
     state: BrakeState,
@@ -49,7 +47,7 @@ impl Braking {
         Ok(Some(Self {
             topic: runtime.subscriber()?,
             path: BrakePath::new(scenario),
-            lost_ns: LOST_PERIODS * period_ms.max(10) * 1_000_000,
+            lost_ns: i64::from(Numbers::DEFAULT.lost_periods) * period_ms.max(10) * 1_000_000,
             account: Account::new(1e-3 * f64::from(scenario.plant.period_ms.value())),
             chains: Chains::open(
                 i64::from(scenario.aebs.deadline_ms.value()) * 1_000_000,
@@ -86,7 +84,7 @@ impl Braking {
         self.path.step(release.scheduled_ns.unsigned_abs(), asked_mps2, now_mps2)
     }
 
-    /// What it does now.
+    /// Its present state.
     pub(crate) fn state(&self) -> BrakeState {
         self.account.state
     }
@@ -101,7 +99,7 @@ impl Braking {
         &self.chains
     }
 
-    /// What is to outlive this process.
+    /// State that outlives this process.
     pub(crate) fn snapshot(&self) -> Snapshot {
         Snapshot { path: self.path, figures: self.account.figures.clone() }
     }

@@ -1,4 +1,4 @@
-//! Whether the ego is clear of all others, for runs that end when it is.
+//! End of a run whose ego is clear of all others.
 
 use crate::longitudinal::State;
 use messages::VehicleTruth;
@@ -6,15 +6,15 @@ use scenario::Scenario;
 
 /// Watches for the end of a run whose verdict cannot change any more.
 ///
-/// While the ego is no faster than a vehicle ahead and no slower than one behind, the distance between them does not
-/// shrink, and what does not shrink does not become a contact. Only an ego that turns to the other vehicle again could
-/// change that: the state has to last for a while first.
+/// A contact needs a distance that shrinks. It does not while the ego is at most as fast as a vehicle ahead and at
+/// least as fast as one behind. Only an ego that turns to the other vehicle again could change that: the state has to
+/// last for a while first.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClearWatch {
     after_ns: i64,
     for_ns: i64,
     ego_length_m: f64,
-    /// Length of the longest of the others, m: the truth does not tell it.
+    /// Length of the longest of the others, m: the ground truth does not have it.
     longest_m: f64,
     since_ns: Option<i64>,
 }
@@ -70,7 +70,8 @@ mod tests {
         ClearWatch::of(&scenario).expect("it is asked for")
     }
 
-    /// What the watch says every 100 ms of an ego of 20 m/s whose other is `ahead_m` ahead at `other_mps`.
+    /// First time at which the watch ends the run of an ego at 20 m/s, asked every 100 ms, ms. The other vehicle is
+    /// `ahead_m` ahead at `other_mps`.
     fn ends_after(ahead_m: f64, other_mps: impl Fn(f64) -> f64) -> Option<i64> {
         let mut watch = watch();
         (0..50).map(|k| 100 * k).find(|ms| {

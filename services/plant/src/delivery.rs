@@ -1,10 +1,9 @@
-//! The way of a command from the topic to the actuators, with the delays and misses that a scenario
-//! adds to it.
+//! The path of a command from the topic to the actuators, with the scenario's delays and misses.
 //!
-//! A command arrives `extra_delay_ms` after its publication, plus a time drawn uniformly from the
-//! whole periods of the plant up to `extra_jitter_ms`. With `miss_probability` it never arrives, as if
-//! its control cycle had missed. A command that a newer one overtook is dropped. Each command takes two
-//! numbers of the random stream, so that jitter and misses do not depend on each other.
+//! A command arrives `extra_delay_ms` after its publication, plus a jitter. The jitter is drawn uniformly from the
+//! whole periods of the plant up to `extra_jitter_ms`. With `miss_probability` it never arrives, as if its control
+//! cycle had missed. A command that a newer one overtook is dropped. Each command takes two numbers of the random
+//! stream, so that jitter and misses do not depend on each other.
 //!
 //! The stamps of a command are of its sender's clock, which may differ from the plant's. The plant corrects a
 //! stamp that contradicts what it knows: no command was sent after it was here.
@@ -36,7 +35,7 @@ impl Arrival {
     ///
     /// It is the command's stamp, unless the sender's clock differs from the plant's. Two observations show that:
     ///
-    /// * The stamp is later than the arrival. The clock is ahead, and the release was no later than the arrival.
+    /// * The stamp is later than the arrival. The clock is ahead; the release was at the arrival or before it.
     /// * A sample that the cycle used is newer than the end of the stamp's period. The clock is behind, and the
     ///   newest sample shows when the cycle was. Else the gateway would follow the plan from its middle on.
     ///   A sample stamped after `now_ns` shows nothing.

@@ -15,12 +15,12 @@ pub enum Ego {
     Truck(Box<Truck>),
 }
 
-/// What of the ego outlives the plant's process.
+/// State of the ego that outlives the plant's process.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum Snapshot {
     /// All of a car.
     Car(longitudinal::Vehicle),
-    /// What moves of a truck.
+    /// The motion of a truck.
     Truck(truck::Snapshot),
 }
 
@@ -28,7 +28,7 @@ impl Ego {
     /// The ego of a scenario at its start.
     ///
     /// # Errors
-    /// When the scenario's road is none.
+    /// If the scenario's road is not valid.
     pub fn new(scenario: &Scenario) -> Result<Self, Problem> {
         Ok(match Truck::new(scenario)? {
             Some(truck) => Self::Truck(Box::new(truck)),
@@ -45,7 +45,7 @@ impl Ego {
         }
     }
 
-    /// What is to outlive this process.
+    /// State that outlives this process.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         match self {

@@ -20,7 +20,7 @@ pub struct Stamps {
     pub header: Header,
     /// Scheduled release of the radar's cycle that published its sample, ns of run time.
     pub radar_release_ns: i64,
-    /// Since when its service waited for its release, ns of run time.
+    /// Begin of its service's wait for the release, ns of run time.
     pub idle_ns: i64,
     /// When the cycle began to work on its inputs, ns of run time.
     pub start_ns: i64,

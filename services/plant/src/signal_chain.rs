@@ -1,7 +1,7 @@
-//! The chain from a signal's change to the first actuation that knows of it.
+//! The chain from a signal's change to the first actuation with the new phase behind it.
 //!
-//! The change is the ground truth's; that an actuation knows of it is told by the stamp of the signal timing
-//! behind its command. Only the next signal ahead counts: it is the one that the vehicle drives by.
+//! The change is that of the ground truth. The stamp of the signal timing behind a command shows whether its
+//! actuation includes the change. Only the next signal ahead counts: it is the one that the vehicle drives by.
 
 use crate::report::SignalHops;
 use messages::{Command, SignalTruth};
@@ -17,7 +17,7 @@ const STAMP_NS: i64 = 1_000_000;
 pub struct SignalChain {
     /// The next signal ahead, what it shows, and until when, ns of run time.
     shown: Option<(u64, u32, i64)>,
-    /// A change that no actuation knows of yet, ns of run time.
+    /// A change without an actuation yet, ns of run time.
     changed_ns: Option<i64>,
     whole: Latencies,
     announce: Latencies,

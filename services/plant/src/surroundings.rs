@@ -1,37 +1,30 @@
-//! What the ego meets, by the ground truth: for faults that wait for a phase of the drive, and for the
-//! account of what a campaign's drives met; the vehicle ahead for the referee too. Nothing that drives uses it.
+//! Surroundings of the ego by the ground truth. Faults that wait for a phase of the drive use them, and a campaign's
+//! account of its drives. The referee uses the vehicle ahead. Nothing that drives uses it.
 
 use crate::ahead::Ahead;
 use crate::longitudinal::State;
+use crate::numbers::Numbers;
 use crate::truth::{self, Lengths};
 use messages::{PhaseState, SignalTruth, VehicleTruth};
+use scenario::Scenario;
 
-/// Slowest closing speed for which there is a time to collision, m/s.
-const MIN_CLOSING_MPS: f64 = 0.1;
-/// Lateral speed towards the ego's lane from which a vehicle cuts in, m/s.
-const CUT_IN_MPS: f64 = 0.2;
-/// A vehicle whose middle is nearer to the lane's than this has arrived, m, and one farther away than
-/// the second is more than a lane away.
-const CUT_IN_M: (f64, f64) = (0.3, 5.5);
-/// A vehicle farther ahead does not cut in on the ego, m.
-const CUT_IN_AHEAD_M: f64 = 100.0;
-
-/// What the ego meets at one instant.
+/// The surroundings at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Meets {
+pub struct Meets {
     /// Time to collision with the vehicle ahead, s, infinite without one or when it does not come closer.
-    pub(crate) time_to_collision_s: f64,
+    pub time_to_collision_s: f64,
     /// Distance to the next stop line ahead, m, infinite without one.
-    pub(crate) stop_line_m: f64,
-    /// What its signal shows, [`PhaseState`] as a number; 0 without one.
-    pub(crate) signal_state: u32,
+    pub stop_line_m: f64,
+    /// Phase of its signal, [`PhaseState`] as a number; 0 without a signal.
+    pub signal_state: u32,
     /// A vehicle ahead moves sideways towards the ego's lane.
-    pub(crate) cut_in: bool,
+    pub cut_in: bool,
 }
 
 /// Looks around, once in each period, and remembers where the others were.
 #[derive(Clone, Debug)]
-pub(crate) struct Surroundings {
+pub struct Surroundings {
+    numbers: Numbers,
     lengths: Lengths,
     /// The sample before the newest one.
     last: Option<VehicleTruth>,
@@ -39,13 +32,14 @@ pub(crate) struct Surroundings {
 }
 
 impl Surroundings {
-    /// Of vehicles of these lengths.
-    pub(crate) fn new(lengths: Lengths) -> Self {
-        Self { lengths, last: None, cut_in: false }
+    /// The surroundings of a scenario's ego before the first sample.
+    #[must_use]
+    pub fn new(scenario: &Scenario, numbers: &Numbers) -> Self {
+        Self { numbers: *numbers, lengths: Lengths::of(scenario), last: None, cut_in: false }
     }
 
-    /// What an ego in `state` meets at `time_s`.
-    pub(crate) fn of(
+    /// The surroundings of an ego in `state` at `time_s`.
+    pub fn of(
         &mut self,
         state: &State,
         time_s: f64,
@@ -58,7 +52,9 @@ impl Surroundings {
         let ahead = vehicles.and_then(|vehicles| self.ahead(vehicles, state.position_m, time_s));
         let closing_mps = ahead.map_or(0.0, |ahead| state.speed_mps - ahead.speed_mps);
         let time_to_collision_s = match ahead {
-            Some(ahead) if closing_mps > MIN_CLOSING_MPS => ahead.gap_m.max(0.0) / closing_mps,
+            Some(ahead) if closing_mps > self.numbers.phase_closing_mps => {
+                ahead.gap_m.max(0.0) / closing_mps
+            }
             _ => f64::INFINITY,
         };
         let (stop_line_m, signal_state) = signals
@@ -88,13 +84,15 @@ impl Surroundings {
         }
         let count = usize::try_from(now.count).map_or(0, |count| count.min(now.vehicles.len()));
         let same = now.count == last.count;
+        let Numbers { cut_in_mps, cut_in_arrived_m, cut_in_away_m, cut_in_ahead_m, .. } =
+            self.numbers;
         self.cut_in = same
             && now.vehicles[..count].iter().zip(&last.vehicles).any(|(now, last)| {
                 let inward_mps = (last.lateral_m.abs() - now.lateral_m.abs()) / elapsed_s;
                 let ahead_m = now.rear_position_m - state.position_m;
-                inward_mps > CUT_IN_MPS
-                    && (CUT_IN_M.0..CUT_IN_M.1).contains(&now.lateral_m.abs())
-                    && (0.0..CUT_IN_AHEAD_M).contains(&ahead_m)
+                inward_mps > cut_in_mps
+                    && (cut_in_arrived_m..cut_in_away_m).contains(&now.lateral_m.abs())
+                    && (0.0..cut_in_ahead_m).contains(&ahead_m)
             });
         self.last = Some(*now);
     }
@@ -123,9 +121,8 @@ mod tests {
 
     fn new() -> Surroundings {
         let text = "schema_version = 1\nname = \"x\"\n[[actors]]\nname = \"a\"\ngap_m = 9\ninitial_speed_mps = 10\n";
-        let scenario =
-            scenario::Scenario::parse("x", text).unwrap_or_else(|error| panic!("{error}"));
-        Surroundings::new(Lengths::of(&scenario))
+        let scenario = Scenario::parse("x", text).unwrap_or_else(|error| panic!("{error}"));
+        Surroundings::new(&scenario, &Numbers::DEFAULT)
     }
 
     fn vehicle(time_s: f64, lateral_m: f64, in_lane: u64) -> VehicleTruth {

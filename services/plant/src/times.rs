@@ -9,7 +9,7 @@ use runtime::{Figures, RuntimeError};
 pub(crate) const CONTROL_PATH: &str = "control";
 pub(crate) const BRAKE_PATH: &str = "brake";
 
-/// A report that tells them and nothing else.
+/// A report with them alone.
 pub(crate) fn report(
     outcome: Outcome,
     control: &Chains,
@@ -39,7 +39,7 @@ pub(crate) fn report(
 
 /// The same of a plant that is gone, from what its processes recorded. The longest chains died with it.
 pub(crate) fn last(outcome: Outcome, figures: &Figures) -> Result<PlantReport, RuntimeError> {
-    // What is late was counted.
+    // Late chains were counted.
     let chains = |path| Chains::open(i64::MAX, path, figures);
     let (control, brake) = (chains(CONTROL_PATH)?, chains(BRAKE_PATH)?);
     Ok(report(outcome, &control, Some(&brake), &SignalChain::open(figures)?))

@@ -1,32 +1,25 @@
 //! The truck as the plant drives it: the model, the road under it, brakes with a lag, and the inner
 //! loop that turns an acceleration into torque.
 //!
-//! The brakes hold a truck that is about to stand, as those of a vehicle with "stop and hold" do (ISO 15622,
-//! full speed range): below [`HOLD_MPS`] and while the request is not positive, their force grows steadily to
-//! one that holds the truck on any road, whatever the inner loop believes of mass and grade. A positive request
-//! releases them. A car needs no such rule: its model has no grade.
+//! The brakes hold a truck that is about to stand, as "stop and hold" does (ISO 15622, full speed range). Below
+//! [`Numbers::hold_mps`], and while the request is not positive, their force grows steadily. At its end it holds the
+//! truck on any road, also where the inner loop is wrong about mass and grade. A positive request releases them. A
+//! car needs no such rule: its model has no grade.
 
 use crate::gateway::Actuation;
 use crate::longitudinal::State;
+use crate::numbers::Numbers;
 use scenario::grade::GradeProfile;
 use scenario::{Problem, Scenario};
 use serde::{Deserialize, Serialize};
 use truck_model::{Demand, FUEL_DENSITY_GPL, GRAVITY_MPS2, Motion, Preset, Truck as Model};
-
-/// Speed below which the brakes hold, m/s: 1 km/h. A pole wheel of 100 teeth (assumed) on a wheel of 0.51 m
-/// gives nine pulses a second there, less than one in a control period of 100 ms: slower is standing.
-const HOLD_MPS: f64 = 1.0 / 3.6;
-/// Grade on which the brakes hold the truck: what UN R13 asks of a parking brake.
-const HOLD_GRADE: f64 = 0.18;
-/// Growth of the holding force over the truck's mass, m/s³ (assumed): what a standing passenger does not mind.
-const HOLD_JERK_MPS3: f64 = 0.5;
 
 /// A truck on its road.
 #[derive(Clone, Debug)]
 pub struct Truck {
     /// As it is.
     model: Model,
-    /// As its own inner loop believes it to be.
+    /// The model in its own inner loop.
     believed: Model,
     road: GradeProfile,
     motion: Motion,
@@ -34,6 +27,7 @@ pub struct Truck {
     step_s: f64,
     brake_share: f64,
     most_brake_n: f64,
+    hold_mps: f64,
     /// Force that holds the truck, and its growth in a step, N.
     hold_n: f64,
     hold_growth_n: f64,
@@ -41,7 +35,7 @@ pub struct Truck {
     braked_s: f64,
 }
 
-/// What engine and gearbox do.
+/// State of engine and gearbox.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Powertrain {
     /// Gear, counted from 0.
@@ -64,7 +58,7 @@ pub struct Powertrain {
     pub specific_force_mps2: f64,
 }
 
-/// What of a truck outlives the plant's process.
+/// State of a truck that outlives the plant's process.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Snapshot {
     motion: Motion,
@@ -76,8 +70,16 @@ impl Truck {
     /// The truck of a scenario at its start; `None` when the ego is a car.
     ///
     /// # Errors
-    /// When the scenario's road is none.
+    /// If the scenario's road is not valid.
     pub fn new(scenario: &Scenario) -> Result<Option<Self>, Problem> {
+        Self::with(scenario, &Numbers::DEFAULT)
+    }
+
+    /// The same with other numbers, for studies of their effect.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn with(scenario: &Scenario, numbers: &Numbers) -> Result<Option<Self>, Problem> {
         let plant = &scenario.plant;
         let Some(preset) = Preset::named(plant.vehicle.as_str()) else { return Ok(None) };
         let road = scenario.road.profile()?;
@@ -89,8 +91,8 @@ impl Truck {
         let step_s = 1e-3 * f64::from(step_ms);
         let brake_share = 1.0 - libm::exp(-step_s / plant.actuator_time_constant_s.value());
         let most_brake_n = -mass_kg * plant.min_acceleration_mps2.value();
-        let hold_n =
-            (mass_kg * GRAVITY_MPS2 * HOLD_GRADE / HOLD_GRADE.hypot(1.0)).min(most_brake_n);
+        let grade = numbers.hold_grade;
+        let hold_n = (mass_kg * GRAVITY_MPS2 * grade / grade.hypot(1.0)).min(most_brake_n);
         // One that begins at a stand is held already.
         let brake_n = if motion.speed_mps > 0.0 { 0.0 } else { hold_n };
         Ok(Some(Self {
@@ -102,8 +104,9 @@ impl Truck {
             step_s,
             brake_share,
             most_brake_n,
+            hold_mps: numbers.hold_mps,
             hold_n,
-            hold_growth_n: mass_kg * HOLD_JERK_MPS3 * step_s,
+            hold_growth_n: mass_kg * numbers.hold_jerk_mps3 * step_s,
             brake_n,
             braked_s: 0.0,
         }))
@@ -114,7 +117,7 @@ impl Truck {
         (self.motion, self.brake_n, self.braked_s) = (kept.motion, kept.brake_n, kept.braked_s);
     }
 
-    /// What is to outlive this process.
+    /// State that outlives this process.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         Snapshot { motion: self.motion, brake_n: self.brake_n, braked_s: self.braked_s }
@@ -155,7 +158,7 @@ impl Truck {
             let held_n = (self.brake_n + self.hold_growth_n).min(self.hold_n);
             self.brake_n += share * (wanted_n - self.brake_n);
             let goes = actuation.request_mps2.min(ceiling_mps2.unwrap_or(f64::INFINITY)) > 0.0;
-            let holds = speed_mps < HOLD_MPS && !goes;
+            let holds = speed_mps < self.hold_mps && !goes;
             if holds {
                 self.brake_n = self.brake_n.max(held_n);
             }
@@ -177,7 +180,7 @@ impl Truck {
         }
     }
 
-    /// What engine and gearbox do now.
+    /// Present state of engine and gearbox.
     #[must_use]
     pub fn powertrain(&self) -> Powertrain {
         let motion = &self.motion;

@@ -1,4 +1,4 @@
-//! What the simulators say is really there, as the gateway and the referee want it.
+//! The simulators' ground truth in the form that the gateway and the referee need.
 
 use crate::ahead::Ahead;
 use crate::referee::{MAX_SIGNALS, SignalTruth};
@@ -6,7 +6,7 @@ use messages::{self, PhaseState, VehicleTruth};
 use scenario::Scenario;
 use scenario::v2x::Phase;
 
-/// How long the ego and the others are, m. The truth tells where the others' rears are alone.
+/// Lengths of the ego and the others, m. The ground truth has the others' rears alone.
 #[derive(Clone, Debug)]
 pub(crate) struct Lengths {
     ego_m: f64,
@@ -21,7 +21,8 @@ impl Lengths {
         Self { ego_m: scenario.plant.length_m.value(), others_m }
     }
 
-    /// How far the rear of one of `count` vehicles may be behind the ego's front while it is not behind the ego, m.
+    /// Greatest distance from the ego's front back to the rear of a vehicle that is beside the ego, m; one of
+    /// `count`.
     fn beside_m(&self, index: usize, count: usize) -> f64 {
         let length_m = if count == self.others_m.len() {
             self.others_m[index]

@@ -6,9 +6,9 @@
 //!
 //! | symbol | value | unit |
 //! |---|---|---|
-//! | m | `mass_kg` of `[plant]`'s powertrain, else [`MASS_KG`] | kg |
-//! | f | [`ROLLING`] | |
-//! | rho c_d A | [`DRAG_KGPM`] | kg/m |
+//! | m | `mass_kg` of `[plant]`'s powertrain, else [`Numbers::car_mass_kg`] | kg |
+//! | f | [`Numbers::rolling`] | |
+//! | rho c_d A | [`Numbers::drag_kgpm`] | kg/m |
 //!
 //! Source: Mitschke and Wallentowitz, Dynamik der Kraftfahrzeuge (5th ed.), chapter 5; the coefficients are
 //! those of a saloon car.
@@ -17,34 +17,32 @@ use scenario::plant::{Plant, Vehicle};
 use serde::{Deserialize, Serialize};
 
 use crate::longitudinal::State;
+use crate::numbers::Numbers;
 
-/// Mass of a car without a powertrain, kg.
-const MASS_KG: f64 = 1600.0;
-/// Coefficient of rolling resistance.
-const ROLLING: f64 = 0.011;
-/// Density of the air, drag coefficient and frontal area: 1.2 kg/m³, 0.29, 2.2 m².
-const DRAG_KGPM: f64 = 0.766;
 /// Acceleration of gravity, m/s².
 const GRAVITY_MPS2: f64 = 9.81;
-/// Way below which a consumption says nothing, m.
-const LEAST_WAY_M: f64 = 100.0;
 /// Joules in a kilowatt-hour.
 const KWH_J: f64 = 3.6e6;
 
 /// The energy so far.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct WheelEnergy {
+    #[serde(skip)]
+    numbers: Numbers,
     mass_kg: f64,
     energy_j: f64,
     way_m: f64,
 }
 
 impl WheelEnergy {
-    /// Of a car; `None` of a truck, whose fuel is known.
+    /// A car before its drive; `None` for a truck, whose fuel is known.
     #[must_use]
-    pub fn of(plant: &Plant) -> Option<Self> {
-        let mass_kg = plant.powertrain.map_or(MASS_KG, |powertrain| powertrain.mass_kg.value());
-        (plant.vehicle == Vehicle::Car).then_some(Self { mass_kg, energy_j: 0.0, way_m: 0.0 })
+    pub fn of(plant: &Plant, numbers: &Numbers) -> Option<Self> {
+        let own_kg = plant.powertrain.map(|powertrain| powertrain.mass_kg.value());
+        let mass_kg = own_kg.unwrap_or(numbers.car_mass_kg);
+        let numbers = *numbers;
+        let still = Self { numbers, mass_kg, energy_j: 0.0, way_m: 0.0 };
+        (plant.vehicle == Vehicle::Car).then_some(still)
     }
 
     /// Adds the drive from one state to the next.
@@ -52,8 +50,9 @@ impl WheelEnergy {
         let way_m = to.position_m - from.position_m;
         let speed_mps = 0.5 * (from.speed_mps + to.speed_mps);
         let acceleration_mps2 = 0.5 * (from.acceleration_mps2 + to.acceleration_mps2);
-        let force_n = self.mass_kg * (acceleration_mps2 + ROLLING * GRAVITY_MPS2)
-            + 0.5 * DRAG_KGPM * speed_mps * speed_mps;
+        let Numbers { rolling, drag_kgpm, .. } = self.numbers;
+        let force_n = self.mass_kg * (acceleration_mps2 + rolling * GRAVITY_MPS2)
+            + 0.5 * drag_kgpm * speed_mps * speed_mps;
         self.energy_j += force_n.max(0.0) * way_m;
         self.way_m += way_m;
     }
@@ -61,7 +60,7 @@ impl WheelEnergy {
     /// Consumption, kWh/100 km.
     #[must_use]
     pub fn kwh_per_100km(&self) -> Option<f64> {
-        (self.way_m > LEAST_WAY_M).then(|| self.energy_j / KWH_J / (self.way_m / 1e5))
+        (self.way_m > self.numbers.least_way_m).then(|| self.energy_j / KWH_J / (self.way_m / 1e5))
     }
 }
 
@@ -73,7 +72,8 @@ mod tests {
     #[test]
     fn a_constant_speed_costs_its_resistance() {
         let scenario = Scenario::parse("x", "schema_version = 1\nname = \"x\"\n");
-        let mut energy = WheelEnergy::of(&scenario.expect("it is right").plant).expect("a car");
+        let mut energy = WheelEnergy::of(&scenario.expect("it is right").plant, &Numbers::DEFAULT)
+            .expect("a car");
         let at = |position_m| State { position_m, speed_mps: 30.0, acceleration_mps2: 0.0 };
         assert_eq!(energy.kwh_per_100km(), None);
         for k in 0..1000 {

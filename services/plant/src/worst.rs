@@ -7,7 +7,7 @@ use messages::{Command, Header, Origin};
 /// Chains that are kept.
 const KEPT: usize = 10;
 
-/// What is kept of a chain: the command without its plan, which is most of it.
+/// The kept part of a chain: the command without its plan, which is most of it.
 #[derive(Clone, Copy, Debug)]
 struct KeptChain {
     header: Header,

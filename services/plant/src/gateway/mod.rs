@@ -11,8 +11,8 @@
 //!  Source::Command  Source::Plan           Source::StopInLane
 //! ```
 //!
-//! The plan is all that the gateway knows of the traffic. A plan that brakes harder than the moderate stop had a reason,
-//! and the reason did not go away with the commands: so the stop is as hard as the plan was at its worst.
+//! The plan is the gateway's only knowledge of the traffic. A plan that brakes harder than the moderate stop had a
+//! reason, and the reason did not go away with the commands: so the stop is as hard as the plan was at its worst.
 //!
 //! Every request is bounded in range and rate, whatever its source. The emergency brake has a path of its own to the
 //! wheels ([`crate::brake`]). The vehicle gets the harder of the two.
@@ -59,7 +59,7 @@ pub enum Rejection {
     FromTheFuture,
 }
 
-/// Where the request that acts comes from.
+/// Source of the request that acts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Source {
     /// The start of the run: no command has come yet.
@@ -73,16 +73,16 @@ pub enum Source {
     StopInLane,
 }
 
-/// What the actuators get.
+/// Input of the actuators.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Actuation {
     /// The request, m/s².
     pub request_mps2: f64,
-    /// Where it comes from.
+    /// Its source.
     pub source: Source,
     /// The bounds of the gateway changed the request or the torque.
     pub limited: bool,
-    /// What the engine gets in place of the request.
+    /// Torque for the engine in place of the request.
     pub engine: Option<EngineRequest>,
 }
 

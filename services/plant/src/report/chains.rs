@@ -32,7 +32,8 @@ pub struct Hops {
     pub actuate: Option<Percentiles>,
 }
 
-/// The parts of the time from a signal's change to the first actuation that knows of it, which add up to it:
+/// Parts of the time from a signal's change to the first actuation with the new phase behind it; their sum is that
+/// time:
 ///
 /// ```text
 /// changed ─► timing made ─► v2x/spat published ─► command published ─► actuated
@@ -79,7 +80,7 @@ pub struct WorstChain {
     pub designed_wait_us: f64,
     /// Its parts, µs.
     pub hops_us: HopTimes,
-    /// Whether the control cycle finished after its deadline.
+    /// True if the control cycle finished after its deadline.
     pub deadline_missed: bool,
     /// Age of the odometry sample at the start of the control cycle, µs; null without a sample.
     pub odometry_age_us: Option<f64>,

@@ -42,7 +42,7 @@ pub struct PlantReport {
     pub brake_reaction_time_us: Option<Percentiles>,
     /// Its parts, with the emergency brake in the place of the controller.
     pub brake_hops_us: Hops,
-    /// A signal's change to the first actuation that knows of it.
+    /// A signal's change to the first actuation with the new phase behind it.
     pub signal_reaction_us: Option<Percentiles>,
     /// Its parts.
     pub signal_hops_us: SignalHops,

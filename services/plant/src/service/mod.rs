@@ -1,34 +1,36 @@
 //! The plant's loop: publish the motion, take the newest command, move on.
 
-use crate::braking::{self, Braking};
+use crate::braking::Braking;
 use crate::chains::Chains;
 use crate::clear::ClearWatch;
 use crate::delivery::{Arrival, Delivery};
-use crate::ego::{self, Ego};
-use crate::gateway::{self, Actuation, EngineRequest, Gateway, Source};
+use crate::ego::Ego;
+use crate::gateway::{Actuation, EngineRequest, Gateway, Source};
+use crate::numbers::Numbers;
 use crate::parts::Actuated;
 use crate::referee::{MAX_SIGNALS, Referee, SignalTruth, Violation};
-use crate::report::{ControlFigures, Outcome, PlantReport};
 use crate::signal_chain::SignalChain;
 use crate::surroundings::Surroundings;
 use crate::timeliness::Timeliness;
-use crate::times::{self, CONTROL_PATH};
-use crate::truck::Truck;
-use crate::truth::{self, Lengths};
+use crate::times::CONTROL_PATH;
+use crate::truth;
 use messages::level::{Level, LevelLog};
 use messages::{
-    self, BrakeState, Command, EgoTruth, Header, Odometry, Origins, PLAN_LEN, Powertrain, Service,
+    self, BrakeState, Command, EgoTruth, Header, Odometry, Origins, PLAN_LEN, Powertrain,
     ServiceState, VehicleTruth,
 };
 use runtime::{
-    Checkpoint, Cycle, Figures, Group, Mode, Overrun, Publisher, Release, Runtime, RuntimeError,
-    Subscriber,
+    Checkpoint, Cycle, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber,
 };
 use scenario::Scenario;
 use scenario::v2x::Phase;
-use serde::{Deserialize, Serialize};
 
-/// In the place of a signal that there is not.
+mod survival;
+
+use survival::Snapshot;
+pub use survival::last_known;
+
+/// Filler for unused signal slots.
 const DARK: SignalTruth = SignalTruth {
     id: 0,
     stop_line_m: 0.0,
@@ -37,7 +39,7 @@ const DARK: SignalTruth = SignalTruth {
     next_phase: Phase::Red,
 };
 
-/// Runs the plant in its group, to the end of the run or of its storyboard, or to the first violation.
+/// Runs the plant in its group to the end of the run or its storyboard, or to the first violation.
 ///
 /// # Errors
 /// If the group's shared memory is not usable.
@@ -57,7 +59,7 @@ struct Plant {
     ego: Ego,
     gateway: Gateway,
     referee: Referee,
-    /// Of a run that ends when the ego is clear of all others.
+    /// Set in a run that ends when the ego is clear of all others.
     clear: Option<ClearWatch>,
     chains: Chains,
     signal_chain: SignalChain,
@@ -86,69 +88,6 @@ struct Plant {
     checkpoint: Option<Checkpoint<Snapshot>>,
 }
 
-/// What outlives the plant's process: the vehicle does not vanish with it, nor what the referee saw, nor
-/// what was counted.
-#[derive(Deserialize)]
-struct Snapshot {
-    step: u64,
-    ego: ego::Snapshot,
-    gateway: gateway::Snapshot,
-    referee: Referee,
-    request_mps2: f64,
-    braking: Option<braking::Snapshot>,
-    counted: Counted,
-    levels: LevelLog,
-}
-
-/// The same by reference, field by field: to write it allocates nothing.
-#[derive(Serialize)]
-struct Keeping<'a> {
-    step: u64,
-    ego: ego::Snapshot,
-    gateway: gateway::Snapshot,
-    referee: &'a Referee,
-    request_mps2: f64,
-    braking: Option<braking::Snapshot>,
-    counted: Counted,
-    levels: &'a LevelLog,
-}
-
-/// Counts that go on over all processes of the plant.
-#[derive(Clone, Copy, Serialize, Deserialize)]
-struct Counted {
-    time_s: f64,
-    timeliness: Timeliness,
-    longest_gap_ns: i64,
-    undelivered: u64,
-}
-
-/// The figures of a plant that is gone, up to the last cycle that it kept; `None` if it kept none.
-#[must_use]
-pub fn last_known(group: &Group) -> Option<PlantReport> {
-    let kept: Snapshot = Checkpoint::last(group, Service::Plant)?;
-    let outcome = match kept.referee.violation() {
-        Some(Violation::Collision { .. }) => Outcome::Collision,
-        Some(Violation::RedLight { .. }) => Outcome::RedLight,
-        None => Outcome::Aborted,
-    };
-    let counted = kept.counted;
-    let figures = Figures::last(group, Service::Plant);
-    let times = times::last(outcome, &figures).unwrap_or_else(|_| PlantReport::empty(outcome));
-    Some(PlantReport {
-        outcome,
-        duration_s: counted.time_s,
-        control: kept.referee.figures().clone(),
-        rungs: kept.levels.report(),
-        max_command_gap_us: (counted.longest_gap_ns > 0)
-            .then_some(counted.longest_gap_ns as f64 / 1e3),
-        undelivered_commands: counted.undelivered,
-        commands_due: counted.timeliness.due(),
-        commands_missed: counted.timeliness.missed(),
-        aebs: kept.braking.map(|braking| braking.figures),
-        ..times
-    })
-}
-
 impl Plant {
     fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
         Ok(Self {
@@ -164,7 +103,7 @@ impl Plant {
             signal_chain: SignalChain::open(runtime.figures())?,
             odometry: runtime.publisher()?,
             truth: runtime.publisher()?,
-            surroundings: Surroundings::new(Lengths::of(scenario)),
+            surroundings: Surroundings::new(scenario, &Numbers::DEFAULT),
             powertrain: (scenario.plant.vehicle.is_truck())
                 .then(|| runtime.publisher())
                 .transpose()?,
@@ -190,24 +129,6 @@ impl Plant {
                 Mode::Lockstep => None,
             },
         })
-    }
-
-    /// Goes on from where the process before this one was.
-    fn restore(&mut self, runtime: &mut Runtime) {
-        let Some(kept) = self.checkpoint.as_mut().and_then(Checkpoint::restore) else { return };
-        runtime.resume_after(kept.step);
-        self.ego.restore(kept.ego);
-        self.referee = kept.referee;
-        self.gateway.restore(&kept.gateway);
-        self.request_mps2 = kept.request_mps2;
-        if let (Some(braking), Some(kept)) = (&mut self.braking, kept.braking) {
-            braking.restore(kept);
-        }
-        self.levels = kept.levels;
-        self.time_s = kept.counted.time_s;
-        self.timeliness = kept.counted.timeliness;
-        self.longest_gap_ns = kept.counted.longest_gap_ns;
-        self.delivery.restore(kept.counted.undelivered);
     }
 
     fn cycle(&mut self, runtime: &mut Runtime) -> Result<Cycle, RuntimeError> {
@@ -253,25 +174,6 @@ impl Plant {
             runtime.end_run()?;
         }
         Ok(Cycle::Next)
-    }
-
-    fn keep(&mut self, step: u64) -> Result<(), RuntimeError> {
-        let Some(checkpoint) = &mut self.checkpoint else { return Ok(()) };
-        checkpoint.save(&Keeping {
-            step,
-            ego: self.ego.snapshot(),
-            gateway: self.gateway.snapshot(),
-            referee: &self.referee,
-            request_mps2: self.request_mps2,
-            braking: self.braking.as_ref().map(Braking::snapshot),
-            counted: Counted {
-                time_s: self.time_s,
-                timeliness: self.timeliness,
-                longest_gap_ns: self.longest_gap_ns,
-                undelivered: self.delivery.undelivered(),
-            },
-            levels: &self.levels,
-        })
     }
 
     fn level(&self, release: &Release, source: Source) -> Level {
@@ -332,7 +234,7 @@ impl Plant {
         Ok(())
     }
 
-    /// What the referee makes of the state at the release.
+    /// Verdict of the referee on the state at the release.
     fn judge(&mut self, release: &Release) -> Option<Violation> {
         let newest = self.signals.newest();
         let count = newest.map_or(0, |newest| truth::signals(newest, &mut self.shown));
@@ -343,7 +245,7 @@ impl Plant {
         self.referee.observe(now_ns, &state, ahead.as_ref(), &self.shown[..count])
     }
 
-    /// Whether the run ends because the ego is clear of all others.
+    /// True if the run ends because the ego is clear of all others.
     fn is_clear(&mut self, release: &Release) -> bool {
         let (Some(clear), Some(others)) = (&mut self.clear, self.vehicles.newest()) else {
             return false;
@@ -395,35 +297,5 @@ impl Plant {
         let stopping = actuation.source == Source::StopInLane;
         self.stopped_for_want_of_commands = stopping && self.ego.state().speed_mps == 0.0;
         actuation
-    }
-
-    fn report(&self) -> PlantReport {
-        let outcome = match self.referee.violation() {
-            Some(Violation::Collision { .. }) => Outcome::Collision,
-            Some(Violation::RedLight { .. }) => Outcome::RedLight,
-            None if self.stopped_for_want_of_commands => Outcome::SafeStop,
-            None => Outcome::Completed,
-        };
-        let truck = self.ego.truck();
-        let control = ControlFigures {
-            fuel_l_per_100km: truck.and_then(Truck::fuel_l_per_100km),
-            gear_shifts: truck.map(Truck::shifts),
-            service_brake_s: truck.map(Truck::service_brake_s),
-            ..self.referee.figures().clone()
-        };
-        let brake = self.braking.as_ref().map(Braking::chains);
-        PlantReport {
-            outcome,
-            duration_s: self.time_s,
-            control,
-            rungs: self.levels.report(),
-            max_command_gap_us: (self.longest_gap_ns > 0)
-                .then_some(self.longest_gap_ns as f64 / 1e3),
-            undelivered_commands: self.delivery.undelivered(),
-            aebs: self.braking.as_ref().map(|braking| braking.figures().clone()),
-            commands_due: self.timeliness.due(),
-            commands_missed: self.timeliness.missed(),
-            ..times::report(outcome, &self.chains, brake, &self.signal_chain)
-        }
     }
 }

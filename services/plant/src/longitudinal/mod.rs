@@ -1,0 +1,234 @@
+//! Longitudinal motion of the ego vehicle.
+//!
+//! The acceleration a follows the request u with a first-order lag, position x and speed v follow a:
+//!
+//! ```text
+//! x' = v        v' = a        a' = (u - a) / tau
+//! ```
+//!
+//! | symbol | key of `[plant]` | unit |
+//! |---|---|---|
+//! | x, v, a | [`State`], `initial_speed_mps`, `initial_acceleration_mps2` | m, m/s, m/s² |
+//! | tau | `actuator_time_constant_s` | s |
+//! | bounds of u | `min_acceleration_mps2`, `max_acceleration_mps2`, `powertrain` | m/s² |
+//! | T, h | `integration_step_ms` | ms |
+//!
+//! `fine` solves this exactly over steps h of constant request. `paper-euler` takes the Euler step of the predictive
+//! laws' own model, x += T v, v += T a, a += T/tau (u - a). All three right-hand sides are from the start of the step
+//! (He et al. 2024). A step longer than the plant's period is sampled along its straight lines. So its ends are the
+//! paper's values at any period.
+//!
+//! While the emergency brake holds the vehicle's acceleration below a, the lag goes on by itself, without drive:
+//! when the brake lets go, what the controller commands acts again, and nothing of the brake is left. `paper-euler`,
+//! which has no emergency brake in its paper, puts the ceiling on the request.
+//!
+//! The vehicle never moves backwards: at standstill speed and (negative) acceleration are zero.
+
+use scenario::plant::{Integrator, Plant};
+use serde::{Deserialize, Serialize};
+
+use crate::numbers::Numbers;
+
+/// State of motion.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct State {
+    /// Position of the front bumper along the road, m from the start.
+    pub position_m: f64,
+    /// Speed, m/s, never negative.
+    pub speed_mps: f64,
+    /// Acceleration, m/s².
+    pub acceleration_mps2: f64,
+}
+
+/// The ego vehicle.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Vehicle {
+    tau_s: f64,
+    min_mps2: f64,
+    max_mps2: f64,
+    /// Largest power by mass, W/kg; infinite without a powertrain.
+    specific_power: f64,
+    #[serde(skip)]
+    numbers: Numbers,
+    motion: Motion,
+    state: State,
+}
+
+/// The integrator and what it keeps between samples.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+enum Motion {
+    /// `substeps` steps of `step_s` in a period; `decay` is e^(-h/tau). `lag_mps2` is the acceleration of
+    /// the lag, which is the vehicle's unless the emergency brake holds that below it.
+    Fine { substeps: u32, step_s: f64, decay: f64, lag_mps2: f64 },
+    /// A step of `samples` periods from `base`. In the first `taken` periods the request has the integral
+    /// `request_integral`, m/s.
+    PaperEuler { samples: u32, taken: u32, period_s: f64, base: State, request_integral: f64 },
+}
+
+impl Vehicle {
+    /// The vehicle at its start.
+    #[must_use]
+    pub fn new(plant: &Plant) -> Self {
+        Self::with(plant, &Numbers::DEFAULT)
+    }
+
+    /// The same with other numbers, for studies of their effect.
+    #[must_use]
+    pub fn with(plant: &Plant, numbers: &Numbers) -> Self {
+        let tau_s = plant.actuator_time_constant_s.value();
+        let (period_ms, step_ms) = (plant.period_ms.value(), plant.integration_step_ms.value());
+        let state = State {
+            position_m: 0.0,
+            speed_mps: plant.initial_speed_mps.value(),
+            acceleration_mps2: plant.initial_acceleration_mps2.value(),
+        };
+        let motion = match plant.integrator {
+            Integrator::Fine => {
+                let step_s = 1e-3 * f64::from(step_ms);
+                let decay = libm::exp(-step_s / tau_s);
+                let lag_mps2 = state.acceleration_mps2;
+                Motion::Fine { substeps: period_ms / step_ms, step_s, decay, lag_mps2 }
+            }
+            Integrator::PaperEuler => Motion::PaperEuler {
+                samples: step_ms / period_ms,
+                taken: 0,
+                period_s: 1e-3 * f64::from(period_ms),
+                base: state,
+                request_integral: 0.0,
+            },
+        };
+        Self {
+            tau_s,
+            min_mps2: plant.min_acceleration_mps2.value(),
+            max_mps2: plant.max_acceleration_mps2.value(),
+            specific_power: plant.powertrain.map_or(f64::INFINITY, |powertrain| {
+                1e3 * powertrain.max_power_kw.value() / powertrain.mass_kg.value()
+            }),
+            numbers: *numbers,
+            motion,
+            state,
+        }
+    }
+
+    /// Moves on by one period of the plant under a constant request, m/s². The gateway has seen to
+    /// it that the request is finite.
+    pub fn step(&mut self, request_mps2: f64) {
+        self.step_below(request_mps2, None);
+    }
+
+    /// The same with the emergency brake's ceiling on the acceleration, m/s².
+    pub fn step_below(&mut self, request_mps2: f64, ceiling_mps2: Option<f64>) {
+        let ceiling = ceiling_mps2.map(|ceiling| ceiling.max(self.min_mps2));
+        match &mut self.motion {
+            Motion::Fine { substeps, step_s, decay, lag_mps2 } => {
+                let (substeps, step_s, decay, mut lag_mps2) =
+                    (*substeps, *step_s, *decay, *lag_mps2);
+                for _ in 0..substeps {
+                    let request = self.attainable(request_mps2, self.state.speed_mps);
+                    let unbraked = State { acceleration_mps2: lag_mps2, ..self.state };
+                    let free = exact_step(unbraked, request, self.tau_s, step_s, decay);
+                    lag_mps2 = free.acceleration_mps2;
+                    self.state = match ceiling {
+                        Some(ceiling) if ceiling < lag_mps2 => {
+                            // Traction goes back with the ceiling, not at once.
+                            lag_mps2 = lag_mps2.min(ceiling.max(0.0));
+                            braked_step(self.state, ceiling, step_s)
+                        }
+                        _ => free,
+                    };
+                }
+                self.keep_lag(lag_mps2);
+            }
+            Motion::PaperEuler { base, .. } => {
+                let speed_mps = base.speed_mps;
+                let request = self.attainable(request_mps2, speed_mps);
+                self.euler_sample(ceiling.map_or(request, |ceiling| request.min(ceiling)));
+            }
+        }
+    }
+
+    /// Present state.
+    #[must_use]
+    pub fn state(&self) -> State {
+        self.state
+    }
+
+    fn keep_lag(&mut self, mps2: f64) {
+        if let Motion::Fine { lag_mps2, .. } = &mut self.motion {
+            *lag_mps2 = mps2;
+        }
+    }
+
+    fn attainable(&self, request_mps2: f64, speed_mps: f64) -> f64 {
+        let traction = self.specific_power / speed_mps.max(self.numbers.traction_from_mps);
+        request_mps2.clamp(self.min_mps2, self.max_mps2).min(traction)
+    }
+
+    fn euler_sample(&mut self, request_mps2: f64) {
+        let Motion::PaperEuler { samples, taken, period_s, base, request_integral } =
+            &mut self.motion
+        else {
+            return;
+        };
+        *taken += 1;
+        *request_integral += *period_s * request_mps2;
+        let elapsed_s = f64::from(*taken) * *period_s;
+        let a = base.acceleration_mps2;
+        let sample = State {
+            position_m: base.position_m + elapsed_s * base.speed_mps,
+            speed_mps: base.speed_mps + elapsed_s * a,
+            acceleration_mps2: a + (*request_integral - elapsed_s * a) / self.tau_s,
+        };
+        self.state = without_reverse(sample);
+        if taken == samples {
+            *taken = 0;
+            *request_integral = 0.0;
+            *base = self.state;
+        }
+    }
+}
+
+/// The lag's exact solution over `h` seconds of constant request.
+fn exact_step(state: State, request: f64, tau_s: f64, h: f64, decay: f64) -> State {
+    let State { position_m: x, speed_mps: v, acceleration_mps2: a } = state;
+    let excess = a - request;
+    let gained_s = tau_s * (1.0 - decay);
+    let next = State {
+        position_m: x + v * h + 0.5 * request * h * h + excess * tau_s * (h - gained_s),
+        speed_mps: v + request * h + excess * gained_s,
+        acceleration_mps2: request + excess * decay,
+    };
+    if next.speed_mps >= 0.0 {
+        return State { position_m: next.position_m.max(x), ..next };
+    }
+    // It stops inside this step: the speed falls to zero in about the share v / (v - v') of it.
+    let moving_s = h * v / (v - next.speed_mps);
+    without_reverse(State { position_m: x + 0.5 * v * moving_s, ..next })
+}
+
+/// `h` seconds in which the emergency brake sets the acceleration.
+fn braked_step(state: State, acceleration_mps2: f64, h: f64) -> State {
+    let State { position_m: x, speed_mps: v, .. } = state;
+    let speed_mps = v + acceleration_mps2 * h;
+    if speed_mps <= 0.0 {
+        // It stops inside this step.
+        let stopping_m =
+            if acceleration_mps2 < 0.0 { -0.5 * v * v / acceleration_mps2 } else { 0.0 };
+        return State { position_m: x + stopping_m, speed_mps: 0.0, acceleration_mps2: 0.0 };
+    }
+    State { position_m: x + 0.5 * (v + speed_mps) * h, speed_mps, acceleration_mps2 }
+}
+
+fn without_reverse(state: State) -> State {
+    if state.speed_mps >= 0.0 {
+        return state;
+    }
+    State {
+        speed_mps: 0.0,
+        acceleration_mps2: state.acceleration_mps2.max(0.0),
+        position_m: state.position_m,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,78 @@
+//! Numbers of the plant beside a scenario's keys, each with its origin.
+//!
+//! The effects that the rows state are those of `cargo run --release -p plant --example sensitivity`.
+//!
+//! ```
+//! use plant::numbers::Numbers;
+//!
+//! // The hold speed is 1 km/h.
+//! assert!((3.6 * Numbers::DEFAULT.hold_mps - 1.0).abs() < 1e-12);
+//! ```
+
+use parameters::parameters;
+
+parameters! {
+    /// Numbers of the vehicles and of the referee.
+    pub struct Numbers {
+        // The car.
+
+        /// Speed below which the engine's power no longer limits the acceleration further.
+        traction_from_mps: f64 = 1.0, "m/s", 0.1..=5.0, "Chosen.";
+        /// Mass of a car without a powertrain, for its energy.
+        car_mass_kg: f64 = 1600.0, "kg", 800.0..=3500.0, "Chosen.";
+        /// Coefficient of rolling resistance of a car.
+        rolling: f64 = 0.011, "1", 0.006..=0.02, "Source: Mitschke and Wallentowitz, Dynamik der Kraftfahrzeuge, chapter 5.";
+        /// Product of air density, drag coefficient and frontal area of a car: 1.2 kg/m³, 0.29, 2.2 m².
+        drag_kgpm: f64 = 0.766, "kg/m", 0.3..=1.5, "Source: Mitschke and Wallentowitz, chapter 5, a saloon car.";
+        /// Distance up to which a consumption is not stated.
+        least_way_m: f64 = 100.0, "m", 10.0..=1000.0, "Chosen.";
+
+        // The truck.
+
+        /// Speed below which the brakes hold: 1 km/h.
+        hold_mps: f64 = 0.2777777777777778, "m/s", 0.05..=1.0, "Chosen: a pole wheel of 100 teeth (assumed) on a wheel of 0.51 m gives less than one pulse in 100 ms there.";
+        /// Grade on which the brakes hold the truck.
+        hold_grade: f64 = 0.18, "1", 0.08..=0.3, "Source: UN R13, the grade of a parking brake's test.";
+        /// Growth of the holding force over the truck's mass.
+        hold_jerk_mps3: f64 = 0.5, "m/s³", 0.1..=5.0, "Chosen: a standing passenger does not mind it.";
+
+        // The emergency brake's path.
+
+        /// Periods of the emergency brake without a message after which its last request ends.
+        lost_periods: u32 = 3, "periods", 1.0..=20.0, "Chosen.";
+
+        // The referee.
+
+        /// Slowest closing speed for which a time to collision counts: below it the gap is constant.
+        closing_mps: f64 = 0.01, "m/s", 0.001..=1.0, "Chosen.";
+        /// Speed above which the ego drives: a slower motion between two stands makes them one.
+        drives_mps: f64 = 0.5, "m/s", 0.05..=3.0, "Chosen.";
+        /// Distance that braking keeps from the vehicle ahead at standstill.
+        margin_m: f64 = 1.0, "m", 0.0..=5.0, "Chosen.";
+
+        // Phases of the drive, for faults that wait for them.
+
+        /// Slowest closing speed for which a fault's time to collision exists.
+        phase_closing_mps: f64 = 0.1, "m/s", 0.01..=1.0, "Chosen.";
+        /// Lateral speed towards the ego's lane from which a vehicle cuts in.
+        cut_in_mps: f64 = 0.2, "m/s", 0.05..=1.0, "Chosen.";
+        /// Distance from the lane's middle below which a vehicle has arrived.
+        cut_in_arrived_m: f64 = 0.3, "m", 0.05..=1.5, "Chosen.";
+        /// Distance from the lane's middle from which a vehicle is more than a lane away.
+        cut_in_away_m: f64 = 5.5, "m", 3.5..=10.0, "Chosen.";
+        /// Distance ahead up to which a vehicle cuts in on the ego.
+        cut_in_ahead_m: f64 = 100.0, "m", 20.0..=300.0, "Chosen.";
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ::parameters::Table;
+
+    #[test]
+    fn each_value_is_within_its_range() {
+        assert!(Numbers::DEFAULT.within_ranges());
+        assert_eq!(Numbers::DEFAULT.hold_mps, 1.0 / 3.6);
+    }
+}
