@@ -16,14 +16,12 @@
 
 use clap::{Parser, ValueEnum};
 use controller::laws;
+use regulation::everyday::limits::ALONE_AT_MOST;
 use regulation::everyday::{Kind, Verdict};
 use report::table::TextTable;
 use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// Goal without the emergency brake: avoidable contacts in all drives.
-const ALONE_AT_MOST: f64 = 0.01;
 
 #[derive(Debug, Parser)]
 struct Arguments {

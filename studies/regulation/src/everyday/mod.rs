@@ -33,6 +33,7 @@
 //! ```
 
 mod draw;
+pub mod limits;
 pub mod oracle;
 pub mod scene;
 

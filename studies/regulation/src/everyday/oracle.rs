@@ -16,17 +16,12 @@
 //! Source of 0.35 s and 6 m/s²: UN R157, annex 4, appendix 3. Chosen: 2.5 m/s², as hard as the plant's own stop in
 //! lane, and 1.5 m/s², braking that passengers hardly notice.
 
+use super::limits::{GENTLE_MPS2, NEED_MPS2, REACTION_S, REFERENCE_MPS2};
 use super::scene::{Actor, CAR_LENGTH_M, Place};
 use group::DriveStep;
 
 /// Step of the oracle's motions, s.
 const STEP_S: f64 = 0.01;
-/// Braking that does not avoid what is ahead, m/s²: then there is a need.
-const NEED_MPS2: f64 = 2.5;
-/// Time from the need until the reference takes over, s.
-const REACTION_S: f64 = 0.35;
-/// Braking with which no intervention was needed, m/s².
-const GENTLE_MPS2: f64 = 1.5;
 /// Steps of a drive between two looks for the need.
 const LOOK_STEPS: usize = 5;
 
@@ -41,7 +36,7 @@ pub struct Brakes {
 
 impl Brakes {
     /// The reference beside an emergency brake.
-    pub const EMERGENCY: Self = Self { deceleration_mps2: 6.0, lag_s: 0.0 };
+    pub const EMERGENCY: Self = Self { deceleration_mps2: REFERENCE_MPS2, lag_s: 0.0 };
     const GENTLE: Self = Self { deceleration_mps2: GENTLE_MPS2, lag_s: 0.0 };
 
     /// Acceleration after another step of braking, m/s².
