@@ -21,7 +21,7 @@ fn program() -> Option<PathBuf> {
 /// A browser on the search path.
 ///
 /// # Errors
-/// The reason, if there is none.
+/// The reason, if it is missing.
 pub fn chromium() -> Needed {
     program().map(|_| ()).ok_or_else(|| "no chromium".to_owned())
 }
@@ -40,7 +40,7 @@ impl Browser {
     /// Opens `address`. The browser's files are in the corner, under `number`.
     ///
     /// # Panics
-    /// If there is no browser, or it does not answer.
+    /// If the browser is missing, or does not answer.
     #[must_use]
     pub fn open(corner: &Corner, number: usize, address: &str) -> Self {
         let path = |name: &str| corner.path().join(format!("{name}-{number}"));

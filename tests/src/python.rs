@@ -15,7 +15,7 @@ const PACKAGES: [&str; 7] = [
     "rosbags==0.11.9",
 ];
 
-/// Why there is no interpreter with the packages: no Python, no pip or no network.
+/// Reason why an interpreter with the packages is missing: no Python, no pip or no network.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct NoInterpreter(pub String);
 

@@ -49,9 +49,8 @@ const MAX_ITERATIONS: u32 = 60;
 const MU_TOLERANCE: f64 = 1e-6;
 /// Fraction of the first iterate's linear residuals that counts as zero.
 const RESIDUAL_TOLERANCE: f64 = 1e-9;
-/// Number of evaluations of the optimality conditions without progress that ends the machine's
-/// precision, and the ratio that counts as progress. Where limits hold without a force, an
-/// iteration gains less than a digit.
+/// Number of evaluations of the optimality conditions without progress that ends the machine's precision, and the
+/// ratio that counts as progress. If limits hold without a force, an iteration gains less than a digit.
 const MAX_EVALUATIONS: u32 = 8;
 const PROGRESS: f64 = 0.7;
 /// Conditions under which the active set tries to finish: remaining fractions of the linear

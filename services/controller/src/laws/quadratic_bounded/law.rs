@@ -1,6 +1,7 @@
 //! The law: increments, virtual lead, the smaller of two, and the envelope.
 
 use super::certificate::{ClosedMatrix, ClosedState, extended};
+use super::checked::{Checked, Lead, check};
 use super::design::Design;
 use super::envelope::{self, Envelope};
 use super::model::{State, StateMatrix};
@@ -304,22 +305,6 @@ fn interval<const N: usize>(
     ((-row - half_width) / square, (-row + half_width) / square)
 }
 
-/// Values of the input that the law uses.
-struct Checked {
-    speed: f64,
-    acceleration: f64,
-    target: Option<Lead>,
-    set_speed: f64,
-}
-
-/// What the law uses of the target.
-#[derive(Clone, Copy)]
-struct Lead {
-    gap_m: f64,
-    relative_mps: f64,
-    acceleration_mps2: f64,
-}
-
 impl Law for QuadraticBounded {
     fn reset(&mut self) {
         self.mode = None;
@@ -359,21 +344,6 @@ impl Law for QuadraticBounded {
         let bound = self.design.parameters().request_bound_mps2;
         (-bound.max(self.settings.fall_back_braking_mps2), bound)
     }
-}
-
-/// The input, if every value the law uses is one that a vehicle can have.
-fn check(input: &Input) -> Option<Checked> {
-    let knows_the_lead = input.target.is_none_or(|t| (-50.0..=50.0).contains(&t.acceleration_mps2));
-    (input.is_plausible() && knows_the_lead).then(|| Checked {
-        speed: input.ego.speed_mps.max(0.0),
-        acceleration: input.ego.acceleration_mps2,
-        target: input.target.map(|t| Lead {
-            gap_m: t.gap_m,
-            relative_mps: t.relative_speed_mps,
-            acceleration_mps2: t.acceleration_mps2,
-        }),
-        set_speed: input.wanted_speed_mps(),
-    })
 }
 
 #[cfg(test)]

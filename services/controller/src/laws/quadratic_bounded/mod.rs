@@ -76,6 +76,7 @@
 //! `cargo test --release -p synthesis --features openblas -- --nocapture`, with `--ignored search` for the search itself.
 
 mod certificate;
+mod checked;
 mod content;
 mod design;
 mod envelope;

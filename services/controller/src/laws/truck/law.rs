@@ -11,6 +11,7 @@
 //! and to hold the limit downhill. The published law has none: it commands engine torque, and warns; the key
 //! `brakes` takes them away.
 
+use super::bounds::{believable, guarded_nm, permitted, powertrain};
 use super::car;
 use super::following::{self, LastResort, Means};
 use super::formulation::{
@@ -21,28 +22,21 @@ use super::limiter;
 use super::map_trust::MapTrust;
 use super::planners::create;
 use super::reference::{Reference, Speeds};
-use super::settings::{Brakes, CAR_MOST_MPS2, Keys, PlannerKind, REQUESTS_MPS2, Settings};
+use super::settings::{CAR_MOST_MPS2, Keys, PlannerKind, REQUESTS_MPS2, Settings};
 use super::spacing::{Mode, Spacing};
-use super::speed_band::{max_speed_mps, min_speed_mps};
+use super::speed_band::max_speed_mps;
 use super::speed_keeper::SpeedKeeper;
 use super::target_filter::{Estimate, TargetFilter};
 use super::time_price::TimePrice;
-use super::torque_bounds::torque_bounds_nm;
-use super::tracking::{Guidance, Tracking};
+use super::tracking::Tracking;
 use crate::law::{
     Input, Law, MAX_PLAN, Output, Plan, PlanRequest, Planner, Planning, Powertrain, Preview,
     Quality, TorqueRequest,
 };
-use truck_model::{Demand, GEARS, Motion as TruckMotion};
+use truck_model::Demand;
 
 /// Lowest set speed that is planned for, m/s.
 const PLANNED_FROM_MPS: f64 = 10.0;
-/// Largest believable values of an input.
-const BELIEVABLE: f64 = 1e7;
-const BELIEVABLE_MPS: f64 = 100.0;
-/// Guard of the lower bound (step 3): torque above holding, N m, and more per m/s below.
-const GUARD_NM: f64 = 200.0;
-const GUARD_NM_PER_MPS: f64 = 400.0;
 /// Requests that a command carries of the plan.
 const REQUESTS: usize = 50;
 
@@ -105,43 +99,6 @@ impl Predictive {
     #[must_use]
     pub fn lag_s(&self) -> f64 {
         self.state.price.lag_s()
-    }
-
-    /// The powertrain; without a report the gear that the speed suggests, and the map's grade.
-    fn powertrain(&self, input: &Input, map_grade: Option<f64>) -> Powertrain {
-        let reported = input.powertrain.filter(|powertrain| {
-            powertrain.gear < GEARS
-                && powertrain.engine_torque_nm.abs() < BELIEVABLE
-                && powertrain.grade.abs() < 1.0
-        });
-        reported.unwrap_or_else(|| {
-            let motion = TruckMotion::new(&self.settings.truck, 0.0, input.ego.speed_mps, 0.0);
-            Powertrain {
-                gear: motion.gear,
-                since_shift_s: motion.since_shift_s,
-                engine_torque_nm: motion.engine_torque_nm,
-                grade: map_grade.unwrap_or(0.0),
-            }
-        })
-    }
-
-    /// Torque of the plan within the bounds of step 3, N m.
-    fn guarded_nm(&self, input: &Input, powertrain: &Powertrain, guidance: &Guidance) -> f64 {
-        let truck = &self.settings.truck;
-        let (speed_mps, gear) = (input.ego.speed_mps, powertrain.gear);
-        let scale = truck.parameters().engine_scale;
-        let hold_nm = truck.engine_torque_nm(0.0, speed_mps, gear, powertrain.grade);
-        let bounds = &self.settings.keys.bounds;
-        let (low_nm, high_nm) = torque_bounds_nm(bounds, truck, speed_mps, gear, powertrain.grade);
-        let slow_mps = min_speed_mps(bounds, input.set_speed_mps) - speed_mps;
-        let mut torque_nm = guidance.engine_torque_nm;
-        if self.settings.keys.planner == PlannerKind::PaperN2 && slow_mps > 0.0 {
-            torque_nm = torque_nm.max(hold_nm + scale * (GUARD_NM + GUARD_NM_PER_MPS * slow_mps));
-        }
-        if speed_mps > max_speed_mps(bounds, input.set_speed_mps, input.speed_limit_mps) {
-            torque_nm = torque_nm.min(hold_nm);
-        }
-        torque_nm.clamp(low_nm, high_nm)
     }
 
     /// Books the time against that of the truck that keeps `mean_mps`.
@@ -213,20 +170,6 @@ impl Predictive {
         Some(demand)
     }
 
-    /// The demand without the brakes that the law may not use.
-    fn permitted(&self, mut demand: Demand, speed_mps: f64, gear: usize) -> Demand {
-        let truck = &self.settings.truck;
-        let brakes = self.settings.keys.brakes;
-        if brakes != Brakes::Service {
-            demand.service_brake_n = 0.0;
-        }
-        if brakes == Brakes::None {
-            let drag_nm = truck.engine().drag_torque_nm(truck.engine_rpm(speed_mps, gear));
-            demand.engine_torque_nm = demand.engine_torque_nm.max(drag_nm);
-        }
-        demand
-    }
-
     /// Writes the demand and the accelerations that go with it.
     fn write(&self, input: &Input, powertrain: &Powertrain, demand: &Demand, output: &mut Output) {
         let truck = &self.settings.truck;
@@ -285,7 +228,7 @@ impl Law for Predictive {
         let ego = &input.ego;
         let preview = input.preview.filter(Preview::is_sound);
         let map_grade = preview.and_then(|preview| preview.grade(ego.position_m));
-        let powertrain = self.powertrain(input, map_grade);
+        let powertrain = powertrain(&self.settings, input, map_grade);
         self.state.trust.update(map_grade, powertrain.grade, dt_s);
         // Noise alone makes no target at the edge of its range come and go.
         let Keys { gap, filter, .. } = &self.settings.keys;
@@ -321,7 +264,7 @@ impl Law for Predictive {
             (None, Some(guidance)) => {
                 self.enter(PREDICTIVE, if self.state.mode >= FOLLOW { TARGET_GONE } else { PLAN });
                 Demand {
-                    engine_torque_nm: self.guarded_nm(input, &powertrain, &guidance),
+                    engine_torque_nm: guarded_nm(&self.settings, input, &powertrain, &guidance),
                     service_brake_n: 0.0,
                     gear: guidance.gear,
                 }
@@ -359,7 +302,7 @@ impl Law for Predictive {
             powertrain.grade,
             limit_mps,
         );
-        let demand = self.permitted(demand, ego.speed_mps, powertrain.gear);
+        let demand = permitted(&self.settings, demand, ego.speed_mps, powertrain.gear);
         self.write(input, &powertrain, &demand, output);
         if let Some(car) = &self.settings.car {
             let before_mps2 = self.state.asked_of_car_mps2;
@@ -416,16 +359,4 @@ impl Planning for Predictive {
     fn accept(&mut self, plan: &Plan) {
         self.state.tracking.accept(plan);
     }
-}
-
-/// Whether the numbers can be those of a truck on a road.
-fn believable(input: &Input) -> bool {
-    let ego = &input.ego;
-    input.time_s.abs() < BELIEVABLE
-        && (1e-4..10.0).contains(&input.period_s)
-        && ego.position_m.abs() < BELIEVABLE
-        && (0.0..BELIEVABLE_MPS).contains(&ego.speed_mps)
-        && ego.acceleration_mps2.abs() < BELIEVABLE_MPS
-        && (0.0..BELIEVABLE_MPS).contains(&input.set_speed_mps)
-        && input.speed_limit_mps > 0.0
 }

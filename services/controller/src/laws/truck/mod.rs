@@ -28,6 +28,7 @@
 //! | a car under this law | | `car` |
 
 mod beyond;
+mod bounds;
 mod car;
 mod dynamic_programming;
 pub mod energy_grid;

@@ -14,18 +14,16 @@
 //!    guess then alternates between patterns, or converges more slowly than the interior point. In
 //!    4,117 random problems this ends 25 attempts that would have settled, and 218 others four
 //!    rounds earlier on average.
-//! 2. Fewer than four inputs are free with a terminal equality; or fewer than a quarter are free
-//!    from the seventh round on, in any problem. Near the time-optimal solution each round moves a
-//!    switch by one stage, and many stages remain. Of 554 random problems with fewer than four free
-//!    inputs after the first round, 5 settled.
+//! 2. Fewer than four inputs are free with a terminal equality; or fewer than a quarter are free from the seventh
+//!   round on, in any problem. Near the time-optimal solution each round moves a switch by one stage, and many stages
+//!   remain. 5 of 554 random problems with fewer than four free inputs after the first round settled.
 //! 3. The inputs are at the same sides as two rounds before, but not at those of the last round:
 //!    two guesses lead to each other.
-//! 4. More than a quarter of the stages violate a row (two fifths in the first two rounds of a
-//!    problem with the light). An arc of active stages needs more than
-//!    [`super::complementarity::MAX_WORKING_ROWS`] multipliers. The first round knows neither rows
-//!    nor light. There this sign ends 67 % of the attempts on random problems in which a row will
-//!    act, 50 % with the light. Of these 6,048 attempts 25 would have settled; the others would
-//!    have ended at least one round later.
+//! 4. More than a quarter of the stages violate a row (two fifths in the first two rounds of a problem with the
+//!   light). An arc of active stages needs more than [`super::complementarity::MAX_WORKING_ROWS`] multipliers. The
+//!   first round knows neither rows nor light. There this sign ends 67 % of the attempts on random problems in which
+//!   a row will act, 50 % with the light. 25 of these 6,048 attempts would have settled; the others would have ended
+//!   at least one round later.
 //! 5. With a terminal equality and without the light: three rounds bring no new minimum of changed
 //!    sides, and more than two still change. The sides then repeat in a cycle. With the light, the
 //!    rounds in between can belong to its margins.
@@ -33,13 +31,12 @@
 //! A guess from the previous solution is dropped at the first round in which a third of its inputs
 //! change sides; with row tangents, a tenth.
 //!
-//! A guess from an iterate of the interior point has five rounds. A round may change as many sides
-//! of inputs and parts of the rows' curves as the remaining rounds can settle: five with two or
-//! more rounds left, one with one left. Of 5,139 attempts on 12,000 random problems 4,081 settled.
-//! Of these, 16 had more than five changes in the first round (of 365), and 23 more than one in the
-//! second (of 535, with three rounds). Once only the rows' multipliers change, the distances from
-//! their limits fall geometrically. The attempt is dropped where the remaining rounds do not
-//! suffice at this rate ([`Approach`]). A failed attempt is repeated after another iteration.
+//! A guess from an iterate of the interior point has five rounds. A round may change as many sides of inputs and
+//! parts of the rows' curves as the remaining rounds can settle: five with two or more rounds left, one with one
+//! left. 4,081 of 5,139 attempts on 12,000 random problems settled. 16 of these had more than five changes in the
+//! first round (of 365). 23 had more than one in the second (of 535, with three rounds). Once only the rows'
+//! multipliers change, the distances from their limits fall geometrically. The attempt is dropped where the remaining
+//! rounds do not suffice at this rate ([`Approach`]). A failed attempt is repeated after another iteration.
 
 /// Round from which on the permitted number of changed sides is constant.
 const LAST_ROUND: u32 = 10;

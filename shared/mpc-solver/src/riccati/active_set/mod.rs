@@ -33,21 +33,20 @@ mod first_sweep;
 mod forward;
 mod give_up;
 mod light;
+mod models;
 mod response;
 mod rows;
 mod switching;
 
-use super::lanes::Vector;
-use super::light_curve::{LightCurve, LightTangent};
-use super::lqr::{InputModel, LinearQuadratic, StageModels, Sweep};
-use super::matrix::{Rows, add_slope};
-use super::row_curve::RowTangent;
+use super::light_curve::LightCurve;
+use super::lqr::{LinearQuadratic, Sweep};
 use super::working_set::{Side, WorkingSet, differences, last_difference};
 use crate::kkt::Multipliers;
-use crate::problem::{LightStage, Problem, Terminal, dot};
+use crate::problem::{Problem, Terminal, dot};
 use first_sweep::FirstSweep;
 use forward::{Policy, Trajectory};
 use give_up::{Approach, Descent, Progress};
+use models::Models;
 use response::RowResponse;
 use rows::{Update, WorkingRows};
 
@@ -369,61 +368,5 @@ impl RowChange {
     /// Returns a change without new tangents.
     fn by_working_set(is_complete: bool) -> Self {
         Self { is_complete, parts: 0, last_stage: 0, last_acting: 0, distance: 0.0 }
-    }
-}
-
-/// The guess as models of the stages.
-struct Models<'a> {
-    problem: &'a Problem,
-    sides: &'a [Side],
-    tangents: &'a [LightTangent],
-    stages: &'a [LightStage],
-    rows: &'a [Vec<RowTangent>],
-}
-
-impl Models<'_> {
-    /// Returns the last stage with a held input or a tangent; `n` with row tangents.
-    fn last_modelled(&self, n: usize) -> usize {
-        if !self.rows.is_empty() {
-            return n;
-        }
-        let held = self.sides[..n].iter().rposition(|side| *side as i8 != Side::Free as i8);
-        held.map_or(0, |k| k + 1).max(self.stages.len()).min(n)
-    }
-}
-
-impl StageModels for Models<'_> {
-    #[inline(always)]
-    fn input(&self, k: usize) -> InputModel {
-        let gradient = self.problem.r_lin[k];
-        match self.sides[k] {
-            Side::Free => InputModel::Free(0.0, gradient),
-            Side::Upper => InputModel::Held(self.problem.u_max, gradient),
-            Side::Lower => InputModel::Held(self.problem.u_min, gradient),
-        }
-    }
-
-    #[inline(always)]
-    fn state<V: Vector>(&self, k: usize, hessian: &mut Rows<V>) -> [f64; 3] {
-        let problem = self.problem;
-        let mut gradient = if k < problem.horizon { problem.q_lin[k] } else { problem.p_lin };
-        if k == 0 {
-            return gradient;
-        }
-        if k <= self.stages.len() {
-            let (stage, tangent) = (&self.stages[k - 1], &self.tangents[k - 1]);
-            let [c0, c1, c2] = stage.gradient;
-            hessian.add_rank_one(V::from_array([c0, c1, c2, stage.offset]), tangent.slope);
-            add_slope(&mut gradient, &stage.gradient, -tangent.at_origin(stage.offset));
-        }
-        for (j, tangents) in self.rows.iter().enumerate() {
-            let tangent = &tangents[k];
-            if tangent.acts() {
-                let g = &problem.rows[j].gradient;
-                hessian.add_rank_one(V::from_array([g[0], g[1], g[2], 0.0]), tangent.slope);
-                add_slope(&mut gradient, g, tangent.at(-problem.limits[j][k]));
-            }
-        }
-        gradient
     }
 }

@@ -56,7 +56,7 @@ impl InputBarrier {
 
     /// Models the pairs of a block for the predictor; returns the sum of the products.
     ///
-    /// With `t = 0` the new multipliers leave only `W du`: there is no slope.
+    /// With `t = 0` the new multipliers leave only `W du`: the slope is 0.
     #[inline(always)]
     pub(super) fn linearize(&mut self, j: usize, model: &mut BlockModel) -> Lanes {
         let Some(Block { lower, upper, .. }) = self.blocks[..self.count].get_mut(j) else {

@@ -31,11 +31,10 @@
 //! This addition vanishes near the solution, where both lengths become 1.
 //! [`InteriorPoint::remaining_residual`] is therefore a guide for the next phase, not a proof.
 //!
-//! The light's `w/p² = α + β` is not linear, and steps with different lengths for `p` and `α` can
-//! cycle. One length is full where the other is short, two tiny steps follow, and after four
-//! iterations the mean product is the same (seed 23192 of the tests' random problems). Both lengths
-//! are therefore equal once the mean product has not fallen for [`MOST_STALLED`] iterations while
-//! the linear residuals are nearly zero.
+//! The light's `w/p² = α + β` is not linear, and steps with different lengths for `p` and `α` can cycle. One length
+//! is full, the other short, and two tiny steps follow. After four iterations the mean product is the same (seed
+//! 23192 of the tests' random problems). Both lengths are therefore equal once the mean product has not fallen for
+//! [`step_length::MOST_STALLED`] iterations while the linear residuals are nearly zero.
 //!
 //! # Sweeps
 //!
@@ -56,21 +55,21 @@ mod model;
 mod pairs;
 mod path;
 mod row;
+mod step_length;
 
 use multiversion::multiversion;
 
 use super::lanes::{Lanes, WIDTH};
-use super::lqr::{
-    BlockModel, BlockModels, CHAIN, CostToGo, GENERAL, INTEGRATING, LinearQuadratic, PLAIN, Shape,
-    Sweep,
-};
+use super::lqr::{CHAIN, CostToGo, GENERAL, INTEGRATING, LinearQuadratic, PLAIN, Shape, Sweep};
 use super::working_set::WorkingSet;
 use crate::kkt::Multipliers;
 use crate::problem::{Problem, Terminal, quadratic};
 use barriers::Barriers;
-use model::Cost;
+use model::{Cost, Models};
 use pairs::{Lengths, Limits, Prediction, Targets, place};
-use path::{PathBlock, path, state};
+use path::{PathBlock, block, block_mut, path, state};
+pub(super) use step_length::Step;
+use step_length::{Stall, fraction_of_longest};
 
 /// Smallest initial slack of rows and light \[m or m/s\].
 const START_SLACK: f64 = 3.0;
@@ -85,64 +84,9 @@ const LEAST_CENTRING: f64 = 1e-6;
 
 /// Cap on the second-order correction, in multiples of the mean product ([`pairs`]).
 const MOST_NEGLECTED: f64 = 30.0;
-/// Fraction of the longest step that is left out while the products are large, and the further
-/// fraction for a predictor that cannot move. The limiting pair then stays farther from zero and
-/// limits the next step less.
-const MARGIN: f64 = 0.01;
-const SHORT_MARGIN: f64 = 0.1;
-
-/// Number of iterations without a smaller mean product after which both lengths are equal, and the
-/// ratio that counts as smaller.
-const MOST_STALLED: u32 = 4;
-const SMALLER: f64 = 0.9;
 /// Fraction of the linear residuals below which the mean product should fall; above it may have to
 /// rise.
 const NEARLY_FEASIBLE: f64 = 1e-3;
-
-/// Result of an iteration.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Step {
-    /// Mean product of the pairs before the step.
-    pub(super) mu: f64,
-    /// Geometric mean of the predictor's two lengths.
-    predictor: f64,
-    /// Smaller one of the two lengths taken.
-    pub(super) length: f64,
-}
-
-impl Step {
-    /// Returns whether both steps were nearly full, so that they show which inequalities are
-    /// active.
-    pub(super) fn is_fast(&self) -> bool {
-        self.predictor > 0.8 && self.length > 0.9
-    }
-}
-
-/// Iterations since the mean product last became smaller.
-#[derive(Clone, Copy, Debug)]
-struct Stall {
-    least: f64,
-    iterations: u32,
-}
-
-impl Default for Stall {
-    fn default() -> Self {
-        Self { least: f64::INFINITY, iterations: 0 }
-    }
-}
-
-impl Stall {
-    /// Records the mean product of one more iteration; returns whether there was no progress for
-    /// too long. This result is permanent.
-    fn has_lasted(&mut self, mu: f64) -> bool {
-        if self.iterations < MOST_STALLED {
-            let is_smaller = mu < SMALLER * self.least;
-            self.iterations = if is_smaller { 0 } else { self.iterations + 1 };
-            self.least = self.least.min(mu);
-        }
-        self.iterations >= MOST_STALLED
-    }
-}
 
 /// Iterate and work memory.
 #[derive(Clone, Debug)]
@@ -435,14 +379,6 @@ impl InteriorPoint {
     }
 }
 
-/// Returns the fraction of the longest possible step that is taken.
-#[inline(always)]
-fn fraction_of_longest(mu: f64, predictor: f64) -> f64 {
-    let short = 1.0 - predictor;
-    let margin = MARGIN + SHORT_MARGIN * (short * short);
-    (1.0 - mu.min(margin)).max(0.5 + 0.5 * predictor).min(0.9995)
-}
-
 /// An iteration, compiled for wide registers too: what it calls is inlined.
 #[multiversion(targets("x86_64+avx2"))]
 fn iterate<const TERMINAL: bool, const SHAPE: Shape>(
@@ -451,56 +387,4 @@ fn iterate<const TERMINAL: bool, const SHAPE: Shape>(
     lq: &LinearQuadratic,
 ) -> Option<Step> {
     point.iterate_with::<TERMINAL, SHAPE>(problem, lq)
-}
-
-/// The iterate as models of the stages.
-struct Models<'a> {
-    r: f64,
-    barriers: &'a mut Barriers,
-    cost: &'a Cost,
-    iterate: &'a [PathBlock],
-    /// Sum of the products of the pairs so far.
-    gap: Lanes,
-}
-
-impl BlockModels for Models<'_> {
-    #[inline(always)]
-    fn block(&mut self, j: usize) -> BlockModel {
-        let path = &self.iterate[j];
-        let mut model = self.cost.model(j, self.r, path);
-        self.gap = self.gap + self.barriers.linearize(j, &path.x, &mut model);
-        model
-    }
-}
-
-/// Returns the block that begins at an entry.
-#[inline(always)]
-fn block<T>(path: &[T], first: usize) -> &[T; WIDTH] {
-    path[first..].first_chunk().expect("there is room for whole blocks")
-}
-
-#[inline(always)]
-fn block_mut<T>(path: &mut [T], first: usize) -> &mut [T; WIDTH] {
-    path[first..].first_chunk_mut().expect("there is room for whole blocks")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn more_is_left_out_of_a_step_where_the_predictor_is_short() {
-        assert_eq!(fraction_of_longest(1e3, 1.0), 0.9995);
-        assert_eq!(fraction_of_longest(1e3, 0.9), 1.0 - (MARGIN + SHORT_MARGIN * 0.1_f64.powi(2)));
-        assert_eq!(fraction_of_longest(1e3, 0.0), 1.0 - MARGIN - SHORT_MARGIN);
-        assert_eq!(fraction_of_longest(1e-3, 0.0), 0.999);
-    }
-
-    #[test]
-    fn a_stall_begins_after_four_iterations_that_do_not_get_below_the_least_product_and_stays() {
-        let mut stall = Stall::default();
-        let found =
-            [8.0, 14.0, 18.0, 7.0, 13.0, 17.0, 34.0, 6.9, 1.0].map(|mu| stall.has_lasted(mu));
-        assert_eq!(found, [false, false, false, false, false, false, false, true, true]);
-    }
 }

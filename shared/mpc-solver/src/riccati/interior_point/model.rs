@@ -4,11 +4,12 @@
 //! those of each eliminated pair. They are computed lane by lane for a whole block, so the sweep
 //! performs only the recursion.
 
+use super::barriers::Barriers;
 use super::pairs::{place, product};
 use super::path::PathBlock;
 use crate::problem::Problem;
 use crate::riccati::lanes::{Lanes, WIDTH};
-use crate::riccati::lqr::BlockModel;
+use crate::riccati::lqr::{BlockModel, BlockModels};
 
 impl BlockModel {
     /// Adds a function of `g'x` by its curvature and its slope.
@@ -100,5 +101,25 @@ impl Cost {
         ];
         let slope = Lanes::all(r) * *u + product(cross, x) + *input;
         BlockModel { hessian: *hessian, gradient, curvature: Lanes::default(), slope }
+    }
+}
+
+/// The iterate as models of the stages.
+pub(super) struct Models<'a> {
+    pub(super) r: f64,
+    pub(super) barriers: &'a mut Barriers,
+    pub(super) cost: &'a Cost,
+    pub(super) iterate: &'a [PathBlock],
+    /// Sum of the products of the pairs so far.
+    pub(super) gap: Lanes,
+}
+
+impl BlockModels for Models<'_> {
+    #[inline(always)]
+    fn block(&mut self, j: usize) -> BlockModel {
+        let path = &self.iterate[j];
+        let mut model = self.cost.model(j, self.r, path);
+        self.gap = self.gap + self.barriers.linearize(j, &path.x, &mut model);
+        model
     }
 }

@@ -40,3 +40,15 @@ pub(super) fn state(path: &[PathBlock], k: usize) -> [f64; 3] {
     let (j, lane) = place(k);
     path[j].x.map(|lanes| lanes.0[lane])
 }
+
+/// Returns the block of `values` that begins at an entry.
+#[inline(always)]
+pub(super) fn block<T>(values: &[T], first: usize) -> &[T; WIDTH] {
+    values[first..].first_chunk().expect("there is room for whole blocks")
+}
+
+/// As [`block`], to be changed.
+#[inline(always)]
+pub(super) fn block_mut<T>(values: &mut [T], first: usize) -> &mut [T; WIDTH] {
+    values[first..].first_chunk_mut().expect("there is room for whole blocks")
+}

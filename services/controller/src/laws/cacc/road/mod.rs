@@ -57,6 +57,7 @@ mod filter;
 mod formulation;
 mod gates;
 mod lead;
+mod output;
 mod own_lag;
 mod planner;
 mod program;
@@ -66,7 +67,7 @@ mod signals;
 use mpc_solver::{ProblemError, Solver};
 
 use self::decision::{Choice, Situation, choose};
-use self::filter::{Filter, Rule, SOFT_SHARE};
+use self::filter::Filter;
 pub use self::formulation::FORMULATION;
 use self::formulation::reason_index;
 use self::own_lag::OwnLag;
@@ -77,7 +78,6 @@ use super::config::Config;
 use super::plan::PlanMemory;
 use crate::following::kinematics::{Lag, Motion};
 use crate::following::safe_gap::LeadNow;
-use crate::following::soft_stop::{Room, soften, within_set_speed};
 use crate::law::{Input, Law, MAX_SIGNALS, Output, Quality};
 
 /// Speed that stands for "no limit", m/s.
@@ -88,14 +88,10 @@ const MAX_PLAN_AGE_S: f64 = 0.5;
 const LAST_MARGIN_S: f64 = 0.1;
 /// Margin of a comfortable stop, m.
 const STOP_ROOM_M: f64 = 0.3;
-/// Below this speed a vehicle at a closed line waits, m/s.
-const STANDSTILL_MPS: f64 = 0.1;
 /// Distance to a closed line within which a vehicle that stands waits, m. Chosen: a car's length, as a driver does.
 const WAITS_WITHIN_M: f64 = 5.0;
 /// Speed below which a vehicle that close starts, m/s. Chosen: what 2 m/s² give over that distance, rounded down.
 const STARTS_MPS: f64 = 4.0;
-/// Room that a soft stop leaves to a closed line, m.
-const LINE_ROOM_M: f64 = 0.3;
 
 /// `acc-mpc` and `cacc-mpc` for the road.
 pub struct RoadLaw {
@@ -299,83 +295,6 @@ impl RoadLaw {
         let lag_s = road.yellow_reaction_s + self.config.actuator_lag_s;
         let stop_s = lag_s + speed_mps / (2.0 * road.comfort_deceleration_mps2);
         stop_s.min(green.clear_s - green.to_s - road.pass_margin_s).max(0.0)
-    }
-
-    /// Writes the chosen plan, the previous one or the driver's, and filters its first request.
-    /// Returns whether the nearest line is to be stopped at as things stand.
-    fn write(
-        &mut self,
-        input: &Input,
-        seen: &Seen,
-        decision: &Decision,
-        filter: &Filter,
-        output: &mut Output,
-    ) -> bool {
-        let choice = decision.choice;
-        let taken = choice.unwrap_or(Choice::Pass);
-        let n = self.config.horizon_steps;
-        let candidate = self.planner.candidate_of(taken);
-        output.solver_iterations = candidate.iterations;
-        output.figures[3] = candidate.residual;
-        let plan = &mut self.state.plan;
-        if candidate.solved {
-            plan.store(&candidate.requests[..n], input.time_s);
-            self.state.planned = choice;
-            output.quality = if decision.shortfall_m > 0.0 && taken == Choice::Pass {
-                Quality::Relaxed
-            } else {
-                Quality::Full
-            };
-        } else {
-            output.quality = Quality::Backup;
-        }
-        let same = self.state.planned == choice;
-        let written = (candidate.solved || same)
-            && plan.write(input.time_s, input.period_s, MAX_PLAN_AGE_S, output);
-        if !written {
-            let mut driver = PlanMemory::new(self.config.step_s);
-            driver.store(&candidate.requests[..n], input.time_s);
-            driver.write(input.time_s, input.period_s, 0.0, output);
-        }
-        let (min, max) = (self.config.min_request_mps2, self.config.road.acceleration_mps2);
-        for request in &mut output.plan_mps2[..output.plan_len] {
-            *request = request.clamp(min, max);
-        }
-        let wanted = output.request_mps2();
-        let (gates, count) = self.gates(input, seen, choice, filter);
-        // Nothing calls for more than the comfort bound as long as it is enough.
-        let comfort = -self.config.road.comfort_deceleration_mps2;
-        let enough = filter.suffices(comfort, seen.ego, seen.lead.as_ref(), &gates[..count]);
-        let tempered = if enough { wanted.max(comfort) } else { wanted };
-        let mut safe = filter.apply(tempered, seen.ego, seen.lead.as_ref(), &gates[..count]);
-        let stop = gates[..count].first().filter(|gate| gate.rule == Rule::Stop);
-        let line_m = stop.map_or(f64::INFINITY, |gate| gate.distance_m);
-        if line_m < WAITS_WITHIN_M && seen.ego.speed_mps < STANDSTILL_MPS {
-            // It waits at the line.
-            safe = safe.min(0.0);
-        }
-        safe = within_set_speed(safe, seen.desired_mps);
-        let spare_m = SOFT_SHARE * self.config.road.min_gap_m;
-        let soft_gap_m = self.config.road.min_gap_m + spare_m;
-        let lead_m = seen.lead.map_or(f64::INFINITY, |lead| lead.room_m(soft_gap_m));
-        let to_line_m = line_m - LINE_ROOM_M;
-        let room = if lead_m < to_line_m {
-            Room { wanted_m: lead_m, spare_m }
-        } else {
-            Room { wanted_m: to_line_m, spare_m: 0.0 }
-        };
-        safe = soften(safe, seen.ego, self.config.actuator_lag_s, room);
-        output.figures[2] = safe - wanted;
-        if safe < wanted - 1e-9 {
-            // The rest of the plan was made for another beginning: it must not undo the braking.
-            for request in &mut output.plan_mps2[1..output.plan_len] {
-                *request = request.min(safe.max(-self.config.road.comfort_deceleration_mps2));
-            }
-        }
-        output.plan_mps2[0] = safe;
-        let lag = Lag { tau_s: self.config.actuator_lag_s };
-        self.state.own.ask(safe, seen.ego.acceleration_mps2, lag, input.period_s);
-        gates[..count].first().is_some_and(|gate| gate.rule == Rule::Stop)
     }
 }
 

@@ -3,15 +3,20 @@
 
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
-use std::path::Path;
 use std::process::{Command, ExitCode};
 use system_tests::cases::{self, case, needing};
-use system_tests::{Corner, python, text, wait_for};
+use system_tests::{Corner, text, wait_for};
+
+mod examples;
+
+use examples::{
+    c_compiler, notebooks, python3, the_c_example_drives, the_notebook_runs_as_it_is,
+    the_python_example_drives,
+};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 const ODD_LAW: &str = env!("CARGO_BIN_EXE_odd-law");
 const MY_CONTROLLER: &str = env!("CARGO_BIN_EXE_my-controller");
-const EXAMPLES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples");
 
 /// Options of a run with the program of these words.
 fn by(words: &[&str]) -> Vec<String> {
@@ -300,108 +305,6 @@ fn it_compares_and_sweeps_and_runs_at_one_kilohertz() {
     assert_eq!(summary["outcome"], "completed", "{summary}");
     assert!(summary["timing"]["law_program"]["answers"].as_u64() > Some(1500), "{summary}");
     gone(&law);
-}
-
-fn the_python_example_drives() {
-    let corner = Corner::new(PROGRAM);
-    std::fs::copy(Path::new(EXAMPLES).join("my_law.py"), corner.path().join("my_law.py"))
-        .expect("our own directory");
-    let code = std::fs::read_to_string(corner.path().join("my_law.py")).expect("text");
-    assert!(code.lines().count() <= 20, "a law is fifteen lines and a head");
-    let command = by(&["python3", "my_law.py"]);
-    let summary = corner.json(&run_by(&command, &[&LOCKSTEP[..], &["--no-record"]].concat()));
-    assert_eq!(summary["outcome"], "completed", "{summary}");
-    let program = &controller(&summary)["program"];
-    assert_eq!(
-        (&program["command"], &program["name"]),
-        (&"python3 my_law.py".into(), &"my_law".into())
-    );
-    // The module of `layouts` gives the same law in three lines.
-    let module = corner.run(&["layouts", "--law", "--python"]);
-    std::fs::write(corner.path().join("timegap_law.py"), module.stdout).expect("ours");
-    let short = "import timegap_law\n\ndef law(q):\n    v = q.speed_mps\n    print('for people')\n    \
-                 free = 0.4 * (min(q.set_speed_mps, q.speed_limit_mps) - v)\n    \
-                 follow = 0.2 * (q.gap_m - 5.0 - 2.0 * v) + 0.7 * q.relative_speed_mps\n    \
-                 return max(-4.0, min(2.0, min(free, follow) if q.has_target else free))\n\n\
-                 timegap_law.drive(law)\n";
-    std::fs::write(corner.path().join("short.py"), short).expect("ours");
-    let command = by(&["python3", "short.py"]);
-    let again = corner.json(&run_by(&command, &[&LOCKSTEP[..], &["--no-record"]].concat()));
-    let digest = |summary: &Value| summary["messages"]["vehicle/odometry"]["digests"].clone();
-    assert_eq!(digest(&again), digest(&summary), "the same law, the same drive");
-    // Python's errors are shown.
-    std::fs::write(corner.path().join("wrong.py"), "import no_such_module\n").expect("ours");
-    let output = corner.run(&run_by(&by(&["python3", "wrong.py"]), &LOCKSTEP));
-    assert_eq!(output.status.code(), Some(2), "{}", text(&output));
-    assert!(text(&output).contains("No module named 'no_such_module'"), "{}", text(&output));
-}
-
-fn the_c_example_drives() {
-    let corner = Corner::new(PROGRAM);
-    let header = corner.run(&["layouts", "--law", "--c"]);
-    std::fs::write(corner.path().join("timegap_law.h"), header.stdout).expect("ours");
-    let compiled = Command::new("cc")
-        .args([
-            "-std=c11",
-            "-Wall",
-            "-Wextra",
-            "-Werror",
-            "-pedantic",
-            "-I.",
-            "-O2",
-            "-o",
-            "my_law",
-        ])
-        .arg(Path::new(EXAMPLES).join("my_law.c"))
-        .arg("-lm")
-        .current_dir(corner.path())
-        .output()
-        .expect("looked for before");
-    assert!(compiled.status.success(), "{}", text(&compiled));
-    let command = by(&["./my_law"]);
-    let summary = corner.json(&run_by(&command, &[&LOCKSTEP[..], &["--no-record"]].concat()));
-    assert_eq!(summary["outcome"], "completed", "{summary}");
-    let odd = by(&[ODD_LAW]);
-    let same = corner.json(&run_by(&odd, &[&LOCKSTEP[..], &["--no-record"]].concat()));
-    let digest = |summary: &Value| summary["messages"]["vehicle/odometry"]["digests"].clone();
-    assert_eq!(digest(&summary), digest(&same), "C and Rust say the same");
-}
-
-fn the_notebook_runs_as_it_is() {
-    const EXECUTE: &str = "import sys, nbformat, nbclient\n\
-        notebook = nbformat.read(sys.argv[1], 4)\n\
-        nbformat.validate(notebook)\n\
-        nbclient.NotebookClient(notebook, timeout=300).execute()\n\
-        print(*[o.text for c in notebook.cells for o in c.get('outputs', []) if 'text' in o])\n";
-    let python = notebook_interpreter().expect("looked for before");
-    let corner = Corner::new(PROGRAM);
-    let output = Command::new(python)
-        .args(["-c", EXECUTE])
-        .arg(Path::new(EXAMPLES).join("my_law.ipynb"))
-        .env("TIMEGAP", PROGRAM)
-        .env("TMPDIR", corner.path())
-        .env("XDG_RUNTIME_DIR", corner.path())
-        .current_dir(corner.path())
-        .output()
-        .expect("it starts");
-    assert!(output.status.success(), "{}", text(&output));
-    assert!(text(&output).contains("external completed"), "{}", text(&output));
-}
-
-fn notebook_interpreter() -> Result<std::path::PathBuf, python::NoInterpreter> {
-    python::notebook_interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
-}
-
-fn notebooks() -> cases::Needed {
-    notebook_interpreter().map(|_| ()).map_err(|why| why.0)
-}
-
-fn python3() -> cases::Needed {
-    cases::program("python3")
-}
-
-fn c_compiler() -> cases::Needed {
-    cases::program("cc")
 }
 
 fn main() -> ExitCode {

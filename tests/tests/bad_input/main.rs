@@ -6,6 +6,10 @@ use std::process::{Command, ExitCode};
 use system_tests::cases::{self, case, needing};
 use system_tests::{Corner, text};
 
+mod machine;
+#[cfg(feature = "zenoh")]
+mod zenoh;
+
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
 /// Runs the command, which must end with `status` and print all `words`.
@@ -109,10 +113,10 @@ fn vehicles_wider_than_the_lane() {
         std::fs::write(corner.path().join(name), text).expect("our own directory");
     };
     std::fs::create_dir(corner.path().join("catalogs")).expect("our own directory");
-    write("cut_in.xosc", include_str!("../../examples/openscenario/cut_in.xosc"));
-    let road = include_str!("../../examples/openscenario/straight.xodr");
+    write("cut_in.xosc", include_str!("../../../examples/openscenario/cut_in.xosc"));
+    let road = include_str!("../../../examples/openscenario/straight.xodr");
     write("straight.xodr", &road.replace("a=\"3.5\"", "a=\"1.6\""));
-    let users = include_str!("../../examples/openscenario/catalogs/road_users.xosc");
+    let users = include_str!("../../../examples/openscenario/catalogs/road_users.xosc");
     write("catalogs/road_users.xosc", users);
     refused_in(&corner, &["run", "cut_in.xosc"], 2, &["cut_in.xosc", "wide", "1.6 m of lane"]);
 }
@@ -130,7 +134,7 @@ fn options() {
     refused(&["campaign", "plausibility", "--sample", "3"], 2, &["--sample", "`plausibility`"]);
 }
 
-/// What a hand is likely to type, and the words that help.
+/// Likely slips, and the words that help.
 fn slips_of_the_hand() {
     refused(&["run", "--duration", "30s"], 2, &["--duration 30s", "a number alone, such as 30"]);
     refused(&["run", "--set", "set_speed_mps=20mps"], 2, &["`20mps` is no number", "such as 20"]);
@@ -147,7 +151,7 @@ fn slips_of_the_hand() {
 /// Storyboards that a reader or a world refuses, with the line.
 fn storyboards() {
     let corner = Corner::new(PROGRAM);
-    let good = include_str!("../../examples/openscenario/cut_in.xosc");
+    let good = include_str!("../../../examples/openscenario/cut_in.xosc");
     let refuse = |from: &str, to: &str, words: &[&str]| {
         assert!(good.contains(from), "{from}");
         std::fs::write(corner.path().join("bad.xosc"), good.replacen(from, to, 1)).expect("ours");
@@ -162,7 +166,7 @@ fn storyboards() {
 
 fn a_tampered_design() {
     let corner = Corner::new(PROGRAM);
-    let shipped = include_str!("../../services/controller/designs/quadratic-bounded.json");
+    let shipped = include_str!("../../../services/controller/designs/quadratic-bounded.json");
     std::fs::write(corner.path().join("good.json"), shipped).expect("our own directory");
     // The first digit after the first decimal point of the gains.
     let gains = shipped.find("\"rules\"").expect("the design has rules");
@@ -238,121 +242,6 @@ fn zenoh() {
     zenoh::wrong_certificates();
 }
 
-/// zenoh with a wrong configuration: one error of the vehicle and of the roadside unit, and no endless wait.
-#[cfg(feature = "zenoh")]
-mod zenoh {
-    use super::{PROGRAM, refused_in};
-    use radio::{Carrier, Role};
-    use std::net::{Ipv4Addr, TcpListener};
-    use std::path::Path;
-    use system_tests::{Corner, text};
-
-    const VEHICLE: [&str; 4] = ["run", "corridor", "--radio", "zenoh:zenoh.json5"];
-    const UNIT: [&str; 4] = ["rsu", "corridor", "--radio", "zenoh:zenoh.json5"];
-
-    fn write(corner: &Corner, configuration: &str) {
-        let text =
-            format!("{{ scouting: {{ multicast: {{ enabled: false }} }}, {configuration} }}");
-        std::fs::write(corner.path().join("zenoh.json5"), text).expect("our own directory");
-    }
-
-    /// Runs the vehicle and the roadside unit with this configuration.
-    fn refused_both(configuration: &str, words: &[&str]) {
-        let corner = Corner::new(PROGRAM);
-        write(&corner, configuration);
-        for command in [VEHICLE, UNIT] {
-            refused_in(&corner, &command, 2, words);
-        }
-    }
-
-    fn free_port() -> (TcpListener, u16) {
-        let socket = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
-        let port = socket.local_addr().expect("it is bound").port();
-        (socket, port)
-    }
-
-    fn certificate(name: &str) -> String {
-        let all = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/radio/tests/certificates");
-        all.join(name).display().to_string()
-    }
-
-    /// TLS with a certificate and the issuer of the peer's certificate.
-    fn tls(place: &str, name: &str, root: &str) -> String {
-        let [root, own, key] =
-            [root, &format!("{name}.pem"), &format!("{name}.key.pem")].map(certificate);
-        format!(
-            "transport: {{ link: {{ tls: {{ root_ca_certificate: \"{root}\", enable_mtls: true, \
-             {place}_certificate: \"{own}\", {place}_private_key: \"{key}\" }} }} }}"
-        )
-    }
-
-    fn client(port: u16, name: &str, root: &str) -> String {
-        let tls = tls("connect", name, root);
-        format!("mode: \"client\", connect: {{ endpoints: [\"tls/127.0.0.1:{port}\"] }}, {tls}")
-    }
-
-    pub(super) fn configurations_that_are_none() {
-        let corner = Corner::new(PROGRAM);
-        for command in [VEHICLE, UNIT] {
-            refused_in(&corner, &command, 2, &["zenoh.json5"]);
-        }
-        refused_both("mode: 7", &["zenoh.json5"]);
-        refused_both("mode: \"client\", conect: {}", &["zenoh.json5", "conect"]);
-    }
-
-    pub(super) fn a_router_that_is_not_there() {
-        let (socket, port) = free_port();
-        drop(socket);
-        let endpoints = format!("connect: {{ endpoints: [\"tcp/127.0.0.1:{port}\"] }}");
-        refused_both(&format!("mode: \"client\", {endpoints}"), &["is the router there"]);
-    }
-
-    /// Another program listens at the router's port and never answers.
-    pub(super) fn a_router_that_says_nothing() {
-        let (_silent, port) = free_port();
-        let endpoints = format!("connect: {{ endpoints: [\"tcp/127.0.0.1:{port}\"] }}");
-        let patience = "transport: { unicast: { open_timeout: 500 } }";
-        refused_both(
-            &format!("mode: \"client\", {endpoints}, {patience}"),
-            &["is the router there"],
-        );
-    }
-
-    /// A peer waits for others, which may come later: the vehicle drives and counts received frames.
-    pub(super) fn a_peer_that_is_not_there() {
-        let corner = Corner::new(PROGRAM);
-        let (socket, port) = free_port();
-        drop(socket);
-        let endpoints = format!("connect: {{ endpoints: [\"tcp/127.0.0.1:{port}\"] }}");
-        write(&corner, &format!("mode: \"peer\", listen: {{ endpoints: [] }}, {endpoints}"));
-        let vehicle = corner.json(&[&VEHICLE[..], &["--duration", "1", "--no-record"]].concat());
-        let link = &vehicle["link"];
-        assert_eq!((&link["received"], &link["truth_known"]), (&0.into(), &false.into()), "{link}");
-        let unit = corner.run(&[&UNIT[..], &["--duration", "1"]].concat());
-        assert!(unit.status.success(), "{}", text(&unit));
-        assert!(text(&unit).contains("none heard"), "{}", text(&unit));
-        corner.expect_nothing_left(&[]);
-    }
-
-    /// A router that requires client certificates: one of an unknown issuer, one that does not trust the
-    /// router, and missing files.
-    pub(super) fn wrong_certificates() {
-        let (socket, port) = free_port();
-        drop(socket);
-        let corner = Corner::new(PROGRAM);
-        let listen =
-            format!("mode: \"router\", listen: {{ endpoints: [\"tls/127.0.0.1:{port}\"] }}");
-        write(&corner, &format!("{listen}, {}", tls("listen", "router", "ca.pem")));
-        let address = format!("zenoh:{}/zenoh.json5", corner.path().display());
-        let address = address.parse().expect("an address");
-        let _router = Carrier::open(&address, Role::Vehicle).expect("the router");
-        let words = ["do the certificates belong"];
-        refused_both(&client(port, "intruder", "ca.pem"), &words);
-        refused_both(&client(port, "vehicle", "intruder.pem"), &words);
-        refused_both(&client(port, "missing", "ca.pem"), &words);
-    }
-}
-
 fn output_directories() {
     // Not even root can create a directory below a file.
     refused(&["run", "--out", "/dev/null/results"], 2, &["/dev/null/results", "cannot"]);
@@ -382,28 +271,6 @@ fn a_pipe_as_a_scenario() {
     let made = Command::new("mkfifo").arg(&pipe).status().expect("mkfifo is there");
     assert!(made.success());
     refused_in(&corner, &["run", "pipe.toml"], 2, &["pipe.toml", "not a regular file"]);
-}
-
-fn low_limits_of_the_machine() {
-    let corner = Corner::new(PROGRAM);
-    for (limit, words) in [
-        ("-n 32", ["32 files", "ulimit -n"]),
-        ("-v 1000000", ["1000000 KiB of address space", "ulimit -v"]),
-        ("-s 256", ["256 KiB", "ulimit -s"]),
-        ("-f 1000", ["a process may write files of", "ulimit -f"]),
-    ] {
-        let line = format!("ulimit {limit}; exec \"$0\" run cacc-a --mode lockstep");
-        let output = Command::new("sh")
-            .args(["-c", &line, PROGRAM])
-            .current_dir(corner.path())
-            .env("XDG_RUNTIME_DIR", corner.path())
-            .output()
-            .expect("a shell starts");
-        let said = text(&output);
-        assert_eq!(output.status.code(), Some(3), "{limit}: {said}");
-        assert!(words.iter().all(|word| said.contains(word)), "{limit}: {said}");
-        assert!(!corner.path().join("runs").exists(), "nothing is left of a run that never was");
-    }
 }
 
 fn unknown_commands_and_faults_without_meaning() {
@@ -441,17 +308,6 @@ fn recordings_without_a_message_that_can_be_read() {
     );
 }
 
-/// A failed print is an error.
-fn a_full_standard_output() {
-    let corner = Corner::new(PROGRAM);
-    for arguments in [["list"].as_slice(), &["run", "cacc-a", "--mode", "lockstep", "--json"]] {
-        let full = std::fs::File::options().write(true).open("/dev/full").expect("it is there");
-        let output = corner.command(arguments).stdout(full).output().expect("it starts");
-        assert_eq!(output.status.code(), Some(3), "{arguments:?}: {}", text(&output));
-        assert!(text(&output).contains("standard output"), "{}", text(&output));
-    }
-}
-
 fn a_service_that_never_becomes_ready() {
     let corner = Corner::new(PROGRAM);
     let program = corner.path().join("sleeper");
@@ -461,78 +317,6 @@ fn a_service_that_never_becomes_ready() {
     let service = format!("v2x-sim={}", program.display());
     let arguments = ["run", "--service", &service, "--ready-timeout", "0.5"];
     refused_in(&corner, &arguments, 2, &["v2x-sim", "not ready within 0.5 s"]);
-}
-
-fn a_foreign_base_directory() {
-    let corner = Corner::new(PROGRAM);
-    let uid = rustix::process::geteuid().as_raw();
-    let base = corner.path().join(format!("timegap-{uid}"));
-    std::os::unix::fs::symlink("/tmp", &base).expect("our own directory");
-    let output = corner.run(&["run", "cacc-a", "--mode", "lockstep"]);
-    assert_eq!(output.status.code(), Some(3), "{}", text(&output));
-    assert!(text(&output).contains("belongs to this user alone"), "{}", text(&output));
-}
-
-/// A full /dev/shm of our own, in a mount namespace if the kernel grants one.
-fn full_shared_memory() {
-    let script = |size: &str| {
-        format!(
-            "mount -t tmpfs -o size={size} none /dev/shm && exec \"$0\" run cacc-a --mode lockstep"
-        )
-    };
-    let corner = Corner::new(PROGRAM);
-    let run = |size: &str| {
-        Command::new("unshare")
-            .args(["--user", "--map-root-user", "--mount", "sh", "-c", &script(size), PROGRAM])
-            .current_dir(corner.path())
-            .env("XDG_RUNTIME_DIR", corner.path())
-            .output()
-    };
-    let output = run("64m").expect("it starts");
-    assert!(output.status.success(), "with enough room: {}", text(&output));
-    for size in ["64k", "200k", "1m"] {
-        let output = run(size).expect("it started before");
-        let said = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(3), "{size}: {}", text(&output));
-        assert!(said.contains("/dev/shm"), "{size}: {said}");
-        corner.expect_nothing_left(&[]);
-    }
-}
-
-/// A read-only /dev/shm: one sentence that names it.
-fn read_only_shared_memory() {
-    let corner = Corner::new(PROGRAM);
-    let script = "mount -t tmpfs -o ro none /dev/shm && exec \"$0\" run cacc-a --mode lockstep";
-    let output = Command::new("unshare")
-        .args(["--user", "--map-root-user", "--mount", "sh", "-c", script, PROGRAM])
-        .current_dir(corner.path())
-        .output()
-        .expect("it started before");
-    let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(3), "{}", text(&output));
-    assert!(said.contains("/dev/shm cannot be written") && said.lines().count() == 1, "{said}");
-    assert!(!corner.path().join("runs").exists(), "nothing is left of a run that never was");
-}
-
-/// A full disk: the results are printed, then the error, and no partial file is left.
-fn full_disk() {
-    let corner = Corner::new(PROGRAM);
-    let disk = corner.path().join("disk");
-    std::fs::create_dir(&disk).expect("our own directory");
-    let script = "mount -t tmpfs -o size=40k none disk && { \"$0\" run cacc-a --mode lockstep \
-                  --out disk/out; status=$?; ls disk/out >&2; exit $status; }";
-    let output = Command::new("unshare")
-        .args(["--user", "--map-root-user", "--mount", "sh", "-c", script, PROGRAM])
-        .current_dir(corner.path())
-        .env("XDG_RUNTIME_DIR", corner.path())
-        .output()
-        .expect("it starts");
-    let said = text(&output);
-    assert_eq!(output.status.code(), Some(3), "{said}");
-    assert!(said.contains("stop line") && said.contains("No space left"), "{said}");
-    assert!(!said.contains("report  "), "a page is named that is not there: {said}");
-    assert!(!said.contains(".part") && !said.contains(".new"), "a half file is left: {said}");
-    assert!(!said.contains("read too late"), "the disk is why messages are lost: {said}");
 }
 
 fn main() -> ExitCode {
@@ -549,19 +333,23 @@ fn main() -> ExitCode {
         case("a_service_that_never_becomes_ready", a_service_that_never_becomes_ready),
         case("a_service_that_floods_its_output", a_service_that_floods_its_output),
         case("a_pipe_as_a_scenario", a_pipe_as_a_scenario),
-        case("low_limits_of_the_machine", low_limits_of_the_machine),
+        case("low_limits_of_the_machine", machine::low_limits_of_the_machine),
         case(
             "unknown_commands_and_faults_without_meaning",
             unknown_commands_and_faults_without_meaning,
         ),
-        case("a_full_standard_output", a_full_standard_output),
+        case("a_full_standard_output", machine::a_full_standard_output),
         case(
             "recordings_without_a_message_that_can_be_read",
             recordings_without_a_message_that_can_be_read,
         ),
-        case("a_foreign_base_directory", a_foreign_base_directory),
-        needing(cases::mount_namespace, "full_shared_memory", full_shared_memory),
-        needing(cases::mount_namespace, "read_only_shared_memory", read_only_shared_memory),
-        needing(cases::mount_namespace, "full_disk", full_disk),
+        case("a_foreign_base_directory", machine::a_foreign_base_directory),
+        needing(cases::mount_namespace, "full_shared_memory", machine::full_shared_memory),
+        needing(
+            cases::mount_namespace,
+            "read_only_shared_memory",
+            machine::read_only_shared_memory,
+        ),
+        needing(cases::mount_namespace, "full_disk", machine::full_disk),
     ])
 }
