@@ -1,5 +1,5 @@
-//! What writing costs: `cargo run --release -p recorder --example throughput [MESSAGES]` writes that
-//! many messages (default 1000000) of each of three topics and prints ns and bytes per message.
+//! Cost of writing: `cargo run --release -p recorder --example throughput [MESSAGES]` writes that many messages
+//! (default 1000000) of each of three topics and prints ns and bytes per message.
 
 use messages::{Command, Message, Odometry, Spat};
 use recorder::{LawNames, Metadata, Tally, Writer};

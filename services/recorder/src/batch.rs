@@ -6,7 +6,7 @@ use runtime::{RuntimeError, Tap, Tapped};
 /// Most messages that are taken from one topic before the next one's turn.
 const TURN: usize = 1024;
 
-/// What was taken from all topics in one pass.
+/// Messages taken from all topics in one pass.
 #[derive(Debug, Default)]
 pub(crate) struct Batch {
     entries: Vec<Entry>,

@@ -37,7 +37,7 @@ impl Counter {
         self.last.insert((topic, header.source), (header.incarnation, header.sequence));
     }
 
-    /// What was counted so far.
+    /// Counts so far.
     pub(crate) fn tally(&self) -> Tally {
         let of = |topic| self.topics.get(&topic).copied().unwrap_or_default();
         let incarnations = Service::ALL.into_iter().filter_map(|service| {

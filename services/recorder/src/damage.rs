@@ -1,4 +1,4 @@
-//! What can be wrong with a recording.
+//! Damage of a recording.
 
 use messages::Topic;
 use std::fmt;
@@ -12,15 +12,15 @@ pub enum ReadError {
     File {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Cause by the system.
         reason: std::io::Error,
     },
-    /// It is no recording of timegap.
+    /// It is not a recording of timegap.
     #[error("{} is not a recording of timegap: {reason}", path.display())]
     Foreign {
         /// The file.
         path: PathBuf,
-        /// What is missing.
+        /// The missing part.
         reason: String,
     },
     /// Its messages have other layouts than this program's.
@@ -58,11 +58,11 @@ pub enum Damage {
     },
     /// A chunk, or another record, is damaged and was left out.
     Chunk {
-        /// Where it is in the file.
+        /// Place in the file.
         offset: u64,
         /// Its length, bytes.
         bytes: u64,
-        /// What is wrong with it.
+        /// The damage.
         reason: String,
     },
     /// Parts of the file are too far from the order of log times to be put in it, and were left out.
@@ -70,11 +70,11 @@ pub enum Damage {
         /// Their length, bytes.
         bytes: u64,
     },
-    /// Messages of a topic are no little-endian CDR of the topic's type, and were left out.
+    /// Messages of a topic that are not little-endian CDR of its type were left out.
     Payload {
         /// The topic.
         topic: Topic,
-        /// How many.
+        /// Their number.
         messages: u64,
     },
     /// A topic of the file has the type of one of ours, which the file does not have; its messages were left

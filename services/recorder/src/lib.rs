@@ -1,9 +1,9 @@
 //! Recordings: everything that went over a run's topics, in a file that other tools read as well.
 //!
-//! A recording is an [MCAP](https://mcap.dev) file of profile `ros2`. The payload of a message is
-//! the four bytes `00 01 00 00` (little-endian CDR) and the struct's own bytes, which *are* its CDR
-//! body: `messages` checks that at compile time. Nothing is converted, neither on the way in
-//! nor out. The schemas are ROS 2 message definitions made from the same layouts ([`schema`]).
+//! A recording is an [MCAP](https://mcap.dev) file of profile `ros2`. The payload of a message is the four bytes `00
+//! 01 00 00` (little-endian CDR) and the struct's own bytes. They *are* its CDR body: `messages` checks that at
+//! compile time. Nothing is converted, neither on the way in nor out. The schemas are ROS 2 message definitions made
+//! from the same layouts ([`schema`]).
 //!
 //! * [`run`]: the process that records a run while it goes on
 //! * [`Writer`]: crash-safe, what was flushed survives any end of the process

@@ -1,5 +1,5 @@
-//! What the launcher and the recorder say to each other: JSON lines on the recorder's standard
-//! streams, as with every process of the group.
+//! The dialogue of launcher and recorder: JSON lines on the recorder's standard streams, as with every process of the
+//! group.
 
 use crate::{LawNames, Tally};
 use runtime::Program;
@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::io::{self, BufRead, Write};
 use std::sync::mpsc::{Receiver, channel};
 
-/// What the launcher says to the recorder. The end of the input means [`ToRecorder::Finish`].
+/// A line from the launcher to the recorder. The end of the input means [`ToRecorder::Finish`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ToRecorder {
@@ -22,25 +22,25 @@ pub enum ToRecorder {
     Finish,
 }
 
-/// What is known when the group starts.
+/// Facts that are known when the group starts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Start {
     /// Run time 0, in `CLOCK_MONOTONIC` ns.
     pub start_ns: i64,
-    /// What the kernel granted to each service, by its name.
+    /// Scheduling that the kernel granted to each service, by its name.
     pub scheduling: BTreeMap<String, Granted>,
     /// The programs of the user's that take part, by the service that they are or compute for.
     #[serde(default)]
     pub programs: BTreeMap<String, Program>,
-    /// What the law's numbers mean.
+    /// Meaning of the law's numbers.
     pub law: LawNames,
 }
 
-/// What the recorder says to the launcher.
+/// A line from the recorder to the launcher.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FromRecorder {
-    /// It hears every sender.
+    /// It receives every sender.
     Ready,
     /// It cannot begin, or go on.
     Failed(String),
@@ -51,7 +51,7 @@ pub enum FromRecorder {
 /// The account of a recording.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Report {
-    /// What was counted.
+    /// The counts.
     pub tally: Tally,
     /// Size of the file, bytes.
     pub bytes: u64,
@@ -77,6 +77,6 @@ pub(crate) fn orders<Order: DeserializeOwned + Send + 'static>() -> io::Result<R
 /// Tells the launcher something: a JSON line on standard output.
 pub(crate) fn say(message: &impl Serialize) {
     let line = serde_json::to_string(message).expect("link messages are plain data");
-    // A launcher that is gone hears nothing.
+    // The launcher may be gone.
     let _ = writeln!(std::io::stdout().lock(), "{line}");
 }

@@ -1,4 +1,4 @@
-//! What a recording says of its run beside the messages.
+//! Facts about its run that a recording holds beside the messages.
 
 use messages::LAYOUT_VERSION;
 use messages::names::ENUMERATIONS;
@@ -12,7 +12,7 @@ const RUN: &str = "timegap";
 /// Name of the metadata record at the end of a recording that was ended.
 const END: &str = "timegap.end";
 
-/// What is known when a recording begins.
+/// Facts that are known when a recording begins.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Metadata {
     /// Program and version that recorded.
@@ -29,16 +29,16 @@ pub struct Metadata {
     pub seed: u64,
     /// The run's clock.
     pub mode: Mode,
-    /// Run time 0 in ns since 1970, to place the run in the calendar; [`SIMULATED_START_NS`] in
-    /// lockstep, so that the same run gives the same file.
+    /// Run time 0 in ns since 1970, to place the run in the calendar. In lockstep it is [`SIMULATED_START_NS`], so
+    /// that the same run gives the same file.
     pub started_unix_ns: i64,
-    /// The log time of run time 0, ns: the same, but for files of before, whose log times are run time.
+    /// The log time of run time 0, ns: the same, except for older files, whose log times are run time.
     pub epoch_ns: i64,
     /// The machine; none in lockstep, where it changes nothing.
     pub host: Option<Host>,
-    /// What the numbers of the law mean; empty where that is not known.
+    /// Meaning of the law's numbers; empty if unknown.
     pub law: LawNames,
-    /// What the kernel granted to each service, by its name.
+    /// Scheduling that the kernel granted to each service, by its name.
     pub scheduling: BTreeMap<String, Granted>,
     /// The programs of the user's that took part, by the service that they were or computed for.
     pub programs: BTreeMap<String, Program>,
@@ -47,7 +47,7 @@ pub struct Metadata {
 /// Run time 0 of a run in simulated time, ns since 1970: the beginning of 2026, UTC.
 pub const SIMULATED_START_NS: i64 = 1_767_225_600_000_000_000;
 
-/// What the numbers mean that a law puts into `control/diagnostics`, by their place.
+/// Meaning of a law's numbers in `control/diagnostics`, by their place.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LawNames {
     /// Modes.
@@ -215,7 +215,7 @@ const EPOCH: &str = "epoch_ns";
 const LAW: &str = "law";
 const NAMES: &str = "names.";
 
-/// What the recorder counted, known when a recording ends.
+/// Counts of the recorder, known when a recording ends.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Tally {
     /// Per topic name.
@@ -224,7 +224,7 @@ pub struct Tally {
     pub incarnations: BTreeMap<String, u32>,
 }
 
-/// What the recorder counted on one topic.
+/// Counts of the recorder on one topic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TopicTally {
     /// Messages in the file.

@@ -12,14 +12,14 @@ use messages::{Message, TOPICS, Topic};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// What is in a recording.
+/// Content of a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Survey {
     /// Messages by topic, and those that are missing.
     pub tally: Tally,
     /// Latest log time of any message, ns of run time.
     pub end_ns: i64,
-    /// What cannot be read.
+    /// Its damage.
     pub damage: Vec<Damage>,
 }
 
@@ -51,8 +51,8 @@ impl Recording {
     /// Opens the recording at `path`, a file or a run's directory of results.
     ///
     /// # Errors
-    /// If there is no file, or it is no recording, or one with other messages. A file that ends too
-    /// early is no error: see [`Recording::damage`].
+    /// If the file is missing, is not a recording, or has other messages. A file that ends too early is accepted: see
+    /// [`Recording::damage`].
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         let path = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
         if std::fs::metadata(&path).is_ok_and(|file| !file.is_file()) {
@@ -142,20 +142,19 @@ impl Recording {
         self.source.length()
     }
 
-    /// What is known of the run.
+    /// Facts about the run.
     #[must_use]
     pub fn metadata(&self) -> &Metadata {
         &self.metadata
     }
 
-    /// What the recorder counted; `None` if it never ended the recording.
+    /// Counts of the recorder; `None` if it never ended the recording.
     #[must_use]
     pub fn tally(&self) -> Option<&Tally> {
         self.tally.as_ref()
     }
 
-    /// What is wrong with the file's outline; what is wrong inside its chunks shows when the messages
-    /// are read ([`Records::damage`]).
+    /// Damage of the file's outline. Damage inside its chunks shows when the messages are read ([`Records::damage`]).
     #[must_use]
     pub fn damage(&self) -> &[Damage] {
         &self.damage
@@ -181,8 +180,7 @@ impl Recording {
         })
     }
 
-    /// What the file's own statistics say, without reading any message; `None` for a file that was never
-    /// ended, or that keeps none.
+    /// The file's own statistics, without reading any message; `None` in a file without an end or without statistics.
     #[must_use]
     pub fn statistics(&self) -> Option<Survey> {
         let (tally, statistics) = (self.tally.as_ref()?, self.statistics.as_ref()?);

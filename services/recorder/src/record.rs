@@ -9,8 +9,7 @@ use std::sync::Arc;
 pub struct Record {
     /// The topic.
     pub topic: Topic,
-    /// When it was published, ns of run time, as far as its sender's clock can be believed: this is
-    /// the order of the file.
+    /// Time of its publication, ns of run time, as far as its sender's clock is right: this is the order of the file.
     pub log_time_ns: i64,
     /// When its sender says that it published it, ns of run time.
     pub publish_time_ns: i64,

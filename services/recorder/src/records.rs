@@ -100,7 +100,7 @@ impl Records {
         }
     }
 
-    /// What could not be read up to here.
+    /// Damage up to here.
     #[must_use]
     pub fn damage(&self) -> &[Damage] {
         &self.damage

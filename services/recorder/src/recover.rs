@@ -5,14 +5,14 @@ use crate::{Damage, Metadata, Recording, Tally, Writer};
 use mcap::McapError;
 use std::io::{self, Seek, Write};
 
-/// What a recovery found.
+/// Result of a recovery.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Recovered {
-    /// What is in the new file, and what is missing between its first and last messages.
+    /// Content of the new file, and the gaps between its first and last messages.
     pub tally: Tally,
     /// Latest log time of any message, ns of run time.
     pub end_ns: i64,
-    /// What could not be read of the old one.
+    /// Damage of the old file.
     pub damage: Vec<Damage>,
 }
 
@@ -22,7 +22,7 @@ pub struct Recovered {
 /// If `file` cannot be written.
 pub fn recover<W: Write + Seek>(recording: &Recording, file: W) -> io::Result<Recovered> {
     rewrite(recording, file).map_err(|error| match error {
-        // The system's own reason: a full disk is told from a bad file.
+        // The system's own reason: a full disk differs from a bad file.
         McapError::Io(reason) => reason,
         error => io::Error::other(error),
     })
@@ -30,7 +30,7 @@ pub fn recover<W: Write + Seek>(recording: &Recording, file: W) -> io::Result<Re
 
 fn rewrite<W: Write + Seek>(recording: &Recording, file: W) -> Result<Recovered, McapError> {
     let metadata = recording.metadata();
-    // A recording of before is written with the log times of today.
+    // An older recording gets today's log times.
     let metadata = Metadata { epoch_ns: metadata.started_unix_ns, ..metadata.clone() };
     let mut writer = Writer::begin(file, &metadata)?;
     let mut counter = Counter::default();

@@ -18,7 +18,7 @@ const AHEAD: usize = 16;
 /// Time between two looks at the cycles.
 const POLL: Duration = Duration::from_micros(50);
 
-/// What the launcher says to the replayer. The end of the input is an order to go.
+/// A line from the launcher to the replayer. The end of the input is an order to go.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ToReplayer {
@@ -26,7 +26,7 @@ pub enum ToReplayer {
     Start,
 }
 
-/// What the replayer says to the launcher.
+/// A line from the replayer to the launcher.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FromReplayer {
@@ -63,7 +63,7 @@ enum PlayError {
     Runtime(#[from] RuntimeError),
     #[error(transparent)]
     Recording(#[from] ReadError),
-    /// The thread that hears the launcher.
+    /// The thread that reads the launcher's lines.
     #[error(transparent)]
     Thread(#[from] io::Error),
 }

@@ -1,9 +1,9 @@
 //! Messages of all topics in the order of their publication, whatever order they were taken in.
 //!
-//! In realtime a message is held back until any that was published before it must have come. In lockstep
-//! the wall's clock says nothing: there a message waits until every service was heard at a later instant
-//! of simulated time, so that the same run gives the same order. Messages of one instant follow
-//! the order of topics, senders and their own numbers.
+//! In realtime a message is held back until any that was published before it must have come. In lockstep the wall's
+//! clock says nothing: there a message waits until every service was received at a later instant of simulated time.
+//! So the same run gives the same order. Messages of one instant follow the order of topics, senders and their own
+//! numbers.
 
 use messages::{Header, TOPICS, Topic};
 use runtime::Mode;
@@ -18,20 +18,20 @@ const MOST_HELD: usize = 64 << 20;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Placed {
     pub(crate) topic: Topic,
-    /// When it was published as far as its sender's clock can be believed, ns of run time; never
-    /// earlier than the message before it.
+    /// Time of its publication as far as its sender's clock is right, ns of run time; never earlier than the previous
+    /// message's.
     pub(crate) log_time_ns: i64,
     pub(crate) bytes: Vec<u8>,
 }
 
-/// Where a message belongs: instant, place of its topic, sender, incarnation, arrival.
+/// Place of a message in the order: instant, place of its topic, sender, incarnation, arrival.
 type Key = (i64, usize, u32, u32, u64);
 
 /// Brings messages into order.
 #[derive(Debug)]
 pub(crate) struct Sequencer {
     mode: Mode,
-    /// Senders that must have been heard before an instant is over, by their numbers.
+    /// Senders that must be received before an instant is over, by their numbers.
     senders: BTreeSet<u32>,
     held: BTreeMap<Key, (Topic, Vec<u8>)>,
     held_bytes: usize,
@@ -65,7 +65,7 @@ impl Sequencer {
     pub(crate) fn add(&mut self, topic: Topic, bytes: &[u8], now_ns: i64) {
         let header: Header = bytemuck::pod_read_unaligned(&bytes[..size_of::<Header>()]);
         let published_ns = match self.mode {
-            // A clock ahead of its time is not believed.
+            // A clock ahead of its time is wrong.
             Mode::Realtime => header.publish_ns.min(now_ns),
             Mode::Lockstep => header.publish_ns,
         };
@@ -85,7 +85,7 @@ impl Sequencer {
     pub(crate) fn ready(&mut self, now_ns: i64) -> Vec<Placed> {
         let before_ns = match self.mode {
             Mode::Realtime => now_ns.saturating_sub(HOLD_NS),
-            // What was passed before this look was sent before it, and so has come with it.
+            // Messages passed before this look were sent before it, so they have come with it.
             Mode::Lockstep => {
                 let passed_ns = self.passed_by_all();
                 std::mem::replace(&mut self.passed_ns, passed_ns)
@@ -167,7 +167,7 @@ mod tests {
         let messages = [
             message::<Odometry>(PLANT, 50),
             message::<Command>(CONTROLLER, 40),
-            // A clock that is ahead: believed as far as the present.
+            // A clock that is ahead: it counts up to the present.
             message::<Heartbeat>(CONTROLLER, i64::MAX),
         ];
         for (topic, bytes) in messages {

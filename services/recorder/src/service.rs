@@ -1,8 +1,8 @@
 //! The recorder's process: taps all topics, and lets a thread of its own write.
 //!
-//! Taking messages and writing them are apart, so that a slow disk is met by memory and not by the
-//! short buffers of the topics. When that memory is full as well, the topics' own rules hold: in
-//! lockstep the senders wait, in realtime the oldest messages are lost, and counted.
+//! Taking messages and writing them are apart: memory absorbs a slow disk, not the short buffers of the topics. When
+//! that memory is full as well, the topics' own rules hold: in lockstep the senders wait, in realtime the oldest
+//! messages are lost, and counted.
 
 use crate::bag;
 use crate::batch::Taps;
@@ -62,7 +62,7 @@ enum RecordError {
     /// The start was not ordered.
     #[error("the run ended before it began")]
     Early,
-    /// A thread that hears the launcher, or writes.
+    /// A thread that reads the launcher's lines, or writes.
     #[error(transparent)]
     Thread(#[from] io::Error),
 }
@@ -169,7 +169,7 @@ fn metadata(scenario: &Scenario, mode: Mode, start: &Start) -> Metadata {
         .with_programs(start.programs.clone())
 }
 
-/// What is to be written.
+/// Work for the writer.
 enum Work {
     Messages(Vec<Placed>),
     End(Tally),
@@ -200,7 +200,7 @@ impl Disk {
 
     fn put(&self, messages: Vec<Placed>) {
         self.queued.fetch_add(size(&messages), Ordering::Relaxed);
-        // After a failure, which `end` tells, messages are let go: no sender must wait for them.
+        // After a failure, which `end` reports, messages are dropped: no sender must wait for them.
         let _ = self.work.send(Work::Messages(messages));
     }
 

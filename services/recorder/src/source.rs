@@ -6,11 +6,11 @@ use std::io;
 use std::os::unix::fs::FileExt;
 use std::sync::Arc;
 
-/// What is read ahead, bytes, by a reader of everything and by one that passes over most.
+/// Bytes that a reader of everything reads ahead, and one that skips most.
 const AHEAD: usize = 64 * 1024;
 const AHEAD_OF_HEADS: usize = 4 * 1024;
 
-/// Where the bytes are.
+/// Place of the bytes.
 #[derive(Clone, Debug)]
 enum Place {
     File(Arc<File>),
@@ -56,19 +56,19 @@ impl Source {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Spot {
     pub(crate) opcode: u8,
-    /// Where its head begins.
+    /// Begin of its head.
     pub(crate) at: u64,
     /// Length of its body.
     pub(crate) length: u64,
 }
 
 impl Spot {
-    /// Where its body begins.
+    /// Begin of its body.
     pub(crate) fn body(&self) -> u64 {
         self.at + HEAD as u64
     }
 
-    /// Where the next record begins.
+    /// Begin of the next record.
     pub(crate) fn end(&self) -> u64 {
         self.body() + self.length
     }

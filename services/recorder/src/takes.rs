@@ -1,5 +1,5 @@
-//! What a recording says of its controller: each cycle with its inputs and its outputs, in one pass over
-//! the file and in bounded memory.
+//! A controller's part of a recording: each cycle with its inputs and its outputs, in one pass over the file and in
+//! bounded memory.
 
 use crate::{Record, Recording, Records};
 use messages::level::Level;
@@ -13,7 +13,7 @@ const WINDOW_BYTES: usize = 8 << 20;
 /// Most cycles that wait for a message that is recorded behind them, as after a fault of a clock.
 const MOST_WAITING: usize = 1024;
 
-/// What one process of the controller did, as far as it can be replayed.
+/// Work of one process of the controller, as far as it can be replayed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Take {
     /// Which restart of the controller it was.
@@ -29,7 +29,7 @@ pub struct Take {
 /// One cycle of the controller.
 #[derive(Clone, Debug)]
 pub struct Cycle {
-    /// What it said of itself.
+    /// Its own description.
     pub diagnostics: Diagnostics,
     /// Its command.
     pub command: Option<Command>,
@@ -89,7 +89,7 @@ impl Cycle {
 }
 
 impl Recording {
-    /// What each process of the controller did, in their order.
+    /// Work of each process of the controller, in their order.
     #[must_use]
     pub fn takes(&self) -> Vec<Take> {
         let mut takes: BTreeMap<u32, Take> = BTreeMap::new();
@@ -117,7 +117,7 @@ impl Recording {
     }
 }
 
-/// What a cycle is put together from.
+/// Parts of a cycle.
 const RECORDED: [Topic; INPUTS.len() + 2] = [
     INPUTS[0],
     INPUTS[1],

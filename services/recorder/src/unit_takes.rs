@@ -1,5 +1,5 @@
-//! What a recording says of its on-board unit: each cycle with the frames that it decoded and what it made
-//! of them, in one pass over the file and in bounded memory.
+//! An on-board unit's part of a recording: each cycle with the frames that it decoded and what it made of them, in
+//! one pass over the file and in bounded memory.
 
 use crate::takes::Window;
 use crate::{Record, Recording, Records};
@@ -14,7 +14,7 @@ const MOST_WAITING: usize = 64;
 const RECORDED: [Topic; 5] =
     [Topic::RadioFrames, Topic::Odometry, Topic::Map, Topic::Spat, Topic::RadioSent];
 
-/// What the on-board unit did, as far as it can be replayed.
+/// Work of the on-board unit, as far as it can be replayed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct UnitTake {
     /// Its cycles.
@@ -28,13 +28,13 @@ pub struct UnitTake {
 /// One cycle of the on-board unit.
 #[derive(Clone, Debug)]
 pub struct UnitCycle {
-    /// The stop lines that it told of.
+    /// The stop lines that it sent.
     pub map: Map,
     /// Their signals; none where that was not recorded.
     pub spat: Option<Spat>,
     /// The vehicle's own frame, if one was due.
     pub sent: Option<RadioSent>,
-    /// The batch of frames that it decoded last; none where there was none, or where it was not recorded.
+    /// The batch of frames that it decoded last; `None` without one, or if it was not recorded.
     pub frames: Option<Arc<[u8]>>,
     /// The odometry that it used, likewise.
     pub odometry: Option<Arc<[u8]>>,
@@ -87,7 +87,7 @@ impl UnitCycle {
 }
 
 impl Recording {
-    /// What the on-board unit did.
+    /// Work of the on-board unit.
     #[must_use]
     pub fn unit_take(&self) -> UnitTake {
         let mut take = UnitTake::default();

@@ -18,7 +18,7 @@ const CHUNK_BYTES: u64 = 4 * 1024 * 1024;
 /// Simulated time after which a lockstep recording is flushed, ns.
 const FLUSH_PERIOD_NS: i64 = 1_000_000_000;
 
-/// Writes messages to an MCAP file. What was flushed survives the process.
+/// Writes messages to an MCAP file. Flushed messages survive the process.
 pub struct Writer<W: Write + Seek> {
     inner: mcap::Writer<BufWriter<W>>,
     channels: BTreeMap<Topic, u16>,

@@ -1,4 +1,4 @@
-//! What is written is read, and a broken file is read as far as it goes.
+//! A written file is read, a broken one up to its damage.
 
 use messages::{Command, Heartbeat, Message, Odometry};
 use recorder::{Damage, LawNames, Metadata, ReadError, Recording, Tally, Writer, recover};

@@ -84,7 +84,7 @@ fn sequences(recording: &Recording) -> Vec<u64> {
     recording.messages::<Odometry>().map(|timed| timed.message.header.sequence).collect()
 }
 
-/// What precedes the messages, and the chunks.
+/// The part before the messages, and the chunks.
 fn parts() -> (Vec<Vec<u8>>, Vec<Vec<u8>>) {
     let mut head = Vec::new();
     let mut chunks = Vec::new();

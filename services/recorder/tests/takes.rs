@@ -1,4 +1,4 @@
-//! What can be replayed: every cycle up to the first whose command or inputs are not there.
+//! Replay of a controller's recording: every cycle up to the first whose command or inputs are not there.
 
 use bytemuck::Zeroable;
 use messages::level::Level;

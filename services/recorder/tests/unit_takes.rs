@@ -1,4 +1,4 @@
-//! What of an on-board unit can be replayed: every cycle up to the first whose frames or signals are not there.
+//! Replay of an on-board unit's recording: every cycle up to the first whose frames or signals are not there.
 
 use bytemuck::Zeroable;
 use messages::{Header, Map, Origin, Origins, RadioFrames, Service, Spat, Topic};

@@ -15,20 +15,20 @@ pub struct Attached {
     pub incarnation: u32,
     /// The process.
     pub process: Process,
-    /// What the launcher killed it for, or how it ended during the run.
+    /// Reason for which the launcher killed it, or its end during the run.
     pub cause: Option<Exit>,
     /// It has reported, before the run's end.
     pub has_told: bool,
     /// Its end was noted, and what it left was taken.
     pub is_settled: bool,
     silence: Silence,
-    /// How a standby shows that it lives: it sends nothing.
+    /// Signs of life of a standby: it sends nothing.
     progress: Option<Progress>,
-    /// What it had used when it began to stand by, and that run time, ns.
+    /// Its use when it began to stand by, and that run time, ns.
     stands_by_since: Option<(Used, i64)>,
 }
 
-/// What a service's standby costs, beside the active process.
+/// Cost of a service's standby beside the active process.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct StandbyCost {
     /// Part of one processor that it used while it stood by, all its threads, %.
@@ -37,7 +37,7 @@ pub struct StandbyCost {
     pub private_kib: u64,
 }
 
-/// What a process used so far.
+/// Use of a process so far.
 #[derive(Clone, Copy, Debug)]
 struct Used {
     processor_ns: u64,
@@ -78,7 +78,7 @@ impl Attached {
         self.process.kill();
     }
 
-    /// How it ended; if it lives on after `grace` it is killed and has ended as `overdue`.
+    /// Its end; if it lives on after `grace` it is killed and has ended as `overdue`.
     pub fn exit(&mut self, grace: Duration, overdue: Exit) -> Exit {
         let (status, killed) = self.process.end(grace);
         match (self.cause, Exit::of(status)) {
@@ -88,8 +88,7 @@ impl Attached {
         }
     }
 
-    /// How it ended, which closed its output before the run's end; it is killed if it lives on after
-    /// `grace`.
+    /// The end of a process that closed its output before the run's end. It is killed if it lives on after `grace`.
     pub fn exit_in_run(&mut self, grace: Duration) -> Exit {
         let exit = match self.exit(grace, Exit::OutputClosed) {
             Exit::Ok => Exit::Early,
@@ -104,7 +103,7 @@ impl Attached {
         self.silence.heard_ns()
     }
 
-    /// Notes a sign of life at `now_ns` with so many cycles done; none without progress.
+    /// Notes a sign of life at `now_ns` with `cycles` done; it counts only with progress.
     pub fn sign_of_life(&mut self, cycles: u64, now_ns: i64) {
         self.silence.broken(cycles, now_ns);
     }
@@ -122,8 +121,8 @@ impl Attached {
         self.silence.reset(now_ns);
     }
 
-    /// True if it hangs: no sign of life for more than `limit_ns`, although the machine gave it the
-    /// processor. Where it did not, the time is added to `starved_ms`.
+    /// True if it hangs: no sign of life for more than `limit_ns`, although the machine gave it the processor. If it
+    /// did not, the time is added to `starved_ms`.
     pub fn is_hung(&mut self, now_ns: i64, limit_ns: i64, starved_ms: &mut f64) -> bool {
         let pid = self.process.pid();
         match self.silence.meaning(now_ns, limit_ns, || Share::of(pid)) {
@@ -136,7 +135,7 @@ impl Attached {
         }
     }
 
-    /// What it costs as a standby; `None` of another process, or where the kernel does not tell.
+    /// Its cost as a standby; `None` for another process, or if the kernel does not show it.
     pub fn standby_cost(&self, now_ns: i64) -> Option<StandbyCost> {
         let (before, since_ns) = self.stands_by_since?;
         let now = Used::of(self.process.pid())?;
@@ -160,7 +159,7 @@ impl Used {
     }
 }
 
-/// Memory that no other process shares, KiB; 0 where the kernel does not tell.
+/// Memory of its own, KiB; 0 if the kernel does not show it.
 fn private_kib(pid: i32) -> u64 {
     let text = std::fs::read_to_string(format!("/proc/{pid}/smaps_rollup")).unwrap_or_default();
     let private = text.lines().filter(|line| line.starts_with("Private_"));

@@ -1,4 +1,4 @@
-//! A process of the group that is no service: the recorder, the replayer.
+//! A process of the group beside the services: the recorder, the replayer.
 
 use super::processes::{SpawnError, end_within, this_program};
 use super::root::RunRoot;
@@ -58,7 +58,7 @@ impl Attendant {
         Ok(Self { child, input, lines })
     }
 
-    /// Tells it something. One that is gone does not hear it.
+    /// Tells it something. The process may be gone.
     pub fn send(&mut self, message: &impl Serialize) {
         let line = serde_json::to_string(message).expect("link messages are plain data");
         if let Some(input) = &mut self.input
@@ -68,13 +68,13 @@ impl Attendant {
         }
     }
 
-    /// What it says next, if it does so in time.
+    /// Its next message, if it comes in time.
     pub fn receive<T: DeserializeOwned>(&mut self, within: Duration) -> Option<T> {
         let deadline = Instant::now() + within;
         loop {
             let left = deadline.saturating_duration_since(Instant::now());
             let line = self.lines.recv_timeout(left).ok()?;
-            // A line that is no message is a panic's or a library's, and of no use here.
+            // Other lines come from a panic or a library and are of no use here.
             if let Ok(message) = serde_json::from_str(&line) {
                 return Some(message);
             }
@@ -94,7 +94,7 @@ impl Attendant {
 
     /// Waits until the process is gone; kills it after `grace`.
     pub fn end(&mut self, grace: Duration) -> Option<ExitStatus> {
-        // The end of its input tells it to go.
+        // The end of its input ends it.
         self.input = None;
         end_within(&mut self.child, grace)
     }

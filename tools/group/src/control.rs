@@ -15,7 +15,7 @@ use std::time::Duration;
 const SOCKET: &str = "control";
 /// Longest request, bytes.
 const LONGEST: u64 = 64 * 1024;
-/// A client that says nothing for so long is not listened to any more.
+/// Silence after which a client is dropped.
 const PATIENCE: Duration = Duration::from_secs(1);
 
 /// The socket for faults cannot be opened.
@@ -43,7 +43,7 @@ pub fn listen(root: &Path, events: Sender<Event>) -> Result<(), ListenError> {
     Ok(())
 }
 
-/// Hands one client's request to the supervisor; `None` when there is none any more.
+/// Hands one client's request to the supervisor; `None` once the supervisor is gone.
 fn ask(mut client: UnixStream, events: &Sender<Event>) -> Option<std::io::Result<()>> {
     if let Err(e) = client.set_read_timeout(Some(PATIENCE)) {
         return Some(Err(e));
@@ -68,9 +68,9 @@ fn ask(mut client: UnixStream, events: &Sender<Event>) -> Option<std::io::Result
     Some(writeln!(client, "{text}"))
 }
 
-/// Makes the thread of [`listen`] notice that its events are no longer received.
+/// Wakes the thread of [`listen`], so that it notices the end of its receiver.
 pub fn close(root: &Path) {
-    // It is gone already, or hears us.
+    // The thread is gone already, or wakes.
     let _ = UnixStream::connect(root.join(SOCKET));
 }
 

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
-/// What the exit status says of a failure.
+/// Meaning of the exit status of a failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Status {
     /// The command has another result than it should have.
@@ -81,11 +81,11 @@ pub enum Error {
     /// A file or directory of the user's cannot be used.
     #[error("cannot {action} {}: {reason}", path.display())]
     Path {
-        /// What was tried.
+        /// The attempt.
         action: &'static str,
         /// On what.
         path: PathBuf,
-        /// What the system said.
+        /// Cause by the system.
         reason: std::io::Error,
     },
     /// A service did not come up.
@@ -93,7 +93,7 @@ pub enum Error {
     NotReady {
         /// The service.
         service: messages::Service,
-        /// What it did instead.
+        /// Its actual behaviour.
         what: String,
         /// It is a program of the user's, not one of this program's own services.
         foreign: bool,
@@ -106,7 +106,7 @@ pub enum Error {
     Interrupted,
 }
 
-/// True if there is no room, or the device failed: the machine's fault, not that of the place's name.
+/// True if the room is used up, or the device failed: the machine's fault, not that of the place's name.
 fn is_the_machines(reason: &std::io::Error) -> bool {
     /// A disk that fails, and a terminal that was closed (`EIO`).
     const DEVICE: i32 = rustix::io::Errno::IO.raw_os_error();

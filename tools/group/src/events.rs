@@ -1,8 +1,8 @@
-//! What happens to a running group, as one stream.
+//! Events of a running group as one stream.
 //!
-//! A service's output is bounded: a line by [`LONGEST_LINE`], text that is no message by [`CHATTER`]
-//! in all, of which [`KEPT_LINES`] lines are handed on. A service that says more than that is broken
-//! ([`Event::Flooded`]), whatever it says.
+//! A service's output is bounded: a line by [`LONGEST_LINE`], other text by [`CHATTER`] in all, of which
+//! [`KEPT_LINES`] lines are handed on. A service that says more than that is broken ([`Event::Flooded`]), whatever it
+//! says.
 
 use crate::SignalsError;
 use messages::Service;
@@ -26,12 +26,12 @@ const KEPT_LINES: usize = 50;
 /// Characters of such a line that are handed on.
 const KEPT_CHARACTERS: usize = 400;
 
-/// What the launcher answers.
+/// Answer of the launcher.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Answer {
-    /// Whether the fault was accepted.
+    /// True if the fault was accepted.
     pub ok: bool,
-    /// What it is, or why not.
+    /// The fault, or the reason of the refusal.
     pub message: String,
 }
 
@@ -49,7 +49,7 @@ pub struct Who {
 pub enum Event {
     /// A message of a process.
     Message(Who, FromService),
-    /// A process wrote a line that is no message: a warning, a panic.
+    /// A process wrote a line other than a message: a warning, a panic.
     Output(Who, String),
     /// A process writes more than a service does.
     Flooded(Who),
@@ -134,7 +134,7 @@ fn kept(line: &[u8]) -> String {
 #[must_use]
 pub fn end_signals() -> Vec<i32> {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    // Shells start background jobs with SIGINT ignored; it is heard all the same.
+    // Shells start background jobs with SIGINT ignored; it counts all the same.
     let mut signals = vec![SIGINT, SIGTERM];
     if !is_ignored(&status, SIGHUP) {
         signals.push(SIGHUP);
@@ -145,8 +145,8 @@ pub fn end_signals() -> Vec<i32> {
 /// A signal that came after [`hold_signals`].
 static HELD: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
-/// From now on a signal that asks for an end is kept for the group that is about to start, and does not
-/// end this process where it stands: files that it has made would stay.
+/// From now on a signal that asks for an end waits for the group that is about to start. It does not end this process
+/// at once: files that it has made would stay.
 ///
 /// # Errors
 /// If the signals cannot be handled.

@@ -1,4 +1,4 @@
-//! How a process of the group can end, and what becomes of it. This table is the whole of it:
+//! Ends of a process of the group, with their consequences. This table is the whole of it:
 //!
 //! | what happens | seen by | `services[].exit` | in realtime | in lockstep |
 //! | --- | --- | --- | --- | --- |
@@ -16,17 +16,17 @@
 //! | it was replaced and does not get ready | 2 s | `not ready in time` | killed, replaced | |
 //! | it does not report at the run's end | 3 s | `did not report` | aborted | the same |
 //!
-//! Where a standby stands by, "replaced" is by the standby, at once, and the next standby is started.
-//! "Replaced" is within `[supervision]`'s budget. Beyond it the plant is ordered to stop in lane: the
-//! outcome is `safe_stop` once the vehicle stands, `aborted` if the run ends before that, never
-//! `completed`. When the plant itself is beyond its budget, or its policy is `never`, the run ends at
-//! once as `aborted`, with the figures of the last cycle that the plant kept.
+//! With a standby "replaced" means: by the standby, at once, and the next standby is started. "Replaced" is within
+//! `[supervision]`'s budget. Beyond it the plant is ordered to stop in lane: the outcome is `safe_stop` once the
+//! vehicle stands, `aborted` if the run ends before that, never `completed`. The run ends at once as `aborted` when
+//! the plant itself is beyond its budget or its policy is `never`. The figures are those of the last cycle that the
+//! plant kept.
 
 use std::fmt;
 use std::os::unix::process::ExitStatusExt;
 use std::process::ExitStatus;
 
-/// How one process of the group ended.
+/// End of one process of the group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
     /// With status 0 after its report, or after an order to end.
@@ -52,7 +52,7 @@ pub enum Exit {
 }
 
 impl Exit {
-    /// What an exit status says by itself, of a process that was to end.
+    /// Meaning of an exit status by itself, for a process that was to end.
     #[must_use]
     pub fn of(status: ExitStatus) -> Self {
         match (status.code(), status.signal()) {

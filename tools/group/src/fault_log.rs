@@ -15,7 +15,7 @@ pub struct FaultRecord {
     pub service: Option<Service>,
     /// The topic whose messages it acts on.
     pub topic: Option<&'static str>,
-    /// The process that it acts on, which is no service.
+    /// The process that it acts on, other than a service.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub helper: Option<Helper>,
     /// The process that it killed had not taken part in the run yet.
@@ -62,18 +62,18 @@ impl Recovery {
     }
 }
 
-/// What went wrong so far.
+/// Errors so far.
 #[derive(Debug, Default)]
 pub struct FaultLog {
     /// In order of their beginning, as far as it is known.
     pub records: Vec<FaultRecord>,
-    /// The newest process of each service that was heard, and the run time of its first message, ns.
+    /// The newest process of each service that has sent, and the run time of its first message, ns.
     heard: Vec<(Service, u32, i64)>,
 }
 
 impl FaultLog {
-    /// Notes that a fault began at `t_s`, NaN if that is not known yet; `while_starting` says that it killed a
-    /// process that was not in the run yet.
+    /// Notes the begin of a fault at `t_s`, NaN if unknown yet. With `while_starting` it killed a process that was
+    /// not in the run yet.
     pub fn begin(&mut self, fault: &Fault, number: u32, t_s: f64, while_starting: bool) {
         self.records.push(FaultRecord { t_s, while_starting, ..record(fault, number) });
     }
@@ -85,9 +85,9 @@ impl FaultLog {
             .any(|record| record.awaits.is_some() && record.recovered_after_us.is_none())
     }
 
-    /// Notes that the launcher found `service` gone or hung at `now_ns`; its restart `awaits` will
-    /// show its recovery. A fault that was not asked for gets a record of its own, of that kind, with
-    /// the run time `since_ns` at which it began, where that is known.
+    /// Notes that the launcher found `service` gone or hung at `now_ns`; its restart `awaits` will show its recovery.
+    /// An unplanned fault gets a record of its own. It has that kind, and the run time `since_ns` of its begin if
+    /// that is known.
     pub fn detected(
         &mut self,
         service: Service,
@@ -129,7 +129,7 @@ impl FaultLog {
         self.recovered_before(service, awaits);
     }
 
-    /// The first message of a standby may be heard before the news of the end that it follows.
+    /// The first message of a standby may arrive before the news of the end that it follows.
     fn recovered_before(&mut self, service: Service, awaits: u32) {
         let heard = self.heard.iter().find(|(of, process, _)| *of == service && *process >= awaits);
         if let Some(&(_, incarnation, ns)) = heard {
@@ -156,7 +156,7 @@ impl FaultLog {
                 record.recovered_after_us = record.recovered_after_us.map(|us| us + earlier_us);
             }
             if record.kind == "died" {
-                // Its end may have been heard of first.
+                // The news of its end may have come first.
                 record.kind = kind.into();
             }
             record.recovered_by = Some(Recovery::TakeOver);
@@ -193,7 +193,7 @@ impl FaultLog {
                 record.undetected += count.undetected;
             }
         }
-        // What never began is no event of the run.
+        // A fault that never began does not belong to the run.
         self.records.retain(|record| record.t_s.is_finite());
         self.records.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));
     }

@@ -19,7 +19,7 @@ struct Planned {
     left: u16,
     /// The process that was killed last, as a restart of its service.
     killed: Option<u32>,
-    /// What runs while it lasts, and until when.
+    /// Disturbance that runs while it lasts, and its end.
     running: Option<(i64, Option<Disturbance>)>,
     done: bool,
 }
@@ -29,16 +29,16 @@ struct Planned {
 pub struct Living {
     /// Which process of the service it is.
     pub incarnation: u32,
-    /// Since when it starts, run time in ns; none: it takes part in the run.
+    /// Begin of its start, run time in ns; `None`: it takes part in the run.
     pub starting_since_ns: Option<i64>,
 }
 
-/// What the supervisor is to do to a process.
+/// Act of the supervisor on a process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Act {
     /// SIGKILL.
     Kill(Service),
-    /// SIGKILL to a process that is no service.
+    /// SIGKILL to a process other than a service.
     KillHelper(Helper),
     /// SIGSTOP.
     Stop(Service),
@@ -46,7 +46,7 @@ pub enum Act {
     Continue(Service),
     /// Keep a core, or all, busy.
     Hog(Option<u16>),
-    /// Take so much memory, MiB.
+    /// Take this amount of memory, MiB.
     Memory(u32),
 }
 
@@ -78,7 +78,7 @@ pub struct Faults {
     next_number: u32,
     /// Message faults that came during the run, for processes that join later.
     pub injected: Vec<Injected>,
-    /// What went wrong so far.
+    /// Errors so far.
     pub log: FaultLog,
 }
 
@@ -131,8 +131,8 @@ impl Faults {
         number
     }
 
-    /// What is due at `now_ns`, with the ego driving so. `living` tells of a service's active process; a
-    /// storm waits for the next one.
+    /// Acts that are due at `now_ns` with this drive of the ego. `living` gives a service's active process; a storm
+    /// waits for the next one.
     pub fn due(
         &mut self,
         now_ns: i64,
@@ -183,8 +183,8 @@ impl Faults {
         acts
     }
 
-    /// Run time after `now_ns` at which something is due next, ns, as far as it is known. What is overdue waits
-    /// for its service, which may never come: it is looked at as often as the run is.
+    /// Run time after `now_ns` at which something is due next, ns, as far as it is known. An overdue act waits for
+    /// its service, which may never come: it is looked at as often as the run is.
     pub fn next_ns(&self, now_ns: i64) -> Option<i64> {
         let next = |planned: &Planned| {
             let begin_ns = planned.begin_ns.filter(|_| !planned.done);
@@ -194,8 +194,8 @@ impl Faults {
         self.planned.iter().filter_map(next).min()
     }
 
-    /// Notes that the act on fault `index` was done at `now_ns`; `disturbance` is what runs for it, and
-    /// `while_starting` says that it killed a process that was not in the run yet.
+    /// Notes the act on fault `index` at `now_ns`; `disturbance` runs for it. With `while_starting` it killed a
+    /// process that was not in the run yet.
     pub fn done(
         &mut self,
         index: usize,

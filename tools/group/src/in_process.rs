@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// What `service` does in its process, or in its turns.
+/// Work of `service` in its process, or in its turns.
 #[must_use]
 pub fn entry(service: Service) -> Entry {
     macro_rules! run_of {
@@ -151,7 +151,7 @@ pub fn run_behind(
     })
 }
 
-/// What the services said of the run so far.
+/// Messages of the services about the run so far.
 #[derive(Default)]
 struct Course {
     reports: BTreeMap<Service, ServiceReport>,
@@ -176,7 +176,7 @@ impl Course {
         }
     }
 
-    /// How the service's process would have ended.
+    /// End that the service's process would have had.
     fn exit_of(&self, service: Service) -> Exit {
         match &self.failed {
             Some((failed, _)) if *failed == service => Exit::Status(1),

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 /// Time that services get to end by themselves once the launcher is gone.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// What the launcher writes when it has cleaned up by itself.
+/// Word of a launcher that has cleaned up by itself.
 pub const DONE: &str = "done";
 
 /// Runs the janitor of the run at `root`: reads lines from the launcher, the number of the services'

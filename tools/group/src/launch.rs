@@ -1,4 +1,4 @@
-//! What a group is launched with, and what comes out of it.
+//! Input of a group's launch, and its result.
 
 use super::attached::StandbyCost;
 use super::drive::Drive;
@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// What to launch, and how.
+/// Input of a launch.
 #[derive(Debug)]
 pub struct Launch {
     /// Clock.
@@ -30,16 +30,16 @@ pub struct Launch {
     pub ready_timeout: Duration,
     /// Time between readiness and the common start instant.
     pub start_delay: Duration,
-    /// File that tells others how to join the group, there while it drives.
+    /// File that describes to others how to join the group; present while it drives.
     pub live_file: Option<PathBuf>,
-    /// Where to record the run.
+    /// File of the run's recording.
     pub recording: Option<PathBuf>,
 }
 
 /// Why a group ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Ended {
-    /// All services reached the end that they were told.
+    /// All services reached the announced end.
     Orderly,
     /// Ctrl-C, SIGTERM or SIGHUP.
     Interrupted,
@@ -47,48 +47,48 @@ pub enum Ended {
     Broken {
         /// The service.
         service: Service,
-        /// How.
+        /// The end.
         how: String,
     },
     /// A service ended too often: the vehicle was ordered to stop in lane.
     GivenUp {
         /// The service.
         service: Service,
-        /// How often it had been started again.
+        /// Number of its restarts.
         restarts: u32,
     },
 }
 
-/// What came out of a group.
+/// Result of a group.
 #[derive(Debug)]
 pub struct GroupOutcome {
-    /// What carried the messages.
+    /// Carrier of the messages.
     pub carrier: Carrier,
     /// Root of the run, which is gone.
     pub root: PathBuf,
     /// Why it ended.
     pub ended: Ended,
-    /// What the services reported.
+    /// Reports of the services.
     pub reports: BTreeMap<Service, ServiceReport>,
-    /// How the last process of each service ended.
+    /// End of the last process of each service.
     pub exits: BTreeMap<Service, Exit>,
-    /// How often another process took each service's place.
+    /// Number of replacements of each service.
     pub restarts: BTreeMap<Service, u32>,
     /// In how many of these the service's standby took over, of services that have one.
     pub take_overs: BTreeMap<Service, u32>,
-    /// What each standby costs that was there at the end.
+    /// Cost of each standby that was present at the end.
     pub standby_costs: BTreeMap<Service, StandbyCost>,
     /// Each service's signs of life, in realtime.
     pub heartbeats: BTreeMap<Service, Heartbeats>,
-    /// What went wrong.
+    /// The error.
     pub faults: Vec<FaultRecord>,
-    /// What the launcher heard of the drive.
+    /// The drive as the launcher received it.
     pub drive: Drive,
     /// From the first spawn until all services were ready.
     pub ready_after: Duration,
     /// From the start instant until all services had reported.
     pub ran_for: Duration,
-    /// What became of the recording.
+    /// Fate of the recording.
     pub recording: Option<RecordingSummary>,
     /// Lines that services wrote beside their messages: warnings, panics.
     pub wrote: Vec<(Service, String)>,
@@ -97,8 +97,7 @@ pub struct GroupOutcome {
 }
 
 impl GroupOutcome {
-    /// What the numbers in the diagnostics stand for; none where a program in the controller's place sends
-    /// numbers of its own.
+    /// Meaning of the numbers in the diagnostics; empty if a program in the controller's place sends its own.
     #[must_use]
     pub fn formulation(&self, scenario: &Scenario) -> Option<&'static Formulation> {
         let hosted = laws::program(scenario).is_ok_and(|program| program.is_some());
@@ -112,15 +111,14 @@ impl GroupOutcome {
 pub struct Moment<'a> {
     /// Run time reached, ns.
     pub time_ns: i64,
-    /// What was heard so far.
+    /// The drive so far.
     pub drive: &'a DriveLog,
-    /// What went wrong so far.
+    /// Errors so far.
     pub faults: &'a [FaultRecord],
 }
 
-/// The scenario as the services read it: with the gap that the law aims at, so that the referee can
-/// measure against it without knowing any law. What a program in the controller's place aims at is known only
-/// if the scenario says it.
+/// The scenario as the services read it: with the gap that the law aims at, so that the referee can measure against
+/// it without knowing any law. The aim of a program in the controller's place is known only from the scenario.
 pub(super) fn for_services(scenario: &Scenario, is_replaced: bool) -> Scenario {
     let mut scenario = scenario.clone();
     if !is_replaced {

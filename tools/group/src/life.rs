@@ -1,8 +1,7 @@
 //! A service's whole life: what all its processes counted, as one report.
 //!
-//! A process that dies leaves its account in shared memory ([`runtime::take_account`]), its histograms
-//! ([`runtime::Figures`], which go on over all processes of a service) and its messages on the topics, where
-//! the launcher heard them.
+//! A process that dies leaves its account in shared memory ([`runtime::take_account`]). Its histograms go on over all
+//! processes of a service ([`runtime::Figures`]). The launcher has received its messages on the topics.
 
 use super::cycles::CycleHistory;
 use super::drive_log::DriveLog;
@@ -18,8 +17,7 @@ use runtime::{Figures, Group, RELEASE_JITTER, take_account};
 use scenario::Scenario;
 use std::collections::BTreeMap;
 
-/// What process `incarnation` of `service` left, which is gone without a report: no counts, if it kept no
-/// account.
+/// Remains of process `incarnation` of `service`, which is gone without a report: no counts, if it kept no account.
 pub fn left_by(
     group: &Group,
     service: Service,
@@ -45,7 +43,7 @@ pub fn left_by(
 /// One report of all processes of a service, in order; `None` without any.
 pub fn whole(reports: Vec<ServiceReport>) -> Option<ServiceReport> {
     let mut reports = reports.into_iter().rev();
-    // What cannot be added is that of the last one, which has the earlier ones in it.
+    // A figure that cannot be added is the last one's, which includes the earlier ones.
     let mut whole = reports.next()?;
     for earlier in reports {
         whole.cycles += earlier.cycles;
@@ -85,8 +83,8 @@ pub fn release_jitter_us(group: &Group, service: Service) -> Option<Percentiles>
     Figures::last(group, service).latencies(RELEASE_JITTER).ok()?.percentiles_us()
 }
 
-/// What the controller's processes did in all, as the launcher heard it on `control/diagnostics` and
-/// `control/command`; `last` is the report of the last one, if it came to one.
+/// Work of all the controller's processes, as the launcher received it on `control/diagnostics` and
+/// `control/command`. `last` is the report of the last one, if it made one.
 pub fn of_controller(
     group: &Group,
     scenario: &Scenario,
@@ -134,7 +132,7 @@ fn mode_changes(scenario: &Scenario, history: &CycleHistory) -> Vec<ModeChange> 
         .collect()
 }
 
-/// Adds what only the processes themselves could have told, of those that could not.
+/// Adds figures of processes that could not report them.
 pub fn complete(whole: &mut ServiceReport, group: &Group, scenario: &Scenario, log: &DriveLog) {
     whole.release_jitter_us = release_jitter_us(group, whole.service).or(whole.release_jitter_us);
     match (whole.service, &whole.details) {
@@ -144,7 +142,7 @@ pub fn complete(whole: &mut ServiceReport, group: &Group, scenario: &Scenario, l
                 _ => None,
             };
             let report = of_controller(group, scenario, log, last);
-            // A program of the user's keeps no account; its cycles were heard.
+            // A program of the user's keeps no account; its cycles were counted by its messages.
             whole.cycles = whole.cycles.max(log.history().count);
             whole.details = Details::Controller(Box::new(report));
         }

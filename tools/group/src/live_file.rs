@@ -1,4 +1,4 @@
-//! `live.json`: what another program needs to join a run that goes on, and to understand what it hears.
+//! `live.json`: the needs of another program that joins a run and reads its messages.
 
 use controller::laws;
 use messages::level::Level;
@@ -14,7 +14,7 @@ use std::time::SystemTime;
 #[derive(Debug)]
 pub struct LiveFile<'a>(&'a Path);
 
-/// What it says.
+/// Its content.
 #[derive(Serialize)]
 struct Live<'a> {
     /// Root, prefix, clock and periods of the group.
@@ -30,7 +30,7 @@ struct Live<'a> {
     topics: Map<String, Value>,
     /// Fields of each type: type, offset and meaning.
     types: Map<String, Value>,
-    /// What the numbers in the messages stand for.
+    /// Meaning of the numbers in the messages.
     names: Value,
 }
 

@@ -28,11 +28,11 @@ pub struct Member {
     processes: Vec<Attached>,
     /// A process started ahead, which waits to be let in as the next one.
     prepared: Option<Attached>,
-    /// One of these was lost: there is no other.
+    /// One of these was lost: it is alone.
     prepared_failed: bool,
-    /// What it reported at the run's end.
+    /// Its report at the run's end.
     pub report: Option<ServiceReport>,
-    /// What its processes before the present one counted.
+    /// Counts of its earlier processes.
     pub past: Vec<ServiceReport>,
     /// Its signs of life over all its processes.
     pub heartbeats: Heartbeats,
@@ -41,7 +41,7 @@ pub struct Member {
 /// Signs of life of a service.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Heartbeats {
-    /// How many.
+    /// Their number.
     pub count: u64,
     /// In how many the service said of itself that some input was missing or stale.
     pub degraded: u64,
@@ -137,7 +137,7 @@ impl Member {
         lost.map(|mut one| one.process.end(Duration::ZERO)).is_some()
     }
 
-    /// What follows from an event at `now_ns`.
+    /// Consequences of an event at `now_ns`.
     pub fn on(&mut self, event: Event, now_ns: i64) -> Vec<Step> {
         let mut steps = Vec::new();
         self.succession.on(event, now_ns, &mut steps);
@@ -149,7 +149,7 @@ impl Member {
         &self.succession
     }
 
-    /// Where its active process is.
+    /// Its active process.
     pub fn phase(&self) -> Phase {
         self.succession.phase
     }
@@ -184,8 +184,8 @@ impl Member {
         }
     }
 
-    /// Tells the active process something, and the standby what concerns it; at an order to end the standby
-    /// goes first, so that it does not take over from a process that leaves.
+    /// Sends an order to the active process, and to the standby if it concerns it. An order to end goes to the
+    /// standby first, so that it does not take over from a process that leaves.
     pub fn order(&mut self, order: &ToService) {
         if matches!(order, ToService::Abort) {
             self.dismiss_others();
@@ -269,7 +269,7 @@ impl Member {
         (!starved).then_some(incarnation)
     }
 
-    /// What its standby costs at `now_ns`; `None` without one that stands by.
+    /// Cost of its standby at `now_ns`; `None` without one.
     pub fn standby_cost(&self, now_ns: i64) -> Option<StandbyCost> {
         let Standby::Ready { incarnation } = self.succession.standby() else { return None };
         let standby = self.processes.iter().find(|one| one.incarnation == incarnation)?;

@@ -6,7 +6,7 @@ use messages::{Service, UnknownService};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// What a scenario can be changed by.
+/// Changes of a scenario.
 #[derive(Clone, Debug, Default, Args)]
 pub struct ScenarioOptions {
     /// Control law (see `timegap list`)
@@ -32,7 +32,7 @@ pub struct ScenarioOptions {
     pub is_for_one_law: bool,
 }
 
-/// How a group is brought up.
+/// Settings of a group's start.
 #[derive(Clone, Debug, Args)]
 pub struct GroupOptions {
     /// Replace a service with PROGRAM (repeatable)
@@ -93,7 +93,7 @@ pub enum ServiceProgramError {
     /// It has no `=`.
     #[error("expected NAME=PROGRAM")]
     NoProgram,
-    /// There is no such service.
+    /// The service is unknown.
     #[error(transparent)]
     Service(#[from] UnknownService),
 }

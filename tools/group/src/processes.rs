@@ -29,10 +29,10 @@ pub enum SpawnError {
     /// A service.
     #[error("cannot start {0}: {1}")]
     Service(Service, #[source] io::Error),
-    /// A process that is no service.
+    /// A process other than a service.
     #[error("cannot start the {0}: {1}")]
     Attendant(&'static str, #[source] io::Error),
-    /// The thread that hears a process.
+    /// The thread that reads a process's output.
     #[error("cannot start a thread: {0}")]
     Thread(#[source] io::Error),
 }
@@ -50,14 +50,13 @@ pub struct Process {
     group: i32,
     orders: Option<ChildStdin>,
     status: Option<ExitStatus>,
-    /// The thread that hears of its end.
+    /// The thread that waits for its end.
     follower: Arc<AtomicI32>,
 }
 
 impl Process {
-    /// Starts `service`, as this program again or as `program`, in the process group `group`, or
-    /// in a new one for 0. Its name says that it is none of the run's services yet where it `waits` to be
-    /// let in.
+    /// Starts `service`, as this program again or as `program`, in the process group `group`, or in a new one for 0.
+    /// Its name differs from a service's while it `waits` to be let in.
     pub fn spawn(
         (service, incarnation): (Service, u32),
         program: Option<&PathBuf>,
@@ -106,8 +105,7 @@ impl Process {
         Ok(())
     }
 
-    /// Gives the thread that hears of its end this priority: on a busy machine an ordinary one hears of it
-    /// late.
+    /// Gives the thread that waits for its end this priority: on a busy machine an ordinary one notices it late.
     pub fn raise_follower(&self, priority: u8) {
         let thread = self.follower.load(Ordering::Acquire);
         if thread > 0 {
@@ -156,7 +154,7 @@ impl Process {
         }
     }
 
-    /// Tells the service something. One that is gone does not hear it.
+    /// Tells the service something. The process may be gone.
     pub fn order(&mut self, order: &ToService) {
         if let Some(orders) = &mut self.orders {
             let line = serde_json::to_string(order).expect("orders are plain data");
@@ -169,7 +167,7 @@ impl Process {
     /// Waits until the process is gone; kills it after `grace`. Its status, and whether it was killed
     /// here.
     pub fn end(&mut self, grace: Duration) -> (ExitStatus, bool) {
-        // The end of the orders tells the service to go.
+        // The end of the orders ends the service.
         self.orders = None;
         let begun = Instant::now();
         let mut killed = false;
@@ -201,7 +199,7 @@ fn pid(child: &Child) -> i32 {
 /// Time that a janitor with nothing left to do gets to end; a stopped one never would.
 const DISMISSAL: Duration = Duration::from_secs(1);
 
-/// Waits for the end of a process that was told to end, and kills it after `grace`.
+/// Waits for the end of a process that was ordered to end, and kills it after `grace`.
 pub fn end_within(child: &mut Child, grace: Duration) -> Option<ExitStatus> {
     let begun = Instant::now();
     while begun.elapsed() < grace {

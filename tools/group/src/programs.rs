@@ -8,7 +8,7 @@ use scenario::{Problem, Scenario};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A program of the user's is none.
+/// It does not cover a program of the user's.
 #[derive(Debug, thiserror::Error)]
 pub enum NoProgram {
     /// In the place of a service.
@@ -18,11 +18,11 @@ pub enum NoProgram {
         service: Service,
         /// The program.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Its fault.
         #[source]
         reason: ProgramError,
     },
-    /// Of the scenario's law.
+    /// Program of the scenario's law.
     #[error(transparent)]
     OfLaw(#[from] Problem),
 }
@@ -32,7 +32,7 @@ impl Failure for NoProgram {}
 /// Who really runs in the place of which service, or computes for it.
 ///
 /// # Errors
-/// [`NoProgram`] where one of them is none.
+/// [`NoProgram`] if one of them is not a program.
 pub fn programs(
     services: &BTreeMap<Service, PathBuf>,
     scenario: &Scenario,

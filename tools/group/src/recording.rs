@@ -17,7 +17,7 @@ use std::time::Duration;
 /// Time that the recorder gets to be ready, and to write what it still holds at the end.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// What became of a recording.
+/// Fate of a recording.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct RecordingSummary {
     /// The file.
@@ -33,12 +33,12 @@ pub struct RecordingSummary {
     pub failed: Option<String>,
 }
 
-/// A path in JSON, which holds text alone: what is none of a name of bytes is replaced.
+/// A path in JSON, which holds text alone: bytes that are not text are replaced.
 fn as_text<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(&path.to_string_lossy())
 }
 
-/// What the numbers of the scenario's law mean.
+/// Meaning of the numbers of the scenario's law.
 #[must_use]
 pub fn law_names(scenario: &Scenario) -> LawNames {
     let Some(formulation) = controller::laws::formulation(scenario) else {

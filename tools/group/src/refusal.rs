@@ -1,4 +1,4 @@
-//! What a group of processes cannot run, said before anything is started.
+//! Scenarios that a group of processes cannot run, refused before anything is started.
 
 use crate::Failure;
 use messages::{Service, Topic};
@@ -48,7 +48,7 @@ pub enum Refusal {
          place of a service with a standby"
     )]
     StandbyOfProgram(Service),
-    /// There is no recorder where nothing is recorded.
+    /// A run without a recording has no recorder.
     #[error("faults.{index}: there is no recorder to kill, expected a run that is recorded")]
     NoRecorder {
         /// Which of the scenario's faults.
@@ -59,7 +59,7 @@ pub enum Refusal {
     NothingToFault {
         /// Which of the scenario's faults.
         index: usize,
-        /// What there is not.
+        /// The missing part.
         absent: Absent,
     },
     /// Frames of other hosts come when they come.
@@ -75,7 +75,7 @@ pub enum Refusal {
 
 impl Failure for Refusal {}
 
-/// What a fault acts on, and the run does not have.
+/// Target of a fault that the run does not have.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Absent {
     /// A service.
@@ -98,7 +98,7 @@ fn list(cores: &[usize]) -> String {
     cores.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")
 }
 
-/// What `fault` acts on, where nothing of it takes part in the scenario.
+/// Target of `fault`, if it does not take part in the scenario.
 pub fn absent(fault: &Fault, scenario: &Scenario) -> Option<Absent> {
     let takes_part = |service: &Service| scenario.services().contains(service);
     if let Effect::Process(ProcessFault::Hog { core: Some(core), .. }) = &fault.effect {

@@ -28,7 +28,7 @@ const EXIT_GRACE: Duration = Duration::from_secs(2);
 /// Time between two looks at the topics, whose senders wait for room.
 const POLL: Duration = Duration::from_millis(1);
 
-/// What keeps the replayer from giving the recorded samples.
+/// Reason for which the replayer cannot give the recorded samples.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayerError {
     /// It did not begin in time.
@@ -48,7 +48,7 @@ impl Failure for ReplayerError {
     }
 }
 
-/// What the controller says in a replay.
+/// Messages of the controller in a replay.
 #[derive(Debug)]
 pub enum Replayed<'a> {
     /// A command.
@@ -57,8 +57,8 @@ pub enum Replayed<'a> {
     Diagnostics(&'a Diagnostics),
 }
 
-/// Gives the controller of `scenario`, or `program` in its place, the releases and inputs of `take` in
-/// `recording`. `heard` is told everything that it says.
+/// Gives the controller of `scenario`, or `program` in its place, the releases and inputs of `take` in `recording`.
+/// `heard` gets all its messages.
 ///
 /// # Errors
 /// If the group does not come up or the controller does not reach the end.
@@ -111,7 +111,7 @@ pub fn replay(
 /// The two processes.
 struct Cast {
     controller: Process,
-    /// What it does is up to a program of the user's.
+    /// A program of the user's decides what it does.
     foreign: bool,
     replayer: Attendant,
 }

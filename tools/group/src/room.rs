@@ -1,5 +1,5 @@
-//! What a run needs of the machine, asked for before anything is started: a refusal then is one line,
-//! and a process that runs into it later dies of it.
+//! Needs of a run, checked before anything is started: a refusal then is one line, and a process that runs into it
+//! later dies of it.
 
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use std::io;
@@ -7,7 +7,7 @@ use std::os::unix::fs::OpenOptionsExt;
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Where POSIX shared memory lives.
+/// Folder of POSIX shared memory.
 pub(super) const SHARED_MEMORY: &str = "/dev/shm";
 /// Files that a process of a group may need to have open. The launcher of `truck-follow` with a recorder has
 /// 78, its recorder 76, its controller 57.
@@ -19,7 +19,7 @@ const ADDRESS_SPACE: u64 = 1536 << 20;
 /// Why the machine has no room for a run.
 #[derive(Debug, thiserror::Error)]
 pub enum RoomError {
-    /// There is no file system for shared memory.
+    /// The file system for shared memory is missing.
     #[error("{SHARED_MEMORY} is needed for shared memory: {0}")]
     NoSharedMemory(io::Error),
     /// Shared memory cannot be written.
@@ -71,11 +71,11 @@ pub enum RoomError {
     },
 }
 
-/// Checks that shared memory can be written and has room for `needed` bytes (a page that cannot be had
-/// later would end the process that touches it), and that processes may open the files of a run.
+/// Checks that shared memory can be written and has room for `needed` bytes. Later a missing page would end the
+/// process that touches it. Checks also that processes may open the files of a run.
 ///
 /// # Errors
-/// What is missing, and how it is had.
+/// The missing resource, and the way to get it.
 pub fn check_room(needed: u64) -> Result<(), RoomError> {
     check_writable()?;
     let (_, free) = shared_memory_room()?;
@@ -124,7 +124,7 @@ fn check_open_files() -> Result<(), RoomError> {
     let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
     // An unlimited number is absent here.
     if current != maximum {
-        // What is refused stays as it was; whether that is enough is seen below.
+        // A refused limit stays as it was; the check below decides whether it is enough.
         let _ = setrlimit(Resource::Nofile, Rlimit { current: maximum, maximum });
     }
     let allowed = getrlimit(Resource::Nofile).current.unwrap_or(u64::MAX);

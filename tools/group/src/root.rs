@@ -20,7 +20,7 @@ const LOCK: &str = "lock";
 const LONGEST_BASE: usize = 24;
 /// Attempts to make a root while other runs remove the empty base.
 const ATTEMPTS: usize = 100;
-/// A root without a lock is left alone for so long: its owner may be about to lock it.
+/// Time for which a root without a lock is left alone: its owner may be about to lock it.
 const GRACE: Duration = Duration::from_secs(60);
 
 /// Why a run's directory cannot be made.
@@ -29,11 +29,11 @@ pub enum RootError {
     /// A directory or file cannot be made or looked at.
     #[error("cannot {action} {}: {reason}", path.display())]
     Path {
-        /// What was tried.
+        /// The attempt.
         action: &'static str,
         /// On what.
         path: PathBuf,
-        /// What the system said.
+        /// Cause by the system.
         reason: io::Error,
     },
     /// The directory of the user's runs is another user's, or open to others.
@@ -74,8 +74,8 @@ impl RunRoot {
     /// If the directory cannot be made.
     pub fn create() -> Result<Self, RootError> {
         sweep(&base()?);
-        // The number keeps apart runs that threads of one launcher start at the same instant, the
-        // time those of launchers with the same id in containers that share a directory.
+        // The number separates runs that threads of one launcher start at the same instant. The time separates
+        // launchers with the same id in containers that share a directory.
         static NUMBER: AtomicI64 = AtomicI64::new(0);
         let number = NUMBER.fetch_add(1, Ordering::Relaxed) & 0xfff;
         let time = runtime::monotonic_ns() & 0xfff;
@@ -181,7 +181,7 @@ pub fn base() -> Result<PathBuf, RootError> {
     if own { Ok(base) } else { Err(RootError::NotOwn { path: base }) }
 }
 
-/// True if `path` is a directory of this user, short enough for the names of sockets below it and of
+/// True if `path` is a directory of this user. It must be short enough for the names of sockets below it, and of
 /// characters that iceoryx2 takes in a path.
 fn is_usable(path: &Path, uid: u32) -> bool {
     path.is_absolute()

@@ -85,7 +85,7 @@ fn from_here(radio: &str) -> String {
     here.map_or_else(|_| radio.to_owned(), String::from)
 }
 
-/// Whether a scenario's name is the path of an OpenSCENARIO file.
+/// True if a scenario's name is the path of an OpenSCENARIO file.
 #[must_use]
 pub fn is_openscenario(name: &str) -> bool {
     Path::new(name).extension().is_some_and(|extension| extension == "xosc")
@@ -98,7 +98,7 @@ fn assignment(argument: &str) -> Result<Assignment, ParameterError> {
     Ok(Assignment { name: name.trim_start_matches('$').to_owned(), value: value.to_owned() })
 }
 
-/// What a run shows while it drives, and keeps of it.
+/// Outputs of a run during and after the drive.
 #[derive(Debug, Default)]
 pub struct Keep {
     /// Tells others how to join, for as long as the run drives.

@@ -18,14 +18,14 @@ pub struct Silence {
     /// Run time from which it counts as silent, ns: later than `heard_ns` where the silence was the
     /// machine's or the launcher's.
     since_ns: i64,
-    /// What it had of the processor at a run time within the silence, ns.
+    /// Its processor time at a run time within the silence, ns.
     suspect: Option<(i64, Share)>,
 }
 
-/// What a process's silence means.
+/// Meaning of a process's silence.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meaning {
-    /// It is not silent for long enough to tell.
+    /// The silence is too short for a verdict.
     Lives,
     /// It had the processor, or wants none: it is to be replaced.
     Hung,
@@ -44,7 +44,7 @@ impl Silence {
         self.heard_ns
     }
 
-    /// Notes a sign of life at `now_ns` with so many cycles done; none without progress.
+    /// Notes a sign of life at `now_ns` with `cycles` done; it counts only with progress.
     pub fn broken(&mut self, cycles: u64, now_ns: i64) {
         if cycles > self.cycles {
             *self = Self { heard_ns: now_ns, cycles, since_ns: now_ns, suspect: None };
@@ -57,9 +57,9 @@ impl Silence {
         self.suspect = None;
     }
 
-    /// What it means at `now_ns` where `limit_ns` is allowed. `share` asks the kernel what the process had of
-    /// the processor so far; without an answer a silent process is taken for hung. A starved one is
-    /// silent from now on.
+    /// Meaning of the silence at `now_ns` with a limit of `limit_ns`. `share` asks the kernel what the process had of
+    /// the processor so far; without an answer a silent process is taken for hung. A starved one is silent from now
+    /// on.
     pub fn meaning(
         &mut self,
         now_ns: i64,
@@ -126,7 +126,7 @@ mod tests {
         Some(Share::parse(look.0, look.1).expect("the kernel's form"))
     }
 
-    /// What the silence of a process means that is looked at every 20 ms from its last sign of life on.
+    /// Meaning of the silence of a process, checked every 20 ms from its last sign of life on.
     fn meaning(looks: Looks) -> Meaning {
         let mut silence = Silence::from(0);
         for now_ns in (0..LIMIT_NS).step_by(20 * MS as usize) {

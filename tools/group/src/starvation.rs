@@ -1,9 +1,8 @@
 //! Tells a service that hangs from one that does not get the processor.
 //!
-//! Both give no sign of life. The kernel's own account of a process says which it is: one that hangs
-//! sleeps, is stopped, or has had the processor for longer than any cycle takes; one that is starved
-//! waits in the run queue and has had hardly any of it. It is not its fault, and the next process would
-//! not get the processor either.
+//! Both give no sign of life. The kernel's own account of a process says which it is: A process that hangs sleeps, is
+//! stopped, or has had the processor for longer than any cycle takes. A starved process waits in the run queue and
+//! has had hardly any of it. It is not its fault, and the next process would not get the processor either.
 
 use std::path::PathBuf;
 
@@ -11,7 +10,7 @@ use std::path::PathBuf;
 /// most: cycles take far less.
 const MOST_OF_IT: i64 = 4;
 
-/// What a process had of the processor so far, by its main thread, which runs the loop.
+/// Processor time of a process so far, by its main thread, which runs the loop.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Share {
     /// It runs or waits for the processor at this moment.
@@ -33,7 +32,7 @@ impl Share {
         Self::parse(&read("stat")?, &read("schedstat")?)
     }
 
-    /// What the kernel tells in these two files of a process.
+    /// Content of the kernel's two files of a process.
     pub(super) fn parse(stat: &str, schedstat: &str) -> Option<Self> {
         // The name before the state may hold anything, but no more brackets come after it.
         let state = stat.rsplit_once(") ")?.1.chars().next()?;
@@ -49,8 +48,8 @@ impl Share {
         })
     }
 
-    /// True if the process goes on only when it is told to, or had the processor for most of the `elapsed_ns`
-    /// since it had `before`: others that wait for its messages do neither.
+    /// True if the process waits for an order to go on, or had the processor for most of the `elapsed_ns` since
+    /// `before`: others that wait for its messages do neither.
     pub fn holds_up(self, before: Self, elapsed_ns: i64) -> bool {
         self.stopped || 2 * (self.ran_ns - before.ran_ns) > elapsed_ns
     }

@@ -9,7 +9,7 @@ use super::room::SHARED_MEMORY;
 use std::os::unix::fs::MetadataExt;
 use std::time::{Duration, SystemTime};
 
-/// An object without content and without a maker's process in its name is left alone for so long.
+/// Time for which an object without content and without a maker's process in its name is left alone.
 const YOUNG: Duration = Duration::from_millis(100);
 /// The bits of an object's mode while it is made: its owner may write it, and nothing else is granted.
 const UNFINISHED: u32 = 0o200;

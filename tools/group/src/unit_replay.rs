@@ -10,7 +10,7 @@ use recorder::{Recording, UnitTake};
 use runtime::{FromService, InProcess, Played, RuntimeError, Sealing, Tap, Tapped};
 use scenario::Scenario;
 
-/// What the on-board unit says in a replay.
+/// Messages of the on-board unit in a replay.
 #[derive(Debug)]
 pub enum UnitSaid<'a> {
     /// The stop lines ahead.
@@ -21,8 +21,8 @@ pub enum UnitSaid<'a> {
     Sent(&'a RadioSent),
 }
 
-/// Gives the on-board unit of `scenario` the releases, frames and odometry of `take` in `recording`. `heard` is
-/// told everything that it says. Returns the unit's own figures.
+/// Gives the on-board unit of `scenario` the releases, frames and odometry of `take` in `recording`. `heard` gets all
+/// its messages. Returns the unit's own figures.
 ///
 /// # Errors
 /// If the unit does not reach the end.
@@ -65,7 +65,7 @@ fn broken(what: String) -> Error {
     Error::NotReady { service: Service::Obu, what, foreign: false }
 }
 
-/// What the unit says to its launcher.
+/// Messages of the unit to its launcher.
 #[derive(Default)]
 struct Said {
     report: Option<ObuReport>,

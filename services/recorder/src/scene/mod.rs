@@ -33,7 +33,7 @@ const VEHICLE_HEIGHT_M: f64 = 1.5;
 const LIGHT_HEIGHT_M: f64 = 4.5;
 /// Width of a lane, m.
 const LANE_WIDTH_M: f64 = 3.5;
-/// How far the lane is drawn behind and ahead of the ego, m.
+/// Length of lane that is drawn behind and ahead of the ego, m.
 const BEHIND_M: f64 = 60.0;
 const AHEAD_M: f64 = 240.0;
 
@@ -79,7 +79,7 @@ pub(crate) struct Drawn {
     pub(crate) payload: Vec<u8>,
 }
 
-/// What is known of the road at the moment.
+/// Present knowledge of the road.
 #[derive(Debug)]
 pub(crate) struct Scene {
     epoch_ns: i64,
@@ -148,7 +148,7 @@ impl Scene {
         }
     }
 
-    /// What was drawn since the last call.
+    /// Shapes drawn since the last call.
     pub(crate) fn drawn(&mut self) -> Vec<Drawn> {
         std::mem::take(&mut self.drawn)
     }

@@ -1,9 +1,9 @@
-//! What a foreign law is asked and answers, in Python and in C: `timegap layouts --law`.
+//! Questions to a foreign law and its answers, in Python and in C: `timegap layouts --law`.
 
 use super::{c, collect, python};
 use messages::{LAW_RECORDS, LAYOUT_VERSION, Layout};
 
-/// What a law's program begins with in Python.
+/// Head of a law's program in Python.
 const DRIVE: &str = r#"
 
 def drive(law):

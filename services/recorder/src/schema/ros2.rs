@@ -119,7 +119,7 @@ fn constants(enumeration: &Enumeration, type_name: &str) -> String {
     enumeration.values.iter().map(line).collect()
 }
 
-/// What the numbers of a field mean that the law gives its meaning.
+/// Meaning of the numbers in a field that the law defines.
 fn of_law(field: &str, law: &LawNames) -> String {
     let numbered = |prefix: &str, names: &[String]| -> String {
         let word =
@@ -200,7 +200,7 @@ mod tests {
         {
             assert!(text.contains(&format!("\n{line}\n")), "{line}: {text}");
         }
-        // What they are called changes nothing in what they are.
+        // Their names do not change their type.
         assert_eq!(fingerprint(&text), fingerprint(&definition(Topic::Diagnostics.layout())));
     }
 

@@ -138,8 +138,8 @@ impl Supervisor<'_> {
         });
         let mut log = log.map_err(|error| self.or_interrupted(error))?;
         let ready_after = spawned.elapsed();
-        // A receiver that has not looked yet is not connected, and a full buffer of one that is not
-        // connected loses messages instead of holding their sender up.
+        // A receiver connects at its first look. Before that, a full buffer loses messages instead of holding their
+        // sender up.
         log.drain()?;
         if let Some(recording) = &mut self.recording {
             recording.connect();
@@ -202,7 +202,7 @@ impl Supervisor<'_> {
         })
     }
 
-    /// What all processes of each service told, or left.
+    /// Reports of all processes of each service, or their remains.
     fn reports(&mut self, log: &DriveLog) -> BTreeMap<Service, ServiceReport> {
         let mut reports = BTreeMap::new();
         for member in self.roster.iter_mut() {
@@ -219,7 +219,7 @@ impl Supervisor<'_> {
         reports
     }
 
-    /// Keeps what a process that is gone had counted, unless it told that itself.
+    /// Keeps the counts of a process that is gone, unless it reported them itself.
     fn keep_account(&mut self, who: Who, has_told: bool) {
         let Some(granted) = self.journal.granted.get(who.service.name()).cloned() else { return };
         let left = life::left_by(&self.group, who.service, who.incarnation, granted);

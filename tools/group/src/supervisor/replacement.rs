@@ -10,7 +10,7 @@ use crate::succession::{self, Phase, Standby, Step};
 use messages::Service;
 use runtime::{ActiveProcess, Cause, Mode, StartOrder, TakeOver, ToService};
 
-/// A restarted service that is not ready after so long is killed, ns.
+/// Time after which a restarted service that is not ready is killed, ns.
 const RESTART_TIMEOUT_NS: i64 = 2_000_000_000;
 
 impl Supervisor<'_> {
@@ -38,7 +38,7 @@ impl Supervisor<'_> {
                 Exit::NotReady => "not ready",
                 _ => "died",
             };
-            // Where the launcher was held up itself, nothing says when in that time it was.
+            // If the launcher was held up itself, the instant in that time is unknown.
             let since_ns = course.unseen_since(now_ns);
             self.faults.log.detected(service, kind, incarnation + 1, since_ns, now_ns);
             self.faults.replaced(service);
@@ -51,7 +51,7 @@ impl Supervisor<'_> {
         if course.ended == Ended::Orderly {
             let gone = succession::Event::Gone { incarnation, failed: exit.is_failure() };
             self.follow(service, gone, course, now_ns);
-            // What is due at once does not wait for the next look.
+            // A replacement that is due at once does not wait for the next look.
             self.follow(service, succession::Event::Tick, course, now_ns);
         }
         // While the next process starts: there is room on every topic for it beside its dead self.
@@ -153,7 +153,7 @@ impl Supervisor<'_> {
         now_ns: i64,
     ) {
         self.begin(service, incarnation, stands_by_for, now_ns);
-        // The others' senders look for it, so that it hears them before their next messages.
+        // The others' senders look for it, so that it receives their next messages.
         for member in self.roster.iter_mut().filter(|m| m.phase() == Phase::Running) {
             let is_own = member.service() == service;
             let active = member.incarnation();

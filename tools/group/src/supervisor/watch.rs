@@ -30,10 +30,10 @@ const STALLED_NS: i64 = 100_000_000;
 /// Time between the end of a process's output and its own.
 pub(super) const LAST_MOMENT: Duration = Duration::from_millis(100);
 
-/// How a run is going to end.
+/// Coming end of a run.
 pub(super) struct Course {
     pub(super) ended: Ended,
-    /// The services were told to end before the scenario's end.
+    /// The services were ordered to end before the scenario's end.
     is_stopping: bool,
     /// When a service that has not reported is taken for hung.
     deadline: Option<Instant>,
@@ -42,10 +42,10 @@ pub(super) struct Course {
 }
 
 impl Course {
-    /// Since when what is found at `now_ns` may have been so; `None` if the launcher looked all the time.
+    /// Earliest begin of the state that is found at `now_ns`; `None` if the launcher looked all the time.
     pub(super) fn unseen_since(&self, now_ns: i64) -> Option<i64> {
         let (from_ns, until_ns) = self.held_up?;
-        // What happened meanwhile is taken one by one.
+        // Events of the meantime are taken one by one.
         (now_ns - until_ns < STALLED_NS).then_some(from_ns)
     }
 
@@ -84,7 +84,7 @@ impl Supervisor<'_> {
             let stalled_ns = now_ns - looked_ns;
             if stalled_ns > STALLED_NS {
                 course.held_up = Some((looked_ns, now_ns));
-                // What was to be heard meanwhile still waits to be taken.
+                // Messages of the meantime still wait to be taken.
                 let stalled = Duration::from_nanos(stalled_ns.unsigned_abs());
                 course.deadline = course.deadline.map(|deadline| deadline + stalled);
             }
@@ -133,7 +133,7 @@ impl Supervisor<'_> {
         Ok(course.ended)
     }
 
-    /// How a run ended that was not broken off.
+    /// End of a run that was not broken off.
     fn how_it_ended(&mut self) -> Ended {
         let is_missing = |member: &&mut Member| {
             member.report.is_none()
