@@ -75,7 +75,7 @@ pub struct Source {
     pub timestamp: u32,
     /// Position.
     pub position: Position,
-    /// Whether the position is as accurate as the standard's `itsGnPaiInterval` requires.
+    /// True if the position is as accurate as the standard's `itsGnPaiInterval` requires.
     pub accurate: bool,
     /// Speed, 0.01 m/s, -16384 to 16383.
     pub speed: i16,

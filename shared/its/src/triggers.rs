@@ -5,8 +5,8 @@
 //!    than 4 degrees, 4 m or 0.5 m/s; or
 //! 2. when `T_GenCam` has passed since the last one.
 //!
-//! `T_GenCam` is 1 s at first. After a message of the first kind it is the time between the last two messages,
-//! and 1 s again after three of the second kind in a row. Without congestion control `T_GenCam_DCC` is 100 ms.
+//! `T_GenCam` is 1 s at first. After a message of the first kind it is the time between the last two messages. After
+//! three of the second kind in a row it is 1 s again. Without congestion control `T_GenCam_DCC` is 100 ms.
 //!
 //! ```
 //! use its::triggers::{Motion, Triggers};
@@ -56,7 +56,7 @@ pub struct Triggers {
 /// A message that is due.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Due {
-    /// Whether it includes the slow part.
+    /// True if it includes the slow part.
     pub low_frequency: bool,
 }
 
@@ -67,7 +67,7 @@ impl Default for Triggers {
 }
 
 impl Triggers {
-    /// Whether a message is due at `now_ns`; if so it counts as sent.
+    /// Returns true if a message is due at `now_ns`; it then counts as sent.
     pub fn check(&mut self, now_ns: i64, motion: &Motion) -> Option<Due> {
         if let Some((sent_ns, said)) = self.last {
             let since_ns = now_ns - sent_ns + TOLERANCE_NS;

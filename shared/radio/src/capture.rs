@@ -1,8 +1,8 @@
 //! A capture, pcap or pcapng, as a carrier. A frame is due when the run time equals its distance from the
 //! first frame.
 //!
-//! Two link types are read. Of Ethernet, frames with the EtherType of GeoNetworking (0x8947, also after a VLAN
-//! tag) are used and others skipped. Packets of `USER0` to `USER15` are frames without a link header.
+//! Two link types are read. In Ethernet, frames with the EtherType of GeoNetworking count (0x8947, also after a VLAN
+//! tag). Others are skipped. Packets of `USER0` to `USER15` are frames without a link header.
 
 use crate::clock::ClockDifference;
 use crate::frame::{Frame, MAX_FRAME};
@@ -332,7 +332,7 @@ impl Capture {
         self.played as u64
     }
 
-    /// Whether the file ends inside a packet.
+    /// True if the file ends inside a packet.
     #[must_use]
     pub fn is_truncated(&self) -> bool {
         self.is_truncated

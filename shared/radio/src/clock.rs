@@ -65,7 +65,7 @@ pub(crate) struct Comparison {
 }
 
 impl ClockDifference {
-    /// Whether one true offset fits both.
+    /// True if one offset fits both.
     fn agrees(&self, other: &Self) -> bool {
         let apart = self.offset_ns.saturating_sub(other.offset_ns).saturating_abs();
         apart <= self.uncertainty_ns.saturating_add(other.uncertainty_ns)

@@ -27,7 +27,7 @@ struct Station {
     heard: Instant,
     numbers: Numbers,
     clock: Comparison,
-    /// Whether it is a roadside unit, which is asked for its clock.
+    /// True for a roadside unit, which is asked for its clock.
     is_roadside: bool,
     asked: u64,
     ask_at: Instant,
@@ -91,7 +91,7 @@ impl Stations {
         Some(station.origin)
     }
 
-    /// Time until the next question is due; `None` if there is none.
+    /// Time until the next question is due; `None` without one.
     pub(crate) fn until_question(&self) -> Option<Duration> {
         let roadside = self.0.iter().filter(|station| station.is_roadside);
         let due = roadside.map(|station| station.ask_at).min()?;

@@ -6,8 +6,7 @@
 //! | vehicle | is a member of the group, shared with other vehicles of the host | listens at its address,
 //! sends to its last sender |
 //!
-//! Questions go to the socket of a received frame, and answers to the socket of the question, so that a group
-//! does not carry them.
+//! Questions go to the socket of a received frame, answers to that of the question. So a group does not carry them.
 
 use crate::endpoint::{Endpoint, Origin, Outlet, Purpose, Received};
 use crate::error::{OpenError, SendError};

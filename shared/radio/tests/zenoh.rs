@@ -77,8 +77,7 @@ fn roadside() -> Role {
     Role::Roadside { start_ns: wall_clock_ns() }
 }
 
-/// Sends until `vehicle` has heard `count` more frames: what is sent before both ends know each other is
-/// heard by none.
+/// Sends until `vehicle` has received `count` more frames: the ones sent before both ends know each other are lost.
 fn drive(unit: &mut Carrier, vehicle: &mut Carrier, count: usize) {
     let begun = Instant::now();
     let mut heard = 0;
@@ -119,7 +118,7 @@ fn two_peers_without_a_router() {
     };
     assert!(clock.offset_us.abs() <= clock.uncertainty_us, "{clock:?}");
     assert_eq!(vehicle.report().stations[0].lost, 0);
-    // What a process that is killed here would leave behind.
+    // Remains of a process that is killed here.
     let maps = std::fs::read_to_string("/proc/self/maps").expect("our own");
     assert!(!maps.contains(".zenoh"), "no segment of shared memory: {maps}");
 }

@@ -42,7 +42,7 @@ const GOALS: &[Column<Goal>] = &[
     column("verdict", "verdict", "", Format::Verdict(verdict_words), "Judgement"),
 ];
 
-/// An undecided goal is no failure.
+/// An undecided goal is not a failure.
 fn verdict_words(name: &str) -> (&'static str, bool) {
     match name {
         "missed" => ("missed", false),

@@ -102,7 +102,7 @@ pub struct BenchArguments {
     /// Growth of a ratio to the floor that counts as worse
     #[arg(long, value_name = "F", default_value_t = 1.5, value_parser = factor)]
     pub factor: f64,
-    /// Where the results go, and in which forms.
+    /// Places and forms of the results.
     #[command(flatten)]
     pub results: ResultOptions,
 }

@@ -16,7 +16,7 @@ pub struct GenerateArguments {
     pub what: Product,
 }
 
-/// What can be generated.
+/// References that can be generated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Product {
     /// Completions for bash.

@@ -34,7 +34,7 @@ pub struct ListArguments {
     pub json: bool,
 }
 
-/// What a schema describes.
+/// Subject of a schema.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SchemaOf {
     /// The scenario file.

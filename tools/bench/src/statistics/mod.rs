@@ -189,7 +189,7 @@ pub fn rates(ours: Events, floor: Events) -> Option<Estimate> {
     Some(Estimate {
         ours: a,
         floor: b,
-        // Zero events are no excess over zero.
+        // Zero events do not exceed zero.
         ratio: if ours.events == 0 { 0.0 } else { a / b },
         low: as_ratio(low) * exposure,
         high: as_ratio(high) * exposure,

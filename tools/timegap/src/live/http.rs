@@ -1,8 +1,7 @@
 //! HTTP/1.1 as far as the live page needs it: one request a connection, no bodies.
 //!
-//! `httparse` reads the request. A whole server would bound less: `tiny_http` 0.12 has no limit on the time or the
-//! length of a request and none on the time of a write, and it cannot close the connection of a browser that takes no
-//! events.
+//! `httparse` reads the request. A whole server would bound less: `tiny_http` 0.12 limits neither the time nor the
+//! length of a request, nor the time of a write. It cannot close the connection of a browser that takes no events.
 
 use httparse::Status;
 use std::io::{ErrorKind, Read, Write};

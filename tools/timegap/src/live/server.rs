@@ -53,7 +53,7 @@ pub struct Server {
     feeder: JoinHandle<()>,
 }
 
-/// What all threads of a server share.
+/// State that all threads of a server share.
 #[derive(Default)]
 struct Hub {
     /// Newest frames as messages with their run time, for browsers that connect late.
@@ -196,7 +196,7 @@ fn admit(hub: &Arc<Mutex<Hub>>, stream: TcpStream, served: &Served) -> bool {
     let (hub, served) = (Arc::clone(hub), served.clone());
     let thread = std::thread::Builder::new().name("browser".into());
     let thread = thread.spawn(move || {
-        // A closed browser is no error.
+        // A closed browser is not an error.
         let _ = answer(&hub, &stream, &served);
         // The second handle, which disconnects a slow browser, would keep it open.
         let _ = stream.shutdown(Shutdown::Both);

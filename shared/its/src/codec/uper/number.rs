@@ -21,7 +21,7 @@ impl Number {
         i64::BITS - (self.most - self.least).leading_zeros()
     }
 
-    /// Whether `value` is within the bounds.
+    /// True if `value` is within the bounds.
     pub(in crate::codec) const fn contains(self, value: i64) -> bool {
         self.least <= value && value <= self.most
     }

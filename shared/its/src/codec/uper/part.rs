@@ -24,7 +24,7 @@ pub(in crate::codec) enum Part {
     Open,
 }
 
-/// Whether a later version may add to a type.
+/// True if a later version may add to a type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::codec) enum Form {
     Fixed,

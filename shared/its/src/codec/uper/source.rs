@@ -32,7 +32,7 @@ pub(in crate::codec) trait Source: Sized {
         self.whole(number)
     }
 
-    /// Whether a type has content of a later version.
+    /// True if a type has content of a later version.
     ///
     /// # Errors
     /// [`PayloadError::Ends`].
