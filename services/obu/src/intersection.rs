@@ -3,6 +3,7 @@
 use crate::clock::Moment;
 use crate::known_map::KnownMap;
 use crate::lanes::StopLine;
+use crate::numbers::Numbers;
 use crate::timing::{Timing, agree};
 use crate::verdict::Verdict;
 use its::mapem::IntersectionGeometry;
@@ -10,14 +11,6 @@ use its::spatem::IntersectionState;
 
 /// Most senders of one intersection.
 const MOST_SENDERS: usize = 4;
-/// Time for which a single message stands against another sender, ns.
-const ONCE_STANDS_NS: i64 = 2_000_000_000;
-/// Distance behind the vehicle at which a stop line is dropped, m.
-const PASSED_M: f64 = 45.0;
-/// Time without a map after which a stop line is assumed, ns: a unit sends its map once a second.
-const MAP_DUE_NS: i64 = 2_000_000_000;
-/// Distance from the assumed line to the unit, m: half of a large intersection.
-const LINE_BEFORE_UNIT_M: f64 = 30.0;
 /// Signal group of the assumed line: no real group.
 const NO_GROUP: u8 = 0;
 
@@ -103,17 +96,23 @@ impl Intersection {
     }
 
     /// The stop lines for a vehicle at `ego_m`, including those just passed.
-    pub fn lines(&self, now_ns: i64, ego_m: f64) -> impl Iterator<Item = StopLine> + '_ {
+    pub fn lines(
+        &self,
+        now_ns: i64,
+        ego_m: f64,
+        numbers: &Numbers,
+    ) -> impl Iterator<Item = StopLine> + use<'_> {
+        let passed_m = numbers.passed_m;
         let told = self.map.iter().flat_map(move |map| map.in_force(ego_m));
-        let lines = told.chain(self.assumed_line(now_ns));
-        lines.filter(move |line| line.position_m - ego_m > -PASSED_M)
+        let lines = told.chain(self.assumed_line(now_ns, numbers));
+        lines.filter(move |line| line.position_m - ego_m > -passed_m)
     }
 
     /// The assumed line of an intersection without a map.
-    fn assumed_line(&self, now_ns: i64) -> Option<StopLine> {
-        let is_due = now_ns - self.first_ns > MAP_DUE_NS;
+    fn assumed_line(&self, now_ns: i64, numbers: &Numbers) -> Option<StopLine> {
+        let is_due = now_ns - self.first_ns > Numbers::nanoseconds(numbers.map_due_s);
         let is_missing = self.map.is_none() && self.elsewhere < 2 && is_due;
-        let position_m = self.unit_m.filter(|_| is_missing)? - LINE_BEFORE_UNIT_M;
+        let position_m = self.unit_m.filter(|_| is_missing)? - numbers.line_before_unit_m;
         Some(StopLine { signal_group: NO_GROUP, position_m })
     }
 
@@ -124,6 +123,7 @@ impl Intersection {
         state: &IntersectionState,
         made_ns: i64,
         moment: &Moment,
+        numbers: &Numbers,
     ) -> Verdict {
         let now_s = moment.now_ns as f64 / 1e9;
         let timings: Vec<Timing> =
@@ -133,9 +133,9 @@ impl Intersection {
                 if made_ns <= sender.made_ns {
                     return Verdict::OutOfOrder;
                 }
-                let fits = agree(&sender.timings, &timings, now_s);
+                let fits = agree(&sender.timings, &timings, now_s, numbers);
                 let again = (sender.candidate.as_ref())
-                    .is_some_and(|candidate| agree(candidate, &timings, now_s));
+                    .is_some_and(|candidate| agree(candidate, &timings, now_s, numbers));
                 if !fits && !again {
                     sender.candidate = Some(timings);
                     return Verdict::Contradicting;
@@ -155,7 +155,7 @@ impl Intersection {
                 self.senders.push(Sender { station, made_ns, words, revision, timings, candidate });
             }
         }
-        if self.disagreement(moment.now_ns) {
+        if self.disagreement(moment.now_ns, numbers) {
             return Verdict::Contradicting;
         }
         let Some(map) = &self.map else { return Verdict::UnknownIntersection };
@@ -166,7 +166,7 @@ impl Intersection {
             state.movements.iter().any(|movement| movement.signal_group == line.signal_group)
         };
         let is_whole = map.lines().iter().all(told);
-        self.renew(moment.now_ns);
+        self.renew(moment.now_ns, numbers);
         if is_whole { Verdict::Accepted } else { Verdict::MissingLane }
     }
 
@@ -177,6 +177,7 @@ impl Intersection {
         geometry: &IntersectionGeometry,
         lines: Vec<StopLine>,
         now_ns: i64,
+        numbers: &Numbers,
     ) -> Verdict {
         if lines.is_empty() {
             self.elsewhere += 1;
@@ -185,34 +186,34 @@ impl Intersection {
         let is_announced = (self.senders.iter())
             .any(|sender| sender.station == station && sender.revision == geometry.revision);
         let is_taken = match &mut self.map {
-            Some(map) => map.take(station, now_ns, geometry, lines, is_announced),
+            Some(map) => map.take(station, now_ns, geometry, lines, is_announced, numbers),
             None => {
                 self.map = Some(KnownMap::new(station, now_ns, geometry.clone(), lines));
                 true
             }
         };
-        self.renew(now_ns);
+        self.renew(now_ns, numbers);
         if is_taken { Verdict::Accepted } else { Verdict::Contradicting }
     }
 
     /// The newest timing of a signal group that nothing contradicts.
     #[must_use]
-    pub fn timing(&self, signal_group: u8, now_ns: i64) -> Option<&Timing> {
-        let timings = &self.accepted(now_ns)?.timings;
+    pub fn timing(&self, signal_group: u8, now_ns: i64, numbers: &Numbers) -> Option<&Timing> {
+        let timings = &self.accepted(now_ns, numbers)?.timings;
         timings.iter().find(|timing| timing.signal_group == signal_group)
     }
 
     /// Notes the instant of the accepted timing.
-    fn renew(&mut self, now_ns: i64) {
-        let made_ns = self.accepted(now_ns).map(|sender| sender.made_ns);
+    fn renew(&mut self, now_ns: i64, numbers: &Numbers) {
+        let made_ns = self.accepted(now_ns, numbers).map(|sender| sender.made_ns);
         self.certain_ns = self.certain_ns.max(made_ns);
     }
 
     /// The sender of the newest timing that fits the map, unless another sender contradicts. A sender of a single
-    /// message counts only if there is no other.
-    fn accepted(&self, now_ns: i64) -> Option<&Sender> {
+    /// message counts only if it is alone.
+    fn accepted(&self, now_ns: i64, numbers: &Numbers) -> Option<&Sender> {
         let revision = self.map.as_ref()?.revision();
-        if self.disagreement(now_ns) {
+        if self.disagreement(now_ns, numbers) {
             return None;
         }
         let fitting = self.senders.iter().filter(|sender| sender.revision == revision);
@@ -220,13 +221,15 @@ impl Intersection {
     }
 
     /// True if two senders with standing timing contradict each other. The silence of one does not confirm the other.
-    fn disagreement(&self, now_ns: i64) -> bool {
+    fn disagreement(&self, now_ns: i64, numbers: &Numbers) -> bool {
+        let once_ns = Numbers::nanoseconds(numbers.once_stands_s);
         let now_s = now_ns as f64 / 1e9;
-        let stands =
-            |sender: &&Sender| sender.words >= 2 || now_ns - sender.made_ns <= ONCE_STANDS_NS;
+        let stands = |sender: &&Sender| sender.words >= 2 || now_ns - sender.made_ns <= once_ns;
         let standing: Vec<&Sender> = self.senders.iter().filter(stands).collect();
         standing.iter().enumerate().any(|(place, one)| {
-            standing[place + 1..].iter().any(|other| !agree(&one.timings, &other.timings, now_s))
+            standing[place + 1..]
+                .iter()
+                .any(|other| !agree(&one.timings, &other.timings, now_s, numbers))
         })
     }
 }

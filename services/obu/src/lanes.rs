@@ -6,10 +6,7 @@ use its::geodesy::{Plane, Position};
 use its::mapem::{Approach, IntersectionGeometry, Lane, STRAIGHT};
 use scenario::radio::Origin;
 
-/// Half of a lane's width if the map has no width, m.
-const HALF_WIDTH_M: f64 = 1.75;
-/// Largest angle between the lane and the vehicle, as a cosine: 30 degrees.
-const SAME_WAY: f64 = 0.866;
+use crate::numbers::Numbers;
 
 /// A stop line on the vehicle's path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,16 +26,28 @@ pub fn road_plane(origin: &Origin) -> Plane {
 
 /// The stop lines of the way straight on, nearest to the origin first.
 #[must_use]
-pub fn stop_lines(geometry: &IntersectionGeometry, plane: &Plane) -> Vec<StopLine> {
+pub fn stop_lines(
+    geometry: &IntersectionGeometry,
+    plane: &Plane,
+    numbers: &Numbers,
+) -> Vec<StopLine> {
     let reference = plane.point(geometry.reference);
-    let half_m = geometry.lane_width_cm.map_or(HALF_WIDTH_M, |cm| f64::from(cm) / 200.0);
-    let lines = geometry.lanes.iter().filter_map(|lane| stop_line(lane, plane, reference, half_m));
+    let half_m = geometry.lane_width_cm.map_or(numbers.half_width_m, |cm| f64::from(cm) / 200.0);
+    let lines = geometry
+        .lanes
+        .iter()
+        .filter_map(|lane| stop_line(lane, plane, reference, (half_m, numbers.same_way_cos)));
     let mut lines: Vec<StopLine> = lines.collect();
     lines.sort_by(|a, b| a.position_m.total_cmp(&b.position_m));
     lines
 }
 
-fn stop_line(lane: &Lane, plane: &Plane, reference: (f64, f64), half_m: f64) -> Option<StopLine> {
+fn stop_line(
+    lane: &Lane,
+    plane: &Plane,
+    reference: (f64, f64),
+    (half_m, same_way_cos): (f64, f64),
+) -> Option<StopLine> {
     let Approach::Ingress(_) = lane.approach else { return None };
     let metres = |(east, north): (i16, i16)| {
         plane.from_earth((f64::from(east) / 100.0, f64::from(north) / 100.0))
@@ -47,7 +56,7 @@ fn stop_line(lane: &Lane, plane: &Plane, reference: (f64, f64), half_m: f64) -> 
     let ((to_line_m, to_left_m), (away_x, away_y)) = (metres(first), metres(second));
     let (along_m, left_m) = (reference.0 + to_line_m, reference.1 + to_left_m);
     // Nodes lead away from the stop line, the vehicle drives towards it.
-    if -away_x <= SAME_WAY * libm::hypot(away_x, away_y) || left_m.abs() > half_m {
+    if -away_x <= same_way_cos * libm::hypot(away_x, away_y) || left_m.abs() > half_m {
         return None;
     }
     let straight = lane.connections.iter().find(|connection| {

@@ -28,6 +28,7 @@ pub mod clock;
 pub mod intersection;
 pub mod known_map;
 pub mod lanes;
+pub mod numbers;
 pub mod receiver;
 pub mod report;
 mod service;

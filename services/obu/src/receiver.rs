@@ -12,6 +12,7 @@
 use crate::clock::Moment;
 use crate::intersection::Intersection;
 use crate::lanes::{StopLine, stop_lines};
+use crate::numbers::Numbers;
 use crate::verdict::{Verdict, Verdicts};
 use its::geodesy::Plane;
 use its::mapem::Mapem;
@@ -26,16 +27,11 @@ use xxhash_rust::xxh3::xxh3_64;
 const REMEMBERED_FRAMES: usize = 512;
 /// Most intersections.
 const MOST_INTERSECTIONS: usize = 64;
-/// Silence after which an intersection that is not ahead is forgotten, ns.
-const FORGOTTEN_NS: i64 = 30_000_000_000;
-/// Largest age of the first map of an intersection, ms: stop lines rarely move.
-const OLDEST_MAP_MS: i64 = 600_000;
-/// Largest distance between the vehicle's path and a unit beside it, m.
-const BESIDE_PATH_M: f64 = 50.0;
 
 /// The intersections that the unit knows, and its verdicts on the frames.
 #[derive(Debug)]
 pub struct Receiver {
+    numbers: Numbers,
     station_id: u32,
     max_age_ms: i64,
     plane: Plane,
@@ -48,7 +44,14 @@ impl Receiver {
     /// A unit before its first frame, on a road that is the axis of `plane`.
     #[must_use]
     pub fn new(station_id: u32, max_age_ms: i64, plane: Plane) -> Self {
+        Self::with(station_id, max_age_ms, plane, &Numbers::DEFAULT)
+    }
+
+    /// The same with other numbers, for studies of their effect.
+    #[must_use]
+    pub fn with(station_id: u32, max_age_ms: i64, plane: Plane, numbers: &Numbers) -> Self {
         Self {
+            numbers: *numbers,
             station_id,
             max_age_ms,
             plane,
@@ -79,9 +82,11 @@ impl Receiver {
 
     /// Forgets intersections that are passed and silent. `ego_m` is the vehicle's position on its path.
     pub fn forget(&mut self, now_ns: i64, ego_m: f64) {
+        let numbers = &self.numbers;
+        let forgotten_ns = Numbers::nanoseconds(numbers.forgotten_s);
         self.intersections.retain(|intersection| {
-            intersection.lines(now_ns, ego_m).next().is_some()
-                || intersection.silent_ns(now_ns) < FORGOTTEN_NS
+            intersection.lines(now_ns, ego_m, numbers).next().is_some()
+                || intersection.silent_ns(now_ns) < forgotten_ns
         });
     }
 
@@ -90,7 +95,9 @@ impl Receiver {
     pub fn write(&self, now_ns: i64, ego_m: f64, map: &mut Map, spat: &mut Spat) -> Option<i64> {
         let mut ahead: Vec<(&Intersection, StopLine)> = (self.intersections.iter())
             .filter(|intersection| intersection.is_confirmed())
-            .flat_map(|known| known.lines(now_ns, ego_m).map(move |line| (known, line)))
+            .flat_map(|known| {
+                known.lines(now_ns, ego_m, &self.numbers).map(move |line| (known, line))
+            })
             .collect();
         ahead.sort_by(|(_, a), (_, b)| a.position_m.total_cmp(&b.position_m));
         let mut oldest_ns: Option<i64> = None;
@@ -106,7 +113,7 @@ impl Receiver {
                 let made_ns = known.certain_ns().unwrap_or(0);
                 oldest_ns = Some(oldest_ns.map_or(made_ns, |oldest| oldest.min(made_ns)));
             }
-            if let Some(timing) = known.timing(line.signal_group, now_ns) {
+            if let Some(timing) = known.timing(line.signal_group, now_ns, &self.numbers) {
                 timing.write(known.id, &mut spat.signals[spat.count as usize]);
                 spat.count += 1;
             }
@@ -133,7 +140,7 @@ impl Receiver {
         let stamp = i64::from(frame.source.timestamp);
         let made_ms = from_its_timestamp(stamp, 1 << 32, moment.utc_ms());
         let (along_m, left_m) = self.plane.point(frame.source.position);
-        let unit_m = (left_m.abs() <= BESIDE_PATH_M).then_some(along_m);
+        let unit_m = (left_m.abs() <= self.numbers.beside_path_m).then_some(along_m);
         match &frame.message {
             Message::Spatem(spatem) => self.take_spatem(spatem, made_ms, unit_m, moment),
             Message::Mapem(mapem) => self.take_mapem(mapem, made_ms, unit_m, moment),
@@ -155,6 +162,7 @@ impl Receiver {
         unit_m: Option<f64>,
         moment: &Moment,
     ) -> Verdict {
+        let numbers = self.numbers;
         let is_sent_now = self.is_of_now(sent_ms, moment);
         let mut worst = Verdict::Accepted;
         for state in &spatem.intersections {
@@ -165,7 +173,7 @@ impl Receiver {
                     known.note(moment.now_ns, unit_m);
                     if is_made_now {
                         let made_ns = moment.run_ns(made_ms);
-                        known.take_timing(spatem.station_id, state, made_ns, moment)
+                        known.take_timing(spatem.station_id, state, made_ns, moment, &numbers)
                     } else {
                         Verdict::TooOld
                     }
@@ -184,15 +192,16 @@ impl Receiver {
         unit_m: Option<f64>,
         moment: &Moment,
     ) -> Verdict {
+        let numbers = self.numbers;
         let is_sent_now = self.is_of_now(sent_ms, moment);
-        let is_usable = moment.age_ms(sent_ms).abs() <= OLDEST_MAP_MS;
+        let is_usable = moment.age_ms(sent_ms).abs() <= (1e3 * numbers.oldest_map_s) as i64;
         let mut worst = Verdict::Accepted;
         for geometry in &mapem.intersections {
-            let lines = stop_lines(geometry, &self.plane);
+            let lines = stop_lines(geometry, &self.plane, &numbers);
             let verdict = match self.intersection(geometry.id, moment.now_ns) {
                 Some(known) if is_sent_now || is_usable && !known.has_map() => {
                     known.note(moment.now_ns, unit_m);
-                    known.take_map(mapem.station_id, geometry, lines, moment.now_ns)
+                    known.take_map(mapem.station_id, geometry, lines, moment.now_ns, &numbers)
                 }
                 Some(_) => Verdict::TooOld,
                 None => Verdict::UnknownIntersection,
@@ -202,7 +211,7 @@ impl Receiver {
         worst
     }
 
-    /// The entry of an intersection; `None` if there is no room for another.
+    /// The entry of an intersection; `None` if the room is full.
     fn intersection(&mut self, id: u16, now_ns: i64) -> Option<&mut Intersection> {
         let found = self.intersections.iter().position(|known| known.id == id);
         let index = match found {

@@ -1,13 +1,10 @@
 //! The timing of a signal from a SPATEM, in run time.
 
 use crate::clock::Moment;
+use crate::numbers::Numbers;
 use its::spatem::{MovementEvent, MovementPhase, MovementState};
 use its::time::TimeMark;
 use messages::{Interval, MAX_INTERVALS, PhaseState, Signal};
-
-/// Largest difference between two announcements of the same end, s: marks are tenths of a second, and a countdown
-/// can slide by a little between two messages.
-const SAME_END_S: f64 = 0.35;
 
 /// A phase and its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,14 +50,15 @@ impl Timing {
 
     /// True if both are possible from `now_s` on.
     #[must_use]
-    pub fn agrees_with(&self, other: &Self, now_s: f64) -> bool {
+    pub fn agrees_with(&self, other: &Self, now_s: f64, numbers: &Numbers) -> bool {
+        let same_end_s = numbers.same_end_s;
         let coming = |timing: &Self| {
-            let left = timing.phases.iter().filter(|p| p.ends_s[1] > now_s + SAME_END_S);
+            let left = timing.phases.iter().filter(|p| p.ends_s[1] > now_s + same_end_s);
             left.copied().collect::<Vec<_>>()
         };
         coming(self).iter().zip(&coming(other)).all(|(a, b)| {
             let (a_s, b_s) = (a.ends_s[1], b.ends_s[1]);
-            a.state == b.state && (a_s == b_s || (a_s - b_s).abs() <= SAME_END_S)
+            a.state == b.state && (a_s == b_s || (a_s - b_s).abs() <= same_end_s)
         })
     }
 
@@ -85,10 +83,10 @@ impl Timing {
 
 /// True if both lists are possible for the signal groups that they share.
 #[must_use]
-pub fn agree(a: &[Timing], b: &[Timing], now_s: f64) -> bool {
+pub fn agree(a: &[Timing], b: &[Timing], now_s: f64, numbers: &Numbers) -> bool {
     a.iter().all(|of_a| {
         let mut same = b.iter().filter(|of_b| of_b.signal_group == of_a.signal_group);
-        same.all(|of_b| of_a.agrees_with(of_b, now_s))
+        same.all(|of_b| of_a.agrees_with(of_b, now_s, numbers))
     })
 }
 
@@ -201,9 +199,16 @@ mod tests {
         let green = |s| event(MovementPhase::ProtectedMovementAllowed, [Some(s); 3]);
         let red = |s| event(MovementPhase::StopAndRemain, [Some(s); 3]);
         let told = timing(vec![green(2), red(9)]);
-        assert!(told.agrees_with(&timing(vec![red(9)]), 42.0), "the green is over");
-        assert!(!told.agrees_with(&timing(vec![red(9)]), 41.0));
-        assert!(!told.agrees_with(&timing(vec![green(3), red(9)]), 40.0));
-        assert!(told.agrees_with(&timing(vec![green(2), red(9), green(20)]), 40.0));
+        assert!(
+            told.agrees_with(&timing(vec![red(9)]), 42.0, &Numbers::DEFAULT),
+            "the green is over"
+        );
+        assert!(!told.agrees_with(&timing(vec![red(9)]), 41.0, &Numbers::DEFAULT));
+        assert!(!told.agrees_with(&timing(vec![green(3), red(9)]), 40.0, &Numbers::DEFAULT));
+        assert!(told.agrees_with(
+            &timing(vec![green(2), red(9), green(20)]),
+            40.0,
+            &Numbers::DEFAULT
+        ));
     }
 }

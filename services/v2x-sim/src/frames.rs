@@ -7,6 +7,7 @@
 //!               lane 101 ─► left turn, 3.5 m to the left, another signal group, always red
 //! ```
 
+use crate::numbers::NUMBERS;
 use crate::program::Program;
 use crate::roadside_unit::CERTAIN;
 use its::geodesy::{Plane, Position};
@@ -25,22 +26,16 @@ pub const FIRST_STATION: u32 = 100_000;
 /// The same for units that contradict.
 pub const FIRST_CONTRADICTING_STATION: u32 = 200_000;
 /// Time between two MAPEM of one unit, ns.
-const MAP_PERIOD_NS: u64 = 1_000_000_000;
-/// Distance behind a stop line within which its unit still reaches the ego, m.
-const PASSED_M: f64 = 50.0;
-/// Distance from the first stop line to the middle of an intersection, m.
-const TO_MIDDLE_M: f64 = 10.0;
-/// Largest distance of a stop line from the reference point in a MAPEM, m.
-const MOST_TO_LINE_M: f64 = 327.0;
-/// Length of a lane in a MAPEM, cm.
-const LANE_CM: i16 = 10_000;
-const LANE_WIDTH_CM: i16 = 350;
+const MAP_PERIOD_NS: u64 = (1e9 * NUMBERS.map_period_s) as u64;
+/// Length and width of a lane in a MAPEM, cm.
+const LANE_CM: i16 = (100.0 * NUMBERS.lane_m) as i16;
+const LANE_WIDTH_CM: i16 = (100.0 * NUMBERS.lane_width_m) as i16;
 /// Lane ids: the ego's lanes count from 1, the turning lanes from here.
 const TURNING: u8 = 101;
 /// Lane id of the exits.
 const EXITS: u8 = 201;
 /// Length of the green that a contradicting unit announces, ms.
-const FALSE_GREEN_MS: i64 = 30_000;
+const FALSE_GREEN_MS: i64 = (1e3 * NUMBERS.false_green_s) as i64;
 
 /// The plane around the road's beginning, with the road as its axis.
 #[must_use]
@@ -180,11 +175,11 @@ impl Frames {
 impl Site {
     fn reaches(&self, ego_m: f64, range_m: f64) -> bool {
         let mut ahead_m = self.signals.iter().map(|(_, stop_line_m, _)| stop_line_m - ego_m);
-        ahead_m.any(|ahead_m| (-PASSED_M..=range_m).contains(&ahead_m))
+        ahead_m.any(|ahead_m| (-NUMBERS.passed_m..=range_m).contains(&ahead_m))
     }
 
     fn middle_m(&self) -> f64 {
-        self.signals[0].1 + TO_MIDDLE_M
+        self.signals[0].1 + NUMBERS.to_middle_m
     }
 
     fn spatem(
@@ -223,7 +218,7 @@ impl Site {
         let mut lanes = Vec::new();
         for ((signal_group, stop_line_m, _), n) in self.signals.iter().zip(0_u8..) {
             let to_line_m = stop_line_m - self.middle_m();
-            if to_line_m.abs() > MOST_TO_LINE_M {
+            if to_line_m.abs() > NUMBERS.most_to_line_m {
                 let what =
                     format!("a stop line {to_line_m} m from intersection {}", self.intersection);
                 return Err(EncodeError::Range(what));

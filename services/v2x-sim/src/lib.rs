@@ -25,6 +25,7 @@
 pub mod air;
 pub mod frames;
 mod link;
+pub mod numbers;
 pub mod program;
 pub mod report;
 pub mod road_map;

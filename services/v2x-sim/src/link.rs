@@ -26,7 +26,7 @@ pub(crate) struct Link {
     handed_on_ns: Option<i64>,
 }
 
-/// Frames of one cycle. If there is no room for all, the rank decides.
+/// Frames of one cycle. The rank decides when the room is too small for all.
 struct Batch {
     /// Each frame with the rank of its sender.
     frames: Vec<(Frame, Rank)>,
@@ -172,7 +172,7 @@ impl Batch {
     }
 }
 
-/// Rank of a sender if there is no room for all frames.
+/// Rank of a sender when the room is too small for all frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Rank {
     /// A vehicle: it has a name and no start.

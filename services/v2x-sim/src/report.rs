@@ -13,11 +13,11 @@ pub struct LinkReport {
     pub not_sent: u64,
     /// Frames received, without repeats.
     pub received: u64,
-    /// Of these, frames that came before the run began.
+    /// Frames among these that came before the run began.
     pub before_start: u64,
     /// Frames that were not read in time: the queue was full.
     pub dropped: u64,
-    /// Packets that are no frames.
+    /// Packets that are not frames.
     pub malformed: u64,
     /// Whether the true state of the signals is known: the unit runs the same scenario and sends when it
     /// began. Else the referee does not judge red lights.

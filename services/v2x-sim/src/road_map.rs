@@ -7,8 +7,10 @@ use scenario::Problem;
 use scenario::Scenario;
 use scenario::grade::GradeProfile;
 
+use crate::numbers::NUMBERS;
+
 /// Length of a cell, m.
-pub const CELL_M: f64 = 50.0;
+pub const CELL_M: f64 = NUMBERS.cell_m;
 
 /// The known part of the road ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -13,10 +13,8 @@
 use messages::{MAX_INTERVALS, MAX_SIGNALS};
 use scenario::v2x::{Phase, V2x};
 
+use crate::numbers::NUMBERS;
 use crate::program::Program;
-
-/// Distance behind a stop line at which its signal is dropped, m.
-const PASSED_M: f64 = 50.0;
 
 /// Highest confidence of a predicted time: 0 to 15 of the standard mean 21 % to 100 %.
 pub const CERTAIN: u8 = 15;
@@ -113,7 +111,7 @@ impl RoadsideUnit {
     fn signals_within(&self, range_m: f64, time_ns: u64, ego_position_m: f64) -> Signals {
         let mut told = Signals::NONE;
         let near = self.signals.iter().filter(|(lane, _)| {
-            (-PASSED_M..=range_m).contains(&(lane.stop_line_m - ego_position_m))
+            (-NUMBERS.passed_m..=range_m).contains(&(lane.stop_line_m - ego_position_m))
         });
         for (slot, (lane, program)) in near.take(MAX_SIGNALS).enumerate() {
             told.lanes[slot] = *lane;

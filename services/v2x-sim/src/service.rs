@@ -94,8 +94,8 @@ impl Voice {
         }
     }
 
-    /// The signals as they are. Another host's units run the scenario's programs by their own clock. Until that clock
-    /// is known, and for units of other makers, there are no signals.
+    /// The signals as they are. Another host's units run the scenario's programs by their own clock. Signals are
+    /// missing until that clock is known, and for units of other makers.
     fn truth(&self, unit: &RoadsideUnit, time_ns: u64, ego_m: f64) -> Signals {
         match self {
             Self::Structs { .. } | Self::Frames(_) => unit.truth(time_ns, ego_m),
