@@ -5,7 +5,7 @@
 //!                 └──────────────────── quality: tracks against the traffic ─► summary
 //! ```
 //!
-//! [`traffic`] moves the other vehicles, [`radar`] sees them, [`tracking`] makes tracks of the detections, and
+//! [`traffic`] moves the other vehicles, and [`radar`] sees them. [`tracking`] makes tracks of the detections, and
 //! [`quality`] compares these with the traffic. [`perception`] is one step of all. All of it is plain code: functions
 //! of state, seed and time. Only the service has a clock and ports.
 //!

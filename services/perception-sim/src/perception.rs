@@ -1,7 +1,7 @@
 //! One step of perception: traffic, radar, tracks, target.
 //!
-//! The radar is on before the run begins. The scans that its latency holds back at the start are from that time, and
-//! those from which the tracker knows the traffic. In that time every vehicle keeps its speed of the start.
+//! The radar is on before the run begins. From that time are the scans that its latency holds back, and those from
+//! which the tracker knows the traffic. In that time every vehicle keeps its speed of the start.
 
 use crate::report::PerceptionReport;
 use bytemuck::Zeroable;

@@ -1,6 +1,6 @@
 //! Random draws of the radar, the same on every machine: a named generator (PCG64) and `libm`.
 //!
-//! Not `rand_distr`: its normal and Poisson deviates call `num_traits`, whose `exp` and `ln` become the
+//! Not `rand_distr`: its normal and Poisson deviates call `num_traits`. The `exp` and `ln` of that crate become the
 //! system's as soon as any crate of the program enables its feature `std`.
 
 use rand_core::SeedableRng;

@@ -17,8 +17,8 @@ use scenario::speeds::SpeedPoint;
 /// Age at which odometry is of no use to the tracker, ns.
 const STALE_ODOMETRY_NS: i64 = 200_000_000;
 
-/// Gives the points of a table of speeds that another run is still making: it appends what is new, and
-/// returns once a point is later than the time, in s, or no further one will come.
+/// Gives the points of a table of speeds that another run is still making: it appends new points. It returns once a
+/// point is later than the time, in s, or the last one has come.
 pub type Ahead = Box<dyn FnMut(f64, &mut Vec<SpeedPoint>)>;
 
 /// Runs traffic and radar in their group, to the end of the run.

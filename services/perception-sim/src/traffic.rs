@@ -1,9 +1,8 @@
 //! The other vehicles: where they truly are.
 //!
-//! Each follows its profile alone, or a storyboard ([`crate::stage`]), whose triggers may look at the ego.
-//! With the integrator `fine` speed and
-//! position are those of an acceleration that is constant over each step (1 ms by default), exact for
-//! profiles of constant pieces. With `paper-euler` they take the step of the CACC paper's simulation,
+//! Each follows its profile alone, or a storyboard ([`crate::stage`]), whose triggers may look at the ego. With the
+//! integrator `fine` the acceleration is constant over each step (1 ms by default). This is exact for profiles of
+//! constant pieces. With `paper-euler` they take the step of the CACC paper's simulation,
 //!
 //! ```text
 //! x += T v        v += T a(t, v)        both from the start of the step
@@ -96,8 +95,8 @@ impl Traffic {
         }
     }
 
-    /// Takes points of the first vehicle's table of speeds from `ahead`, so that all are there that
-    /// [`Self::advance`] to `time_ns` looks at.
+    /// Takes points of the first vehicle's table of speeds from `ahead`, as many as [`Self::advance`] to `time_ns`
+    /// needs.
     pub fn learn(&mut self, time_ns: u64, ahead: &mut dyn FnMut(f64, &mut Vec<SpeedPoint>)) {
         let Some(Mover { actor, step_ns, .. }) = self.movers.first_mut() else { return };
         let Profile::Speeds(points) = &mut actor.profile else { return };

@@ -6,9 +6,9 @@ use scenario::Scenario;
 
 /// Watches for the end of a run whose verdict cannot change any more.
 ///
-/// A contact needs a distance that shrinks. It does not while the ego is at most as fast as a vehicle ahead and at
-/// least as fast as one behind. Only an ego that turns to the other vehicle again could change that: the state has to
-/// last for a while first.
+/// A contact needs a distance that shrinks. It does not shrink while the ego is no faster than a vehicle ahead and no
+/// slower than one behind. Only an ego that turns to the other vehicle again could change that: the state has to last
+/// for a while first.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClearWatch {
     after_ns: i64,

@@ -3,8 +3,8 @@
 //!
 //! The brakes hold a truck that is about to stand, as "stop and hold" does (ISO 15622, full speed range). Below
 //! [`Numbers::hold_mps`], and while the request is not positive, their force grows steadily. At its end it holds the
-//! truck on any road, also where the inner loop is wrong about mass and grade. A positive request releases them. A
-//! car needs no such rule: its model has no grade.
+//! truck on any road, whatever the errors of the inner loop. A positive request releases them. A car needs no such
+//! rule: its model has no grade.
 
 use crate::gateway::Actuation;
 use crate::longitudinal::State;

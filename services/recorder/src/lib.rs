@@ -12,9 +12,9 @@
 //! * [`replay`]: the process that sends recorded inputs to a controller again
 //! * [`schema`]: the layouts as ROS 2, Python and C definitions
 //!
-//! Log times are publication times on the wall's clock (in lockstep, simulated time from
-//! [`SIMULATED_START_NS`] on), and a file is in their order. Beside our messages it holds the road in
-//! standard ROS 2 types, for viewers; readers here pass over them.
+//! Log times are publication times on the wall's clock; in lockstep, simulated time from [`SIMULATED_START_NS`] on. A
+//! file is in their order. Beside our messages it holds the road in standard ROS 2 types, for viewers; readers here
+//! pass over them.
 
 pub mod bag;
 mod batch;

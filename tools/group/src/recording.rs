@@ -88,8 +88,7 @@ impl RecorderProcess {
         }
     }
 
-    /// Tells it the common start, what the services were granted, which programs are the user's, and
-    /// what the law's numbers mean.
+    /// Sends it the common start, the granted scheduling, the user's programs, and the meaning of the law's numbers.
     pub fn begin(
         &mut self,
         start_ns: i64,

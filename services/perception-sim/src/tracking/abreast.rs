@@ -7,8 +7,8 @@
 //! mean of one vehicle stays on its body.
 //!
 //! A track therefore keeps the logarithm of the likelihood ratio of one body to two, and the outermost places. Until
-//! the ratio speaks for one body ([`Numbers::one_body`]), there are bodies at the outermost places and nothing is
-//! known to be between. If the resolution keeps neighbouring lanes apart, a track is one body unless its scatter
+//! the ratio speaks for one body ([`Numbers::one_body`]), the bodies are at the outermost places, and the room
+//! between is unknown. If the resolution keeps neighbouring lanes apart, a track is one body unless its scatter
 //! contradicts.
 //!
 //! The price: the middle one of three abreast, in the ego's lane, counts late. It has to be resolved first, or to
@@ -73,7 +73,7 @@ impl Abreast {
     }
 
     /// Place of the body nearest to the ego's axis if there are several, m; `None` while it is unknown. The mean of
-    /// two is between them, so that one is at its rightmost place or beyond and one at its leftmost. `others` says on
+    /// two is between them. So one is at its rightmost place or beyond, the other at its leftmost. `others` says on
     /// which sides (right, left) the body is one that has a track of its own.
     #[must_use]
     pub fn nearest_of_several_m(&self, others: (bool, bool), numbers: &Numbers) -> Option<f64> {

@@ -1,11 +1,11 @@
 //! Which detection belongs to which track.
 //!
-//! A vehicle gives several detections, so that a track may take any number of them while a detection
-//! belongs to one track at most. The assignment with the least total distance is then that of every
-//! detection to its nearest track within the gate: each choice leaves all others free.
+//! A vehicle gives several detections, so a track may take any number of them. A detection belongs to one track at
+//! most. The assignment with the least total distance is then that of every detection to its nearest track within the
+//! gate: each choice leaves all others free.
 //!
-//! Distance is measured from the outline of the vehicle as the track predicts it, in standard deviations
-//! of range, lateral position and range rate.
+//! Distance is measured from the outline that the track predicts. Its units are the standard deviations of range,
+//! lateral position and range rate.
 
 use messages::Detection;
 

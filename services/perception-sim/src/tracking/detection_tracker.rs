@@ -366,8 +366,8 @@ impl DetectionTracker {
     }
 }
 
-/// Two tracks are of one vehicle: the newer one is on the older one and moves with it. On another lane
-/// it may be before the older one by the length of a lorry, whose rear comes into view last.
+/// Two tracks are of one vehicle: the newer one is on the older one and moves with it. On another lane it may be
+/// before the older one by the length of a lorry: its rear comes into view last.
 fn same(older: &DetectedTrack, newer: &DetectedTrack, numbers: &Numbers) -> bool {
     let (a, b) = (older.along.estimate(), newer.along.estimate());
     let along_m = b.gap_m - a.gap_m;

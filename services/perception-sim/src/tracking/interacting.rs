@@ -1,5 +1,5 @@
-//! Interacting multiple models: a bank of Kalman filters with different ideas of how much the target
-//! manoeuvres, each weighted by how well it predicts.
+//! Interacting multiple models: a bank of Kalman filters that assume different manoeuvres of the target. Each is
+//! weighted by its predictions.
 //!
 //! Each step mixes the filters' states by the probabilities of a change of model and moves each on. Then each takes
 //! the measurement in, and is weighted anew:

@@ -1,9 +1,8 @@
 //! The motion of a vehicle across the lanes.
 //!
-//! State [y, s]: lateral position, m, and lateral speed, m/s. Two models run side by side
-//! ([`super::interacting`]): a vehicle that keeps its lane, whose lateral speed fades with
-//! [`Numbers::fading_s`], and one that changes it, whose lateral speed is a random walk. The noise is a white
-//! acceleration of the given density.
+//! State [y, s]: lateral position, m, and lateral speed, m/s. Two models run side by side ([`super::interacting`]):
+//! one for a vehicle that keeps its lane, with a lateral speed that fades with [`Numbers::fading_s`]; one for a lane
+//! change, with a random walk of the lateral speed. The noise is a white acceleration of the given density.
 
 use super::interacting::Bank;
 use super::longitudinal::Measured;

@@ -67,8 +67,8 @@ impl TrackList {
         self.target.map(|index| &self.tracks[index])
     }
 
-    /// Adds a track. In a full list it replaces the farthest one that is not in the path, or is left
-    /// out if it is that itself.
+    /// Adds a track. In a full list it replaces the farthest one outside the path, or is left out if it is that
+    /// itself.
     pub fn add(&mut self, track: Track) {
         if self.count < MAX_TRACKS {
             self.tracks[self.count] = track;

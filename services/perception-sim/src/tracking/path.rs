@@ -130,8 +130,8 @@ impl PathLimits {
     }
 }
 
-/// To brake is of no use: when the track's body comes before the ego's, the ego has passed it, or is beside it
-/// even if it brakes.
+/// To brake is of no use: when the track's body comes before the ego's, the ego has passed it or is beside it in
+/// spite of braking.
 fn braking_is_vain(across: &Across, inward_mps: f64, numbers: &Numbers) -> bool {
     let comes_s = (across.lateral_m.abs() - VEHICLE_WIDTH_M) / inward_mps;
     comes_s > 0.0

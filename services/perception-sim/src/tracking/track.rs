@@ -189,7 +189,7 @@ impl DetectedTrack {
         Some(sighting.lateral(self.width_m, numbers))
     }
 
-    /// Goes on with the motion of a younger track of the same vehicle, if that one is nearer to the rear.
+    /// Takes over the motion of a younger track of the same vehicle, if that one is nearer to the rear.
     pub fn take_over(&mut self, younger: &Self, numbers: &Numbers) {
         let nearer_m = self.along.estimate().gap_m - younger.along.estimate().gap_m;
         if nearer_m > numbers.rear_depth_m {

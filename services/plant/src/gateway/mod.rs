@@ -12,7 +12,7 @@
 //! ```
 //!
 //! The plan is the gateway's only knowledge of the traffic. A plan that brakes harder than the moderate stop had a
-//! reason, and the reason did not go away with the commands: so the stop is as hard as the plan was at its worst.
+//! reason. The reason did not go away with the commands: so the stop is as hard as the plan was at its worst.
 //!
 //! Every request is bounded in range and rate, whatever its source. The emergency brake has a path of its own to the
 //! wheels ([`crate::brake`]). The vehicle gets the harder of the two.

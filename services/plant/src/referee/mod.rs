@@ -3,8 +3,8 @@
 //! Once in each period of the plant it sees the ego, the vehicle ahead and the signals as they are. It keeps the
 //! figures of the run's summary. A collision or a red light ends the run.
 //!
-//! Between two samples the ego moves evenly. So the time at which it crosses a stop line is interpolated, and its
-//! place at a signal's switch, as in the papers' figures.
+//! Between two samples the ego moves evenly. So two figures are interpolated, as in the papers: the time at a stop
+//! line, and the place at a signal's switch.
 
 use crate::report::ControlFigures;
 use scenario::Scenario;
