@@ -2,7 +2,7 @@
 //!
 //! The keys of `[perception.radar.detections]` say how strong and how exact the radar is. These numbers say how
 //! bodies reflect and what the receiver does with noise. The effects that the rows state are those of
-//! `cargo run --release -p perception-sim --example sensitivity`.
+//! `cargo run --release -p perception-sim --example perception_numbers`.
 
 use parameters::parameters;
 

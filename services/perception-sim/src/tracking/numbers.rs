@@ -1,6 +1,6 @@
 //! Numbers of the tracker beside a scenario's keys, each with its origin.
 //!
-//! The effects that the rows state are those of `cargo run --release -p perception-sim --example sensitivity`.
+//! The effects that the rows state are those of `cargo run --release -p perception-sim --example perception_numbers`.
 //!
 //! ```
 //! use perception_sim::tracking::numbers::Numbers;

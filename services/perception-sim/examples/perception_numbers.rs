@@ -1,7 +1,7 @@
 //! Effect of each number of the sensor model and of the tracker.
 //!
 //! ```sh
-//! cargo run --release -p perception-sim --example sensitivity -- [SCENES]
+//! cargo run --release -p perception-sim --example perception_numbers -- [SCENES]
 //! ```
 //!
 //! Each number is halved and doubled, within its range, while all others keep their values. The scenes are those of

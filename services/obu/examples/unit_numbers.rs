@@ -1,7 +1,7 @@
 //! Effect of each number of the on-board unit.
 //!
 //! ```sh
-//! cargo run --release -p obu --example sensitivity
+//! cargo run --release -p obu --example unit_numbers
 //! ```
 //!
 //! Each number is halved and doubled, within its range, while all others keep their values. A vehicle drives with

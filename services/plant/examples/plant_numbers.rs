@@ -1,7 +1,7 @@
 //! Effect of each number of the plant.
 //!
 //! ```sh
-//! cargo run --release -p plant --example sensitivity
+//! cargo run --release -p plant --example plant_numbers
 //! ```
 //!
 //! Each number is halved and doubled, within its range, while all others keep their values. A car drives a stop-and-go
