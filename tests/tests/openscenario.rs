@@ -134,7 +134,7 @@ fn what_is_wrong_is_one_error_with_its_place() {
     let path = corner.path().join("examples/cut_in.xosc");
     let good = std::fs::read_to_string(&path).expect("it is there");
     for (from, to, arguments, expected) in [
-        ("revMinor=\"2\"", "revMinor=\"4\"", &[][..], "cut_in.xosc:5: version 1.4"),
+        ("revMinor=\"2\"", "revMinor=\"4\"", &[][..], "cut_in.xosc:5:3: version 1.4"),
         (
             "<LateralAction>",
             "<SynchronizeAction/><LateralAction>",

@@ -1,5 +1,5 @@
 //! Prints the table of docs/openscenario.md: `cargo run -p openscenario --example subset`.
 
 fn main() {
-    print!("{}", openscenario::subset::markdown());
+    print!("{}", openscenario::reference::markdown());
 }

@@ -2,18 +2,33 @@
 
 use std::fmt;
 
-/// A line of a file.
+/// A line and a column of a text, from 1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Spot {
+    /// The line.
+    pub line: usize,
+    /// The column, in characters.
+    pub column: usize,
+}
+
+impl fmt::Display for Spot {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}", self.line, self.column)
+    }
+}
+
+/// A spot in a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
     /// The file, as it was named.
     pub file: String,
-    /// The line, from 1.
-    pub line: usize,
+    /// Where in it.
+    pub spot: Spot,
 }
 
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}", self.file, self.line)
+        write!(f, "{}:{}", self.file, self.spot)
     }
 }
 
@@ -61,7 +76,7 @@ pub enum ReadError {
     /// An attribute that is unknown or missing, or whose value does not fit.
     #[error("{place}: attribute `{attribute}` of `{element}`: {reason}, expected {expected}")]
     Attribute {
-        /// Where its element begins.
+        /// Where it stands; where its element begins if it is missing.
         place: Place,
         /// Its name.
         attribute: String,
@@ -121,7 +136,7 @@ pub enum ReadError {
 }
 
 impl ReadError {
-    /// The same for a value that was given in a file: says where.
+    /// An error about an assignment that stands in a file, with its place there.
     pub(crate) fn given_at(self, place: &Place) -> Self {
         match self {
             Self::Override { name, value, reason, expected } => Self::Meaning {
@@ -141,5 +156,35 @@ pub(crate) fn one_of<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
         None => "nothing here".to_owned(),
         Some((last, [])) => last.clone(),
         Some((last, rest)) => format!("{} or {last}", rest.join(", ")),
+    }
+}
+
+/// Lists names, with the nearest one where `refused` may be a misspelling of it.
+pub(crate) fn meant<'a>(refused: &str, names: impl IntoIterator<Item = &'a str>) -> String {
+    let names: Vec<&str> = names.into_iter().collect();
+    let short: String = refused.chars().take(64).collect();
+    let limit = 1 + short.chars().count() / 4;
+    let distances = names.iter().map(|name| (strsim::osa_distance(&short, name), *name));
+    let nearest = distances.min_by_key(|(distance, _)| *distance);
+    let is_choice = names.len() > 1;
+    match nearest.filter(|(distance, _)| is_choice && *distance <= limit) {
+        Some((_, near)) => format!("{} (did you mean `{near}`?)", one_of(names)),
+        None => one_of(names),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_misspelt_name_gets_a_suggestion() {
+        assert_eq!(
+            meant("Storybord", ["Storyboard", "Init"]),
+            "`Storyboard` or `Init` (did you mean `Storyboard`?)"
+        );
+        assert_eq!(meant("Wings", ["Axles", "Init"]), "`Axles` or `Init`");
+        assert_eq!(meant("init", ["Init"]), "`Init`");
+        assert_eq!(meant("a", []), "nothing here");
     }
 }

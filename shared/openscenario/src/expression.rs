@@ -1,4 +1,4 @@
-//! `${expressions}` of attribute values.
+//! Expressions in attributes: `${...}`.
 //!
 //! Operators by precedence, highest first: unary `-` and `not`, functions; `*`, `/`, `%`; `+`, `-`;
 //! `and`; `or`. Functions: round, floor, ceil, sqrt, pow, sign, abs, max, min, sin, cos, tan, asin, acos,
@@ -68,18 +68,18 @@ fn number(text: &str) -> Option<f64> {
 /// Why an expression has no value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Fault<E> {
-    /// The expression itself: what is wrong, what would have been right.
+    /// A fault of the expression: its reason, and what was expected.
     Expression(String, String),
-    /// A parameter in it.
+    /// A parameter without a value.
     Parameter(E),
 }
 
 type Result<E> = std::result::Result<Value, Fault<E>>;
 
-/// The value of what stands between `${` and `}`. `parameter` gives the value of a name.
+/// Evaluates the text between `${` and `}`. `parameter` gives the value of a name.
 ///
 /// # Errors
-/// When it is no expression, a type does not fit, or a parameter has no value.
+/// When the text is no expression, a type does not fit, or a parameter has no value.
 pub fn evaluate<E>(
     text: &str,
     parameter: &mut dyn FnMut(&str) -> std::result::Result<Value, E>,
@@ -300,7 +300,7 @@ impl<'a, E> Parser<'a, E> {
         self.at += rest.len() - rest.trim_start().len();
     }
 
-    /// Takes one of these characters.
+    /// Takes one of these characters, if it is next.
     fn any(&mut self, signs: &[char]) -> Option<char> {
         self.space();
         let next = self.text[self.at..].chars().next().filter(|c| signs.contains(c))?;
@@ -308,7 +308,7 @@ impl<'a, E> Parser<'a, E> {
         Some(next)
     }
 
-    /// Takes this word.
+    /// Takes this word, if it is next.
     fn word(&mut self, word: &str) -> bool {
         self.space();
         let rest = &self.text[self.at..];

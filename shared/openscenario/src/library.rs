@@ -1,17 +1,28 @@
-//! The files of a scenario: itself, its catalogs, its road.
+//! Where the files of a scenario come from: itself, its catalogs, its road.
 
-use std::cell::RefCell;
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::rc::Rc;
 
-use crate::error::{ReadError, one_of};
-use crate::node::Node;
-use crate::parameter::{Assignment, Scope};
-use crate::subset;
-use crate::xml::{self, Document, Element, MAX_FILE_BYTES};
+use crate::xml::MAX_FILE_BYTES;
 
-/// Where files come from: the disk, or a table in memory.
+/// A source of files: the disk, or a table in memory.
+///
+/// ```
+/// use openscenario::Source;
+/// use std::path::{Path, PathBuf};
+///
+/// /// One file, whatever the path.
+/// struct OneFile(&'static str);
+///
+/// impl Source for OneFile {
+///     fn read(&self, _: &Path) -> std::io::Result<String> {
+///         Ok(self.0.to_owned())
+///     }
+///
+///     fn list(&self, directory: &Path) -> std::io::Result<Vec<PathBuf>> {
+///         Ok(vec![directory.join("only.xosc")])
+///     }
+/// }
+/// ```
 pub trait Source {
     /// The text of a file.
     ///
@@ -53,7 +64,7 @@ impl Source for Disk {
     }
 }
 
-/// The text of a file's bytes, whatever encoding it declares: of ASCII all are UTF-8 too.
+/// The text of a file's bytes. The declared encoding does not matter: ASCII is UTF-8 in all of them.
 fn text(bytes: Vec<u8>) -> std::io::Result<String> {
     let refuse = |what: &str| std::io::Error::other(format!("{what}, expected XML in UTF-8"));
     if let [0xff, 0xfe, ..] | [0xfe, 0xff, ..] | [0, b'<', ..] | [b'<', 0, ..] = bytes[..] {
@@ -63,128 +74,6 @@ fn text(bytes: Vec<u8>) -> std::io::Result<String> {
         let at = error.utf8_error().valid_up_to();
         refuse(&format!("is not UTF-8 text (byte {at})"))
     })
-}
-
-/// Reads, checks and keeps files.
-pub(crate) struct Library<'a> {
-    source: &'a dyn Source,
-    /// The scenario file's directory.
-    directory: PathBuf,
-    /// Catalogs by directory; each with its file.
-    catalogs: RefCell<BTreeMap<PathBuf, Rc<Vec<Document>>>>,
-}
-
-/// The kinds of catalog entries that are used.
-pub(crate) const LOCATIONS: &[(&str, &str)] = &[
-    ("Vehicle", "VehicleCatalog"),
-    ("Pedestrian", "PedestrianCatalog"),
-    ("MiscObject", "MiscObjectCatalog"),
-    ("Controller", "ControllerCatalog"),
-    ("Trajectory", "TrajectoryCatalog"),
-    ("Maneuver", "ManeuverCatalog"),
-    ("Environment", "EnvironmentCatalog"),
-];
-
-impl<'a> Library<'a> {
-    pub(crate) fn new(source: &'a dyn Source, scenario: &Path) -> Self {
-        let directory = scenario.parent().unwrap_or(Path::new("")).to_owned();
-        Self { source, directory, catalogs: RefCell::default() }
-    }
-
-    /// The text of a file that the scenario names.
-    pub(crate) fn text(&self, relative: &str) -> (PathBuf, std::io::Result<String>) {
-        let path = self.directory.join(relative.trim_start_matches("./"));
-        let text = self.source.read(&path);
-        (path, text)
-    }
-
-    /// Gives the entry that a reference names, and the kind of it, to `take`. `locations` is the
-    /// scenario's `CatalogLocations`, `kinds` the entries that would do.
-    pub(crate) fn entry<T>(
-        &self,
-        reference: Node<'_>,
-        locations: Option<Node<'_>>,
-        kinds: &[&str],
-        take: &mut dyn FnMut(Node<'_>) -> Result<T, ReadError>,
-    ) -> Result<T, ReadError> {
-        let catalog = reference.text("catalogName")?;
-        let entry = reference.text("entryName")?;
-        let mut seen: Vec<String> = Vec::new();
-        for (_, location) in LOCATIONS.iter().filter(|(kind, _)| kinds.contains(kind)) {
-            let Some(place) = locations.and_then(|list| list.child_if(location)) else { continue };
-            let directory = place.child("Directory")?;
-            for document in self.directory(directory)?.iter() {
-                let Some(found) = document.root.child("Catalog") else { continue };
-                let name = found.attribute("name").unwrap_or_default();
-                seen.push(name.to_owned());
-                if name != catalog {
-                    continue;
-                }
-                let named = |element: &&Element| element.attribute("name") == Some(entry.as_str());
-                let Some(element) = found.children.iter().find(named) else {
-                    let known = found.children.iter().filter_map(|e| e.attribute("name"));
-                    return Err(reference.refuse(
-                        format!("catalog `{catalog}` ({}) has no entry `{entry}`", document.file),
-                        one_of(known),
-                    ));
-                };
-                if !kinds.contains(&element.name.as_str()) {
-                    return Err(reference.refuse(
-                        format!("`{entry}` of catalog `{catalog}` is a `{}`", element.name),
-                        one_of(kinds.iter().copied()),
-                    ));
-                }
-                subset::check_part(&document.file, element)?;
-                let assigned = assignments(reference)?;
-                let scope = Scope::default()
-                    .with(&document.file, element, &assigned)
-                    .map_err(|error| error.given_at(&reference.place()))?;
-                return take(Node { file: &document.file, element, scope: &scope });
-            }
-        }
-        seen.sort();
-        Err(reference.refuse(
-            format!("catalog `{catalog}` is in none of the catalog locations"),
-            match seen.is_empty() {
-                true => "a location with catalogs of this kind".to_owned(),
-                false => one_of(seen.iter().map(String::as_str)),
-            },
-        ))
-    }
-
-    fn directory(&self, node: Node<'_>) -> Result<Rc<Vec<Document>>, ReadError> {
-        let path = self.directory.join(node.text("path")?.trim_start_matches("./"));
-        if let Some(known) = self.catalogs.borrow().get(&path) {
-            return Ok(Rc::clone(known));
-        }
-        let unreadable = |path: &Path, error: std::io::Error| {
-            let reason = format!("the catalogs of {} cannot be read: {error}", path.display());
-            node.refuse(reason, "a directory of catalogs, relative to the scenario file")
-        };
-        let mut documents = Vec::new();
-        for file in self.source.list(&path).map_err(|error| unreadable(&path, error))? {
-            let text = self.source.read(&file).map_err(|error| unreadable(&file, error))?;
-            let document = xml::parse(&file.display().to_string(), &text)?;
-            subset::check_head(&document)?;
-            documents.push(document);
-        }
-        let documents = Rc::new(documents);
-        self.catalogs.borrow_mut().insert(path, Rc::clone(&documents));
-        Ok(documents)
-    }
-}
-
-/// The values that a catalog reference gives to its entry's parameters.
-fn assignments(reference: Node<'_>) -> Result<Vec<Assignment>, ReadError> {
-    let Some(list) = reference.child_if("ParameterAssignments") else { return Ok(Vec::new()) };
-    list.children()
-        .map(|node| {
-            // The name of the entry's parameter, with its `$` or without; not a parameter of the scenario.
-            let name = node.element.attribute("parameterRef").unwrap_or_default();
-            let name = name.trim_start_matches('$').to_owned();
-            Ok(Assignment { name, value: node.text("value")? })
-        })
-        .collect()
 }
 
 /// Files in memory, for tests.

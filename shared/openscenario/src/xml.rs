@@ -1,9 +1,9 @@
-//! A file as a tree of elements that know their lines.
+//! A file as a tree of elements that know their places.
 
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 
-use crate::error::{Place, ReadError};
+use crate::error::{Place, ReadError, Spot};
 
 /// Longest file, bytes.
 pub const MAX_FILE_BYTES: usize = 4 << 20;
@@ -19,25 +19,41 @@ pub struct Document {
     pub root: Element,
 }
 
-/// An element with what it holds. Text between elements has no meaning in either standard and is
-/// passed over.
+/// An element with what it holds. Text between elements is skipped: neither standard gives it a meaning.
 #[derive(Clone, Debug)]
 pub struct Element {
     /// Name, without a namespace.
     pub name: String,
-    /// Line of its start tag, from 1.
-    pub line: usize,
+    /// Where its start tag begins.
+    pub spot: Spot,
     /// Attributes in the order of the file.
-    pub attributes: Vec<(String, String)>,
+    pub attributes: Vec<Attribute>,
     /// Elements inside it, in the order of the file.
     pub children: Vec<Element>,
+}
+
+/// An attribute.
+#[derive(Clone, Debug)]
+pub struct Attribute {
+    /// Name, without a namespace.
+    pub name: String,
+    /// Value, with its references to characters replaced.
+    pub value: String,
+    /// Where its name begins.
+    pub spot: Spot,
 }
 
 impl Element {
     /// The text of an attribute.
     #[must_use]
     pub fn attribute(&self, name: &str) -> Option<&str> {
-        self.attributes.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
+        self.given(name).map(|attribute| attribute.value.as_str())
+    }
+
+    /// An attribute with its place.
+    #[must_use]
+    pub fn given(&self, name: &str) -> Option<&Attribute> {
+        self.attributes.iter().find(|attribute| attribute.name == name)
     }
 
     /// The first child of that name.
@@ -57,11 +73,11 @@ pub fn parse(file: &str, text: &str) -> Result<Document, ReadError> {
         let reason = format!("has {} bytes, expected at most {MAX_FILE_BYTES}", text.len());
         return Err(ReadError::File { file: file.to_owned(), reason });
     }
-    let lines = Lines::of(text);
     let syntax = |at: u64, reason: String| ReadError::Syntax {
-        place: Place { file: file.to_owned(), line: lines.at(at) },
+        place: Place { file: file.to_owned(), spot: Cursor::new(text).at(at as usize) },
         reason,
     };
+    let mut cursor = Cursor::new(text);
     let mut reader = Reader::from_str(text);
     let mut open: Vec<Element> = Vec::new();
     let mut root = None;
@@ -70,7 +86,7 @@ pub fn parse(file: &str, text: &str) -> Result<Document, ReadError> {
         let event = reader
             .read_event()
             .map_err(|error| syntax(reader.error_position(), format!("not XML: {error}")))?;
-        let line = lines.at(start);
+        let spot = cursor.at(start as usize);
         let closed = match event {
             Event::Start(tag) => {
                 if root.is_some() && open.is_empty() {
@@ -80,12 +96,16 @@ pub fn parse(file: &str, text: &str) -> Result<Document, ReadError> {
                     let reason = format!("elements are nested more than {MAX_DEPTH} deep");
                     return Err(syntax(start, reason));
                 }
-                open.push(element(&tag, line).map_err(|reason| syntax(start, reason))?);
+                open.push(
+                    element(&tag, spot, &mut cursor).map_err(|reason| syntax(start, reason))?,
+                );
                 None
             }
-            Event::Empty(tag) => Some(element(&tag, line).map_err(|reason| syntax(start, reason))?),
+            Event::Empty(tag) => {
+                Some(element(&tag, spot, &mut cursor).map_err(|reason| syntax(start, reason))?)
+            }
             Event::End(_) => open.pop(),
-            // One in another file changes nothing here, because entities of it are not read.
+            // An external document type changes nothing: its entities are not read.
             Event::DocType(kind) if kind.contains('[') => {
                 let reason = "a document type with declarations of its own, expected none";
                 return Err(syntax(start, reason.to_owned()));
@@ -103,7 +123,7 @@ pub fn parse(file: &str, text: &str) -> Result<Document, ReadError> {
         }
     }
     if let Some(element) = open.last() {
-        let reason = format!("`{}` of line {} is not closed", element.name, element.line);
+        let reason = format!("`{}` of line {} is not closed", element.name, element.spot.line);
         return Err(syntax(text.len() as u64, reason));
     }
     match root {
@@ -112,35 +132,59 @@ pub fn parse(file: &str, text: &str) -> Result<Document, ReadError> {
     }
 }
 
-fn element(tag: &BytesStart<'_>, line: usize) -> Result<Element, String> {
+fn element(tag: &BytesStart<'_>, spot: Spot, cursor: &mut Cursor<'_>) -> Result<Element, String> {
     let mut attributes = Vec::new();
     for attribute in tag.attributes() {
         let attribute = attribute.map_err(|error| format!("not XML: {error}"))?;
         let value = attribute
             .normalized_value(XmlVersion::Implicit1_0)
             .map_err(|error| format!("not XML: {error}"))?;
-        // Of the characters below the space XML knows three.
+        // XML allows three characters below the space.
         if let Some(c) = value.chars().find(|c| *c < ' ' && !matches!(c, '\t' | '\n' | '\r')) {
             let code = u32::from(c);
             return Err(format!("not XML: an attribute holds the control character U+{code:04X}"));
         }
-        attributes.push((attribute.key.local_name().as_ref().to_owned(), value.into_owned()));
+        let spot = cursor.of(attribute.key.as_ref()).unwrap_or(spot);
+        let name = attribute.key.local_name().as_ref().to_owned();
+        attributes.push(Attribute { name, value: value.into_owned(), spot });
     }
     let name = tag.local_name().as_ref().to_owned();
-    Ok(Element { name, line, attributes, children: Vec::new() })
+    Ok(Element { name, spot, attributes, children: Vec::new() })
 }
 
-/// Where the lines of a text begin.
-struct Lines(Vec<usize>);
+/// A position in a text that counts lines and columns on its way forward.
+struct Cursor<'a> {
+    text: &'a str,
+    at: usize,
+    spot: Spot,
+}
 
-impl Lines {
-    fn of(text: &str) -> Self {
-        let after = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
-        Self(after.map(|(at, _)| at + 1).collect())
+impl<'a> Cursor<'a> {
+    fn new(text: &'a str) -> Self {
+        Self { text, at: 0, spot: Spot { line: 1, column: 1 } }
     }
 
-    fn at(&self, position: u64) -> usize {
-        1 + self.0.partition_point(|start| *start as u64 <= position)
+    /// The spot of a byte.
+    fn at(&mut self, byte: usize) -> Spot {
+        if byte < self.at {
+            *self = Self::new(self.text);
+        }
+        while let Some(c) = self.text[self.at..].chars().next()
+            && self.at < byte
+        {
+            self.at += c.len_utf8();
+            self.spot = match c {
+                '\n' => Spot { line: self.spot.line + 1, column: 1 },
+                _ => Spot { column: self.spot.column + 1, ..self.spot },
+            };
+        }
+        self.spot
+    }
+
+    /// The spot of a part of the text.
+    fn of(&mut self, part: &str) -> Option<Spot> {
+        let byte = part.as_ptr().addr().checked_sub(self.text.as_ptr().addr())?;
+        (byte + part.len() <= self.text.len()).then(|| self.at(byte))
     }
 }
 
@@ -153,33 +197,35 @@ mod tests {
     }
 
     #[test]
-    fn elements_know_their_lines() {
+    fn elements_and_attributes_know_their_places() {
         let text = "\u{feff}<?xml version=\"1.0\"?>\n<!-- a\nremark -->\n<A b=\"1 &lt; 2\">\n <B/>\n\n <C\n  d='e'></C>\n</A>\n";
         let document = parse("x.xosc", text).expect("it is well-formed");
         let root = &document.root;
-        assert_eq!((root.name.as_str(), root.line), ("A", 4));
+        let spot = |line, column| Spot { line, column };
+        assert_eq!((root.name.as_str(), root.spot), ("A", spot(4, 1)));
         assert_eq!(root.attribute("b"), Some("1 < 2"));
-        let children: Vec<(&str, usize)> =
-            root.children.iter().map(|child| (child.name.as_str(), child.line)).collect();
-        assert_eq!(children, [("B", 5), ("C", 7)]);
+        let children: Vec<(&str, Spot)> =
+            root.children.iter().map(|child| (child.name.as_str(), child.spot)).collect();
+        assert_eq!(children, [("B", spot(5, 2)), ("C", spot(7, 2))]);
+        assert_eq!(root.children[1].given("d").map(|d| d.spot), Some(spot(8, 3)));
         assert_eq!(root.children[1].attribute("d"), Some("e"));
     }
 
     #[test]
     fn what_is_not_well_formed_is_refused_at_its_line() {
         assert!(
-            refusal("<A>\n <B>\n</A>").starts_with("x.xosc:3: not XML"),
+            refusal("<A>\n <B>\n</A>").starts_with("x.xosc:3:1: not XML"),
             "{}",
             refusal("<A>\n <B>\n</A>")
         );
         assert!(refusal("<A>\n").contains("`A` of line 1 is not closed"));
-        assert!(refusal("<A/>\n<B/>").starts_with("x.xosc:2: a second outermost element"));
+        assert!(refusal("<A/>\n<B/>").starts_with("x.xosc:2:1: a second outermost element"));
         assert!(refusal("").contains("no element"));
         let entities = "<!DOCTYPE a [<!ENTITY b \"c\">]>\n<A/>";
         assert!(refusal(entities).contains("a document type with declarations"));
         assert_eq!(
             refusal("<!DOCTYPE a SYSTEM \"a.dtd\">\n<A>"),
-            "x.xosc:2: `A` of line 2 is not closed"
+            "x.xosc:2:4: `A` of line 2 is not closed"
         );
         assert!(refusal("<A b=\"1\" b=\"2\"/>").contains("not XML"));
         assert!(refusal("<A b=\"\0\"/>").contains("U+0000"));

@@ -52,7 +52,7 @@ fn of_a_catalog_only_the_entry_in_use_has_to_be_in_the_subset() {
     let winged = car().replace("<TrailerHitch dx=\"-1.2\"/>", "<Wings/>");
     let shown = with_catalog(&winged, "").expect_err("it has wings").to_string();
     assert!(
-        shown.starts_with("dir/cars/c.xosc:3: element `Wings` in `Vehicle` is not supported"),
+        shown.starts_with("dir/cars/c.xosc:3:278: element `Wings` in `Vehicle` is not supported"),
         "{shown}"
     );
 }
@@ -87,6 +87,14 @@ fn a_controller_action_of_version_1_0_holds_two_that_do_nothing() {
         shown.contains("`active` of `Brake`: `Brake` would be overridden, expected false"),
         "{shown}"
     );
+}
+
+#[test]
+fn the_name_of_a_condition_is_not_evaluated() {
+    let named = at(1.0).replace("name=\"c\"", "name=\"${Words + $x}\"");
+    let start = trigger(&[&named]);
+    let event = event("E", "override", &[&speed("step", "time", 0.0, 1.0)], &start);
+    Parts { stories: story(&[event]), ..Parts::default() }.read().expect("names are free");
 }
 
 #[test]

@@ -1,6 +1,5 @@
 //! The events of actors as a storyboard, and what is wrong with them.
 
-use openscenario::Script;
 use openscenario::model::action::{Action, Dimension, LaneTarget, Shape, SpeedTarget, Transition};
 use openscenario::model::condition::{
     Along, Condition, Edge, EntityTest, Measured, Target, Test, Trigger,
@@ -11,8 +10,8 @@ use openscenario::model::storyboard::{
     Act, Event, Maneuver, ManeuverGroup, NamedAction, Priority, Story,
 };
 use openscenario::model::{Body, Category, Drive, Entity, InitAction};
-use openscenario::parameter::Rule;
 use openscenario::road::{Lane, Road};
+use openscenario::{Rule, Script};
 
 use super::Scenario;
 use super::accepted::accepted;

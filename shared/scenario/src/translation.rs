@@ -7,9 +7,8 @@ use std::path::Path;
 
 use openscenario::model::condition::{Condition, Test, Trigger};
 use openscenario::model::{Category, Drive, Script};
-use openscenario::parameter::Rule;
 use openscenario::read;
-use openscenario::{Assignment, Disk, ReadError, World, WorldError};
+use openscenario::{Assignment, Disk, ReadError, Rule, Spot, World, WorldError};
 
 use super::SCHEMA_VERSION;
 use super::actor::MAX_ACTORS;
@@ -33,7 +32,7 @@ pub enum OpenError {
     /// Its beginning makes no sense.
     #[error("error: {place}: {cause}")]
     Start {
-        /// The file, with the line where it says how the entity begins.
+        /// The file, with the place where it says how the entity begins.
         place: String,
         /// What is wrong.
         cause: WorldError,
@@ -55,11 +54,11 @@ pub enum OpenError {
 pub(super) fn keys_of(path: &Path, parameters: &[Assignment]) -> Result<ForeignKeys, OpenError> {
     let file = path.display().to_string();
     let read = read::scenario(path, &Disk, parameters)?;
-    let (script, lines) = (read.script, read.lines);
-    let place_of = |line: usize| format!("{file}:{line}");
+    let (script, spots) = (read.script, read.spots);
+    let place_of = |spot: Spot| format!("{file}:{spot}");
     let world = World::new(script.clone()).map_err(|cause| {
         let entity = cause.entity().and_then(|name| script.entity(name));
-        let place = entity.map_or(file.clone(), |entity| place_of(lines.starts[entity]));
+        let place = entity.map_or(file.clone(), |entity| place_of(spots.starts[entity]));
         OpenError::Start { place, cause }
     })?;
     let count = script.entities.len() - 1;
@@ -72,17 +71,17 @@ pub(super) fn keys_of(path: &Path, parameters: &[Assignment]) -> Result<ForeignK
     keys.set("name", word(path.file_stem().and_then(|stem| stem.to_str()), "scenario"));
     keys.set("description", printable.chars().take(MAX_LINE).collect::<String>());
     let duration_s = ends_after(&script).unwrap_or(DEFAULT_DURATION_S);
-    match lines.stop {
-        Some(line) => keys.set_at(&place_of(line), "the `StopTrigger`", "duration_s", duration_s),
+    match spots.stop {
+        Some(spot) => keys.set_at(&place_of(spot), "the `StopTrigger`", "duration_s", duration_s),
         None => keys.set("duration_s", duration_s),
     }
     let set = |keys: &mut ForeignKeys, entity: usize, key: &str, value: toml::Value| {
         let name = &script.entities[entity].name;
-        let (line, what) = match key.ends_with("length_m") {
-            true => (lines.entities[entity], format!("`{name}`")),
-            false => (lines.starts[entity], format!("`{name}` in Init")),
+        let (spot, what) = match key.ends_with("length_m") {
+            true => (spots.entities[entity], format!("`{name}`")),
+            false => (spots.starts[entity], format!("`{name}` in Init")),
         };
-        keys.set_at(&place_of(line), &what, key, value);
+        keys.set_at(&place_of(spot), &what, key, value);
     };
     let ego_mps = world.motion(script.ego).speed_mps;
     set(&mut keys, script.ego, "set_speed_mps", ego_mps.into());
@@ -237,7 +236,7 @@ mod tests {
         .expect_err("too fast")
         .to_string();
         let place = format!(
-            "{FILE}:30: `Ego` in Init makes a scenario with initial_speed_mps = 200.0: 200 is out of range, expected "
+            "{FILE}:30:9: `Ego` in Init makes a scenario with initial_speed_mps = 200.0: 200 is out of range, expected "
         );
         assert!(said.contains(&place), "{said}");
     }

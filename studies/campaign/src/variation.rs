@@ -148,7 +148,7 @@ mod tests {
         let files = Files::new("unfit", &VARIATION.replace("\"v\"", "\"w\""));
         let said =
             of_variation(&files.0.join("v.xosc")).expect_err("no such parameter").to_string();
-        assert!(said.contains("v.xosc:3: parameter w=10"), "{said}");
+        assert!(said.contains("v.xosc:3:11: parameter w=10"), "{said}");
         assert!(said.contains("a.xosc does not declare it, expected `v` or `m`"), "{said}");
     }
 }

@@ -1,4 +1,4 @@
-//! What entities do.
+//! Actions of entities and of the world.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,7 +22,7 @@ pub enum Action {
     LaneChange {
         /// The lane.
         target: LaneTarget,
-        /// From its centre, m.
+        /// Offset from its centre, m; positive to the left of the reference line.
         offset_m: f64,
         /// How it is reached.
         transition: Transition,
@@ -33,7 +33,7 @@ pub enum Action {
         target: OffsetTarget,
         /// The shape.
         shape: Shape,
-        /// The largest lateral acceleration on the way, m/s²; absent: at once.
+        /// Largest lateral acceleration on the way, m/s². Without it the entity is there at once.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         max_lateral_mps2: Option<f64>,
         /// Does not end by itself.
@@ -41,28 +41,28 @@ pub enum Action {
     },
     /// The entity moves along a line.
     Trajectory(Trajectory),
-    /// The entity is somewhere at once.
+    /// The entity is at a position at once.
     Teleport(Position),
     /// The entity comes onto the road.
     Add {
-        /// Which.
+        /// The entity.
         entity: usize,
-        /// Where.
+        /// Its position.
         position: Position,
     },
     /// The entity leaves the road.
     Delete {
-        /// Which.
+        /// The entity.
         entity: usize,
     },
     /// A parameter or variable changes.
     Set {
-        /// Which, among the script's values.
+        /// Its place among the script's values.
         value: usize,
-        /// How.
+        /// The change.
         change: Change,
     },
-    /// Nothing that the simulation would show: complete at once.
+    /// An action without effect in the simulation; it is complete at once.
     Nothing,
 }
 
@@ -92,16 +92,35 @@ pub enum SpeedTarget {
     },
 }
 
+impl SpeedTarget {
+    /// Whether it is kept up without end.
+    #[must_use]
+    pub fn is_continuous(&self) -> bool {
+        match self {
+            Self::Absolute(_) => false,
+            Self::Delta { continuous, .. } | Self::Factor { continuous, .. } => *continuous,
+        }
+    }
+}
+
 /// How a target is reached.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Transition {
     /// The shape.
     pub shape: Shape,
-    /// What its value is.
+    /// The meaning of the value.
     pub dimension: Dimension,
     /// Time in s, largest rate in the target's unit per second, or distance in m.
     pub value: f64,
+}
+
+impl Transition {
+    /// Whether it takes no time.
+    #[must_use]
+    pub fn is_immediate(&self) -> bool {
+        self.shape == Shape::Step || (self.dimension != Dimension::Rate && self.value == 0.0)
+    }
 }
 
 /// The shape of a transition from 0 to 1.
@@ -114,11 +133,11 @@ pub enum Shape {
     Cubic,
     /// (1 - cos pi x) / 2
     Sinusoidal,
-    /// 1 from the start.
+    /// 1 from the start on.
     Step,
 }
 
-/// What the value of a transition is.
+/// The meaning of a transition's value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Dimension {
@@ -136,34 +155,34 @@ pub enum Dimension {
 pub struct Distance {
     /// The other.
     pub entity: usize,
-    /// How far.
+    /// Its size.
     pub gap: Gap,
-    /// Between the bodies rather than the origins.
+    /// Whether it counts between the bodies, not the origins.
     pub freespace: bool,
     /// On which side of the other.
     pub side: Side,
     /// Does not end by itself.
     pub continuous: bool,
-    /// How the entity may drive to get there; absent: it is there at once.
+    /// Bounds on the way. Without them the entity is there at once.
     #[serde(default)]
     pub limits: Option<Limits>,
 }
 
-/// How far.
+/// The size of a distance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Gap {
-    /// m.
+    /// A length, m.
     Distance(f64),
-    /// s, at the speed of the one behind.
+    /// A time, s, at the speed of the one behind.
     Time(f64),
 }
 
-/// On which side of another entity.
+/// A side of another entity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Side {
-    /// On the side where it is now.
+    /// The side on which the entity is now.
     Any,
     /// Behind it.
     Behind,
@@ -175,32 +194,32 @@ pub enum Side {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
-    /// m/s².
+    /// Largest acceleration, m/s².
     pub max_acceleration_mps2: f64,
-    /// m/s², positive.
+    /// Largest deceleration, m/s², positive.
     pub max_deceleration_mps2: f64,
-    /// m/s.
+    /// Largest speed, m/s.
     pub max_speed_mps: f64,
 }
 
-/// Where a lane change ends.
+/// The end of a lane change.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum LaneTarget {
     /// A lane's id.
     Lane(i32),
-    /// Lanes to the left of an entity's.
+    /// A lane to the left of an entity's lane.
     Beside {
         /// The entity.
         entity: usize,
-        /// Lanes to its left.
+        /// Number of lanes to its left.
         lanes_left: i32,
     },
-    /// A lateral position, m: for roads without lanes.
+    /// A lateral position, m, for roads without lanes.
     Lateral(f64),
 }
 
-/// Where a lane offset ends.
+/// The end of a lane offset.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum OffsetTarget {
@@ -210,7 +229,7 @@ pub enum OffsetTarget {
     Entity {
         /// The other.
         entity: usize,
-        /// m.
+        /// Offset from its lateral position, m.
         offset_m: f64,
     },
 }
@@ -221,10 +240,10 @@ pub enum OffsetTarget {
 pub struct Trajectory {
     /// Its corners.
     pub vertices: Vec<Vertex>,
-    /// When they are passed; absent: the entity keeps its speed.
+    /// Times at which the corners are passed. Without them the entity keeps its speed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub timing: Option<Timing>,
-    /// Where on the line it begins, m.
+    /// Distance along the line at which the entity begins, m.
     #[serde(default)]
     pub initial_offset_m: f64,
 }
@@ -233,10 +252,10 @@ pub struct Trajectory {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Vertex {
-    /// When, s.
+    /// Time, s.
     #[serde(default)]
     pub time_s: f64,
-    /// Where.
+    /// Position.
     pub position: Position,
 }
 
@@ -244,22 +263,22 @@ pub struct Vertex {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Timing {
-    /// Counts from the start of the run rather than of the action.
+    /// Whether it counts from the start of the run, not of the action.
     pub absolute: bool,
-    /// Factor.
+    /// Scale, without unit.
     pub scale: f64,
-    /// s.
+    /// Offset, s.
     pub offset_s: f64,
 }
 
-/// How a value changes.
+/// A change of a value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Change {
     /// The new value.
     To(Value),
-    /// Added.
+    /// A number to add.
     Add(f64),
-    /// Multiplied.
+    /// A number to multiply by.
     Multiply(f64),
 }

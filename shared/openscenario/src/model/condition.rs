@@ -1,14 +1,14 @@
-//! What storyboards wait for.
+//! Triggers and conditions.
 
 use serde::{Deserialize, Serialize};
 
 use super::Category;
 use super::element::{ElementKind, ElementState};
 use super::position::Position;
+use crate::comparison::Rule;
 use crate::expression::Value;
-use crate::parameter::Rule;
 
-/// Fires when one group holds: a group holds when all its conditions do.
+/// A trigger: it fires when one group holds. A group holds when all its conditions do.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Trigger(pub Vec<Vec<Condition>>);
@@ -17,21 +17,21 @@ pub struct Trigger(pub Vec<Vec<Condition>>);
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Condition {
-    /// What must change for it to hold.
+    /// The change that it waits for.
     #[serde(default)]
     pub edge: Edge,
-    /// How much later it holds, ns.
+    /// Delay after the edge, ns.
     #[serde(default)]
     pub delay_ns: u64,
-    /// What it looks at.
+    /// Its test.
     pub test: Test,
 }
 
-/// What must change.
+/// The change of a test that a condition waits for.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Edge {
-    /// Nothing: it holds while its test does.
+    /// None: the condition holds while its test does.
     #[default]
     None,
     /// From false to true.
@@ -42,47 +42,47 @@ pub enum Edge {
     RisingOrFalling,
 }
 
-/// What a condition looks at.
+/// A test: the subject of a condition.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Test {
     /// Time since the start, s.
     Time {
-        /// How it compares.
+        /// The comparison.
         rule: Rule,
-        /// With what, s.
+        /// The value to compare with, s.
         value: f64,
     },
     /// A parameter or variable.
     Value {
-        /// Which, among the script's values.
+        /// Its place among the script's values.
         of: usize,
-        /// How it compares.
+        /// The comparison.
         rule: Rule,
-        /// With what.
+        /// The value to compare with.
         value: Value,
     },
     /// A part of the storyboard.
     Element {
-        /// What kind of part.
+        /// The kind of part.
         kind: ElementKind,
         /// Its name, or its path with `::`.
         name: String,
         /// The state or transition.
         state: ElementState,
     },
-    /// Something about entities.
+    /// A test of entities.
     Entity {
-        /// Which.
+        /// The triggering entities.
         entities: Vec<usize>,
-        /// All of them, or any.
+        /// Whether all of them must meet it, rather than one.
         all: bool,
-        /// What.
+        /// The test of each.
         is: EntityTest,
     },
 }
 
-/// Something about an entity.
+/// A test of one entity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum EntityTest {
@@ -98,84 +98,84 @@ pub enum EntityTest {
     TraveledDistance(f64),
     /// Acceleration, m/s².
     Acceleration {
-        /// How it compares.
+        /// The comparison.
         rule: Rule,
-        /// With what, m/s².
+        /// The value to compare with, m/s².
         value: f64,
     },
     /// Speed, m/s.
     Speed {
-        /// How it compares.
+        /// The comparison.
         rule: Rule,
-        /// With what, m/s.
+        /// The value to compare with, m/s.
         value: f64,
     },
     /// Own speed minus another's, m/s.
     RelativeSpeed {
         /// The other.
         entity: usize,
-        /// How it compares.
+        /// The comparison.
         rule: Rule,
-        /// With what, m/s.
+        /// The value to compare with, m/s.
         value: f64,
     },
     /// Near a position.
     ReachPosition {
-        /// Where.
+        /// The position.
         position: Position,
-        /// How near, m.
+        /// Largest distance to it, m.
         tolerance_m: f64,
     },
     /// Distance, m.
     Distance {
-        /// To what.
+        /// The far end.
         to: Measured,
-        /// How it compares.
+        /// The comparison.
         rule: Rule,
-        /// With what, m.
+        /// The value to compare with, m.
         value: f64,
     },
     /// Distance over own speed, s.
     Headway {
-        /// To what.
+        /// The far end.
         to: Measured,
-        /// How it compares.
+        /// The comparison.
         rule: Rule,
-        /// With what, s.
+        /// The value to compare with, s.
         value: f64,
     },
     /// Distance over closing speed, s.
     TimeToCollision {
-        /// To what.
+        /// The far end.
         to: Measured,
-        /// How it compares.
+        /// The comparison.
         rule: Rule,
-        /// With what, s.
+        /// The value to compare with, s.
         value: f64,
     },
 }
 
-/// What a body touches.
+/// The other body of a collision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CollisionWith {
     /// This entity.
     Entity(usize),
-    /// Any of a kind.
+    /// Any entity of a category.
     Category(Category),
 }
 
-/// A distance to something.
+/// How a distance is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measured {
-    /// To what.
+    /// The far end.
     pub target: Target,
-    /// Between the bodies rather than the origins.
+    /// Whether it counts between the bodies, not the origins.
     pub freespace: bool,
-    /// Along which direction.
+    /// Its direction.
     pub along: Along,
-    /// Directions are the entity's own rather than the road's.
+    /// Whether its axes are the entity's, not the road's.
     pub entity_axes: bool,
 }
 
@@ -193,10 +193,10 @@ pub enum Target {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Along {
-    /// Ahead.
+    /// Along the axes.
     Longitudinal,
-    /// Aside.
+    /// Across the axes.
     Lateral,
-    /// Straight.
+    /// In a straight line.
     Euclidean,
 }

@@ -1,7 +1,7 @@
-//! What a scenario says, with every value resolved.
+//! A scenario with every value resolved.
 //!
-//! [`Script`] is plain data: it can be written down and read back (`serde`), and made without any XML.
-//! Entities, parameters and variables are meant by their place in the script's lists.
+//! [`Script`] is plain data: it can be serialised (`serde`), and built without any XML. Entities, parameters
+//! and variables are referred to by their place in the script's lists.
 
 pub mod action;
 pub mod condition;
@@ -33,24 +33,24 @@ pub struct Script {
     /// Parameters and variables that the storyboard compares or changes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub values: Vec<Named>,
-    /// What is done before the first step, in order.
+    /// Actions before the first step, in order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub init: Vec<InitAction>,
     /// The stories.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stories: Vec<Story>,
-    /// What ends the storyboard.
+    /// The trigger that ends the storyboard.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stop: Option<Trigger>,
 }
 
-/// Something on the road.
+/// An entity on the road.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Entity {
     /// Its name.
     pub name: String,
-    /// What it is.
+    /// Its category.
     pub category: Category,
     /// Its body.
     pub body: Body,
@@ -59,7 +59,7 @@ pub struct Entity {
     pub drive: Drive,
 }
 
-/// What an entity is.
+/// The category of an entity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Category {
@@ -67,7 +67,7 @@ pub enum Category {
     Vehicle,
     /// A pedestrian, wheelchair or animal.
     Pedestrian,
-    /// A thing.
+    /// An object.
     MiscObject,
 }
 
@@ -78,7 +78,7 @@ pub enum Drive {
     /// The storyboard.
     #[default]
     Scripted,
-    /// Its caller: the ego, or traffic with profiles of its own.
+    /// The caller: for the ego, and for traffic with profiles of its own.
     External,
 }
 
@@ -110,15 +110,15 @@ pub struct Named {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InitAction {
-    /// The entity that does it; absent: an action of the world.
+    /// The acting entity; none for an action of the world.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub actor: Option<usize>,
-    /// What is done.
+    /// The action.
     pub action: Action,
 }
 
 impl Script {
-    /// The place of an entity of a name.
+    /// The place of the entity with a name.
     #[must_use]
     pub fn entity(&self, name: &str) -> Option<usize> {
         self.entities.iter().position(|entity| entity.name == name)

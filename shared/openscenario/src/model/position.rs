@@ -1,4 +1,4 @@
-//! Where something is.
+//! Positions on the road.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,14 +6,14 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Position {
-    /// From where.
+    /// The point.
     pub from: From,
-    /// How the heading is meant.
+    /// The heading.
     #[serde(default)]
     pub heading: Heading,
 }
 
-/// The point.
+/// A point, in the frame that it is given in.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum From {
@@ -42,11 +42,11 @@ pub enum From {
         /// To its left, m.
         left_m: f64,
     },
-    /// On a lane beside an entity's.
+    /// On a lane beside an entity's lane.
     EntityLane {
         /// The entity.
         entity: usize,
-        /// Lanes to its left.
+        /// Number of lanes to its left.
         lanes_left: i32,
         /// Along the road in its direction, m.
         ds_m: f64,

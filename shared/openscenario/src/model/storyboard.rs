@@ -21,31 +21,31 @@ pub struct Story {
 pub struct Act {
     /// Its name.
     pub name: String,
-    /// What starts it; absent: its story.
+    /// The trigger that starts it. Without one it starts with its story.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start: Option<Trigger>,
-    /// What stops it before its end.
+    /// The trigger that stops it before its end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stop: Option<Trigger>,
     /// Its groups.
     pub groups: Vec<ManeuverGroup>,
 }
 
-/// Maneuvers with their actors.
+/// A group of maneuvers with its actors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ManeuverGroup {
     /// Its name.
     pub name: String,
-    /// How often it runs.
+    /// Number of times that it runs.
     pub executions: u32,
-    /// Who does what is to be done.
+    /// The acting entities.
     pub actors: Vec<usize>,
     /// Its maneuvers.
     pub maneuvers: Vec<Maneuver>,
 }
 
-/// Events that belong together.
+/// A maneuver: a list of events.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Maneuver {
@@ -55,20 +55,20 @@ pub struct Maneuver {
     pub events: Vec<Event>,
 }
 
-/// Actions with what starts them.
+/// An event: actions and the trigger that starts them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Event {
     /// Its name.
     pub name: String,
-    /// What happens to other events of the maneuver.
+    /// Its effect on other events of the maneuver.
     pub priority: Priority,
-    /// How often it starts.
+    /// Number of times that it starts.
     pub executions: u32,
-    /// What starts it; absent: its maneuver.
+    /// The trigger that starts it. Without one it starts with its maneuver.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start: Option<Trigger>,
-    /// What it does.
+    /// Its actions.
     pub actions: Vec<NamedAction>,
 }
 
@@ -78,11 +78,11 @@ pub struct Event {
 pub struct NamedAction {
     /// Its name.
     pub name: String,
-    /// What is done.
+    /// The action.
     pub action: Action,
 }
 
-/// What a starting event does to running ones of its maneuver.
+/// The effect of a starting event on running events of its maneuver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Priority {

@@ -1,297 +1,90 @@
-//! Rows for actions.
+//! Actions of an entity and of the world.
 
-use super::Rule;
+use super::environment::{
+    ActivateControllerAction, ControllerAction, EnvironmentAction, VisibilityAction,
+};
+use super::lateral::LateralAction;
+use super::longitudinal::LongitudinalAction;
+use super::position::Position;
+use super::reference::{EntityName, ParameterName, VariableName};
+use super::trajectory::RoutingAction;
+use crate::declare::{Literal, Node, Number, OneOf, elements};
+use crate::error::ReadError;
+use crate::model::action::{Action, Change};
+use crate::model::position;
 
-const OVERRIDE: &str = "see `OverrideControllerValueAction`";
-const UNUSED: &str = "read, without effect";
+elements! { "Actions";
+    /// an action of an entity
+    PrivateAction -> Action [] {
+        action: OneOf<(
+            LongitudinalAction,
+            LateralAction,
+            ControllerAction,
+            TeleportAction,
+            RoutingAction,
+            VisibilityAction,
+            ActivateControllerAction,
+        )>,
+    } { Ok(action) }
 
-/// What storyboards do.
-pub const ACTIONS: &[Rule] = &[
-    Rule::new(
-        "PrivateAction",
-        "",
-        "",
-        "LongitudinalAction LateralAction ControllerAction TeleportAction RoutingAction VisibilityAction ActivateControllerAction",
-        "an action of an entity",
-    ),
-    Rule::new(
-        "GlobalAction",
-        "",
-        "",
-        "EntityAction ParameterAction VariableAction EnvironmentAction",
-        "an action of the world",
-    ),
-    Rule::new(
-        "LongitudinalAction",
-        "",
-        "",
-        "SpeedAction LongitudinalDistanceAction",
-        "replaces the longitudinal action that is running",
-    ),
-    Rule::new(
-        "LateralAction",
-        "",
-        "",
-        "LaneChangeAction LaneOffsetAction",
-        "replaces the lateral action that is running",
-    ),
-    Rule::new(
-        "SpeedAction",
-        "",
-        "SpeedActionDynamics SpeedActionTarget",
-        "",
-        "speed follows the shape to its target",
-    ),
-    Rule::new(
-        "SpeedActionDynamics",
-        "dynamicsShape dynamicsDimension value followingMode?",
-        "",
-        "",
-        "see \"Shapes\"",
-    ),
-    Rule::new(
-        "SpeedActionTarget",
-        "",
-        "",
-        "AbsoluteTargetSpeed RelativeTargetSpeed",
-        "the speed at the end",
-    ),
-    Rule::new("AbsoluteTargetSpeed", "value", "", "", "m/s, 0 or more"),
-    Rule::new(
-        "RelativeTargetSpeed",
-        "entityRef value speedTargetValueType continuous",
-        "",
-        "",
-        "delta or factor of the other's speed at the start; continuous: kept up without end",
-    ),
-    Rule::new(
-        "LongitudinalDistanceAction",
-        "entityRef freespace continuous distance? timeGap? displacement? coordinateSystem?",
-        "DynamicConstraints?",
-        "",
-        "without constraints the distance is there at once; a time gap counts with the speed of the one behind",
-    ),
-    Rule::new(
-        "DynamicConstraints",
-        "maxAcceleration? maxDeceleration? maxSpeed? maxAccelerationRate? maxDecelerationRate?",
-        "",
-        "",
-        "the first three bound how the distance is reached; the rates are not used",
-    ),
-    Rule::new(
-        "LaneChangeAction",
-        "targetLaneOffset?",
-        "LaneChangeActionDynamics LaneChangeTarget",
-        "",
-        "lateral position follows the shape to the lane's centre",
-    ),
-    Rule::new(
-        "LaneChangeActionDynamics",
-        "dynamicsShape dynamicsDimension value followingMode?",
-        "",
-        "",
-        "see \"Shapes\"",
-    ),
-    Rule::new(
-        "LaneChangeTarget",
-        "",
-        "",
-        "AbsoluteTargetLane RelativeTargetLane",
-        "the lane at the end",
-    ),
-    Rule::new("AbsoluteTargetLane", "value", "", "", "a lane's id"),
-    Rule::new(
-        "RelativeTargetLane",
-        "entityRef value",
-        "",
-        "",
-        "lanes to the left of the other entity's lane",
-    ),
-    Rule::new(
-        "LaneOffsetAction",
-        "continuous",
-        "LaneOffsetActionDynamics LaneOffsetTarget",
-        "",
-        "lateral position follows the shape to the offset",
-    ),
-    Rule::new(
-        "LaneOffsetActionDynamics",
-        "dynamicsShape maxLateralAcc?",
-        "",
-        "",
-        "the time follows from the largest lateral acceleration; without it, at once; not with shape linear",
-    ),
-    Rule::new(
-        "LaneOffsetTarget",
-        "",
-        "",
-        "AbsoluteTargetLaneOffset RelativeTargetLaneOffset",
-        "the offset at the end",
-    ),
-    Rule::new(
-        "AbsoluteTargetLaneOffset",
-        "value",
-        "",
-        "",
-        "m from the centre of the entity's present lane, positive to the left of the reference line",
-    ),
-    Rule::new(
-        "RelativeTargetLaneOffset",
-        "entityRef value",
-        "",
-        "",
-        "m from the other entity's lateral position",
-    ),
-    Rule::new("TeleportAction", "", "Position", "", "the entity is there at once"),
-    Rule::new(
-        "RoutingAction",
-        "",
-        "",
-        "FollowTrajectoryAction",
-        "replaces both the longitudinal and the lateral action",
-    ),
-    Rule::new(
-        "FollowTrajectoryAction",
-        "initialDistanceOffset?",
-        "TimeReference? TrajectoryFollowingMode?",
-        "TrajectoryRef Trajectory CatalogReference",
-        "the entity moves along the trajectory, then goes straight on with its last speed",
-    ),
-    Rule::new("TrajectoryRef", "", "", "Trajectory CatalogReference", "the trajectory"),
-    Rule::new(
-        "Trajectory",
-        "name closed",
-        "ParameterDeclarations? Shape",
-        "",
-        "closed=\"false\" only",
-    ),
-    Rule::new("Shape", "", "", "Polyline", "clothoids and NURBS are refused"),
-    Rule::new("Polyline", "", "Vertex+", "", "straight pieces between two or more vertices"),
-    Rule::new("Vertex", "time?", "Position", "", "times increase; all or none have one"),
-    Rule::new(
-        "TimeReference",
-        "",
-        "",
-        "None Timing",
-        "with timing the vertices' times set the speed, without it the entity keeps its own",
-    ),
-    Rule::new("None", "", "", "", "no timing"),
-    Rule::new(
-        "Timing",
-        "domainAbsoluteRelative scale offset",
-        "",
-        "",
-        "time = scale * vertex time + offset, from the start of the run or of the action",
-    ),
-    Rule::new(
-        "TrajectoryFollowingMode",
-        "followingMode",
-        "",
-        "",
-        "follow and position do the same",
-    ),
-    Rule::new(
-        "ControllerAction",
-        "",
-        "AssignControllerAction? OverrideControllerValueAction? ActivateControllerAction?",
-        "",
-        "the ego's stack drives from the start: assigned and activated controllers change nothing, and the action is complete at once",
-    ),
-    Rule::new(
-        "AssignControllerAction",
-        "activateLateral? activateLongitudinal? activateAnimation? activateLighting?",
-        "",
-        "Controller ObjectController CatalogReference",
-        "see `ControllerAction`",
-    ),
-    Rule::new(
-        "OverrideControllerValueAction",
-        "",
-        "Throttle? Brake? Clutch? ParkingBrake? SteeringWheel? Gear?",
-        "",
-        "of none of them: active=\"false\" only",
-    ),
-    Rule::new("Throttle", "active value? maxRate?", "", "", OVERRIDE),
-    Rule::new("Brake", "active value? maxRate?", "", "", OVERRIDE),
-    Rule::new("Clutch", "active value? maxRate?", "", "", OVERRIDE),
-    Rule::new("ParkingBrake", "active value? maxRate?", "", "", OVERRIDE),
-    Rule::new("SteeringWheel", "active value? maxRate?", "", "", OVERRIDE),
-    Rule::new("Gear", "active number?", "", "", OVERRIDE),
-    Rule::new(
-        "ActivateControllerAction",
-        "lateral? longitudinal? animation? lighting? controllerRef? objectControllerRef?",
-        "",
-        "",
-        "see `ControllerAction`",
-    ),
-    Rule::new(
-        "VisibilityAction",
-        "graphics sensors traffic",
-        "",
-        "",
-        "complete at once, without effect",
-    ),
-    Rule::new(
-        "EntityAction",
-        "entityRef",
-        "",
-        "AddEntityAction DeleteEntityAction",
-        "not for the ego",
-    ),
-    Rule::new("AddEntityAction", "", "Position", "", "the entity is on the road from now on"),
-    Rule::new("DeleteEntityAction", "", "", "", "the entity is gone"),
-    Rule::new(
-        "ParameterAction",
-        "parameterRef",
-        "",
-        "SetAction ModifyAction",
-        "changes what `ParameterCondition` sees",
-    ),
-    Rule::new(
-        "EnvironmentAction",
-        "",
-        "",
-        "Environment CatalogReference",
-        "weather and time of day have no effect, and the action is complete at once",
-    ),
-    Rule::new(
-        "Environment",
-        "name",
-        "ParameterDeclarations? TimeOfDay? Weather? RoadCondition?",
-        "",
-        "see `EnvironmentAction`",
-    ),
-    Rule::new("TimeOfDay", "animation dateTime", "", "", UNUSED),
-    Rule::new(
-        "Weather",
-        "cloudState? fractionalCloudCover? atmosphericPressure? temperature?",
-        "Sun? Fog? Precipitation? Wind? DomeImage?",
-        "",
-        UNUSED,
-    ),
-    Rule::new("Sun", "azimuth elevation intensity? illuminance?", "", "", UNUSED),
-    Rule::new("Fog", "visualRange", "BoundingBox?", "", UNUSED),
-    Rule::new(
-        "Precipitation",
-        "precipitationType intensity? precipitationIntensity?",
-        "",
-        "",
-        UNUSED,
-    ),
-    Rule::new("Wind", "direction speed", "", "", UNUSED),
-    Rule::new("DomeImage", "azimuthOffset?", "DomeFile", "", UNUSED),
-    Rule::new("DomeFile", "filepath", "", "", UNUSED),
-    Rule::new(
-        "RoadCondition",
-        "frictionScaleFactor wetness?",
-        "Properties?",
-        "",
-        "a friction factor of 1 only",
-    ),
-    Rule::new("VariableAction", "variableRef", "", "SetAction ModifyAction", "changes a variable"),
-    Rule::new("SetAction", "value", "", "", "the new value"),
-    Rule::new("ModifyAction", "", "Rule", "", "numbers only"),
-    Rule::new("Rule", "", "", "AddValue MultiplyByValue", "how it is modified"),
-    Rule::new("AddValue", "value", "", "", "added"),
-    Rule::new("MultiplyByValue", "value", "", "", "multiplied"),
-];
+    /// the entity is there at once
+    TeleportAction -> Action [] {position: Position} { Ok(Action::Teleport(position)) }
+
+    /// an action of the world
+    GlobalAction -> Action []
+    {action: OneOf<(EntityAction, ParameterAction, VariableAction, EnvironmentAction)>}
+    { Ok(action) }
+
+    /// not for the ego
+    EntityAction -> Action ["entityRef" entity: EntityName]
+    {added: OneOf<(AddEntityAction, DeleteEntityAction)>}
+    |node| {
+        if entity == node.scene.ego.get() {
+            return Err(node.refuse("the ego is always on the road", "another entity"));
+        }
+        Ok(match added {
+            Some(position) => Action::Add { entity, position },
+            None => Action::Delete { entity },
+        })
+    }
+
+    /// the entity is on the road from now on
+    AddEntityAction -> Option<position::Position> [] {position: Position} { Ok(Some(position)) }
+
+    /// the entity is gone
+    DeleteEntityAction -> Option<position::Position> [] {} { Ok(None) }
+
+    /// changes what `ParameterCondition` sees
+    ParameterAction -> Action ["parameterRef" value: ParameterName]
+    {change: OneOf<(SetAction, ModifyAction)>}
+    |node| { set(node, value, change) }
+
+    /// changes a variable
+    VariableAction -> Action ["variableRef" value: VariableName]
+    {change: OneOf<(SetAction, ModifyAction)>}
+    |node| { set(node, value, change) }
+
+    /// the new value
+    SetAction -> Change ["value" value: Literal] {} { Ok(Change::To(value)) }
+
+    /// numbers only
+    ModifyAction -> Change [] {change: ModifyRule} { Ok(change) }
+
+    /// how it is modified
+    ModifyRule = "Rule" -> Change [] {change: OneOf<(AddValue, MultiplyByValue)>} { Ok(change) }
+
+    /// added
+    AddValue -> Change ["value" value: Number] {} { Ok(Change::Add(value)) }
+
+    /// multiplied
+    MultiplyByValue -> Change ["value" value: Number] {} { Ok(Change::Multiply(value)) }
+}
+
+fn set(node: Node<'_>, value: usize, change: Change) -> Result<Action, ReadError> {
+    let values = node.scene.values.borrow();
+    let is_number = values.get(value).is_some_and(|named| named.value.number().is_some());
+    if !is_number && !matches!(change, Change::To(_)) {
+        return Err(node.refuse("this value is not a number", "a number to modify"));
+    }
+    Ok(Action::Set { value, change })
+}

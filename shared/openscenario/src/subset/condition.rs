@@ -1,122 +1,140 @@
-//! Rows for conditions.
+//! Triggers and conditions.
 
-use super::Rule;
+use super::reference::{ParameterName, VariableName};
+use super::test::ByEntityCondition;
+use crate::comparison::Rule;
+use crate::declare::{
+    AtLeastOne, Given, Later, Literal, Number, OneOf, Scalar, Text, elements, words,
+};
+use crate::error::ReadError;
+use crate::model::condition::{self, Edge, Test, Trigger};
+use crate::model::element::{ElementKind, ElementState};
+use crate::scene::Reference;
 
-/// What storyboards wait for.
-pub const CONDITIONS: &[Rule] = &[
-    Rule::new("ConditionGroup", "", "Condition+", "", "holds when all its conditions do"),
-    Rule::new(
-        "Condition",
-        "name delay? conditionEdge",
-        "",
-        "ByEntityCondition ByValueCondition",
-        "edges none, rising, falling, risingOrFalling; an edge needs an evaluation before it; the delay comes after the edge, s",
-    ),
-    Rule::new("ByEntityCondition", "", "TriggeringEntities EntityCondition", "", "about entities"),
-    Rule::new(
-        "TriggeringEntities",
-        "triggeringEntitiesRule",
-        "EntityRef+",
-        "",
-        "any or all of them",
-    ),
-    Rule::new(
-        "EntityCondition",
-        "",
-        "",
-        "EndOfRoadCondition CollisionCondition OffroadCondition TimeHeadwayCondition TimeToCollisionCondition AccelerationCondition StandStillCondition SpeedCondition RelativeSpeedCondition TraveledDistanceCondition ReachPositionCondition DistanceCondition RelativeDistanceCondition",
-        "an entity that is not on the road meets none",
-    ),
-    Rule::new("EndOfRoadCondition", "duration", "", "", "at the road's end for that long, s"),
-    Rule::new("OffroadCondition", "duration", "", "", "origin outside all lanes for that long, s"),
-    Rule::new("CollisionCondition", "", "", "EntityRef ByType", "the bounding boxes overlap"),
-    Rule::new("ByType", "type", "", "", "vehicle, pedestrian or miscellaneous"),
-    Rule::new(
-        "TimeHeadwayCondition",
-        "entityRef value freespace rule alongRoute? coordinateSystem? relativeDistanceType? routingAlgorithm?",
-        "",
-        "",
-        "distance over the triggering entity's speed, s; infinite at standstill; none to what is behind it",
-    ),
-    Rule::new(
-        "TimeToCollisionCondition",
-        "value freespace rule alongRoute? coordinateSystem? relativeDistanceType? routingAlgorithm?",
-        "TimeToCollisionConditionTarget",
-        "",
-        "distance over closing speed, s; infinite when not closing",
-    ),
-    Rule::new("TimeToCollisionConditionTarget", "", "", "EntityRef Position", "to what"),
-    Rule::new(
-        "AccelerationCondition",
-        "value rule direction?",
-        "",
-        "",
-        "along the entity's heading, m/s²",
-    ),
-    Rule::new("StandStillCondition", "duration", "", "", "speed 0 for that long, s"),
-    Rule::new(
-        "SpeedCondition",
-        "value rule direction?",
-        "",
-        "",
-        "m/s; direction longitudinal only",
-    ),
-    Rule::new(
-        "RelativeSpeedCondition",
-        "entityRef value rule direction?",
-        "",
-        "",
-        "the triggering entity's speed minus the other's, m/s",
-    ),
-    Rule::new("TraveledDistanceCondition", "value", "", "", "at least that far since the start, m"),
-    Rule::new(
-        "ReachPositionCondition",
-        "tolerance",
-        "Position",
-        "",
-        "origin within the tolerance, m",
-    ),
-    Rule::new(
-        "DistanceCondition",
-        "value freespace rule alongRoute? coordinateSystem? relativeDistanceType? routingAlgorithm?",
-        "Position",
-        "",
-        "to a position, m",
-    ),
-    Rule::new(
-        "RelativeDistanceCondition",
-        "entityRef relativeDistanceType value freespace rule coordinateSystem? routingAlgorithm?",
-        "",
-        "",
-        "longitudinal, lateral, euclidianDistance or cartesianDistance; freespace: between the boxes, 0 where they overlap",
-    ),
-    Rule::new(
-        "ByValueCondition",
-        "",
-        "",
-        "ParameterCondition VariableCondition SimulationTimeCondition StoryboardElementStateCondition",
-        "about values",
-    ),
-    Rule::new(
-        "ParameterCondition",
-        "parameterRef value rule",
-        "",
-        "",
-        "compared as numbers where both are numbers, as text otherwise; left out with an empty reference, and as a criterion of CARLA (`criteria_...`) that no parameter has",
-    ),
-    Rule::new("VariableCondition", "variableRef value rule", "", "", "the same"),
-    Rule::new(
-        "SimulationTimeCondition",
-        "value rule",
-        "",
-        "",
-        "time since the start of the run, s",
-    ),
-    Rule::new(
-        "StoryboardElementStateCondition",
-        "storyboardElementType storyboardElementRef state",
-        "",
-        "",
-        "the element by name, or by path with `::`; transitions last one step",
-    ),
-];
+/// Longest delay of a condition, s.
+const MAX_DELAY_S: f64 = 1e6;
+
+/// The delay of a condition.
+struct Delay;
+
+impl Scalar for Delay {
+    type Value = f64;
+
+    fn kind() -> String {
+        "0 or more".to_owned()
+    }
+
+    fn take(given: &Given<'_>) -> Result<f64, ReadError> {
+        given.number(&Self::kind(), |delay_s| (0.0..=MAX_DELAY_S).contains(&delay_s))
+    }
+}
+
+/// A test; or the error that the file declares no such parameter, and whether the name is empty.
+pub(super) type Meant = Result<Test, (ReadError, bool)>;
+
+words! {
+    Edge {
+        "none" Edge::None,
+        "rising" Edge::Rising,
+        "falling" Edge::Falling,
+        "risingOrFalling" Edge::RisingOrFalling,
+    }
+
+    ElementKind {
+        "story" ElementKind::Story,
+        "act" ElementKind::Act,
+        "maneuverGroup" ElementKind::ManeuverGroup,
+        "maneuver" ElementKind::Maneuver,
+        "event" ElementKind::Event,
+        "action" ElementKind::Action,
+    }
+
+    ElementState {
+        "standbyState" ElementState::Standby,
+        "runningState" ElementState::Running,
+        "completeState" ElementState::Complete,
+        "startTransition" ElementState::StartTransition,
+        "endTransition" ElementState::EndTransition,
+        "stopTransition" ElementState::StopTransition,
+        "skipTransition" ElementState::SkipTransition,
+    }
+}
+
+elements! { "Conditions";
+    /// fires when one group holds; without groups, never
+    StartTrigger | StopTrigger -> Trigger [] {groups: Vec<ConditionGroup>} { Ok(Trigger(groups)) }
+
+    /// holds when all its conditions do
+    ConditionGroup -> Vec<condition::Condition> [] {conditions: AtLeastOne<Condition>}
+    { Ok(conditions.into_iter().flatten().collect()) }
+
+    /// an edge needs an evaluation before it; the delay comes after the edge
+    Condition -> Option<condition::Condition>
+    ["name" name: Later<Text>, "delay" delay_s: Option<Delay> as "s", "conditionEdge" edge: Edge]
+    {test: OneOf<(ByEntityCondition, ByValueCondition)>}
+    |node| {
+        // Files for CARLA name the criteria of its tests like this. The name of a condition is not evaluated.
+        let is_criterion = name.text.starts_with("criteria_");
+        let test = match test {
+            Ok(test) => test,
+            Err((_, is_empty)) if is_empty || is_criterion => {
+                let text = "conditions on no parameter of the file are left out (criteria for CARLA)";
+                node.scene.notice(text.to_owned());
+                return Ok(None);
+            }
+            Err((error, _)) => return Err(error),
+        };
+        let delay_ns = libm::round(delay_s.unwrap_or(0.0) * 1e9) as u64;
+        Ok(Some(condition::Condition { edge, delay_ns, test }))
+    }
+
+    /// about values
+    ByValueCondition -> Meant [] {
+        test: OneOf<(
+            ParameterCondition,
+            VariableCondition,
+            SimulationTimeCondition,
+            StoryboardElementStateCondition,
+        )>,
+    } { Ok(test) }
+
+    /// compares numbers where both values are numbers, texts otherwise; left out with an empty reference, and as a criterion of CARLA (`criteria_...`) that no parameter has
+    ParameterCondition -> Meant
+    ["parameterRef" of: Mentioned, "value" value: Literal, "rule" rule: Rule] {}
+    { Ok(of.map(|of| Test::Value { of, rule, value })) }
+
+    /// the same
+    VariableCondition -> Meant
+    ["variableRef" of: VariableName, "value" value: Literal, "rule" rule: Rule] {}
+    { Ok(Ok(Test::Value { of, rule, value })) }
+
+    /// time since the start of the run
+    SimulationTimeCondition -> Meant ["value" value: Number as "s", "rule" rule: Rule] {}
+    { Ok(Ok(Test::Time { rule, value })) }
+
+    /// the element by name, or by path with `::`; transitions last one step
+    StoryboardElementStateCondition -> Meant
+    ["storyboardElementType" kind: ElementKind, "storyboardElementRef" name: Text,
+        "state" state: ElementState] {}
+    |node| {
+        let reference = Reference { place: node.place(), kind, name: name.clone() };
+        node.scene.references.borrow_mut().push(reference);
+        Ok(Ok(Test::Element { kind, name, state }))
+    }
+}
+
+/// The name of a parameter that may not be declared.
+struct Mentioned;
+
+impl Scalar for Mentioned {
+    type Value = Result<usize, (ReadError, bool)>;
+
+    fn kind() -> String {
+        ParameterName::kind()
+    }
+
+    fn take(given: &Given<'_>) -> Result<Self::Value, ReadError> {
+        let is_empty = given.raw.text.trim().trim_start_matches('$').is_empty();
+        Ok(ParameterName::take(given).map_err(|error| (error, is_empty)))
+    }
+}

@@ -3,16 +3,12 @@
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
 
-use super::range;
-use crate::error::ReadError;
-use crate::node::Node;
-
-/// Draws outside a range before it is given up.
+/// Draws outside a range before the file is refused.
 const MAX_REDRAWS: usize = 10_000;
 
 /// A probability distribution.
 #[derive(Clone, Debug)]
-pub(super) enum Distribution {
+pub(crate) enum Distribution {
     /// Texts with their weights.
     Set(Vec<(String, f64)>),
     /// Expected value and standard deviation, of the value or of its logarithm.
@@ -26,53 +22,8 @@ pub(super) enum Distribution {
 }
 
 impl Distribution {
-    pub(super) fn read(node: Node<'_>) -> Result<Self, ReadError> {
-        let bounds = || node.child_if("Range").map(range).transpose();
-        let distribution = match node.name() {
-            "ProbabilityDistributionSet" => Self::Set(
-                node.children()
-                    .map(|element| Ok((element.text("value")?, element.magnitude("weight")?)))
-                    .collect::<Result<_, ReadError>>()?,
-            ),
-            "Histogram" => Self::Histogram(
-                node.children()
-                    .map(|bin| Ok((range(bin.child("Range")?)?, bin.magnitude("weight")?)))
-                    .collect::<Result<_, ReadError>>()?,
-            ),
-            "UniformDistribution" => {
-                let (lower, upper) = range(node.child("Range")?)?;
-                Self::Uniform(lower, upper)
-            }
-            "PoissonDistribution" => {
-                let mean = node.magnitude("expectedValue")?;
-                // Beyond this Knuth's product of uniform draws underflows.
-                if mean > 500.0 {
-                    return Err(node
-                        .fault("expectedValue")
-                        .error(format!("{mean}"), "at most 500"));
-                }
-                Self::Poisson { mean, range: bounds()? }
-            }
-            name => Self::Normal {
-                mean: node.number("expectedValue")?,
-                deviation: libm::sqrt(node.magnitude("variance")?),
-                log: name == "LogNormalDistribution",
-                range: bounds()?,
-            },
-        };
-        let weights = match &distribution {
-            Self::Set(items) => items.iter().map(|item| item.1).sum(),
-            Self::Histogram(bins) => bins.iter().map(|bin| bin.1).sum(),
-            _ => 1.0,
-        };
-        if !(weights > 0.0) {
-            return Err(node.refuse("all weights are 0", "a weight above 0"));
-        }
-        Ok(distribution)
-    }
-
     pub(super) fn seeded(self, seed: u64, stream: u64) -> Draws {
-        // The stream is part of the seed: SplitMix64's increment keeps the seeds of streams apart.
+        // SplitMix64's increment keeps the seeds of streams apart.
         let seed = seed ^ stream.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
         Draws { distribution: self, generator: Pcg64::seed_from_u64(seed) }
     }
@@ -86,7 +37,7 @@ pub(super) struct Draws {
 }
 
 impl Draws {
-    /// The next value; none where its range holds hardly any.
+    /// The next value; none if its range holds hardly any.
     pub(super) fn draw(&mut self) -> Option<String> {
         let distribution = self.distribution.clone();
         match distribution {

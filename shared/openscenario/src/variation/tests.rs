@@ -100,6 +100,6 @@ fn what_gives_no_runs_is_refused() {
         ("<Stochastic numberOfTestRuns=\"1\"><StochasticDistribution parameterName=\"a\"><NormalDistribution expectedValue=\"0\" variance=\"1\"><Range lowerLimit=\"90\" upperLimit=\"91\"/></NormalDistribution></StochasticDistribution></Stochastic>".to_owned(), "holds next to none"),
     ] {
         let shown = variation(&body).expect_err("it is wrong").to_string();
-        assert!(shown.starts_with("dir/v.xosc:5: ") && shown.contains(expected), "{shown}");
+        assert!(shown.starts_with("dir/v.xosc:5:") && shown.contains(expected), "{shown}");
     }
 }

@@ -1,4 +1,4 @@
-//! Whether the actions of a script speak of what is there.
+//! Checks that the actions of a script refer to entities and values that it has.
 
 use crate::model::action::{Action, LaneTarget, OffsetTarget, SpeedTarget};
 use crate::model::position::Position;

@@ -15,12 +15,12 @@ use crate::world::shape::seconds;
 use crate::world::state::Motion;
 use crate::world::{World, WorldError};
 
-/// What a condition remembers between steps.
+/// Memory of a condition between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct ConditionMemory {
-    /// The test's outcome in the step before.
+    /// The test's outcome in the previous step.
     last: Option<bool>,
-    /// Outcomes that wait for their delay to pass, with the times at which it has.
+    /// Delayed outcomes, each with the time at which its delay has passed.
     waiting: VecDeque<(u64, bool)>,
     /// The delayed outcome.
     delayed: bool,
@@ -58,8 +58,8 @@ impl ConditionMemory {
 }
 
 impl World {
-    /// Evaluates every condition of a trigger, the first of which has the number `first`; gives whether
-    /// one of its groups holds.
+    /// Evaluates every condition of a trigger. `first` is the number of its first condition. Returns whether one
+    /// of its groups holds.
     pub(super) fn fires(&mut self, trigger: &Trigger, first: usize) -> bool {
         let now_ns = self.state.time_ns;
         let mut number = first;
@@ -77,7 +77,7 @@ impl World {
         fires
     }
 
-    /// Forgets what a trigger's conditions remember.
+    /// Clears the memory of a trigger's conditions.
     pub(super) fn forget(&mut self, trigger: &Trigger, first: usize) {
         let count = trigger.0.iter().map(Vec::len).sum::<usize>();
         for memory in &mut self.state.conditions[first..first + count] {
@@ -92,8 +92,8 @@ impl World {
             Test::Time { rule, value } => rule.holds(seconds(self.state.time_ns), *value),
             Test::Value { of, rule, value } => rule.compares(&self.state.values[*of], value),
             Test::Element { state, .. } => {
-                let element = self.plan.watched[number].expect("the plan has looked it up");
-                self.state.progress[element].is(*state, self.state.step)
+                let watched = self.plan.watched[number];
+                watched.is_some_and(|part| self.state.progress[part].is(*state, self.state.step))
             }
             Test::Entity { entities, all, is } => {
                 let mut each = entities.iter().map(|entity| self.entity_test(*entity, is));
@@ -154,7 +154,7 @@ impl World {
         }
     }
 
-    /// Measures from an entity to a target that is on the road.
+    /// The distance from an entity to a target, if the target is on the road.
     fn measure(&self, entity: usize, to: &Measured) -> Option<Measure> {
         let own = self.motion(entity);
         let (body, far) = match &to.target {
@@ -191,7 +191,7 @@ struct Measure {
     is_behind: bool,
 }
 
-/// How fast two points come nearer along a direction, m/s.
+/// The closing speed of two points along a direction, m/s.
 fn closing(own: &Motion, far: &Motion, to: &Measured) -> f64 {
     let velocity = |motion: &Motion| {
         let (sin, cos) = (libm::sin(motion.heading_rad), libm::cos(motion.heading_rad));
@@ -211,7 +211,7 @@ fn closing(own: &Motion, far: &Motion, to: &Measured) -> f64 {
     ((own_s - far_s) * cos + (own_t - far_t) * sin) * if apart < 0.0 { -1.0 } else { 1.0 }
 }
 
-/// A time: infinite where nothing comes nearer.
+/// A time, infinite if the distance does not shrink.
 fn quotient(metres: f64, mps: f64) -> f64 {
     if mps > 0.0 { metres / mps } else { f64::INFINITY }
 }

@@ -5,7 +5,7 @@ use crate::world::World;
 use crate::world::motion::{Pace, Steer};
 
 impl World {
-    /// Ends what runs, because something else takes its place. A timed line is longitudinal too.
+    /// Ends the longitudinal action, because another one replaces it. A timed trajectory is longitudinal too.
     pub(super) fn clear_pace(&mut self, actor: usize) {
         let mover = &mut self.state.movers[actor];
         mover.pace = Pace::Free;
@@ -31,7 +31,7 @@ impl World {
         self.release(owner, ElementState::StopTransition);
     }
 
-    /// Ends what has reached its end.
+    /// Ends the longitudinal action at its own end.
     pub(super) fn end_pace(&mut self, actor: usize) {
         let mover = &mut self.state.movers[actor];
         mover.pace = Pace::Free;

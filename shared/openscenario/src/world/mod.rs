@@ -2,8 +2,8 @@
 //!
 //! No clock, no files, no random numbers: the same calls give the same motion, bit by bit. A step moves
 //! the entities to the new time, ends actions, evaluates triggers, starts actions. Speeds and lateral
-//! positions of shapes are closed forms of time, and so is the way covered under a shape: the size of
-//! the steps decides only when triggers are looked at.
+//! positions of shapes are closed forms of time, and so is the distance covered under a shape: the size of
+//! the steps decides only when triggers are evaluated.
 
 mod check;
 mod condition;
@@ -22,7 +22,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::expression::Value;
-use crate::model::action::{Action, SpeedTarget};
+use crate::model::action::{Action, SpeedTarget, Transition};
 use crate::model::{Drive, Script};
 use condition::ConditionMemory;
 pub use geometry::Extent;
@@ -32,13 +32,13 @@ use plan::Plan;
 pub use state::Motion;
 use storyboard::Progress;
 
-/// A script whose beginning makes no sense.
+/// A script that cannot start.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum WorldError {
     /// An index beyond its list.
     #[error("{what} {index} does not exist, expected less than {count}")]
     Index {
-        /// What kind of thing.
+        /// The kind of list.
         what: &'static str,
         /// The index.
         index: usize,
@@ -77,7 +77,7 @@ pub enum WorldError {
 }
 
 impl WorldError {
-    /// The entity that it is about.
+    /// The entity that the error is about.
     #[must_use]
     pub fn entity(&self) -> Option<&str> {
         match self {
@@ -89,7 +89,7 @@ impl WorldError {
     }
 }
 
-/// Everything that a world remembers: restored into a world of the same script, it goes on the same way.
+/// The state of a world. A world of the same script that is restored from it moves on in the same way.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     time_ns: u64,
@@ -104,6 +104,40 @@ pub struct State {
 }
 
 /// A script that moves.
+///
+/// The caller moves the ego: it gives the ego's motion before each step.
+///
+/// ```
+/// use openscenario::model::{Body, Category, Drive, Entity, InitAction, Script};
+/// use openscenario::model::action::Action;
+/// use openscenario::model::position::{From, Heading, Position};
+/// use openscenario::{World, road::Road};
+///
+/// let body = Body { center_ahead_m: 1.4, center_left_m: 0.0, length_m: 4.5, width_m: 1.8 };
+/// let ego = Entity {
+///     name: "Ego".to_owned(),
+///     category: Category::Vehicle,
+///     body,
+///     drive: Drive::External,
+/// };
+/// let from = From::Road { s_m: 10.0, t_m: -1.75 };
+/// let place = Action::Teleport(Position { from, heading: Heading::Road(0.0) });
+/// let mut world = World::new(Script {
+///     road: Road::assumed(),
+///     ego: 0,
+///     entities: vec![ego],
+///     values: Vec::new(),
+///     init: vec![InitAction { actor: Some(0), action: place }],
+///     stories: Vec::new(),
+///     stop: None,
+/// })?;
+/// let mut motion = world.motion(0);
+/// motion.s_m += 0.5;
+/// world.observe(0, motion);
+/// world.step(10_000_000);
+/// assert_eq!(world.motion(0).s_m, 10.5);
+/// # Ok::<(), openscenario::WorldError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct World {
     script: Arc<Script>,
@@ -115,7 +149,7 @@ impl World {
     /// The world at its start, after Init.
     ///
     /// # Errors
-    /// When the script refers to what it does not hold, or an entity cannot be placed.
+    /// When the script refers to an entity or a value that it lacks, or an entity cannot be placed.
     pub fn new(script: Script) -> Result<Self, WorldError> {
         let plan = Plan::of(&script)?;
         let state = State {
@@ -143,14 +177,14 @@ impl World {
         Ok(world)
     }
 
-    /// Says where an entity is that its caller moves, for the next step.
+    /// Sets the motion of an entity that the caller moves, for the next step.
     pub fn observe(&mut self, entity: usize, motion: Motion) {
         if let Some(mover) = self.state.movers.get_mut(entity) {
             mover.observed = Some(motion);
         }
     }
 
-    /// Brings the world to `time_ns` since the start, which never goes back.
+    /// Moves the world to `time_ns` since the start. Time never goes back.
     pub fn step(&mut self, time_ns: u64) {
         let time_ns = time_ns.max(self.state.time_ns);
         self.state.step += 1;
@@ -161,8 +195,7 @@ impl World {
         }
     }
 
-    /// Goes on from what another world of the same script remembered. A state of another script is
-    /// passed over.
+    /// Continues from the state of another world of the same script. The state of another script is ignored.
     pub fn restore(&mut self, state: State) {
         let alike = state.movers.len() == self.state.movers.len()
             && state.progress.len() == self.state.progress.len()
@@ -173,7 +206,7 @@ impl World {
         }
     }
 
-    /// What it remembers.
+    /// The state, for [`World::restore`].
     #[must_use]
     pub fn state(&self) -> &State {
         &self.state
@@ -185,7 +218,7 @@ impl World {
         &self.script
     }
 
-    /// Where an entity is and how it moves.
+    /// The motion of an entity.
     #[must_use]
     pub fn motion(&self, entity: usize) -> Motion {
         self.state.movers[entity].motion
@@ -203,15 +236,9 @@ impl World {
         self.state.stopped
     }
 
-    /// A speed that Init sets without any time: done in [`Self::first_speeds`].
-    fn at_once(&self, transition: &crate::model::action::Transition, target: &SpeedTarget) -> bool {
-        let continuous = match target {
-            SpeedTarget::Absolute(_) => false,
-            SpeedTarget::Delta { continuous, .. } | SpeedTarget::Factor { continuous, .. } => {
-                *continuous
-            }
-        };
-        !continuous && start::is_immediate(transition)
+    /// A speed that Init sets at once: [`Self::first_speeds`] does it.
+    fn at_once(&self, transition: &Transition, target: &SpeedTarget) -> bool {
+        !target.is_continuous() && transition.is_immediate()
     }
 
     fn is_external(&self, entity: usize) -> bool {

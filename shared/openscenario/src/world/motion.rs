@@ -1,4 +1,4 @@
-//! Where entities are, and how they go on.
+//! Motion of the entities.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,22 +9,22 @@ use crate::world::geometry::Extent;
 use crate::world::shape::{SpeedShape, seconds};
 use crate::world::state::Motion;
 
-/// No target speed is higher, m/s: a factor that is applied again and again stays finite.
+/// Largest target speed, m/s: a factor that is applied repeatedly stays finite.
 pub(super) const MAX_SPEED_MPS: f64 = 1e4;
-/// How near a distance must be to count as reached, m.
+/// Largest error of a distance that counts as reached, m.
 const REACHED_M: f64 = 0.05;
-/// How near a speed must be to count as reached, m/s.
+/// Largest error of a speed that counts as reached, m/s.
 const REACHED_MPS: f64 = 0.05;
-/// How fast an error of distance is driven off when it is small, 1/s.
+/// Gain on a small error of distance, 1/s.
 const APPROACH_PER_S: f64 = 0.5;
 
-/// An entity and what moves it.
+/// An entity with its longitudinal and lateral action.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Mover {
     pub motion: Motion,
-    /// What the caller says of an entity that it moves.
+    /// Motion from the caller, for an entity that it moves.
     pub observed: Option<Motion>,
-    /// Way covered since the start, m.
+    /// Distance covered since the start, m.
     pub odometer_m: f64,
     pub pace: Pace,
     pub pace_owner: Option<usize>,
@@ -32,30 +32,30 @@ pub(super) struct Mover {
     pub steer_owner: Option<usize>,
     pub path: Option<Path>,
     pub path_owner: Option<usize>,
-    /// Since when it stands, is at the road's end, is off the road, ns.
+    /// Times since which it stands, is at the road's end, is off the road, ns.
     pub stands_since: Option<u64>,
     pub at_end_since: Option<u64>,
     pub off_since: Option<u64>,
 }
 
-/// How the speed goes on.
+/// Longitudinal action.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) enum Pace {
-    /// As it is.
+    /// None: the speed stays.
     #[default]
     Free,
     /// From one speed to another.
     Shape(SpeedShape),
-    /// The speed of another entity, for ever.
+    /// The speed of another entity, without end.
     Match { entity: usize, factor: f64, offset_mps: f64, rate_mps2: f64 },
     /// At a distance to another entity.
     Keep(Distance),
 }
 
-/// How the lateral position goes on.
+/// Lateral action.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) enum Steer {
-    /// As it is.
+    /// None: the lateral position stays.
     #[default]
     Hold,
     /// From one lateral position to another.
@@ -72,7 +72,7 @@ pub(super) struct LateralShape {
     pub endless: Option<Option<(usize, f64)>>,
 }
 
-/// What a lateral shape is a function of.
+/// The argument of a lateral shape: time or distance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) enum Course {
     Time { start_ns: u64, duration_s: f64 },
@@ -82,9 +82,9 @@ pub(super) enum Course {
 /// A line being followed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Path {
-    /// Corners: time in s since the start of the run or way in m, then `s` and `t`.
+    /// Corners: time since the start of the run in s, or distance in m; then `s` and `t`.
     pub corners: Vec<(f64, f64, f64)>,
-    /// Odometer at its start, m, where corners are passed by way.
+    /// Odometer at its start, m, if the corners count by distance.
     pub by_way_from_m: Option<f64>,
 }
 
@@ -150,7 +150,7 @@ impl World {
                 shape.is_over(time_ns),
             ),
             Pace::Match { rate_mps2, .. } => {
-                // An infinite rate times no time at all is not a number.
+                // An infinite rate times zero seconds would be NaN.
                 let speed = match rate_mps2.is_finite() {
                     true => toward(before, reference, rate_mps2 * elapsed_s),
                     false => reference,
@@ -181,7 +181,7 @@ impl World {
             mover.motion.s_m = goal;
             return;
         };
-        // The error ahead of the entity, m: driven off no faster than the brakes can end it.
+        // The error ahead of the entity, m. The closing speed stays within what the limits can brake.
         let mover = &mut self.state.movers[entity];
         let error_m = (goal - mover.motion.s_m) * mover.motion.direction();
         let brake =
@@ -205,7 +205,7 @@ impl World {
         mover.roll(speed * elapsed_s, speed, 0.0);
     }
 
-    /// Where along the road the entity would be at its distance from another, m.
+    /// The coordinate `s` at which the entity has its distance from another, m.
     pub(super) fn gap_goal(&self, entity: usize, distance: &Distance) -> Option<f64> {
         let (own, other) = (self.motion(entity), self.motion(distance.entity));
         if !own.present || !other.present {
@@ -317,7 +317,7 @@ impl World {
 }
 
 impl Mover {
-    /// Covers a way along the heading; a line being followed with timing moves by itself.
+    /// Covers a distance along the heading. A timed trajectory moves the entity by itself.
     fn roll(&mut self, way_m: f64, speed_mps: f64, acceleration_mps2: f64) {
         if self.path.as_ref().is_some_and(|path| path.by_way_from_m.is_none())
             || !self.motion.present

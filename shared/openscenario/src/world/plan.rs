@@ -1,4 +1,4 @@
-//! The storyboard as a list: each part with its parent and its triggers' memories.
+//! The storyboard as a list of parts, with the numbers of their conditions.
 
 use crate::model::Script;
 use crate::model::condition::{Test, Trigger};
@@ -9,13 +9,13 @@ use crate::world::WorldError;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{reason}, expected {expected}")]
 pub struct NotFound {
-    /// What is wrong.
+    /// The fault.
     pub reason: String,
-    /// What would have been right.
+    /// The names that exist.
     pub expected: String,
 }
 
-/// Which part of the script an element is: places in the nested lists, as deep as its kind goes.
+/// The place of an element in the nested lists of the script, as deep as its kind goes.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct At {
     pub story: usize,
@@ -42,16 +42,16 @@ pub(super) struct Element {
 #[derive(Clone, Debug)]
 pub(super) struct Plan {
     pub elements: Vec<Element>,
-    /// How many conditions there are in all.
+    /// Number of all conditions.
     pub conditions: usize,
     /// First condition of the storyboard's stop trigger.
     pub stop: usize,
-    /// For each condition on an element, by the condition's number, which element.
+    /// By the number of a condition: the element that it watches, if it watches one.
     pub watched: Vec<Option<usize>>,
 }
 
 impl Plan {
-    /// Lays out a script, and checks what it refers to.
+    /// Lays out a script, and checks its references.
     pub(super) fn of(script: &Script) -> Result<Self, WorldError> {
         let mut plan =
             Self { elements: elements(script), conditions: 0, stop: 0, watched: Vec::new() };
@@ -67,7 +67,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Numbers the conditions of a trigger; gives the first one's number.
+    /// Numbers the conditions of a trigger. Returns the first number.
     fn number(&mut self, script: &Script, trigger: Option<&Trigger>) -> Result<usize, WorldError> {
         let first = self.conditions;
         for condition in trigger.iter().flat_map(|trigger| trigger.0.iter().flatten()) {

@@ -10,7 +10,7 @@ pub(super) struct SpeedShape {
     pub from_mps: f64,
     pub to_mps: f64,
     pub start_ns: u64,
-    /// Infinite for a rate of 0.
+    /// Duration, s; infinite for a rate of 0.
     pub duration_s: f64,
     pub shape: Shape,
 }
@@ -93,7 +93,7 @@ impl SpeedShape {
         (self.to_mps - self.from_mps) / self.duration_s * self.shape.rate(self.x(time_ns))
     }
 
-    /// Way covered between two times.
+    /// Distance covered between two times.
     pub(super) fn way(&self, from_ns: u64, to_ns: u64) -> f64 {
         if self.duration_s.is_infinite() {
             return self.from_mps * seconds(to_ns - from_ns);

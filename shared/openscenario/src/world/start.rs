@@ -1,4 +1,4 @@
-//! How actions begin and end.
+//! How actions begin.
 
 use std::sync::Arc;
 
@@ -17,12 +17,6 @@ use crate::world::{World, WorldError};
 /// Shortest duration of a change, s: the clock's own step. A shorter one is done at once, because a time
 /// divided by it may overflow.
 const SHORTEST_S: f64 = 1e-9;
-
-/// A transition that takes no time.
-pub(super) fn is_immediate(transition: &Transition) -> bool {
-    transition.shape == Shape::Step
-        || (transition.dimension != Dimension::Rate && transition.value == 0.0)
-}
 
 impl World {
     /// Places the entities of Init's teleports, each after the one that it is placed from.
@@ -173,7 +167,7 @@ impl World {
             _ => {
                 let change = (to_mps - from_mps).abs();
                 let duration_s =
-                    match (is_immediate(transition) || change == 0.0, transition.dimension) {
+                    match (transition.is_immediate() || change == 0.0, transition.dimension) {
                         (true, _) => 0.0,
                         (_, Dimension::Time) => transition.value,
                         (_, Dimension::Rate) => {
@@ -214,7 +208,7 @@ impl World {
         let change = (to_t_m - from_t_m).abs();
         let start_ns = self.state.time_ns;
         let start_m = self.state.movers[actor].odometer_m;
-        let immediate = is_immediate(transition) || change == 0.0;
+        let immediate = transition.is_immediate() || change == 0.0;
         let by = match transition.dimension {
             _ if immediate => Course::Time { start_ns, duration_s: 0.0 },
             Dimension::Time => Course::Time { start_ns, duration_s: transition.value },

@@ -1,11 +1,11 @@
-//! Where an entity is and how it moves.
+//! The motion of an entity.
 
 use serde::{Deserialize, Serialize};
 
-/// Where an entity is and how it moves.
+/// Position, heading and speed of an entity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
-    /// It is on the road; nothing else here means anything otherwise.
+    /// Whether it is on the road. If not, the other fields have no meaning.
     pub present: bool,
     /// Origin along the reference line, m.
     pub s_m: f64,

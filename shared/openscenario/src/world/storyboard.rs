@@ -1,9 +1,8 @@
 //! The storyboard's parts: standby, running, complete, and the transitions between.
 //!
-//! In a step, what ended while the entities moved is ended first, from actions upwards; then stop
-//! triggers and start triggers are evaluated from the top downwards. What ends while the entities move is
-//! seen by the conditions of the same step; what starts, stops or ends while triggers are evaluated,
-//! by those of the next.
+//! A step has two phases. First, parts whose content ended while the entities moved end, from actions upwards.
+//! Then stop triggers and start triggers are evaluated, from the top downwards. Conditions see a transition of
+//! the first phase in the same step, and one of the second phase in the next step.
 
 use std::sync::Arc;
 
@@ -16,15 +15,15 @@ use crate::model::storyboard::{Act, Event, ManeuverGroup, Priority};
 use crate::world::World;
 use crate::world::plan::At;
 
-/// How far a part of the storyboard has come.
+/// Progress of a part of the storyboard.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Progress {
     phase: Phase,
     /// Times that it has started or was skipped.
     executions: u32,
-    /// Of an action: actors for whom it is still going on.
+    /// Actors for whom an action is still going on.
     pending: u32,
-    /// The last transition, and the step in which conditions see it.
+    /// The last transition, with the step in which conditions see it.
     transition: Option<(ElementState, u64)>,
 }
 
@@ -202,7 +201,7 @@ impl World {
         })
     }
 
-    /// Ends what has nothing left to do, from the inside outwards.
+    /// Ends parts that have nothing left to do, from the inside outwards.
     fn complete(&mut self, script: &Script) {
         for index in (0..self.state.progress.len()).rev() {
             if self.state.progress[index].phase != Phase::Running {
@@ -279,20 +278,20 @@ impl World {
         }
     }
 
-    /// Remembers a transition. One that comes while triggers are evaluated is seen in the next step.
+    /// Records a transition. Conditions see a transition of the second phase in the next step.
     fn mark(&mut self, index: usize, transition: ElementState) {
         let step = self.state.step + u64::from(self.state.evaluating);
         self.state.progress[index].transition = Some((transition, step));
     }
 
-    /// One more actor is busy with a storyboard's action.
+    /// Counts one more actor that is busy with a storyboard's action.
     pub(super) fn hold(&mut self, element: Option<usize>) {
         if let Some(element) = element {
             self.state.progress[element].pending += 1;
         }
     }
 
-    /// One actor fewer is.
+    /// Counts one actor less.
     pub(super) fn release(&mut self, element: Option<usize>, how: ElementState) {
         let Some(element) = element else { return };
         let progress = &mut self.state.progress[element];
@@ -302,12 +301,12 @@ impl World {
         }
     }
 
-    /// How many actors are.
+    /// Number of actors that are busy with it.
     pub(super) fn count(&self, element: Option<usize>) -> u32 {
         element.map_or(0, |element| self.state.progress[element].pending)
     }
 
-    /// A storyboard's action is over.
+    /// Completes a storyboard's action.
     pub(super) fn finish(&mut self, element: Option<usize>, how: ElementState) {
         if let Some(element) = element {
             self.state.progress[element].phase = Phase::Complete;

@@ -1,4 +1,4 @@
-//! What the targets of actions mean on the road.
+//! Targets of actions, resolved on the road.
 
 use crate::model::action::{LaneTarget, SpeedTarget};
 use crate::model::position::{From, Heading, Position};
@@ -6,7 +6,7 @@ use crate::world::World;
 use crate::world::motion::MAX_SPEED_MPS;
 
 impl World {
-    /// The speed that a target means now, m/s.
+    /// The present speed of a target, m/s.
     pub(super) fn target_speed(&self, target: &SpeedTarget) -> f64 {
         let speed = match *target {
             SpeedTarget::Absolute(mps) => mps,
@@ -16,7 +16,7 @@ impl World {
         speed.clamp(0.0, MAX_SPEED_MPS)
     }
 
-    /// The lateral position at which a lane change ends, where there is such a lane.
+    /// The lateral position at which a lane change ends, if there is such a lane.
     pub(super) fn lane_goal(&self, _actor: usize, target: &LaneTarget) -> Option<f64> {
         let road = &self.script.road;
         match *target {
@@ -30,7 +30,7 @@ impl World {
         }
     }
 
-    /// `s`, `t` and heading of a position, where the entity that it is seen from is on the road.
+    /// `s`, `t` and heading of a position, if the entity that it refers to is on the road.
     pub(super) fn resolve(&self, position: &Position) -> Option<(f64, f64, f64)> {
         let other = |entity: usize| Some(self.motion(entity)).filter(|motion| motion.present);
         let (s_m, t_m) = match position.from {
@@ -62,7 +62,7 @@ impl World {
     }
 }
 
-/// The entity that a position is seen from.
+/// The entity that a position refers to.
 pub(super) fn reference(position: &Position) -> Option<usize> {
     match position.from {
         From::Road { .. } => None,

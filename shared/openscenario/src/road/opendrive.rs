@@ -1,139 +1,16 @@
-//! The road: its lanes and its length, from an OpenDRIVE file.
-//!
-//! Everything moves in the road's own coordinates: `s` along the reference line, `t` across it, positive
-//! to the left. One road with one lane section of constant widths is read. A curved reference line is
-//! accepted: the road is unrolled, its curvature has no effect, and what needs the plane's coordinates
-//! (world positions, absolute headings) is refused.
+//! Reader of OpenDRIVE files.
 
-use serde::{Deserialize, Serialize};
-
-use crate::error::{Place, ReadError};
+use super::{Lane, Line, Road};
+use crate::error::{Place, ReadError, one_of};
 use crate::xml::{Document, Element};
-
-/// Width of the lanes of an assumed road, m.
-pub const ASSUMED_LANE_WIDTH_M: f64 = 3.5;
-/// Lanes on each side of an assumed road.
-const ASSUMED_LANES: i32 = 8;
 
 /// Most roads that an error lists.
 const MOST_LISTED: usize = 8;
 
-/// A road.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Road {
-    /// Its id in the file.
-    pub id: String,
-    /// Its length, m; absent: without end.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub length_m: Option<f64>,
-    /// Where its reference line begins and points, when it is straight.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub straight: Option<Line>,
-    /// Its steepest slope, up or down, as height over way; it has no effect.
-    #[serde(default, skip_serializing_if = "is_level")]
-    pub steepest_slope: f64,
-    /// Traffic keeps to the left: lanes with positive ids lead along the reference line.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub left_hand: bool,
-    /// Its lanes from right to left, without the centre lane.
-    pub lanes: Vec<Lane>,
-}
-
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "the form that serde asks for")]
-fn is_level(slope: &f64) -> bool {
-    *slope == 0.0
-}
-
-/// A straight reference line.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Line {
-    /// Start, m.
-    pub x_m: f64,
-    /// Start, m.
-    pub y_m: f64,
-    /// Heading, rad.
-    pub heading_rad: f64,
-}
-
-/// A lane.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Lane {
-    /// Id: negative to the right of the reference line.
-    pub id: i32,
-    /// Centre, m from the reference line, positive to the left.
-    pub center_m: f64,
-    /// Width, m.
-    pub width_m: f64,
-}
-
-impl Road {
-    /// A straight road without end, with lanes of 3.5 m on both sides: what stands in for a road
-    /// file that is not there.
-    #[must_use]
-    pub fn assumed() -> Self {
-        let lane = |id: i32| Lane {
-            id,
-            center_m: f64::from(id.signum()) * (f64::from(id.abs()) - 0.5) * ASSUMED_LANE_WIDTH_M,
-            width_m: ASSUMED_LANE_WIDTH_M,
-        };
-        let ids = (-ASSUMED_LANES..=ASSUMED_LANES).filter(|id| *id != 0);
-        let straight = Line { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };
-        Self {
-            id: "0".to_owned(),
-            length_m: None,
-            straight: Some(straight),
-            steepest_slope: 0.0,
-            left_hand: false,
-            lanes: ids.map(lane).collect(),
-        }
-    }
-
-    /// The lane of an id.
-    #[must_use]
-    pub fn lane(&self, id: i32) -> Option<&Lane> {
-        self.lanes.iter().find(|lane| lane.id == id)
-    }
-
-    /// The direction in which traffic drives on a lane: 1 along the reference line, -1 against it.
-    #[must_use]
-    pub fn direction(&self, lane: &Lane) -> f64 {
-        if (lane.id < 0) == self.left_hand { -1.0 } else { 1.0 }
-    }
-
-    /// Where in `lanes` the lane at a lateral position is: the nearest one.
-    #[must_use]
-    pub fn index_at(&self, t_m: f64) -> usize {
-        let distance = |lane: &Lane| ((t_m - lane.center_m).abs() - 0.5 * lane.width_m).max(0.0);
-        let mut best = 0;
-        for (i, lane) in self.lanes.iter().enumerate() {
-            if distance(lane) < distance(&self.lanes[best]) {
-                best = i;
-            }
-        }
-        best
-    }
-
-    /// The lane some lanes to the left (in the direction of `s`) of the one at a lateral position.
-    #[must_use]
-    pub fn lane_beside(&self, t_m: f64, lanes_left: i32) -> Option<&Lane> {
-        let index = i64::try_from(self.index_at(t_m)).ok()? + i64::from(lanes_left);
-        self.lanes.get(usize::try_from(index).ok()?)
-    }
-
-    /// Whether a lateral position is on one of the lanes.
-    #[must_use]
-    pub fn holds(&self, t_m: f64) -> bool {
-        self.lanes.iter().any(|lane| (t_m - lane.center_m).abs() <= 0.5 * lane.width_m)
-    }
-}
-
 /// Reads the road `id`, or the only one, from an OpenDRIVE file.
 ///
 /// # Errors
-/// When there is no such road or it is not of the kind above.
+/// When there is no such road, or its lanes change along it.
 pub fn read(document: &Document, id: Option<&str>) -> Result<Road, ReadError> {
     let reader = Reader { file: &document.file };
     let root = &document.root;
@@ -148,7 +25,7 @@ pub fn read(document: &Document, id: Option<&str>) -> Result<Road, ReadError> {
     };
     let Some(road) = found else {
         let ids = roads.iter().filter_map(|road| road.attribute("id"));
-        let first = crate::error::one_of(ids.take(MOST_LISTED));
+        let first = one_of(ids.take(MOST_LISTED));
         let rest = match roads.len().saturating_sub(MOST_LISTED) {
             0 => String::new(),
             rest => format!(" (and {rest} more)"),
@@ -284,7 +161,7 @@ impl Reader<'_> {
             let [b, c, d] =
                 [self.number(piece, "b")?, self.number(piece, "c")?, self.number(piece, "d")?];
             let piece_m = (end_m - start_m).max(0.0);
-            // At the ends, and where the slope of a cubic turns.
+            // The extremes are at the ends, or at the turning point of a cubic's slope.
             let turn_m = if d == 0.0 { 0.0 } else { (-c / (3.0 * d)).clamp(0.0, piece_m) };
             for x in [0.0, turn_m, piece_m] {
                 steepest = steepest.max((b + (2.0 * c + 3.0 * d * x) * x).abs());
@@ -318,7 +195,7 @@ impl Reader<'_> {
     }
 
     fn place(&self, element: &Element) -> Place {
-        Place { file: self.file.to_owned(), line: element.line }
+        Place { file: self.file.to_owned(), spot: element.spot }
     }
 
     fn element(
@@ -399,17 +276,25 @@ mod tests {
     #[test]
     fn what_cannot_be_driven_is_refused_with_its_line() {
         for (from, to, expected) in [
-            ("a=\"4\" b=\"0\"", "a=\"4\" b=\"0.1\"", "a.xodr:7: element `width` in `lane` changes"),
+            (
+                "a=\"4\" b=\"0\"",
+                "a=\"4\" b=\"0.1\"",
+                "a.xodr:7:15: element `width` in `lane` changes",
+            ),
             (
                 "<laneOffset",
                 "<laneSection s=\"0\"/><laneOffset",
-                "a.xodr:3: element `laneSection` in `lanes` is there twice",
+                "a.xodr:3:73: element `laneSection` in `lanes` is there twice",
             ),
-            ("length=\"100\">\n<plan", "length=\"0\">\n<plan", "a.xodr:1: the road has no length"),
+            (
+                "length=\"100\">\n<plan",
+                "length=\"0\">\n<plan",
+                "a.xodr:1:12: the road has no length",
+            ),
             (
                 "<road id",
                 "<road id=\"1\"/><road id",
-                "a.xodr:1: this file has 2 roads and no position names the ego's, expected a lane or road position of \
+                "a.xodr:1:1: this file has 2 roads and no position names the ego's, expected a lane or road position of \
                  the ego with the `roadId` `1` or `7`",
             ),
             ("OpenDRIVE", "Map", "element `Map`"),
@@ -418,13 +303,5 @@ mod tests {
             let shown = road(&text).expect_err(to).to_string();
             assert!(shown.starts_with(expected) || shown.contains(expected), "{shown}");
         }
-    }
-
-    #[test]
-    fn an_assumed_road_has_lanes_of_both_signs() {
-        let road = Road::assumed();
-        assert_eq!(road.lane(-4).map(|lane| lane.center_m), Some(-12.25));
-        assert_eq!(road.lane(1).map(|lane| lane.center_m), Some(1.75));
-        assert_eq!(road.lane_beside(-1.75, 1).map(|lane| lane.id), Some(1));
     }
 }

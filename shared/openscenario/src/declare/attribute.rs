@@ -1,0 +1,333 @@
+//! Attributes: types, ranges, words.
+
+use std::marker::PhantomData;
+
+use super::Node;
+use crate::error::{ReadError, meant, one_of};
+use crate::expression::Value;
+use crate::scope::Raw;
+
+/// Largest magnitude of a number, in any unit: beyond it no motion stays finite.
+const MAX_NUMBER: f64 = 1e9;
+/// Largest magnitude of a whole number: it counts lanes or executions.
+const MAX_WHOLE: f64 = 1e6;
+
+/// An attribute as the check and the reference see it.
+#[derive(Debug)]
+pub(crate) struct AttributeForm {
+    pub name: &'static str,
+    pub optional: bool,
+    /// Its unit; empty without one.
+    pub unit: &'static str,
+    /// What it may hold.
+    pub kind: fn() -> String,
+}
+
+impl AttributeForm {
+    pub(crate) const fn of<T: FromAttribute>(name: &'static str, unit: &'static str) -> Self {
+        Self { name, optional: T::OPTIONAL, unit, kind: T::KIND }
+    }
+}
+
+/// The type of an attribute that stands there.
+pub(crate) trait Scalar {
+    type Value;
+
+    /// What it may hold, for the reference and for errors.
+    fn kind() -> String;
+
+    fn take(given: &Given<'_>) -> Result<Self::Value, ReadError>;
+}
+
+/// The type of an attribute, which is optional as `Option`.
+pub(crate) trait FromAttribute {
+    const OPTIONAL: bool;
+    /// What it may hold.
+    const KIND: fn() -> String;
+    type Value;
+
+    fn read(node: Node<'_>, name: &str) -> Result<Self::Value, ReadError>;
+}
+
+impl<S: Scalar> FromAttribute for S {
+    const OPTIONAL: bool = false;
+    const KIND: fn() -> String = S::kind;
+    type Value = S::Value;
+
+    fn read(node: Node<'_>, name: &str) -> Result<S::Value, ReadError> {
+        match node.element.given(name) {
+            Some(_) => S::take(&Given { node, raw: node.raw(name) }),
+            None => Err(node.wrong(name, "is missing", S::kind())),
+        }
+    }
+}
+
+impl<S: Scalar> FromAttribute for Option<S> {
+    const OPTIONAL: bool = true;
+    const KIND: fn() -> String = S::kind;
+    type Value = Option<S::Value>;
+
+    fn read(node: Node<'_>, name: &str) -> Result<Self::Value, ReadError> {
+        match node.element.given(name) {
+            Some(_) => S::take(&Given { node, raw: node.raw(name) }).map(Some),
+            None => Ok(None),
+        }
+    }
+}
+
+/// An attribute that stands there, with its element.
+pub(crate) struct Given<'a> {
+    pub node: Node<'a>,
+    pub raw: Raw,
+}
+
+impl Given<'_> {
+    pub(crate) fn wrong(
+        &self,
+        reason: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> ReadError {
+        self.raw.wrong(reason, expected)
+    }
+
+    fn value(&self) -> Result<Value, ReadError> {
+        self.raw.resolve(self.node.scope)
+    }
+
+    /// The text, exactly as a literal stands there.
+    pub(crate) fn text(&self) -> Result<String, ReadError> {
+        match self.raw.text.trim_start().starts_with('$') {
+            true => Ok(self.value()?.text()),
+            false => Ok(self.raw.text.clone()),
+        }
+    }
+
+    /// A number, infinite ones included.
+    fn any_number(&self, expected: &str) -> Result<f64, ReadError> {
+        let value = self.value()?;
+        value
+            .number()
+            .ok_or_else(|| self.wrong(format!("`{}` is not a number", value.text()), expected))
+    }
+
+    /// A finite number of a plausible magnitude, and in a range.
+    pub(crate) fn number(
+        &self,
+        expected: &str,
+        is_right: impl Fn(f64) -> bool,
+    ) -> Result<f64, ReadError> {
+        let number = self.any_number(expected)?;
+        if !(number.abs() <= MAX_NUMBER) {
+            let expected = format!("{expected}, from -{MAX_NUMBER:e} to {MAX_NUMBER:e}");
+            return Err(self.wrong(format!("{number} is out of range"), expected));
+        }
+        match is_right(number) {
+            true => Ok(number),
+            false => Err(self.wrong(format!("{number} is out of range"), expected)),
+        }
+    }
+
+    /// A whole number of a plausible magnitude, and not below `least`.
+    fn whole(&self, expected: &str, least: i32) -> Result<i32, ReadError> {
+        let number = self.number(expected, |number| number.abs() <= MAX_WHOLE)?;
+        if libm::trunc(number) != number {
+            return Err(self.wrong(format!("{number} is not a whole number"), expected));
+        }
+        match number as i32 {
+            whole if whole >= least => Ok(whole),
+            whole => Err(self.wrong(format!("{whole} is too small"), expected)),
+        }
+    }
+
+    /// The meaning of one of some words.
+    pub(crate) fn word<T: Copy>(&self, words: &[(&str, T)]) -> Result<T, ReadError> {
+        let text = self.text()?;
+        match words.iter().find(|(word, _)| *word == text) {
+            Some((_, meaning)) => Ok(*meaning),
+            None => {
+                let known = words.iter().map(|(word, _)| *word);
+                Err(self.wrong(format!("`{text}` is not supported"), meant(&text, known)))
+            }
+        }
+    }
+}
+
+macro_rules! numbers {
+    ($($(#[$doc:meta])* $name:ident: $kind:literal, $is_right:expr;)*) => {$(
+        $(#[$doc])*
+        pub(crate) struct $name;
+
+        impl Scalar for $name {
+            type Value = f64;
+
+            fn kind() -> String {
+                $kind.to_owned()
+            }
+
+            fn take(given: &Given<'_>) -> Result<f64, ReadError> {
+                given.number($kind, $is_right)
+            }
+        }
+    )*};
+}
+
+numbers! {
+    /// Any finite number.
+    Number: "a number", |_| true;
+    /// A number that is 0 or more.
+    AtLeastZero: "0 or more", |number| number >= 0.0;
+    /// A number above 0.
+    Positive: "more than 0", |number| number > 0.0;
+}
+
+/// A bound above 0. `INF` means that there is none.
+pub(crate) struct Bound;
+
+impl Scalar for Bound {
+    type Value = f64;
+
+    fn kind() -> String {
+        "more than 0, or INF".to_owned()
+    }
+
+    fn take(given: &Given<'_>) -> Result<f64, ReadError> {
+        match given.any_number(&Self::kind())? {
+            bound if bound > 0.0 => Ok(bound),
+            bound => Err(given.wrong(format!("{bound} is out of range"), Self::kind())),
+        }
+    }
+}
+
+/// A whole number.
+pub(crate) struct Whole;
+
+impl Scalar for Whole {
+    type Value = i32;
+
+    fn kind() -> String {
+        "a whole number".to_owned()
+    }
+
+    fn take(given: &Given<'_>) -> Result<i32, ReadError> {
+        given.whole(&Self::kind(), i32::MIN)
+    }
+}
+
+/// A whole number, 1 or more.
+pub(crate) struct Count;
+
+impl Scalar for Count {
+    type Value = u32;
+
+    fn kind() -> String {
+        "a whole number, 1 or more".to_owned()
+    }
+
+    fn take(given: &Given<'_>) -> Result<u32, ReadError> {
+        given.whole(&Self::kind(), 1).map(i32::unsigned_abs)
+    }
+}
+
+/// `true` or `false`.
+pub(crate) struct Truth;
+
+impl Scalar for Truth {
+    type Value = bool;
+
+    fn kind() -> String {
+        "true or false".to_owned()
+    }
+
+    fn take(given: &Given<'_>) -> Result<bool, ReadError> {
+        match given.value()? {
+            Value::Boolean(value) => Ok(value),
+            Value::Number(number) if number == 0.0 || number == 1.0 => Ok(number == 1.0),
+            other => {
+                let reason = format!("`{}` is not a truth value", other.text());
+                Err(given.wrong(reason, Self::kind()))
+            }
+        }
+    }
+}
+
+/// Any text.
+pub(crate) struct Text;
+
+impl Scalar for Text {
+    type Value = String;
+
+    fn kind() -> String {
+        "a text".to_owned()
+    }
+
+    fn take(given: &Given<'_>) -> Result<String, ReadError> {
+        given.text()
+    }
+}
+
+/// A number, a truth value or a text.
+pub(crate) struct Literal;
+
+impl Scalar for Literal {
+    type Value = Value;
+
+    fn kind() -> String {
+        "a value".to_owned()
+    }
+
+    fn take(given: &Given<'_>) -> Result<Value, ReadError> {
+        given.value()
+    }
+}
+
+/// An attribute that is resolved later, in another scope.
+pub(crate) struct Later<S>(PhantomData<S>);
+
+impl<S: Scalar> Scalar for Later<S> {
+    type Value = Raw;
+
+    fn kind() -> String {
+        S::kind()
+    }
+
+    fn take(given: &Given<'_>) -> Result<Raw, ReadError> {
+        Ok(given.raw.clone())
+    }
+}
+
+/// What one of some words may be, for errors and for the reference.
+pub(crate) fn kind_of<T>(words: &[(&str, T)]) -> String {
+    one_of(words.iter().map(|(word, _)| *word))
+}
+
+/// Gives types the words that stand for their values: a type that is there, or a new one with another value.
+macro_rules! words {
+    ($($(#[$doc:meta])* $name:ident $(= $value:ty)? {$($word:literal $meaning:expr),* $(,)?})*) => {
+        $($crate::declare::words!(@one [$(#[$doc])*] $name [$($value)?] {$($word $meaning),*});)*
+    };
+    (@one [] $name:ident [] {$($word:literal $meaning:expr),*}) => {
+        $crate::declare::words!(@scalar $name $name {$($word $meaning),*});
+    };
+    (@one [$($doc:tt)*] $name:ident [$value:ty] {$($word:literal $meaning:expr),*}) => {
+        $($doc)*
+        pub(crate) struct $name;
+        $crate::declare::words!(@scalar $name $value {$($word $meaning),*});
+    };
+    (@scalar $name:ident $value:ty {$($word:literal $meaning:expr),*}) => {
+        impl $crate::declare::Scalar for $name {
+            type Value = $value;
+
+            fn kind() -> String {
+                $crate::declare::kind_of::<$value>(&[$(($word, $meaning)),*])
+            }
+
+            fn take(
+                given: &$crate::declare::Given<'_>,
+            ) -> Result<$value, $crate::error::ReadError> {
+                given.word::<$value>(&[$(($word, $meaning)),*])
+            }
+        }
+    };
+}
+
+pub(crate) use words;

@@ -1,0 +1,110 @@
+//! Holds a file against the forms of its elements.
+
+use super::{ChildForm, Form};
+use crate::error::{Place, ReadError, meant, one_of};
+use crate::xml::{Document, Element};
+
+/// Whether a file is of the format, in a supported version.
+pub(crate) fn check_head(document: &Document) -> Result<(), ReadError> {
+    let root = &document.root;
+    let place = |element: &Element| Place { file: document.file.clone(), spot: element.spot };
+    if root.name != "OpenSCENARIO" {
+        return Err(ReadError::Element {
+            place: place(root),
+            element: root.name.clone(),
+            parent: "the file".to_owned(),
+            fault: "is not supported",
+            expected: "`OpenSCENARIO`".to_owned(),
+        });
+    }
+    let Some(header) = root.child("FileHeader") else { return Ok(()) };
+    let part = |name| header.attribute(name).unwrap_or("?");
+    match (part("revMajor"), part("revMinor")) {
+        ("1", "0" | "1" | "2" | "3") => Ok(()),
+        (major, minor) => {
+            Err(ReadError::Version { place: place(header), found: format!("{major}.{minor}") })
+        }
+    }
+}
+
+/// Holds an element and all that is inside it against its form.
+///
+/// # Errors
+/// At the first element or attribute that is unknown, missing or too many.
+pub(crate) fn check(file: &str, here: &Element, form: &'static Form) -> Result<(), ReadError> {
+    attributes(file, here, form)?;
+    let fault = |at: &Element, name: &str, fault: &'static str, expected: String| {
+        let place = Place { file: file.to_owned(), spot: at.spot };
+        ReadError::Element {
+            place,
+            element: name.to_owned(),
+            parent: here.name.clone(),
+            fault,
+            expected,
+        }
+    };
+    for child in &here.children {
+        if !form.children.iter().any(|known| known.has(&child.name)) {
+            let expected = meant(&child.name, form.children.iter().flat_map(ChildForm::names));
+            return Err(fault(child, &child.name, "is not supported", expected));
+        }
+    }
+    for known in form.children {
+        let mut found = here.children.iter().filter(|child| known.has(&child.name));
+        let count = found.clone().count();
+        if (known.least..=known.most).contains(&count) {
+            continue;
+        }
+        let [(name, _)] = known.alternatives else {
+            return Err(ReadError::Meaning {
+                place: Place { file: file.to_owned(), spot: here.spot },
+                reason: format!("`{}` holds {count} elements of its choice", here.name),
+                expected: format!("exactly one of {}", one_of(known.names())),
+            });
+        };
+        return Err(match found.nth(known.most) {
+            Some(second) => fault(second, name, "is there twice", "one".to_owned()),
+            None => {
+                let expected = if known.most == 1 { "one" } else { "at least one" };
+                fault(here, name, "is missing", expected.to_owned())
+            }
+        });
+    }
+    here.children.iter().try_for_each(|child| {
+        let mut alternatives = form.children.iter().flat_map(|known| known.alternatives);
+        match alternatives.find(|(name, _)| *name == child.name) {
+            Some((_, form)) => check(file, child, form),
+            None => Ok(()),
+        }
+    })
+}
+
+fn attributes(file: &str, here: &Element, form: &Form) -> Result<(), ReadError> {
+    let names = || {
+        let unused =
+            form.unused.iter().map(|name| (name.trim_end_matches('?'), name.ends_with('?')));
+        form.attributes.iter().map(|known| (known.name, known.optional)).chain(unused)
+    };
+    let fault = |spot, attribute: &str, reason: &str, expected: String| ReadError::Attribute {
+        place: Place { file: file.to_owned(), spot },
+        attribute: attribute.to_owned(),
+        element: here.name.clone(),
+        reason: reason.to_owned(),
+        expected,
+    };
+    for given in &here.attributes {
+        let schema = matches!(given.name.as_str(), "noNamespaceSchemaLocation" | "xsi" | "xmlns");
+        if !schema && !names().any(|(known, _)| known == given.name) {
+            let expected = meant(&given.name, names().map(|(name, _)| name));
+            return Err(fault(given.spot, &given.name, "is not supported", expected));
+        }
+    }
+    match names().find(|(name, optional)| !optional && here.given(name).is_none()) {
+        None => Ok(()),
+        Some((name, _)) => {
+            let known = form.attributes.iter().find(|known| known.name == name);
+            let expected = known.map_or_else(|| "a value".to_owned(), |known| (known.kind)());
+            Err(fault(here.spot, name, "is missing", expected))
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! The language in which the elements of the standard are declared.
+//!
+//! One declaration of an element is its check, its reader and its row of the reference:
+//!
+//! ```text
+//! elements! { "Actions";
+//!     /// delta or factor of the other's speed                   the reference's text
+//!     RelativeTargetSpeed -> SpeedTarget                         the element, and what its reader returns
+//!     ["entityRef" entity: EntityName, "value" mps: Number as "m/s"]   attributes: name, variable, type, unit
+//!     {_: Option<Properties>}                                    elements inside, by type
+//!     unused ["note?"]                                           attributes that are known and have no effect
+//!     |node| { Ok(SpeedTarget::Delta { entity, mps }) }          the value, from the variables
+//! }
+//! ```
+//!
+//! Types say how often something stands: `T` once, `Option<T>` at most once, `Vec<T>` any number,
+//! [`AtLeastOne<T>`](AtLeastOne). [`OneOf<(A, B)>`](OneOf) is a choice. [`check`] holds a file against these
+//! declarations; then the readers find what they ask for, and report an error otherwise.
+
+mod attribute;
+mod check;
+mod content;
+mod node;
+
+use crate::error::ReadError;
+pub(crate) use attribute::{
+    AtLeastZero, AttributeForm, Bound, Count, FromAttribute, Given, Later, Literal, Number,
+    Positive, Scalar, Text, Truth, Whole, kind_of, words,
+};
+pub(crate) use check::{check, check_head};
+pub(crate) use content::{AtLeastOne, ChildForm, Choice, Content, OneOf, Placed};
+pub(crate) use node::Node;
+
+/// A declared element.
+pub(crate) trait Element {
+    /// Its name in a file.
+    const NAME: &'static str;
+    /// What it may hold.
+    const FORM: &'static Form;
+    /// What its reader returns.
+    type Value;
+
+    /// Reads it. The node has been checked against the form.
+    fn read(node: Node<'_>) -> Result<Self::Value, ReadError>;
+}
+
+/// What an element may hold, as the check and the reference see it.
+#[derive(Debug)]
+pub(crate) struct Form {
+    /// The heading of its row in the reference.
+    pub part: &'static str,
+    /// What timegap does with it.
+    pub effect: &'static str,
+    /// Attributes that are read.
+    pub attributes: &'static [AttributeForm],
+    /// Attributes that have no effect; a name ends in `?` where it may be absent.
+    pub unused: &'static [&'static str],
+    /// Elements inside it.
+    pub children: &'static [ChildForm],
+}
+
+/// Declares elements; the module's documentation has an example.
+macro_rules! elements {
+    ($part:literal; $(
+        $(#[doc = $effect:literal])+
+        $name:ident $(= $xml:literal)? $(| $alias:ident)* -> $value:ty
+        [$($attribute:literal $given:tt : $kind:ty $(as $unit:literal)?),* $(,)?]
+        {$($child:tt : $content:ty),* $(,)?}
+        $(unused [$($unused:literal)*])?
+        $(|$node:ident|)? $body:block
+    )*) => {$(
+        $(#[doc = $effect])+
+        pub(crate) struct $name;
+
+        impl $crate::declare::Element for $name {
+            const NAME: &'static str = $crate::declare::elements!(@first $($xml)? (stringify!($name)));
+            const FORM: &'static $crate::declare::Form = &$crate::declare::Form {
+                part: $part,
+                effect: concat!($($effect),+),
+                attributes: &[$($crate::declare::AttributeForm::of::<$kind>(
+                    $attribute,
+                    $crate::declare::elements!(@first $($unit)? ("")),
+                )),*],
+                unused: &[$($($unused),*)?],
+                children: &[$(<$content as $crate::declare::Content>::FORM),*],
+            };
+            type Value = $value;
+
+            #[allow(clippy::let_unit_value, reason = "parts without effect have the value `()`")]
+            fn read(
+                node: $crate::declare::Node<'_>,
+            ) -> Result<$value, $crate::error::ReadError> {
+                $(let $given = <$kind as $crate::declare::FromAttribute>::read(node, $attribute)?;)*
+                $(let $child = <$content as $crate::declare::Content>::read_inside(node)?;)*
+                $(let $node = node;)?
+                let _ = node;
+                $body
+            }
+        }
+
+        $(
+            /// Another name of the same form.
+            pub(crate) struct $alias;
+
+            impl $crate::declare::Element for $alias {
+                const NAME: &'static str = stringify!($alias);
+                const FORM: &'static $crate::declare::Form =
+                    <$name as $crate::declare::Element>::FORM;
+                type Value = $value;
+
+                fn read(
+                    node: $crate::declare::Node<'_>,
+                ) -> Result<$value, $crate::error::ReadError> {
+                    <$name as $crate::declare::Element>::read(node)
+                }
+            }
+        )*
+    )*};
+    (@first $given:literal ($default:expr)) => { $given };
+    (@first ($default:expr)) => { $default };
+}
+
+/// Declares elements without effect: name, attributes, elements inside.
+macro_rules! unused {
+    ($part:literal; $(
+        $name:ident $(= $xml:literal)? $(| $alias:ident)*
+        [$($unused:literal)*] {$($content:ty),*};
+    )*) => {
+        $crate::declare::elements! { $part; $(
+            #[doc = "read, without effect"]
+            $name $(= $xml)? $(| $alias)* -> () [] {$(_: $content),*} unused [$($unused)*]
+            { Ok(()) }
+        )* }
+    };
+}
+
+pub(crate) use {elements, unused};

@@ -1,0 +1,196 @@
+//! From files to a [`Script`].
+
+use std::path::Path;
+
+use crate::declare::{Element, Form, Node, check, check_head};
+use crate::error::{Place, ReadError, Spot};
+use crate::library::Source;
+use crate::model::Script;
+use crate::parameter::{Assignment, opened};
+use crate::scene::Scene;
+use crate::scope::Scope;
+use crate::subset::{ScenarioFile, ScenarioParts};
+use crate::xml::{self, Document};
+
+/// A scenario as it was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scenario {
+    /// Its content.
+    pub script: Script,
+    /// The description of its header.
+    pub description: String,
+    /// Its parameters with the values that took effect, by name.
+    pub parameters: Vec<(String, String)>,
+    /// What a person should know of how it is simulated, a sentence each.
+    pub notices: Vec<String>,
+    /// Where in the scenario file its parts are.
+    pub spots: Spots,
+}
+
+/// Spots in the scenario file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Spots {
+    /// Where each entity is declared.
+    pub entities: Vec<Spot>,
+    /// Where Init says how each entity begins; where it is declared when Init does not.
+    pub starts: Vec<Spot>,
+    /// Where the storyboard's stop trigger is.
+    pub stop: Option<Spot>,
+}
+
+/// Reads a scenario file with its catalogs and its road. `assigned` values replace the declared ones.
+///
+/// ```no_run
+/// use openscenario::{Assignment, Disk, read};
+/// use std::path::Path;
+///
+/// let speed = Assignment { name: "Ego_Speed".to_owned(), value: "20".to_owned() };
+/// let scenario = read::scenario(Path::new("cut_in.xosc"), &Disk, &[speed])?;
+/// for notice in &scenario.notices {
+///     println!("{notice}");
+/// }
+/// # Ok::<(), openscenario::ReadError>(())
+/// ```
+///
+/// # Errors
+/// At the first part that is not well-formed, is outside the subset, or cannot be simulated.
+pub fn scenario(
+    path: &Path,
+    source: &dyn Source,
+    assigned: &[Assignment],
+) -> Result<Scenario, ReadError> {
+    let document = open_scenario(path, source)?;
+    let (scene, outside) = (Scene::new(source, path), Scope::default());
+    let root = &document.root;
+    let node = Node { file: &document.file, element: root, scope: &outside, scene: &scene };
+    let scope = opened(node, assigned)?;
+    let node = Node { scope: &scope, ..node };
+    match ScenarioFile::read(node)? {
+        ScenarioParts { description, entities: Some(entities), storyboard: Some(board) } => {
+            let mut starts = entities.clone();
+            for (entity, spot) in board.starts {
+                starts[entity] = spot;
+            }
+            let (place, stop) = board.stop.unzip();
+            let spots = Spots { entities, starts, stop: place.map(|place| place.spot) };
+            let script = Script {
+                road: (*scene.road(None)?).clone(),
+                ego: scene.ego.get(),
+                entities: scene.entities.take(),
+                values: scene.values.take(),
+                init: board.init,
+                stories: board.stories,
+                stop,
+            };
+            finish(&scene, &script)?;
+            let parameters = scope.iter().map(|(name, value)| (name.to_owned(), value.text()));
+            let parameters = parameters.collect();
+            Ok(Scenario { script, description, parameters, notices: scene.notices.take(), spots })
+        }
+        _ => Err(node.refuse("this file holds no scenario", "`Entities` and `Storyboard`")),
+    }
+}
+
+/// Looks up what refers to parts of the storyboard, and notes what of the road has no effect.
+fn finish(scene: &Scene<'_>, script: &Script) -> Result<(), ReadError> {
+    for reference in scene.references.take() {
+        script.find(reference.kind, &reference.name).map_err(|fault| ReadError::Meaning {
+            place: reference.place,
+            reason: fault.reason,
+            expected: fault.expected,
+        })?;
+    }
+    let road = &script.road;
+    if road.straight.is_none() {
+        scene.notice(format!(
+            "road `{}` is curved: it is unrolled along its reference line, its curvature has no effect",
+            road.id
+        ));
+    }
+    if road.steepest_slope > 0.0 {
+        scene.notice(format!(
+            "road `{}` has grades of up to {:.1} %: they have no effect",
+            road.id,
+            100.0 * road.steepest_slope
+        ));
+    }
+    Ok(())
+}
+
+/// A scenario file's parameters, to be asked about many values.
+#[derive(Clone, Debug)]
+pub struct Template {
+    document: Document,
+}
+
+impl Template {
+    /// Reads the file alone, without its catalogs and its road.
+    ///
+    /// # Errors
+    /// As [`scenario`].
+    pub fn open(path: &Path, source: &dyn Source) -> Result<Self, ReadError> {
+        Ok(Self { document: open_scenario(path, source)? })
+    }
+
+    /// Whether values break none of the constraints that the file declares.
+    ///
+    /// # Errors
+    /// When they do not fit its parameters for another reason.
+    pub fn admits(&self, assigned: &[Assignment]) -> Result<bool, ReadError> {
+        let (scene, scope) = (Scene::new(&Nothing, Path::new("")), Scope::default());
+        let Document { file, root } = &self.document;
+        match opened(Node { file, element: root, scope: &scope, scene: &scene }, assigned) {
+            Ok(_) => Ok(true),
+            Err(ReadError::Constraint { .. }) => Ok(false),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+/// Reads and checks a scenario file.
+fn open_scenario(path: &Path, source: &dyn Source) -> Result<Document, ReadError> {
+    let other = |root: &xml::Element| {
+        let other = root.children.iter().find(|child| {
+            matches!(child.name.as_str(), "Catalog" | "ParameterValueDistribution")
+        })?;
+        let runs = if other.name == "Catalog" { "" } else { ", which `timegap campaign` runs" };
+        let reason = format!("this file holds a `{}`{runs}", other.name);
+        Some((reason, "`Entities` and `Storyboard`".to_owned()))
+    };
+    open(path, source, ScenarioFile::FORM, &other)
+}
+
+/// Reads a file and holds it against a form. `other` gives what is wrong and what was expected when the file
+/// is of another kind.
+pub(crate) fn open(
+    path: &Path,
+    source: &dyn Source,
+    form: &'static Form,
+    other: &dyn Fn(&xml::Element) -> Option<(String, String)>,
+) -> Result<Document, ReadError> {
+    let file = path.display().to_string();
+    let text = source
+        .read(path)
+        .map_err(|error| ReadError::File { file: file.clone(), reason: error.to_string() })?;
+    let document = xml::parse(&file, &text)?;
+    check_head(&document)?;
+    if let Some((reason, expected)) = other(&document.root) {
+        let place = Place { file, spot: document.root.spot };
+        return Err(ReadError::Meaning { place, reason, expected });
+    }
+    check(&document.file, &document.root, form)?;
+    Ok(document)
+}
+
+/// No files.
+struct Nothing;
+
+impl Source for Nothing {
+    fn read(&self, _: &Path) -> std::io::Result<String> {
+        Err(std::io::ErrorKind::NotFound.into())
+    }
+
+    fn list(&self, _: &Path) -> std::io::Result<Vec<std::path::PathBuf>> {
+        Err(std::io::ErrorKind::NotFound.into())
+    }
+}

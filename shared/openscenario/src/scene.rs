@@ -1,0 +1,144 @@
+//! The parts of a scenario that other parts refer to: files, road, entities, values.
+
+use std::cell::{Cell, OnceCell, RefCell};
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use crate::error::{Place, ReadError};
+use crate::library::Source;
+use crate::model::element::ElementKind;
+use crate::model::{Entity, Named};
+use crate::road::{self, Road};
+use crate::xml::{self, Document};
+
+/// A scenario while it is read. The elements of a file come in an order in which each refers to earlier ones.
+pub(crate) struct Scene<'a> {
+    source: &'a dyn Source,
+    /// The scenario file's directory.
+    directory: PathBuf,
+    /// Catalogs by directory.
+    catalogs: RefCell<BTreeMap<PathBuf, Rc<Vec<Document>>>>,
+    /// The directories of catalogs, each with the name of its location.
+    pub locations: RefCell<Vec<Location>>,
+    road_file: OnceCell<Document>,
+    road: OnceCell<Rc<Road>>,
+    pub entities: RefCell<Vec<Entity>>,
+    /// Names that stand for several entities.
+    pub selections: RefCell<Vec<(String, Vec<usize>)>>,
+    pub ego: Cell<usize>,
+    /// The actors of the maneuver group that is read.
+    pub actors: RefCell<Vec<usize>>,
+    pub values: RefCell<Vec<Named>>,
+    /// References to parts of the storyboard, to be looked up once all of it has been read.
+    pub references: RefCell<Vec<Reference>>,
+    pub notices: RefCell<Vec<String>>,
+}
+
+/// A directory of catalogs.
+#[derive(Clone)]
+pub(crate) struct Location {
+    /// The name of the element in `CatalogLocations`.
+    pub name: String,
+    pub path: String,
+    pub place: Place,
+}
+
+/// A reference to a part of the storyboard.
+pub(crate) struct Reference {
+    pub place: Place,
+    pub kind: ElementKind,
+    pub name: String,
+}
+
+impl<'a> Scene<'a> {
+    pub(crate) fn new(source: &'a dyn Source, scenario: &Path) -> Self {
+        Self {
+            source,
+            directory: scenario.parent().unwrap_or(Path::new("")).to_owned(),
+            catalogs: RefCell::default(),
+            locations: RefCell::default(),
+            road_file: OnceCell::new(),
+            road: OnceCell::new(),
+            entities: RefCell::default(),
+            selections: RefCell::default(),
+            ego: Cell::default(),
+            actors: RefCell::default(),
+            values: RefCell::default(),
+            references: RefCell::default(),
+            notices: RefCell::default(),
+        }
+    }
+
+    /// The path of a file that the scenario names.
+    fn path(&self, relative: &str) -> PathBuf {
+        self.directory.join(relative.trim_start_matches("./"))
+    }
+
+    /// Tells the user how something is simulated, once.
+    pub(crate) fn notice(&self, text: String) {
+        let mut notices = self.notices.borrow_mut();
+        if !notices.contains(&text) {
+            notices.push(text);
+        }
+    }
+
+    /// The catalogs of a location.
+    pub(crate) fn catalogs(&self, location: &Location) -> Result<Rc<Vec<Document>>, ReadError> {
+        let path = self.path(&location.path);
+        if let Some(known) = self.catalogs.borrow().get(&path) {
+            return Ok(Rc::clone(known));
+        }
+        let unreadable = |path: &Path, error: std::io::Error| ReadError::Meaning {
+            place: location.place.clone(),
+            reason: format!("the catalogs of {} cannot be read: {error}", path.display()),
+            expected: "a directory of catalogs, relative to the scenario file".to_owned(),
+        };
+        let mut documents = Vec::new();
+        for file in self.source.list(&path).map_err(|error| unreadable(&path, error))? {
+            let text = self.source.read(&file).map_err(|error| unreadable(&file, error))?;
+            documents.push(xml::parse(&file.display().to_string(), &text)?);
+        }
+        let documents = Rc::new(documents);
+        self.catalogs.borrow_mut().insert(path, Rc::clone(&documents));
+        Ok(documents)
+    }
+
+    /// Opens the road file. A straight road is assumed when it is not there.
+    pub(crate) fn open_road(&self, file: &str, place: &Place) -> Result<(), ReadError> {
+        let path = self.path(file);
+        let name = path.display().to_string();
+        match self.source.read(&path) {
+            Ok(text) => {
+                let document = xml::parse(&name, &text)?;
+                self.road_file.get_or_init(|| document);
+                Ok(())
+            }
+            Err(error) if error.kind() == ErrorKind::NotFound => {
+                self.notice(format!(
+                    "{place}: {name} is not there: a straight road with lanes of 3.5 m is assumed"
+                ));
+                Ok(())
+            }
+            Err(error) => Err(ReadError::File { file: name, reason: error.to_string() }),
+        }
+    }
+
+    /// The road. The first position that names one chooses it; `None` asks for the only one.
+    pub(crate) fn road(&self, id: Option<&str>) -> Result<Rc<Road>, ReadError> {
+        if let Some(road) = self.road.get() {
+            return Ok(Rc::clone(road));
+        }
+        let road = match self.road_file.get() {
+            Some(document) => road::read(document, id)?,
+            None => Road::assumed(),
+        };
+        Ok(Rc::clone(self.road.get_or_init(|| Rc::new(road))))
+    }
+
+    /// Whether positions may name any road, since none is there.
+    pub(crate) fn assumes_a_road(&self) -> bool {
+        self.road_file.get().is_none()
+    }
+}

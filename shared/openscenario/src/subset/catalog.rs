@@ -1,0 +1,120 @@
+//! Catalogs, and elements that stand in them.
+
+use std::marker::PhantomData;
+
+use crate::declare::{Choice, Element, Form, Node, Text, check, check_head, elements};
+use crate::error::{Place, ReadError, meant, one_of};
+use crate::parameter::{Assignment, ParameterAssignments, opened};
+use crate::scene::Location;
+use crate::scope::Scope;
+use crate::xml;
+
+/// An entry that a `CatalogReference` names.
+pub(crate) struct Reference {
+    catalog: String,
+    entry: String,
+    assigned: Vec<Assignment>,
+    place: Place,
+}
+
+elements! { "Parameters and catalogs";
+    /// directories, relative to the scenario file
+    CatalogLocations -> () [] {
+        _: Option<VehicleCatalog>,
+        _: Option<PedestrianCatalog>,
+        _: Option<MiscObjectCatalog>,
+        _: Option<ControllerCatalog>,
+        _: Option<TrajectoryCatalog>,
+        _: Option<ManeuverCatalog>,
+        _: Option<EnvironmentCatalog>,
+        _: Option<RouteCatalog>,
+    } { Ok(()) }
+
+    /// searched for entries of its kind; routes have no effect
+    VehicleCatalog | PedestrianCatalog | MiscObjectCatalog | ControllerCatalog | TrajectoryCatalog
+        | ManeuverCatalog | EnvironmentCatalog | RouteCatalog -> ()
+    [] {directory: Directory}
+    |node| {
+        let (path, place) = directory;
+        node.scene.locations.borrow_mut().push(Location { name: node.name().to_owned(), path, place });
+        Ok(())
+    }
+
+    /// each `.xosc` file in it is a catalog
+    Directory -> (String, Place) ["path" path: Text] {} |node| { Ok((path, node.place())) }
+
+    /// the entry, with its parameters assigned
+    CatalogReference -> Reference ["catalogName" catalog: Text, "entryName" entry: Text]
+    {assigned: Option<ParameterAssignments>}
+    |node| {
+        let assigned = assigned.unwrap_or_default();
+        Ok(Reference { catalog, entry, assigned, place: node.place() })
+    }
+}
+
+/// A `CatalogReference` to one of some elements: it reads the entry.
+pub(super) struct FromCatalog<C>(PhantomData<C>);
+
+impl<C: Choice> Element for FromCatalog<C> {
+    const NAME: &'static str = CatalogReference::NAME;
+    const FORM: &'static Form = CatalogReference::FORM;
+    type Value = C::Value;
+
+    fn read(node: Node<'_>) -> Result<C::Value, ReadError> {
+        let reference = CatalogReference::read(node)?;
+        let Reference { catalog, entry, assigned, .. } = &reference;
+        let kind_of = |name: &str| C::ALTERNATIVES.iter().find(|(known, _)| *known == name);
+        let locations = node.scene.locations.borrow().clone();
+        let mut seen: Vec<String> = Vec::new();
+        // The catalogs of `Vehicle`s are in the `VehicleCatalog`, and so on.
+        let searched = locations
+            .iter()
+            .filter(|location| kind_of(location.name.trim_end_matches("Catalog")).is_some());
+        for location in searched {
+            for document in node.scene.catalogs(location)?.iter() {
+                check_head(document)?;
+                let Some(found) = document.root.child("Catalog") else { continue };
+                let name = found.attribute("name").unwrap_or_default();
+                seen.push(name.to_owned());
+                if name != catalog {
+                    continue;
+                }
+                let named =
+                    |element: &&xml::Element| element.attribute("name") == Some(entry.as_str());
+                let Some(element) = found.children.iter().find(named) else {
+                    let known = found.children.iter().filter_map(|entry| entry.attribute("name"));
+                    return Err(reference.refuse(
+                        format!("catalog `{catalog}` ({}) has no entry `{entry}`", document.file),
+                        meant(entry, known),
+                    ));
+                };
+                let Some((_, form)) = kind_of(&element.name) else {
+                    return Err(reference.refuse(
+                        format!("`{entry}` of catalog `{catalog}` is a `{}`", element.name),
+                        one_of(C::ALTERNATIVES.iter().map(|(name, _)| *name)),
+                    ));
+                };
+                check(&document.file, element, form)?;
+                let outside = Scope::default();
+                let inside = Node { file: &document.file, element, scope: &outside, ..node };
+                let scope =
+                    opened(inside, assigned).map_err(|error| error.given_at(&reference.place))?;
+                return C::read_chosen(Node { scope: &scope, ..inside });
+            }
+        }
+        seen.sort();
+        Err(reference.refuse(
+            format!("catalog `{catalog}` is in none of the catalog locations"),
+            match seen.is_empty() {
+                true => "a location with catalogs of this kind".to_owned(),
+                false => meant(catalog, seen.iter().map(String::as_str)),
+            },
+        ))
+    }
+}
+
+impl Reference {
+    fn refuse(&self, reason: String, expected: String) -> ReadError {
+        ReadError::Meaning { place: self.place.clone(), reason, expected }
+    }
+}

@@ -1,0 +1,129 @@
+//! Entities, and which of them is the ego.
+
+use super::body::BoundingBox;
+use super::catalog::FromCatalog;
+use super::reference::EntityNames;
+use super::unused::{Axles, Performance, Properties, Property, TrailerCoupler, TrailerHitch};
+use crate::declare::{AtLeastOne, OneOf, Placed, Text, elements};
+use crate::error::{Spot, one_of};
+use crate::model::{Body, Category, Drive, Entity, MAX_ENTITIES};
+use crate::parameter::{ParameterDeclarations, Scoped};
+
+elements! { "Entities";
+    /// the ego and up to 8 others; the ego is called `Ego` or else `hero`, or is the only one with a controller, or is alone
+    Entities -> Vec<Spot> []
+    {objects: AtLeastOne<Placed<ScenarioObject>>, _: Vec<EntitySelection>}
+    |node| {
+        let mut entities = node.scene.entities.borrow_mut();
+        let called = |name: &str| {
+            entities.iter().position(|entity| entity.name.eq_ignore_ascii_case(name))
+        };
+        let controlled: Vec<usize> =
+            (0..objects.len()).filter(|&entity| objects[entity].1).collect();
+        let ego = match (called("ego").or_else(|| called("hero")), controlled.as_slice()) {
+            (Some(named), _) => named,
+            (None, [only]) => *only,
+            (None, []) if entities.len() == 1 => 0,
+            (None, _) => {
+                let names = one_of(entities.iter().map(|entity| entity.name.as_str()));
+                return Err(node.refuse(
+                    format!("none of {names} is known to be the ego"),
+                    "an entity called `Ego` or `hero`, or exactly one with an `ObjectController`",
+                ));
+            }
+        };
+        entities[ego].drive = Drive::External;
+        node.scene.ego.set(ego);
+        if controlled.iter().any(|entity| *entity != ego) {
+            let text = "controllers of entities other than the ego have no effect";
+            node.scene.notice(text.to_owned());
+        }
+        Ok(objects.into_iter().map(|(place, _)| place.spot).collect())
+    }
+
+    /// an entity; the ego is driven by timegap's stack, the others by the storyboard
+    ScenarioObject -> bool ["name" name: Text] {
+        (category, body): OneOf<(
+            FromCatalog<OneOf<(Vehicle, Pedestrian, MiscObject)>>,
+            Scoped<Vehicle>,
+            Scoped<Pedestrian>,
+            Scoped<MiscObject>,
+        )>,
+        controllers: Vec<ObjectController>,
+    } |node| {
+        let mut entities = node.scene.entities.borrow_mut();
+        if entities.iter().any(|entity| entity.name == name) {
+            let reason = format!("`{name}` is there twice");
+            return Err(node.wrong("name", reason, "a name of its own"));
+        }
+        if entities.len() == MAX_ENTITIES {
+            return Err(node.refuse("too many entities", format!("at most {MAX_ENTITIES}")));
+        }
+        entities.push(Entity { name, category, body, drive: Drive::Scripted });
+        Ok(controllers.contains(&true))
+    }
+
+    /// a name for several entities, for `Actors` and `TriggeringEntities`
+    EntitySelection -> () ["name" name: Text] {members: Members}
+    |node| {
+        node.scene.selections.borrow_mut().push((name, members));
+        Ok(())
+    }
+
+    /// the entities of a selection
+    Members -> Vec<usize> [] {members: AtLeastOne<EntityRef>} { Ok(members.concat()) }
+
+    /// a reference by name
+    EntityRef -> Vec<usize> ["entityRef" entities: EntityNames] {} { Ok(entities) }
+
+    /// marks the ego, unless it is empty
+    ObjectController -> bool [] {
+        entry: Option<FromCatalog<Controller>>,
+        own: Option<Controller>,
+    } unused ["name?"] { Ok(entry.or(own).unwrap_or(false)) }
+
+    /// read, without effect beside `ObjectController`
+    Controller -> bool [] {_: Option<ParameterDeclarations>, _: Option<Properties>}
+    unused ["name" "controllerType?"] { Ok(true) }
+
+    /// its bounding box; a mass has no effect
+    Vehicle -> (Category, Body) [] {
+        _: Option<ParameterDeclarations>,
+        body: BoundingBox,
+        _: Option<Performance>,
+        _: Option<Axles>,
+        _: Option<TrailerHitch>,
+        _: Option<TrailerCoupler>,
+        _: Option<Trailer>,
+        _: Option<Properties>,
+        _: Vec<Property>,
+    } unused ["name" "vehicleCategory" "role?" "mass?" "model3d?"]
+    { Ok((Category::Vehicle, body)) }
+
+    /// no trailer is pulled: with an empty reference only
+    Trailer -> () [] {_: TrailerRef} { Ok(()) }
+
+    /// see `Trailer`
+    TrailerRef -> () ["entityRef" name: Text] {}
+    |node| {
+        match name.is_empty() {
+            true => Ok(()),
+            false => {
+                let reason = format!("`{name}` would be pulled as a trailer");
+                Err(node.wrong("entityRef", reason, "none (an empty reference)"))
+            }
+        }
+    }
+
+    /// its bounding box
+    Pedestrian -> (Category, Body) []
+    {_: Option<ParameterDeclarations>, body: BoundingBox, _: Option<Properties>}
+    unused ["name" "pedestrianCategory" "mass?" "model?" "model3d?" "role?"]
+    { Ok((Category::Pedestrian, body)) }
+
+    /// its bounding box
+    MiscObject -> (Category, Body) []
+    {_: Option<ParameterDeclarations>, body: BoundingBox, _: Option<Properties>}
+    unused ["name" "miscObjectCategory" "mass?" "model3d?"]
+    { Ok((Category::MiscObject, body)) }
+}

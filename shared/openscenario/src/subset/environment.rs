@@ -1,0 +1,92 @@
+//! Actions of the environment and of controllers, which have no effect.
+
+use super::catalog::FromCatalog;
+use super::entity::{Controller, ObjectController};
+use super::unused::{Properties, TimeOfDay, Weather};
+use crate::declare::{Node, Number, OneOf, Truth, elements};
+use crate::error::ReadError;
+use crate::model::action::Action;
+use crate::parameter::{ParameterDeclarations, Scoped};
+
+elements! { "Actions";
+    /// weather and time of day have no effect, and the action is complete at once
+    EnvironmentAction -> Action [] {_: OneOf<(Scoped<Environment>, FromCatalog<Environment>)>}
+    { Ok(Action::Nothing) }
+
+    /// see `EnvironmentAction`
+    Environment -> () [] {
+        _: Option<ParameterDeclarations>,
+        _: Option<TimeOfDay>,
+        _: Option<Weather>,
+        _: Option<RoadCondition>,
+    } unused ["name"] { Ok(()) }
+
+    /// a friction factor of 1 only
+    RoadCondition -> () ["frictionScaleFactor" factor: Number] {_: Option<Properties>}
+    unused ["wetness?"]
+    |node| {
+        if factor != 1.0 {
+            let reason = format!("{factor} would change the brakes");
+            return Err(node.wrong("frictionScaleFactor", reason, "1"));
+        }
+        Ok(())
+    }
+
+    /// the ego's stack drives from the start: assigned and activated controllers change nothing, and the action is complete at once
+    ControllerAction -> Action [] {
+        assigned: Option<AssignControllerAction>,
+        overridden: Option<OverrideControllerValueAction>,
+        activated: Option<ActivateControllerAction>,
+    } |node| {
+        if assigned.is_none() && overridden.is_none() && activated.is_none() {
+            return Err(node.refuse(
+                "`ControllerAction` is empty",
+                "`AssignControllerAction` or `ActivateControllerAction`",
+            ));
+        }
+        Ok(Action::Nothing)
+    }
+
+    /// see `ControllerAction`
+    AssignControllerAction -> () []
+    {_: OneOf<(Controller, ObjectController, FromCatalog<Controller>)>}
+    unused ["activateLateral?" "activateLongitudinal?" "activateAnimation?" "activateLighting?"]
+    { Ok(()) }
+
+    /// overrides nothing: active="false" only
+    OverrideControllerValueAction -> () [] {
+        _: Option<Throttle>,
+        _: Option<Brake>,
+        _: Option<Clutch>,
+        _: Option<ParkingBrake>,
+        _: Option<SteeringWheel>,
+        _: Option<Gear>,
+    } { Ok(()) }
+
+    /// see `OverrideControllerValueAction`
+    Throttle | Brake | Clutch | ParkingBrake | SteeringWheel -> () ["active" active: Truth] {}
+    unused ["value?" "maxRate?"]
+    |node| { inactive(node, active) }
+
+    /// see `OverrideControllerValueAction`
+    Gear -> () ["active" active: Truth] {} unused ["number?"] |node| { inactive(node, active) }
+
+    /// see `ControllerAction`
+    ActivateControllerAction -> Action [] {}
+    unused ["lateral?" "longitudinal?" "animation?" "lighting?" "controllerRef?" "objectControllerRef?"]
+    { Ok(Action::Nothing) }
+
+    /// complete at once, without effect
+    VisibilityAction -> Action [] {} unused ["graphics" "sensors" "traffic"]
+    { Ok(Action::Nothing) }
+}
+
+fn inactive(node: Node<'_>, active: bool) -> Result<(), ReadError> {
+    match active {
+        false => Ok(()),
+        true => {
+            let reason = format!("`{}` would be overridden", node.name());
+            Err(node.wrong("active", reason, "false"))
+        }
+    }
+}

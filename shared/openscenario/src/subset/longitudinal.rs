@@ -1,0 +1,125 @@
+//! Actions along the road.
+
+use super::reference::EntityName;
+use crate::declare::{AtLeastZero, Bound, Number, OneOf, Truth, elements, words};
+use crate::model::action::{
+    Action, Dimension, Distance, Gap, Limits, Shape, Side, SpeedTarget, Transition,
+};
+
+words! {
+    Shape {
+        "linear" Shape::Linear,
+        "cubic" Shape::Cubic,
+        "sinusoidal" Shape::Sinusoidal,
+        "step" Shape::Step,
+    }
+
+    Dimension {
+        "time" Dimension::Time,
+        "rate" Dimension::Rate,
+        "distance" Dimension::Distance,
+    }
+
+    Side {
+        "any" Side::Any,
+        "trailingReferencedEntity" Side::Behind,
+        "leadingReferencedEntity" Side::Ahead,
+    }
+
+    /// Ways to follow that do the same.
+    FollowingMode = () { "follow" (), "position" () }
+
+    /// How a relative speed is meant; its value is whether as a factor.
+    SpeedTargetValueType = bool { "delta" false, "factor" true }
+
+    /// Coordinates that do the same along a road.
+    CoordinateSystem = () { "entity" (), "lane" (), "road" () }
+}
+
+elements! { "Actions";
+    /// replaces the longitudinal action that is running
+    LongitudinalAction -> Action [] {action: OneOf<(SpeedAction, LongitudinalDistanceAction)>}
+    { Ok(action) }
+
+    /// speed follows the shape to its target
+    SpeedAction -> Action [] {transition: SpeedActionDynamics, target: SpeedActionTarget}
+    |node| {
+        let is_endless = transition.shape == Shape::Step || transition.dimension == Dimension::Rate;
+        if target.is_continuous() && !is_endless {
+            return Err(node.refuse(
+                "a continuous target has no time or distance at which it is reached",
+                "shape step or dimension rate",
+            ));
+        }
+        Ok(Action::Speed { target, transition })
+    }
+
+    /// see "Shapes"
+    SpeedActionDynamics | LaneChangeActionDynamics -> Transition
+    ["dynamicsShape" shape: Shape, "dynamicsDimension" dimension: Dimension, "value" value: Number,
+        "followingMode" _: Option<FollowingMode>] {}
+    |node| {
+        if value < 0.0 && dimension != Dimension::Rate {
+            return Err(node.wrong("value", format!("{value} is negative"), "0 or more"));
+        }
+        Ok(Transition { shape, dimension, value: value.abs() })
+    }
+
+    /// the speed at the end
+    SpeedActionTarget -> SpeedTarget []
+    {target: OneOf<(AbsoluteTargetSpeed, RelativeTargetSpeed)>}
+    { Ok(target) }
+
+    /// a speed
+    AbsoluteTargetSpeed -> SpeedTarget ["value" mps: AtLeastZero as "m/s"] {}
+    { Ok(SpeedTarget::Absolute(mps)) }
+
+    /// delta (m/s) or factor of the other's speed at the start; continuous: kept up without end
+    RelativeTargetSpeed -> SpeedTarget
+    ["entityRef" entity: EntityName, "value" value: Number,
+        "speedTargetValueType" is_factor: SpeedTargetValueType, "continuous" continuous: Truth] {}
+    |node| {
+        match is_factor {
+            true if value < 0.0 => {
+                Err(node.wrong("value", format!("{value} is negative"), "0 or more"))
+            }
+            true => Ok(SpeedTarget::Factor { entity, factor: value, continuous }),
+            false => Ok(SpeedTarget::Delta { entity, mps: value, continuous }),
+        }
+    }
+
+    /// without constraints the distance is there at once; a time gap counts with the speed of the one behind; distance or timeGap, not both
+    LongitudinalDistanceAction -> Action
+    ["entityRef" entity: EntityName, "freespace" freespace: Truth, "continuous" continuous: Truth,
+        "distance" distance: Option<AtLeastZero> as "m", "timeGap" time: Option<AtLeastZero> as "s",
+        "displacement" side: Option<Side>, "coordinateSystem" _: Option<CoordinateSystem>]
+    {limits: Option<DynamicConstraints>}
+    |node| {
+        let gap = match (distance, time) {
+            (Some(gap_m), None) => Gap::Distance(gap_m),
+            (None, Some(gap_s)) => Gap::Time(gap_s),
+            _ => {
+                let reason = "`LongitudinalDistanceAction` has both or none of its two measures";
+                return Err(node.refuse(reason, "either `distance` or `timeGap`"));
+            }
+        };
+        let side = side.unwrap_or(Side::Behind);
+        let limits = limits.flatten();
+        Ok(Action::Distance(Distance { entity, gap, freespace, side, continuous, limits }))
+    }
+
+    /// bounds on the way to the distance; without both accelerations it is there at once
+    DynamicConstraints -> Option<Limits>
+    ["maxAcceleration" up: Option<Bound> as "m/s²", "maxDeceleration" down: Option<Bound> as "m/s²",
+        "maxSpeed" speed: Option<Bound> as "m/s"] {}
+    unused ["maxAccelerationRate?" "maxDecelerationRate?"]
+    {
+        let finite = |bound: Option<f64>| bound.filter(|bound| bound.is_finite());
+        let (Some(max_acceleration_mps2), Some(max_deceleration_mps2)) = (finite(up), finite(down))
+        else {
+            return Ok(None);
+        };
+        let max_speed_mps = speed.unwrap_or(f64::INFINITY);
+        Ok(Some(Limits { max_acceleration_mps2, max_deceleration_mps2, max_speed_mps }))
+    }
+}

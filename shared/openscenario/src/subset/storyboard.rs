@@ -1,0 +1,204 @@
+//! The storyboard: Init, stories, acts, groups, maneuvers, events.
+
+use super::action::{GlobalAction, PrivateAction};
+use super::catalog::FromCatalog;
+use super::condition::{StartTrigger, StopTrigger};
+use super::entity::EntityRef;
+use super::reference::EntityName;
+use crate::declare::{
+    AtLeastOne, Count, Element, Form, Node, OneOf, Placed, Text, Truth, elements, words,
+};
+use crate::error::{Place, ReadError, Spot};
+use crate::model::condition::Trigger;
+use crate::model::storyboard::{NamedAction, Priority};
+use crate::model::{InitAction, action, storyboard};
+use crate::parameter::{ParameterDeclarations, Scoped};
+
+/// A storyboard as it was read.
+pub(crate) struct Board {
+    pub init: Vec<InitAction>,
+    /// Where Init says how entities begin.
+    pub starts: Vec<(usize, Spot)>,
+    pub stories: Vec<storyboard::Story>,
+    pub stop: Option<(Place, Trigger)>,
+}
+
+words! {
+    Priority {
+        "overwrite" Priority::Override,
+        "override" Priority::Override,
+        "skip" Priority::Skip,
+        "parallel" Priority::Parallel,
+    }
+}
+
+/// The actions of one entity in Init.
+pub(crate) struct Start {
+    actor: usize,
+    spot: Spot,
+    actions: Vec<action::Action>,
+}
+
+elements! { "Storyboard";
+    /// ends the run when its stop trigger fires; otherwise the run ends at its duration
+    Storyboard -> Board []
+    {init: Init, stories: Vec<Scoped<Story>>, stop: Option<Placed<StopTrigger>>}
+    {
+        let named = |(i, (name, acts)): (usize, (Option<String>, _))| {
+            let name = name.unwrap_or_else(|| format!("story {}", i + 1));
+            storyboard::Story { name, acts }
+        };
+        let stories = stories.into_iter().enumerate().map(named).collect();
+        let (init, starts) = init;
+        Ok(Board { init, starts, stories, stop })
+    }
+
+    /// done before the first step: teleports, then speeds, then the rest
+    Init -> (Vec<InitAction>, Vec<(usize, Spot)>) [] {actions: Actions}
+    |node| {
+        let (global, starts) = actions;
+        let mut init: Vec<InitAction> =
+            global.into_iter().map(|action| InitAction { actor: None, action }).collect();
+        let spots = starts.iter().map(|start| (start.actor, start.spot)).collect();
+        for Start { actor, actions, .. } in starts {
+            let of_actor = |action| InitAction { actor: Some(actor), action };
+            init.extend(actions.into_iter().map(of_actor));
+        }
+        require_places(node, &init)?;
+        init.sort_by_key(|item| match item.action {
+            action::Action::Add { .. } | action::Action::Teleport(_) => 0,
+            action::Action::Speed { .. } => 1,
+            _ => 2,
+        });
+        Ok((init, spots))
+    }
+
+    /// actions of Init
+    Actions -> (Vec<action::Action>, Vec<Start>) []
+    {global: Vec<GlobalAction>, private: Vec<Private>}
+    { Ok((global, private)) }
+
+    /// actions of one entity
+    Private -> Start ["entityRef" actor: EntityName] {placed: AtLeastOne<Placed<PrivateAction>>}
+    |node| {
+        let mut actions = Vec::new();
+        for (place, action) in placed {
+            if actor == node.scene.ego.get() && !begins_at_once(&action) {
+                return Err(ReadError::Meaning {
+                    place,
+                    reason: "timegap's stack drives the ego from the start".to_owned(),
+                    expected: "in Init a teleport, a speed with shape step, or a controller action \
+                               for it"
+                        .to_owned(),
+                });
+            }
+            actions.push(action);
+        }
+        Ok(Start { actor, spot: node.place().spot, actions })
+    }
+
+    /// runs from the start
+    Story -> (Option<String>, Vec<storyboard::Act>) ["name" name: Option<Text>]
+    {_: Option<ParameterDeclarations>, acts: AtLeastOne<Act>}
+    { Ok((name, acts)) }
+
+    /// without a start trigger it starts with its story
+    Act -> storyboard::Act ["name" name: Text]
+    {groups: AtLeastOne<ManeuverGroup>, start: Option<StartTrigger>, stop: Option<StopTrigger>}
+    { Ok(storyboard::Act { name, start, stop, groups }) }
+
+    /// runs again until its count is reached
+    ManeuverGroup -> storyboard::ManeuverGroup
+    ["maximumExecutionCount" executions: Count, "name" name: Text]
+    {actors: Actors, maneuvers: Vec<OneOf<(FromCatalog<Maneuver>, Scoped<Maneuver>)>>}
+    { Ok(storyboard::ManeuverGroup { name, executions, actors, maneuvers }) }
+
+    /// selectTriggeringEntities="false" only
+    Actors -> Vec<usize> ["selectTriggeringEntities" by_trigger: Truth] {actors: Vec<EntityRef>}
+    |node| {
+        if by_trigger {
+            let reason = "actors chosen by their triggers are not supported";
+            return Err(node.wrong("selectTriggeringEntities", reason, "false"));
+        }
+        let actors = actors.concat();
+        node.scene.actors.replace(actors.clone());
+        Ok(actors)
+    }
+
+    /// its events stand by while it runs
+    Maneuver -> storyboard::Maneuver ["name" name: Text]
+    {_: Option<ParameterDeclarations>, events: AtLeastOne<Event>}
+    { Ok(storyboard::Maneuver { name, events }) }
+
+    /// overwrite and override end other events of the maneuver; without a start trigger it starts with its maneuver
+    Event -> storyboard::Event
+    ["name" name: Text, "priority" priority: Priority,
+        "maximumExecutionCount" executions: Option<Count>]
+    {actions: AtLeastOne<Action>, start: Option<StartTrigger>}
+    {
+        let executions = executions.unwrap_or(1);
+        Ok(storyboard::Event { name, priority, executions, start, actions })
+    }
+
+    /// done for every actor of the group
+    Action -> NamedAction ["name" name: Text] {action: OneOf<(OfActors, GlobalAction)>}
+    { Ok(NamedAction { name, action }) }
+}
+
+/// An action of the actors of a group.
+struct OfActors;
+
+impl Element for OfActors {
+    const NAME: &'static str = PrivateAction::NAME;
+    const FORM: &'static Form = PrivateAction::FORM;
+    type Value = action::Action;
+
+    fn read(node: Node<'_>) -> Result<action::Action, ReadError> {
+        let scene = node.scene;
+        if scene.actors.borrow().is_empty() {
+            return Err(node.refuse("the group has no actor for it", "an `EntityRef`"));
+        }
+        let action = PrivateAction::read(node)?;
+        if scene.actors.borrow().contains(&scene.ego.get()) && action != action::Action::Nothing {
+            scene.notice(
+                "actions of the ego take their time in the storyboard and do not move it: timegap's stack drives it"
+                    .to_owned(),
+            );
+        }
+        Ok(action)
+    }
+}
+
+/// Whether Init may do this to the ego: it places the ego and sets its speed at once.
+fn begins_at_once(action: &action::Action) -> bool {
+    match action {
+        action::Action::Teleport(_) | action::Action::Nothing => true,
+        action::Action::Speed { transition, .. } => transition.is_immediate(),
+        _ => false,
+    }
+}
+
+/// Checks that the ego has a place in Init, and notes the others that have none.
+fn require_places(node: Node<'_>, init: &[InitAction]) -> Result<(), ReadError> {
+    let is_placed = |entity: usize| {
+        init.iter().any(|item| match item.action {
+            action::Action::Teleport(_) => item.actor == Some(entity),
+            action::Action::Add { entity: added, .. } => added == entity,
+            _ => false,
+        })
+    };
+    for (index, entity) in node.scene.entities.borrow().iter().enumerate() {
+        let name = &entity.name;
+        if is_placed(index) {
+            continue;
+        }
+        if index == node.scene.ego.get() {
+            let reason = format!("the ego `{name}` is not placed");
+            return Err(node.refuse(reason, "a `TeleportAction` for it"));
+        }
+        node.scene.notice(format!(
+            "`{name}` has no place in Init: it is not on the road until it is added or teleported"
+        ));
+    }
+    Ok(())
+}
