@@ -12,7 +12,7 @@ run *ARGUMENTS:
 test:
     cargo test --release --workspace
 
-# Run one job of the checks (lint, docs, test), or all of them.
+# Run one job of the checks (lint, docs, test, python), or all of them.
 check *JOBS:
     .ci/run {{JOBS}}
 
@@ -24,6 +24,14 @@ mutants *ARGUMENTS:
 # Build what few use: advisories, the synthesis, zenoh.
 extended:
     .ci/extended
+
+# Build the Python package: target/wheels/timegap-*.whl.
+wheel:
+    maturin build --release --locked --manifest-path python/Cargo.toml --out target/wheels
+
+# Test the Python package, or measure it: `just python bench`.
+python *ARGUMENTS:
+    .ci/python {{ARGUMENTS}}
 
 # Write the generated pages anew: keys, messages.
 references:

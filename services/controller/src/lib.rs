@@ -3,7 +3,7 @@
 //! A law is plain code behind one trait ([`law::Law`]) and a descriptor ([`law::Descriptor`]) in the
 //! registry ([`laws::ALL`]). The loop samples the topics ([`sampling`]), asks the law and publishes:
 //! [`run`] with the law that the scenario names, [`run_law`] with one that you bring along, which
-//! [`serve`] makes a program.
+//! [`serve`] makes a program, [`run_asked`] with one that the caller of a run in one process computes.
 
 pub mod following;
 pub mod ladder;
@@ -16,4 +16,4 @@ pub mod sampling;
 mod service;
 pub mod settings;
 
-pub use service::{last_law_times, run, run_law, serve};
+pub use service::{last_law_times, run, run_asked, run_law, serve};

@@ -8,6 +8,7 @@ use crate::ladder::{Admission, Ages, Ladder};
 use crate::law::{
     Descriptor, Formulation, Input, Law, MAX_FIGURES, MAX_PLAN, Output, TargetSource,
 };
+use crate::laws::external::{Asked, EXTERNAL, Questions};
 use crate::planning_thread::PlanningThread;
 use crate::plausibility::estimate::EgoEstimate;
 use crate::plausibility::{Believed, Plausibility};
@@ -49,9 +50,31 @@ pub fn run(runtime: Runtime) -> Result<(), RuntimeError> {
 ///
 /// # Errors
 /// If the group's shared memory is not usable or the law refuses the scenario's settings.
-pub fn run_law(mut runtime: Runtime, law: &'static Descriptor) -> Result<(), RuntimeError> {
+pub fn run_law(runtime: Runtime, law: &'static Descriptor) -> Result<(), RuntimeError> {
     let scenario = runtime.scenario();
-    let mut controller = Loop::open(&mut runtime, &scenario, law)?;
+    let built = (law.build)(&crate::law::Reader::new(&scenario))?;
+    run_built(runtime, law, built)
+}
+
+/// Runs the law that the caller of a run in one process computes, to the end of the run. It is asked through
+/// `questions`.
+///
+/// # Errors
+/// If this is no run in one process.
+pub fn run_asked(runtime: Runtime, questions: Questions) -> Result<(), RuntimeError> {
+    let scenario = runtime.scenario();
+    let law = Asked::new(questions, runtime.turns(), &scenario);
+    run_built(runtime, &EXTERNAL, Box::new(law))
+}
+
+/// Runs a law of the kind that `descriptor` describes, to the end of the run.
+fn run_built(
+    mut runtime: Runtime,
+    descriptor: &'static Descriptor,
+    law: Box<dyn Law>,
+) -> Result<(), RuntimeError> {
+    let scenario = runtime.scenario();
+    let mut controller = Loop::open(&mut runtime, &scenario, descriptor, law)?;
     runtime.begin(&scenario)?;
     if runtime.clock().mode() == Mode::Realtime
         && let Some(hosted) = controller.law.hosted()
@@ -86,7 +109,8 @@ struct TruckTopics {
 
 struct Loop {
     law: Box<dyn Law>,
-    descriptor: &'static Descriptor,
+    /// Name of the law in results.
+    name: String,
     formulation: &'static Formulation,
     planning: Option<PlanningThread>,
     setting: Setting,
@@ -117,13 +141,18 @@ impl Loop {
         runtime: &mut Runtime,
         scenario: &Scenario,
         descriptor: &'static Descriptor,
+        mut law: Box<dyn Law>,
     ) -> Result<Self, RuntimeError> {
-        let mut law = (descriptor.build)(&crate::law::Reader::new(scenario))?;
         let period_ns = i64::from(scenario.controller.period_ms.value()) * 1_000_000;
         let release = scenario.controller.release;
         let mut output = Output::default();
         match law.hosted() {
-            Some(hosted) => hosted.start().map_err(|e| RuntimeError::Program(e.into()))?,
+            Some(hosted) => {
+                if runtime.turns().is_some() {
+                    hosted.share();
+                }
+                hosted.start().map_err(|e| RuntimeError::Program(e.into()))?;
+            }
             // Brings its code and data into memory before the loop; then forgets it.
             None => law.step(&Input { period_s: 0.1, ..Input::default() }, &mut output),
         }
@@ -131,7 +160,10 @@ impl Loop {
         let planning = PlanningThread::start(runtime, law.as_mut(), period_ns)?;
         Ok(Self {
             law,
-            descriptor,
+            name: match std::ptr::eq(descriptor, &EXTERNAL) {
+                true => scenario.controller.name.as_str().to_owned(),
+                false => descriptor.name.to_owned(),
+            },
             formulation: (descriptor.formulation)(&scenario.controller),
             planning,
             setting: Setting::of(scenario, descriptor.target == TargetSource::Measured),
@@ -318,7 +350,7 @@ impl Loop {
             backup: self.account.backup,
             braked: 0,
             planning: self.planning.as_ref().map(PlanningThread::report),
-            law: self.descriptor.name.to_owned(),
+            law: self.name.clone(),
             program: self.law.hosted().map(|hosted| hosted.report()),
             mode_changes: self.account.mode_changes(self.formulation),
             rungs: self.account.levels.report(),

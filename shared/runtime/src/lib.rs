@@ -23,7 +23,7 @@
 //! ([`Publisher::loan`]), protects the message there and hands it over. Readers borrow what is larger than
 //! [`SMALL_BYTES`](messages::SMALL_BYTES) and copy what is not before they check it.
 //!
-//! `unsafe` is allowed in `coroutine`, `scheduling`, `spawn`, `usage` and `words`, for system calls that no
+//! `unsafe` is allowed in `coroutine`, `library`, `scheduling`, `spawn`, `usage` and `words`, for system calls that no
 //! crate wraps, and in `transport` (`pooled`, and where loaned bytes become a message) and `probe`.
 
 mod error;
@@ -49,6 +49,7 @@ pub use life::link::{FromService, PEER_JOINED, StartOrder, ToService};
 pub use life::prepared::{NAME_PREFIX, PREPARED, PREPARED_PREFIX};
 pub use life::process::{log_warnings, run_service};
 pub use machine::background::{BackgroundWorker, WorkerReport};
+pub use machine::library::{LawLibrary, LibraryError};
 pub use machine::program::{Program, ProgramError, command_line, executable};
 pub use machine::scheduling;
 pub use machine::spawn::{die_with_this_thread, inherit_only};
@@ -70,5 +71,5 @@ pub use survival::checkpoint::Checkpoint;
 pub use survival::kept::{Count, Figures, RELEASE_JITTER};
 pub use survival::standby::{ActiveProcess, Cause, TakeOver};
 pub use transport::carried::Carried;
-pub use transport::{Carrier, Loan, Sealing, TransportError, domain, shared_memory_bytes};
+pub use transport::{Carrier, Loan, Sealing, TransportError, Turns, domain, shared_memory_bytes};
 pub use words::SharedWords;

@@ -76,23 +76,36 @@ impl Controller {
 
     /// Settles where the program of a foreign law runs; `own` is the scenario file's directory.
     pub(super) fn place_command(&mut self, own: Option<&Path>) {
-        if self.command.is_empty() {
-            return;
+        if !self.command.is_empty() {
+            self.directory = place_of(&self.command, self.directory.take(), own);
         }
-        let here = std::env::current_dir().unwrap_or_default();
-        let own = own.map(|own| here.join(own));
-        let is_file = |directory: &Path| {
-            let named = self.command.iter().enumerate().filter(|(place, word)| {
-                !word.starts_with('-') && (*place > 0 || word.contains('/'))
-            });
-            named.into_iter().any(|(_, word)| directory.join(word).is_file())
-        };
-        self.directory = Some(match (&self.directory, own) {
-            (Some(chosen), own) => own.unwrap_or(here).join(chosen),
-            (None, Some(own)) if is_file(&own) || !is_file(&here) => own,
-            (None, _) => here,
-        });
     }
+}
+
+/// Where the program of `command` runs: the chosen directory, the scenario file's, or the present one. `own` is the
+/// scenario file's directory.
+pub(super) fn place_of(
+    command: &[String],
+    chosen: Option<PathBuf>,
+    own: Option<&Path>,
+) -> Option<PathBuf> {
+    if command.is_empty() {
+        return chosen;
+    }
+    let here = std::env::current_dir().unwrap_or_default();
+    let own = own.map(|own| here.join(own));
+    let is_file = |directory: &Path| {
+        let named = command
+            .iter()
+            .enumerate()
+            .filter(|(place, word)| !word.starts_with('-') && (*place > 0 || word.contains('/')));
+        named.into_iter().any(|(_, word)| directory.join(word).is_file())
+    };
+    Some(match (chosen, own) {
+        (Some(chosen), own) => own.unwrap_or(here).join(chosen),
+        (None, Some(own)) if is_file(&own) || !is_file(&here) => own,
+        (None, _) => here,
+    })
 }
 
 impl Default for Controller {
@@ -186,7 +199,7 @@ impl Default for Weights {
 }
 
 /// Reads a command as a list of words: one text would leave open how it is split.
-fn words<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
+pub(super) fn words<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
     struct Words;
 
     impl<'de> Visitor<'de> for Words {

@@ -44,6 +44,7 @@ pub mod cycle;
 pub mod event;
 pub mod faults;
 pub mod name;
+pub mod own_law;
 pub mod perception;
 pub mod plant;
 pub mod preview;
@@ -96,6 +97,7 @@ use document::Document;
 use faults::Fault;
 use messages::{Presence, Service};
 use name::{Line, Name};
+use own_law::OwnLaws;
 use perception::Perception;
 use plant::Plant;
 use quantity::{Duration, PeriodMs, Seed, Speed};
@@ -154,6 +156,9 @@ pub struct Scenario {
     /// The control law and its loop.
     #[serde(default)]
     pub controller: Controller,
+    /// Laws of the user's own by name: `command`, `directory`, `env`, `arguments`, or `library`.
+    #[serde(default, skip_serializing_if = "OwnLaws::is_empty")]
+    pub laws: OwnLaws,
     /// Scheduling and placement.
     #[serde(default)]
     pub runtime: Runtime,
@@ -298,6 +303,7 @@ impl Scenario {
             scenario.aebs.follow_truck(|path| document.has(path));
         }
         scenario.controller.place_command(directory);
+        own_law::place(&mut scenario.laws, directory);
         scenario.v2x.radio.place(directory);
         let of_records = files::load(&mut scenario, document, directory)?;
         check::all(&scenario).map_err(|problem| document.problem(&problem))?;

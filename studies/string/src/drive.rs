@@ -111,7 +111,7 @@ impl Study for Strings {
                 limits.push(Limits::new(&law.controller, &param.key, points));
             }
         }
-        let results = Results::new(task, &cars, own, limits, found.sample);
+        let results = Results::new(&task.plan, &cars, own, limits, found.sample);
         Ok(page::document(&results, &cars))
     }
 }

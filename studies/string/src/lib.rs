@@ -11,6 +11,7 @@
 //! the disturbance larger (Swaroop and Hedrick, 1996, in the sense of the norms that are printed).
 
 mod arguments;
+mod car_by_car;
 mod columns;
 mod drive;
 mod driven;
@@ -27,7 +28,9 @@ mod theory;
 mod wave;
 
 pub use arguments::StringArguments;
+pub use car_by_car::CarByCar;
 pub use columns::schema;
+pub use scene::SceneError;
 
 use std::process::ExitCode;
 

@@ -4,10 +4,10 @@ use group::report::{ControlFigures, Outcome};
 use serde::Serialize;
 
 use super::STABLE_GAIN;
-use super::arguments::Task;
 use super::driven::Driven;
 use super::limits::Limits;
 use super::response::{Response, peak};
+use super::scene::Plan;
 use frame::batch::ProcessesSample;
 
 /// The results of the command.
@@ -83,7 +83,7 @@ pub struct Vehicle {
 impl Results {
     /// Makes the result of the driven cars.
     pub fn new(
-        task: &Task,
+        plan: &Plan,
         cars: &[Driven],
         frequencies: Vec<Response>,
         limits: Vec<Limits>,
@@ -102,17 +102,16 @@ impl Results {
                 [] => !vehicles.iter().any(amplifies),
                 _ => peak.is_some_and(|peak| peak.gain <= STABLE_GAIN),
             };
-        let first = &task.plan.laws[0];
+        let first = &plan.laws[0];
         Self {
             schema_version: 1,
             scenario: first.name.as_str().to_owned(),
-            controllers: task
-                .plan
+            controllers: plan
                 .laws
                 .iter()
                 .map(|scenario| scenario.controller.name.as_str().to_owned())
                 .collect(),
-            seed: task.plan.seed(),
+            seed: plan.seed(),
             duration_s: first.duration_s.value(),
             min_gap_m: vehicles.iter().filter_map(|vehicle| vehicle.min_gap_m).reduce(f64::min),
             vehicles,

@@ -1,5 +1,6 @@
 //! A foreign law for tests. It follows like `examples/my_law.py`, or misbehaves as its first argument says,
-//! from the question on whose number is its second argument (1 is the first).
+//! from the question on whose number is its second argument (1 is the first). `--gain=X` or the variable GAIN is its
+//! gain on speed errors.
 
 use bytemuck::Zeroable;
 use messages::{LawAnswer, LawInput};
@@ -10,6 +11,10 @@ fn main() {
     let mut arguments = std::env::args().skip(1);
     let manner = arguments.next().unwrap_or_default();
     let from: u64 = arguments.next().and_then(|word| word.parse().ok()).unwrap_or(1);
+    let gain = std::env::args().find_map(|word| word.strip_prefix("--gain=").map(str::to_owned));
+    let gain = gain.or_else(|| std::env::var("GAIN").ok());
+    let gain: f64 = gain.and_then(|gain| gain.parse().ok()).unwrap_or(0.4);
+    let mut asked = 0.0;
     if manner == "exit" {
         eprintln!("I leave at once");
         std::process::exit(3);
@@ -18,7 +23,8 @@ fn main() {
     let mut input = LawInput::zeroed();
     while questions.read_exact(bytemuck::bytes_of_mut(&mut input)).is_ok() {
         let mut answer = LawAnswer { sequence: input.sequence, ..LawAnswer::zeroed() };
-        answer.request_mps2 = follow(&input);
+        answer.request_mps2 = follow(&input, gain);
+        asked += 1.0;
         (answer.mode, answer.figures[0]) = (1, input.gap_m);
         if input.sequence >= from {
             match manner.as_str() {
@@ -41,6 +47,8 @@ fn main() {
                     eprintln!("I die at question {}", input.sequence);
                     std::process::exit(7);
                 }
+                // A reset is not obeyed.
+                "remember" => answer.request_mps2 -= 1e-3 * asked,
                 "nan" => answer.request_mps2 = f64::NAN,
                 "deaf" => loop {
                     std::thread::sleep(Duration::from_secs(600));
@@ -57,9 +65,9 @@ fn main() {
     }
 }
 
-fn follow(input: &LawInput) -> f64 {
+fn follow(input: &LawInput, gain: f64) -> f64 {
     let speed_mps = input.speed_mps;
-    let mut request_mps2 = 0.4 * (input.set_speed_mps.min(input.speed_limit_mps) - speed_mps);
+    let mut request_mps2 = gain * (input.set_speed_mps.min(input.speed_limit_mps) - speed_mps);
     if input.has_target == 1 {
         let gap_error_m = input.gap_m - 5.0 - 2.0 * speed_mps;
         request_mps2 = request_mps2.min(0.2 * gap_error_m + 0.7 * input.relative_speed_mps);

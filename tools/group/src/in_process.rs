@@ -11,9 +11,10 @@ use super::programs::{is_foreign, programs};
 use super::refusal::check_in_process;
 use crate::Error;
 use crate::report::{ServiceReport, read};
+use controller::laws::external::Questions;
 use messages::Service;
 pub use perception_sim::Ahead;
-use runtime::{Carrier, Entry, FromService, InProcess, Sealing};
+use runtime::{Carrier, Entry, FromService, InProcess, Program, Sealing};
 use scenario::Scenario;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -76,83 +77,220 @@ pub fn run_behind(
     interrupted: &dyn Fn() -> bool,
     watch: &mut dyn FnMut(&Moment<'_>),
 ) -> Result<GroupOutcome, Error> {
-    check_in_process(scenario)?;
-    let programs = programs(&BTreeMap::new(), scenario)?;
-    let begun = Instant::now();
-    let mut run = InProcess::new(scenario, sealing);
-    let mut log = DriveLog::in_process(&run)?;
-    let told = for_services(scenario, false);
-    let mut perception = Some(|runtime| perception_sim::run_behind(runtime, ahead));
-    for service in scenario.services() {
-        match perception.take_if(|_| service == Service::PerceptionSim) {
-            Some(perception) => run.start(service, &told, perception)?,
-            None => run.start(service, &told, entry(service))?,
-        }
-    }
-    let mut course = Course::default();
-    run.take_turns(&mut |service, said| course.receive(service, said));
-    if let Some((service, how)) = course.failed.take() {
-        run.abort();
-        let what = format!("failed: {how}");
-        let foreign = is_foreign(&programs, service);
-        return Err(Error::NotReady { service, what, foreign });
-    }
-    let ready_after = begun.elapsed();
-    run.begin();
-    let started = Instant::now();
-    let mut faults = Faults::of(scenario);
-    let step_ns = run.timetable().step_ns;
+    let mut run = SteppedRun::begin(scenario, sealing, ahead, None)?;
     loop {
-        let alive = run.take_turns(&mut |service, said| course.receive(service, said));
-        log.drain()?;
-        if !alive {
-            break;
+        match run.advance()? {
+            Advance::Over => return run.finish(),
+            Advance::Turn => watch(&run.moment()),
+            Advance::Asked => unreachable!("no law of this run asks"),
         }
-        let time_ns = step_ns * i64::try_from(log.reached()).expect("runs are finite");
-        watch(&Moment { time_ns, drive: &log, faults: &faults.log.records });
-        if let Some(step) = course.stop_after.take() {
-            run.stop_after(step);
-        }
-        if course.failed.is_some() {
-            run.abort();
-        } else if interrupted() {
-            course.interrupted = true;
-            run.abort();
+        if interrupted() {
+            run.interrupt();
         }
     }
-    let ran_for = started.elapsed();
-    let messages =
-        course.reports.values().flat_map(|report| report.fault_statistics.iter().copied());
-    faults.log.count_messages(messages);
-    let services = scenario.services();
-    let exits = services.iter().map(|&service| (service, course.exit_of(service))).collect();
-    let wrote = course.failed.iter().cloned().collect();
-    Ok(GroupOutcome {
-        carrier: Carrier::Memory,
-        root: PathBuf::new(),
-        ended: match course.failed {
-            Some((service, how)) => Ended::Broken { service, how },
-            None if course.interrupted => Ended::Interrupted,
-            None => Ended::Orderly,
-        },
-        reports: course.reports,
-        exits,
-        restarts: services.into_iter().map(|service| (service, 0)).collect(),
-        take_overs: BTreeMap::new(),
-        standby_costs: BTreeMap::new(),
-        heartbeats: BTreeMap::new(),
-        faults: faults.log.records,
-        drive: log.finish()?,
-        ready_after,
-        ran_for: ran_for.max(Duration::from_nanos(1)),
-        recording: None,
-        wrote,
-        programs,
-    })
+}
+
+/// How far a call of [`SteppedRun::advance`] came.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Advance {
+    /// Every service had a turn.
+    Turn,
+    /// The same, and the law waits for the caller's answer.
+    Asked,
+    /// The run is over.
+    Over,
+}
+
+/// A run that goes on by its caller's calls. The caller may be the law.
+///
+/// ```text
+/// begin ─► advance … ─► Asked: question, answer ─► advance … ─► Over ─► finish
+/// ```
+///
+/// ```
+/// use controller::laws::external::Questions;
+/// use group::in_process::{Advance, SteppedRun};
+/// use messages::{LawAnswer, LawInput};
+/// use runtime::Sealing;
+///
+/// // A law that keeps a time gap of two seconds, in this thread.
+/// fn law(q: &LawInput) -> f64 {
+///     let free = 0.4 * (q.set_speed_mps - q.speed_mps);
+///     let follow = 0.2 * (q.gap_m - 5.0 - 2.0 * q.speed_mps) + 0.7 * q.relative_speed_mps;
+///     if q.has_target == 1 { free.min(follow) } else { free }
+/// }
+///
+/// let options = group::ScenarioOptions { duration: Some("5".into()), ..Default::default() };
+/// let scenario = group::open("following", &options).expect("built in");
+/// let questions = Questions::default();
+/// let nothing_ahead = Box::new(|_, _: &mut Vec<_>| {});
+/// let mut run = SteppedRun::begin(&scenario, Sealing::Unsealed, nothing_ahead, Some(questions.clone()))?;
+/// let mut asked = 0;
+/// loop {
+///     match run.advance()? {
+///         Advance::Turn => {}
+///         Advance::Asked => {
+///             let q = questions.question().expect("it was asked");
+///             questions.answer(LawAnswer { request_mps2: law(&q), ..bytemuck::Zeroable::zeroed() });
+///             asked += 1;
+///         }
+///         Advance::Over => break,
+///     }
+/// }
+/// assert_eq!((asked, run.finish()?.ended), (51, group::Ended::Orderly), "each 100 ms, both ends included");
+/// # Ok::<(), group::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct SteppedRun {
+    run: InProcess,
+    services: Vec<Service>,
+    programs: BTreeMap<Service, Program>,
+    questions: Option<Questions>,
+    log: DriveLog,
+    faults: Faults,
+    course: Course,
+    step_ns: i64,
+    ready_after: Duration,
+    started: Instant,
+}
+
+impl SteppedRun {
+    /// Brings the services up to the common start. With `questions` the caller is the law.
+    ///
+    /// # Errors
+    /// As [`run`].
+    pub fn begin(
+        scenario: &Scenario,
+        sealing: Sealing,
+        ahead: Ahead,
+        questions: Option<Questions>,
+    ) -> Result<Self, Error> {
+        check_in_process(scenario)?;
+        let programs = programs(&BTreeMap::new(), scenario)?;
+        let begun = Instant::now();
+        let mut run = InProcess::new(scenario, sealing);
+        let log = DriveLog::in_process(&run)?;
+        let told = for_services(scenario, false);
+        let mut perception = Some(|runtime| perception_sim::run_behind(runtime, ahead));
+        for service in scenario.services() {
+            let asked = questions.clone().filter(|_| service == Service::Controller);
+            match (perception.take_if(|_| service == Service::PerceptionSim), asked) {
+                (Some(perception), _) => run.start(service, &told, perception)?,
+                (None, Some(questions)) => {
+                    run.start(service, &told, |runtime| controller::run_asked(runtime, questions))?
+                }
+                (None, None) => run.start(service, &told, entry(service))?,
+            }
+        }
+        let mut course = Course::default();
+        run.take_turns(&mut |service, said| course.receive(service, said));
+        if let Some((service, how)) = course.failed.take() {
+            run.abort();
+            let what = format!("failed: {how}");
+            let foreign = is_foreign(&programs, service);
+            return Err(Error::NotReady { service, what, foreign });
+        }
+        let ready_after = begun.elapsed();
+        run.begin();
+        let step_ns = run.timetable().step_ns;
+        Ok(Self {
+            run,
+            services: scenario.services(),
+            programs,
+            questions,
+            log,
+            faults: Faults::of(scenario),
+            course,
+            step_ns,
+            ready_after,
+            started: Instant::now(),
+        })
+    }
+
+    /// Gives every service a turn.
+    ///
+    /// # Errors
+    /// If the drive cannot be read.
+    pub fn advance(&mut self) -> Result<Advance, Error> {
+        let course = &mut self.course;
+        let alive = self.run.take_turns(&mut |service, said| course.receive(service, said));
+        self.log.drain()?;
+        if !alive {
+            return Ok(Advance::Over);
+        }
+        if let Some(step) = self.course.stop_after.take() {
+            self.run.stop_after(step);
+        }
+        if self.course.failed.is_some() {
+            self.run.abort();
+        }
+        match &self.questions {
+            Some(questions) if questions.is_open() => Ok(Advance::Asked),
+            _ => Ok(Advance::Turn),
+        }
+    }
+
+    /// The run as it is now.
+    #[must_use]
+    pub fn moment(&self) -> Moment<'_> {
+        let reached = i64::try_from(self.log.reached()).expect("runs are finite");
+        Moment {
+            time_ns: self.step_ns * reached,
+            drive: &self.log,
+            faults: &self.faults.log.records,
+        }
+    }
+
+    /// Ends the run at the services' next turns. A question that is open is not asked any more.
+    pub fn interrupt(&mut self) {
+        if self.course.failed.is_none() {
+            self.course.interrupted = true;
+        }
+        self.run.abort();
+        if let Some(questions) = self.questions.as_ref().filter(|questions| questions.is_open()) {
+            questions.fail("the run was interrupted".to_owned());
+        }
+    }
+
+    /// The results of a run that is over.
+    ///
+    /// # Errors
+    /// If the drive cannot be read.
+    pub fn finish(self) -> Result<GroupOutcome, Error> {
+        let Self { services, programs, log, mut faults, course, ready_after, started, .. } = self;
+        let ran_for = started.elapsed();
+        let messages =
+            course.reports.values().flat_map(|report| report.fault_statistics.iter().copied());
+        faults.log.count_messages(messages);
+        let exits = services.iter().map(|&service| (service, course.exit_of(service))).collect();
+        let wrote = course.failed.iter().cloned().collect();
+        Ok(GroupOutcome {
+            carrier: Carrier::Memory,
+            root: PathBuf::new(),
+            ended: match course.failed {
+                _ if course.interrupted => Ended::Interrupted,
+                Some((service, how)) => Ended::Broken { service, how },
+                None => Ended::Orderly,
+            },
+            reports: course.reports,
+            exits,
+            restarts: services.into_iter().map(|service| (service, 0)).collect(),
+            take_overs: BTreeMap::new(),
+            standby_costs: BTreeMap::new(),
+            heartbeats: BTreeMap::new(),
+            faults: faults.log.records,
+            drive: log.finish()?,
+            ready_after,
+            ran_for: ran_for.max(Duration::from_nanos(1)),
+            recording: None,
+            wrote,
+            programs,
+        })
+    }
 }
 
 /// Messages of the services about the run so far.
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Course {
     reports: BTreeMap<Service, ServiceReport>,
     /// The first service that could not go on, and why.

@@ -1,6 +1,6 @@
 //! Options that several commands share.
 
-use crate::Failure;
+use crate::{Failure, LawOptions};
 use clap::{Args, ValueEnum};
 use messages::{Service, UnknownService};
 use std::collections::BTreeMap;
@@ -21,6 +21,9 @@ pub struct ScenarioOptions {
     /// Change a key of the scenario, by its dotted path (repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+    /// Laws of the user's own.
+    #[command(flatten)]
+    pub laws: LawOptions,
     /// Parameters of an OpenSCENARIO file, `NAME=VALUE`: an option of the commands that take one.
     #[arg(skip)]
     pub parameters: Vec<String>,

@@ -44,8 +44,13 @@ pub fn open_with(
 ) -> Result<Scenario, Error> {
     let overrides = Overrides::new();
     let mut overrides = if options.is_for_one_law { overrides } else { overrides.shared() };
-    if let Some(controller) = &options.controller {
-        overrides.option("--controller", "controller.name", controller);
+    options.laws.check()?;
+    options.laws.lay_over(&mut overrides)?;
+    match (&options.controller, options.laws.only()) {
+        (Some(controller), _) => overrides.option("--controller", "controller.name", controller),
+        // The only law of the user's that was named is meant.
+        (None, Some(law)) => overrides.option("--law", "controller.name", law),
+        (None, None) => {}
     }
     if let Some(seed) = &options.seed {
         overrides.option("--seed", "seed", seed);

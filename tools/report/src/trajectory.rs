@@ -1,7 +1,7 @@
 //! `trajectory.csv`: the drive, one row per sample of the vehicle's motion.
 
 use crate::table;
-use group::Drive;
+use group::{Drive, DriveStep, PowertrainStep};
 
 /// Columns before the law's own figures.
 const COLUMNS: [&str; 11] = [
@@ -18,36 +18,43 @@ const COLUMNS: [&str; 11] = [
     "fuel_g",
 ];
 
-/// The drive as CSV. Fields without a message in a step are empty. `figure_names` name the columns of the
-/// law's own figures; `law_` precedes a name that another column has.
+/// The drive as columns, each with a value for every step; none where a step has no message. `figure_names` name the
+/// columns of the law's own figures; `law_` precedes a name that another column has.
+pub fn columns(drive: &Drive, figure_names: &[&str]) -> Vec<(String, Vec<Option<f64>>)> {
+    let of = |value: &dyn Fn(&DriveStep) -> Option<f64>| drive.steps.iter().map(value).collect();
+    let powertrain = |value: fn(&PowertrainStep) -> f64| {
+        of(&|step: &DriveStep| step.powertrain.as_ref().map(value))
+    };
+    let own: [Vec<Option<f64>>; COLUMNS.len()] = [
+        of(&|step| Some(step.time_s)),
+        of(&|step| Some(step.position_m)),
+        of(&|step| Some(step.speed_mps)),
+        of(&|step| Some(step.acceleration_mps2)),
+        of(&|step| step.request_mps2),
+        of(&|step| step.gap_m),
+        of(&|step| step.lead_speed_mps),
+        of(&|step| step.mode.map(f64::from)),
+        powertrain(|powertrain| f64::from(powertrain.gear)),
+        powertrain(|powertrain| powertrain.engine_torque_nm),
+        powertrain(|powertrain| powertrain.fuel_g),
+    ];
+    let figures = figure_names.iter().enumerate().map(|(index, name)| {
+        let name = if COLUMNS.contains(name) { format!("law_{name}") } else { (*name).to_owned() };
+        (name, of(&|step| Some(step.figures?[index])))
+    });
+    COLUMNS.map(str::to_owned).into_iter().zip(own).chain(figures).collect()
+}
+
+/// The drive as CSV. Fields without a message in a step are empty.
 pub fn csv(drive: &Drive, figure_names: &[&str]) -> String {
-    let rows = drive.steps.iter().map(|step| {
-        let own = [
-            Some(step.time_s),
-            Some(step.position_m),
-            Some(step.speed_mps),
-            Some(step.acceleration_mps2),
-            step.request_mps2,
-            step.gap_m,
-            step.lead_speed_mps,
-            step.mode.map(f64::from),
-            step.powertrain.map(|powertrain| f64::from(powertrain.gear)),
-            step.powertrain.map(|powertrain| powertrain.engine_torque_nm),
-            step.powertrain.map(|powertrain| powertrain.fuel_g),
-        ];
-        let figures = (0..figure_names.len()).map(|index| Some(step.figures?[index]));
-        own.into_iter().chain(figures)
-    });
-    let own_names = figure_names.iter().map(|name| {
-        if COLUMNS.contains(name) { format!("law_{name}") } else { (*name).to_owned() }
-    });
-    table::csv_of_figures(COLUMNS.map(str::to_owned).into_iter().chain(own_names), rows)
+    let whole = &columns(drive, figure_names);
+    let rows = (0..drive.steps.len()).map(|step| whole.iter().map(move |(_, values)| values[step]));
+    table::csv_of_figures(whole.iter().map(|(name, _)| name), rows)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use group::DriveStep;
 
     #[test]
     fn absent_values_are_empty_and_numbers_round_trip() {

@@ -19,6 +19,9 @@ impl HostedError {
 
 /// The host of a foreign law's program.
 pub trait Hosted {
+    /// The run is one of many in this thread: its program may serve them one after another.
+    fn share(&mut self) {}
+
     /// Starts the program and waits for its first answer.
     ///
     /// # Errors

@@ -48,9 +48,11 @@ pub fn tables() -> Vec<Table> {
 /// Names the key when there is no such law.
 pub fn of(scenario: &Scenario) -> Result<&'static Descriptor, Problem> {
     let name = scenario.controller.name.as_str();
-    find(name).ok_or_else(|| {
+    find(name).or_else(|| external::named(scenario)).ok_or_else(|| {
         let message = format!("unknown value `{name}`");
-        Problem::new("controller.name", message, accepted(name, ALL.iter().map(|law| law.name)))
+        let own = scenario.laws.keys().map(String::as_str);
+        let names = ALL.iter().map(|law| law.name).chain(own);
+        Problem::new("controller.name", message, accepted(name, names))
     })
 }
 
@@ -68,7 +70,7 @@ pub fn build(scenario: &Scenario) -> Result<Box<dyn Law>, Problem> {
 /// Names the key when there is no such program.
 pub fn program(scenario: &Scenario) -> Result<Option<runtime::Program>, Problem> {
     match std::ptr::eq(of(scenario)?, &external::EXTERNAL) {
-        true => external::program(scenario).map(Some),
+        true => external::program(scenario),
         false => Ok(None),
     }
 }
@@ -80,6 +82,10 @@ pub fn program(scenario: &Scenario) -> Result<Option<runtime::Program>, Problem>
 /// Names the first key that is wrong.
 pub fn check(scenario: &Scenario) -> Result<Reads, Problem> {
     let controller = &scenario.controller;
+    if let Some(name) = scenario.laws.keys().find(|name| find(name).is_some()) {
+        let message = format!("`{name}` is a law of timegap's own");
+        return Err(Problem::new(format!("laws.{name}"), message, "another name"));
+    }
     let law = of(scenario)?;
     for name in controller.tables.names() {
         let tables = tables();

@@ -1,6 +1,7 @@
 //! What a service asks of the machine: scheduling, processes, threads, programs.
 
 pub mod background;
+pub mod library;
 pub mod not_granted;
 pub mod program;
 pub mod scheduling;

@@ -19,7 +19,7 @@ use crate::survival::Survival;
 use crate::survival::checkpoint::{Checkpoint, state_path};
 use crate::survival::fence::Fences;
 use crate::survival::kept::{Figures, RELEASE_JITTER};
-use crate::transport::{Carrier, Seat, SharedMemory, Transport};
+use crate::transport::{Carrier, Seat, SharedMemory, Transport, Turns};
 use crate::{Clock, Group, Mode, Publisher, RuntimeError, Subscriber, Usage};
 use messages::{EgoTruth, Heartbeat, Service};
 use scenario::Scenario;
@@ -188,6 +188,15 @@ impl Runtime {
     #[must_use]
     pub fn is_to_stop(&self) -> bool {
         self.life.link.safe_stop.load(Ordering::Relaxed)
+    }
+
+    /// This service's turns in a run in one process; none in a process of its own.
+    #[must_use]
+    pub fn turns(&self) -> Option<Turns> {
+        match &self.ports.transport {
+            Transport::Memory(seat) => seat.turns(),
+            Transport::SharedMemory(_) => None,
+        }
     }
 
     /// What carries this service's messages.

@@ -115,9 +115,36 @@ impl Seat {
         Rc::new(MemoryReceiver { queue, sealing, moved: Rc::clone(&self.bus.moved) })
     }
 
+    /// What lets this member's code wait for the caller of the run; none for observers.
+    pub(crate) fn turns(&self) -> Option<Turns> {
+        Some(Turns { pause: self.pause.clone()?, moved: Rc::clone(&self.bus.moved) })
+    }
+
     pub(super) fn waiter(&self) -> Waiter {
         let pause = self.pause.clone().expect("observers do not wait");
         Waiter::InProcess { pause, stalled: Rc::clone(&self.bus.stalled) }
+    }
+}
+
+/// The turns of one service in a run in one process.
+///
+/// Code of the service that needs something from the caller of the run leaves word for it and waits for a turn:
+/// the caller looks between two calls of [`InProcess::take_turns`](crate::InProcess::take_turns).
+#[derive(Clone, Debug)]
+pub struct Turns {
+    pause: Pause,
+    moved: Rc<Cell<u64>>,
+}
+
+impl Turns {
+    /// Lets the other services and the caller of the run go on, until the next turn.
+    ///
+    /// # Panics
+    /// If the service whose turns these are does not run.
+    pub fn wait(&self) {
+        // The caller answers between the rounds: the round is no standstill.
+        self.moved.set(self.moved.get() + 1);
+        self.pause.wait();
     }
 }
 

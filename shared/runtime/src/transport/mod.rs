@@ -15,6 +15,7 @@ pub use ends::{Connect, Input, Receiver, Sealing, Sender, SenderId};
 pub use error::TransportError;
 pub use held::{Held, Rooms};
 pub use loan::Loan;
+pub use memory::Turns;
 pub(super) use memory::{Bus, Seat};
 pub(super) use payload::{PAYLOAD_TOPIC, Payload, Stamp};
 pub(super) use shared_memory::{Ipc, SharedMemory, refused};

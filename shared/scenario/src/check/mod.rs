@@ -25,6 +25,7 @@ pub(super) fn all(scenario: &Scenario) -> Result<(), Problem> {
     signals(&scenario.v2x.signals)?;
     radio(scenario)?;
     controller(scenario)?;
+    super::own_law::check(scenario)?;
     actors::actors(&scenario.actors)?;
     super::storyboard::check(scenario)?;
     super::event_script::check(&scenario.actors)

@@ -13,7 +13,7 @@ use clap::Args;
 use frame::batch::{self, Done, Job, ProcessesSample};
 use frame::parts::{self, PartOptions};
 use frame::{Found, Needs, Options, Study};
-use group::{Error, Failure, GroupOptions, ModeName, ScenarioOptions};
+use group::{Error, Failure, GroupOptions, LawOptions, ModeName, ScenarioOptions};
 use messages::Service;
 use report::results::{Document, ResultOptions};
 use report::summary::{Aebs, Control, LawAccount, Timing, braked};
@@ -65,7 +65,7 @@ impl Braking {
 }
 
 /// Options that a merge takes from the parts.
-const WITHOUT_MERGE: [&str; 4] = ["scenarios", "controllers", "mode", "set"];
+const WITHOUT_MERGE: [&str; 5] = ["scenarios", "controllers", "laws", "mode", "set"];
 
 /// Arguments of `compare`.
 #[derive(Debug, Args)]
@@ -77,6 +77,9 @@ pub struct CompareArguments {
     /// Controllers, by commas [default: all]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub controllers: Vec<String>,
+    /// Laws of the user's own.
+    #[command(flatten)]
+    pub laws: LawOptions,
     /// Clock: figures of the drive repeat exactly in `lockstep`; `realtime` also measures deadlines
     #[arg(long, value_enum, default_value_t = ModeName::Lockstep)]
     pub mode: ModeName,
@@ -154,6 +157,30 @@ fn label(argument: &str, all: &[(String, String)]) -> String {
     }
 }
 
+/// The laws of the user's own: of the options, then those that every scenario declares.
+fn own_laws(arguments: &CompareArguments) -> Result<Vec<String>, Error> {
+    let mut own = arguments.laws.names();
+    let options = ScenarioOptions {
+        set: arguments.set.clone(),
+        laws: arguments.laws.clone(),
+        // Any law will do to read what the file declares.
+        controller: Some("acc-mpc".to_owned()),
+        ..ScenarioOptions::default()
+    };
+    let mut declared: Option<Vec<String>> = None;
+    for argument in &arguments.scenarios {
+        let laws = group::open(argument, &options)?.laws;
+        match &mut declared {
+            Some(declared) => declared.retain(|name| laws.contains_key(name)),
+            None => declared = Some(laws.into_keys().collect()),
+        }
+    }
+    own.extend(
+        declared.into_iter().flatten().filter(|name| !arguments.laws.names().contains(name)),
+    );
+    Ok(own)
+}
+
 impl Study for Laws {
     type Arguments = CompareArguments;
     type Record = Row;
@@ -168,7 +195,7 @@ impl Study for Laws {
     }
 
     fn plan(arguments: &CompareArguments) -> Result<Self, Error> {
-        let laws = batch::laws::named(&arguments.controllers)?;
+        let laws = batch::laws::named(&arguments.controllers, &own_laws(arguments)?)?;
         let mut programs = arguments.group.programs.iter();
         if laws.len() > 1 && programs.any(|(service, _)| *service == Service::Controller) {
             return Err(OneProgram { laws: laws.len() }.into());
@@ -185,6 +212,7 @@ impl Study for Laws {
                 let options = ScenarioOptions {
                     controller: Some(law.clone()),
                     set: arguments.set.clone(),
+                    laws: arguments.laws.clone(),
                     ..ScenarioOptions::default()
                 };
                 let scenario = group::open(argument, &options)?;

@@ -32,8 +32,18 @@ use std::process::ExitCode;
 const MAX_RUNS: usize = 100_000;
 
 /// Options that a merge takes from the parts.
-const WITHOUT_MERGE: [&str; 9] =
-    ["scenario", "params", "seeds", "controller", "seed", "duration", "set", "mode", "jobs"];
+const WITHOUT_MERGE: [&str; 10] = [
+    "scenario",
+    "params",
+    "seeds",
+    "controller",
+    "laws",
+    "seed",
+    "duration",
+    "set",
+    "mode",
+    "jobs",
+];
 
 /// Arguments of `sweep`.
 #[derive(Debug, Args)]

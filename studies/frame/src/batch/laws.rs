@@ -20,7 +20,7 @@ pub enum LawsError {
         /// The name.
         name: String,
         /// The known laws.
-        names: Vec<&'static str>,
+        names: Vec<String>,
     },
     /// A law would be driven twice, and counted twice.
     #[error("--controllers {list}: {name} is there twice, expected each once")]
@@ -30,41 +30,48 @@ pub enum LawsError {
         /// The name.
         name: String,
     },
-    /// The command makes the scenarios, and none has a program.
-    #[error("--controllers {list}: no program of yours takes part in these runs, expected {}", names.join(", "))]
+    /// The law has no program in these runs.
+    #[error(
+        "--controllers {list}: `external` has no program in these runs, expected laws by --law NAME=COMMAND, or {}",
+        names.join(", ")
+    )]
     NoProgram {
         /// The argument.
         list: String,
         /// The laws that take part.
-        names: Vec<&'static str>,
+        names: Vec<String>,
     },
 }
 
 impl Failure for LawsError {}
 
-/// Each law of `option` once; all of timegap's own where the option is empty.
+/// Each law of `option` once; where the option is empty all of timegap's own, and the user's, which are `own`.
 ///
 /// ```
 /// use frame::batch::laws;
 ///
-/// let chosen = ["acc-mpc".to_owned(), "six-mode".to_owned()];
-/// assert_eq!(laws::named(&chosen).unwrap(), chosen);
-/// assert!(laws::named(&[]).unwrap().len() > 2, "all of timegap's own");
+/// let chosen = ["acc-mpc".to_owned(), "gentle".to_owned()];
+/// let own = ["gentle".to_owned()];
+/// assert_eq!(laws::named(&chosen, &own).unwrap(), chosen);
+/// assert!(laws::named(&chosen, &[]).is_err(), "no law has this name");
+/// assert!(laws::named(&[], &own).unwrap().len() > 3, "all of timegap's own, and gentle");
 /// ```
 ///
 /// # Errors
 /// [`LawsError`].
-pub fn named(option: &[String]) -> Result<Vec<String>, LawsError> {
+pub fn named(option: &[String], own: &[String]) -> Result<Vec<String>, LawsError> {
     if option.is_empty() {
-        return Ok(laws::own().map(|law| law.name.to_owned()).collect());
+        let ours = laws::own().map(|law| law.name.to_owned());
+        return Ok(ours.chain(own.iter().cloned()).collect());
     }
     let list = || option.join(",");
     for (place, name) in option.iter().enumerate() {
         if name.is_empty() {
             return Err(LawsError::Missing { list: list() });
         }
-        if laws::find(name).is_none() {
-            let names = laws::ALL.iter().map(|law| law.name).collect();
+        if laws::find(name).is_none() && !own.contains(name) {
+            let names = laws::ALL.iter().map(|law| law.name.to_owned());
+            let names = names.chain(own.iter().cloned()).collect();
             return Err(LawsError::Unknown { list: list(), name: name.clone(), names });
         }
         if option[..place].contains(name) {
@@ -74,14 +81,15 @@ pub fn named(option: &[String]) -> Result<Vec<String>, LawsError> {
     Ok(option.to_vec())
 }
 
-/// The same for a command that makes its scenarios. No program of the user's takes part in them.
+/// The same for a command that makes its scenarios. The law `external` has no program in them.
 ///
 /// # Errors
 /// [`LawsError`].
-pub fn own_named(option: &[String]) -> Result<Vec<String>, LawsError> {
-    let named = named(option)?;
-    let names: Vec<&'static str> = laws::own().map(|law| law.name).collect();
-    if named.iter().any(|name| !names.contains(&name.as_str())) {
+pub fn own_named(option: &[String], own: &[String]) -> Result<Vec<String>, LawsError> {
+    let named = named(option, own)?;
+    let ours = laws::own().map(|law| law.name.to_owned());
+    let names: Vec<String> = ours.chain(own.iter().cloned()).collect();
+    if named.iter().any(|name| !names.contains(name)) {
         return Err(LawsError::NoProgram { list: option.join(","), names });
     }
     Ok(named)
@@ -97,9 +105,9 @@ mod tests {
 
     #[test]
     fn no_name_is_every_law_of_our_own() {
-        let all = named(&[]).expect("all");
-        assert_eq!(Ok(all.clone()), own_named(&[]));
-        assert_eq!(named(&all), Ok(all.clone()));
+        let all = named(&[], &[]).expect("all");
+        assert_eq!(Ok(all.clone()), own_named(&[], &[]));
+        assert_eq!(named(&all, &[]), Ok(all.clone()));
         assert!(all.iter().all(|name| name != "external"), "{all:?}");
     }
 
@@ -111,11 +119,15 @@ mod tests {
             ("acc-mpc,nope", "unknown value `nope`, expected acc-mpc, "),
             ("acc-mpc,six-mode,acc-mpc", "acc-mpc is there twice"),
         ] {
-            let said = named(&list(names)).expect_err(names).to_string();
+            let said = named(&list(names), &[]).expect_err(names).to_string();
             assert!(said.starts_with("--controllers ") && said.contains(what), "{said}");
         }
-        assert!(named(&list("external")).is_ok());
-        let said = own_named(&list("external")).expect_err("no program").to_string();
-        assert!(said.contains("expected acc-mpc, "), "{said}");
+        assert!(named(&list("external"), &[]).is_ok());
+        let said =
+            own_named(&list("external"), &list("gentle")).expect_err("no program").to_string();
+        assert!(
+            said.contains("by --law NAME=COMMAND, or acc-mpc, ") && said.contains("gentle"),
+            "{said}"
+        );
     }
 }

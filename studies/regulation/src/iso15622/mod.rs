@@ -14,7 +14,7 @@ use clap::Args;
 use frame::batch::{self, Done, Job, ProcessesSample};
 use frame::parts::{self, PartOptions};
 use frame::{Found, Options, Study};
-use group::{Error, GroupOptions};
+use group::{Error, GroupOptions, LawOptions};
 use report::results::{Column, Document, ResultOptions, Schema, Table, flag, number, word};
 use rows::Row;
 use scenes::Test;
@@ -22,7 +22,7 @@ use serde::Serialize;
 use std::process::ExitCode;
 
 /// Options that a merge takes from the parts.
-const WITHOUT_MERGE: [&str; 1] = ["controllers"];
+const WITHOUT_MERGE: [&str; 2] = ["controllers", "laws"];
 
 /// Arguments of `iso15622`.
 #[derive(Debug, Args)]
@@ -31,6 +31,9 @@ pub struct Iso15622Arguments {
     /// Controllers, by commas [default: all]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
     pub controllers: Vec<String>,
+    /// Laws of the user's own.
+    #[command(flatten)]
+    pub laws: LawOptions,
     /// Seed of the sensors' noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u32,
@@ -87,6 +90,7 @@ pub fn run(arguments: &Iso15622Arguments) -> Result<ExitCode, Error> {
 /// The study: each test with each law.
 struct Tests {
     tests: Vec<(String, Test)>,
+    own: LawOptions,
     seed: u32,
 }
 
@@ -103,9 +107,9 @@ impl Study for Tests {
     }
 
     fn plan(arguments: &Iso15622Arguments) -> Result<Self, Error> {
-        let laws = batch::laws::own_named(&arguments.controllers)?;
+        let laws = batch::laws::own_named(&arguments.controllers, &arguments.laws.names())?;
         let tests = laws.iter().flat_map(|law| Test::ALL.map(|test| (law.clone(), test)));
-        Ok(Self { tests: tests.collect(), seed: arguments.seed })
+        Ok(Self { tests: tests.collect(), own: arguments.laws.clone(), seed: arguments.seed })
     }
 
     fn runs(&self) -> usize {
@@ -118,7 +122,7 @@ impl Study for Tests {
 
     fn job(&self, run: usize) -> Result<Job, Error> {
         let (law, test) = &self.tests[run];
-        test.scenario(law, self.seed).map(Job::lockstep)
+        test.scenario(law, &self.own, self.seed).map(Job::lockstep)
     }
 
     fn record(

@@ -1,7 +1,7 @@
 //! The tests of ISO 15622 on a straight road, as scenarios.
 
 use controller::laws;
-use group::Error;
+use group::{Error, LawOptions};
 use scenario::{Overrides, Scenario};
 
 /// When the lead of [`Test::StopAndGo`] brakes, s.
@@ -28,11 +28,11 @@ impl Test {
     /// All tests.
     pub const ALL: [Self; 3] = [Self::Acquisition, Self::Discrimination, Self::StopAndGo];
 
-    /// Its scenario for `law`.
+    /// Its scenario for `law`, which may be one of the user's `own`.
     ///
     /// # Errors
     /// [`Error::Scenario`] if there is no such law.
-    pub fn scenario(self, law: &str, seed: u32) -> Result<Scenario, Error> {
+    pub fn scenario(self, law: &str, own: &LawOptions, seed: u32) -> Result<Scenario, Error> {
         let (duration_s, set_mps, initial_mps, actors) = match self {
             Self::Acquisition => (60.0, APPROACH_MPS, APPROACH_MPS, ACQUISITION),
             Self::Discrimination => (90.0, APPROACH_MPS, SIDE_BY_SIDE_MPS, DISCRIMINATION),
@@ -46,7 +46,9 @@ impl Test {
              [aebs]\nenabled = false\n\
              [controller]\nname = \"{law}\"\n{actors}"
         );
-        Ok(Scenario::parse_with("a test of ISO 15622", &text, &Overrides::new(), &laws::check)?)
+        let mut overrides = Overrides::new();
+        own.lay_over(&mut overrides)?;
+        Ok(Scenario::parse_with("a test of ISO 15622", &text, &overrides, &laws::check)?)
     }
 }
 
@@ -91,9 +93,11 @@ mod tests {
     #[test]
     fn every_test_is_a_scenario_and_its_times_are_those_named() {
         for test in Test::ALL {
-            test.scenario("acc-mpc", 1).unwrap_or_else(|error| panic!("{error}"));
+            test.scenario("acc-mpc", &LawOptions::default(), 1)
+                .unwrap_or_else(|error| panic!("{error}"));
         }
-        let scenario = Test::StopAndGo.scenario("acc-mpc", 1).expect("it is right");
+        let scenario =
+            Test::StopAndGo.scenario("acc-mpc", &LawOptions::default(), 1).expect("it is right");
         let Profile::Steps(steps) = &scenario.actors[0].profile else { panic!("it has steps") };
         let times: Vec<f64> = steps.iter().map(|step| step.time_s.value()).collect();
         assert_eq!(times, [BRAKES_AT_S, MOVES_OFF_AT_S]);

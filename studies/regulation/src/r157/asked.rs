@@ -58,5 +58,8 @@ fn cases(matrix: Matrix, arguments: &R157Arguments) -> Vec<Case> {
 
 /// The named laws; empty for the models alone.
 pub fn names(arguments: &R157Arguments) -> Result<Vec<String>, LawsError> {
-    if arguments.models_only { Ok(Vec::new()) } else { own_named(&arguments.controllers) }
+    match arguments.models_only {
+        true => Ok(Vec::new()),
+        false => own_named(&arguments.controllers, &arguments.laws.names()),
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::VEHICLE_LENGTH_M;
 use controller::laws;
-use group::Error;
+use group::{Error, LawOptions};
 use scenario::{Overrides, Scenario};
 
 /// Time gap from which a law closes up or falls back to its own.
@@ -22,6 +22,15 @@ pub struct Driver {
     pub aebs: bool,
 }
 
+/// What the drives of a study have in common.
+#[derive(Clone, Debug, Default)]
+pub struct Conditions {
+    /// Seed of the sensors' noise.
+    pub seed: u64,
+    /// Laws of the user's own.
+    pub laws: LawOptions,
+}
+
 /// The ego behind a lead that keeps its speed.
 ///
 /// # Errors
@@ -29,13 +38,13 @@ pub struct Driver {
 pub fn behind_a_lead(
     speed_kmh: u32,
     driver: &Driver,
-    seed: u64,
+    conditions: &Conditions,
     duration_s: f64,
 ) -> Result<Scenario, Error> {
     let speed_mps = f64::from(speed_kmh) / 3.6;
     let first_gap_m = FIRST_TIME_GAP_S * speed_mps + FIRST_DISTANCE_M;
     let actors = actor("lead", first_gap_m, &format!("initial_speed_mps = {speed_mps}"));
-    parse(&Scene { scripted_s: duration_s, duration_s, actors }, speed_mps, driver, seed)
+    parse(&Scene { scripted_s: duration_s, duration_s, actors }, speed_mps, driver, conditions)
 }
 
 /// Traffic around the ego.
@@ -56,10 +65,11 @@ pub(super) fn parse(
     scene: &Scene,
     speed_mps: f64,
     driver: &Driver,
-    seed: u64,
+    conditions: &Conditions,
 ) -> Result<Scenario, Error> {
     let Scene { scripted_s, duration_s, actors } = scene;
     let Driver { law, aebs } = driver;
+    let Conditions { seed, laws: own } = conditions;
     let text = format!(
         "schema_version = 1\nname = \"r157\"\nduration_s = {duration_s}\nseed = {seed}\n\
          set_speed_mps = {speed_mps}\n\
@@ -70,7 +80,9 @@ pub(super) fn parse(
          [referee]\nends_when_clear = {{ after_s = {scripted_s}, for_s = {CLEAR_S} }}\n\
          [controller]\nname = \"{law}\"\n{actors}"
     );
-    Ok(Scenario::parse_with("a case of UN R157", &text, &Overrides::new(), &laws::check)?)
+    let mut overrides = Overrides::new();
+    own.lay_over(&mut overrides)?;
+    Ok(Scenario::parse_with("a case of UN R157", &text, &overrides, &laws::check)?)
 }
 
 /// A vehicle `gap_m` ahead of the ego, with these keys, as TOML.

@@ -30,7 +30,7 @@ use clap::Args;
 use frame::batch::{Done, Job};
 use frame::parts::{self, PartOptions};
 use frame::{Crew, Found, Gave, Needs, Options, Study};
-use group::{Error, Failure, GroupOptions};
+use group::{Error, Failure, GroupOptions, LawOptions};
 use judged::Judged;
 use kept::Kept;
 use matrix::{Case, Matrix};
@@ -39,7 +39,7 @@ use report::results::{Document, ResultOptions};
 use results::{MatrixResult, Results};
 
 /// Options that a merge takes from the parts.
-const WITHOUT_MERGE: [&str; 4] = ["matrix", "controllers", "sample", "seed"];
+const WITHOUT_MERGE: [&str; 5] = ["matrix", "controllers", "laws", "sample", "seed"];
 
 /// Arguments of `r157`.
 #[derive(Debug, Args)]
@@ -51,10 +51,13 @@ pub struct R157Arguments {
     /// Controllers, by commas [default: all]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', conflicts_with = "models_only")]
     pub controllers: Vec<String>,
+    /// Laws of the user's own.
+    #[command(flatten)]
+    pub laws: LawOptions,
     /// Drive the regulation's models alone, no controller and no process
     #[arg(
         long,
-        conflicts_with_all = ["processes", "programs", "ready_timeout", "shard", "resume", "merge"]
+        conflicts_with_all = ["laws", "processes", "programs", "ready_timeout", "shard", "resume", "merge"]
     )]
     pub models_only: bool,
     /// Draw this many cases of each matrix [default: all]
@@ -122,7 +125,7 @@ impl Study for Plan {
     }
 
     fn subject(&self) -> Result<String, Error> {
-        Ok(first_scenario(self.settled.seed())?.to_toml())
+        Ok(first_scenario(&self.settled)?.to_toml())
     }
 
     fn job(&self, run: usize) -> Result<Job, Error> {

@@ -17,7 +17,7 @@ use scenario::Scenario;
 
 use super::R157Arguments;
 use super::asked::{matrices, names, refuse, seed};
-use super::drive::Driver;
+use super::drive::{Conditions, Driver};
 use super::judged::{Driven, Judged};
 use super::kept::{End, Kept, Shared};
 use super::matrix::{Case, Matrix};
@@ -68,7 +68,10 @@ impl Plan {
     /// [`Error::Scenario`] for an unknown law; [`Refused`](super::asked::Refused).
     pub fn of(arguments: &R157Arguments) -> Result<Self, Error> {
         refuse(arguments)?;
-        let settled = Settled::new(seed(arguments).into());
+        let settled = Settled::under(Conditions {
+            seed: seed(arguments).into(),
+            laws: arguments.laws.clone(),
+        });
         let names = names(arguments)?;
         let laws = laws_of(&names, &settled)?;
         let drivers = drivers_of(names, &laws);
@@ -190,21 +193,24 @@ impl Plan {
 ///
 /// # Errors
 /// As [`scene::scenario`].
-pub fn first_scenario(seed: u64) -> Result<Scenario, Error> {
+pub fn first_scenario(settled: &Settled) -> Result<Scenario, Error> {
     let law = laws::ALL[0].name.to_owned();
     let driver = Driver { law, aebs: false };
-    scene::scenario(&Matrix::Following.cases()[0], &driver, &Settled::new(seed))
+    scene::scenario(&Matrix::Following.cases()[0], &driver, settled)
 }
 
 /// Puts laws together that are the same without signals.
 fn laws_of(names: &[String], settled: &Settled) -> Result<Vec<Laws>, Error> {
     let case = Matrix::CutIn.cases()[0];
-    let mut all: Vec<(&str, Laws)> = Vec::new();
+    let mut all: Vec<(String, Laws)> = Vec::new();
     for name in names {
         let driver = Driver { law: name.clone(), aebs: false };
         let scenario = scene::scenario(&case, &driver, settled)?;
         let descriptor = laws::of(&scenario).expect("the scenario was checked");
+        // Laws of the user's own have one descriptor.
+        let is_own = scenario.laws.contains_key(name);
         let same_as = descriptor.without_signals.unwrap_or(descriptor).name;
+        let same_as = if is_own { name.clone() } else { same_as.to_owned() };
         match all.iter_mut().find(|(name, _)| *name == same_as) {
             Some((_, laws)) => laws.names.push(name.clone()),
             None => {

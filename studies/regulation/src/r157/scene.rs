@@ -36,7 +36,7 @@ pub fn scenario(case: &Case, driver: &Driver, settled: &Settled) -> Result<Scena
         Case::Following(case) => following_scene(case, speed_mps, gap_m()?),
         Case::CutOut(case) => cut_out_scene(case, speed_mps, gap_m()?),
     };
-    parse(&scene, speed_mps, driver, settled.seed())
+    parse(&scene, speed_mps, driver, settled.conditions())
 }
 
 /// The vehicle that comes in. It keeps its speed, so that a motion aside has no part in whether the ego comes nearer.
@@ -195,7 +195,8 @@ mod tests {
         for law in laws::own() {
             let (driver, settled) = (driver(law.name), Settled::new(1));
             for speed_kmh in [12, 30, 60, 90, 128] {
-                let long = behind_a_lead(speed_kmh, &driver, 1, CLOSES_UP_S).expect("a law");
+                let long = behind_a_lead(speed_kmh, &driver, settled.conditions(), CLOSES_UP_S)
+                    .expect("a law");
                 let long = state_at(&long, CLOSES_UP_S);
                 let case = following::Case { speed_kmh, lead_hundredths_g: 50 };
                 let case = scenario(&Case::Following(case), &driver, &settled).expect("a law");

@@ -8,7 +8,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use group::{Ended, Error, Failure, Status};
 
-use super::drive::{self, Driver};
+use super::drive::{self, Conditions, Driver};
 
 /// Time in which a law closes up or falls back to its own gap, s.
 pub const CLOSES_UP_S: f64 = 25.0;
@@ -30,7 +30,7 @@ impl Failure for NotSettled {
 /// Settled gaps, m, by law and speed, km/h, as far as they were asked for.
 #[derive(Debug)]
 pub struct Settled {
-    seed: u64,
+    conditions: Conditions,
     gaps_m: Mutex<BTreeMap<(String, u32), f64>>,
 }
 
@@ -38,13 +38,25 @@ impl Settled {
     /// Gaps of drives with this seed, before the first drive.
     #[must_use]
     pub fn new(seed: u64) -> Self {
-        Self { seed, gaps_m: Mutex::default() }
+        Self::under(Conditions { seed, ..Conditions::default() })
+    }
+
+    /// Gaps of drives under these conditions, before the first drive.
+    #[must_use]
+    pub fn under(conditions: Conditions) -> Self {
+        Self { conditions, gaps_m: Mutex::default() }
+    }
+
+    /// What the drives have in common.
+    #[must_use]
+    pub fn conditions(&self) -> &Conditions {
+        &self.conditions
     }
 
     /// The seed.
     #[must_use]
     pub fn seed(&self) -> u64 {
-        self.seed
+        self.conditions.seed
     }
 
     /// The gap that `law` keeps at `speed_kmh`, m. The first to ask drives; two at once drive the same.
@@ -57,7 +69,7 @@ impl Settled {
             return Ok(*gap_m);
         }
         let driver = Driver { law: law.to_owned(), aebs: false };
-        let scenario = drive::behind_a_lead(speed_kmh, &driver, self.seed, CLOSES_UP_S)?;
+        let scenario = drive::behind_a_lead(speed_kmh, &driver, &self.conditions, CLOSES_UP_S)?;
         let group = group::in_process::run_unsealed(&scenario, &|| false)?;
         let last = group.drive.steps.iter().rev().find_map(|step| step.gap_m);
         let gap_m = last.filter(|_| group.ended == Ended::Orderly);

@@ -1,39 +1,28 @@
 //! The law: a question and an answer at each release, and the backup where there is no answer.
 
+use super::backup::{Backup, Reason};
 use super::bounds::Bounds;
 use super::channel::{Channel, ChannelError};
 use super::host::{Host, HostError, News};
+use super::idle;
 use super::process::Plan;
 use super::record::{Refused, accept, question};
-use crate::law::{Hosted, HostedError, Input, Law, Output, Quality};
+use crate::law::{Hosted, HostedError, Input, Law, Output};
 use crate::report::ProgramReport;
-use messages::LAW_MODES;
 use scenario::Scenario;
 use std::time::{Duration, Instant};
 
 /// Part of the time to the deadline that is left to the backup and to the command's way.
 const RESERVE: f64 = 0.1;
-/// Mode of the backup, behind the program's own.
-const BACKUP: u32 = LAW_MODES as u32;
-
-/// Why the mode is what it is: the formulation's reasons.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Reason {
-    Answered,
-    Late,
-    NoProgram,
-    Refused,
-}
-
 /// A law that a program of the user's computes.
 pub struct External {
     plan: Plan,
     /// In real time, how long a program may owe an answer.
     silence: Duration,
     bounds: Bounds,
-    backup: Box<dyn Law>,
-    /// The backup drove at the last release.
-    on_backup: bool,
+    backup: Backup,
+    /// Other runs of this thread may use the program before and after this one.
+    is_shared: bool,
     // The channel before the host: a program goes when its input ends.
     channel: Option<Box<Channel>>,
     host: Option<Host>,
@@ -45,13 +34,13 @@ pub struct External {
 }
 
 impl External {
-    pub(super) fn new(plan: Plan, silence: Duration, bounds: Bounds, backup: Box<dyn Law>) -> Self {
+    pub(super) fn new(plan: Plan, silence: Duration, bounds: Bounds, backup: Backup) -> Self {
         Self {
             plan,
             silence,
             bounds,
             backup,
-            on_backup: false,
+            is_shared: false,
             channel: None,
             host: None,
             forget: true,
@@ -99,24 +88,7 @@ impl External {
             Reason::Refused => self.counts.refused += 1,
             Reason::Answered => {}
         }
-        if !self.on_backup {
-            self.backup.reset();
-        }
-        self.on_backup = true;
-        self.backup.step(input, output);
-        for request in &mut output.plan_mps2[..output.plan_len] {
-            *request = self.bounds.bring_in(*request);
-        }
-        // Its own modes and figures would be taken for the program's.
-        *output = Output {
-            plan_mps2: output.plan_mps2,
-            plan_len: output.plan_len,
-            mode: BACKUP,
-            mode_reason: reason as u32,
-            quality: Quality::Backup,
-            solver_iterations: output.solver_iterations,
-            ..Output::default()
-        };
+        self.backup.drive(reason, self.bounds, input, output);
     }
 
     /// Asks and hears, until `deadline`.
@@ -147,8 +119,29 @@ enum Reply {
     NoProgram,
 }
 
+impl Drop for External {
+    fn drop(&mut self) {
+        if self.is_shared
+            && let (Some(channel), Some(host)) = (self.channel.take(), self.host.take())
+            && channel.unanswered_since().is_none()
+        {
+            idle::put(self.plan.clone(), channel, host);
+        }
+    }
+}
+
 impl Hosted for External {
+    fn share(&mut self) {
+        self.is_shared = true;
+    }
+
     fn start(&mut self) -> Result<(), HostedError> {
+        if self.is_shared
+            && self.host.is_none()
+            && let Some((channel, host)) = idle::take(&self.plan)
+        {
+            (self.channel, self.host, self.forget) = (Some(channel), Some(host), true);
+        }
         if self.host.is_none() {
             self.host = Some(Host::start(self.plan.clone()).map_err(HostedError::new)?);
             // The host's own watchdog is shorter.
@@ -193,7 +186,8 @@ impl Hosted for External {
             Reply::Answer(answer) => match accept(&answer, self.bounds, output) {
                 Ok(()) => {
                     self.counts.answers += 1;
-                    (self.on_backup, output.mode_reason) = (false, Reason::Answered as u32);
+                    self.backup.rest();
+                    output.mode_reason = Reason::Answered as u32;
                 }
                 Err(Refused(what)) => {
                     self.refusal.get_or_insert(what);
@@ -227,7 +221,7 @@ impl Hosted for External {
 impl Law for External {
     fn reset(&mut self) {
         self.forget = true;
-        self.on_backup = false;
+        self.backup.rest();
     }
 
     /// As in simulated time; the backup drives where the program fails.

@@ -21,26 +21,35 @@
 //! is the road controller `cacc-mpc`, from its initial state each time that it takes over. The program
 //! does not outlive this process, however that ends.
 
+mod asked;
+mod backup;
 mod bounds;
 mod channel;
 mod host;
+mod idle;
 mod law;
+mod library;
 mod process;
 mod record;
 mod settings;
 
+pub use asked::{Asked, Questions};
 pub use law::External;
+pub use library::Library;
 pub use settings::Settings;
 
 use super::cacc::config::Config;
 use super::cacc::{self, Signals};
 use crate::law::reader::key;
-use crate::law::{Descriptor, Figure, Formulation, GapPolicy, Reader, TargetSource};
+use crate::law::{Descriptor, Figure, Formulation, GapPolicy, Law, Reader, TargetSource};
 use crate::settings::Table;
+use backup::Backup;
 use bounds::Bounds;
 use process::Plan;
-use runtime::{Program, ProgramError, executable};
+use runtime::{LawLibrary, Program, ProgramError, executable};
+use scenario::own_law::Origin;
 use scenario::{Problem, Scenario};
+use std::path::PathBuf;
 use std::time::Duration;
 
 const TABLE: Table = Table::of::<Settings>("external");
@@ -56,7 +65,7 @@ pub static EXTERNAL: Descriptor = Descriptor {
     gap: GapPolicy::Internal,
     target: TargetSource::Tracked,
     without_signals: None,
-    build: |reader| Ok(Box::new(build(reader)?)),
+    build,
 };
 
 static FORMULATION: Formulation = Formulation {
@@ -78,47 +87,102 @@ static FORMULATION: Formulation = Formulation {
     ],
 };
 
-/// The program of a scenario's command, with its digest.
+/// Names of the laws of the user's own that a scenario declares, and their descriptor.
+pub(super) fn named(scenario: &Scenario) -> Option<&'static Descriptor> {
+    scenario.laws.contains_key(scenario.controller.name.as_str()).then_some(&EXTERNAL)
+}
+
+/// The program or library of a scenario's law, with its digest; none where the caller computes it.
 ///
 /// # Errors
 /// Names the key when the command names no program.
-pub fn program(scenario: &Scenario) -> Result<Program, Problem> {
+pub fn program(scenario: &Scenario) -> Result<Option<Program>, Problem> {
     let controller = &scenario.controller;
-    let directory = controller.directory.clone().unwrap_or_default();
-    Program::of(&controller.command, &directory).map_err(|error| refused(&error))
+    let name = controller.name.as_str();
+    let (path, words, directory) = match scenario.laws.get(name) {
+        Some(law) => match law.origin() {
+            Origin::Program => (format!("laws.{name}.command"), law.words(), &law.directory),
+            Origin::Library(library) => {
+                let path = format!("laws.{name}.library");
+                return Program::library(library).map(Some).map_err(|error| refused(&path, &error));
+            }
+            Origin::Caller => return Ok(None),
+        },
+        None => ("controller.command".into(), controller.command.clone(), &controller.directory),
+    };
+    let directory = directory.clone().unwrap_or_default();
+    Program::of(&words, &directory).map(Some).map_err(|error| refused(&path, &error))
 }
 
-fn refused(error: &ProgramError) -> Problem {
+fn refused(path: &str, error: &ProgramError) -> Problem {
     match error {
         ProgramError::Empty => Problem::new(
-            "controller.command",
+            path,
             "the law `external` has no program",
-            "controller.command, such as [\"python3\", \"law.py\"]",
+            format!("{path}, such as [\"python3\", \"law.py\"]"),
         ),
-        error => Problem::said("controller.command", &error.to_string()),
+        error => Problem::said(path.to_owned(), &error.to_string()),
     }
 }
 
-fn build(reader: &Reader<'_>) -> Result<External, Problem> {
-    let settings: Settings = reader.table(TABLE.name)?;
-    let command = key!(reader, command);
-    let directory = key!(reader, directory).unwrap_or_default();
-    executable(&command, &directory).map_err(|error| refused(&error))?;
-    let of_backup = reader.of_backup();
-    let config = Config::of_road(&of_backup)?;
-    reader.keep_backup(of_backup);
-    let backup = cacc::build(Signals::Used, &config)
-        .map_err(|error| Problem::new("controller", error.to_string(), "settings of a backup"))?;
+/// The law of the user's that the scenario names, whatever it consists of.
+fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
+    let scenario = reader.scenario();
+    let name = scenario.controller.name.as_str();
     let bounds = Bounds {
         least_mps2: key!(reader, min_request_mps2).value(),
         most_mps2: key!(reader, max_request_mps2).value(),
     };
+    match scenario.laws.get(name).map(|law| (law, law.origin())) {
+        None => {
+            let words = key!(reader, command);
+            let directory = key!(reader, directory);
+            program_law(reader, "controller.command", words, Vec::new(), directory, bounds)
+        }
+        Some((law, Origin::Program)) => {
+            let path = format!("laws.{name}.command");
+            let directory = law.directory.clone();
+            program_law(reader, &path, law.words(), law.variables(), directory, bounds)
+        }
+        Some((_, Origin::Library(path))) => {
+            let key = format!("laws.{name}.library");
+            let library =
+                LawLibrary::open(path).map_err(|error| Problem::said(key, &error.to_string()))?;
+            Ok(Box::new(Library::new(library, name, bounds, backup(reader)?)))
+        }
+        Some((_, Origin::Caller)) => Ok(Box::new(Asked::new(Questions::default(), None, scenario))),
+    }
+}
+
+/// A law that a program computes; `path` is the key of its command.
+fn program_law(
+    reader: &Reader<'_>,
+    path: &str,
+    command: Vec<String>,
+    variables: Vec<(String, String)>,
+    directory: Option<PathBuf>,
+    bounds: Bounds,
+) -> Result<Box<dyn Law>, Problem> {
+    let settings: Settings = reader.table(TABLE.name)?;
+    let directory = directory.unwrap_or_default();
+    executable(&command, &directory).map_err(|error| refused(path, &error))?;
     let plan = Plan {
         command,
+        variables,
         directory,
         patience: Duration::from_secs_f64(settings.patience_s),
         supervision: reader.scenario().supervision,
     };
     let silence = Duration::from_secs_f64(settings.silence_s);
-    Ok(External::new(plan, silence, bounds, backup))
+    Ok(Box::new(External::new(plan, silence, bounds, backup(reader)?)))
+}
+
+/// The road controller that takes over.
+fn backup(reader: &Reader<'_>) -> Result<Backup, Problem> {
+    let of_backup = reader.of_backup();
+    let config = Config::of_road(&of_backup)?;
+    reader.keep_backup(of_backup);
+    let law = cacc::build(Signals::Used, &config)
+        .map_err(|error| Problem::new("controller", error.to_string(), "settings of a backup"))?;
+    Ok(Backup::new(law))
 }

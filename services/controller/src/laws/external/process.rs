@@ -24,9 +24,11 @@ const LONGEST_LINE: u64 = 400;
 const LAST_WORDS: usize = 3;
 
 /// What to host.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct Plan {
     pub(super) command: Vec<String>,
+    /// Variables of its environment, beside this process's own.
+    pub(super) variables: Vec<(String, String)>,
     pub(super) directory: PathBuf,
     /// Time for the first answer.
     pub(super) patience: Duration,
@@ -72,6 +74,7 @@ impl Process {
         };
         command
             .args(arguments)
+            .envs(plan.variables.iter().map(|(key, value)| (key, value)))
             .current_dir(&plan.directory)
             .stdin(Stdio::piped())
             .stdout(Stdio::piped())

@@ -1,0 +1,17 @@
+//! What there is: scenarios and laws.
+
+use controller::laws::own;
+use pyo3::prelude::*;
+use scenario::builtin;
+
+/// The built-in scenarios: name and description.
+#[pyfunction]
+pub fn scenarios() -> Vec<(&'static str, &'static str)> {
+    builtin::ALL.iter().map(|builtin| (builtin.name, builtin.summary)).collect()
+}
+
+/// timegap's own laws: name, description and source.
+#[pyfunction]
+pub fn laws() -> Vec<(&'static str, &'static str, &'static str)> {
+    own().map(|law| (law.name, law.description, law.source)).collect()
+}

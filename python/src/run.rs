@@ -1,0 +1,149 @@
+//! A run, driven to its end, and its results.
+
+use crate::errors::raise;
+use crate::law::{Law, Raised};
+use crate::scenario::Scenario;
+use controller::law::Formulation;
+use controller::laws::external::Questions;
+use group::GroupOutcome;
+use group::in_process::{Advance, SteppedRun};
+use pyo3::exceptions::PyKeyboardInterrupt;
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use report::summary::Summary;
+use report::trajectory;
+use runtime::{Mode, Sealing};
+use std::time::Instant;
+
+/// Turns of the services between two looks for signals.
+const TURNS: u32 = 512;
+
+/// What came of a run.
+#[pyclass(frozen, module = "timegap._timegap")]
+pub struct Driven {
+    pub summary: Summary,
+    pub drive: group::Drive,
+    figures: Vec<&'static str>,
+    modes: Vec<&'static str>,
+    exception: Option<Py<PyAny>>,
+}
+
+impl Driven {
+    /// Of a run that is over.
+    pub fn of(
+        scenario: &scenario::Scenario,
+        outcome: GroupOutcome,
+        begun: Instant,
+        exception: Option<Py<PyAny>>,
+    ) -> Self {
+        let summary = Summary::new(scenario, Mode::Lockstep, &outcome, begun.elapsed());
+        let formulation = outcome.formulation(scenario);
+        Self {
+            summary,
+            figures: formulation.map_or_else(Vec::new, Formulation::figure_names),
+            modes: formulation.map_or_else(Vec::new, |formulation| formulation.modes.to_vec()),
+            drive: outcome.drive,
+            exception,
+        }
+    }
+}
+
+#[pymethods]
+impl Driven {
+    /// `summary.json`.
+    fn summary(&self) -> String {
+        serde_json::to_string(&self.summary).expect("a summary is plain data")
+    }
+
+    /// The columns of `trajectory.csv`: name, and the values as 8-byte floats, NaN where there is none.
+    fn trajectory<'py>(&self, py: Python<'py>) -> Vec<(String, Bound<'py, PyBytes>)> {
+        let columns = trajectory::columns(&self.drive, &self.figures);
+        let bytes = |values: Vec<Option<f64>>| {
+            let values: Vec<f64> =
+                values.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect();
+            PyBytes::new(py, bytemuck::cast_slice(&values))
+        };
+        columns.into_iter().map(|(name, values)| (name, bytes(values))).collect()
+    }
+
+    /// Names of the law's modes, in the order of their numbers.
+    #[getter]
+    fn modes(&self) -> Vec<&'static str> {
+        self.modes.clone()
+    }
+
+    /// The exception that ended the run, if one did.
+    #[getter]
+    fn exception(&self, py: Python<'_>) -> Option<Py<PyAny>> {
+        self.exception.as_ref().map(|exception| exception.clone_ref(py))
+    }
+}
+
+/// For a run without a vehicle whose motion grows.
+pub fn nothing_ahead() -> group::in_process::Ahead {
+    Box::new(|_, _| {})
+}
+
+/// How a drive ended that did not raise.
+struct End {
+    outcome: GroupOutcome,
+    failed: Option<PyErr>,
+}
+
+/// Drives a scenario to its end, by its own law or by `law`.
+#[pyfunction]
+#[pyo3(signature = (scenario, law=None, digests=false))]
+pub fn drive(
+    py: Python<'_>,
+    scenario: &Scenario,
+    law: Option<&Bound<'_, PyAny>>,
+    digests: bool,
+) -> PyResult<Driven> {
+    let scenario = &scenario.0;
+    let name = scenario.controller.name.as_str().to_owned();
+    let law = law.map(|law| Law::new(law, name)).transpose()?;
+    let sealing = if digests { Sealing::Sealed } else { Sealing::Unsealed };
+    let begun = Instant::now();
+    let end = py.detach(|| to_its_end(scenario, law.as_ref(), sealing))?;
+    let exception = end.failed.map(|error| error.into_value(py).into_any());
+    Ok(Driven::of(scenario, end.outcome, begun, exception))
+}
+
+fn to_its_end(scenario: &scenario::Scenario, law: Option<&Law>, sealing: Sealing) -> PyResult<End> {
+    let questions = law.map(|_| Questions::default());
+    let begun = SteppedRun::begin(scenario, sealing, nothing_ahead(), questions.clone());
+    let mut run = begun.map_err(|error| raise(&error))?;
+    let (mut turns, mut failed, mut raised) = (0_u32, None, None);
+    loop {
+        match run.advance().map_err(|error| raise(&error))? {
+            Advance::Turn => {}
+            Advance::Over => break,
+            Advance::Asked => {
+                let (Some(law), Some(questions)) = (law, &questions) else { continue };
+                let answered = Python::attach(|py| law.answer(py, questions, &mut failed));
+                if let Err(Raised(error)) = answered {
+                    raised = Some(error);
+                    run.interrupt();
+                }
+            }
+        }
+        turns = turns.wrapping_add(1);
+        if turns.is_multiple_of(TURNS)
+            && raised.is_none()
+            && let Err(error) = Python::attach(|py| py.check_signals())
+        {
+            raised = Some(error);
+            run.interrupt();
+        }
+    }
+    match raised {
+        Some(error) => Err(error),
+        None => {
+            let outcome = run.finish().map_err(|error| raise(&error))?;
+            match outcome.ended {
+                group::Ended::Interrupted => Err(PyKeyboardInterrupt::new_err(())),
+                _ => Ok(End { outcome, failed }),
+            }
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! Laws of the user's own under names of their own, wherever a controller is named.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, ExitCode};
+use system_tests::cases::{self, case, needing};
+use system_tests::{Corner, text};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
+const ODD_LAW: &str = env!("CARGO_BIN_EXE_odd-law");
+const EXAMPLES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples");
+
+/// `--law name=odd-law words`.
+fn law(name: &str, words: &str) -> String {
+    format!("{name}={ODD_LAW} {words}")
+}
+
+/// The values of a key in the rows of a result.
+fn values<'a>(result: &'a Value, rows: &str, key: &str) -> Vec<&'a Value> {
+    let rows = result[rows].as_array().unwrap_or_else(|| panic!("no {rows}: {result}"));
+    rows.iter().map(|row| &row[key]).collect()
+}
+
+/// The only law that is named drives. Its name stands in the summary, the page and the recording.
+fn a_run_has_the_name_and_the_program() {
+    let corner = Corner::new(PROGRAM);
+    let mine = law("gentle", "follow");
+    let run = ["run", "following", "--mode", "lockstep", "--duration", "4", "--law", &mine];
+    let summary = corner.json(&[&run[..], &["--out", "out"]].concat());
+    assert_eq!(
+        (&summary["controller"], &summary["outcome"]),
+        (&"gentle".into(), &"completed".into())
+    );
+    assert_eq!(summary["law"]["name"], "gentle");
+    let program = corner.json(&["info", "out"])["programs"]["controller"].clone();
+    assert_eq!(program["command"], format!("{ODD_LAW} follow"));
+    let page = std::fs::read_to_string(corner.path().join("out/report.html")).expect("written");
+    assert!(page.contains("gentle ("), "the page has the name");
+    let inside = corner.json(&[&run[..], &["--in-process"]].concat());
+    let digests = |summary: &Value| summary["messages"]["control/command"]["digests"].clone();
+    assert_eq!(digests(&summary), digests(&inside));
+    let other = corner.json(&[&run[..], &["--controller", "acc-mpc", "--no-record"]].concat());
+    assert_eq!(other["controller"], "acc-mpc", "another controller that is named drives");
+    let replayed = corner.json(&["replay", "out"]);
+    assert_eq!(replayed["identical"], true, "{replayed}");
+    corner.expect_nothing_left(&[]);
+}
+
+/// Two programs take part beside a law of timegap's own.
+fn two_laws_are_compared_under_their_names() {
+    let corner = Corner::new(PROGRAM);
+    let (one, two) = (law("gentle", "follow"), law("eager", "follow --gain=0.8"));
+    let short = ["--set", "duration_s=6", "--law", &one, "--law", &two];
+    let named = ["compare", "following", "cut-in", "--controllers", "eager,acc-mpc,gentle"];
+    let compared = corner.json(&[&named[..], &short].concat());
+    let expected = ["eager", "acc-mpc", "gentle", "eager", "acc-mpc", "gentle"];
+    assert_eq!(values(&compared, "rows", "controller"), expected);
+    assert_eq!(compared["processes_sample"]["different"], 0, "{compared}");
+    let figure = |row: usize| compared["rows"][row]["control"]["max_abs_jerk_mps3"].as_f64();
+    assert_ne!(figure(0), figure(2), "they are two laws");
+    corner.expect_nothing_left(&[]);
+}
+
+/// A law that a file declares, and a gain that is swept in its environment and its arguments.
+fn a_file_declares_laws_and_a_sweep_turns_their_knobs() {
+    let corner = Corner::new(PROGRAM);
+    let scenario = format!(
+        "schema_version = 1\nname = \"mine\"\nduration_s = 6\n[controller]\nname = \"gentle\"\n\
+         [plant]\ninitial_speed_mps = 15\n\
+         [laws.gentle]\ncommand = [{ODD_LAW:?}, \"follow\"]\nenv = {{ GAIN = 0.4 }}\n"
+    );
+    std::fs::write(corner.path().join("mine.toml"), scenario).expect("our own directory");
+    let run = corner.json(&["run", "mine.toml", "--mode", "lockstep", "--no-record"]);
+    assert_eq!(run["controller"], "gentle");
+    let compared = corner.json(&["compare", "mine.toml", "--controllers", "gentle,acc-mpc"]);
+    assert_eq!(values(&compared, "rows", "controller"), ["gentle", "acc-mpc"]);
+    let gaps = |key: &str| -> Vec<f64> {
+        let param = format!("laws.gentle.{key}=0.2,0.4,0.8");
+        let swept = corner.json(&["sweep", "mine.toml", "--param", &param]);
+        let points = swept["points"].as_array().unwrap_or_else(|| panic!("{swept}"));
+        let figure = |point: &Value| point["figures"]["min_gap_m"].as_f64();
+        points.iter().map(|point| figure(point).unwrap_or_else(|| panic!("{point}"))).collect()
+    };
+    let by_environment = gaps("env.GAIN");
+    assert!(by_environment.windows(2).all(|pair| pair[0] != pair[1]), "{by_environment:?}");
+    assert_eq!(gaps("arguments.gain"), by_environment, "an argument does the same");
+    corner.expect_nothing_left(&[]);
+}
+
+/// One program serves a worker's runs; what it keeps over resets shows in the repeated sample.
+fn a_law_that_does_not_forget_is_found() {
+    let corner = Corner::new(PROGRAM);
+    let sweep = |law: &str| {
+        let points = ["sweep", "following", "--duration", "3", "--param", "set_speed_mps=20,21,22"];
+        corner.run(&[&points[..], &["--jobs", "1", "--json", "--law", law]].concat())
+    };
+    let forgets = sweep(&law("mine", "follow"));
+    assert!(forgets.status.success(), "{}", text(&forgets));
+    let remembers = sweep(&law("mine", "remember"));
+    assert!(
+        !remembers.status.success() && text(&remembers).contains("other bytes"),
+        "{}",
+        text(&remembers)
+    );
+    corner.expect_nothing_left(&[]);
+}
+
+/// The studies that make their scenarios.
+fn standards_and_strings_take_them() {
+    let corner = Corner::new(PROGRAM);
+    let mine = law("gentle", "follow");
+    let own = ["--controllers", "gentle", "--law", &mine];
+    let judged = |words: &[&str]| -> Value {
+        let output = corner.run(&[words, &own[..], &["--json"]].concat());
+        assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", text(&output)))
+    };
+    let iso = judged(&["iso15622"]);
+    assert!(values(&iso, "rows", "law").iter().all(|law| **law == "gentle"), "{iso}");
+    let r157 = judged(&["r157", "--matrix", "cut-in", "--sample", "6"]);
+    assert_eq!(r157["matrices"][0]["laws"][0]["law"], "gentle", "{r157}");
+    let string = ["string", "following", "--vehicles", "4", "--duration", "15", "--law", &mine];
+    let output =
+        corner.run(&[&string[..], &["--controllers", "gentle,acc-mpc", "--json"]].concat());
+    let string: Value =
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", text(&output)));
+    assert_eq!(
+        values(&string, "vehicles", "controller"),
+        ["gentle", "acc-mpc", "gentle", "acc-mpc"]
+    );
+    corner.expect_nothing_left(&[]);
+}
+
+fn what_is_no_law_is_refused_with_its_place() {
+    let corner = Corner::new(PROGRAM);
+    let mine = law("gentle", "follow");
+    for (words, what) in [
+        (&["run", "following", "--law", "gentle"][..], "expected NAME=COMMAND"),
+        (&["run", "following", "--law", "acc-mpc=./x"], "a law of timegap's own"),
+        (&["run", "following", "--law", "gentle=./no-such"], "there is no program `./no-such`"),
+        (&["run", "following", "--law", "gentle=library:./no.so"], "expected a shared library"),
+        (&["run", "following", "--law", &mine, "--law", &mine], "the name is given twice"),
+        (&["compare", "following", "--controllers", "gentel", "--law", &mine], "expected acc-mpc"),
+        (&["iso15622", "--controllers", "gentle"], "unknown value `gentle`"),
+        (
+            &["run", "following", "--set", "laws.a.caller=true", "--controller", "a"],
+            "is a function of the program",
+        ),
+    ] {
+        let output = corner.run(words);
+        assert_eq!(output.status.code(), Some(2), "{words:?}: {}", text(&output));
+        assert!(text(&output).contains(what), "{words:?}: {}", text(&output));
+    }
+    corner.expect_nothing_left(&[]);
+}
+
+/// The example as a library gives the bytes of the program, with the same checks.
+fn a_library_is_the_same_law() {
+    let corner = Corner::new(PROGRAM);
+    let header = corner.run(&["layouts", "--law", "--c"]);
+    std::fs::write(corner.path().join("timegap_law.h"), header.stdout).expect("ours");
+    let compile = |code: &Path, library: &str| {
+        let compiled = Command::new("cc")
+            .args([
+                "-std=c11", "-Wall", "-Wextra", "-Werror", "-I.", "-O2", "-shared", "-fPIC", "-o",
+                library,
+            ])
+            .arg(code)
+            .arg("-lm")
+            .current_dir(corner.path())
+            .output()
+            .expect("looked for before");
+        assert!(compiled.status.success(), "{}", text(&compiled));
+    };
+    let example = Path::new(EXAMPLES).join("my_law_library.c");
+    compile(&example, "my_law.so");
+    let run = |law: &str, more: &[&str]| {
+        let words = ["run", "following", "--mode", "lockstep", "--duration", "5", "--law", law];
+        corner.json(&[&words[..], more].concat())
+    };
+    let digests = |summary: &Value| summary["messages"]["vehicle/odometry"]["digests"].clone();
+    let program = run(&law("mine", "follow"), &["--in-process"]);
+    let library = run("mine=library:./my_law.so", &["--in-process"]);
+    assert_eq!(digests(&library), digests(&program));
+    assert_eq!(digests(&run("mine=library:my_law.so", &["--no-record"])), digests(&program));
+    let found = library["services"].as_array().expect("a list");
+    let controller =
+        found.iter().find(|service| service["name"] == "controller").expect("it took part");
+    let command = controller["program"]["command"].as_str().unwrap_or_default();
+    assert!(command.ends_with("my_law.so"), "{controller}");
+    assert_eq!(controller["program"]["sha256"].as_str().map(str::len), Some(64));
+    // What no vehicle can follow is refused, and the backup drives.
+    let code = std::fs::read_to_string(&example).expect("text");
+    let wrong = code.replace("fmax(-4.0, fmin(2.0, request))", "NAN");
+    assert_ne!(wrong, code);
+    std::fs::write(corner.path().join("wrong.c"), wrong).expect("ours");
+    compile(&corner.path().join("wrong.c"), "wrong.so");
+    let refused = corner.run(&[
+        "run",
+        "following",
+        "--mode",
+        "lockstep",
+        "--duration",
+        "2",
+        "--law",
+        "mine=library:wrong.so",
+        "--json",
+    ]);
+    let summary: Value =
+        serde_json::from_slice(&refused.stdout).unwrap_or_else(|_| panic!("{}", text(&refused)));
+    assert_eq!(
+        (&summary["outcome"], &summary["law"]["refused"]),
+        (&"driven_by_backup".into(), &21.into())
+    );
+    corner.expect_nothing_left(&[]);
+}
+
+fn c_compiler() -> cases::Needed {
+    cases::program("cc")
+}
+
+fn main() -> ExitCode {
+    cases::run(&[
+        case("a_run_has_the_name_and_the_program", a_run_has_the_name_and_the_program),
+        case("two_laws_are_compared_under_their_names", two_laws_are_compared_under_their_names),
+        case(
+            "a_file_declares_laws_and_a_sweep_turns_their_knobs",
+            a_file_declares_laws_and_a_sweep_turns_their_knobs,
+        ),
+        case("a_law_that_does_not_forget_is_found", a_law_that_does_not_forget_is_found),
+        case("standards_and_strings_take_them", standards_and_strings_take_them),
+        case("what_is_no_law_is_refused_with_its_place", what_is_no_law_is_refused_with_its_place),
+        needing("a_library_is_the_same_law", c_compiler, a_library_is_the_same_law),
+    ])
+}

@@ -1,0 +1,191 @@
+//! Laws of the user's own on the command line.
+
+use crate::Failure;
+use clap::Args;
+use scenario::name::Name;
+use scenario::{Overrides, ScenarioError};
+use std::path::PathBuf;
+
+/// What a shared library is marked by.
+const LIBRARY: &str = "library:";
+
+/// Laws of the user's own, by the option `--law`.
+///
+/// ```
+/// use group::LawOptions;
+///
+/// let law = "gentle=python3 law.py --gain 0.3".parse().unwrap();
+/// let laws = LawOptions { laws: vec![law] };
+/// assert_eq!(laws.names(), ["gentle"]);
+/// ```
+#[derive(Clone, Debug, Default, Args)]
+pub struct LawOptions {
+    /// A law of your own under a name: a program, split as a shell does, or `library:FILE`, a shared library, which can
+    /// crash or block timegap (repeatable)
+    #[arg(long = "law", value_name = "NAME=COMMAND")]
+    pub laws: Vec<NamedLaw>,
+}
+
+/// A law of the user's own with its name: `NAME=COMMAND`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NamedLaw {
+    /// Its name in rows, legends and JSON.
+    pub name: String,
+    /// What computes it.
+    pub source: LawSource,
+}
+
+/// What computes a law of the user's own.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum LawSource {
+    /// A program, with its arguments.
+    Program(Vec<String>),
+    /// A shared library.
+    Library(PathBuf),
+    /// The program that starts the run.
+    Caller,
+}
+
+/// Why an argument names no law.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum LawError {
+    /// It has no `=`.
+    #[error("no `=`, expected NAME=COMMAND")]
+    NoCommand,
+    /// The name is none.
+    #[error("`{0}` is not a name, expected 1 to 64 letters, digits, `-` or `_`")]
+    Name(String),
+    /// The name is of a law of timegap's own.
+    #[error("`{0}` is a law of timegap's own, expected another name")]
+    Taken(String),
+    /// The command is empty, or its quotes do not close.
+    #[error("`{0}` is no command, expected words as in a shell")]
+    Command(String),
+}
+
+/// Two laws have one name.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("--law {0}: the name is given twice, expected a name for each law")]
+pub struct TwoLaws(String);
+
+impl Failure for TwoLaws {}
+
+impl std::str::FromStr for NamedLaw {
+    type Err = LawError;
+
+    fn from_str(argument: &str) -> Result<Self, LawError> {
+        let (name, command) = argument.split_once('=').ok_or(LawError::NoCommand)?;
+        let name = String::from(
+            Name::try_from(name.to_owned()).map_err(|_| LawError::Name(name.to_owned()))?,
+        );
+        if controller::laws::find(&name).is_some() {
+            return Err(LawError::Taken(name));
+        }
+        let no_command = || LawError::Command(command.to_owned());
+        let source = match command.strip_prefix(LIBRARY) {
+            Some("") => return Err(no_command()),
+            Some(file) => LawSource::Library(file.into()),
+            None => {
+                let words = shlex::split(command).filter(|words| !words.is_empty());
+                LawSource::Program(words.ok_or_else(no_command)?)
+            }
+        };
+        Ok(Self { name, source })
+    }
+}
+
+impl LawOptions {
+    /// The names, in the order of the options.
+    #[must_use]
+    pub fn names(&self) -> Vec<String> {
+        self.laws.iter().map(|law| law.name.clone()).collect()
+    }
+
+    /// The only law, if there is one.
+    #[must_use]
+    pub fn only(&self) -> Option<&str> {
+        match self.laws.as_slice() {
+            [law] => Some(&law.name),
+            _ => None,
+        }
+    }
+
+    /// Refuses a name that two laws have.
+    ///
+    /// # Errors
+    /// [`TwoLaws`].
+    pub fn check(&self) -> Result<(), TwoLaws> {
+        let twice = |(place, law): &(usize, &NamedLaw)| {
+            self.laws[..*place].iter().any(|known| known.name == law.name)
+        };
+        match self.laws.iter().enumerate().find(twice) {
+            Some((_, law)) => Err(TwoLaws(law.name.clone())),
+            None => Ok(()),
+        }
+    }
+
+    /// Declares the laws in a scenario. Their programs run in the present directory.
+    ///
+    /// # Errors
+    /// If a name cannot be a key.
+    pub fn lay_over(&self, overrides: &mut Overrides) -> Result<(), ScenarioError> {
+        let here = std::env::current_dir().unwrap_or_default();
+        let text = |text: &str| toml::Value::from(text).to_string();
+        let mut set = |name: &str, key: &str, value: String| {
+            overrides.set_by("--law", &format!("laws.{name}.{key}={value}"))
+        };
+        for NamedLaw { name, source } in &self.laws {
+            match source {
+                LawSource::Program(words) => {
+                    let words: Vec<_> = words.iter().map(|word| text(word)).collect();
+                    set(name, "command", format!("[{}]", words.join(", ")))?;
+                    set(name, "directory", text(&here.to_string_lossy()))?;
+                }
+                LawSource::Library(file) => {
+                    set(name, "library", text(&here.join(file).to_string_lossy()))?;
+                }
+                LawSource::Caller => set(name, "caller", "true".to_owned())?,
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn law(argument: &str) -> Result<NamedLaw, LawError> {
+        argument.parse()
+    }
+
+    #[test]
+    fn a_command_is_split_as_a_shell_does() {
+        let words = |argument| match law(argument).expect("a law").source {
+            LawSource::Program(words) => words,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(words("a=python3 'my law.py' --k=1"), ["python3", "my law.py", "--k=1"]);
+        let library = law("b=library:./law.so").expect("a law");
+        assert_eq!(library.source, LawSource::Library("./law.so".into()));
+    }
+
+    #[test]
+    fn what_is_no_law_is_refused_with_what_was_expected() {
+        for (argument, what) in [
+            ("gentle", "expected NAME=COMMAND"),
+            ("a b=./law", "is not a name"),
+            ("=./law", "is not a name"),
+            ("six-mode=./law", "a law of timegap's own"),
+            ("a=", "is no command"),
+            ("a='./law", "is no command"),
+            ("a=library:", "is no command"),
+        ] {
+            let said = law(argument).expect_err(argument).to_string();
+            assert!(said.contains(what) && said.contains("expected"), "{said}");
+        }
+        let laws = LawOptions { laws: vec![law("a=x").expect("good"), law("a=y").expect("good")] };
+        assert_eq!(laws.check(), Err(TwoLaws("a".to_owned())));
+        assert_eq!(laws.only(), None);
+    }
+}
