@@ -119,6 +119,17 @@ fn standards_and_strings_take_them() {
     assert!(values(&iso, "rows", "law").iter().all(|law| **law == "gentle"), "{iso}");
     let r157 = judged(&["r157", "--matrix", "cut-in", "--sample", "6"]);
     assert_eq!(r157["matrices"][0]["laws"][0]["law"], "gentle", "{r157}");
+    std::fs::write(
+        corner.path().join("mine.toml"),
+        "schema_version = 1\nname = \"mine\"\nscenarios = [\"following\"]\nseeds = 2\nset = [\"duration_s=5\"]\n",
+    )
+    .expect("our own directory");
+    let campaign = ["campaign", "mine.toml", "--law", &mine, "--out", "campaign"];
+    let verdict = corner.json(&campaign);
+    assert_eq!((&verdict["ok"], &verdict["runs"]), (&true.into(), &2.into()), "{verdict}");
+    let records =
+        std::fs::read_to_string(corner.path().join("campaign/campaign.csv")).expect("written");
+    assert!(records.contains("gentle") && !records.contains("cacc-mpc"), "{records}");
     let string = ["string", "following", "--vehicles", "4", "--duration", "15", "--law", &mine];
     let output =
         corner.run(&[&string[..], &["--controllers", "gentle,acc-mpc", "--json"]].concat());

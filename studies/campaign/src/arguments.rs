@@ -3,14 +3,15 @@
 use clap::Args;
 use frame::Options;
 use frame::parts::PartOptions;
-use group::GroupOptions;
+use group::{GroupOptions, LawOptions};
 use report::results::ResultOptions;
 use std::fmt;
 use std::num::{NonZeroU32, NonZeroUsize};
 
 /// Arguments of `campaign`.
 #[derive(Debug, Args)]
-#[command(after_help = "`timegap list` describes the built-in campaigns.")]
+#[command(
+    mut_arg("laws", |laws| laws.conflicts_with("merge")),after_help = "`timegap list` describes the built-in campaigns.")]
 pub struct CampaignArguments {
     /// A campaign file, an OpenSCENARIO parameter variation (.xosc), or the name of a built-in campaign
     #[arg(conflicts_with = "merge")]
@@ -27,6 +28,9 @@ pub struct CampaignArguments {
     /// Hours of random drives without faults (`plausibility`) [default: 3]
     #[arg(long, value_name = "H", conflicts_with = "merge")]
     pub hours: Option<Hours>,
+    /// Laws of the user's own: they drive where the campaign names no controllers, or those of them that it names.
+    #[command(flatten)]
+    pub laws: LawOptions,
     /// Seed of these drives (`plausibility`) [default: 1]
     #[arg(long, value_name = "S", conflicts_with = "merge")]
     pub seed: Option<u32>,

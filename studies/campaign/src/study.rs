@@ -89,6 +89,11 @@ impl Study for FileCampaign {
             campaign.limit_seeds(seeds);
         }
         campaign.sample = arguments.sample.or(campaign.sample);
+        arguments.laws.check()?;
+        campaign.set.extend(arguments.laws.keys());
+        if campaign.controllers.is_empty() {
+            campaign.controllers = arguments.laws.names();
+        }
         let study = Self::of(campaign, arguments)?;
         study.check()?;
         Ok(study)

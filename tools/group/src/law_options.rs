@@ -124,30 +124,36 @@ impl LawOptions {
         }
     }
 
-    /// Declares the laws in a scenario. Their programs run in the present directory.
+    /// The keys that declare the laws, as arguments of `--set`. Their programs run in the present directory.
+    #[must_use]
+    pub fn keys(&self) -> Vec<String> {
+        let here = std::env::current_dir().unwrap_or_default();
+        let text = |text: &str| toml::Value::from(text).to_string();
+        let mut keys = Vec::new();
+        for NamedLaw { name, source } in &self.laws {
+            let mut set =
+                |key: &str, value: String| keys.push(format!("laws.{name}.{key}={value}"));
+            match source {
+                LawSource::Program(words) => {
+                    let words: Vec<_> = words.iter().map(|word| text(word)).collect();
+                    set("command", format!("[{}]", words.join(", ")));
+                    set("directory", text(&here.to_string_lossy()));
+                }
+                LawSource::Library(file) => {
+                    set("library", text(&here.join(file).to_string_lossy()));
+                }
+                LawSource::Caller => set("caller", "true".to_owned()),
+            }
+        }
+        keys
+    }
+
+    /// Declares the laws in a scenario.
     ///
     /// # Errors
     /// If a name cannot be a key.
     pub fn lay_over(&self, overrides: &mut Overrides) -> Result<(), ScenarioError> {
-        let here = std::env::current_dir().unwrap_or_default();
-        let text = |text: &str| toml::Value::from(text).to_string();
-        let mut set = |name: &str, key: &str, value: String| {
-            overrides.set_by("--law", &format!("laws.{name}.{key}={value}"))
-        };
-        for NamedLaw { name, source } in &self.laws {
-            match source {
-                LawSource::Program(words) => {
-                    let words: Vec<_> = words.iter().map(|word| text(word)).collect();
-                    set(name, "command", format!("[{}]", words.join(", ")))?;
-                    set(name, "directory", text(&here.to_string_lossy()))?;
-                }
-                LawSource::Library(file) => {
-                    set(name, "library", text(&here.join(file).to_string_lossy()))?;
-                }
-                LawSource::Caller => set(name, "caller", "true".to_owned())?,
-            }
-        }
-        Ok(())
+        self.keys().iter().try_for_each(|key| overrides.set_by("--law", key))
     }
 }
 
