@@ -11,7 +11,9 @@ use std::num::{NonZeroU32, NonZeroUsize};
 /// Arguments of `campaign`.
 #[derive(Debug, Args)]
 #[command(
-    mut_arg("laws", |laws| laws.conflicts_with("merge")),after_help = "`timegap list` describes the built-in campaigns.")]
+    mut_arg("laws", |laws| laws.conflicts_with("merge")),
+    after_help = "`timegap list` describes the built-in campaigns."
+)]
 pub struct CampaignArguments {
     /// A campaign file, an OpenSCENARIO parameter variation (.xosc), or the name of a built-in campaign
     #[arg(conflicts_with = "merge")]
@@ -28,7 +30,7 @@ pub struct CampaignArguments {
     /// Hours of random drives without faults (`plausibility`) [default: 3]
     #[arg(long, value_name = "H", conflicts_with = "merge")]
     pub hours: Option<Hours>,
-    /// Laws of the user's own: they drive where the campaign names no controllers, or those of them that it names.
+    /// Laws of the user's own. They drive where the campaign names no controllers.
     #[command(flatten)]
     pub laws: LawOptions,
     /// Seed of these drives (`plausibility`) [default: 1]
