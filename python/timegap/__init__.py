@@ -17,12 +17,17 @@ A run has no wall clock: it repeats to the byte. Units are in the names.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from ._compare import Comparison, Sweep, compare, sweep
 from ._laws import LawInfo, LawLike, ScenarioInfo, laws, scenarios
 from ._recording import Recorded, open
 from ._run import Run, run
 from ._string import String, string
 from ._timegap import Answer, Question, RunError, ScenarioError, __version__
+
+if TYPE_CHECKING:
+    from .env import Env
 
 __all__ = [
     "Answer",

@@ -24,6 +24,16 @@ Laws = Union[LawLike, Sequence[LawLike], Mapping[str, LawLike]]
 """A law, several, or several under names of their own."""
 
 
+def _shown(value: object) -> str:
+    """A value in a cell."""
+    return f"{value:.3g}" if isinstance(value, float) else "" if value is None else str(value)
+
+
+def _each(seeds: Iterable[int] | None) -> list[int | None]:
+    """The seeds; one that is the scenario's own if None."""
+    return [None] if seeds is None else [*seeds]
+
+
 class Rows:
     """Rows of figures with their runs."""
 
@@ -60,10 +70,9 @@ class Rows:
     def _repr_html_(self) -> str:
         names = [*self._first, "outcome", "min_gap_m", "rms_gap_error_m", "max_abs_jerk_mps3", "min_accel_mps2"]
         names = [name for name in dict.fromkeys(names) if any(row.get(name) is not None for row in self.rows)]
-        shown = lambda value: f"{value:.3g}" if isinstance(value, float) else "" if value is None else str(value)
         head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
         body = "".join(
-            "<tr>" + "".join(f"<td>{html.escape(shown(row.get(name)))}</td>" for name in names) + "</tr>"
+            "<tr>" + "".join(f"<td>{html.escape(_shown(row.get(name)))}</td>" for name in names) + "</tr>"
             for row in self.rows
         )
         return f"<table><tr>{head}</tr>{body}</table>"
@@ -183,7 +192,7 @@ def compare(
         _can_travel(by_name)
     listed = [scenarios] if isinstance(scenarios, (str, os.PathLike)) else list(scenarios)
     jobs = []
-    for scenario, (name, law), seed in itertools.product(listed, by_name.items(), seeds or [None]):
+    for scenario, (name, law), seed in itertools.product(listed, by_name.items(), _each(seeds)):
         first = {"scenario": os.fspath(scenario), "law": name}
         options = {}
         if seed is not None:
@@ -233,7 +242,7 @@ def sweep(
     keys = [key for key, _ in grid]
     jobs = []
     for (name, each), point, seed in itertools.product(
-        by_name.items(), itertools.product(*(values for _, values in grid)), seeds or [None]
+        by_name.items(), itertools.product(*(values for _, values in grid)), _each(seeds)
     ):
         first: dict[str, Any] = {"law": name, **dict(zip(keys, point))}
         options = {}

@@ -21,13 +21,13 @@ class Recorded(Results):
         self.path = path
 
     @cached_property
-    def summary(self) -> dict[str, Any]:  # type: ignore[override]
+    def summary(self) -> dict[str, Any]:
         """`summary.json` of the run. Units are in the names; a figure that does not apply is None."""
         summary: dict[str, Any] = json.loads(self._file("summary.json").read_text(encoding="utf-8"))
         return summary
 
     @cached_property
-    def trajectory(self) -> Table:  # type: ignore[override]
+    def trajectory(self) -> Table:
         """The drive as a `pyarrow.Table`: a row for each step of the vehicle, units in the names."""
         from pyarrow import csv, float64
 

@@ -112,9 +112,14 @@ class Results:
         rows += [(name, f"{control[name]:.3g}") for name in names if isinstance(control.get(name), (int, float))]
         if self.error is not None:
             rows.append(("error", self.error))
-        cell = lambda value: f"<pre>{html.escape(str(value))}</pre>" if "\n" in str(value) else html.escape(str(value))
-        lines = "".join(f"<tr><th>{cell(name)}</th><td>{cell(value)}</td></tr>" for name, value in rows)
+        lines = "".join(f"<tr><th>{_cell(name)}</th><td>{_cell(value)}</td></tr>" for name, value in rows)
         return f"<table><caption>{html.escape(self.scenario)}</caption>{lines}</table>"
+
+
+def _cell(value: object) -> str:
+    """A value in a cell; of several lines as they are."""
+    text = html.escape(str(value))
+    return f"<pre>{text}</pre>" if "\n" in text else text
 
 
 class Run(Results):
@@ -128,13 +133,13 @@ class Run(Results):
         return _Copied, (self.summary, self.trajectory, self.modes)
 
     @cached_property
-    def summary(self) -> dict[str, Any]:  # type: ignore[override]
+    def summary(self) -> dict[str, Any]:
         """`summary.json` of the run. Units are in the names; a figure that does not apply is None."""
         summary: dict[str, Any] = json.loads(self._driven.summary())
         return summary
 
     @cached_property
-    def trajectory(self) -> Table:  # type: ignore[override]
+    def trajectory(self) -> Table:
         """The drive as a `pyarrow.Table`: a row for each step of the vehicle, units in the names."""
         return of_floats(self._driven.trajectory())
 

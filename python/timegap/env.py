@@ -12,7 +12,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import Any, SupportsFloat
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -130,9 +130,7 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         self._question = question
         return self._observe(question), {"time_s": question.time_s}
 
-    def step(
-        self, action: Any
-    ) -> tuple[NDArray[np.float32], SupportsFloat, bool, bool, dict[str, Any]]:
+    def step(self, action: Any) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
         """Requests an acceleration, m/s², for one control period."""
         if self._run is None:
             raise RuntimeError("no episode is in progress, expected reset() first")
