@@ -13,7 +13,8 @@
 //! | [`BrakeState::Holding`] | the ego stands after braking | after `hold_s` |
 //!
 //! The margin is reckoned with less than the brakes' authority (`counted_on_mps2` of [`Numbers`]): the rest is the
-//! reserve for another vehicle that begins to brake.
+//! reserve for another vehicle that begins to brake. Where a driver's braking (`answer_mps2`) is not enough any more, the
+//! last point also counts on a vehicle that moves to begin to brake with `lead_may_brake_mps2`.
 //!
 //! Letting go is safe if two things hold. Without brakes the ego comes no nearer than the margin and `clear_m`. And if
 //! the other vehicle brakes on, as hard as it did during the intervention, braking anew leaves the margin.
@@ -237,8 +238,9 @@ impl Decision {
             return (kept.probability > numbers.of_no_interest).then_some(assessment);
         }
         // Each prediction is made only where those before it leave the question open.
+        let expected = self.expected(ego, object, &threat);
         let late = |wait_s: f64| {
-            let beside = counted_on.beside(ego, &threat, Plan::Brake(wait_s), *margin_m);
+            let beside = counted_on.beside(ego, &expected, Plan::Brake(wait_s), *margin_m);
             beside.is_some_and(|beside| self.contact(object, &beside).probability > numbers.remote)
         };
         let share = if kept.probability > numbers.certain { 1.0 } else { numbers.better_share };
@@ -246,6 +248,20 @@ impl Decision {
             late(*period_s) && contact(&threat, Plan::Brake(0.0), 0.0).loss < share * kept.loss;
         assessment.warns = assessment.brakes || late(*period_s + *warning_s);
         Some(assessment)
+    }
+
+    /// The threat that the last point is reckoned with. Once braking as of a driver is not enough behind what moves, it
+    /// may brake as well: then there is no time left for an answer.
+    fn expected(&self, ego: &Ego, object: &Object, threat: &Threat) -> Threat {
+        let Numbers { answer_mps2, lead_may_brake_mps2, remote, .. } = self.numbers;
+        let answer = Authority { deceleration_mps2: answer_mps2, ..self.settings.authority };
+        let touched = answer.beside(ego, threat, Plan::Brake(0.0), 0.0);
+        let is_enough =
+            touched.is_none_or(|beside| self.contact(object, &beside).probability <= remote);
+        if is_enough || object.stands() {
+            return *threat;
+        }
+        Threat { acceleration_mps2: threat.acceleration_mps2.min(-lead_may_brake_mps2), ..*threat }
     }
 
     /// How probable a contact with `object` is in the time in which the ego is beside it.

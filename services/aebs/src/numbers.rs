@@ -27,6 +27,10 @@ parameters! {
         unseen_s: f64 = 0.3, "s", 0.0..=2.0, "Chosen: six scans of 50 ms, as long as an object outlives its last echo. A fifth more or less leaves the totals of 300 random drives unchanged.";
         /// Deceleration that the last point counts on.
         counted_on_mps2: f64 = 6.0, "m/s²", 3.0..=12.0, "Chosen: braking that any dry road gives; the rest of the authority is the reserve for a lead that begins to brake. A fifth less: 6 avoidable collisions of 300 random drives instead of 7; a fifth more: 10.";
+        /// Braking of driver and law with which nothing need be kept in reserve for a lead.
+        answer_mps2: f64 = 2.5, "m/s²", 0.5..=6.0, "Chosen: as hard as the plant's own stop in lane. Where it is enough, there is time for an answer to a lead that begins to brake.";
+        /// Braking that a lead may begin with while the ego's own answer is not enough.
+        lead_may_brake_mps2: f64 = 4.0, "m/s²", 0.0..=9.0, "Chosen: a minimum risk manoeuvre (UN R157, 5.5.1); harder braking of a vehicle that just came in is rare.";
         /// Distance beyond the margin at which the ego is clear without brakes.
         clear_m: f64 = 0.5, "m", 0.0..=5.0, "Chosen: five standard deviations of a range. A fifth more or less leaves the totals of 300 random drives unchanged.";
         /// A pass that leaves less than this behind it counts as a contact.

@@ -24,7 +24,8 @@
 //! of which the inner side is seen.
 //!
 //! An object counts once it was seen in three of four scans; one that stands, in four of five, and not
-//! beyond the neighbouring lanes: what stands beside the road is left out.
+//! beyond the neighbouring lanes: what stands beside the road is left out. A standing object through which a lead in the
+//! path drives does not count: it is an echo of several vehicles beside the path.
 
 use crate::collision_ahead::where_it_stands;
 use crate::decision::Path;
@@ -68,7 +69,7 @@ impl Objects {
 
     /// The objects that count, as of the last scan.
     pub fn confirmed(&self) -> impl Iterator<Item = &Object> {
-        self.list.iter().filter(|object| object.is_confirmed)
+        self.list.iter().filter(|object| object.is_confirmed && !object.is_driven_through)
     }
 
     /// Those, and each that is about to hit another one in the ego's `path` ([`mod@crate::collision_ahead`]) as it
@@ -94,6 +95,7 @@ impl Objects {
             let shows_its_face = object.shows_its_face(half_field_of_view_rad);
             correct(object, sums, period_s, shows_its_face);
         }
+        self.see_what_is_driven_through();
         self.list.retain(|object| {
             let seen_lately = object.history & 0b11 != 0;
             let beside = object.is_hidden_beside(half_field_of_view_rad);
@@ -126,6 +128,17 @@ impl Objects {
             object.history <<= 1;
         }
         Some(period_s)
+    }
+
+    /// Marks standing objects in whose place a lead is.
+    fn see_what_is_driven_through(&mut self) {
+        for index in 0..self.list.len() {
+            let object = &self.list[index];
+            let mut leads = self.list.iter().filter(|lead| lead.is_confirmed);
+            let is_through = leads.any(|lead| object.is_in_the_place_of(lead));
+            let stays = object.is_driven_through && object.stands();
+            self.list[index].is_driven_through = stays || is_through;
+        }
     }
 
     fn assign(&mut self, point: &Point) {

@@ -197,6 +197,19 @@ fn it_lets_go_of_a_lead_that_is_faster_and_far_but_not_of_a_near_one_that_braked
 }
 
 #[test]
+fn close_behind_a_slower_car_a_reserve_is_kept_for_its_braking() {
+    let state = |gap_m: f64, other_mps: f64| {
+        let mut decision = Decision::new(settings());
+        decision.step(&MOVING, [in_way(gap_m, other_mps)]).state
+    };
+    // 6 m/s faster: 2.5 m/s² need 7.2 m and what their onset takes, 6 m/s² 3 m and the same.
+    assert_eq!(state(7.0, 14.0), BrakeState::Braking, "it may brake");
+    assert_ne!(state(12.0, 14.0), BrakeState::Braking, "a driver can still answer");
+    // What stands cannot begin to brake.
+    assert_ne!(state(36.0, 0.0), BrakeState::Braking);
+}
+
+#[test]
 fn a_warning_comes_first_and_ends_with_its_threat() {
     let mut decision = Decision::new(settings());
     let far = decision.step(&MOVING, [in_way(45.0, 0.0)]);

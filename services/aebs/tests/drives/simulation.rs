@@ -17,6 +17,15 @@ const STEP_NS: i64 = 10_000_000;
 const SCAN_STEPS: usize = 5;
 /// The brakes: dead time, s, jerk, m/s³, and deceleration, m/s².
 const BRAKES: (f64, f64, f64) = (0.1, 12.65, 8.34);
+/// Braking that does not avoid what is ahead, m/s²: then there is a need.
+const NEED_MPS2: f64 = 2.5;
+/// Reaction, s, and braking, m/s², of the careful driver (UN R157, annex 4, appendix 3).
+const REACTION_S: f64 = 0.35;
+const CAREFUL_MPS2: f64 = 6.0;
+/// Braking with which no intervention was needed, m/s².
+const GENTLE_MPS2: f64 = 1.5;
+/// Longest time that is looked at, s.
+const LONGEST_S: f64 = 60.0;
 /// Jerk of the law's own braking, m/s³.
 const LAW_JERK_MPS3: f64 = 5.0;
 
@@ -59,12 +68,11 @@ impl Motion {
     }
 }
 
-/// True if a driver who brakes with `braking_mps2` from `from_s` on, and drives on as the law before, collides.
-fn driver_collides(drive: &Drive, from: (f64, Motion), begins_s: f64, braking_mps2: f64) -> bool {
+/// True if a driver who brakes with `braking_mps2` from `from` on collides.
+fn driver_collides(drive: &Drive, from: (f64, Motion), braking_mps2: f64) -> bool {
     let (mut time_s, mut ego) = from;
-    while time_s < drive.duration_s {
-        let acceleration = if time_s >= begins_s { -braking_mps2 } else { drive.ego_mps2 };
-        ego.step(acceleration);
+    while ego.speed_mps > 0.0 && time_s < LONGEST_S {
+        ego.step(-braking_mps2);
         time_s += STEP_S;
         if ego.touches(drive, time_s) {
             return true;
@@ -73,11 +81,34 @@ fn driver_collides(drive: &Drive, from: (f64, Motion), begins_s: f64, braking_mp
     false
 }
 
-/// The careful driver: 6 m/s², 0.35 s after the danger began. A danger that is there from the start is answered at
-/// the last point, which such a driver always reaches.
-fn careful_driver_collides(drive: &Drive) -> bool {
-    let start = (0.0, Motion { position_m: 0.0, speed_mps: drive.ego_mps });
-    driver_collides(drive, start, drive.danger_s + 0.35, 6.0)
+/// 2.5 m/s² from now on does not avoid a vehicle that is in the path and goes on as it does.
+fn is_needed(drive: &Drive, time_s: f64, now: Motion) -> bool {
+    drive.actors.iter().map(|actor| actor.at(time_s)).any(|vehicle| {
+        let is_ahead = vehicle.rear_position_m + vehicle.length_m > now.position_m;
+        if !vehicle.in_ego_path() || !is_ahead {
+            return false;
+        }
+        let (mut ego, mut rear_m, mut speed_mps) =
+            (now, vehicle.rear_position_m, vehicle.speed_mps);
+        while ego.speed_mps > 0.0 {
+            ego.step(-NEED_MPS2);
+            let next_mps = (speed_mps + vehicle.acceleration_mps2 * STEP_S).max(0.0);
+            rear_m += 0.5 * STEP_S * (speed_mps + next_mps);
+            speed_mps = next_mps;
+            if rear_m < ego.position_m {
+                return true;
+            }
+        }
+        false
+    })
+}
+
+/// The careful driver takes over 0.35 s after the need, and brakes with 6 m/s².
+fn careful_driver_collides(drive: &Drive, trace: &[(f64, Motion)]) -> bool {
+    let needed = trace.iter().find(|(time_s, ego)| is_needed(drive, *time_s, *ego));
+    let takes_over_s = needed.map_or(f64::INFINITY, |(time_s, _)| time_s + REACTION_S);
+    let from = trace.iter().find(|(time_s, _)| *time_s >= takes_over_s);
+    from.is_none_or(|from| driver_collides(drive, *from, CAREFUL_MPS2))
 }
 
 /// Drives it with an emergency brake of these numbers.
@@ -95,16 +126,18 @@ pub fn drive(drive: &Drive, numbers: Numbers) -> Result {
     let mut ego = Motion { position_m: 0.0, speed_mps: drive.ego_mps };
     let (mut law_mps2, mut ceiling, mut asked_s) = (drive.ego_mps2, None::<f64>, 0.0);
     let (mut acceleration, mut asks) = (law_mps2, false);
+    let mut trace = Vec::new();
     let mut result = Result {
         collides: false,
         braked: false,
         is_needless: false,
-        careful_driver_collides: careful_driver_collides(drive),
+        careful_driver_collides: false,
         largest_step_mps2: 0.0,
     };
     let (strength, late_s) = drive.answer;
     for step in 0..(drive.duration_s / STEP_S) as usize {
         let time_s = step as f64 * STEP_S;
+        trace.push((time_s, ego));
         if step % SCAN_STEPS == 0 {
             let mut scene = Scene::new(
                 step as i64 * STEP_NS,
@@ -125,7 +158,7 @@ pub fn drive(drive: &Drive, numbers: Numbers) -> Result {
             asks = demand.deceleration_mps2 > 0.0;
             if asks && !result.braked && demand.state == BrakeState::Braking {
                 result.braked = true;
-                result.is_needless = !driver_collides(drive, (time_s, ego), time_s, 1.5);
+                result.is_needless = !driver_collides(drive, (time_s, ego), GENTLE_MPS2);
             }
         }
         let answers = time_s >= drive.danger_s + late_s;
@@ -150,6 +183,7 @@ pub fn drive(drive: &Drive, numbers: Numbers) -> Result {
         ego.step(acceleration);
         if ego.touches(drive, time_s + STEP_S) {
             result.collides = true;
+            result.careful_driver_collides = careful_driver_collides(drive, &trace);
             break;
         }
     }
