@@ -14,6 +14,7 @@
 mod answer;
 mod errors;
 mod law;
+mod mpc;
 mod question;
 mod recording;
 mod registry;
@@ -30,6 +31,7 @@ fn _timegap(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("ScenarioError", module.py().get_type::<errors::ScenarioError>())?;
     module.add("RunError", module.py().get_type::<errors::RunError>())?;
     module.add_class::<answer::Answer>()?;
+    module.add_class::<mpc::Mpc>()?;
     module.add_class::<question::Question>()?;
     module.add_class::<recording::Recording>()?;
     module.add_class::<run::Driven>()?;
