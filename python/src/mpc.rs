@@ -49,20 +49,16 @@ impl Mpc {
             .terminal_cost(p)
             .input_bounds(bounds.0, bounds.1);
         for (gradient, from, to, limit, soft) in rows {
-            let softness = soft.map_or(Softness::Hard, |(linear, quadratic)| Softness::Soft {
-                linear,
-                quadratic,
-            });
+            let softness = soft
+                .map_or(Softness::Hard, |(linear, quadratic)| Softness::Soft { linear, quadratic });
             builder = builder.row(Row { gradient, from, to, limit, softness });
         }
         if let Some(x_f) = terminal {
             builder = builder.terminal_equality(x_f);
         }
         if let Some((weight, threshold, soft)) = light {
-            let softness = soft.map_or(Softness::Hard, |linear| Softness::Soft {
-                linear,
-                quadratic: 0.0,
-            });
+            let softness =
+                soft.map_or(Softness::Hard, |linear| Softness::Soft { linear, quadratic: 0.0 });
             builder = builder.light(LightCost { weight, threshold, softness });
         }
         let refused = |error: ProblemError| PyValueError::new_err(error.to_string());

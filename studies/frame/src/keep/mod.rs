@@ -55,9 +55,7 @@ pub struct KeepError;
 
 /// The command has no single trajectory for a run.
 #[derive(Debug, thiserror::Error)]
-#[error(
-    "--keep: {command} keeps no trajectories, expected compare, sweep, iso15622 or campaign"
-)]
+#[error("--keep: {command} keeps no trajectories, expected compare, sweep, iso15622 or campaign")]
 pub struct KeepsNone {
     /// The command.
     pub command: String,
