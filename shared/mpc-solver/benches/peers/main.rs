@@ -1,6 +1,6 @@
 //! This solver beside those that one would take instead: `cargo bench -p mpc-solver --bench peers`.
 //!
-//! Same problems, same machine, one run. Ours and clarabel run here; DAQP, PIQP, OSQP and clarabel's own wheel run in
+//! Same problems, same machine, one run. Ours and clarabel run here; DAQP, PIQP and OSQP run in
 //! `peers.py` where a Python interpreter has them (`pip install numpy scipy daqp piqp osqp`; `TIMEGAP_PYTHON` names the
 //! interpreter). A time is what each solver needs for its solve, its setup and the interpreter left out: ours is
 //! measured around the call, those of the wheels are the solvers' own. It is the median of some repeats; percentiles

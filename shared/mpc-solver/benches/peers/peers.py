@@ -1,4 +1,4 @@
-"""DAQP, PIQP, OSQP and clarabel on the sets that `peers` hands over, each as its makers would use it.
+"""DAQP, PIQP and OSQP on the sets that `peers` hands over, each as its makers would use it.
 
 Standard input: {"repeats", "sets"}; standard output: {"sets": [[[solver, times_us, inputs], ...], ...], "notes"}.
 
@@ -6,7 +6,6 @@ Standard input: {"repeats", "sets"}; standard output: {"sets": [[[solver, times_
   warm start from the last active set is on.
 * PIQP: the sparse problem with its multistage factorisation, and the condensed one with its dense solver.
 * OSQP: the sparse problem, set up once, warm, polished.
-* clarabel: the sparse problem, set up for each solve, since its wheel has no update of all vectors.
 
 A time is the one that the solver reports of its solve.
 """
@@ -205,35 +204,11 @@ def osqp_sparse(of, _, sparse):
     return solve
 
 
-def clarabel_sparse(of, _, sparse):
-    import clarabel
-
-    size = sparse["size"]
-    upper, lower = np.isfinite(sparse["upper"]), np.isfinite(sparse["lower"])
-    identity = sp.identity(size, format="csc")
-    matrix = sp.vstack([sparse["a"], sparse["g"], identity[upper], -identity[lower]], format="csc")
-    inequalities = matrix.shape[0] - sparse["a"].shape[0]
-    cones = [clarabel.ZeroConeT(sparse["a"].shape[0]), clarabel.NonnegativeConeT(inequalities)]
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
-    limits = np.concatenate([sparse["h"], sparse["upper"][upper], -sparse["lower"][lower]])
-    cost = sp.triu(sparse["p"], format="csc")
-
-    def solve(x0):
-        right = np.concatenate([right_side(sparse, x0), limits])
-        solution = clarabel.DefaultSolver(cost, sparse["c"], matrix, right, cones, settings).solve()
-        is_solved = solution.status == clarabel.SolverStatus.Solved
-        return solution.solve_time, np.array(solution.x)[::4] if is_solved else None
-
-    return solve
-
-
 SOLVERS = [
     ("DAQP, condensed", "daqp", daqp_condensed),
     ("PIQP, sparse multistage", "piqp", piqp_sparse),
     ("PIQP, dense condensed", "piqp", piqp_dense),
     ("OSQP, sparse, polished", "osqp", osqp_sparse),
-    ("clarabel (wheel)", "clarabel", clarabel_sparse),
 ]
 
 
@@ -261,5 +236,5 @@ if __name__ == "__main__":
         import numpy as np
         import scipy.sparse as sp
     except ImportError as error:
-        sys.exit(f"{error}: pip install numpy scipy daqp piqp osqp clarabel")
+        sys.exit(f"{error}: pip install numpy scipy daqp piqp osqp")
     main()

@@ -127,7 +127,9 @@ fn terminal(a: [[f64; 2]; 2], b: Option<[f64; 2]>, q: [[f64; 2]; 2], r: f64) -> 
                 }
             }
         }
-        p = next;
+        // The two sums of a pair round differently.
+        let mean = (next[0][1] + next[1][0]) / 2.0;
+        p = [[next[0][0], mean], [mean, next[1][1]]];
     }
     p
 }
