@@ -18,34 +18,34 @@ parameters! {
         // Lanes.
 
         /// Half of a lane's width if the map has no width: half of 3.5 m.
-        half_width_m: f64 = 1.75, "m", 1.25..=2.5, "Chosen.";
+        half_width_m: f64 = 1.75, "m", 1.25..=2.5, "Chosen: the lane of the simulated road.";
         /// Cosine of the largest angle between the lane and the vehicle: 30 degrees.
-        same_way_cos: f64 = 0.866, "1", 0.5..=0.99, "Chosen.";
+        same_way_cos: f64 = 0.866, "1", 0.5..=0.99, "Chosen: lanes of a crossing road differ by more.";
 
         // Intersections.
 
         /// Silence after which an intersection that is not ahead is forgotten.
-        forgotten_s: f64 = 30.0, "s", 5.0..=300.0, "Chosen.";
+        forgotten_s: f64 = 30.0, "s", 5.0..=300.0, "Chosen: longer than a unit is out of sight behind a lorry.";
         /// Greatest age of the first map of an intersection: stop lines rarely move.
-        oldest_map_s: f64 = 600.0, "s", 1.0..=3600.0, "Chosen.";
+        oldest_map_s: f64 = 600.0, "s", 1.0..=3600.0, "Chosen: a map changes with works on the road, not within minutes.";
         /// Greatest distance between the vehicle's path and a unit beside it.
-        beside_path_m: f64 = 50.0, "m", 10.0..=200.0, "Chosen.";
+        beside_path_m: f64 = 50.0, "m", 10.0..=200.0, "Chosen: units stand at the corners of an intersection.";
         /// Distance behind the vehicle at which a stop line is dropped.
         passed_m: f64 = 45.0, "m", 10.0..=100.0, "Chosen: less than the 50 m at which the unit beside it is dropped.";
         /// Time without a map after which a stop line is assumed: a unit sends its map once a second.
-        map_due_s: f64 = 2.0, "s", 1.0..=10.0, "Chosen.";
+        map_due_s: f64 = 2.0, "s", 1.0..=10.0, "Chosen: one lost map is chance.";
         /// Distance from the assumed line to the unit: half of a large intersection.
-        line_before_unit_m: f64 = 30.0, "m", 5.0..=60.0, "Chosen.";
+        line_before_unit_m: f64 = 30.0, "m", 5.0..=60.0, "Chosen: a stop too early is safe, one too late is not.";
 
         // Contradictions.
 
         /// Silence of a map's sender after which another sender can replace the map.
-        map_silent_s: f64 = 5.0, "s", 1.0..=30.0, "Chosen.";
+        map_silent_s: f64 = 5.0, "s", 1.0..=30.0, "Chosen: four lost maps in a row are not chance.";
         /// Time for which a single message stands against another sender.
-        once_stands_s: f64 = 2.0, "s", 0.5..=10.0, "Chosen.";
+        once_stands_s: f64 = 2.0, "s", 0.5..=10.0, "Chosen: a real sender repeats its message within a second.";
         /// Largest difference between two announcements of the same end: marks are tenths of a second, and a countdown
         /// slides a little.
-        same_end_s: f64 = 0.35, "s", 0.1..=2.0, "Chosen.";
+        same_end_s: f64 = 0.35, "s", 0.1..=2.0, "Chosen: three marks of a tenth of a second.";
 
         // The service.
 

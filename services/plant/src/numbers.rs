@@ -17,15 +17,15 @@ parameters! {
         // The car.
 
         /// Speed below which the engine's power no longer limits the acceleration further.
-        traction_from_mps: f64 = 1.0, "m/s", 0.1..=5.0, "Chosen.";
+        traction_from_mps: f64 = 1.0, "m/s", 0.1..=5.0, "Chosen: keeps the limit of power finite at a stand.";
         /// Mass of a car without a powertrain, for its energy.
-        car_mass_kg: f64 = 1600.0, "kg", 800.0..=3500.0, "Chosen.";
+        car_mass_kg: f64 = 1600.0, "kg", 800.0..=3500.0, "Chosen: a compact car with two persons.";
         /// Coefficient of rolling resistance of a car.
         rolling: f64 = 0.011, "1", 0.006..=0.02, "Source: Mitschke and Wallentowitz, Dynamik der Kraftfahrzeuge, chapter 5.";
         /// Product of air density, drag coefficient and frontal area of a car: 1.2 kg/m³, 0.29, 2.2 m².
         drag_kgpm: f64 = 0.766, "kg/m", 0.3..=1.5, "Source: Mitschke and Wallentowitz, chapter 5, a saloon car.";
         /// Distance up to which a consumption is not stated.
-        least_way_m: f64 = 100.0, "m", 10.0..=1000.0, "Chosen.";
+        least_way_m: f64 = 100.0, "m", 10.0..=1000.0, "Chosen: on a shorter way a single start decides the figure.";
 
         // The truck.
 
@@ -39,29 +39,29 @@ parameters! {
         // The emergency brake's path.
 
         /// Periods of the emergency brake without a message after which its last request ends.
-        lost_periods: u32 = 3, "periods", 1.0..=20.0, "Chosen.";
+        lost_periods: u32 = 3, "periods", 1.0..=20.0, "Chosen: two lost messages are chance.";
 
         // The referee.
 
         /// Slowest closing speed for which a time to collision counts: below it the gap is constant.
-        closing_mps: f64 = 0.01, "m/s", 0.001..=1.0, "Chosen.";
+        closing_mps: f64 = 0.01, "m/s", 0.001..=1.0, "Chosen: rounding of two equal speeds stays far below it.";
         /// Speed above which the ego drives: a slower motion between two stands makes them one.
-        drives_mps: f64 = 0.5, "m/s", 0.05..=3.0, "Chosen.";
+        drives_mps: f64 = 0.5, "m/s", 0.05..=3.0, "Chosen: creeping in a queue stays below it.";
         /// Distance that braking keeps from the vehicle ahead at standstill.
-        margin_m: f64 = 1.0, "m", 0.0..=5.0, "Chosen.";
+        margin_m: f64 = 1.0, "m", 0.0..=5.0, "Chosen: the least gap that drivers leave in a queue.";
 
         // Phases of the drive, for faults that wait for them.
 
         /// Slowest closing speed for which a fault's time to collision exists.
-        phase_closing_mps: f64 = 0.1, "m/s", 0.01..=1.0, "Chosen.";
+        phase_closing_mps: f64 = 0.1, "m/s", 0.01..=1.0, "Chosen: faults do not wait for a time to collision beyond 1000 s.";
         /// Lateral speed towards the ego's lane from which a vehicle cuts in.
-        cut_in_mps: f64 = 0.2, "m/s", 0.05..=1.0, "Chosen.";
+        cut_in_mps: f64 = 0.2, "m/s", 0.05..=1.0, "Chosen: wandering within a lane stays below it.";
         /// Distance from the lane's middle below which a vehicle has arrived.
-        cut_in_arrived_m: f64 = 0.3, "m", 0.05..=1.5, "Chosen.";
+        cut_in_arrived_m: f64 = 0.3, "m", 0.05..=1.5, "Chosen: the wandering of a vehicle that keeps its lane.";
         /// Distance from the lane's middle from which a vehicle is more than a lane away.
-        cut_in_away_m: f64 = 5.5, "m", 3.5..=10.0, "Chosen.";
+        cut_in_away_m: f64 = 5.5, "m", 3.5..=10.0, "Chosen: a lane of 3.5 m and half of another one.";
         /// Distance ahead up to which a vehicle cuts in on the ego.
-        cut_in_ahead_m: f64 = 100.0, "m", 20.0..=300.0, "Chosen.";
+        cut_in_ahead_m: f64 = 100.0, "m", 20.0..=300.0, "Chosen: 3 s at 33 m/s.";
     }
 }
 
