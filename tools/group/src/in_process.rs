@@ -166,7 +166,10 @@ impl SteppedRun {
         questions: Option<Questions>,
     ) -> Result<Self, Error> {
         check_in_process(scenario)?;
-        let programs = programs(&BTreeMap::new(), scenario)?;
+        let programs = match &questions {
+            Some(_) => BTreeMap::new(),
+            None => programs(&BTreeMap::new(), scenario)?,
+        };
         let begun = Instant::now();
         let mut run = InProcess::new(scenario, sealing);
         let log = DriveLog::in_process(&run)?;

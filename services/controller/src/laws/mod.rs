@@ -70,7 +70,7 @@ pub fn build(scenario: &Scenario) -> Result<Box<dyn Law>, Problem> {
 /// Names the key when there is no such program.
 pub fn program(scenario: &Scenario) -> Result<Option<runtime::Program>, Problem> {
     match std::ptr::eq(of(scenario)?, &external::EXTERNAL) {
-        true => external::program(scenario),
+        true => external::program(scenario).map(Some),
         false => Ok(None),
     }
 }

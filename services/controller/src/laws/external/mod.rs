@@ -87,16 +87,16 @@ static FORMULATION: Formulation = Formulation {
     ],
 };
 
-/// Names of the laws of the user's own that a scenario declares, and their descriptor.
+/// The descriptor of the scenario's law, where that is one of the user's own.
 pub(super) fn named(scenario: &Scenario) -> Option<&'static Descriptor> {
     scenario.laws.contains_key(scenario.controller.name.as_str()).then_some(&EXTERNAL)
 }
 
-/// The program or library of a scenario's law, with its digest; none where the caller computes it.
+/// The program or library of a scenario's law, with its digest.
 ///
 /// # Errors
 /// Names the key when the command names no program.
-pub fn program(scenario: &Scenario) -> Result<Option<Program>, Problem> {
+pub fn program(scenario: &Scenario) -> Result<Program, Problem> {
     let controller = &scenario.controller;
     let name = controller.name.as_str();
     let (path, words, directory) = match scenario.laws.get(name) {
@@ -104,14 +104,19 @@ pub fn program(scenario: &Scenario) -> Result<Option<Program>, Problem> {
             Origin::Program => (format!("laws.{name}.command"), law.words(), &law.directory),
             Origin::Library(library) => {
                 let path = format!("laws.{name}.library");
-                return Program::library(library).map(Some).map_err(|error| refused(&path, &error));
+                return Program::library(library).map_err(|error| refused(&path, &error));
             }
-            Origin::Caller => return Ok(None),
+            Origin::Caller => {
+                let message =
+                    format!("the law `{name}` is a function of the program that starts the run");
+                let path = format!("laws.{name}.caller");
+                return Err(Problem::new(path, message, "a command or a library"));
+            }
         },
         None => ("controller.command".into(), controller.command.clone(), &controller.directory),
     };
     let directory = directory.clone().unwrap_or_default();
-    Program::of(&words, &directory).map(Some).map_err(|error| refused(&path, &error))
+    Program::of(&words, &directory).map_err(|error| refused(&path, &error))
 }
 
 fn refused(path: &str, error: &ProgramError) -> Problem {
