@@ -1,22 +1,11 @@
 //! The columns of loops and goals, for continuous integration and the schema. Console and page have the other
-//! measurements too ([`super::table`], [`super::page`]).
+//! measurements too ([`super::table`], [`super::page`]), and [`super::schema`] describes them all.
 
 use super::goals::Goal;
 use super::results::Report;
 use doctor::wake_ups::LoopFigures;
-use report::results::{
-    Column, Document, Format, Kind, Schema, Table, column, count, nested, number, word,
-};
+use report::results::{Column, Document, Format, Table, column, count, number, word};
 use serde_json::json;
-
-/// Fields of the JSON.
-const FIELDS: &[Column<Report>] = &[
-    nested("wake_ups", Kind::Object, "Which loops hold on this machine, with the histogram"),
-    nested("floor", Kind::Object, "The machine's floor"),
-    nested("transport_us", Kind::List, "Publish, wake and read"),
-    nested("chain", Kind::List, "Reaction time of the chain with its hops"),
-    nested("deadlines", Kind::List, "Deadlines missed by the controller and by the floor"),
-];
 
 /// Columns of the loops.
 const LOOPS: &[Column<LoopFigures>] = &[
@@ -30,7 +19,7 @@ const LOOPS: &[Column<LoopFigures>] = &[
 ];
 
 /// Columns of the goals.
-const GOALS: &[Column<Goal>] = &[
+pub const GOALS: &[Column<Goal>] = &[
     word("name", "goal", "The two sides and the figure"),
     word("placement", "placement", "Cores of both"),
     number("ours", "ours", "", 1, "Our figure"),
@@ -49,16 +38,6 @@ fn verdict_words(name: &str) -> (&'static str, bool) {
         "undecided" => ("undecided", true),
         _ => ("met", true),
     }
-}
-
-/// Contents of the JSON.
-#[must_use]
-pub fn schema() -> Schema {
-    Schema::new("bench", "Overhead of timegap beside the machine's own floor").fields(FIELDS).rows(
-        "goals",
-        "Goals, as ratios to the floor",
-        GOALS,
-    )
 }
 
 /// The document of a benchmark.

@@ -38,6 +38,7 @@ mod peer;
 mod plan;
 mod progress;
 mod results;
+mod schema;
 mod setup;
 mod stage;
 mod statistics;
@@ -45,7 +46,7 @@ mod table;
 mod wake;
 mod words;
 
-pub use columns::schema;
+pub use schema::schema;
 pub use peer::run as run_peer;
 
 use self::baseline::Change;
