@@ -45,7 +45,7 @@ pub struct CampaignArguments {
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
-    /// Where the results go, and in which forms.
+    /// Directory and forms of the results.
     #[command(flatten)]
     pub results: ResultOptions,
 }

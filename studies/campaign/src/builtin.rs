@@ -5,7 +5,7 @@
 pub struct Builtin {
     /// Name, as given on the command line.
     pub name: &'static str,
-    /// What it does, in one line.
+    /// Its purpose, in one line.
     pub summary: &'static str,
     /// The campaign file.
     pub text: &'static str,

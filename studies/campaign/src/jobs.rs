@@ -36,7 +36,7 @@ pub fn job(campaign: &Campaign, planned: &Planned) -> Result<Job, Error> {
     Ok(Job { scenario, mode: campaign.mode, sample_every, record: campaign.record })
 }
 
-/// What each scenario and controller meets without faults, in one drive in simulated time each.
+/// Exposure of each scenario and controller without faults: one drive each, in simulated time.
 pub fn exposure(
     campaign: &Campaign,
     plan: &Plan,

@@ -13,7 +13,7 @@ use std::process::ExitCode;
 pub struct Own {
     /// Name, as given on the command line.
     pub name: &'static str,
-    /// What it does, in one line.
+    /// Its purpose, in one line.
     pub summary: &'static str,
     /// The options that it takes beside those of all campaigns.
     takes: &'static [&'static str],
