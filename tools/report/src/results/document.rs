@@ -41,8 +41,11 @@ pub enum Contents {
     /// Bytes in memory.
     Bytes(Vec<u8>),
     /// Bytes that do not fit in memory.
-    Stream(Rc<dyn Fn(&mut ResultFile) -> Result<(), Error>>),
+    Stream(Rc<Fill>),
 }
+
+/// Writes the bytes of a file.
+type Fill = dyn Fn(&mut ResultFile) -> Result<(), Error>;
 
 impl fmt::Debug for Contents {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
