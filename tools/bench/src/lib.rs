@@ -46,8 +46,8 @@ mod table;
 mod wake;
 mod words;
 
-pub use schema::schema;
 pub use peer::run as run_peer;
+pub use schema::schema;
 
 use self::baseline::Change;
 use self::goals::Verdict;
