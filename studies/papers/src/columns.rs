@@ -42,8 +42,7 @@ const ROWS: &[Column<Row>] = &[
         .of(|row: &Row| json!(row.tolerance_in_words()))
         .weight(2),
     word("unit", "unit", "Unit of the numbers"),
-    column("", "verdict", "", Format::Verdict(verdict_words), "Within the tolerance")
-        .of(|row| verdict(row)),
+    column("", "verdict", "", Format::Verdict(verdict_words), "Within the tolerance").of(verdict),
     word("source", "source", "Sentence, figure or equation of the paper, shortened")
         .optional()
         .weight(4),
