@@ -195,6 +195,7 @@ impl Ladder {
         let is_blind =
             self.memory.is_missed() || unseen_s > self.stale_radar_s || sight == Sight::Blind;
         self.caution.observe(is_blind, input);
+        self.caution.slow_down(sight, input);
         self.departure.observe(input);
         if self.level == Level::LeadLost { Admission::Brake } else { Admission::Law }
     }

@@ -6,6 +6,7 @@
 //! | blind on a free road | 0.3 |
 //! | sees again, for as long as it was blind, up to 5 s | 0.3 |
 //! | then | rises with 2.5 m/s³ |
+//! | the radar sees next to nothing, and the ego is faster than that allows | -2 |
 //!
 //! A radar that sees less than it should bounds the set speed: to what stops within the distance at which it still finds
 //! a vehicle in time.
@@ -27,6 +28,11 @@ const LIMITED_MPS: f64 = 22.0;
 const BLIND_MPS: f64 = 8.0;
 /// Rise of the bound when sight has proved itself, m/s³: the least jerk limit of ISO 15622.
 const RISE_MPS3: f64 = 2.5;
+/// Largest request while the radar sees next to nothing and the ego is faster than [`BLIND_MPS`], m/s². Comfortable
+/// braking, as for a lead that was lost: at a gentler one a car 5 m/s slower is reached before the speeds are equal.
+const SLOWS_MPS2: f64 = -2.0;
+/// How fast that sets in, m/s³.
+const SLOWS_JERK_MPS3: f64 = 2.5;
 /// Bound that no law reaches, m/s².
 const FREE_MPS2: f64 = 10.0;
 
@@ -39,11 +45,13 @@ pub(super) struct Caution {
     most_mps2: f64,
     /// Speed at which the ego became blind, m/s.
     blind_from_mps: Option<f64>,
+    /// Bound that slows down what is too fast for a blind radar, m/s².
+    slows_mps2: Option<f64>,
 }
 
 impl Default for Caution {
     fn default() -> Self {
-        Self { proof_s: 0.0, most_mps2: FREE_MPS2, blind_from_mps: None }
+        Self { proof_s: 0.0, most_mps2: FREE_MPS2, blind_from_mps: None, slows_mps2: None }
     }
 }
 
@@ -79,9 +87,17 @@ impl Caution {
         }
     }
 
+    /// Takes how much the radar sees; slows down an ego that is too fast for a blind one.
+    pub(super) fn slow_down(&mut self, sight: Sight, input: &Input) {
+        let is_too_fast = sight == Sight::Blind && input.ego.speed_mps > BLIND_MPS;
+        let harder_mps2 = self.slows_mps2.unwrap_or(0.0) - SLOWS_JERK_MPS3 * input.period_s;
+        self.slows_mps2 = is_too_fast.then_some(harder_mps2.max(SLOWS_MPS2));
+    }
+
     /// The largest request, m/s²; infinite while nothing asks for caution.
     pub(super) fn most_mps2(&self) -> f64 {
-        if self.most_mps2 < FREE_MPS2 { self.most_mps2 } else { f64::INFINITY }
+        let most_mps2 = if self.most_mps2 < FREE_MPS2 { self.most_mps2 } else { f64::INFINITY };
+        self.slows_mps2.map_or(most_mps2, |slows_mps2| slows_mps2.min(most_mps2))
     }
 }
 
@@ -121,6 +137,19 @@ mod tests {
             assert_eq!(Caution::heed(Sight::of_share(share), &mut input), share < 0.7);
             assert_eq!(input.set_speed_mps, most_mps);
         }
+    }
+
+    #[test]
+    fn an_ego_that_is_too_fast_for_a_blind_radar_slows_down_comfortably() {
+        let mut caution = Caution::default();
+        caution.slow_down(Sight::Blind, &input(20.0, None));
+        assert_eq!(caution.most_mps2(), -0.25);
+        (0..20).for_each(|_| caution.slow_down(Sight::Blind, &input(20.0, None)));
+        assert_eq!(caution.most_mps2(), SLOWS_MPS2);
+        caution.slow_down(Sight::Blind, &input(BLIND_MPS, None));
+        assert_eq!(caution.most_mps2(), f64::INFINITY, "slow enough");
+        caution.slow_down(Sight::Limited, &input(20.0, None));
+        assert_eq!(caution.most_mps2(), f64::INFINITY, "it sees enough");
     }
 
     #[test]

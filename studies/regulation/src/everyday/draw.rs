@@ -258,7 +258,8 @@ pub(super) fn false_detections(draws: &mut Draws) -> Scene {
     scene
 }
 
-/// A lead that brakes while no tracks arrive for 1 to 3 s, once or again and again.
+/// A lead that brakes while no tracks arrive for 1 to 3 s, once or again and again. The braking begins 0.5 s before, so that it
+/// can be known.
 pub(super) fn lost_tracks(draws: &mut Draws) -> Scene {
     let speed_mps = draws.between(12.0, 32.0);
     let brakes_s = SETTLE_S + draws.between(0.0, 2.0);
@@ -266,7 +267,7 @@ pub(super) fn lost_tracks(draws: &mut Draws) -> Scene {
     let slows = SpeedChange { from_s: brakes_s, to_mps, rate_mps2: draws.between(1.0, 4.0) };
     let mut scene = Scene::new(speed_mps, speed_mps + 3.0, brakes_s + 25.0);
     scene.actors.push(Actor { speeds: vec![slows], ..settled(speed_mps) });
-    let first_s = brakes_s + draws.between(-0.5, 2.0);
+    let first_s = brakes_s + draws.between(0.5, 2.0);
     let again = if draws.between(0.0, 1.0) < 0.3 { 4 } else { 1 };
     let lost_s = draws.between(1.0, 3.0);
     for number in 0..again {
