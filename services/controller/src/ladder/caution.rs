@@ -28,8 +28,8 @@ const LIMITED_MPS: f64 = 22.0;
 const BLIND_MPS: f64 = 8.0;
 /// Rise of the bound when sight has proved itself, m/s³: the least jerk limit of ISO 15622.
 const RISE_MPS3: f64 = 2.5;
-/// Largest request while the radar sees next to nothing and the ego is faster than [`BLIND_MPS`], m/s². Comfortable
-/// braking, as for a lead that was lost: at a gentler one a car 5 m/s slower is reached before the speeds are equal.
+/// Largest request while the radar sees next to nothing and the ego is faster than [`BLIND_MPS`], m/s². Chosen:
+/// comfortable braking, as for a lead that was lost.
 const SLOWS_MPS2: f64 = -2.0;
 /// How fast that sets in, m/s³.
 const SLOWS_JERK_MPS3: f64 = 2.5;
