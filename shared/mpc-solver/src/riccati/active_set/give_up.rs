@@ -15,15 +15,15 @@
 //!    4,117 random problems this ends 25 attempts that would have settled, and 218 others four
 //!    rounds earlier on average.
 //! 2. Fewer than four inputs are free with a terminal equality; or fewer than a quarter are free from the seventh
-//!   round on, in any problem. Near the time-optimal solution each round moves a switch by one stage, and many stages
-//!   remain. 5 of 554 random problems with fewer than four free inputs after the first round settled.
+//!    round on, in any problem. Near the time-optimal solution each round moves a switch by one stage, and many stages
+//!    remain. 5 of 554 random problems with fewer than four free inputs after the first round settled.
 //! 3. The inputs are at the same sides as two rounds before, but not at those of the last round:
 //!    two guesses lead to each other.
 //! 4. More than a quarter of the stages violate a row (two fifths in the first two rounds of a problem with the
-//!   light). An arc of active stages needs more than [`super::complementarity::MAX_WORKING_ROWS`] multipliers. The
-//!   first round knows neither rows nor light. There this sign ends 67 % of the attempts on random problems in which
-//!   a row will act, 50 % with the light. 25 of these 6,048 attempts would have settled; the others would have ended
-//!   at least one round later.
+//!    light). An arc of active stages needs more than [`super::complementarity::MAX_WORKING_ROWS`] multipliers. The
+//!    first round knows neither rows nor light. There this sign ends 67 % of the attempts on random problems in which
+//!    a row will act, 50 % with the light. 25 of these 6,048 attempts would have settled; the others would have ended
+//!    at least one round later.
 //! 5. With a terminal equality and without the light: three rounds bring no new minimum of changed
 //!    sides, and more than two still change. The sides then repeat in a cycle. With the light, the
 //!    rounds in between can belong to its margins.
