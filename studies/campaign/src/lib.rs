@@ -61,12 +61,4 @@ mod verdict;
 
 pub use arguments::CampaignArguments;
 pub use builtin::BUILTIN;
-pub use select::{WITHOUT_FILE, run};
-
-use report::results::Schema;
-
-/// Contents of the JSON of all campaigns.
-#[must_use]
-pub fn schemas() -> Vec<Schema> {
-    vec![columns::schema(), radio::schema(), signals::schema(), plausibility::schema()]
-}
+pub use select::{WITHOUT_FILE, run, schemas};

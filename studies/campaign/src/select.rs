@@ -2,9 +2,10 @@
 
 use crate::arguments::CampaignArguments;
 use crate::builtin::BUILTIN;
-use crate::{plausibility, radio, signals, study};
+use crate::{columns, plausibility, radio, signals, study};
 use frame::parts;
 use group::{Error, Failure};
+use report::results::Schema;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -18,6 +19,7 @@ pub struct Own {
     /// The options that it takes beside those of all campaigns.
     takes: &'static [&'static str],
     run: fn(&CampaignArguments) -> Result<ExitCode, Error>,
+    schema: fn() -> Schema,
 }
 
 /// Campaigns that come from no file.
@@ -27,18 +29,21 @@ pub const WITHOUT_FILE: [Own; 3] = [
         summary: "2,000 drives through signals whose frames are lost, late and falsified",
         takes: &["--sample N", "--first N", "--shard I/N", "--resume DIR"],
         run: radio::run,
+        schema: radio::schema,
     },
     Own {
         name: signals::NAME,
         summary: "500 corridors of signals, `cacc-mpc` against an ACC that stops for them",
         takes: &["--seeds N", "--first N", "--shard I/N", "--resume DIR"],
         run: signals::run,
+        schema: signals::schema,
     },
     Own {
         name: plausibility::NAME,
         summary: "how often and how fast the checks of the inputs find a false sender",
         takes: &["--hours H", "--seed S", "--shard I/N", "--resume DIR"],
         run: plausibility::run,
+        schema: plausibility::schema,
     },
 ];
 
@@ -80,6 +85,13 @@ impl Failure for SelectionError {}
 /// The names of all campaigns.
 fn names() -> impl Iterator<Item = &'static str> {
     BUILTIN.iter().map(|builtin| builtin.name).chain(WITHOUT_FILE.iter().map(|own| own.name))
+}
+
+/// Contents of the JSON of all campaigns: of the files, then of the others.
+#[must_use]
+pub fn schemas() -> Vec<Schema> {
+    let own = WITHOUT_FILE.iter().map(|own| (own.schema)());
+    std::iter::once(columns::schema()).chain(own).collect()
 }
 
 /// Runs the campaign that the arguments name, or that the directories to continue or to join hold.

@@ -35,6 +35,9 @@ pub struct Attachment {
     pub contents: Contents,
 }
 
+/// Writes a file bit by bit.
+pub type Fill = dyn Fn(&mut ResultFile) -> Result<(), Error>;
+
 /// Contents of a file beside the JSON and the page.
 #[derive(Clone)]
 pub enum Contents {

@@ -26,7 +26,7 @@ pub use column::{
     Column, at, column, count, fact, flag, judged, micros, nested, number, outcome, value, word,
 };
 pub use console::{folded, width};
-pub use document::{Attachment, Contents, Document, Part};
+pub use document::{Attachment, Contents, Document, Fill, Part};
 pub use head::{Format, Good, Head, Kind};
 pub use options::{ExportError, ResultOptions};
 pub use schema::{Schema, check, document as schema_document};
