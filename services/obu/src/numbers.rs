@@ -1,6 +1,6 @@
 //! Numbers of the on-board unit that are not keys of a scenario, each with its origin.
 //!
-//! The effects that the rows state are those of `cargo run --release -p obu --example unit_numbers`.
+//! `cargo run --release -p obu --example unit_numbers` prints the effect of each number.
 //!
 //! ```
 //! use obu::numbers::Numbers;

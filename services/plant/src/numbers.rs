@@ -1,6 +1,6 @@
 //! Numbers of the plant beside a scenario's keys, each with its origin.
 //!
-//! The effects that the rows state are those of `cargo run --release -p plant --example plant_numbers`.
+//! `cargo run --release -p plant --example plant_numbers` prints the effect of each number.
 //!
 //! ```
 //! use plant::numbers::Numbers;
