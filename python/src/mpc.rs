@@ -20,7 +20,8 @@ type LightArgument = (f64, f64, Option<f64>);
 #[pyclass(module = "timegap._timegap")]
 pub struct Mpc {
     problem: Problem,
-    solver: Riccati,
+    /// On Rust's heap: its vectors are aligned to 32 bytes, and Python aligns its objects to 16.
+    solver: Box<Riccati>,
     last: Option<Report>,
 }
 
@@ -63,7 +64,7 @@ impl Mpc {
         }
         let refused = |error: ProblemError| PyValueError::new_err(error.to_string());
         let problem = builder.build().map_err(refused)?;
-        let solver = Riccati::new(problem.horizon());
+        let solver = Box::new(Riccati::new(problem.horizon()));
         Ok(Self { problem, solver, last: None })
     }
 

@@ -61,6 +61,23 @@ def test_a_warm_start_gives_the_same_solution() -> None:
         x = warm.states[1]
 
 
+def test_many_active_rows_are_solved_in_every_object() -> None:
+    # The ball on a plate of S. Richter's dissertation (2012), section 9.6.1, with its state bounds active.
+    box = [([1, 0, 0], 0.01), ([-1, 0, 0], 0.2), ([0, 1, 0], 0.1), ([0, -1, 0], 0.1)]
+    plate = dict(A=[[1, 0.01, 0], [0, 1, 0], [0, 0, 0]], B=[-0.0004, -0.0701, 0], R=1.0)
+    cost = np.diag([100.0, 10.0, 0.0])
+    kept = []
+    for _ in range(4):
+        rows = [mpc.Row(gradient, limit) for gradient, limit in box]
+        plan = mpc.Mpc(25, Q=cost, P=cost, bounds=(-0.0524, 0.0524), rows=rows, **plate)  # type: ignore[arg-type]
+        kept.append(plan)
+        x = np.array([-0.15, 0.0, 0.0])
+        for _ in range(100):
+            solution = plan.solve(x)
+            assert solution.ok and max(solution.residuals) < 1e-8, (x, solution)
+            x = solution.states[1]
+
+
 def test_bad_input_is_one_clear_error() -> None:
     with pytest.raises(ValueError, match=r"x0 has the shape \(2,\), expected \(3,\)"):
         build().solve([1, 2])
