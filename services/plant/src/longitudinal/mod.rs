@@ -48,8 +48,8 @@ pub struct Vehicle {
     max_mps2: f64,
     /// Largest power by mass, W/kg; infinite without a powertrain.
     specific_power: f64,
-    #[serde(skip)]
-    numbers: Numbers,
+    /// Speed below which the power limits no further, m/s.
+    traction_from_mps: f64,
     motion: Motion,
     state: State,
 }
@@ -104,7 +104,7 @@ impl Vehicle {
             specific_power: plant.powertrain.map_or(f64::INFINITY, |powertrain| {
                 1e3 * powertrain.max_power_kw.value() / powertrain.mass_kg.value()
             }),
-            numbers: *numbers,
+            traction_from_mps: numbers.traction_from_mps,
             motion,
             state,
         }
@@ -160,7 +160,7 @@ impl Vehicle {
     }
 
     fn attainable(&self, request_mps2: f64, speed_mps: f64) -> f64 {
-        let traction = self.specific_power / speed_mps.max(self.numbers.traction_from_mps);
+        let traction = self.specific_power / speed_mps.max(self.traction_from_mps);
         request_mps2.clamp(self.min_mps2, self.max_mps2).min(traction)
     }
 
