@@ -47,9 +47,6 @@ pub enum Contents {
     Stream(Rc<Fill>),
 }
 
-/// Writes the bytes of a file.
-type Fill = dyn Fn(&mut ResultFile) -> Result<(), Error>;
-
 impl fmt::Debug for Contents {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
