@@ -2,16 +2,13 @@
 
 use scenario::Problem;
 use scenario::controller::Controller;
-use scenario::schema::{self, Key, Shape};
+use scenario::schema::{self, Key, Schema, Shape};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
 /// A law's own table in a scenario file, as a type. Every key has a default.
-pub trait Settings: Default + DeserializeOwned + Serialize {
-    /// The text of the file that declares it, whose comments say what the keys mean: `include_str!`.
-    const SOURCE: &'static str;
-
+pub trait Settings: Default + DeserializeOwned + Schema + Serialize {
     /// Checks every value.
     ///
     /// # Errors
@@ -54,7 +51,7 @@ impl Table {
 
 /// The keys of a law's table, with the ranges that its check holds them to.
 fn keys<T: Settings>() -> Vec<Key> {
-    let mut keys = schema::of_law::<T>(T::SOURCE);
+    let mut keys = schema::keys_of::<T>();
     find_ranges::<T>(&mut keys, &[]);
     keys
 }
@@ -65,7 +62,7 @@ fn find_ranges<T: Settings>(keys: &mut [Key], tables: &[&str]) {
         let path = [tables, &[name.as_str()]].concat();
         match shape {
             Shape::Table(below) => find_ranges::<T>(below, &path),
-            Shape::Number { range, is_whole } => {
+            Shape::Number { range, is_whole, .. } => {
                 // No range holds it: what refuses it names the range.
                 let wrong = if *is_whole { u32::MAX.into() } else { toml::Value::from(f64::NAN) };
                 let wrong = path.iter().rev().fold(wrong, |value, &key| {
@@ -86,7 +83,7 @@ fn find_ranges<T: Settings>(keys: &mut [Key], tables: &[&str]) {
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum SettingError {
     /// Outside its range.
-    #[error("{key} = {value} is out of range, expected {}", self.expected())]
+    #[error("{}, expected {}", self.message(), self.expected())]
     OutOfRange {
         /// The key.
         key: &'static str,
@@ -98,7 +95,7 @@ pub enum SettingError {
         most: f64,
     },
     /// Not above its lower bound, or above the upper one.
-    #[error("{key} = {value} is out of range, expected {}", self.expected())]
+    #[error("{}, expected {}", self.message(), self.expected())]
     NotAbove {
         /// The key.
         key: &'static str,
@@ -110,7 +107,7 @@ pub enum SettingError {
         most: f64,
     },
     /// Not below the value of another key.
-    #[error("{key} = {value} is too large, expected {}", self.expected())]
+    #[error("{}, expected {}", self.message(), self.expected())]
     NotBelow {
         /// The key.
         key: &'static str,
@@ -134,7 +131,18 @@ impl SettingError {
         }
     }
 
-    /// What is accepted, in words.
+    /// What is wrong.
+    #[must_use]
+    pub fn message(&self) -> String {
+        match self {
+            Self::OutOfRange { key, value, .. } | Self::NotAbove { key, value, .. } => {
+                format!("{key} = {value} is out of range")
+            }
+            Self::NotBelow { key, value, .. } => format!("{key} = {value} is too large"),
+        }
+    }
+
+    /// Accepted values in words.
     #[must_use]
     pub fn expected(&self) -> String {
         match self {
@@ -190,7 +198,7 @@ impl SettingError {
     /// The error at its place in a scenario file: `table` is the dotted path of the law's table.
     #[must_use]
     pub fn in_table(&self, table: &str) -> Problem {
-        Problem::said(format!("{table}.{}", self.key()), &self.to_string())
+        Problem::new(format!("{table}.{}", self.key()), self.message(), self.expected())
     }
 }
 

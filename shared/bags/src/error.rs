@@ -9,10 +9,10 @@ pub enum BagError {
     #[error("it cannot be read: {0}")]
     File(#[from] io::Error),
     /// The file begins like no bag that is known.
-    #[error("it is no bag, expected an MCAP file or a ROS 1 bag of version 2.0")]
+    #[error("{}, expected {}", self.message(), self.expected().unwrap_or_default())]
     NoBag,
     /// A bag of ROS 2 that is an SQLite database.
-    #[error("it is an SQLite bag, expected an MCAP file; `ros2 bag convert` makes one of it")]
+    #[error("{}, expected {}", self.message(), self.expected().unwrap_or_default())]
     Sqlite,
     /// A record is shorter than its lengths say.
     #[error("a record in it is not whole")]
@@ -21,7 +21,7 @@ pub enum BagError {
     #[error("a chunk in it cannot be read: {0}")]
     Chunk(String),
     /// No topic has this name.
-    #[error("no topic `{topic}`, expected one of {}", listed(.topics))]
+    #[error("{}, expected {}", self.message(), self.expected().unwrap_or_default())]
     NoTopic {
         /// The name.
         topic: String,
@@ -32,7 +32,7 @@ pub enum BagError {
     #[error("no messages of topic `{0}`")]
     Empty(String),
     /// The topic's encoding is not read.
-    #[error("topic `{topic}` is encoded as {encoding}, expected CDR (ros2msg), ROS 1 or JSON")]
+    #[error("{}, expected {}", self.message(), self.expected().unwrap_or_default())]
     Encoding {
         /// The topic.
         topic: String,
@@ -40,7 +40,7 @@ pub enum BagError {
         encoding: String,
     },
     /// The messages have no such field, or it is no number.
-    #[error("`{field}` is no number of {type_name}, expected one of {}", listed(.fields))]
+    #[error("{}, expected {}", self.message(), self.expected().unwrap_or_default())]
     NoField {
         /// Path of the field.
         field: String,
@@ -65,6 +65,38 @@ pub enum BagError {
         /// Most messages.
         most: usize,
     },
+}
+
+impl BagError {
+    /// What is wrong.
+    #[must_use]
+    pub fn message(&self) -> String {
+        match self {
+            Self::NoBag => "it is no bag".to_owned(),
+            Self::Sqlite => "it is an SQLite bag".to_owned(),
+            Self::NoTopic { topic, .. } => format!("no topic `{topic}`"),
+            Self::Encoding { topic, encoding, .. } => {
+                format!("topic `{topic}` is encoded as {encoding}")
+            }
+            Self::NoField { field, type_name, .. } => {
+                format!("`{field}` is no number of {type_name}")
+            }
+            other => other.to_string(),
+        }
+    }
+
+    /// What would have been right, if that is known.
+    #[must_use]
+    pub fn expected(&self) -> Option<String> {
+        Some(match self {
+            Self::NoBag => "an MCAP file or a ROS 1 bag of version 2.0".to_owned(),
+            Self::Sqlite => "an MCAP file; `ros2 bag convert` makes one of it".to_owned(),
+            Self::NoTopic { topics, .. } => format!("one of {}", listed(topics)),
+            Self::Encoding { .. } => "CDR (ros2msg), ROS 1 or JSON".to_owned(),
+            Self::NoField { fields, .. } => format!("one of {}", listed(fields)),
+            _ => return None,
+        })
+    }
 }
 
 /// Most names that an error lists.

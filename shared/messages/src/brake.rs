@@ -1,4 +1,4 @@
-//! What the emergency brake asks of the vehicle.
+//! Request of the emergency brake to the vehicle.
 
 use super::Header;
 use crate::layout::declare::*;

@@ -1,4 +1,4 @@
-//! What the controller asks of the vehicle, and why.
+//! Request of the controller to the vehicle, and its reasons.
 
 use super::Header;
 use crate::layout::declare::*;

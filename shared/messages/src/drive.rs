@@ -1,6 +1,6 @@
-//! What a fault can wait for.
+//! Phases of the drive that a fault can wait for.
 
-/// What the ego does and meets at one instant: what faults can wait for.
+/// Drive of the ego at one instant: faults can wait for a phase of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Drive {
     /// Position of the front bumper, m.

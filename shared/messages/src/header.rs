@@ -75,7 +75,7 @@ impl Origins {
 }
 
 layout! {
-    /// What every message starts with.
+    /// Beginning of every message.
     #[derive(Eq)]
     #[type_name("timegap_msgs/msg/Header")]
     pub struct Header {

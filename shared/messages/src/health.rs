@@ -19,7 +19,7 @@ layout! {
     #[derive(Eq)]
     #[type_name("timegap_msgs/msg/Heartbeat")]
     pub struct Heartbeat {
-        /// Common header; its source tells the service.
+        /// Common header; its source is the service.
         pub header: Header,
         /// Cycles done so far.
         pub cycles: u64,

@@ -1,11 +1,11 @@
-//! What a foreign law is asked and what it answers: two records of fixed layout, by pipe.
+//! Question to a foreign law and its answer: two records of fixed layout, by pipe.
 //!
 //! They are no messages of a topic: no header, no protection. The host of the law speaks with one
 //! program, which it started itself. All numbers are little-endian, 8 bytes each.
 
 use crate::layout::declare::*;
 
-/// Most signals that a law is told about.
+/// Most signals in a question to a law.
 pub const LAW_SIGNALS: usize = 4;
 /// Most intervals of a signal.
 pub const LAW_INTERVALS: usize = 8;
@@ -45,7 +45,7 @@ layout! {
 }
 
 layout! {
-    /// What a law is told at one release. The first 13 fields never move.
+    /// Question to a law at one release. The first 13 fields never move.
     #[type_name("timegap_msgs/msg/LawInput")]
     pub struct LawInput {
         /// Number of the question; the answer carries it back.
@@ -94,7 +94,7 @@ layout! {
         pub grade: f64,
         /// Valid entries of `cell_grades`; 0 where no map describes the road.
         pub cell_count: u64,
-        /// Where the first cell of the road ahead starts, m, as `position_m`.
+        /// Beginning of the first cell of the road ahead, m, as `position_m`.
         pub first_cell_m: f64,
         /// Length of a cell, m.
         pub cell_m: f64,
@@ -104,7 +104,7 @@ layout! {
 }
 
 layout! {
-    /// What a law answers. All that is 0 behind the request is left to the defaults.
+    /// Answer of a law. A 0 behind the request leaves the value to the default.
     #[type_name("timegap_msgs/msg/LawAnswer")]
     pub struct LawAnswer {
         /// Number of the question.
@@ -141,7 +141,7 @@ mod tests {
 
     #[test]
     fn a_question_is_written_to_a_pipe_in_one_piece() {
-        // What fits into PIPE_BUF is written whole or not at all.
+        // A record that fits into PIPE_BUF is written whole or not at all.
         assert!(size_of::<LawInput>() <= 4096 && size_of::<LawAnswer>() <= 4096);
     }
 

@@ -72,7 +72,7 @@ pub struct LevelChange {
     pub to: Level,
 }
 
-/// What a service tells of its ladder.
+/// Report of a service on its ladder.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Levels {
     /// Time on each level that was entered, s.

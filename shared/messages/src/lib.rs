@@ -51,7 +51,6 @@ mod law;
 mod layout;
 pub mod level;
 pub mod names;
-pub mod notes;
 mod numbered;
 mod perception;
 mod place;

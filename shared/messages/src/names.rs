@@ -1,4 +1,4 @@
-//! What numbers in messages mean, and the units of fields: for schemas, tables and layouts.
+//! Meanings of numbers in messages, and units of fields: for schemas, tables and layouts.
 
 use crate::level::Level;
 use crate::{BrakeState, PhaseState, Service, ServiceState};

@@ -1,4 +1,4 @@
-//! What the radar sees, and what is really there.
+//! Measurements of the radar, and the ground truth.
 
 use super::Header;
 use crate::layout::declare::*;
@@ -63,7 +63,7 @@ layout! {
     }
 }
 
-/// How much a radar sees of what it should see.
+/// Sight of a radar: the part of the expected objects that it sees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sight {
     /// All of it, up to chance.
@@ -94,7 +94,7 @@ impl Sight {
 }
 
 impl RadarTracks {
-    /// How much the radar sees.
+    /// Sight of the radar.
     #[must_use]
     pub fn sight(&self) -> Sight {
         Sight::of_share(self.seen_share)

@@ -11,7 +11,7 @@
 
 use crate::{Element, Layout, Scalar};
 
-/// Where a scalar is in a message.
+/// Place of a scalar in a message.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
     /// Dotted path from the message.

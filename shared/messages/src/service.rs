@@ -30,16 +30,16 @@ pub enum Pace {
 pub enum Presence {
     /// In every group.
     Always,
-    /// Where there is an emergency brake.
+    /// In groups with an emergency brake.
     EmergencyBrake,
-    /// Where signals come as frames.
+    /// In groups whose signals come as frames.
     Frames,
 }
 
-/// What is known of a service before its code.
+/// Properties of a service that are known without its code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Descriptor {
-    /// What determines its period.
+    /// Origin of its period.
     pub pace: Pace,
     /// When it is part of the group.
     pub presence: Presence,
@@ -65,7 +65,7 @@ macro_rules! services {
         }
 
         impl Service {
-            /// What is known of it before its code.
+            /// Its properties that are known without its code.
             #[must_use]
             pub const fn descriptor(self) -> &'static Descriptor {
                 match self {

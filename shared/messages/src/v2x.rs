@@ -1,4 +1,4 @@
-//! What the roadside unit sends, in the terms of SPATEM and MAPEM (SAE J2735).
+//! Messages of the roadside unit, in the terms of SPATEM and MAPEM (SAE J2735).
 
 use super::Header;
 use crate::layout::declare::*;
@@ -98,7 +98,7 @@ layout! {
         pub header: Header,
         /// Valid entries of `grades`: beyond them the map knows nothing.
         pub count: u64,
-        /// Where the first cell begins on the ego's axis, m: at the ego or behind it.
+        /// Beginning of the first cell on the ego's axis, m: at the ego or behind it.
         pub first_cell_m: f64,
         /// Length of a cell, m.
         pub cell_m: f64,

@@ -1,4 +1,4 @@
-//! What the vehicle says of itself.
+//! State of the vehicle.
 
 use super::{Drive, Header};
 use crate::layout::declare::*;
@@ -57,7 +57,7 @@ layout! {
         pub time_to_collision_s: f64,
         /// Distance to the next stop line ahead, m, infinite without one.
         pub stop_line_m: f64,
-        /// What its signal shows, `PhaseState` as a number; 0 without one.
+        /// Phase of its signal, `PhaseState` as a number; 0 without a signal.
         pub signal_state: u32,
         /// 1 while a vehicle ahead moves sideways towards the ego's lane.
         pub cut_in: u32,
@@ -91,7 +91,7 @@ impl Drive {
 }
 
 layout! {
-    /// What engine and gearbox do, from a plant that has them.
+    /// State of engine and gearbox, from a plant that has them.
     #[type_name("timegap_msgs/msg/Powertrain")]
     pub struct Powertrain {
         /// Common header.

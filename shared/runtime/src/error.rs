@@ -1,4 +1,4 @@
-//! What can go wrong in a service's life.
+//! Errors in a service's life.
 
 use super::transport::TransportError;
 use messages::Topic;
@@ -17,9 +17,9 @@ pub enum RuntimeError {
     /// The group file is missing, unreadable or not one.
     #[error("group file {}: {reason}", path.display())]
     GroupFile {
-        /// Where it was looked for.
+        /// The place that was searched.
         path: PathBuf,
-        /// What the reader said.
+        /// The reader's error.
         #[source]
         reason: io::Error,
     },
@@ -28,7 +28,7 @@ pub enum RuntimeError {
     Node {
         /// Root of the run.
         root: PathBuf,
-        /// What the transport said.
+        /// The transport's error.
         #[source]
         reason: TransportError,
     },
@@ -37,7 +37,7 @@ pub enum RuntimeError {
     Topic {
         /// The topic.
         topic: Topic,
-        /// What the transport said.
+        /// The transport's error.
         #[source]
         reason: TransportError,
     },
@@ -46,7 +46,7 @@ pub enum RuntimeError {
     Send {
         /// The topic.
         topic: Topic,
-        /// What the transport said.
+        /// The transport's error.
         #[source]
         reason: TransportError,
     },
@@ -55,7 +55,7 @@ pub enum RuntimeError {
     Receive {
         /// The topic.
         topic: Topic,
-        /// What the transport said.
+        /// The transport's error.
         #[source]
         reason: TransportError,
     },
@@ -80,7 +80,7 @@ pub enum RuntimeError {
     Link {
         /// Which part of it.
         what: &'static str,
-        /// What the system said.
+        /// The system's error.
         #[source]
         reason: io::Error,
     },
@@ -101,7 +101,7 @@ pub enum RuntimeError {
     Setup {
         /// What.
         what: String,
-        /// What the system said.
+        /// The system's error.
         #[source]
         reason: io::Error,
     },

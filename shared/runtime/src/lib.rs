@@ -68,7 +68,7 @@ pub use session::{Cycle, Runtime, count_allocations_by};
 pub use statistics::histogram_log;
 pub use survival::account::{LastAccount, Progress, take_account};
 pub use survival::checkpoint::Checkpoint;
-pub use survival::kept::{Count, Figures, RELEASE_JITTER};
+pub use survival::figures::{Count, Figures, RELEASE_JITTER};
 pub use survival::standby::{ActiveProcess, Cause, TakeOver};
 pub use transport::carried::Carried;
 pub use transport::{Carrier, Loan, Sealing, TransportError, Turns, domain, shared_memory_bytes};

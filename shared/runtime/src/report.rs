@@ -56,7 +56,7 @@ pub struct ServiceReport<D = Payload> {
     /// Allocations of the loop's thread between the start and the last cycle, where they are counted.
     /// Services that share a thread count each other's.
     pub allocations_in_loop: Option<u64>,
-    /// Peak resident set of its process, KiB; none if it has no process of its own.
+    /// Peak resident set of its process, KiB; `None` if it has no process of its own.
     pub peak_rss_kib: Option<u64>,
     /// Scheduling that the kernel granted.
     pub scheduling: Granted,

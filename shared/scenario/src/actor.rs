@@ -9,6 +9,7 @@ use super::quantity::{
     Acceleration, AccelerationMagnitude, Distance, Duration, Lateral, Length, Speed, Time,
 };
 use super::recorded::CsvFile;
+use super::schema::Schema;
 use super::speeds::SpeedPoint;
 
 /// Most actors of a scenario: as many as one message carries.
@@ -17,7 +18,7 @@ pub const MAX_ACTORS: usize = messages::MAX_TRACKS;
 pub const MAX_PROFILE_POINTS: usize = 20_000;
 
 /// A vehicle other than the ego.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields)]
 pub struct Actor {
     /// Name, unique in the scenario.
@@ -46,19 +47,19 @@ pub struct Actor {
     /// When it leaves the road, s; absent: never.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub leaves_at_s: Option<Time>,
-    /// How its speed develops. Times of a profile count from the start of the run.
+    /// Profile of its speed. Times count from the start of the run.
     #[serde(default)]
     pub profile: Profile,
     /// Lateral motions in order of time: a cut-in ends at 0, a cut-out beside the lane.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub lateral: Vec<LateralMotion>,
-    /// What it does when something happens, beside keeping its speed.
+    /// Its events, beside keeping its speed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub events: Vec<ActorEvent>,
 }
 
-/// How an actor's speed develops.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// Profile of an actor's speed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Profile {
     /// Keeps its initial speed.
@@ -97,7 +98,7 @@ impl Profile {
 }
 
 /// From `time_s` on, the speed goes to `speed_mps` at the given rate.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields)]
 pub struct SpeedStep {
     /// Start of the change, s.
@@ -109,7 +110,7 @@ pub struct SpeedStep {
 }
 
 /// A sinusoidal acceleration.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields)]
 pub struct Sine {
     /// Amplitude of the acceleration, m/s².
@@ -122,7 +123,7 @@ pub struct Sine {
 }
 
 /// From `time_s` on, the acceleration is `acceleration_mps2`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields)]
 pub struct AccelerationPiece {
     /// Start of the piece, s.
@@ -133,7 +134,7 @@ pub struct AccelerationPiece {
 
 /// A change of the lateral position: a fifth-order curve with rest at both ends, or one at constant
 /// lateral speed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields)]
 pub struct LateralMotion {
     /// Start, s.

@@ -3,16 +3,17 @@
 use serde::{Deserialize, Serialize};
 
 use super::quantity::{AccelerationMagnitude, DelayMs, Distance, JerkMagnitude, Time};
+use super::schema::Schema;
 
 /// Least deceleration that an emergency brake must have, m/s² (UN R152, paragraph 5.2.1.4).
 pub const LEAST_DECELERATION_MPS2: f64 = 5.0;
 
 /// The emergency brake: a process of its own that reads the radar's detections, and a brake path of its
 /// own in the plant. A truck's air brakes have other defaults than a car's.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Aebs {
-    /// Whether it is on; absent: on where the radar gives detections.
+    /// True if it is on; absent: on where the radar gives detections.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub enabled: Option<bool>,
     /// Time from its request until the deceleration begins to grow, ms; absent on a truck: 300.

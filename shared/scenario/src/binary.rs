@@ -8,9 +8,10 @@ use serde::{Deserialize, Serialize};
 use super::document::Document;
 use super::error::ScenarioError;
 use super::faults::{self, Fault};
+use super::open::Place;
 use super::placed::Placed;
 use super::problem::Problem;
-use super::{Place, Reads, Scenario};
+use super::{Reads, Scenario};
 
 /// Reason why bytes are no scenario or no fault.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -8,7 +8,7 @@ use super::error::ScenarioError;
 pub struct Builtin {
     /// Name, as given on the command line.
     pub name: &'static str,
-    /// What it is about, in one line.
+    /// Its subject, in one line.
     pub summary: &'static str,
     /// The scenario file.
     pub text: &'static str,

@@ -12,11 +12,13 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+
+use super::refusal::{Explained, read_from};
 
 /// The address of a carrier of radio frames.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(into = "String")]
 pub enum CarrierAddress {
     /// UDP datagrams.
     Udp {
@@ -39,28 +41,45 @@ pub enum CarrierAddress {
 
 /// Text that is no carrier's address.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}, expected {}", self.message(), self.expected())]
 pub enum CarrierAddressError {
     /// It begins with no known carrier.
-    #[error(
-        "`{0}` names no carrier, expected udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5 or pcap:FILE"
-    )]
     Scheme(String),
     /// What follows `udp://` is no IP address with a port.
-    #[error(
-        "`{0}` is no IP address with a port, expected udp://239.255.3.1:5520 or \
-         udp://[ff02::114]:5520"
-    )]
     Socket(String),
     /// Port 0 cannot be listened on by agreement.
-    #[error("port 0 is no port to agree on, expected 1 to 65535")]
     Port,
     /// An option of `udp://` that is not known.
-    #[error("`{0}` is no option of udp://, expected ?interface=NAME")]
     Option(String),
     /// No file after `zenoh:` or `pcap:`.
-    #[error("`{0}` lacks the file, expected {0}FILE")]
     File(&'static str),
 }
+
+impl Explained for CarrierAddressError {
+    fn message(&self) -> String {
+        match self {
+            Self::Scheme(text) => format!("`{text}` names no carrier"),
+            Self::Socket(text) => format!("`{text}` is no IP address with a port"),
+            Self::Port => "port 0 is no port to agree on".to_owned(),
+            Self::Option(text) => format!("`{text}` is no option of udp://"),
+            Self::File(scheme) => format!("`{scheme}` lacks the file"),
+        }
+    }
+
+    fn expected(&self) -> String {
+        match self {
+            Self::Scheme(_) => {
+                "udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5 or pcap:FILE".to_owned()
+            }
+            Self::Socket(_) => "udp://239.255.3.1:5520 or udp://[ff02::114]:5520".to_owned(),
+            Self::Port => "1 to 65535".to_owned(),
+            Self::Option(_) => "?interface=NAME".to_owned(),
+            Self::File(scheme) => format!("{scheme}FILE"),
+        }
+    }
+}
+
+read_from!(CarrierAddress, String);
 
 impl CarrierAddress {
     /// True for UDP to a group, of which several vehicles can be members.

@@ -11,9 +11,10 @@ use super::name::Name;
 use super::quantity::{
     Acceleration, Length, PeriodMs, PositiveWeight, Steps, TimeConstant, Weight,
 };
+use super::schema::Schema;
 
 /// The control law and its loop. The defaults drive; the paper's scenarios set what differs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Controller {
     /// Which law; the registry of the laws knows the names.
@@ -23,11 +24,11 @@ pub struct Controller {
     /// The program that the law `external` hosts: its name on the PATH or its path, then its arguments.
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "words")]
     pub command: Vec<String>,
-    /// Where that program runs; absent: in the scenario file's directory if a file of the command is
-    /// there, else in the current one.
+    /// Directory in which that program runs; absent: the scenario file's if a file of the command is there, else the
+    /// current one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub directory: Option<PathBuf>,
-    /// What starts a cycle.
+    /// Start of a cycle.
     pub release: Release,
     /// Time from the scheduled release by which a cycle must have finished, ms; absent: the period.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -132,8 +133,8 @@ impl Default for Controller {
     }
 }
 
-/// What starts a control cycle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// Start of a control cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Release {
     /// The radar sample that is due at the same time: the period is a multiple of the radar's.
@@ -142,8 +143,8 @@ pub enum Release {
     Timer,
 }
 
-/// How the predictive laws form the desired gap, and with it which problem they pose.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// Desired gap of the predictive laws, and with it their optimisation problem.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SpacingPolicy {
     /// The paper's problem with v t_h + d_b of the first cycle, then frozen: what the figures of its
@@ -157,7 +158,7 @@ pub enum SpacingPolicy {
 }
 
 /// Solver of the predictive laws.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Solver {
     /// The stage-wise interior point of this project.
@@ -168,7 +169,7 @@ pub enum Solver {
 
 /// Weights of 1/2 sum(q1 e² + q2 ed² + q3 a² + r u²) + light_weight sum(1/min(D, d_th) - 1/d_th).
 /// The defaults are the set that fits all of the paper's scenarios at once.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Weights {
     /// Gap error.
@@ -218,7 +219,7 @@ pub(super) fn words<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<St
         }
     }
 
-    deserializer.deserialize_seq(Words)
+    deserializer.deserialize_any(Words)
 }
 
 #[cfg(test)]

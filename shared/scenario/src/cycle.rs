@@ -5,10 +5,11 @@ use std::sync::OnceLock;
 use serde::{Deserialize, Serialize};
 
 use super::quantity::{Speed, Time};
+use super::schema::Schema;
 use super::speeds::SpeedPoint;
 
 /// A standard drive cycle: speed over time, one point each second.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Cycle {
     /// UDDS (FTP-72), United States: urban.

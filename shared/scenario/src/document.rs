@@ -152,23 +152,23 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Whether the key was written, in the text or on the command line.
+    /// True if the key was written, in the text or on the command line.
     pub(super) fn has(&self, path: &str) -> bool {
         self.locate(path).1
     }
 
-    /// Whether the key was set on the command line.
+    /// True if the key was set on the command line.
     pub(super) fn is_set(&self, path: &str) -> bool {
         let (span, written) = self.locate(path);
         written && span.start > self.origin.len()
     }
 
-    /// Whether a run has kept the text.
+    /// True if a run has kept the text.
     pub(super) fn is_kept(&self) -> bool {
         matches!(self.origin, Origin::Text { text, .. } if text.starts_with(KEPT))
     }
 
-    /// Whether a written key may be meant for another choice than the present one. Built-in files and
+    /// True if a written key may be meant for another choice than the present one. Built-in files and
     /// those of runs serve several choices. Or a key that chooses was set on the command line, and this
     /// one was not.
     pub(super) fn is_for_another(&self, choosing: &[&str], path: &str) -> bool {

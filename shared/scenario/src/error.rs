@@ -1,6 +1,5 @@
 //! Errors of scenario files, shown with the line, a caret and what was expected.
 
-use super::problem::sentence;
 use std::fmt;
 use std::ops::Range;
 
@@ -12,7 +11,7 @@ use std::ops::Range;
 /// error: corridor.toml:12:13: -50 is out of range
 ///    |
 /// 12 | period_ms = -50
-///    |             ^^^ expected a period from 1 to 10000, in whole milliseconds
+///    |             ^^^ expected a period from 1 to 10000 ms, a whole number
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ScenarioError {
@@ -21,7 +20,7 @@ pub struct ScenarioError {
     place: Box<Place>,
 }
 
-/// Where the fault is.
+/// Place of the fault.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Place {
     /// In a text: file name or option, line and column (from 1), the line itself and the length of
@@ -71,9 +70,7 @@ impl ScenarioError {
             mark: text[start..end.clamp(start, line_end)].chars().count().max(1),
             numbered,
         };
-        let (message, expected) = sentence(message);
         Self { message: message.to_owned(), expected: None, place: Box::new(place) }
-            .expecting(expected)
     }
 
     /// Says what would have been right.
@@ -178,7 +175,8 @@ mod tests {
     #[test]
     fn the_caret_stands_under_the_fault() {
         let text = "a = 1\nperiod_ms = -50 # ms\n";
-        let error = ScenarioError::at("x.toml", text, 18..21, "-50 is out of range, expected more");
+        let error = ScenarioError::at("x.toml", text, 18..21, "-50 is out of range");
+        let error = error.expecting("more");
         assert_eq!(
             error.to_string(),
             "error: x.toml:2:13: -50 is out of range\n  \

@@ -27,6 +27,7 @@ use super::name::Name;
 use super::quantity::{
     AccelerationMagnitude, Distance, Duration, Lateral, Speed, SpeedDifference, Time,
 };
+use super::schema::Schema;
 
 /// Most events of an actor.
 pub(super) const MAX_EVENTS: usize = 100;
@@ -34,18 +35,18 @@ pub(super) const MAX_EVENTS: usize = 100;
 pub const VEHICLE_WIDTH_M: f64 = 1.8;
 
 /// Something that an actor does once.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields)]
 pub struct ActorEvent {
     /// Its name, for events that wait for it; unique among the actor's events.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub name: Option<Name>,
-    /// What makes it happen.
+    /// Trigger.
     pub when: When,
     /// The actor that a gap, headway or time to collision is to; absent: the ego.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub to: Option<Name>,
-    /// How much later it happens, s.
+    /// Time from the trigger to the event, s.
     #[serde(default = "at_once", skip_serializing_if = "is_at_once")]
     pub delay_s: Time,
     /// A change of speed.
@@ -56,8 +57,8 @@ pub struct ActorEvent {
     pub lateral: Option<LateralChange>,
 }
 
-/// What makes an event happen.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Trigger of an event.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "snake_case")]
 pub enum When {
     /// The run's time has come, s.
@@ -86,16 +87,16 @@ pub enum When {
     EgoSpeedBelowMps(Speed),
     /// The ego's speed is higher, m/s.
     EgoSpeedAboveMps(Speed),
-    /// The actor has gone so far since the start, m.
+    /// The actor has gone this distance since the start, m.
     TraveledM(Distance),
-    /// The actor has stood for so long, s.
+    /// The actor has stood for this time, s.
     StandsForS(Time),
     /// An event of this actor with this name has ended.
     Completed(Name),
 }
 
 /// A change of speed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields)]
 pub struct SpeedChange {
     /// Speed at its end, m/s.
@@ -108,7 +109,7 @@ pub struct SpeedChange {
 }
 
 /// A change of the lateral position.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields)]
 pub struct LateralChange {
     /// Lateral position at its end, m, left positive.

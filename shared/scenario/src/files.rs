@@ -110,7 +110,7 @@ pub(super) fn load(
     Ok(notes)
 }
 
-/// Whether a file was set on the command line, and its points were not: those that are there are another's.
+/// True if a file was set on the command line without its points: the points in the scenario are another file's.
 fn is_set(document: &Document<'_>, file: &str, points: &str) -> bool {
     document.is_set(file) && !document.is_set(points)
 }

@@ -35,7 +35,7 @@ pub struct ForeignKeys {
 struct ForeignKey {
     path: String,
     value: toml::Value,
-    /// Where the value comes from, and what stands there; absent: the whole file.
+    /// Place of the value and the text there; absent: the whole file.
     origin: Option<(String, String)>,
 }
 

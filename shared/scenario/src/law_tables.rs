@@ -46,8 +46,8 @@ impl LawTables {
 
     /// A complaint about the name of a table that was written.
     #[must_use]
-    pub fn refuse(&self, name: &str, sentence: &str) -> Problem {
-        let problem = Problem::said(format!("controller.{name}"), sentence);
+    pub fn refuse(&self, name: &str, message: &str, expected: &str) -> Problem {
+        let problem = Problem::new(format!("controller.{name}"), message, expected);
         match self.0.get(name).and_then(Placed::key_place) {
             Some(place) => problem.at(place),
             None => problem,

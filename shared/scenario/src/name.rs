@@ -1,15 +1,18 @@
 //! Texts of a scenario that end up in file names and on terminals.
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
+
+use super::refusal::{Explained, read_from};
+use super::schema::{Schema, Shape};
 
 /// Name of a scenario, a law or an actor; a scenario's becomes part of the run directory's name.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
+#[serde(into = "String")]
 pub struct Name(String);
 
 /// A line of prose, without control characters.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(into = "String")]
 pub struct Line(String);
 
 impl Name {
@@ -39,13 +42,48 @@ impl Line {
 
 /// Not a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("not a name, expected 1 to 64 letters, digits, `-` or `_`")]
+#[error("not a name, expected {NAME}")]
 pub struct NotAName;
 
 /// Not a line of text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("not a line of text, expected at most 500 characters in one line")]
+#[error("not a line of text, expected {LINE}")]
 pub struct NotALine;
+
+/// A name in words.
+const NAME: &str = "1 to 64 letters, digits, `-` or `_`";
+/// A line in words.
+const LINE: &str = "at most 500 characters in one line";
+
+/// Implements reading and the schema of a text.
+macro_rules! text {
+    ($type:ident, $error:ident, $message:literal, $expected:ident) => {
+        impl Explained for $error {
+            fn message(&self) -> String {
+                $message.to_owned()
+            }
+
+            fn expected(&self) -> String {
+                $expected.to_owned()
+            }
+        }
+
+        impl Schema for $type {
+            fn shape() -> Shape {
+                String::shape()
+            }
+
+            fn expected() -> Option<String> {
+                Some($expected.to_owned())
+            }
+        }
+
+        read_from!($type, String);
+    };
+}
+
+text!(Name, NotAName, "not a name", NAME);
+text!(Line, NotALine, "not a line of text", LINE);
 
 impl TryFrom<String> for Name {
     type Error = NotAName;

@@ -25,7 +25,7 @@ pub(super) struct Override {
     option: String,
     /// Names of the keys from the top, with their place in `option`.
     path: Vec<(String, Range<usize>)>,
-    /// Where the value starts in `option`; it ends with it.
+    /// Start of the value in `option`; it ends with the option.
     value_start: usize,
 }
 

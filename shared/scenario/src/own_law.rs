@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use serde::de::{Error, Visitor};
+use serde::de::{Error, Unexpected, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use super::Scenario;
@@ -100,7 +100,7 @@ impl<'de> Deserialize<'de> for Word {
 
             fn visit_str<E: Error>(self, text: &str) -> Result<Word, E> {
                 match text.contains('\0') {
-                    true => Err(E::custom("a zero byte, expected a text without one")),
+                    true => Err(E::invalid_value(Unexpected::Other("a zero byte"), &"a text without one")),
                     false => Ok(Word(text.to_owned())),
                 }
             }

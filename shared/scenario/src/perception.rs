@@ -7,12 +7,14 @@ use super::quantity::{
     Angle, Count, CrossSection, Decibels, DelayMs, Length, Loss, MeanCount, PerKilometre, PeriodMs,
     Probability, Reach, Sigma, SigmaMultiple, Speed, Time, TimeConstant,
 };
+use super::refusal::{Explained, read_from};
+use super::schema::{Schema, Shape};
 
 /// Longest latency of the radar, in scans.
 pub const MAX_LATENCY_SCANS: u32 = 32;
 
 /// The simulated perception.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Perception {
     /// Period of the radar and of `radar/tracks`, ms.
@@ -20,9 +22,9 @@ pub struct Perception {
     /// The same as `radar.model = "ideal"`.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub ideal: bool,
-    /// What the radar sees and how well.
+    /// The radar: its range, field of view and errors.
     pub radar: Radar,
-    /// What becomes of the radar's measurements.
+    /// The tracker behind the radar.
     pub tracker: Tracker,
     /// Which track is the target.
     pub target_selection: TargetSelection,
@@ -53,7 +55,7 @@ impl Perception {
         Ok(())
     }
 
-    /// How deep the simulation of the radar goes.
+    /// Depth of the simulation of the radar.
     #[must_use]
     pub fn model(&self) -> RadarModel {
         if self.ideal { RadarModel::Ideal } else { self.radar.model }
@@ -66,8 +68,8 @@ impl Perception {
     }
 }
 
-/// How deep the simulation of the radar goes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// Depth of the simulation of the radar.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum RadarModel {
     /// Detections as a radar's receiver hands them out, with the tracker that works on them alone.
@@ -81,10 +83,10 @@ pub enum RadarModel {
 }
 
 /// The radar at the middle of the ego's front bumper.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Radar {
-    /// How deep the simulation goes.
+    /// Depth of the simulation.
     pub model: RadarModel,
     /// Farthest detection, m.
     pub max_range_m: Reach,
@@ -102,7 +104,7 @@ pub struct Radar {
     pub dropout_probability: Probability,
     /// Time from the acquisition to the publication of a scan, ms: a multiple of the period.
     pub latency_ms: DelayMs,
-    /// Of the model `detections`.
+    /// Parameters of the model `detections`.
     pub detections: Detections,
 }
 
@@ -124,18 +126,18 @@ impl Default for Radar {
 
 /// Detections as a radar's receiver hands them out. Accuracy and resolution are those of a 77 GHz
 /// radar for cruise control with 0.2 to 0.3 GHz of bandwidth.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Detections {
     /// Signal-to-noise ratio of 1 m² at 100 m on the axis, dB.
     pub snr_at_100_m_db: Decibels,
-    /// How much weaker an echo is at the edge of the field of view than on the axis, dB, both ways.
+    /// Loss of an echo at the edge of the field of view against the axis, dB, both ways.
     pub edge_loss_db: Loss,
     /// An echo is detected when it and the noise exceed the mean noise by this, dB.
     pub threshold_db: Decibels,
     /// Mean radar cross section of a car's rear, dB relative to 1 m² (ISO 15622's target: 10 m²).
     pub car_rcs_dbsm: CrossSection,
-    /// That of a vehicle longer than 7 m.
+    /// Mean radar cross section of a vehicle longer than 7 m, dB relative to 1 m².
     pub lorry_rcs_dbsm: CrossSection,
     /// Fluctuation of the cross section from scan to scan: Swerling's case 0 (none), 1 or 3.
     pub swerling: Swerling,
@@ -149,11 +151,11 @@ pub struct Detections {
     pub merge: bool,
     /// Standard deviation of the range that no signal-to-noise ratio improves, m.
     pub range_floor_m: Sigma,
-    /// That of the range rate, m/s.
+    /// The same for the range rate, m/s.
     pub range_rate_floor_mps: Sigma,
-    /// That of the azimuth, degrees.
+    /// The same for the azimuth, degrees.
     pub azimuth_floor_deg: Sigma,
-    /// How much weaker the echo of what a nearer vehicle hides is, dB; 0: nothing hides anything.
+    /// Loss of the echo of a vehicle that a nearer one hides, dB; 0: no vehicle hides another.
     pub hidden_loss_db: Loss,
     /// Mean number of detections of noise in a scan.
     pub false_alarms_per_scan: MeanCount,
@@ -167,11 +169,11 @@ pub struct Detections {
     pub under_body_probability: Probability,
     /// Mean of its additional range, m.
     pub under_body_range_m: Length,
-    /// How much weaker it is, dB.
+    /// Its loss against the first echo, dB.
     pub under_body_loss_db: Loss,
     /// Share of the road with a guard rail on either side, in which vehicles have mirror images.
     pub guard_rail_share: Probability,
-    /// How much weaker a mirror image is, dB.
+    /// Loss of a mirror image, dB.
     pub guard_rail_loss_db: Loss,
 }
 
@@ -206,8 +208,8 @@ impl Default for Detections {
 }
 
 /// Swerling's cases that a scan can tell apart.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "i64", into = "i64")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(into = "i64")]
 pub enum Swerling {
     /// No fluctuation.
     Case0,
@@ -219,8 +221,33 @@ pub enum Swerling {
 
 /// A number that is no case of Swerling's that applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{0} is out of range, expected Swerling's case 0, 1 or 3")]
+#[error("{0} is out of range, expected {CASES}")]
 pub struct NoSwerlingCase(i64);
+
+/// The cases in words.
+const CASES: &str = "Swerling's case 0, 1 or 3";
+
+impl Explained for NoSwerlingCase {
+    fn message(&self) -> String {
+        format!("{} is out of range", self.0)
+    }
+
+    fn expected(&self) -> String {
+        CASES.to_owned()
+    }
+}
+
+impl Schema for Swerling {
+    fn shape() -> Shape {
+        Shape::Number { is_whole: true, range: Some((0.0, 3.0)), unit: "" }
+    }
+
+    fn expected() -> Option<String> {
+        Some(CASES.to_owned())
+    }
+}
+
+read_from!(Swerling, i64);
 
 impl TryFrom<i64> for Swerling {
     type Error = NoSwerlingCase;
@@ -246,7 +273,7 @@ impl From<Swerling> for i64 {
 }
 
 /// The filter behind each track, and the life of a track.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Tracker {
     /// Which filter follows gap, relative speed and lead acceleration.
@@ -259,14 +286,14 @@ pub struct Tracker {
     pub gate_sigma: SigmaMultiple,
     /// A track without measurement is dropped after this time, s.
     pub coast_s: Time,
-    /// A track is confirmed when so many ...
+    /// Scans that must have measured a track to confirm it (model `detections`).
     pub confirm_hits: Count,
-    /// ... of so many scans in a row have measured it (model `detections`).
+    /// Scans in a row among which they are counted (model `detections`).
     pub confirm_scans: Count,
 }
 
 /// A filter of gap, relative speed and lead acceleration.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum TrackingFilter {
     /// One Kalman filter with Singer's model of the lead's acceleration.
@@ -292,7 +319,7 @@ impl Default for Tracker {
 
 /// The target is the nearest vehicle in the ego's path; entering and leaving the path have
 /// different limits, so that a vehicle on the line does not flicker.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TargetSelection {
     /// A vehicle is in the path when its centre is nearer to the lane's centre than this, m.

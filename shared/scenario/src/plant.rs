@@ -6,18 +6,19 @@ use super::quantity::{
     Acceleration, AccelerationMagnitude, Duration, JerkMagnitude, Length, Mass, MassFactor,
     PeriodMs, Power, Speed, TimeConstant, Torque, TorqueRate,
 };
+use super::schema::Schema;
 
 /// The ego vehicle. It stands or moves forward, never back.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Plant {
-    /// What the ego is.
+    /// Kind of the ego vehicle.
     pub vehicle: Vehicle,
     /// True mass over the one that vehicle and law believe in; trucks only.
     pub mass_factor: MassFactor,
     /// Period of the plant's loop and of `vehicle/odometry`, ms. Every other period is a multiple.
     pub period_ms: PeriodMs,
-    /// How the ego and the actors are integrated.
+    /// Integration of the ego and of the actors.
     pub integrator: Integrator,
     /// Step of the integration, ms. `fine`: divides the plant's period. `paper-euler`: a multiple of
     /// it, at most the actuator's time constant; samples inside a step are the step's own straight
@@ -40,7 +41,7 @@ pub struct Plant {
     pub powertrain: Option<Powertrain>,
     /// Bounds that no request passes, whatever its source.
     pub gateway: Gateway,
-    /// What the gateway does when no newer valid command arrives.
+    /// Reaction of the gateway when no newer valid command arrives.
     pub fallback: Fallback,
 }
 
@@ -65,8 +66,8 @@ impl Default for Plant {
     }
 }
 
-/// What the ego is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// Kind of the ego vehicle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Vehicle {
     /// A car that follows requests for acceleration with a lag, on a level road.
     #[default]
@@ -81,7 +82,7 @@ pub enum Vehicle {
 }
 
 impl Vehicle {
-    /// Whether it has engine, gears and a road with grade.
+    /// True if it has engine, gears and a road with grade.
     #[must_use]
     pub const fn is_truck(self) -> bool {
         !matches!(self, Self::Car)
@@ -98,8 +99,8 @@ impl Vehicle {
     }
 }
 
-/// How motion is integrated, of the ego and of the actors alike.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// Integration of motion, the same for the ego and the actors.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Integrator {
     /// The lag exactly, in short steps with constant request.
@@ -111,7 +112,7 @@ pub enum Integrator {
 }
 
 /// A limit on traction: acceleration <= power / (mass * speed).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields)]
 pub struct Powertrain {
     /// Mass of the ego, kg.
@@ -121,7 +122,7 @@ pub struct Powertrain {
 }
 
 /// Bounds of the actuator gateway.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Gateway {
     /// Smallest request let through, m/s² (negative).
@@ -155,7 +156,7 @@ impl Default for Gateway {
 }
 
 /// The plant's answer to silence: first the rest of the last plan, then a stop in lane.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Fallback {
     /// Longest time for which the last plan is followed after its command was due to be replaced, s.

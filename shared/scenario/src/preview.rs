@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::quantity::{Distance, MapShift, Percent};
+use super::schema::Schema;
 
 /// Faults of the map. Without any it is exact.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Preview {
     /// By how much everything on the map is too far ahead, m.
@@ -13,13 +14,13 @@ pub struct Preview {
     /// Standard deviation of an error of each cell's grade, percentage points; the seed of the run
     /// makes it.
     pub noise_percent: Percent,
-    /// Where the map ends, m; absent: it does not.
+    /// End of the map, m; absent: it has no end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ends_at_m: Option<Distance>,
 }
 
 impl Preview {
-    /// Whether the map is exact.
+    /// True if the map is exact.
     #[must_use]
     pub fn is_right(&self) -> bool {
         *self == Self::default()

@@ -1,9 +1,8 @@
-//! What is wrong with a scenario, before its place in a text is looked up.
+//! An error in a scenario, before its place in a text is looked up.
 
 use std::ops::Range;
 
-/// What is wrong with a value that is readable by itself: it contradicts another key, or
-/// the law that it is for refuses it.
+/// An error in a value that is readable by itself: it contradicts another key, or the law that it is for refuses it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{path}: {message}, expected {expected}")]
 pub struct Problem {
@@ -31,12 +30,6 @@ impl Problem {
         Self { path, message, expected, against: None, place: None }
     }
 
-    /// A problem at `path` from one sentence, "what is wrong, expected what".
-    pub fn said(path: impl Into<String>, said: &str) -> Self {
-        let (message, expected) = sentence(said);
-        Self::new(path, message, expected)
-    }
-
     /// The same at a position of the document.
     #[must_use]
     pub(super) fn at(mut self, place: Range<usize>) -> Self {
@@ -55,10 +48,4 @@ impl Problem {
         self.against = Some(path.to_owned());
         self
     }
-}
-
-/// The two halves of "what is wrong, expected what", the form of our own sentences; the second is empty where
-/// a sentence says nothing of what was expected.
-pub(super) fn sentence(said: &str) -> (&str, &str) {
-    said.split_once(", expected ").unwrap_or((said, ""))
 }

@@ -8,13 +8,15 @@ use super::quantity::{
     DelayMs, DriftPpm, Duration, Heading, IntersectionId, Latitude, Longitude, MapShift, OffsetMs,
     Probability, Shift, StationId, Time,
 };
+use super::refusal::{Explained, read_from};
+use super::schema::{Schema, Shape};
 
 /// UTC of run time 0 in simulated time, ns since 1970: noon of 2026-06-01.
 pub const SIMULATED_START_NS: i64 = 1_780_315_200_000_000_000;
 
-/// How the signals reach the vehicle: `direct`, `frames`, or the address of a carrier.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+/// Way of the signals to the vehicle: `direct`, `frames`, or the address of a carrier.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(into = "String")]
 pub enum Radio {
     /// As structs, from the roadside unit to the controller.
     #[default]
@@ -25,19 +27,48 @@ pub enum Radio {
     Carrier(CarrierAddress),
 }
 
-/// Text that says nothing of how the signals reach the vehicle.
+/// Text that is no radio.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RadioError {
     /// It is no known word and no address.
-    #[error(
-        "`{0}` is no radio, expected one of direct, frames, udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5, \
-         pcap:FILE"
-    )]
+    #[error("{}, expected {RADIOS}", self.message())]
     Unknown(String),
     /// The address of a carrier is wrong.
     #[error(transparent)]
     Address(CarrierAddressError),
 }
+
+/// The radios in words.
+const RADIOS: &str =
+    "one of direct, frames, udp://ADDRESS:PORT, zenoh, zenoh:FILE.json5, pcap:FILE";
+
+impl Explained for RadioError {
+    fn message(&self) -> String {
+        match self {
+            Self::Unknown(text) => format!("`{text}` is no radio"),
+            Self::Address(error) => error.message(),
+        }
+    }
+
+    fn expected(&self) -> String {
+        match self {
+            Self::Unknown(_) => RADIOS.to_owned(),
+            Self::Address(error) => error.expected(),
+        }
+    }
+}
+
+impl Schema for Radio {
+    fn shape() -> Shape {
+        String::shape()
+    }
+
+    fn expected() -> Option<String> {
+        Some(RADIOS.to_owned())
+    }
+}
+
+read_from!(Radio, String);
 
 impl Radio {
     /// True for structs.
@@ -46,7 +77,7 @@ impl Radio {
         *self == Self::Direct
     }
 
-    /// Where frames come from that are not simulated in the run.
+    /// Carrier of the frames that are not simulated in the run.
     #[must_use]
     pub fn carrier(&self) -> Option<&CarrierAddress> {
         match self {
@@ -94,15 +125,15 @@ impl From<Radio> for String {
     }
 }
 
-/// Where the road lies on the Earth, with frames. A capture's maps fit a road that begins and leads as theirs does.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// Place of the road on the Earth, with frames. A capture's maps fit a road that begins and leads as theirs does.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Origin {
     /// Latitude of the road's beginning, degrees, north positive.
     pub latitude_deg: Latitude,
     /// Longitude of the road's beginning, degrees, east positive.
     pub longitude_deg: Longitude,
-    /// Where the road leads, degrees clockwise from north. It is straight.
+    /// Direction of the straight road, degrees clockwise from north.
     pub heading_deg: Heading,
 }
 
@@ -124,7 +155,7 @@ impl Origin {
         (steps(self.latitude_deg.value()), steps(self.longitude_deg.value()))
     }
 
-    /// Whether it is the usual one.
+    /// True if it is the usual one.
     #[must_use]
     pub fn is_usual(&self) -> bool {
         *self == Self::default()
@@ -132,7 +163,7 @@ impl Origin {
 }
 
 /// The air between the roadside units and the vehicle. Without any key nothing is lost, late or wrong.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Air {
     /// When the imperfections begin, s.
@@ -164,7 +195,7 @@ pub struct Air {
     pub bit_flip_probability: Probability,
     /// Probability that an earlier frame is sent again with a new one.
     pub replay_probability: Probability,
-    /// How old the frame is that is sent again, s.
+    /// Age of the frame that is sent again, s.
     pub replay_age_s: Time,
 }
 
@@ -192,15 +223,15 @@ impl Default for Air {
 }
 
 impl Air {
-    /// Whether nothing is wrong.
+    /// True if nothing is wrong.
     #[must_use]
     pub fn is_right(&self) -> bool {
         *self == Self::default()
     }
 }
 
-/// What is wrong with the roadside units. Without any key they are right.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// Errors of the roadside units. Without any key they have none.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Unit {
     /// By how much their clocks are ahead at the start, ms.
@@ -244,7 +275,7 @@ impl Default for Unit {
 }
 
 impl Unit {
-    /// Whether nothing is wrong.
+    /// True if nothing is wrong.
     #[must_use]
     pub fn is_right(&self) -> bool {
         *self == Self::default()
@@ -252,7 +283,7 @@ impl Unit {
 }
 
 /// The vehicle's on-board unit.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Obu {
     /// Its station id.
@@ -282,7 +313,7 @@ impl Default for Obu {
 }
 
 impl Obu {
-    /// Whether it is as usual.
+    /// True if it is as usual.
     #[must_use]
     pub fn is_usual(&self) -> bool {
         *self == Self::default()

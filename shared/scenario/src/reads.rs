@@ -55,7 +55,7 @@ impl Reads {
         self.backup.extend(other.keys.into_iter().chain(other.tables));
     }
 
-    /// Whether the law reads the key at all.
+    /// True if the law reads the key.
     #[must_use]
     pub fn has(&self, path: &str) -> bool {
         self.law.is_none() || self.acts(path) || self.acts_on_backup(path)

@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::quantity::{Distance, Time, TimeConstant};
+use super::schema::Schema;
 
 /// The referee.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Referee {
     /// The gap that the gap errors of every law are measured against; absent: a time headway of 1.5 s and 5 m.
@@ -18,7 +19,7 @@ pub struct Referee {
 
 /// The ego is clear when no other vehicle comes nearer to it: those ahead are no slower than it is, those
 /// behind no faster, and none is beside it, in whichever lane.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields)]
 pub struct EndsWhenClear {
     /// Not before this time: what the scenario has in store is over by then, s.
@@ -34,7 +35,7 @@ impl Referee {
 }
 
 /// A desired gap over the ego's speed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum DesiredGap {
     /// The same at every speed.

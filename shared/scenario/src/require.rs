@@ -3,9 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::quantity::Share;
+use super::schema::Schema;
 
 /// Requirements on a run.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Require {
     /// Largest share of the control cycles in which the backup of a law that is a program may drive. Beyond it the

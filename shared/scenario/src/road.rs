@@ -18,13 +18,14 @@ use super::problem::Problem;
 use super::quantity::{
     Distance, GradeMagnitude, GradePercent, Height, Length, Reach, RoadLength, Seed,
 };
+use super::schema::Schema;
 use super::table::Table;
 use crate::grade::{
     Alignment, BuiltinRoad, GradeProfile, MAX_POINTS, Point, ProfileError, generate,
 };
 
 /// The road. Beyond its ends it is level.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(from = "RoadKeys", into = "RoadKeys")]
 pub enum Road {
     /// No road is given.
@@ -36,7 +37,7 @@ pub enum Road {
     Csv {
         /// The file; a relative path starts at the scenario file's directory.
         file: PathBuf,
-        /// What it held when the scenario was opened.
+        /// Its content when the scenario was opened.
         points: Vec<RoadPoint>,
     },
     /// A road made by a random generator.
@@ -46,7 +47,7 @@ pub enum Road {
 }
 
 /// The keys of `[road]`.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RoadKeys {
     /// A road that comes with the program.
@@ -64,7 +65,7 @@ pub struct RoadKeys {
 }
 
 impl From<RoadKeys> for Road {
-    /// Of several sources, which [`one_source`] refuses, one.
+    /// Takes one source; [`one_source`] refuses several.
     fn from(keys: RoadKeys) -> Self {
         let RoadKeys { builtin, csv, generated, points } = keys;
         match (builtin, csv, generated) {
@@ -107,12 +108,12 @@ pub(super) fn one_source(is_written: impl Fn(&str) -> bool) -> Result<(), Proble
 }
 
 /// A point of a road: `[distance_m, height_m]`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(expecting = "a point [distance_m, height_m]")]
 pub struct RoadPoint(pub Distance, pub Height);
 
 /// A hilly highway of a seed.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields)]
 pub struct Generated {
     /// Seed; each has its own road.
@@ -134,13 +135,13 @@ pub struct Generated {
     /// Length of the vertical curves, m.
     #[serde(default = "shortest_tangent")]
     pub curve_m: Length,
-    /// Whether the road ends as high as it began.
+    /// True if the road ends as high as it began.
     #[serde(default = "yes")]
     pub closed: bool,
 }
 
 impl Road {
-    /// Whether no road is given.
+    /// True if no road is given.
     #[must_use]
     pub fn is_level(&self) -> bool {
         *self == Self::Level

@@ -23,10 +23,12 @@
 use messages::Service;
 use serde::{Deserialize, Serialize};
 
+use super::per_service::PerService;
 use super::quantity::{Core, DelayMs, Priority, Probability};
+use super::schema::Schema;
 
 /// Scheduling and placement. What the machine does not grant is reported, not fatal.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Runtime {
     /// Time from the last service's readiness to the common start instant, ms.
@@ -43,7 +45,7 @@ pub struct Runtime {
     /// Probability that a control cycle misses: its command never reaches the actuators.
     pub miss_probability: Probability,
     /// Placement of each service.
-    pub services: Services,
+    pub services: PerService<Placement>,
 }
 
 impl Default for Runtime {
@@ -55,13 +57,13 @@ impl Default for Runtime {
             extra_delay_ms: DelayMs::of(0),
             extra_jitter_ms: DelayMs::of(0),
             miss_probability: Probability::of(0.0),
-            services: Services::default(),
+            services: PerService::default(),
         }
     }
 }
 
 /// Scheduling policy.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Scheduling {
     /// SCHED_FIFO where granted.
@@ -70,26 +72,8 @@ pub enum Scheduling {
     Other,
 }
 
-/// Placement of each service.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default, rename_all = "kebab-case")]
-pub struct Services {
-    /// The ego vehicle.
-    pub plant: Placement,
-    /// Traffic and radar.
-    pub perception_sim: Placement,
-    /// The control loop.
-    pub controller: Placement,
-    /// The emergency brake.
-    pub aebs: Placement,
-    /// The roadside unit.
-    pub v2x_sim: Placement,
-    /// The on-board unit.
-    pub obu: Placement,
-}
-
-/// Where one service runs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+/// Placement of one service.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Placement {
     /// CPU to be pinned to; absent: the last that the process may use.
@@ -100,23 +84,11 @@ pub struct Placement {
     pub priority: Option<Priority>,
 }
 
-impl Services {
-    /// Where `service` runs.
-    #[must_use]
-    pub const fn of(&self, service: Service) -> Placement {
-        match service {
-            Service::Plant => self.plant,
-            Service::PerceptionSim => self.perception_sim,
-            Service::V2xSim => self.v2x_sim,
-            Service::Controller => self.controller,
-            Service::Aebs => self.aebs,
-            Service::Obu => self.obu,
-        }
-    }
-
+impl Runtime {
     /// Priority of `service` under SCHED_FIFO: its own, else by rate, then by the order of the chain.
     #[must_use]
     pub fn priority(&self, service: Service) -> u8 {
-        self.of(service).priority.map_or(service.descriptor().priority, Priority::value)
+        let own = self.services.of(service).priority;
+        own.map_or(service.descriptor().priority, Priority::value)
     }
 }

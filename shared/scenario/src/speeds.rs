@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::quantity::{Speed, Time};
+use super::schema::Schema;
 
 /// A point of a speed table: `[time_s, speed_mps]`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(expecting = "a point [time_s, speed_mps]")]
 pub struct SpeedPoint(pub Time, pub Speed);

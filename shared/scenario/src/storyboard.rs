@@ -12,6 +12,7 @@ use serde::{Deserialize, Serialize};
 use super::Scenario;
 use super::actor::Profile;
 use super::problem::Problem;
+use super::schema::{Schema, Shape};
 
 /// A storyboard with where it comes from.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,14 +20,21 @@ use super::problem::Problem;
 pub struct Storyboard {
     /// The file that it was read from.
     pub source: String,
-    /// How it is simulated where that needs saying, a sentence each.
+    /// Remarks on its simulation, a sentence each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notices: Vec<String>,
     /// The file's parameters with the values that took effect.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, String>,
-    /// What it says.
+    /// Its content.
     pub script: Script,
+}
+
+impl Schema for Storyboard {
+    /// A translation fills it.
+    fn shape() -> Shape {
+        Shape::Free
+    }
 }
 
 /// Actors and storyboard belong together.

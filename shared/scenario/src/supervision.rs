@@ -1,4 +1,4 @@
-//! `[supervision]`: what becomes of services that die or hang, in realtime.
+//! `[supervision]`: restarts and standbys of services that die or hang, in realtime.
 //!
 //! In simulated time a restart could not repeat exactly: there the end of a service ends the run.
 
@@ -6,16 +6,20 @@ use serde::{Deserialize, Serialize};
 
 use messages::Service;
 
+use super::accepted::accepted;
+use super::per_service::PerService;
 use super::quantity::{Count, DelayMs, Duration};
+use super::refusal::{Explained, read_from};
+use super::schema::{Schema, Shape};
 
 /// Restart policy and heartbeats.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Supervision {
     /// When a service is started again.
     pub restart: Restart,
-    /// What holds for one service instead.
-    pub services: Services,
+    /// Policies of single services, in place of `restart`.
+    pub services: PerService<Option<Restart>>,
     /// Restarts of one service allowed in `window_s`; the next death leads to the safe state.
     pub budget: Count,
     /// Window of the budget, s.
@@ -25,8 +29,7 @@ pub struct Supervision {
     pub backoff_ms: DelayMs,
     /// Longest wait before a restart, ms.
     pub max_backoff_ms: DelayMs,
-    /// A service that has not given a sign of life for so long, beside its own period, hangs: it is
-    /// killed and replaced, ms.
+    /// Time without a sign of life, beyond its own period, after which a service is killed and replaced, ms.
     pub heartbeat_timeout_ms: DelayMs,
     /// For each service without a standby the next process is started ahead: it has read the scenario and waits
     /// to open its ports. In realtime only.
@@ -34,8 +37,7 @@ pub struct Supervision {
     /// Services with a standby: a second process that computes, sends nothing, and takes the service over
     /// when the active one ends or hangs. In realtime only.
     pub standby: Standbys,
-    /// A standby takes over from an active process that has completed no cycle for so long, beside its own
-    /// period, ms.
+    /// Time without a completed cycle, beyond its own period, after which a standby takes over, ms.
     pub standby_timeout_ms: DelayMs,
 }
 
@@ -43,7 +45,7 @@ impl Default for Supervision {
     fn default() -> Self {
         Self {
             restart: Restart::OnFailure,
-            services: Services::default(),
+            services: PerService::default(),
             budget: Count::of(5),
             window_s: Duration::of(10.0),
             backoff_ms: DelayMs::of(10),
@@ -60,105 +62,95 @@ impl Supervision {
     /// When `service` is started again.
     #[must_use]
     pub fn restart_of(&self, service: Service) -> Restart {
-        let own = match service {
-            Service::Plant => self.services.plant,
-            Service::PerceptionSim => self.services.perception_sim,
-            Service::V2xSim => self.services.v2x_sim,
-            Service::Controller => self.services.controller,
-            Service::Aebs => self.services.aebs,
-            Service::Obu => self.services.obu,
-        };
+        let own = *self.services.of(service);
         own.unwrap_or(self.restart)
     }
 }
 
-/// A service that can have a standby. The plant cannot: the vehicle is one.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum StandbyService {
-    /// Traffic and radar.
-    PerceptionSim,
-    /// The roadside unit.
-    V2xSim,
-    /// The control loop.
-    Controller,
-    /// The emergency brake.
-    Aebs,
-}
+/// A service that can have a standby: its descriptor says so. The plant has none, because there is one vehicle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(into = "Service")]
+pub struct StandbyService(Service);
 
 impl StandbyService {
-    const ALL: [Self; 4] = [Self::PerceptionSim, Self::V2xSim, Self::Controller, Self::Aebs];
+    fn all() -> impl Iterator<Item = Service> {
+        Service::ALL.into_iter().filter(|service| service.descriptor().can_stand_by)
+    }
+}
 
-    /// The service.
-    #[must_use]
-    pub const fn service(self) -> Service {
-        match self {
-            Self::PerceptionSim => Service::PerceptionSim,
-            Self::V2xSim => Service::V2xSim,
-            Self::Controller => Service::Controller,
-            Self::Aebs => Service::Aebs,
+/// A service without a standby.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}, expected {}", self.message(), self.expected())]
+pub struct NoStandby(Service);
+
+impl Explained for NoStandby {
+    fn message(&self) -> String {
+        format!("`{}` has no standby", self.0)
+    }
+
+    fn expected(&self) -> String {
+        accepted(self.0.name(), StandbyService::all().map(Service::name))
+    }
+}
+
+impl TryFrom<Service> for StandbyService {
+    type Error = NoStandby;
+
+    fn try_from(service: Service) -> Result<Self, NoStandby> {
+        let can = service.descriptor().can_stand_by;
+        can.then_some(Self(service)).ok_or(NoStandby(service))
+    }
+}
+
+impl From<StandbyService> for Service {
+    fn from(standby: StandbyService) -> Self {
+        standby.0
+    }
+}
+
+impl Schema for StandbyService {
+    fn shape() -> Shape {
+        Shape::Text {
+            words: StandbyService::all().map(|service| service.name().to_owned()).collect(),
         }
     }
 }
 
+read_from!(StandbyService, Service);
+
 /// Services with a standby.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(from = "Vec<StandbyService>", into = "Vec<StandbyService>")]
-pub struct Standbys([bool; StandbyService::ALL.len()]);
+pub struct Standbys([bool; Service::ALL.len()]);
 
 impl Standbys {
     /// The services.
     #[must_use]
     pub fn services(self) -> Vec<Service> {
-        Vec::from(self).into_iter().map(StandbyService::service).collect()
+        Service::ALL.into_iter().filter(|service| self.contains(*service)).collect()
     }
 
     /// True if `service` has a standby.
     #[must_use]
-    pub fn contains(self, service: Service) -> bool {
-        StandbyService::ALL.iter().zip(self.0).any(|(of, has)| has && of.service() == service)
+    pub const fn contains(self, service: Service) -> bool {
+        self.0[service.index()]
     }
 }
 
 impl From<Vec<StandbyService>> for Standbys {
     fn from(list: Vec<StandbyService>) -> Self {
-        Self(StandbyService::ALL.map(|service| list.contains(&service)))
+        Self(Service::ALL.map(|service| list.contains(&StandbyService(service))))
     }
 }
 
 impl From<Standbys> for Vec<StandbyService> {
     fn from(standbys: Standbys) -> Self {
-        let all = StandbyService::ALL.into_iter().zip(standbys.0);
-        all.filter(|(_, has)| *has).map(|(service, _)| service).collect()
+        standbys.services().into_iter().map(StandbyService).collect()
     }
 }
 
-/// Restart policies of single services.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default, rename_all = "kebab-case")]
-pub struct Services {
-    /// The ego vehicle.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub plant: Option<Restart>,
-    /// Traffic and radar.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub perception_sim: Option<Restart>,
-    /// The roadside unit.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub v2x_sim: Option<Restart>,
-    /// The control loop.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub controller: Option<Restart>,
-    /// The emergency brake.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub aebs: Option<Restart>,
-    /// The on-board unit.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub obu: Option<Restart>,
-}
-
 /// When a service is started again.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Restart {
     /// Never: its end ends the run.

@@ -2,11 +2,12 @@
 
 use super::error::ScenarioError;
 use super::quantity::OutOfRange;
+use super::refusal::Explained;
 use std::ops::Range;
 
 type Field<'a> = (Range<usize>, &'a str);
 
-/// What some programs begin a file of UTF-8 with.
+/// Mark at the beginning of some files in UTF-8.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
 /// What may separate the fields of a line.
@@ -77,7 +78,8 @@ impl<'a> Table<'a> {
         column: usize,
     ) -> Result<T, ScenarioError> {
         let value = self.float(row, column)?;
-        T::try_from(value).map_err(|error| self.fault(row, column, &error.to_string()))
+        T::try_from(value)
+            .map_err(|error| self.fault(row, column, &error.message()).expecting(error.expected()))
     }
 
     /// The number in a field, which may be NaN.

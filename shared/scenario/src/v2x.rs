@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::preview::Preview;
 use super::quantity::{Distance, Duration, IntersectionId, PeriodMs, Reach, SignalGroupId, Time};
 use super::radio::{Air, Obu, Origin, Radio, Unit};
+use super::schema::Schema;
 
 /// Most signals of a scenario.
 pub const MAX_SIGNALS: usize = 64;
@@ -12,17 +13,17 @@ pub const MAX_SIGNALS: usize = 64;
 pub const MAX_PROGRAM_PHASES: usize = 64;
 
 /// The simulated roadside unit.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct V2x {
     /// Period of `v2x/spat` and `v2x/map`, ms.
     pub period_ms: PeriodMs,
-    /// How often frames of other hosts are looked for and handed on, ms; absent: in each `plant.period_ms`.
+    /// Period in which frames of other hosts are looked for and handed on, ms; absent: `plant.period_ms`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub poll_ms: Option<PeriodMs>,
     /// Signals farther ahead of the ego than this are not received, m.
     pub range_m: Reach,
-    /// How the signals reach the vehicle: `direct` as structs, `frames` as SPATEM and MAPEM of the simulated
+    /// Way of the signals to the vehicle: `direct` as structs, `frames` as SPATEM and MAPEM of the simulated
     /// units, or the address of a carrier of other units' frames: `udp://ADDRESS:PORT`, `zenoh`,
     /// `zenoh:FILE.json5`, `pcap:FILE`.
     #[serde(skip_serializing_if = "Radio::is_direct")]
@@ -32,13 +33,13 @@ pub struct V2x {
     /// The map of the road ahead, with its faults.
     #[serde(skip_serializing_if = "Preview::is_right")]
     pub preview: Preview,
-    /// Where the road lies on the Earth, with frames.
+    /// Place of the road on the Earth, with frames.
     #[serde(skip_serializing_if = "Origin::is_usual")]
     pub origin: Origin,
     /// The air between roadside units and vehicle, with frames.
     #[serde(skip_serializing_if = "Air::is_right")]
     pub air: Air,
-    /// What is wrong with the roadside units, with frames.
+    /// Errors of the roadside units, with frames.
     #[serde(skip_serializing_if = "Unit::is_right")]
     pub unit: Unit,
     /// The on-board unit, with frames.
@@ -64,7 +65,7 @@ impl Default for V2x {
 }
 
 /// A signal group on the ego's lane with a fixed-time program.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields)]
 pub struct Signal {
     /// Position of the stop line along the road, m from the ego's front bumper at the start.
@@ -86,17 +87,17 @@ pub struct Signal {
 }
 
 /// One phase of a program.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields)]
 pub struct ProgramPhase {
-    /// What the signal shows.
+    /// Colour of the signal.
     pub phase: Phase,
     /// For how long, s.
     pub duration_s: Duration,
 }
 
-/// What a signal shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+/// Colour of a signal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Phase {
     /// Go.

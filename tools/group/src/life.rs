@@ -163,7 +163,8 @@ pub fn complete(whole: &mut ServiceReport, group: &Group, scenario: &Scenario, l
                 whole.details = Details::Obu(Box::new(report));
             }
         }
-        (Service::Plant | Service::PerceptionSim | Service::V2xSim | Service::Obu, _) => {}
+        // The counts in shared memory are all that is known.
+        _ => {}
     }
 }
 

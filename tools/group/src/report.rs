@@ -37,19 +37,24 @@ pub enum Details {
     Link(Box<LinkReport>),
 }
 
+/// Readers of the services' own figures. A service that is not here has none.
+const READERS: [(Service, fn(&Payload) -> Option<Details>); 6] = [
+    (Service::Plant, |payload| payload.read().map(Box::new).map(Details::Plant)),
+    (Service::PerceptionSim, |payload| payload.read().map(Box::new).map(Details::Perception)),
+    (Service::V2xSim, |payload| {
+        payload.read::<Option<_>>().flatten().map(Box::new).map(Details::Link)
+    }),
+    (Service::Controller, |payload| payload.read().map(Box::new).map(Details::Controller)),
+    (Service::Aebs, |payload| payload.read().map(Box::new).map(Details::Aebs)),
+    (Service::Obu, |payload| payload.read().map(Box::new).map(Details::Obu)),
+];
+
 impl Details {
     /// The figures that `service` sent; none from a program in its place that sends others.
     #[must_use]
     pub fn of(service: Service, payload: &Payload) -> Self {
-        let details = match service {
-            Service::Plant => payload.read().map(Box::new).map(Self::Plant),
-            Service::PerceptionSim => payload.read().map(Box::new).map(Self::Perception),
-            Service::V2xSim => payload.read::<Option<_>>().flatten().map(Box::new).map(Self::Link),
-            Service::Controller => payload.read().map(Box::new).map(Self::Controller),
-            Service::Aebs => payload.read().map(Box::new).map(Self::Aebs),
-            Service::Obu => payload.read().map(Box::new).map(Self::Obu),
-        };
-        details.unwrap_or(Self::None)
+        let reader = READERS.into_iter().find(|(of, _)| *of == service);
+        reader.and_then(|(_, read)| read(payload)).unwrap_or(Self::None)
     }
 }
 

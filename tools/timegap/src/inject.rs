@@ -1,9 +1,12 @@
 //! `timegap inject`: inject a fault into a run in progress.
 
+mod options;
+
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use group::{Error, Failure, control};
 use messages::{Service, Topic, UnknownService};
+use options::FaultOptions;
 use report::print;
 use runtime::Group;
 use scenario::Problem;
@@ -23,43 +26,8 @@ pub struct InjectArguments {
     pub kind: Kind,
     /// Target: a service or a topic; for `kill-helper` recorder, janitor or launcher
     pub target: Option<String>,
-    /// Duration, s [default: to the end of the run]
-    #[arg(long = "for", value_name = "SECONDS")]
-    pub length: Option<f64>,
-    /// Delay from now to the begin, s
-    #[arg(long = "in", value_name = "SECONDS")]
-    pub after: Option<f64>,
-    /// Probability for each message [default: 1]
-    #[arg(long)]
-    pub probability: Option<f64>,
-    /// `delay`: least delay, ms
-    #[arg(long, value_name = "MS")]
-    pub delay_ms: Option<i64>,
-    /// `delay`: random addition of at most this, ms
-    #[arg(long, value_name = "MS")]
-    pub jitter_ms: Option<i64>,
-    /// `corrupt`: number of flipped bits in a message
-    #[arg(long)]
-    pub bits: Option<i64>,
-    /// `bias`: field: gap_m, relative_speed_mps, speed_mps or end_s
-    #[arg(long)]
-    pub field: Option<String>,
-    /// `bias`: added value; `stale`, `clock-step`: shift of the stamps, s
-    #[arg(long, allow_hyphen_values = true)]
-    pub amount: Option<f64>,
-    /// `hog`: core [default: all]
-    #[arg(long)]
-    pub core: Option<i64>,
-    /// `memory`: size, MiB
-    #[arg(long)]
-    pub megabytes: Option<i64>,
-    /// `restart-storm`: number of kills
-    #[arg(long)]
-    pub times: Option<i64>,
-    /// `restart-storm`: time from the start of each next process to its kill, ms [default: until it takes
-    /// part]
-    #[arg(long, value_name = "MS")]
-    pub after_start_ms: Option<i64>,
+    #[command(flatten)]
+    options: FaultOptions,
     /// Print the answer as JSON, and nothing else
     #[arg(long)]
     pub json: bool,
@@ -161,7 +129,7 @@ fn root(results: &Path) -> Result<PathBuf, InjectError> {
 /// The fault that the options describe: keys of a fault in a file under other names.
 fn fault(arguments: &InjectArguments) -> Result<Fault, InjectError> {
     if let Some(target) = &arguments.target
-        && HELPERS.contains(&target.as_str())
+        && is_helper(target)
         && arguments.kind != Kind::KillHelper
     {
         return Err(InjectError::Helper(target.clone()));
@@ -170,25 +138,10 @@ fn fault(arguments: &InjectArguments) -> Result<Fault, InjectError> {
         None => None,
         Some(target) => Some((key_of(target)?, Value::from(target.as_str()))),
     };
-    let number = |value: Option<f64>| value.map(Value::Float);
-    let whole = |value: Option<i64>| value.map(Value::Integer);
-    let options = [
-        ("kind", Some(arguments.kind.name().into())),
-        ("for_s", number(arguments.length)),
-        ("at_s", number(arguments.after)),
-        ("probability", number(arguments.probability)),
-        ("delay_ms", whole(arguments.delay_ms)),
-        ("jitter_ms", whole(arguments.jitter_ms)),
-        ("bits", whole(arguments.bits)),
-        ("field", arguments.field.as_deref().map(Value::from)),
-        ("amount", number(arguments.amount)),
-        ("core", whole(arguments.core)),
-        ("megabytes", whole(arguments.megabytes)),
-        ("times", whole(arguments.times)),
-        ("after_start_ms", whole(arguments.after_start_ms)),
-    ];
-    let given = options.into_iter().filter_map(|(key, value)| Some((key, value?))).chain(target);
-    let table = given.map(|(key, value)| (key.to_owned(), value)).collect();
+    let kind = ("kind".to_owned(), Value::from(arguments.kind.name()));
+    let target = target.map(|(key, value)| (key.to_owned(), value));
+    let mut table = arguments.options.keys.clone();
+    table.extend(std::iter::once(kind).chain(target));
     faults::read(table).map_err(InjectError::Fault)
 }
 
@@ -196,24 +149,23 @@ fn fault(arguments: &InjectArguments) -> Result<Fault, InjectError> {
 fn in_options(problem: &Problem) -> String {
     let option = match problem.path.strip_prefix("fault.") {
         None => return problem.message.clone(),
-        Some("service" | "topic") => "the target".to_owned(),
-        Some("for_s") => "--for".to_owned(),
-        Some("at_s") => "--in".to_owned(),
-        Some(key) => format!("--{}", key.replace('_', "-")),
+        Some("service" | "topic" | "helper") => "the target".to_owned(),
+        Some(key) => format!("--{}", options::name(key)),
     };
     format!("{option}: {}, expected {}", problem.message, problem.expected)
 }
-
-/// Processes other than services.
-const HELPERS: [&str; 3] =
-    [Helper::Recorder.name(), Helper::Janitor.name(), Helper::Launcher.name()];
 
 /// The key of a target.
 fn key_of(target: &str) -> Result<&'static str, InjectError> {
     match (target.parse::<Service>(), Topic::by_name(target)) {
         (Ok(_), _) => Ok("service"),
         (Err(_), Some(_)) => Ok("topic"),
-        _ if HELPERS.contains(&target) => Ok("helper"),
+        _ if is_helper(target) => Ok("helper"),
         (Err(unknown), None) => Err(InjectError::Target(unknown)),
     }
+}
+
+/// True for the name of a process that is no service.
+fn is_helper(target: &str) -> bool {
+    Helper::ALL.into_iter().any(|helper| helper.name() == target)
 }

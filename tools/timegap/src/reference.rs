@@ -5,7 +5,7 @@ use controller::law::Descriptor;
 use controller::laws;
 use messages::{Element, LAYOUT_VERSION, Layout, TOPICS};
 use recorder::schema as layouts;
-use scenario::schema::{self, Key, Shape};
+use scenario::schema::{self, Key, Shape, Variant};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 
@@ -69,7 +69,7 @@ fn property(key: &Key) -> Value {
 fn of_shape(shape: &Shape) -> Value {
     match shape {
         Shape::Boolean => json!({ "type": "boolean" }),
-        Shape::Number { is_whole, range } => {
+        Shape::Number { is_whole, range, .. } => {
             let mut value = json!({ "type": if *is_whole { "integer" } else { "number" } });
             if let Some((least, most)) = range {
                 value["minimum"] = json!(least);
@@ -86,19 +86,20 @@ fn of_shape(shape: &Shape) -> Value {
         }
         Shape::Table(keys) => table(keys),
         Shape::Choice(variants) => {
-            let words: Vec<_> = variants
-                .iter()
-                .filter(|(_, shape)| shape.is_none())
-                .map(|(name, _)| name)
-                .collect();
-            let tables = variants.iter().filter_map(|(name, shape)| {
+            let (tables, words): (Vec<_>, Vec<_>) =
+                variants.iter().partition(|variant| variant.shape.is_some());
+            let words: Vec<_> = words.iter().map(|variant| &variant.name).collect();
+            let tables = tables.iter().filter_map(|Variant { name, meaning, shape }| {
                 let mut only = json!({ "type": "object", "additionalProperties": false });
                 only["properties"] = json!({ (name.as_str()): of_shape(shape.as_ref()?) });
                 only["required"] = json!([name]);
+                only["description"] = json!(meaning);
                 Some(only)
             });
-            let mut forms = vec![json!({ "enum": words })];
-            forms.extend(tables);
+            let mut forms: Vec<_> = tables.collect();
+            if !words.is_empty() {
+                forms.insert(0, json!({ "enum": words }));
+            }
             if forms.len() == 1 { forms.remove(0) } else { json!({ "anyOf": forms }) }
         }
         Shape::Kinds(kinds) => {
@@ -161,7 +162,7 @@ fn below(page: &mut String, path: &str, shape: &Shape) {
         Shape::Table(keys) => section(page, path, keys),
         Shape::List(element) => below(page, &format!("{path}[]"), element),
         Shape::Choice(variants) => {
-            for (name, shape) in variants {
+            for Variant { name, shape, .. } in variants {
                 if let Some(shape) = shape {
                     below(page, &format!("{path}.{name}"), shape);
                 }
@@ -220,7 +221,8 @@ fn kind(shape: &Shape) -> String {
         }
         Shape::Table(_) | Shape::Kinds(_) => "table".into(),
         Shape::Choice(variants) => {
-            let names: Vec<_> = variants.iter().map(|(name, _)| format!("`{name}`")).collect();
+            let names: Vec<_> =
+                variants.iter().map(|variant| format!("`{}`", variant.name)).collect();
             names.join(", ")
         }
         Shape::Free => "table".into(),

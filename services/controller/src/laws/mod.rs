@@ -93,8 +93,8 @@ pub fn check(scenario: &Scenario) -> Result<Reads, Problem> {
             Some(table) => (table.check)(controller, name)?,
             None => {
                 let known = accepted(name, tables.iter().map(|table| table.name));
-                let sentence = format!("unknown key `{name}`, expected {known}");
-                return Err(controller.tables.refuse(name, &sentence));
+                let message = format!("unknown key `{name}`");
+                return Err(controller.tables.refuse(name, &message, &known));
             }
         }
     }

@@ -80,8 +80,8 @@ fn others(key: &Key) -> Vec<String> {
     match &key.shape {
         Shape::Boolean => vec!["true".into(), "false".into()],
         Shape::Text { words } => words.clone(),
-        Shape::Choice(words) => words.iter().map(|(word, _)| word.clone()).collect(),
-        Shape::Number { is_whole, range } => {
+        Shape::Choice(words) => words.iter().map(|word| word.name.clone()).collect(),
+        Shape::Number { is_whole, range, .. } => {
             let default = key.default.as_ref();
             let default =
                 default.and_then(|value| value.as_float().or(value.as_integer().map(|n| n as f64)));

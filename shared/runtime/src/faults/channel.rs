@@ -1,4 +1,4 @@
-//! What happens to messages on their way: between their arrival and a receiver's check.
+//! Faults of messages on their way: between their arrival and a receiver's check.
 
 use super::activation::Faults;
 use crate::transport::Sealing;
@@ -42,7 +42,7 @@ impl<T: Message> ChannelFaults<T> {
         now_ns: i64,
     ) -> bool {
         let in_use = T::LAYOUT.bytes_in_use(bytemuck::bytes_of(message));
-        // What is checked as a copy is checked by its CRC too.
+        // A message that is checked as a copy is checked by its CRC too.
         let copy = || {
             let mut copy = *message;
             if sealing == Sealing::Unsealed {
@@ -58,9 +58,9 @@ impl<T: Message> ChannelFaults<T> {
         let (mut copies, mut reordered) = (1, false);
         faults.activate(Effect::of_channels, T::TOPIC, identity, now_ns, |fault, activation| {
             match fault.disturbance {
-                Disturbance::Drop => copies = 0,
-                Disturbance::Duplicate => copies += u32::from(copies > 0),
-                Disturbance::Reorder => reordered = true,
+                Disturbance::Drop {} => copies = 0,
+                Disturbance::Duplicate {} => copies += u32::from(copies > 0),
+                Disturbance::Reorder {} => reordered = true,
                 Disturbance::Delay { delay_ms, jitter_ms } => {
                     let jitter = jitter_ms.nanoseconds() as f64 * random::unit(activation.draw(1));
                     due_ns = due_ns.saturating_add_unsigned(delay_ms.nanoseconds() + jitter as u64);

@@ -35,7 +35,7 @@ impl<T: Message> SenderFaults<T> {
                             .copy_from_slice(&bytemuck::bytes_of(&**last)[content]);
                     }
                 }
-                Falsification::Bias { field, amount } => bias(message, field, amount.value()),
+                Falsification::Bias { field, amount, .. } => bias(message, field, amount.value()),
                 Falsification::Stale { amount, .. } => {
                     message.header_mut().acquisition_ns -= nanoseconds(amount);
                 }

@@ -22,7 +22,7 @@ thread_local! {
 /// The yielder of the task that runs.
 type Slot = Rc<Cell<Option<NonNull<Yielder<(), ()>>>>>;
 
-/// What lets the code of a task wait for its next turn.
+/// Handle by which the code of a task waits for its next turn.
 ///
 /// It holds the yielder exactly while its task runs: a wait at any other time is a panic.
 #[derive(Clone, Debug, Default)]
@@ -52,7 +52,7 @@ impl Drop for Running<'_> {
     }
 }
 
-/// How a turn of a task ended.
+/// End of a turn of a task.
 #[derive(Debug)]
 pub(crate) enum Turn {
     /// It waits.
@@ -86,7 +86,7 @@ impl Task {
             None => DefaultStack::new(STACK_BYTES)
                 .map_err(RuntimeError::setup("a stack for a service"))?,
         };
-        // What it holds is too big to be handed to the new stack by value.
+        // Its content is too big to be handed to the new stack by value.
         let body = Box::new(body);
         Ok(Self(Some(Coroutine::with_stack(stack, move |yielder, ()| {
             pause.0.set(Some(NonNull::from(yielder)));

@@ -17,7 +17,7 @@ use scenario::Scenario;
 use std::path::PathBuf;
 use std::rc::Rc;
 
-/// What a service does from its start to its end.
+/// The code of a service from its start to its end.
 pub type Entry = fn(Runtime) -> Result<(), RuntimeError>;
 
 /// Wall time after which a wait for a due sample gives up, ns. Messages in memory come at once or not

@@ -23,12 +23,12 @@ use std::sync::mpsc::{Receiver, sync_channel};
 pub struct StartOrder {
     /// Run time 0, in `CLOCK_MONOTONIC` ns.
     pub start_ns: i64,
-    /// The process that this one is to stand by for; none for an active process.
+    /// The process that this one stands by for; `None` for an active process.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub standby_for: Option<ActiveProcess>,
 }
 
-/// What the launcher says to a service.
+/// Message of the launcher to a service.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ToService {
@@ -52,7 +52,7 @@ pub enum ToService {
 /// that a program which does not expect it is not harmed.
 pub const PEER_JOINED: i32 = signal_hook::consts::SIGURG;
 
-/// What a service says to the launcher.
+/// Message of a service to the launcher.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FromService {
@@ -105,7 +105,7 @@ pub(crate) struct Link {
     pub(crate) joined: Arc<AtomicBool>,
     /// The vehicle is to be brought to a stop.
     pub(crate) safe_stop: Arc<AtomicBool>,
-    /// Where a standby hears that it is to take over.
+    /// Slot in which a standby finds the order to take over.
     pub(crate) take_over: OrderSlot,
     /// The order to take part, of a process that was started ahead.
     joins: Option<Receiver<()>>,
@@ -113,7 +113,7 @@ pub(crate) struct Link {
     thread: Arc<AtomicI32>,
 }
 
-/// How the link's messages go.
+/// Way of the link's messages.
 #[derive(Debug)]
 enum Way {
     /// By the standard streams; the start order comes from the thread that reads them.
@@ -122,10 +122,10 @@ enum Way {
     Memory(Desk, Pause),
 }
 
-/// Where a service and the launcher in its thread leave word for each other.
+/// Mailbox of a service and of the launcher in its thread.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Desk {
-    /// What the service said, oldest first.
+    /// Messages of the service, oldest first.
     pub(crate) said: Rc<RefCell<VecDeque<FromService>>>,
     /// The start order.
     pub(crate) start: Rc<Cell<Option<StartOrder>>>,

@@ -11,9 +11,9 @@ use std::os::unix::fs::FileExt;
 
 /// The last argument of a process that is started ahead.
 pub const PREPARED: &str = "prepared";
-/// How the name of a service's process begins.
+/// Beginning of the name of a service's process.
 pub const NAME_PREFIX: &str = "timegap-";
-/// How the name of a process that is started ahead begins.
+/// Beginning of the name of a process that is started ahead.
 pub const PREPARED_PREFIX: &str = "prepare-";
 
 // One takes the place of the other.

@@ -127,7 +127,7 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
         Ok(Self::with(Worker::Thread { shared, thread: Some(thread) }, mode, delay_ns))
     }
 
-    /// Whether a question is open.
+    /// True if a question is open.
     #[must_use]
     pub fn is_busy(&self) -> bool {
         self.due_ns.is_some()

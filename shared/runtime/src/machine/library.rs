@@ -24,9 +24,9 @@ type Destroy = unsafe extern "C" fn(*mut c_void);
 
 /// Reasons why a file is no law.
 #[derive(Debug, thiserror::Error)]
+#[error("{}, expected {}", self.message(), self.expected())]
 pub enum LibraryError {
     /// The linker does not load it.
-    #[error("cannot load {}: {reason}, expected a shared library", path.display())]
     NotLoaded {
         /// The file.
         path: PathBuf,
@@ -34,9 +34,6 @@ pub enum LibraryError {
         reason: String,
     },
     /// A function is missing.
-    #[error(
-        "{} has no function {function}, expected those of `timegap layouts --law --c`", path.display()
-    )]
     NoFunction {
         /// The file.
         path: PathBuf,
@@ -44,10 +41,6 @@ pub enum LibraryError {
         function: &'static str,
     },
     /// Its records are of another layout.
-    #[error(
-        "{} has records of layout version {found}, expected {LAYOUT_VERSION} (`timegap layouts --law --c`)",
-        path.display()
-    )]
     OtherLayout {
         /// The file.
         path: PathBuf,
@@ -55,11 +48,40 @@ pub enum LibraryError {
         found: String,
     },
     /// It made no law.
-    #[error("timegap_law_create of {} returned a null pointer", path.display())]
     NoLaw {
         /// The file.
         path: PathBuf,
     },
+}
+
+impl LibraryError {
+    /// What is wrong.
+    #[must_use]
+    pub fn message(&self) -> String {
+        match self {
+            Self::NotLoaded { path, reason } => format!("cannot load {}: {reason}", path.display()),
+            Self::NoFunction { path, function } => {
+                format!("{} has no function {function}", path.display())
+            }
+            Self::OtherLayout { path, found } => {
+                format!("{} has records of layout version {found}", path.display())
+            }
+            Self::NoLaw { path } => {
+                format!("timegap_law_create of {} returned a null pointer", path.display())
+            }
+        }
+    }
+
+    /// What would have been right.
+    #[must_use]
+    pub fn expected(&self) -> String {
+        match self {
+            Self::NotLoaded { .. } => "a shared library".to_owned(),
+            Self::NoFunction { .. } => "those of `timegap layouts --law --c`".to_owned(),
+            Self::OtherLayout { .. } => format!("{LAYOUT_VERSION} (`timegap layouts --law --c`)"),
+            Self::NoLaw { .. } => "a law".to_owned(),
+        }
+    }
 }
 
 /// A law that a shared library computes. The library stays loaded until the process ends.

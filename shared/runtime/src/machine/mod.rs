@@ -1,4 +1,4 @@
-//! What a service asks of the machine: scheduling, processes, threads, programs.
+//! Requests of a service to the machine: scheduling, processes, threads, programs.
 
 pub mod background;
 pub mod library;

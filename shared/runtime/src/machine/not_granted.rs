@@ -1,9 +1,9 @@
-//! What the kernel refuses a loop.
+//! Requests that the kernel refuses a loop.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// What is asked of the kernel.
+/// A request to the kernel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Asked {
     /// Sleeps that end on time without real-time priority.
@@ -34,7 +34,7 @@ impl fmt::Display for Asked {
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub struct NotGranted {
-    /// What was asked for.
+    /// The request.
     pub what: Asked,
     /// The kernel's reason.
     pub why: String,

@@ -7,7 +7,7 @@ use std::io::Read;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 
-/// A program that is none of timegap's own.
+/// A program of the user's.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Program {
     /// Name of the file that was written for the purpose, without its directory and its ending.
@@ -22,33 +22,56 @@ pub struct Program {
 
 /// Why a command names no program.
 #[derive(Debug, thiserror::Error)]
+#[error("{}, expected {}", self.message(), self.expected())]
 pub enum ProgramError {
     /// There are no words.
-    #[error("no program, expected its name and its arguments, a text each")]
     Empty,
     /// No such file.
-    #[error("there is no program `{0}`, expected the path of a program or its name on the PATH")]
     Missing(String),
     /// A file that cannot be run.
-    #[error(
-        "`{0}` is not an executable file, expected one (a script needs a `#!` line and the permission to execute)"
-    )]
     NotExecutable(String),
     /// A file that cannot be read.
-    #[error("cannot read {}: {reason}", path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The system's error.
         reason: std::io::Error,
     },
+}
+
+impl ProgramError {
+    /// What is wrong.
+    #[must_use]
+    pub fn message(&self) -> String {
+        match self {
+            Self::Empty => "no program".to_owned(),
+            Self::Missing(name) => format!("there is no program `{name}`"),
+            Self::NotExecutable(name) => format!("`{name}` is not an executable file"),
+            Self::Unreadable { path, reason } => {
+                format!("cannot read {}: {reason}", path.display())
+            }
+        }
+    }
+
+    /// What would have been right.
+    #[must_use]
+    pub const fn expected(&self) -> &'static str {
+        match self {
+            Self::Empty => "its name and its arguments, a text each",
+            Self::Missing(_) => "the path of a program or its name on the PATH",
+            Self::NotExecutable(_) => {
+                "one (a script needs a `#!` line and the permission to execute)"
+            }
+            Self::Unreadable { .. } => "a file that can be read",
+        }
+    }
 }
 
 impl Program {
     /// The program of `command`, whose relative paths start at `directory`.
     ///
     /// # Errors
-    /// [`ProgramError`] where there is none.
+    /// [`ProgramError`] if there is no program.
     pub fn of(command: &[String], directory: &Path) -> Result<Self, ProgramError> {
         let executable = executable(command, directory)?;
         let file = script(command, directory).unwrap_or(executable);
@@ -85,7 +108,7 @@ impl Program {
 /// The file that runs when `command` is started in `directory`.
 ///
 /// # Errors
-/// [`ProgramError`] where there is none.
+/// [`ProgramError`] if there is no program.
 pub fn executable(command: &[String], directory: &Path) -> Result<PathBuf, ProgramError> {
     let name = command.first().filter(|name| !name.is_empty()).ok_or(ProgramError::Empty)?;
     let is_executable = |path: &Path| {

@@ -1,4 +1,4 @@
-//! What a service asks of the kernel for its loop, and what it got.
+//! Scheduling of a service's loop: the request, and the kernel's grant.
 //!
 //! In the order of their worth: timer slack of 1 ns (always granted), `SCHED_FIFO`, locked memory,
 //! a core of its own. Nothing here fails: what is not granted is reported, as read back from the
@@ -34,31 +34,31 @@ impl fmt::Display for Policy {
     }
 }
 
-/// What a service asks for.
+/// Request of a service.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Request {
     /// Policy.
     pub policy: Policy,
     /// Core to be pinned to.
     pub core: Option<usize>,
-    /// Whether to lock all memory.
+    /// True to lock all memory.
     pub lock_memory: bool,
 }
 
 impl Request {
-    /// What the scenario asks for `service`. Without a core of its choice it shares the last core that
+    /// The scenario's request for `service`. Without a core of its choice it shares the last core that
     /// this process may use with the others ([`scenario::runtime`] says why).
     #[must_use]
     pub fn of(scenario: &Scenario, service: Service) -> Self {
-        let services = &scenario.runtime.services;
+        let runtime = &scenario.runtime;
         let default = usable_cores().last().copied();
         Self {
-            policy: match scenario.runtime.scheduling {
-                Scheduling::Fifo => Policy::Fifo(services.priority(service)),
+            policy: match runtime.scheduling {
+                Scheduling::Fifo => Policy::Fifo(runtime.priority(service)),
                 Scheduling::Other => Policy::Other,
             },
-            core: services.of(service).core.map(|core| core.value().into()).or(default),
-            lock_memory: scenario.runtime.lock_memory,
+            core: runtime.services.of(service).core.map(|core| core.value().into()).or(default),
+            lock_memory: runtime.lock_memory,
         }
     }
 
@@ -74,18 +74,18 @@ impl Request {
     pub(crate) const NOTHING: Self = Self { policy: Policy::Other, core: None, lock_memory: false };
 }
 
-/// What a service got, read back from the kernel.
+/// Grant to a service, read back from the kernel.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Granted {
     /// Policy asked for.
     pub requested: String,
     /// Policy in force.
     pub granted: String,
-    /// Core that the loop is pinned to; none if it may run on any.
+    /// Core that the loop is pinned to; `None` if it may run on all.
     pub core: Option<usize>,
-    /// Whether all memory is locked.
+    /// True if all memory is locked.
     pub memory_locked: bool,
-    /// What was not granted.
+    /// Requests that were not granted.
     pub refused: Vec<NotGranted>,
 }
 
@@ -169,7 +169,7 @@ pub fn lend_to(pid: u32, scenario: &Scenario, service: Service) {
     }
 }
 
-/// The priority below those of all services; 0 for none.
+/// The priority below those of all services; 0 if there is no such priority.
 fn below_services(scenario: &Scenario) -> u8 {
     let priorities = Service::ALL.map(|service| Request::of(scenario, service).priority());
     priorities.into_iter().min().unwrap_or(0).saturating_sub(1)
@@ -192,7 +192,7 @@ pub fn set_fifo_of(thread: i32, priority: u8) {
     }
 }
 
-/// What the calling thread has without asking.
+/// The calling thread's scheduling before any request.
 pub(crate) fn in_force() -> Granted {
     let policy = policy_in_force().to_string();
     Granted {
@@ -246,7 +246,7 @@ pub fn pin_to(core: usize) -> Result<(), PinError> {
 /// Why a thread cannot be pinned to a core.
 #[derive(Debug, thiserror::Error)]
 pub enum PinError {
-    /// No system has so many cores.
+    /// More cores than any system has.
     #[error("there is no core {0}")]
     NoSuchCore(usize),
     /// The system refuses it.

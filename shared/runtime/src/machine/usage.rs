@@ -1,4 +1,4 @@
-//! What a thread used of the machine: the kernel's account of context switches and page faults.
+//! Use of the machine by a thread: the kernel's account of context switches and page faults.
 
 #![allow(unsafe_code, reason = "no crate wraps getrusage for one thread")]
 
@@ -35,7 +35,7 @@ impl Usage {
         }
     }
 
-    /// What was used since `earlier`.
+    /// The use since `earlier`.
     #[must_use]
     pub fn since(&self, earlier: &Self) -> Self {
         let since = |now: u32, then: u32| now.wrapping_sub(then);

@@ -15,7 +15,7 @@ const FUTURE_TOLERANCE_NS: i64 = 5_000_000;
 /// Periods of its source after which a topic without a message counts as silent.
 const SILENCE: f64 = 1.5;
 
-/// How often messages of a topic are expected in a group.
+/// Expected period of messages of a topic in a group.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Expected {
     /// The service that sends them.

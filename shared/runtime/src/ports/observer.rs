@@ -51,7 +51,7 @@ impl Observer {
     }
 }
 
-/// What an observer hears on one topic.
+/// The messages of one topic, as an observer receives them.
 #[derive(Debug)]
 pub struct Observed<T: Message>(Subscriber<T>);
 
@@ -64,7 +64,7 @@ impl<T: Message> Observed<T> {
         self.0.drain(u64::MAX, each)
     }
 
-    /// What was received so far.
+    /// Messages received so far.
     #[must_use]
     pub fn received(&self) -> ReceivedTopic {
         self.0.tally().borrow().received(T::TOPIC)

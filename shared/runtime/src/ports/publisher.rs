@@ -79,7 +79,7 @@ impl<T: Message> Publisher<T> {
         Self { port, outlet: Rc::new(RefCell::new(outlet)) }
     }
 
-    /// What it keeps back.
+    /// The message that it keeps back.
     pub(crate) fn backlog(&self) -> Rc<dyn Backlog> {
         Rc::clone(&self.outlet) as Rc<dyn Backlog>
     }

@@ -21,7 +21,7 @@ pub(crate) struct Ports {
     connections: Vec<(Topic, Rc<dyn Connect>)>,
     /// Receiving ends that a restarted service waits for.
     inputs: Vec<Rc<dyn Input>>,
-    /// What the ports keep back while this process is a standby.
+    /// Messages that the ports keep back while this process is a standby.
     backlogs: Vec<Rc<dyn Backlog>>,
 }
 
@@ -66,7 +66,7 @@ impl Ports {
         self.received.push((topic, tally));
     }
 
-    /// What carries the messages.
+    /// Carrier of the messages.
     pub(crate) fn carrier(&self) -> Carrier {
         match self.transport {
             Transport::SharedMemory(_) => Carrier::SharedMemory,

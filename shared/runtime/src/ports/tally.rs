@@ -1,4 +1,4 @@
-//! What a port counted.
+//! Counts of a port.
 
 use crate::Mode;
 use crate::report::{ReceivedTopic, SentTopic};
@@ -20,7 +20,7 @@ pub(crate) struct Tally {
     /// Bytes that were copied to take the messages.
     pub(crate) copied_bytes: u64,
     pub(crate) e2e: Outcomes,
-    /// Of what was sent, in lockstep, where messages are sealed.
+    /// Digest of the sent messages, in lockstep, if they are sealed.
     digest: Option<Box<Xxh3Default>>,
 }
 
@@ -34,13 +34,13 @@ impl std::fmt::Debug for Tally {
 }
 
 impl Tally {
-    /// Of a sending port.
+    /// Counts of a sending port.
     pub(crate) fn of_sender(mode: Mode, sealing: Sealing) -> Rc<RefCell<Self>> {
         let digest = (mode == Mode::Lockstep && sealing == Sealing::Sealed).then(Box::default);
         Rc::new(RefCell::new(Self { digest, ..Self::default() }))
     }
 
-    /// Of a receiving port.
+    /// Counts of a receiving port.
     pub(crate) fn of_receiver() -> Rc<RefCell<Self>> {
         Rc::default()
     }

@@ -36,7 +36,7 @@ impl Tap {
     }
 }
 
-/// What a tap hears on one topic.
+/// The messages of one topic, as a tap receives them.
 #[derive(Debug)]
 pub struct Tapped<T: Message> {
     port: Rc<dyn Receiver<T>>,

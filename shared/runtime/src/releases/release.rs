@@ -1,6 +1,6 @@
 //! Releases: when a service's cycles begin.
 
-/// What a service does when it missed whole periods.
+/// Reaction of a service that missed whole periods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overrun {
     /// Runs every missed cycle, late: for the plant, whose integration knows no gaps.

@@ -1,4 +1,4 @@
-//! What a service does in every cycle.
+//! Work of every service in each cycle.
 
 use super::Runtime;
 use crate::machine::scheduling::give_up_priority;
@@ -20,7 +20,7 @@ pub fn count_allocations_by(counter: fn() -> u64) {
 /// Run time between two heartbeats, ns.
 const HEARTBEAT_NS: i64 = 100_000_000;
 
-/// What a cycle says of the run.
+/// Result of a cycle for the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cycle {
     /// It goes on.
@@ -33,7 +33,7 @@ impl Runtime {
     /// Runs cycles until one says that the run is over, or it is.
     ///
     /// # Errors
-    /// What a cycle says, but for [`RuntimeError::Stopped`], which is an end like any other.
+    /// The result of a cycle, except [`RuntimeError::Stopped`], which is an end like any other.
     pub fn run_cycles(
         &mut self,
         mut cycle: impl FnMut(&mut Self) -> Result<Cycle, RuntimeError>,

@@ -18,7 +18,7 @@ use crate::releases::schedule::Schedule;
 use crate::survival::Survival;
 use crate::survival::checkpoint::{Checkpoint, state_path};
 use crate::survival::fence::Fences;
-use crate::survival::kept::{Figures, RELEASE_JITTER};
+use crate::survival::figures::{Figures, RELEASE_JITTER};
 use crate::transport::{Carrier, Seat, SharedMemory, Transport, Turns};
 use crate::{Clock, Group, Mode, Publisher, RuntimeError, Subscriber, Usage};
 use messages::{EgoTruth, Heartbeat, Service};
@@ -54,11 +54,11 @@ pub struct Runtime {
 #[derive(Debug)]
 struct Injection {
     faults: Rc<Faults>,
-    /// What the ego does, for faults that wait for it, of a service that has no other use for it.
+    /// The ego's drive, for faults that wait for a phase of it, in a service without another use for it.
     drive: Option<Box<Subscriber<EgoTruth>>>,
 }
 
-/// What a service has from its beginning to its end.
+/// State of a service from its beginning to its end.
 #[derive(Debug)]
 struct Life {
     link: Link,
@@ -165,7 +165,7 @@ impl Runtime {
         self.survival.gate.is_standby()
     }
 
-    /// Where this service keeps state for the process that may take its place.
+    /// State that this service keeps for the process that may take its place.
     ///
     /// # Errors
     /// [`RuntimeError::Setup`] if shared memory has no room for it.
@@ -199,7 +199,7 @@ impl Runtime {
         }
     }
 
-    /// What carries this service's messages.
+    /// Carrier of this service's messages.
     pub(crate) fn carrier(&self) -> Carrier {
         self.ports.carrier()
     }
@@ -219,7 +219,7 @@ impl Runtime {
         }
     }
 
-    /// What the calling thread used of the machine so far; nothing in simulated time, whose messages
+    /// Use of the machine by the calling thread so far; nothing in simulated time, whose messages
     /// repeat to the byte.
     #[must_use]
     pub fn usage(&self) -> Usage {

@@ -72,7 +72,7 @@ impl Runtime {
         Ok(Subscriber::new(port, waiter, Box::new(intake), checks, tally))
     }
 
-    /// How often messages of `topic` are expected.
+    /// Expected period of messages of `topic`.
     fn expected(&self, topic: Topic) -> Option<Expected> {
         let source = topic.source(&self.scenario.services())?;
         let timetable = &self.group.timetable;

@@ -33,7 +33,7 @@ impl Runtime {
     }
 }
 
-/// Peak resident set of this process, KiB; 0 where the kernel does not tell.
+/// Peak resident set of this process, KiB; 0 if the kernel does not give it.
 fn peak_rss_kib() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));

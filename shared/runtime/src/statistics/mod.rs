@@ -2,14 +2,14 @@
 
 pub mod histogram_log;
 
-use crate::survival::kept_buckets::KeptBuckets;
+use crate::words::Counters;
 use hdrhistogram::Histogram;
 use serde::{Deserialize, Serialize};
 
-/// Longest duration a histogram tells apart, ns; longer ones are counted as this.
+/// Longest duration that a histogram distinguishes, ns; longer ones are counted as this.
 const HIGHEST_NS: u64 = 60_000_000_000;
 
-/// Bits of a duration that its bucket tells: two decimal digits need 200 steps.
+/// Leading bits of a duration that determine its bucket: two decimal digits need 200 steps.
 const DIGIT_BITS: u32 = 8;
 /// Buckets of a histogram.
 pub(crate) const BUCKETS: usize = bucket(HIGHEST_NS) + 1;
@@ -40,12 +40,12 @@ const fn longest_ns(bucket: usize) -> u64 {
 #[serde(from = "Vec<(u64, u64)>", into = "Vec<(u64, u64)>")]
 pub struct Latencies(Counts);
 
-/// Where the counts are.
+/// Place of the counts.
 #[derive(Debug)]
 enum Counts {
     Own(OwnBuckets),
     /// In shared memory, with those of the processes before this one.
-    Kept(KeptBuckets),
+    Kept(Counters),
 }
 
 /// Buckets of a page: those of one doubling.
@@ -58,7 +58,7 @@ const PAGES: usize = BUCKETS.div_ceil(PAGE);
 struct OwnBuckets {
     /// The pages, in the order in which they were first recorded in.
     counts: Vec<u64>,
-    /// Where each page is among them, counted from 1; 0: nowhere.
+    /// Place of each page among them, counted from 1; 0: it is not there.
     places: [u8; PAGES],
 }
 
@@ -127,7 +127,7 @@ impl Latencies {
     }
 
     /// One whose counts outlive the process.
-    pub(crate) fn kept(buckets: KeptBuckets) -> Self {
+    pub(crate) fn kept(buckets: Counters) -> Self {
         Self(Counts::Kept(buckets))
     }
 
@@ -136,7 +136,7 @@ impl Latencies {
         let bucket = bucket(u64::try_from(duration_ns).unwrap_or(0).min(HIGHEST_NS));
         match &mut self.0 {
             Counts::Own(own) => own.add(bucket, 1),
-            Counts::Kept(buckets) => buckets.add(bucket),
+            Counts::Kept(buckets) => buckets.add(bucket, 1),
         }
     }
 
@@ -148,7 +148,7 @@ impl Latencies {
         };
         let count = |bucket: usize| match &self.0 {
             Counts::Own(own) => own.count(bucket),
-            Counts::Kept(buckets) => buckets.count(bucket),
+            Counts::Kept(buckets) => buckets.get(bucket),
         };
         let buckets = |page: usize| page * PAGE..BUCKETS.min((page + 1) * PAGE);
         let all = (0..PAGES).filter(is_there).flat_map(buckets);

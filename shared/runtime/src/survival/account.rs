@@ -35,7 +35,7 @@ const _: () = assert!(MOST_FAULTS >= 2 * scenario::faults::MAX_FAULTS);
 #[derive(Debug)]
 pub(crate) struct Account(SharedWords);
 
-/// What a process had counted when it died. Counts wrap at 2³².
+/// Counts of a process when it died. They wrap at 2³².
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LastAccount {
     /// Cycles run.
@@ -46,7 +46,7 @@ pub struct LastAccount {
     pub sent: Vec<SentTopic>,
     /// Topics received.
     pub received: Vec<ReceivedTopic>,
-    /// What faults of messages did in its ports.
+    /// Effects of faults on the messages of its ports.
     pub faults: Vec<FaultStatistics>,
 }
 
@@ -114,7 +114,7 @@ impl Account {
             self.put(place + 2, begun_ns >> 32);
             self.put(place + 3, one.messages);
             self.put(place + 4, one.undetected);
-            // 0 is that of no fault.
+            // 0 marks the end of the faults.
             self.put(place, u64::from(one.fault) + 1);
             place += FAULT_STRIDE;
         });
@@ -171,7 +171,7 @@ impl Account {
     }
 }
 
-/// The page of another process; `None` if there is none: that of a process that is gone is not made again.
+/// The page of another process; `None` if it is gone: the page of an ended process is not made again.
 pub(crate) fn page(group: &Group, service: Service, incarnation: u32) -> Option<SharedWords> {
     SharedWords::map_existing(&name(&group.prefix, service, incarnation)).ok()
 }
@@ -186,7 +186,7 @@ pub(crate) fn progress(page: &SharedWords) -> u32 {
 pub struct Progress(SharedWords);
 
 impl Progress {
-    /// That of process `incarnation` of `service`; `None` if it keeps no account.
+    /// The progress of process `incarnation` of `service`; `None` if it keeps no account.
     #[must_use]
     pub fn of(group: &Group, service: Service, incarnation: u32) -> Option<Self> {
         page(group, service, incarnation).map(Self)
@@ -204,7 +204,7 @@ fn place(topic: Topic) -> usize {
     HEAD + topic as usize * STRIDE
 }
 
-/// What process `incarnation` of `service`, which is gone, had counted; `None` if it kept no account.
+/// The counts of process `incarnation` of `service`, which is gone; `None` if it kept no account.
 /// The page is removed.
 #[must_use]
 pub fn take_account(group: &Group, service: Service, incarnation: u32) -> Option<LastAccount> {

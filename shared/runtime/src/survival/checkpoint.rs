@@ -23,7 +23,7 @@ const WORD: usize = 4;
 /// Shared memory that a service takes for it, bytes.
 pub(crate) const MOST_BYTES: usize = 2 * SLOT;
 
-/// Where a service of the run with this prefix keeps its state.
+/// Name of the file in which a service of the run with this prefix keeps its state.
 pub(crate) fn state_path(prefix: &str, service: Service) -> PathBuf {
     Path::new("/dev/shm").join(format!("{prefix}{service}.state"))
 }
@@ -46,7 +46,7 @@ impl<T: DeserializeOwned> Checkpoint<T> {
         Ok(Self { words, saved: 0, slot: Box::new([0; SLOT]), state: std::marker::PhantomData })
     }
 
-    /// The newest state that `service`, which is gone, kept in its run; `None` if it kept none.
+    /// The newest state that `service`, which is gone, kept in its run; `None` if it kept no state.
     #[must_use]
     pub fn last(group: &Group, service: Service) -> Option<T> {
         let path = state_path(&group.prefix, service);

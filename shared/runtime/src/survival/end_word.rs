@@ -22,7 +22,7 @@ use std::sync::mpsc::sync_channel;
 const WAITERS: u32 = 0x8000_0000;
 const OWNER_DIED: u32 = 0x4000_0000;
 
-/// Words of one service, one for each of so many processes in a row.
+/// Words of one service, one for each of its processes in a row.
 const WORDS: u32 = 15;
 
 /// `struct robust_list` of linux/futex.h.
@@ -104,7 +104,7 @@ fn own(word: &AtomicU32) {
     word.store(if code == 0 { owner } else { 0 }, Ordering::SeqCst);
 }
 
-/// Waits for the end of a service's process; false if it announces none.
+/// Waits for the end of a service's process; false if the process does not announce its end.
 pub(crate) fn wait(page: &SharedWords, service: Service, incarnation: u32) -> bool {
     let word = word(page, service, incarnation);
     loop {

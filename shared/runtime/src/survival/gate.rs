@@ -1,11 +1,11 @@
-//! Whether a process's messages leave it: a standby keeps them back, a replaced process may not send.
+//! The gate for a process's messages: a standby keeps them back, a replaced process may not send.
 
 use crate::survival::fence::{self, Fences};
 use messages::Service;
 use std::cell::Cell;
 use std::sync::atomic::AtomicU32;
 
-/// What becomes of a message that is to be sent.
+/// Decision on a message that is to be sent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Passage {
     /// It is sent.
@@ -35,7 +35,7 @@ impl Gate {
         Self::of(None, service, 0)
     }
 
-    /// The process is a standby from now on, or is none any more.
+    /// Makes the process a standby, or ends that.
     pub(crate) fn set_standby(&self, is_standby: bool) {
         self.is_standby.set(is_standby);
     }
@@ -56,7 +56,7 @@ impl Gate {
         self.word().is_none_or(|word| fence::claim(word, self.incarnation))
     }
 
-    /// What becomes of a message that is sent now.
+    /// Decision on a message that is sent now.
     pub(crate) fn passage(&self) -> Passage {
         if self.is_standby() {
             return Passage::Held;

@@ -1,4 +1,4 @@
-//! What outlives a process, and what takes its place: counts, state, epochs, standbys.
+//! Survival of a process's end: counts and state that outlive it, epochs and standbys that replace it.
 //!
 //! ```text
 //! process ──► Account: counts of this process ─┐
@@ -10,22 +10,22 @@
 
 pub mod account;
 pub mod checkpoint;
+mod cycle_watch;
 pub mod end_word;
 pub mod fence;
+pub mod figures;
 pub mod gate;
-pub mod kept;
-pub mod kept_buckets;
 pub mod standby;
 
 use account::Account;
 use fence::Fences;
+use figures::Figures;
 use gate::Gate;
-use kept::Figures;
 use messages::Service;
 use standby::Standby;
 use std::rc::Rc;
 
-/// How one process survives its end, or its predecessor's.
+/// Parts by which a service survives the end of a process.
 #[derive(Debug)]
 pub(crate) struct Survival {
     /// In realtime, where a process may die and the run goes on.
@@ -55,14 +55,14 @@ impl Survival {
         self.figures.set_recording(false);
     }
 
-    /// Ends the time as a standby, of so many cycles and skipped releases.
+    /// Ends the time as a standby, in which `cycles` were run and `skipped` releases left out.
     pub(crate) fn become_active(&mut self, cycles: u64, skipped: u64) {
         self.standby = None;
         self.silent = (cycles, skipped);
         self.figures.set_recording(true);
     }
 
-    /// Of so many cycles and skipped releases, those of the active process.
+    /// The cycles and skipped releases of the active process, without those of the standby.
     pub(crate) fn counted(&self, cycles: u64, skipped: u64) -> (u64, u64) {
         (cycles - self.silent.0, skipped - self.silent.1)
     }

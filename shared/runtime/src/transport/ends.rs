@@ -1,4 +1,4 @@
-//! What all carriers offer: ends of topics that connect, send and receive.
+//! Interface of all carriers: ends of topics that connect, send and receive.
 
 use super::error::TransportError;
 use super::held::Held;
@@ -7,7 +7,7 @@ use crate::Timetable;
 use messages::{Message, Topic};
 use std::fmt::Debug;
 
-/// Whether messages carry their CRC and are counted into digests.
+/// Sealing of messages: their CRC, and their place in digests.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sealing {
     /// They do, as between processes.
@@ -51,7 +51,7 @@ pub trait Sender<T: Message>: Connect {
     /// Hands a message that was loaned here to all subscribers.
     fn send(&self, message: Loan<T>) -> Result<(), TransportError>;
 
-    /// Whether messages are to carry their CRC and to count into digests.
+    /// The sealing of messages.
     fn sealing(&self) -> Sealing {
         Sealing::Sealed
     }
@@ -104,7 +104,7 @@ pub trait Receiver<T: Message>: Connect + Input {
     /// Takes the oldest message not yet taken into `held`.
     fn receive(&self, held: &mut Held<T>) -> Result<Option<Arrival>, TransportError>;
 
-    /// Whether the messages carry their CRC.
+    /// True if the messages carry their CRC.
     fn sealing(&self) -> Sealing {
         Sealing::Sealed
     }

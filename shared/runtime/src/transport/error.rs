@@ -4,7 +4,7 @@ use messages::e2e::profile7;
 use std::error::Error;
 use std::io;
 
-/// What a carrier of messages, or a library or the system below it, refused.
+/// Refusal by a carrier of messages, or by a library or the system below it.
 #[derive(Debug, thiserror::Error)]
 pub enum TransportError {
     /// A call of iceoryx2, whose errors are names.
@@ -15,7 +15,7 @@ pub enum TransportError {
     System {
         /// For what.
         what: &'static str,
-        /// What it said.
+        /// Its error.
         #[source]
         reason: io::Error,
     },

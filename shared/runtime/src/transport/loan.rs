@@ -11,7 +11,7 @@ use std::rc::Rc;
 #[derive(Debug)]
 pub struct Loan<T: Message>(pub(super) Place<T>);
 
-/// Where a loaned message is.
+/// Place of a loaned message.
 #[derive(Debug)]
 pub(super) enum Place<T: Message> {
     /// In the sender's segment of shared memory.

@@ -1,4 +1,4 @@
-//! What carries messages from ports to ports: shared memory between processes, or the memory of one.
+//! Transport of messages from ports to ports: shared memory between processes, or the memory of one.
 
 pub mod carried;
 mod ends;
@@ -6,7 +6,6 @@ mod error;
 mod held;
 mod loan;
 mod memory;
-mod payload;
 mod pooled;
 mod shared_memory;
 pub mod waking;
@@ -17,7 +16,6 @@ pub use held::{Held, Rooms};
 pub use loan::Loan;
 pub use memory::Turns;
 pub(super) use memory::{Bus, Seat};
-pub(super) use payload::{PAYLOAD_TOPIC, Payload, Stamp};
 pub(super) use shared_memory::{Ipc, SharedMemory, refused};
 pub use shared_memory::{domain, shared_memory_bytes};
 
@@ -28,7 +26,7 @@ use messages::{Message, Topic};
 use serde::Serialize;
 use std::rc::Rc;
 
-/// What carries the messages of a run.
+/// Carrier of the messages of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Carrier {
@@ -76,7 +74,7 @@ impl Transport {
         }
     }
 
-    /// What wakes those who wait for a topic; none in one thread, where waiting is a matter of turns.
+    /// Wakes those who wait for a topic; `None` in one thread, in which services wait for their turn.
     pub(super) fn waker(&self, topic: Topic) -> Option<Waker> {
         match self {
             Self::SharedMemory(node) => Some(node.waker(topic)),

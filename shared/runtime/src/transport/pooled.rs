@@ -67,7 +67,7 @@ thread_local! {
     static FREE: RefCell<Free> = RefCell::new(Free(Vec::with_capacity(KEPT)));
 }
 
-/// A block of `layout`, which is not of size 0; none where the allocator has none.
+/// A block of `layout`, which is not of size 0; `None` if the allocator has no memory.
 fn block_of(layout: Layout) -> Option<NonNull<u8>> {
     let used = FREE.try_with(|free| {
         let blocks = &mut free.borrow_mut().0;

@@ -4,11 +4,10 @@ use super::ends::{Arrival, Connect, Input, Receiver, Sender, SenderId, buffer, b
 use super::error::TransportError;
 use super::held::Held;
 use super::loan::{Loan, Place};
-use super::payload::{PAYLOAD_TOPIC, Payload, Stamp};
 use crate::life::link::End;
 use crate::ports::members::Members;
 use crate::survival::checkpoint::MOST_BYTES as MOST_STATE_BYTES;
-use crate::survival::kept::MOST_BYTES as MOST_KEPT_BYTES;
+use crate::survival::figures::MOST_BYTES as MOST_KEPT_BYTES;
 use crate::transport::waking::{Waiter, WakeWords, Waker};
 use crate::{Group, Mode, RuntimeError, Timetable};
 use iceoryx2::config::Config;
@@ -16,7 +15,8 @@ use iceoryx2::port::BackpressureAction;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
-use iceoryx2::service::port_factory::{event, publish_subscribe};
+use iceoryx2::service::builder::Builder;
+use iceoryx2::service::port_factory::publish_subscribe;
 use messages::Service;
 use messages::{LAYOUT_VERSION, Message, TOPICS, Topic};
 use std::fmt::Debug;
@@ -40,7 +40,7 @@ const MAX_PEERS: usize = 10;
 /// Processes that a service with a standby adds to that: the standby, the next one, one that was replaced.
 const STANDBY_PEERS: usize = 3;
 
-/// Processes on one topic of a group in which so many services have a standby.
+/// Processes on one topic of a group in which `standbys` services have a standby.
 const fn peers(standbys: usize) -> usize {
     MAX_PEERS + STANDBY_PEERS * standbys
 }
@@ -167,7 +167,7 @@ impl SharedMemory {
             .max_nodes(2 * self.peers)
             .subscriber_max_buffer_size(buffer_of(T::TOPIC, self.buffer))
             .subscriber_max_borrowed_samples(HELD)
-            // What a restarted receiver begins with.
+            // A restarted receiver begins with it.
             .history_size(HISTORY)
             .enable_safe_overflow(self.mode == Mode::Realtime)
             .open_or_create_with_attributes(&attributes)
@@ -203,33 +203,9 @@ impl SharedMemory {
         Ok(Rc::new(port))
     }
 
-    /// The service of a probe's payloads of so many bytes, beside the one of its topic.
-    pub(crate) fn payload_topic(
-        &self,
-        bytes: usize,
-    ) -> Result<publish_subscribe::PortFactory<Ipc, Payload, Stamp>, RuntimeError> {
-        let name = format!("bench/payload/{bytes}");
-        self.node
-            .service_builder(&name.as_str().try_into().expect("a valid service name"))
-            .publish_subscribe::<Payload>()
-            .user_header::<Stamp>()
-            .max_publishers(1)
-            .max_subscribers(1)
-            // A sink that lags by more than this has lost the wake-ups anyway.
-            .subscriber_max_buffer_size(4)
-            .subscriber_max_borrowed_samples(1)
-            .history_size(0)
-            .open_or_create()
-            .map_err(refused(PAYLOAD_TOPIC))
-    }
-
-    /// iceoryx2's own event service, which no topic uses.
-    pub(crate) fn event(&self) -> Result<event::PortFactory<Ipc>, RuntimeError> {
-        self.node
-            .service_builder(&"bench/event".try_into().expect("a valid service name"))
-            .event()
-            .open_or_create()
-            .map_err(refused(PAYLOAD_TOPIC))
+    /// Begins to open an iceoryx2 service that is no topic.
+    pub(crate) fn service(&self, name: &ServiceName) -> Builder<Ipc> {
+        self.node.service_builder(name)
     }
 
     pub(crate) fn waker(&self, topic: Topic) -> Waker {
@@ -243,11 +219,11 @@ impl SharedMemory {
 
 /// Receiving ports with a full buffer, and whether their process belongs to the group.
 ///
-/// In lockstep a message of the group is lost for none of its processes: the sender waits for room. A
+/// In lockstep each process of the group gets each of its messages: the sender waits for room. A
 /// process that joined by itself gets what it has room for, so that none can hold up the run.
 struct Listeners {
     members: Members,
-    /// What was looked up so far, newest last; few ports ever have a full buffer.
+    /// Listeners that were looked up so far, newest last; few ports ever have a full buffer.
     known: Mutex<[Option<(u128, bool)>; REMEMBERED_LISTENERS]>,
 }
 
@@ -298,7 +274,7 @@ pub(crate) fn refused<E: std::error::Error + Send + Sync + 'static>(
     move |error| RuntimeError::Topic { topic, reason: TransportError::iceoryx2(error) }
 }
 
-/// How the name of the one object ends that iceoryx2 makes for all users.
+/// Ending of the name of the one object that iceoryx2 makes for all users.
 const NODE_TABLE: &str = ".global_mgmt";
 
 /// Takes from others what iceoryx2 grants them in the run's shared memory: a table of the nodes' ids

@@ -1,4 +1,4 @@
-//! How a process that waits for a topic is woken: a futex beside iceoryx2.
+//! Waking of processes that wait for a topic: a futex beside iceoryx2.
 //!
 //! Each topic has a word in shared memory that counts its notifications. A process that waits reads the
 //! word *before* it looks for a sample, and sleeps only as long as the word has not moved since:
@@ -83,7 +83,7 @@ pub(crate) enum Waiter {
     },
     /// By letting the other services of the thread go on.
     InProcess {
-        /// What gives the turn away.
+        /// The handle that gives the turn away.
         pause: Pause,
         /// No message will come any more.
         stalled: Rc<Cell<bool>>,

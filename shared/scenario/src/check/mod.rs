@@ -278,7 +278,7 @@ fn signals(signals: &[Signal]) -> Result<(), Problem> {
     Ok(())
 }
 
-/// Where signals are structs there is no air, no on-board unit and no frame that a fault could act on.
+/// Without frames there is no air and no on-board unit: a fault of theirs would act on nothing.
 fn radio(scenario: &Scenario) -> Result<(), Problem> {
     let v2x = &scenario.v2x;
     if v2x.poll_ms.is_some() && !v2x.radio.is_live() {

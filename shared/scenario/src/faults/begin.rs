@@ -4,22 +4,51 @@ use messages::Drive;
 use serde::{Deserialize, Serialize};
 
 use crate::quantity::{AccelerationMagnitude, Distance, Speed, Time};
+use crate::schema::Schema;
 
 /// When a fault begins.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Begin {
     /// At an instant.
     At {
-        /// When it begins, s of run time.
+        /// Run time.
         at_s: Time,
     },
     /// By what the ego does and meets.
     When {
-        /// When it begins, by what the ego does and meets; all conditions that are given must hold at
-        /// once.
+        /// The condition.
         when: Condition,
     },
+}
+
+/// The keys that say when a fault begins.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize, Schema)]
+pub(super) struct BeginKeys {
+    /// When it begins, s of run time; absent: at the start, or by `when`.
+    #[serde(default)]
+    pub(super) at_s: Option<Time>,
+    /// When it begins, by what the ego does and meets; all conditions that are given must hold at once.
+    #[serde(default)]
+    pub(super) when: Option<Condition>,
+}
+
+impl From<Begin> for BeginKeys {
+    fn from(begin: Begin) -> Self {
+        match begin {
+            Begin::At { at_s } => Self { at_s: Some(at_s), when: None },
+            Begin::When { when } => Self { at_s: None, when: Some(when) },
+        }
+    }
+}
+
+impl From<BeginKeys> for Begin {
+    /// The condition comes first; the reader refuses both at once.
+    fn from(keys: BeginKeys) -> Self {
+        match keys.when {
+            Some(when) => Self::When { when },
+            None => Self::At { at_s: keys.at_s.unwrap_or(Time::of(0.0)) },
+        }
+    }
 }
 
 impl Begin {
@@ -42,8 +71,8 @@ impl Begin {
     }
 }
 
-/// What must be so for a fault to begin.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// Condition on the drive in which a fault begins.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields)]
 pub struct Condition {
     /// The ego is beyond this place, m.

@@ -1,14 +1,15 @@
-//! What a fault does, each kind with the keys of its own.
+//! The kinds of faults: each is one row with its name, its target and its keys.
 
 use messages::{Service, Topic};
 use serde::{Deserialize, Serialize};
 
-use super::topic::{self, BiasedField, TopicName};
+use super::rows::kinds;
+use super::topic::{BiasedField, TopicName};
 use crate::quantity::{Core, Count, DelayMs, Duration, Megabytes, Probability, Shift};
+use crate::schema::Schema;
 
 /// What happens.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(untagged)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
     /// To processes, by the launcher's hand.
     Process(ProcessFault),
@@ -18,151 +19,149 @@ pub enum Effect {
     Sender(SenderFault),
 }
 
-/// A fault of processes.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum ProcessFault {
-    /// The service's process is killed (SIGKILL).
-    Kill {
-        /// The service that it acts on.
-        service: Service,
-    },
-    /// The service's process is stopped (SIGSTOP), and continued after `for_s`.
-    Stop {
-        /// The service that it acts on.
-        service: Service,
-        /// How long it lasts, s; absent: to the end of the run.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        for_s: Option<Duration>,
-    },
-    /// The service's process is killed again and again, as soon as it is back.
-    RestartStorm {
-        /// The service that it acts on.
-        service: Service,
-        /// How often the service is killed.
-        times: Count,
-        /// So long after its start each process after the first is killed, ms: while it starts; absent: as
-        /// soon as it takes part.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        after_start_ms: Option<DelayMs>,
-    },
-    /// A process of the run that is no service is killed (SIGKILL).
-    KillHelper {
-        /// The process that is killed; the recorder only where the run is recorded.
-        helper: Helper,
-    },
-    /// Processes of no service keep the processor busy.
-    Hog {
-        /// The core that is kept busy; absent: all.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        core: Option<Core>,
-        /// How long it lasts, s; absent: to the end of the run.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        for_s: Option<Duration>,
-    },
-    /// A process of no service takes memory.
-    Memory {
-        /// Memory that is taken and touched, MiB.
-        megabytes: Megabytes,
-        /// How long it lasts, s; absent: to the end of the run.
-        #[serde(skip_serializing_if = "Option::is_none")]
-        for_s: Option<Duration>,
-    },
+/// The variants of [`Effect`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Family {
+    Process,
+    Channel,
+    Sender,
+}
+
+kinds! {
+    /// A fault of processes.
+    Process: ProcessFault {
+        /// The service's process is killed (SIGKILL).
+        Kill = "kill", on Target::Service(*service) => {
+            /// The service that it acts on.
+            service: Service,
+        }
+        /// The service's process is stopped (SIGSTOP), and continued after `for_s`.
+        Stop = "stop", on Target::Service(*service), lasting *for_s => {
+            /// The service that it acts on.
+            service: Service,
+            /// Duration, s; absent: to the end of the run.
+            for_s: Option<Duration>,
+        }
+        /// The service's process is killed again and again, as soon as it is back.
+        RestartStorm = "restart-storm", on Target::Service(*service) => {
+            /// The service that it acts on.
+            service: Service,
+            /// Number of kills.
+            #[serde(default = "three")]
+            times: Count,
+            /// Time from the start of each next process to its kill, ms; absent: it is killed as soon as it takes part.
+            after_start_ms: Option<DelayMs>,
+        }
+        /// A process of the run that is no service is killed (SIGKILL).
+        KillHelper = "kill-helper", on Target::Helper(*helper) => {
+            /// The process that is killed; the recorder only where the run is recorded.
+            helper: Helper,
+        }
+        /// Processes of no service keep the processor busy.
+        Hog = "hog", on Target::Machine, lasting *for_s => {
+            /// The core that is kept busy; absent: all.
+            core: Option<Core>,
+            /// Duration, s; absent: to the end of the run.
+            for_s: Option<Duration>,
+        }
+        /// A process of no service takes memory.
+        Memory = "memory", on Target::Machine, lasting *for_s => {
+            /// Memory that is taken and touched, MiB.
+            megabytes: Megabytes,
+            /// Duration, s; absent: to the end of the run.
+            for_s: Option<Duration>,
+        }
+    }
+
+    /// A fault of a message on its way.
+    Channel: Disturbance {
+        /// It arrives late.
+        Delay = "delay" => {
+            /// Least delay of a message, ms.
+            delay_ms: DelayMs,
+            /// Largest random addition to it, ms, drawn for each message.
+            #[serde(default = "no_jitter")]
+            jitter_ms: DelayMs,
+        }
+        /// It does not arrive.
+        Drop = "drop" => {}
+        /// It arrives twice.
+        Duplicate = "duplicate" => {}
+        /// It arrives after its successor.
+        Reorder = "reorder" => {}
+        /// Bits of it are flipped.
+        Corrupt = "corrupt" => {
+            /// Number of flipped bits in a message.
+            #[serde(default = "one")]
+            bits: Count,
+        }
+    }
+
+    /// A false content of a message.
+    Sender: Falsification {
+        /// The content of the last message is repeated under fresh stamps.
+        Freeze = "freeze", on Target::Topic(topic.0) => {
+            /// The topic whose messages it acts on.
+            topic: TopicName,
+        }
+        /// A figure is off.
+        Bias = "bias", on Target::Topic(topic.0) => {
+            /// The topic whose messages it acts on.
+            topic: TopicName,
+            /// The figure that is off.
+            field: BiasedField,
+            /// Value added to the figure, in its unit.
+            amount: Shift,
+        }
+        /// The acquisition stamps are old.
+        Stale = "stale", on Target::Topic(topic.0) => {
+            /// The topic whose messages it acts on.
+            topic: TopicName,
+            /// Age added to the stamps, s.
+            amount: Shift,
+        }
+        /// The service's clock is off: all its stamps are.
+        ClockStep = "clock-step", on Target::Service(*service) => {
+            /// The service that it acts on.
+            service: Service,
+            /// Time by which the clock is ahead, s.
+            amount: Shift,
+        }
+    }
 }
 
 /// A fault of the channel between a topic and its receivers.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ChannelFault {
-    /// What happens to a message.
-    #[serde(flatten)]
+    /// The fault of a message.
     pub disturbance: Disturbance,
-    /// The topic whose messages it acts on.
+    /// The topic.
     pub topic: TopicName,
     /// Which messages.
-    #[serde(flatten)]
     pub extent: Extent,
-}
-
-/// What happens to a message on its way.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum Disturbance {
-    /// It arrives late.
-    Delay {
-        /// By how much a message is late, ms.
-        delay_ms: DelayMs,
-        /// On top of that, up to so much more, ms, anew for each message.
-        jitter_ms: DelayMs,
-    },
-    /// It does not arrive.
-    Drop,
-    /// It arrives twice.
-    Duplicate,
-    /// It arrives after its successor.
-    Reorder,
-    /// Bits of it are flipped.
-    Corrupt {
-        /// Bits flipped in a message.
-        bits: Count,
-    },
 }
 
 /// A fault of a sender: messages that are intact and whose content is false.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct SenderFault {
-    /// What is false.
-    #[serde(flatten)]
+    /// The false content.
     pub falsification: Falsification,
     /// Which messages.
-    #[serde(flatten)]
     pub extent: Extent,
 }
 
-/// What is false in a message.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum Falsification {
-    /// The content of the last message is repeated under fresh stamps.
-    Freeze {
-        /// The topic whose messages it acts on.
-        topic: TopicName,
-    },
-    /// A figure is off.
-    Bias {
-        /// The figure that is off.
-        #[serde(flatten, serialize_with = "topic::with_topic")]
-        field: BiasedField,
-        /// By how much the figure is off, in its unit.
-        amount: Shift,
-    },
-    /// The acquisition stamps are old.
-    Stale {
-        /// The topic whose messages it acts on.
-        topic: TopicName,
-        /// By how much the stamps are old, s.
-        amount: Shift,
-    },
-    /// The service's clock is off: all its stamps are.
-    ClockStep {
-        /// The service that it acts on.
-        service: Service,
-        /// By how much the clock is ahead, s.
-        amount: Shift,
-    },
-}
-
 /// Which messages a fault acts on.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Extent {
-    /// Part of the messages that it acts on.
+    /// Probability of each message to be affected.
+    #[serde(default = "always")]
     pub probability: Probability,
-    /// How long it lasts, s; absent: to the end of the run.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    /// Duration, s; absent: to the end of the run.
     pub for_s: Option<Duration>,
 }
 
 /// A process of a run that is no service.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Helper {
     /// Writes the recording.
@@ -174,6 +173,9 @@ pub enum Helper {
 }
 
 impl Helper {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Recorder, Self::Janitor, Self::Launcher];
+
     /// Name in files and in results.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -185,7 +187,7 @@ impl Helper {
     }
 }
 
-/// What a fault acts on.
+/// Target of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// A service: its process, or all its messages.
@@ -199,28 +201,27 @@ pub enum Target {
 }
 
 impl Effect {
-    /// What it acts on.
+    /// Its kind.
     #[must_use]
-    pub const fn target(&self) -> Target {
+    pub const fn kind(&self) -> Kind {
         match self {
-            Self::Process(
-                ProcessFault::Kill { service }
-                | ProcessFault::Stop { service, .. }
-                | ProcessFault::RestartStorm { service, .. },
-            ) => Target::Service(*service),
-            Self::Process(ProcessFault::KillHelper { helper }) => Target::Helper(*helper),
-            Self::Process(ProcessFault::Hog { .. } | ProcessFault::Memory { .. }) => {
-                Target::Machine
-            }
-            Self::Channel(fault) => Target::Topic(fault.topic.0),
-            Self::Sender(SenderFault { falsification, .. }) => match falsification {
-                Falsification::Freeze { topic } | Falsification::Stale { topic, .. } => {
-                    Target::Topic(topic.0)
-                }
-                Falsification::Bias { field, .. } => Target::Topic(field.topic()),
-                Falsification::ClockStep { service, .. } => Target::Service(*service),
-            },
+            Self::Process(fault) => fault.kind(),
+            Self::Channel(fault) => fault.disturbance.kind(),
+            Self::Sender(fault) => fault.falsification.kind(),
         }
+    }
+
+    /// Its target.
+    #[must_use]
+    pub fn target(&self) -> Target {
+        let own = match self {
+            Self::Process(fault) => fault.target(),
+            Self::Channel(fault) => {
+                fault.disturbance.target().or(Some(Target::Topic(fault.topic.0)))
+            }
+            Self::Sender(fault) => fault.falsification.target(),
+        };
+        own.unwrap_or(Target::Machine)
     }
 
     /// Which messages it acts on, if it acts on messages.
@@ -233,26 +234,17 @@ impl Effect {
         }
     }
 
-    /// How long it lasts; none for what lasts to the end of the run or is over at once.
+    /// Duration; `None` if it lasts to the end of the run or is over at once.
     #[must_use]
-    pub const fn length(&self) -> Option<Duration> {
+    pub fn length(&self) -> Option<Duration> {
         match self {
-            Self::Process(
-                ProcessFault::Kill { .. }
-                | ProcessFault::RestartStorm { .. }
-                | ProcessFault::KillHelper { .. },
-            ) => None,
-            Self::Process(
-                ProcessFault::Stop { for_s, .. }
-                | ProcessFault::Hog { for_s, .. }
-                | ProcessFault::Memory { for_s, .. },
-            ) => *for_s,
-            Self::Channel(ChannelFault { extent, .. })
-            | Self::Sender(SenderFault { extent, .. }) => extent.for_s,
+            Self::Process(fault) => fault.length(),
+            Self::Channel(fault) => fault.disturbance.length().or(fault.extent.for_s),
+            Self::Sender(fault) => fault.falsification.length().or(fault.extent.for_s),
         }
     }
 
-    /// Run time after which it is over once it began at `begun_ns`, ns.
+    /// Run time of its end if it began at `begun_ns`, ns.
     #[must_use]
     pub fn end_ns(&self, begun_ns: i64) -> i64 {
         let length = self.length();
@@ -285,4 +277,26 @@ impl Effect {
             Self::Process(_) | Self::Channel(_) => None,
         }
     }
+}
+
+impl std::fmt::Display for Kind {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+fn three() -> Count {
+    Count::of(3)
+}
+
+fn one() -> Count {
+    Count::of(1)
+}
+
+fn no_jitter() -> DelayMs {
+    DelayMs::of(0)
+}
+
+fn always() -> Probability {
+    Probability::of(1.0)
 }

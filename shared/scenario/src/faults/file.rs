@@ -1,15 +1,26 @@
 //! A fault as it stands in a file: one table, whose keys depend on its `kind`.
 
-use serde::{Deserialize, Deserializer};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::begin::BeginKeys;
+use super::effect::Family;
 use super::{
-    Begin, BiasedField, ChannelFault, Disturbance, Effect, Extent, Falsification, Fault, Kind,
-    MAX_FAULTS, ProcessFault, SenderFault, TopicName,
+    Begin, ChannelFault, Disturbance, Effect, Extent, Falsification, Fault, Kind, MAX_FAULTS,
+    ProcessFault, SenderFault, TopicName,
 };
-use crate::keys::{Keys, Written};
-use crate::placed::Placed;
+use crate::accepted::accepted;
+use crate::placed::{Parts, Placed};
 use crate::problem::Problem;
-use crate::quantity::{Count, DelayMs, Probability, Time};
+use crate::refusal::Refusal;
+use crate::schema::{self, Key, Schema, Shape};
+
+/// The key of every fault of a channel.
+#[derive(Serialize, Deserialize, Schema)]
+struct ChannelKeys {
+    /// The topic whose messages it acts on.
+    topic: TopicName,
+}
 
 /// Takes the list of faults out of a document.
 pub(crate) fn take_from(root: &mut Placed) -> Option<Placed> {
@@ -19,7 +30,7 @@ pub(crate) fn take_from(root: &mut Placed) -> Option<Placed> {
 /// The faults of a document's list.
 ///
 /// # Errors
-/// The first thing that is wrong, with its place.
+/// The first error, with its place.
 pub(crate) fn written(list: Option<&Placed>) -> Result<Vec<Fault>, Problem> {
     let Some(list) = list else { return Ok(Vec::new()) };
     let Some(faults) = list.elements() else {
@@ -37,7 +48,7 @@ pub(crate) fn written(list: Option<&Placed>) -> Result<Vec<Fault>, Problem> {
 /// A fault from its keys.
 ///
 /// # Errors
-/// The first thing that is wrong; its path is `fault.` and the key.
+/// The first error; its path is `fault`, or `fault.` and the key.
 pub fn read(keys: toml::Table) -> Result<Fault, Problem> {
     of_table(&Placed::at(toml::Value::Table(keys), &(0..0)), "fault")
 }
@@ -45,109 +56,152 @@ pub fn read(keys: toml::Table) -> Result<Fault, Problem> {
 /// The fault of a table, whose place in the document is `path`.
 ///
 /// # Errors
-/// The first thing that is wrong.
+/// The first error.
 pub(crate) fn of_table(table: &Placed, path: &str) -> Result<Fault, Problem> {
-    let mut keys = Written::new(table, path, "a fault")?;
-    let kind: Kind = keys.required("kind")?;
-    keys.describe(format!("a fault of kind `{kind}`"));
-    let fault = keys_of(kind, &mut keys)?;
-    keys.finish()?;
-    Ok(fault)
-}
-
-/// A fault of that kind from its other keys.
-///
-/// # Errors
-/// The first key that is missing or wrong.
-pub(crate) fn keys_of(kind: Kind, keys: &mut impl Keys) -> Result<Fault, Problem> {
-    Ok(Fault { effect: effect(kind, keys)?, begin: begin(keys)? })
-}
-
-fn begin(keys: &mut impl Keys) -> Result<Begin, Problem> {
-    let (at_s, when) = (keys.optional("at_s")?, keys.optional("when")?);
-    if at_s.is_some() && when.is_some() {
-        let expected = "one of `at_s` and `when`".to_owned();
-        keys.refuse("when", "the fault has a time and a condition", expected)?;
+    let Some(entries) = table.entries() else {
+        return Err(Problem::new(path, "a fault is a table", "a table").at(table.place()));
+    };
+    let Some(kind) = table.get("kind") else {
+        return Err(Problem::new(path, "a fault needs `kind`", "`kind`").at(table.place()));
+    };
+    let kind = Kind::deserialize(kind).map_err(|refusal| {
+        let problem = Problem::new(format!("{path}.kind"), refusal.message(), refusal.expected());
+        problem.at(refusal.place().cloned().unwrap_or_else(|| kind.place()))
+    })?;
+    let keys = Parts::new(table, "kind", kind.name());
+    let (effect, begin) = parts(kind, &keys).map_err(|refusal| {
+        let (message, expected) = match refusal.missing() {
+            Some(key) => (format!("a fault of kind `{kind}` needs `{key}`"), format!("`{key}`")),
+            None => (refusal.message().to_owned(), refusal.expected().to_owned()),
+        };
+        let path = refusal.key().map_or(path.to_owned(), |key| format!("{path}.{key}"));
+        let place = refusal.place().cloned().unwrap_or_else(|| table.place());
+        Problem::new(path, message, expected).at(place)
+    })?;
+    let known = keys.known();
+    if let Some((key, value)) = entries.iter().find(|(key, _)| !known.contains(&key.as_str())) {
+        let message = format!("`{key}` means nothing for a fault of kind `{kind}`");
+        let problem = Problem::new(format!("{path}.{key}"), message, accepted(key, known));
+        return Err(problem.at(value.key_place().unwrap_or_else(|| value.place())));
     }
-    let at = Begin::At { at_s: at_s.unwrap_or(Time::of(0.0)) };
-    Ok(when.map_or(at, |when| Begin::When { when }))
-}
-
-fn effect(kind: Kind, keys: &mut impl Keys) -> Result<Effect, Problem> {
-    Ok(match kind {
-        Kind::Kill => Effect::Process(ProcessFault::Kill { service: keys.required("service")? }),
-        Kind::Stop => Effect::Process(ProcessFault::Stop {
-            service: keys.required("service")?,
-            for_s: keys.optional("for_s")?,
-        }),
-        Kind::RestartStorm => Effect::Process(ProcessFault::RestartStorm {
-            service: keys.required("service")?,
-            times: keys.or("times", Count::of(3))?,
-            after_start_ms: keys.optional("after_start_ms")?,
-        }),
-        Kind::KillHelper => {
-            Effect::Process(ProcessFault::KillHelper { helper: keys.required("helper")? })
-        }
-        Kind::Hog => Effect::Process(ProcessFault::Hog {
-            core: keys.optional("core")?,
-            for_s: keys.optional("for_s")?,
-        }),
-        Kind::Memory => Effect::Process(ProcessFault::Memory {
-            megabytes: keys.required("megabytes")?,
-            for_s: keys.optional("for_s")?,
-        }),
-        Kind::Delay => {
-            let delay_ms = keys.required("delay_ms")?;
-            let jitter_ms = keys.or("jitter_ms", DelayMs::of(0))?;
-            channel(Disturbance::Delay { delay_ms, jitter_ms }, keys)?
-        }
-        Kind::Drop => channel(Disturbance::Drop, keys)?,
-        Kind::Duplicate => channel(Disturbance::Duplicate, keys)?,
-        Kind::Reorder => channel(Disturbance::Reorder, keys)?,
-        Kind::Corrupt => {
-            let bits = keys.or("bits", Count::of(1))?;
-            channel(Disturbance::Corrupt { bits }, keys)?
-        }
-        Kind::Freeze => sender(Falsification::Freeze { topic: keys.required("topic")? }, keys)?,
-        Kind::Bias => {
-            let (field, amount) = (biased_field(keys)?, keys.required("amount")?);
-            sender(Falsification::Bias { field, amount }, keys)?
-        }
-        Kind::Stale => {
-            let (topic, amount) = (keys.required("topic")?, keys.required("amount")?);
-            sender(Falsification::Stale { topic, amount }, keys)?
-        }
-        Kind::ClockStep => {
-            let (service, amount) = (keys.required("service")?, keys.required("amount")?);
-            sender(Falsification::ClockStep { service, amount }, keys)?
-        }
-    })
-}
-
-fn channel(disturbance: Disturbance, keys: &mut impl Keys) -> Result<Effect, Problem> {
-    let topic = keys.required("topic")?;
-    Ok(Effect::Channel(ChannelFault { disturbance, topic, extent: extent(keys)? }))
-}
-
-fn sender(falsification: Falsification, keys: &mut impl Keys) -> Result<Effect, Problem> {
-    Ok(Effect::Sender(SenderFault { falsification, extent: extent(keys)? }))
-}
-
-fn extent(keys: &mut impl Keys) -> Result<Extent, Problem> {
-    let probability = keys.or("probability", Probability::of(1.0))?;
-    Ok(Extent { probability, for_s: keys.optional("for_s")? })
-}
-
-/// The field says which topic it is of; the file says it, too, and must agree.
-fn biased_field(keys: &mut impl Keys) -> Result<BiasedField, Problem> {
-    let (topic, field): (TopicName, BiasedField) =
-        (keys.required("topic")?, keys.required("field")?);
-    if field.topic() != topic.0 {
+    let at = |key: &str| table.get(key).unwrap_or(table).place();
+    let refuse = |key: &str, message: &str, expected: String| {
+        Err(Problem::new(format!("{path}.{key}"), message, expected).at(at(key)))
+    };
+    if begin.at_s.is_some() && begin.when.is_some() {
+        let expected = "one of `at_s` and `when`".to_owned();
+        return refuse("when", "the fault has a time and a condition", expected);
+    }
+    if let Effect::Sender(SenderFault {
+        falsification: Falsification::Bias { topic, field, .. },
+        ..
+    }) = &effect
+        && field.topic() != topic.0
+    {
         let message = format!("{} has no such figure", topic.0.name());
         let expected = format!("a figure of that topic, or topic = \"{}\"", field.topic().name());
-        keys.refuse("field", &message, expected)?;
+        return refuse("field", &message, expected);
     }
-    Ok(field)
+    Ok(Fault { begin: Begin::from(begin), effect })
+}
+
+/// The parts of a fault of that kind, each from the keys of its own.
+fn parts(kind: Kind, keys: &Parts<'_>) -> Result<(Effect, BeginKeys), Refusal> {
+    let effect = match kind.family() {
+        Family::Process => Effect::Process(ProcessFault::deserialize(keys)?),
+        Family::Channel => {
+            let disturbance = Disturbance::deserialize(keys)?;
+            let ChannelKeys { topic } = ChannelKeys::deserialize(keys)?;
+            let extent = Extent::deserialize(keys)?;
+            Effect::Channel(ChannelFault { disturbance, topic, extent })
+        }
+        Family::Sender => {
+            let falsification = Falsification::deserialize(keys)?;
+            Effect::Sender(SenderFault { falsification, extent: Extent::deserialize(keys)? })
+        }
+    };
+    Ok((effect, BeginKeys::deserialize(keys)?))
+}
+
+/// The keys of a fault of that kind beside `kind`, with their ranges, for a reference or for a search over faults.
+///
+/// ```
+/// use scenario::faults::{Kind, keys_of};
+/// use scenario::schema::Shape;
+///
+/// let keys = keys_of(Kind::Delay);
+/// let Shape::Number { range, unit, .. } = keys[0].shape else { panic!("a number") };
+/// assert_eq!((keys[0].name.as_str(), range, unit), ("delay_ms", Some((0.0, 10_000.0)), "ms"));
+/// ```
+#[must_use]
+pub fn keys_of(kind: Kind) -> Vec<Key> {
+    let variant = |family: Shape| match family {
+        Shape::Choice(variants) => variants
+            .into_iter()
+            .filter(|variant| variant.name == kind.name())
+            .filter_map(|variant| match variant.shape {
+                Some(Shape::Table(keys)) => Some(keys),
+                _ => None,
+            })
+            .flatten()
+            .collect(),
+        _ => Vec::new(),
+    };
+    let extent = schema::keys_of::<Extent>;
+    let own: [Vec<Key>; 3] = match kind.family() {
+        Family::Process => [variant(ProcessFault::shape()), Vec::new(), Vec::new()],
+        Family::Channel => {
+            [variant(Disturbance::shape()), schema::keys_of::<ChannelKeys>(), extent()]
+        }
+        Family::Sender => [variant(Falsification::shape()), Vec::new(), extent()],
+    };
+    own.into_iter().flatten().chain(schema::keys_of::<BeginKeys>()).collect()
+}
+
+impl Schema for Fault {
+    fn shape() -> Shape {
+        Shape::Kinds(Kind::ALL.map(|kind| (kind.name().to_owned(), keys_of(kind))).into())
+    }
+}
+
+impl Fault {
+    /// The keys beside `kind`, part by part.
+    fn written(&self) -> Result<Vec<toml::Table>, toml::ser::Error> {
+        let begin = toml::Table::try_from(BeginKeys::from(self.begin))?;
+        Ok(match &self.effect {
+            Effect::Process(fault) => vec![own(fault)?, begin],
+            Effect::Channel(ChannelFault { disturbance, topic, extent }) => {
+                let topic = toml::Table::try_from(ChannelKeys { topic: *topic })?;
+                vec![own(disturbance)?, topic, toml::Table::try_from(extent)?, begin]
+            }
+            Effect::Sender(SenderFault { falsification, extent }) => {
+                vec![own(falsification)?, toml::Table::try_from(extent)?, begin]
+            }
+        })
+    }
+}
+
+/// The keys of a family's enum, which is written as a table with the kind as its only key.
+fn own(family: &impl Serialize) -> Result<toml::Table, toml::ser::Error> {
+    let written = toml::Value::try_from(family)?;
+    let kinds = written.as_table().into_iter().flatten();
+    Ok(kinds
+        .filter_map(|(_, keys)| keys.as_table())
+        .flatten()
+        .map(|(key, value)| (key.clone(), value.clone()))
+        .collect())
+}
+
+impl Serialize for Fault {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let parts = self.written().map_err(serde::ser::Error::custom)?;
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("kind", &self.effect.kind())?;
+        for (key, value) in parts.iter().flatten() {
+            map.serialize_entry(key, value)?;
+        }
+        map.end()
+    }
 }
 
 impl<'de> Deserialize<'de> for Fault {

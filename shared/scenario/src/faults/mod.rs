@@ -1,25 +1,35 @@
 //! `[[faults]]`: what goes wrong, when, and for how long.
 //!
-//! A fault of a process is carried out by the launcher, one of a channel between a message's arrival and
-//! the receiver's check, one of a sender before the message is protected. `file` reads the table.
+//! A kind of fault is one row in `effect.rs`. A fault of a process is carried out by the launcher, one of a channel
+//! between a message's arrival and the receiver's check, one of a sender before the message is protected. `file` reads
+//! a fault's table and writes it.
+//!
+//! ```
+//! use scenario::faults::{self, Kind, Target};
+//!
+//! let keys = "kind = \"drop\"\ntopic = \"radar/tracks\"\nfor_s = 0.5".parse().expect("TOML");
+//! let fault = faults::read(keys)?;
+//! assert_eq!(fault.effect.kind(), Kind::Drop);
+//! assert_eq!(fault.effect.target(), Target::Topic(messages::Topic::RadarTracks));
+//! # Ok::<(), scenario::Problem>(())
+//! ```
 
 mod begin;
 mod effect;
 mod file;
-mod kind;
+mod rows;
 mod topic;
 
 pub use begin::{Begin, Condition, STANDSTILL_MPS};
 pub use effect::{
-    ChannelFault, Disturbance, Effect, Extent, Falsification, Helper, ProcessFault, SenderFault,
-    Target,
+    ChannelFault, Disturbance, Effect, Extent, Falsification, Helper, Kind, ProcessFault,
+    SenderFault, Target,
 };
-pub use file::read;
-pub(super) use file::{keys_of, of_table, take_from, written};
-pub use kind::Kind;
+pub use file::{keys_of, read};
+pub(super) use file::{of_table, take_from, written};
 pub use topic::{BiasedField, NoSuchTopic, TopicName};
 
-use serde::{Deserializer, Serialize};
+use serde::Deserializer;
 
 /// Most faults in one scenario.
 pub const MAX_FAULTS: usize = 64;
@@ -30,12 +40,10 @@ pub(super) fn taken<'de, D: Deserializer<'de>>(_: D) -> Result<Vec<Fault>, D::Er
 }
 
 /// A fault.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
     /// When it begins.
-    #[serde(flatten)]
     pub begin: Begin,
     /// What happens.
-    #[serde(flatten)]
     pub effect: Effect,
 }

@@ -1,11 +1,14 @@
 //! The messages that a fault can act on, and the figures in them.
 
-use messages::Topic;
-use serde::ser::SerializeStruct;
-use serde::{Deserialize, Serialize, Serializer};
+use messages::{Role, TOPICS, Topic};
+use serde::{Deserialize, Serialize};
+
+use crate::accepted::accepted;
+use crate::refusal::{Explained, read_from};
+use crate::schema::{Schema, Shape};
 
 /// A figure that a `bias` can falsify.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "snake_case")]
 pub enum BiasedField {
     /// `radar/tracks`: gap to the target, m.
@@ -30,51 +33,46 @@ impl BiasedField {
     }
 }
 
-/// Writes a biased field with its topic beside it.
-pub(super) fn with_topic<S: Serializer>(
-    field: &BiasedField,
-    serializer: S,
-) -> Result<S::Ok, S::Error> {
-    let mut keys = serializer.serialize_struct("BiasedField", 2)?;
-    keys.serialize_field("topic", field.topic().name())?;
-    keys.serialize_field("field", field)?;
-    keys.end()
-}
-
 /// A topic by its name, one whose messages can be disturbed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(into = "String")]
 pub struct TopicName(pub Topic);
 
 impl TopicName {
-    /// Topics whose messages can be disturbed.
-    pub const ALL: [Topic; 10] = [
-        Topic::Odometry,
-        Topic::Powertrain,
-        Topic::RadarDetections,
-        Topic::RadarTracks,
-        Topic::RadioFrames,
-        Topic::Spat,
-        Topic::Map,
-        Topic::Preview,
-        Topic::Command,
-        Topic::Brake,
-    ];
+    /// Topics whose messages can be disturbed: those that a function of the vehicle reads.
+    pub fn all() -> impl Iterator<Item = Topic> {
+        TOPICS.into_iter().filter(|topic| topic.role() == Role::Function)
+    }
 }
 
 /// A name of no topic whose messages can be disturbed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "no messages of `{0}` can be disturbed, expected one of {names}",
-    names = TopicName::ALL.map(Topic::name).join(", ")
-)]
+#[error("{}, expected {}", self.message(), self.expected())]
 pub struct NoSuchTopic(String);
+
+impl Explained for NoSuchTopic {
+    fn message(&self) -> String {
+        format!("no messages of `{}` can be disturbed", self.0)
+    }
+
+    fn expected(&self) -> String {
+        accepted(&self.0, TopicName::all().map(Topic::name))
+    }
+}
+
+impl Schema for TopicName {
+    fn shape() -> Shape {
+        Shape::Text { words: Self::all().map(|topic| topic.name().to_owned()).collect() }
+    }
+}
+
+read_from!(TopicName, String);
 
 impl TryFrom<String> for TopicName {
     type Error = NoSuchTopic;
 
     fn try_from(name: String) -> Result<Self, NoSuchTopic> {
-        let found = Self::ALL.into_iter().find(|topic| topic.name() == name);
+        let found = Self::all().find(|topic| topic.name() == name);
         found.map(Self).ok_or(NoSuchTopic(name))
     }
 }

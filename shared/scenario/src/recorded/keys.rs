@@ -1,12 +1,13 @@
 //! `actors[].profile.csv`: the keys.
 
 use crate::quantity::{Duration, TimeConstant, TimeShift};
+use crate::schema::Schema;
 use crate::speeds::SpeedPoint;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// A recorded motion in a file.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields)]
 pub struct CsvFile {
     /// Path of the file (CSV, MCAP or ROS 1 bag); a relative one starts at the scenario file's directory, with
@@ -40,7 +41,7 @@ pub struct CsvFile {
 }
 
 /// Motion after the last row of a record.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum AfterEnd {
     /// Keeps the last speed.

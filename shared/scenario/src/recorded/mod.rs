@@ -24,8 +24,8 @@ pub use keys::{AfterEnd, CsvFile};
 
 use crate::error::ScenarioError;
 use crate::files::{self, MAX_RECORD_BYTES};
-use crate::problem::sentence;
 use crate::quantity::{Speed, Time};
+use crate::refusal::Explained;
 use crate::speeds::SpeedPoint;
 use columns::{Columns, Motion};
 use source::Source;
@@ -185,7 +185,8 @@ fn times(
         if let Some(refused) = refused {
             let hint =
                 if time_s.is_finite() { "; offset_s = 0 counts from the first row" } else { "" };
-            return Err(source.fault(row, 0, &format!("{refused}{hint}")));
+            let expected = refused.expected() + hint;
+            return Err(source.fault(row, 0, &refused.message()).expecting(expected));
         }
         if times.last().is_some_and(|last| *last >= time_s) {
             return Err(source
@@ -210,10 +211,12 @@ fn speeds(
             if value.is_finite() {
                 return Ok(value);
             }
-            let said = Speed::try_from(value).expect_err("not finite").to_string();
-            let expected =
-                if columns.motion == Motion::Speed { sentence(&said).1 } else { "a number" };
-            Err(source.fault(row, index + 1, sentence(&said).0).expecting(expected))
+            let refused = Speed::try_from(value).expect_err("not finite");
+            let expected = match columns.motion {
+                Motion::Speed => refused.expected(),
+                _ => "a number".to_owned(),
+            };
+            Err(source.fault(row, index + 1, &refused.message()).expecting(expected))
         };
         (0..t.len()).map(value).collect::<Result<Vec<f64>, _>>()
     };
@@ -229,7 +232,9 @@ fn speeds(
                     .fault(row, 1, "the distance decreases")
                     .expecting("a vehicle that does not reverse"));
             }
-            Err(refused) => return Err(source.fault(row, 1, &refused.to_string())),
+            Err(refused) => {
+                return Err(source.fault(row, 1, &refused.message()).expecting(refused.expected()));
+            }
         }
     }
     Ok(speeds)
@@ -296,7 +301,9 @@ fn finish(
 ) -> Result<(Vec<SpeedPoint>, Option<Time>), ScenarioError> {
     let last_row = source.len() - 1;
     let time = |time_s: f64| {
-        Time::try_from(time_s).map_err(|refused| source.fault(last_row, 0, &refused.to_string()))
+        Time::try_from(time_s).map_err(|refused| {
+            source.fault(last_row, 0, &refused.message()).expecting(refused.expected())
+        })
     };
     let mut points = Vec::with_capacity(kept.len() + 1);
     for (time_s, speed_mps) in kept {

@@ -84,10 +84,8 @@ impl<'a> Source<'a> {
                 BagError::NoField { .. } => "columns",
                 _ => return refused(path, &error).into(),
             };
-            let said = error.to_string();
-            let (message, expected) = crate::problem::sentence(&said);
-            let expected = if expected.is_empty() { "another topic" } else { expected };
-            RecordedError::key(key, format!("{path}: {message}"), expected)
+            let expected = error.expected().unwrap_or_else(|| "another topic".to_owned());
+            RecordedError::key(key, format!("{path}: {}", error.message()), expected)
         })?;
         Ok(Self::Messages { path, topic, series, has_time: columns.time.is_some() })
     }
@@ -122,16 +120,13 @@ impl<'a> Source<'a> {
                 table.fault(rows[row], columns[column], message)
             }
             Self::Messages { path, topic, .. } => {
-                let (message, expected) = crate::problem::sentence(message);
                 let place = format!("message {} of topic {topic}: {message}", row + 1);
-                ScenarioError::whole(path, place).expecting(expected)
+                ScenarioError::whole(path, place)
             }
         }
     }
 }
 
 fn refused(path: &str, error: &BagError) -> ScenarioError {
-    let said = error.to_string();
-    let (message, expected) = crate::problem::sentence(&said);
-    ScenarioError::whole(path, message).expecting(expected)
+    ScenarioError::whole(path, error.message()).expecting(error.expected().unwrap_or_default())
 }

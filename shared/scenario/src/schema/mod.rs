@@ -1,50 +1,82 @@
-//! The form of a scenario file as data: every key with its type, range, default and meaning, for editors
-//! (a JSON Schema) and for the reference of all keys.
+//! The keys of a scenario file as data: every key with its type, unit, range, default and meaning.
 //!
-//! It is taken from the types that read the file: `trace` asks them through serde, `notes` finds their
-//! doc comments.
+//! A table's struct is the declaration of its keys, by `#[derive(Schema)]`. Editors get a JSON Schema made of this
+//! data, people a reference page, and a search the ranges of what it may vary.
+//!
+//! ```
+//! use scenario::schema::{Schema, Shape};
+//!
+//! let Shape::Table(keys) = scenario::plant::Plant::shape() else { panic!("a table") };
+//! let period = keys.iter().find(|key| key.name == "period_ms").expect("a key of the plant");
+//! assert_eq!(period.default, Some(10.into()));
+//! let Shape::Number { range, unit, .. } = period.shape else { panic!("a number") };
+//! assert_eq!((range, unit), (Some((1.0, 10_000.0)), "ms"));
+//! ```
 
-mod asked;
-mod notes;
-mod trace;
+mod types;
 
 use crate::Scenario;
-use crate::faults::{Kind, keys_of};
-use asked::Asked;
 use serde::Serialize;
-use serde::de::DeserializeOwned;
-use std::collections::BTreeSet;
-use trace::{Form, Knowledge, Refusal, range, words};
+
+pub use scenario_derive::Schema;
+
+/// A type that reads a value of a scenario file.
+pub trait Schema {
+    /// True if a key of this type can always be left out.
+    const IS_OPTION: bool = false;
+
+    /// Form of the value.
+    fn shape() -> Shape;
+
+    /// Accepted values in words; none if the shape gives them.
+    fn expected() -> Option<String> {
+        None
+    }
+}
 
 /// A value's type.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// `true` or `false`.
     Boolean,
-    /// A number, in the unit that the key's name carries.
+    /// A number.
     Number {
         /// True for whole numbers.
         is_whole: bool,
-        /// Smallest and largest; none where any will do. [`Key::expected`] says where an end is not allowed.
+        /// Smallest and largest value; none if every value is accepted. [`Key::expected`] names an end that is not
+        /// part of the range.
         range: Option<(f64, f64)>,
+        /// Unit; empty for a number without one, and for one whose key alone names it.
+        unit: &'static str,
     },
     /// A text.
     Text {
-        /// The texts that are accepted; empty where others are, too.
+        /// The accepted texts; empty if there are others.
         words: Vec<String>,
     },
     /// A list of such values.
     List(Box<Shape>),
-    /// A list of so many values, each of its own type.
+    /// A list with one value of each of these types.
     Tuple(Vec<Shape>),
     /// A table with these keys and no others.
     Table(Vec<Key>),
-    /// One of these words; those with a shape are the only key of a table.
-    Choice(Vec<(String, Option<Shape>)>),
-    /// A table with the key `kind`, a word on which its other keys depend.
+    /// One of these words; a variant with a shape is the only key of a table.
+    Choice(Vec<Variant>),
+    /// A table with the key `kind`, a word that determines its other keys.
     Kinds(Vec<(String, Vec<Key>)>),
     /// A table of another form: a control law checks it, or a translation fills it.
     Free,
+}
+
+/// A word of a [`Shape::Choice`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variant {
+    /// The word.
+    pub name: String,
+    /// Meaning.
+    pub meaning: String,
+    /// Form of the value that the word is the key of; none for a word alone.
+    pub shape: Option<Shape>,
 }
 
 /// A key of a table.
@@ -54,33 +86,91 @@ pub struct Key {
     pub name: String,
     /// Type of its value.
     pub shape: Shape,
-    /// What a value is to be, in words; none where the type says it all.
+    /// Accepted values in words; none if the type gives them.
     pub expected: Option<String>,
-    /// True if it cannot be left out.
+    /// True if it must be written.
     pub is_required: bool,
-    /// The value that holds when it is left out, as TOML; none where leaving it out means that there is
-    /// none.
+    /// Value of a key that is left out, as TOML; none if such a key has no value.
     pub default: Option<toml::Value>,
-    /// What it means.
+    /// Meaning.
     pub meaning: String,
 }
 
+/// Whether a key must be written, and its value otherwise.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Presence {
+    /// It must be written.
+    Required,
+    /// It may be left out; its value is then this one, if there is one.
+    Optional(Option<toml::Value>),
+}
+
+impl Presence {
+    /// A key that may be left out, with its default.
+    pub fn of(default: &impl Serialize) -> Self {
+        Self::Optional(toml::Value::try_from(default).ok())
+    }
+
+    /// The key `name` of a table whose defaults are `defaults`.
+    #[must_use]
+    pub fn among(defaults: &toml::Table, name: &str) -> Self {
+        Self::Optional(defaults.get(name).cloned())
+    }
+}
+
+/// The keys of a table's default value.
+pub fn defaults(table: &impl Serialize) -> toml::Table {
+    toml::Table::try_from(table).unwrap_or_default()
+}
+
+impl Key {
+    /// A key whose value is read into a `T`.
+    #[must_use]
+    pub fn of<T: Schema>(name: &str, meaning: &str, presence: Presence) -> Self {
+        let shape = T::shape();
+        let (is_required, default) = match presence {
+            Presence::Required => (!T::IS_OPTION, None),
+            Presence::Optional(default) => (false, default.filter(|_| shape.is_plain())),
+        };
+        Self {
+            name: name.to_owned(),
+            shape,
+            expected: T::expected(),
+            is_required,
+            default,
+            meaning: meaning.to_owned(),
+        }
+    }
+}
+
+impl Shape {
+    /// True if a default of this type is one value: each key of a table has its own.
+    fn is_plain(&self) -> bool {
+        match self {
+            Self::Table(_) | Self::Kinds(_) | Self::Free => false,
+            Self::List(element) => element.is_plain(),
+            Self::Boolean
+            | Self::Number { .. }
+            | Self::Text { .. }
+            | Self::Tuple(_)
+            | Self::Choice(_) => true,
+        }
+    }
+}
+
+/// The keys of the table that is read into a `T`; none if it is no table.
+#[must_use]
+pub fn keys_of<T: Schema>() -> Vec<Key> {
+    match T::shape() {
+        Shape::Table(keys) => keys,
+        _ => Vec::new(),
+    }
+}
+
 /// The keys of a scenario file.
-///
-/// # Panics
-/// If a type of this crate reads a form that `trace` does not know, which a test rules out.
 #[must_use]
 pub fn keys() -> Vec<Key> {
-    let (known, _): (_, Scenario) = trace::learn();
-    let all: Vec<String> = known.nodes.keys().filter(|path| is_key(path)).cloned().collect();
-    let (known, required) = required(known, &all);
-    let defaults = defaults(&known, &all, &required);
-    let form = Forms { known: &known, required: &required, defaults: &defaults, source: None };
-    let mut keys = form.keys("", "");
-    keys.retain(|key| key.name != "faults");
-    let after_actors = keys.iter().position(|key| key.name == "actors").map_or(0, |i| i + 1);
-    keys.insert(after_actors, faults());
-    keys
+    keys_of::<Scenario>()
 }
 
 /// The dotted path of the only key of a scenario file with this name.
@@ -101,167 +191,6 @@ fn collect_paths(keys: &[Key], above: &str, name: &str, found: &mut Vec<String>)
         if key.name == name {
             found.push(path);
         }
-    }
-}
-
-/// The keys of a table that a control law reads into `T`, which is declared in the text `source`.
-///
-/// # Panics
-/// If `T` reads a form that `trace` does not know.
-#[must_use]
-pub fn of_law<T: DeserializeOwned + Default + Serialize>(source: &'static str) -> Vec<Key> {
-    let (known, _): (_, T) = trace::learn();
-    let defaults = toml::Value::try_from(T::default()).expect("plain numbers and words");
-    let required = BTreeSet::new();
-    let source = Some(source);
-    Forms { known: &known, required: &required, defaults: &defaults, source }.keys("", "")
-}
-
-/// The list of faults, which is read key by key.
-fn faults() -> Key {
-    let kinds = Kind::ALL.map(|kind| {
-        let mut asked = Asked::of("faults", kind.name());
-        keys_of(kind, &mut asked).expect("what was asked for is right");
-        (kind.name().to_owned(), asked.keys)
-    });
-    Key {
-        name: "faults".to_owned(),
-        shape: Shape::List(Box::new(Shape::Kinds(kinds.into()))),
-        expected: None,
-        is_required: false,
-        default: None,
-        meaning: notes::of("", "Scenario", "faults").unwrap_or_default(),
-    }
-}
-
-/// True if the path ends with a key.
-fn is_key(path: &str) -> bool {
-    !path.is_empty() && !path.ends_with(']') && !path.ends_with('>')
-}
-
-/// The keys that cannot be left out.
-fn required(mut known: Knowledge, all: &[String]) -> (Knowledge, BTreeSet<String>) {
-    let mut required = BTreeSet::new();
-    for path in all.iter().filter(|path| !path.contains('<')) {
-        let (kept, read) = trace::read_without::<Scenario>(known, [path.clone()].into());
-        known = kept;
-        if let Err(Refusal(message)) = read {
-            let name = path.rsplit_once('.').map_or(path.as_str(), |(_, name)| name);
-            assert_eq!(message, format!("missing field `{name}`"), "{path}");
-            required.insert(path.clone());
-        }
-    }
-    (known, required)
-}
-
-/// A scenario with one element in each list, and nothing in it that can be left out.
-fn defaults(known: &Knowledge, all: &[String], required: &BTreeSet<String>) -> toml::Value {
-    let in_lists = || all.iter().filter(|path| path.contains("[].") && !path.contains('<'));
-    let leads_to_list = |path: &str| {
-        let [list, table] = [format!("{path}[]."), format!("{path}.")];
-        in_lists().any(|other| other.starts_with(&list) || other.starts_with(&table))
-    };
-    let left_out = all
-        .iter()
-        .filter(|path| !path.contains('<') && !required.contains(*path))
-        .filter(|path| !leads_to_list(path))
-        .cloned()
-        .collect();
-    let (_, read) = trace::read_without::<Scenario>(known.clone(), left_out);
-    let scenario = read.expect("what is required is there");
-    toml::Value::try_from(scenario).expect("every scenario has a form in TOML")
-}
-
-/// Turns what was learnt into keys.
-struct Forms<'a> {
-    known: &'a Knowledge,
-    required: &'a BTreeSet<String>,
-    defaults: &'a toml::Value,
-    /// Where the type is declared that is read; none: in this crate.
-    source: Option<&'static str>,
-}
-
-impl Forms<'_> {
-    /// The keys of the table at `path`, below the top-level table `top`.
-    fn keys(&self, path: &str, top: &str) -> Vec<Key> {
-        let Some(Form::Table(name, keys)) = self.known.nodes.get(path).map(|node| &node.form)
-        else {
-            return Vec::new();
-        };
-        keys.iter()
-            .filter(|key| self.known.nodes.contains_key(&format!("{path}.{key}")))
-            .map(|key| {
-                let below = format!("{path}.{key}");
-                let top = if path.is_empty() { *key } else { top };
-                let node = &self.known.nodes[&below];
-                let is_value = matches!(node.form, Form::Number | Form::Whole | Form::Text);
-                Key {
-                    name: (*key).to_owned(),
-                    shape: self.shape(&below, top),
-                    // A bare name is a type of Rust's.
-                    expected: node.expected.clone().filter(|text| is_value && text.contains(' ')),
-                    is_required: self.required.contains(&below),
-                    default: self.default(&below),
-                    meaning: match self.source {
-                        Some(source) => messages::notes::in_source(source, name, key),
-                        None => notes::of(if path.is_empty() { "" } else { top }, name, key),
-                    }
-                    .unwrap_or_default(),
-                }
-            })
-            .collect()
-    }
-
-    fn shape(&self, path: &str, top: &str) -> Shape {
-        let node = &self.known.nodes[path];
-        let expected = node.expected.as_deref();
-        match node.form {
-            Form::Free => Shape::Free,
-            Form::Boolean => Shape::Boolean,
-            Form::Whole => Shape::Number { is_whole: true, range: expected.and_then(range) },
-            Form::Number => Shape::Number { is_whole: false, range: expected.and_then(range) },
-            Form::Text => {
-                let words = expected.map(words).unwrap_or_default();
-                // An address among them stands for many.
-                let is_open = words.iter().any(|word| word.contains("://"));
-                Shape::Text { words: if is_open { Vec::new() } else { words } }
-            }
-            Form::List => Shape::List(Box::new(self.shape(&format!("{path}[]"), top))),
-            Form::Tuple(count) => {
-                Shape::Tuple((0..count).map(|i| self.shape(&format!("{path}[{i}]"), top)).collect())
-            }
-            Form::Table(..) => Shape::Table(self.keys(path, top)),
-            Form::Choice(variants) => {
-                let variant = |name: &&str| {
-                    let below = format!("{path}<{name}>");
-                    let shape = self.known.nodes.contains_key(&below);
-                    ((*name).to_owned(), shape.then(|| self.shape(&below, top)))
-                };
-                Shape::Choice(variants.iter().map(variant).collect())
-            }
-        }
-    }
-
-    /// The value that holds at `path` when nothing is said.
-    fn default(&self, path: &str) -> Option<toml::Value> {
-        if self.required.contains(path) || path.contains('<') {
-            return None;
-        }
-        let mut value = self.defaults;
-        for step in path.split('.').skip(1) {
-            let (key, is_list) = step.strip_suffix("[]").map_or((step, false), |key| (key, true));
-            value = value.get(key)?;
-            if is_list {
-                value = value.get(0)?;
-            }
-        }
-        // Tables and lists of tables say it key by key.
-        let is_plain = match value {
-            toml::Value::Table(_) => false,
-            toml::Value::Array(list) => !list.iter().any(toml::Value::is_table),
-            _ => true,
-        };
-        is_plain.then(|| value.clone())
     }
 }
 
@@ -287,20 +216,24 @@ mod tests {
     fn ranges_defaults_and_meanings_come_from_the_types() {
         let keys = keys();
         let period = find(&keys, "plant.period_ms");
-        assert_eq!(period.shape, Shape::Number { is_whole: true, range: Some((1.0, 10_000.0)) });
+        let milliseconds =
+            Shape::Number { is_whole: true, range: Some((1.0, 10_000.0)), unit: "ms" };
+        assert_eq!(period.shape, milliseconds);
         assert_eq!(period.default, Some(toml::Value::Integer(10)));
         assert!(find(&keys, "name").is_required && !period.is_required);
         assert_eq!(find(&keys, "set_speed_mps").default, Some(toml::Value::Float(33.3)));
         assert_eq!(find(&keys, "speed_limit_mps").default, None);
+        assert!(!find(&keys, "speed_limit_mps").is_required);
         assert_eq!(find(&keys, "actors.length_m").default, Some(toml::Value::Float(4.5)));
         assert!(find(&keys, "actors.gap_m").is_required);
         assert_eq!(find(&keys, "runtime.scheduling").default, Some("fifo".into()));
         let Shape::Choice(policies) = &find(&keys, "supervision.restart").shape else { panic!() };
-        assert_eq!(policies[1], ("on-failure".to_owned(), None));
+        assert_eq!((policies[1].name.as_str(), &policies[1].shape), ("on-failure", &None));
         let Shape::Choice(profiles) = &find(&keys, "actors.profile").shape else { panic!() };
-        let sine = profiles.iter().find(|(name, _)| name == "sine").expect("it is there");
-        let Some(Shape::Table(keys)) = &sine.1 else { panic!("{sine:?}") };
+        let sine = profiles.iter().find(|variant| variant.name == "sine").expect("it is there");
+        let Some(Shape::Table(keys)) = &sine.shape else { panic!("{sine:?}") };
         assert_eq!(keys.len(), 3);
+        assert!(keys[0].is_required && keys[0].meaning.starts_with("Amplitude"));
     }
 
     #[test]
@@ -332,7 +265,7 @@ mod tests {
             Shape::Table(keys) => check(keys, path, without),
             Shape::List(element) => below(element, path, without),
             Shape::Choice(variants) => {
-                variants.iter().filter_map(|(_, shape)| shape.as_ref()).for_each(|shape| {
+                variants.iter().filter_map(|variant| variant.shape.as_ref()).for_each(|shape| {
                     below(shape, path, without);
                 });
             }
@@ -345,6 +278,6 @@ mod tests {
     fn every_key_has_a_meaning() {
         let mut without = Vec::new();
         check(&keys(), "", &mut without);
-        assert_eq!(without, [] as [&str; 0], "a new source of keys belongs into `notes`");
+        assert_eq!(without, [] as [&str; 0]);
     }
 }

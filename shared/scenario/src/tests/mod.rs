@@ -3,6 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::open::Place;
 
 mod files;
 mod overrides;

@@ -9,7 +9,7 @@ fn a_wrong_value_is_shown_with_line_caret_and_expectation() {
         "error: x.toml:4:13: -50 is out of range\n  \
            |\n\
          4 | period_ms = -50 # too fast\n  \
-           |             ^^^ expected a period from 1 to 10000, in whole milliseconds"
+           |             ^^^ expected a period from 1 to 10000 ms, a whole number"
     );
 }
 
@@ -67,7 +67,7 @@ fn lists_and_kinds_of_a_wrong_shape_are_told_in_the_words_of_a_scenario() {
         ),
         (
             of_actor("profile.speeds = [{ time_s = 0 }]"),
-            "6:19: invalid type: map",
+            "6:19: invalid type: a table",
             "a point [time_s, speed_mps]",
         ),
         (

@@ -1,5 +1,6 @@
 //! Settings of the road formulation.
 
+use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 
 use crate::settings::{SettingError, Settings, Table, within};
@@ -8,7 +9,7 @@ use crate::settings::{SettingError, Settings, Table, within};
 pub(super) const TABLE: Table = Table::of::<RoadConfig>("road");
 
 /// Settings of the road formulation; all decelerations are positive numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RoadConfig {
     /// Desired gap to a standing lead, m.
@@ -78,8 +79,6 @@ impl Default for RoadConfig {
 }
 
 impl Settings for RoadConfig {
-    const SOURCE: &'static str = include_str!("road_config.rs");
-
     fn check(&self) -> Result<(), SettingError> {
         within("stop_margin_m", self.stop_margin_m, 0.3, 20.0)?;
         within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0)?;

@@ -126,7 +126,7 @@ fn refused(path: &str, error: &ProgramError) -> Problem {
             "the law `external` has no program",
             format!("{path}, such as [\"python3\", \"law.py\"]"),
         ),
-        error => Problem::said(path.to_owned(), &error.to_string()),
+        error => Problem::new(path, error.message(), error.expected()),
     }
 }
 
@@ -152,7 +152,7 @@ fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
         Some((_, Origin::Library(path))) => {
             let key = format!("laws.{name}.library");
             let library =
-                LawLibrary::open(path).map_err(|error| Problem::said(key, &error.to_string()))?;
+                LawLibrary::open(path).map_err(|error| Problem::new(key, error.message(), error.expected()))?;
             Ok(Box::new(Library::new(library, name, bounds, backup(reader)?)))
         }
         Some((_, Origin::Caller)) => Ok(Box::new(Asked::new(Questions::default(), None, scenario))),

@@ -1,10 +1,11 @@
 //! The table `[controller.external]`.
 
 use crate::settings::{self, SettingError, within};
+use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 
 /// Settings of the law `external`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Settings {
     /// Time that the program has for its first answer, and in simulated time for each, s.
@@ -20,8 +21,6 @@ impl Default for Settings {
 }
 
 impl settings::Settings for Settings {
-    const SOURCE: &'static str = include_str!("settings.rs");
-
     fn check(&self) -> Result<(), SettingError> {
         within("patience_s", self.patience_s, 0.1, 600.0)?;
         within("silence_s", self.silence_s, 0.01, 600.0)

@@ -1,10 +1,11 @@
 //! The settings of the law outside its design.
 
 use crate::settings::{self, SettingError, within};
+use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 
 /// Where the gains come from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum GainSource {
     /// The design, which is proven at every start.
@@ -15,7 +16,7 @@ pub enum GainSource {
 }
 
 /// Settings of the law outside its design, as `[controller.quadratic_bounded]` holds them.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, Schema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
     /// Where the gains come from: the certified design, or the paper as it is printed.
@@ -60,8 +61,6 @@ impl Settings {
 }
 
 impl settings::Settings for Settings {
-    const SOURCE: &'static str = include_str!("settings.rs");
-
     fn check(&self) -> Result<(), SettingError> {
         within("sensor_range_m", self.sensor_range_m, 1.0, 1000.0)?;
         within("gap_error_limit_m", self.gap_error_limit_m, 0.0, 1000.0)?;

@@ -1,5 +1,6 @@
 //! Settings of the driver who stops at signals.
 
+use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 
 use crate::settings::{SettingError, Settings, within};
@@ -12,7 +13,7 @@ use crate::settings::{SettingError, Settings, within};
 /// | `reaction_s` | ITE (2020), *Guidelines for determining traffic signal change and clearance intervals*: 1.0 s |
 /// | `yellow_deceleration_mps2` | the same: 10 ft/s², 3.05 m/s² |
 /// | `stop_deceleration_mps2`, `stop_margin_m` | as `cacc-mpc`'s reference driver, so that only the rule differs |
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SignalStop {
     /// Distance from the stop line at which the signal's colour is seen, m.
@@ -40,8 +41,6 @@ impl Default for SignalStop {
 }
 
 impl Settings for SignalStop {
-    const SOURCE: &'static str = include_str!("settings.rs");
-
     fn check(&self) -> Result<(), SettingError> {
         within("sight_m", self.sight_m, 10.0, 1000.0)?;
         within("reaction_s", self.reaction_s, 0.0, 5.0)?;

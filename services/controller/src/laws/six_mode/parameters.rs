@@ -1,5 +1,6 @@
 //! Parameters of the law, as the table `[controller.six_mode]` holds them.
 
+use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 
 use crate::settings::{SettingError, Settings, above, below, within};
@@ -8,7 +9,7 @@ use crate::settings::{SettingError, Settings, above, below, within};
 const PAPER_ACCELERATION_MPS2: f64 = 1.0;
 
 /// Which reading of the paper drives.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Variant {
     /// The paper with its misprints corrected and nothing added: for study, not for driving.
@@ -19,7 +20,7 @@ pub enum Variant {
 }
 
 /// Where R_x and R_j are; the literal variant has the paper's in any case.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Spacing {
     /// The paper's fits: 4.5 s of time gap in R_x, no regulation of the gap between R_w and R_j.
@@ -30,7 +31,7 @@ pub enum Spacing {
 }
 
 /// How the decelerate mode is divided; the literal variant has the paper's regions in any case.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Parts {
     /// Figure 3: three regions of relative speed and gap, in eight parts.
@@ -45,7 +46,7 @@ pub enum Parts {
 /// Parameters of the six-mode law; the default is the driving default.
 ///
 /// The second group acts in the robust variant only.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, Schema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
     /// Which variant runs.
@@ -222,8 +223,6 @@ impl Parameters {
 }
 
 impl Settings for Parameters {
-    const SOURCE: &'static str = include_str!("parameters.rs");
-
     fn check(&self) -> Result<(), SettingError> {
         above("braking_mps2", self.braking_mps2, 0.0, 12.0)?;
         above("lead_braking_mps2", self.lead_braking_mps2, 0.0, 15.0)?;

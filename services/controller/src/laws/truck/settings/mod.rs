@@ -4,6 +4,7 @@ mod numbers;
 mod tables;
 
 use crate::settings::{self, SettingError, within};
+use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 use truck_model::{Parameters, Truck};
 
@@ -16,7 +17,7 @@ pub(super) const REQUESTS_MPS2: (f64, f64) = (-6.5, 1.5);
 pub(super) const CAR_MOST_MPS2: f64 = 2.0;
 
 /// Which planner drives.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum PlannerKind {
     /// Receding-horizon dynamic programming.
@@ -80,7 +81,7 @@ impl PlannerKind {
 }
 
 /// What may slow the truck down beside its engine's drag.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Brakes {
     /// Nothing, as published: the law commands engine torque, from drag to full load.
@@ -93,7 +94,7 @@ pub enum Brakes {
 }
 
 /// The law's table, `[controller.predictive]`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Keys {
     /// Which planner drives.
@@ -139,8 +140,6 @@ impl Default for Keys {
 }
 
 impl settings::Settings for Keys {
-    const SOURCE: &'static str = concat!(include_str!("mod.rs"), include_str!("tables.rs"));
-
     fn check(&self) -> Result<(), SettingError> {
         within("mean_speed", self.mean_speed, 0.8, 1.2)?;
         within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0)?;

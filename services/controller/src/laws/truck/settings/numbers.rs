@@ -49,7 +49,7 @@ macro_rules! numbers {
         }
     ) => {
         $(#[$about])*
-        #[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize, serde::Serialize)]
+        #[derive(Clone, Copy, Debug, PartialEq, serde::Deserialize, serde::Serialize, scenario::schema::Schema)]
         #[serde(deny_unknown_fields, default)]
         pub struct $name {
             $($(#[$meaning])* pub $key: $type,)+

@@ -1,21 +1,18 @@
-//! Counts and histograms of a service that go on over all its processes: one that is killed cannot report,
-//! and percentiles of two processes cannot be added.
+//! Counts and histograms of a service that go on over all its processes.
 //!
-//! A file in shared memory for each service, which its processes share one after the other:
+//! A process that is killed cannot report, and percentiles of two processes cannot be added. So the processes of a
+//! service share a file in shared memory, one after the other:
 //!
 //! ```text
 //! page 0: names of histograms | names of counts | counts    pages 1 to 4: buckets of the first histogram    ...
 //! ```
 //!
-//! A process records there and nowhere else, so that what it recorded is there whatever ends it; at most the
-//! cycle that was running is not. A standby records nothing until it takes over. A name is a hash, 0 where the
-//! place is free, and takes its place by compare-and-swap: the active process and its standby open the file at
-//! the same time. Histograms have memory only where one is asked for.
+//! A process records there and nowhere else: whatever ends it, at most the cycle that was running is missing. A standby
+//! records nothing until it takes over. A name is a hash, 0 for a free place. It takes its place by compare-and-swap,
+//! because the active process and its standby open the file at the same time. A histogram gets memory when it is opened.
 
 use crate::statistics::{BUCKETS, Latencies};
-use crate::survival::kept_buckets::KeptBuckets;
-use crate::words::{PAGE_BYTES, SharedWords, WORDS};
-use crate::words::{open_existing_own, open_own};
+use crate::words::{Counters, PAGE_BYTES, SharedWords, WORDS, open_existing_own, open_own};
 use crate::{Group, RuntimeError};
 use messages::Service;
 use std::fs::File;
@@ -29,12 +26,12 @@ use xxhash_rust::xxh3::xxh3_64;
 pub const RELEASE_JITTER: &str = "release_jitter";
 /// Most histograms, and most counts, of a service: a plant with an emergency brake has 32 histograms.
 const SLOTS: usize = 40;
-/// Where the names of counts and the counts begin, words.
+/// Beginning of the names of counts and of the counts, words.
 const COUNT_NAMES: usize = SLOTS;
 const COUNTS: usize = 2 * SLOTS;
 /// Pages of a histogram.
 const HISTOGRAM_PAGES: usize = BUCKETS.div_ceil(WORDS);
-/// Most shared memory that a service takes for it, bytes.
+/// Largest size of a service's file, bytes.
 pub(crate) const MOST_BYTES: usize = (1 + SLOTS * HISTOGRAM_PAGES) * PAGE_BYTES;
 
 const _: () = assert!(COUNTS + SLOTS <= WORDS);
@@ -55,14 +52,14 @@ impl Figures {
         open_own(&path).and_then(Kept::of).map(Some).map(Self).map_err(error)
     }
 
-    /// Those of the processes of `service`, which may all be gone; empty ones if they kept none.
+    /// Opens those of the processes of `service`, which may all be gone; empty figures if there is no file.
     #[must_use]
     pub fn last(group: &Group, service: Service) -> Self {
         let file = open_existing_own(&path(&group.prefix, service));
         Self(file.and_then(Kept::of).ok())
     }
 
-    /// Whether this process records: a standby does not.
+    /// Sets whether this process records: a standby does not.
     pub(crate) fn set_recording(&self, records: bool) {
         if let Some(kept) = &self.0 {
             kept.records.store(records, Ordering::Relaxed);
@@ -77,7 +74,7 @@ impl Figures {
         let Some(kept) = &self.0 else { return Ok(Count::default()) };
         let slot = kept.slot(COUNT_NAMES, name).map_err(RuntimeError::setup(name.to_owned()))?;
         let (words, records) = (Arc::clone(&kept.names), Arc::clone(&kept.records));
-        Ok(Count(Place::Kept { words, slot, records }))
+        Ok(Count(Place::Kept(Counters::new(words, COUNTS + slot, records))))
     }
 
     /// The histogram of this name.
@@ -88,7 +85,7 @@ impl Figures {
         let Some(kept) = &self.0 else { return Ok(Latencies::with_room()) };
         let words = kept.slot(0, name).and_then(|slot| kept.buckets(slot));
         let words = words.map_err(RuntimeError::setup(name.to_owned()))?;
-        Ok(Latencies::kept(KeptBuckets::new(words, Arc::clone(&kept.records))))
+        Ok(Latencies::kept(Counters::new(Arc::new(words), 0, Arc::clone(&kept.records))))
     }
 }
 
@@ -137,7 +134,7 @@ pub struct Count(Place);
 #[derive(Debug)]
 enum Place {
     Own(u64),
-    Kept { words: Arc<SharedWords>, slot: usize, records: Arc<AtomicBool> },
+    Kept(Counters),
 }
 
 impl Default for Place {
@@ -151,10 +148,7 @@ impl Count {
     pub fn add(&mut self, more: u64) {
         match &mut self.0 {
             Place::Own(count) => *count += more,
-            Place::Kept { words, slot, records } if records.load(Ordering::Relaxed) => {
-                words.word(COUNTS + *slot).fetch_add(more as u32, Ordering::Relaxed);
-            }
-            Place::Kept { .. } => {}
+            Place::Kept(counter) => counter.add(0, more as u32),
         }
     }
 
@@ -163,9 +157,7 @@ impl Count {
     pub fn get(&self) -> u64 {
         match &self.0 {
             Place::Own(count) => *count,
-            Place::Kept { words, slot, .. } => {
-                words.word(COUNTS + slot).load(Ordering::Relaxed).into()
-            }
+            Place::Kept(counter) => counter.get(0),
         }
     }
 }

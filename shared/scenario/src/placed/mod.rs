@@ -1,17 +1,16 @@
-//! A TOML value that remembers where each of its keys and values stood.
+//! TOML values with the places of their keys and values.
 
-use super::refusal::Refusal;
-use std::collections::{BTreeMap, btree_map};
+mod part;
+mod read;
+
+use std::collections::BTreeMap;
 use std::ops::Range;
 
-use serde::de::value::{MapAccessDeserializer, StrDeserializer};
-use serde::de::{
-    Deserialize, DeserializeSeed, Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess,
-    Unexpected, Visitor,
-};
-use serde::forward_to_deserialize_any;
+use serde::Deserialize;
 use toml::Spanned;
 use toml::de::DeValue;
+
+pub(super) use part::Parts;
 
 /// A value with its place. Two values are equal when they are the same wherever they stand.
 #[derive(Clone, Debug)]
@@ -23,7 +22,7 @@ pub(super) struct Placed {
 
 #[derive(Clone, Debug)]
 enum Content {
-    /// What stands there and is no value: a number of too many digits.
+    /// Text that is no value: a number of too many digits.
     Unreadable(String),
     Scalar(toml::Value),
     Array(Vec<Placed>),
@@ -97,12 +96,12 @@ impl Placed {
         self
     }
 
-    /// Where it stands.
+    /// Its place.
     pub(super) fn place(&self) -> Range<usize> {
         self.place.clone()
     }
 
-    /// Where its key stands.
+    /// The place of its key.
     pub(super) fn key_place(&self) -> Option<Range<usize>> {
         self.key.clone()
     }
@@ -266,231 +265,4 @@ impl Placed {
 /// no reader of numbers accepts.
 fn scalar(value: &Spanned<DeValue<'_>>) -> Option<toml::Value> {
     toml::Value::deserialize(toml::de::ValueDeserializer::from(value.clone())).ok()
-}
-
-impl<'de> Deserializer<'de> for &'de Placed {
-    type Error = Refusal;
-
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
-        let read = match &self.content {
-            Content::Scalar(toml::Value::String(text)) => visitor.visit_str(text),
-            Content::Scalar(toml::Value::Integer(number)) => visitor.visit_i64(*number),
-            Content::Scalar(toml::Value::Float(number)) => visitor.visit_f64(*number),
-            Content::Scalar(toml::Value::Boolean(truth)) => visitor.visit_bool(*truth),
-            Content::Scalar(other) => {
-                Err(Refusal::invalid_type(Unexpected::Other(other.type_str()), &visitor))
-            }
-            Content::Unreadable(found) => {
-                Err(Refusal::invalid_value(Unexpected::Other(found), &visitor))
-            }
-            Content::Array(array) => visitor.visit_seq(Elements(array.iter())),
-            Content::Table(table) => visitor.visit_map(Entries::of(table)),
-        };
-        read.map_err(|error| error.at(&self.place))
-    }
-
-    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
-        visitor.visit_some(self)
-    }
-
-    fn deserialize_newtype_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        visitor: V,
-    ) -> Result<V::Value, Refusal> {
-        visitor.visit_newtype_struct(self)
-    }
-
-    fn deserialize_enum<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        words: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, Refusal> {
-        let read = match &self.content {
-            Content::Scalar(toml::Value::String(word)) => {
-                let word: StrDeserializer<'_, Refusal> = word.as_str().into_deserializer();
-                visitor.visit_enum(word)
-            }
-            Content::Table(table) if table.len() == 1 => {
-                visitor.visit_enum(MapAccessDeserializer::new(Entries::of(table)))
-            }
-            Content::Table(table) => {
-                Err(Refusal::not_one(&format!("a table of {} keys", table.len()), words))
-            }
-            Content::Array(_) => Err(Refusal::not_one("a list", words)),
-            Content::Scalar(other) => Err(Refusal::not_one(other.type_str(), words)),
-            Content::Unreadable(found) => Err(Refusal::not_one(found, words)),
-        };
-        read.map_err(|error| error.at(&self.place))
-    }
-
-    /// serde leaves the elements behind the last unread.
-    fn deserialize_tuple<V: Visitor<'de>>(
-        self,
-        count: usize,
-        visitor: V,
-    ) -> Result<V::Value, Refusal> {
-        match &self.content {
-            Content::Array(array) if array.len() != count => {
-                Err(Refusal::invalid_length(array.len(), &visitor).at(&self.place))
-            }
-            _ => self.deserialize_any(visitor),
-        }
-    }
-
-    /// serde takes a list for the fields in their order.
-    fn deserialize_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        _: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, Refusal> {
-        match &self.content {
-            Content::Array(_) => {
-                Err(Refusal::invalid_type(Unexpected::Other("a list"), &visitor).at(&self.place))
-            }
-            _ => self.deserialize_any(visitor),
-        }
-    }
-
-    fn deserialize_tuple_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        count: usize,
-        visitor: V,
-    ) -> Result<V::Value, Refusal> {
-        self.deserialize_tuple(count, visitor)
-    }
-
-    forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit
-        unit_struct seq map identifier ignored_any
-    }
-}
-
-/// The elements of an array. What a type's own check refuses is at the element.
-struct Elements<'a>(std::slice::Iter<'a, Placed>);
-
-impl<'de> SeqAccess<'de> for Elements<'de> {
-    type Error = Refusal;
-
-    fn next_element_seed<T: DeserializeSeed<'de>>(
-        &mut self,
-        seed: T,
-    ) -> Result<Option<T::Value>, Refusal> {
-        let Some(element) = self.0.next() else { return Ok(None) };
-        seed.deserialize(element).map(Some).map_err(|error| error.at(&element.place))
-    }
-}
-
-/// The keys and values of a table, in the same way.
-struct Entries<'a> {
-    left: btree_map::Iter<'a, String, Placed>,
-    value: Option<&'a Placed>,
-}
-
-impl<'a> Entries<'a> {
-    fn of(table: &'a BTreeMap<String, Placed>) -> Self {
-        Self { left: table.iter(), value: None }
-    }
-}
-
-impl<'de> MapAccess<'de> for Entries<'de> {
-    type Error = Refusal;
-
-    fn next_key_seed<K: DeserializeSeed<'de>>(
-        &mut self,
-        seed: K,
-    ) -> Result<Option<K::Value>, Refusal> {
-        let Some((name, value)) = self.left.next() else { return Ok(None) };
-        self.value = Some(value);
-        seed.deserialize(Key { name, place: &value.key }).map(Some)
-    }
-
-    fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Refusal> {
-        let value = self.value.take().ok_or_else(|| Refusal::custom("a value without a key"))?;
-        seed.deserialize(value).map_err(|error| error.at(&value.place))
-    }
-}
-
-/// A key on its way to a type's field.
-struct Key<'a> {
-    name: &'a str,
-    place: &'a Option<Range<usize>>,
-}
-
-impl<'de> Deserializer<'de> for Key<'de> {
-    type Error = Refusal;
-
-    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Refusal> {
-        let name: StrDeserializer<'_, Refusal> = self.name.into_deserializer();
-        name.deserialize_any(visitor).map_err(|error| match self.place {
-            Some(place) => error.at(place),
-            None => error,
-        })
-    }
-
-    forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit
-        unit_struct seq tuple tuple_struct map struct enum option newtype_struct identifier ignored_any
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use serde::Deserialize;
-
-    use super::*;
-
-    #[derive(Debug, Deserialize, PartialEq)]
-    #[serde(deny_unknown_fields, default)]
-    struct Table {
-        gain_per_s: f64,
-        kind: Kind,
-        steps: Option<u32>,
-        levels: Vec<f64>,
-    }
-
-    #[derive(Debug, Default, Deserialize, PartialEq)]
-    #[serde(rename_all = "kebab-case")]
-    enum Kind {
-        #[default]
-        Plain,
-        TwoStep,
-    }
-
-    impl Default for Table {
-        fn default() -> Self {
-            Self { gain_per_s: 1.0, kind: Kind::Plain, steps: None, levels: Vec::new() }
-        }
-    }
-
-    fn read(text: &str) -> Result<Table, (String, String)> {
-        let document = DeValue::parse(text).expect("the test's own text");
-        let placed = Placed::of(&document, 0);
-        Table::deserialize(&placed).map_err(|error| {
-            let place = error.place().expect("every error has a place").clone();
-            (error.message().to_owned(), text[place].to_owned())
-        })
-    }
-
-    #[test]
-    fn values_arrive() {
-        let table = read("{ gain_per_s = 2, kind = \"two-step\", steps = 3, levels = [1, 2.5] }");
-        let wanted =
-            Table { gain_per_s: 2.0, kind: Kind::TwoStep, steps: Some(3), levels: vec![1.0, 2.5] };
-        assert_eq!(table, Ok(wanted));
-        assert_eq!(read("{}"), Ok(Table::default()));
-    }
-
-    #[test]
-    fn a_fault_is_found_where_it_stands() {
-        let place = |text: &str| read(text).expect_err("it is wrong").1;
-        assert_eq!(place("{ steps = 3, gian_per_s = 2 }"), "gian_per_s");
-        assert_eq!(place("{ gain_per_s = \"fast\" }"), "\"fast\"");
-        assert_eq!(place("{ kind = \"three-step\" }"), "\"three-step\"");
-        assert_eq!(place("{ levels = [1, true] }"), "true");
-        assert_eq!(place("{ steps = -3 }"), "-3");
-    }
 }

@@ -1,0 +1,107 @@
+//! The ends of a topic without a service around them: what `timegap bench` measures.
+//!
+//! Typed messages go through the services' own [`Publisher`] and [`Subscriber`]. [`payload`] and [`event`] open
+//! iceoryx2 services that no topic uses, in the same node and variant.
+
+mod event;
+mod payload;
+
+pub use event::{EventReceiver, EventSender};
+pub use payload::{Contents, PayloadReceiver, PayloadSender};
+
+use crate::life::link::End;
+use crate::ports::members::Members;
+use crate::ports::{Checks, Outlet, Protection, Tally, Wire};
+use crate::survival::gate::Gate;
+use crate::transport::{Sealing, SharedMemory, Transport};
+use crate::{Carried, Clock, Group, Publisher, RuntimeError, Subscriber};
+use messages::{Message, Service};
+use std::rc::Rc;
+use std::time::Duration;
+
+/// A member of a group that is no service.
+#[derive(Debug)]
+pub struct Probe {
+    transport: Transport,
+    group: Group,
+}
+
+impl Probe {
+    /// Joins `group` under `name`.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Node`].
+    pub fn join(group: Group, name: &str) -> Result<Self, RuntimeError> {
+        let transport = Transport::SharedMemory(SharedMemory::join(&group, name)?);
+        Ok(Self { transport, group })
+    }
+
+    /// The node that its ends belong to.
+    fn node(&self) -> &SharedMemory {
+        match &self.transport {
+            Transport::SharedMemory(node) => node,
+            Transport::Memory(_) => unreachable!("`join` joined shared memory"),
+        }
+    }
+
+    /// The sending end of `T`'s topic, as `source` has it.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn publisher<T: Carried>(&self, source: Service) -> Result<Publisher<T>, RuntimeError> {
+        let port = T::sender(&self.transport, End::default())?;
+        let tally = Tally::of_sender(self.group.mode, Sealing::Sealed);
+        let protection = Protection {
+            port: Rc::clone(&port),
+            waker: self.transport.waker(T::TOPIC),
+            timetable: self.group.timetable,
+            tally: Rc::clone(&tally),
+        };
+        let outlet = Outlet {
+            next: Box::new(protection),
+            clock: Rc::new(Clock::new(self.group.mode, self.group.timetable.step_ns)),
+            source,
+            incarnation: 0,
+            tally,
+            gate: Rc::new(Gate::open(source)),
+            held: None,
+        };
+        Ok(Publisher::new(port, outlet))
+    }
+
+    /// The receiving end of `T`'s topic, as a service that it releases has it.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub fn subscriber<T: Carried>(&self) -> Result<Subscriber<T>, RuntimeError> {
+        let waiter = Some(self.transport.waiter(T::TOPIC));
+        let (port, tally) = (T::receiver(&self.transport)?, Tally::of_receiver());
+        let members = Rc::new(Members::of(&self.group.root));
+        let wire = Wire::new(Rc::clone(&port), members, Rc::clone(&tally));
+        let checks = Checks::new(None, None, None, Rc::clone(&tally));
+        Ok(Subscriber::new(port, waiter, Box::new(wire), checks, tally))
+    }
+
+    /// Waits for samples of `T`'s topic, at most for `timeout`, and hands all to `each`.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Receive`].
+    pub fn next_samples<T: Message>(
+        &self,
+        topic: &mut Subscriber<T>,
+        timeout: Duration,
+        mut each: impl FnMut(&T),
+    ) -> Result<(), RuntimeError> {
+        let ticket = topic.ticket();
+        let mut found = false;
+        topic.drain(u64::MAX, |sample| {
+            found = true;
+            each(sample);
+        })?;
+        if found {
+            return Ok(());
+        }
+        topic.wait(ticket, timeout)?;
+        topic.drain(u64::MAX, each)
+    }
+}

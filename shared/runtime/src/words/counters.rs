@@ -1,0 +1,34 @@
+//! Counters in shared memory.
+
+use super::SharedWords;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Counters that outlive the process and stand still while it is a standby. They wrap at 2³².
+#[derive(Clone, Debug)]
+pub(crate) struct Counters {
+    words: Arc<SharedWords>,
+    /// The word of the first counter.
+    first: usize,
+    /// False while the process stands by.
+    records: Arc<AtomicBool>,
+}
+
+impl Counters {
+    /// The counters in `words` from word `first` on, which count while `records` is set.
+    pub(crate) fn new(words: Arc<SharedWords>, first: usize, records: Arc<AtomicBool>) -> Self {
+        Self { words, first, records }
+    }
+
+    /// Adds `more` to counter `index`.
+    pub(crate) fn add(&self, index: usize, more: u32) {
+        if self.records.load(Ordering::Relaxed) {
+            self.words.word(self.first + index).fetch_add(more, Ordering::Relaxed);
+        }
+    }
+
+    /// Value of counter `index`.
+    pub(crate) fn get(&self, index: usize) -> u64 {
+        self.words.word(self.first + index).load(Ordering::Relaxed).into()
+    }
+}

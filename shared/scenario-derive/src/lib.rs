@@ -1,0 +1,177 @@
+//! `#[derive(Schema)]`: makes the struct that reads a table the one declaration of its keys.
+//!
+//! The macro implements `scenario::schema::Schema` for a type that derives serde's `Deserialize`. A key's name and
+//! default come from the attributes that serde obeys, its meaning from the doc comment, its range from the field's
+//! type. So a key is written once, and the reader, the JSON Schema and the reference agree.
+//!
+//! ```ignore
+//! /// What the ego may do.
+//! #[derive(Serialize, Deserialize, Schema)]
+//! #[serde(deny_unknown_fields, default)]
+//! pub struct Limits {
+//!     /// Largest deceleration, m/s².
+//!     pub deceleration_mps2: AccelerationMagnitude,
+//! }
+//! ```
+//!
+//! Understood are structs and externally tagged enums, and of serde's attributes `default`, `rename`, `rename_all`
+//! (`kebab-case`, `snake_case`), `from`, `try_from`, `skip` and `skip_deserializing`.
+
+mod serde;
+
+use proc_macro2::TokenStream;
+use quote::quote;
+use syn::{Data, DeriveInput, Error, Expr, ExprLit, Field, Fields, Lit, Meta};
+
+use crate::serde::{Fallback, Serde};
+
+/// Implements `scenario::schema::Schema`: see the crate's documentation.
+#[proc_macro_derive(Schema, attributes(serde))]
+pub fn derive_schema(input: proc_macro::TokenStream) -> proc_macro::TokenStream {
+    let input = syn::parse_macro_input!(input as DeriveInput);
+    expand(&input).unwrap_or_else(Error::into_compile_error).into()
+}
+
+fn expand(input: &DeriveInput) -> Result<TokenStream, Error> {
+    let name = &input.ident;
+    let container = Serde::of(&input.attrs)?;
+    let body = if let Some(other) = &container.from {
+        same_as(&quote!(#other))
+    } else {
+        match &input.data {
+            Data::Struct(data) => of_struct(&container, &data.fields)?,
+            Data::Enum(data) => {
+                let variants = data.variants.iter().map(|variant| {
+                    let own = Serde::of(&variant.attrs)?;
+                    let name = own.rename.unwrap_or_else(|| {
+                        container.rename_all.of_variant(&variant.ident.to_string())
+                    });
+                    let meaning = meaning(&variant.attrs);
+                    let shape = match &variant.fields {
+                        Fields::Unit => quote!(::core::option::Option::None),
+                        fields => {
+                            let shape = shape_of(&Serde::default(), fields)?;
+                            quote!(::core::option::Option::Some(#shape))
+                        }
+                    };
+                    Ok(quote!(::scenario::schema::Variant {
+                        name: #name.to_owned(),
+                        meaning: #meaning.to_owned(),
+                        shape: #shape,
+                    }))
+                });
+                let variants = variants.collect::<Result<Vec<_>, Error>>()?;
+                shape_only(&quote!(::scenario::schema::Shape::Choice(::std::vec![#(#variants),*])))
+            }
+            Data::Union(_) => return Err(Error::new_spanned(name, "a union has no keys")),
+        }
+    };
+    Ok(quote! {
+        impl ::scenario::schema::Schema for #name {
+            #body
+        }
+    })
+}
+
+fn of_struct(container: &Serde, fields: &Fields) -> Result<TokenStream, Error> {
+    match fields {
+        Fields::Unnamed(fields) if fields.unnamed.len() == 1 => {
+            let inner = &fields.unnamed[0].ty;
+            Ok(same_as(&quote!(#inner)))
+        }
+        fields => Ok(shape_only(&shape_of(container, fields)?)),
+    }
+}
+
+/// The functions of a type that reads as `other` does.
+fn same_as(other: &TokenStream) -> TokenStream {
+    quote! {
+        fn shape() -> ::scenario::schema::Shape {
+            <#other as ::scenario::schema::Schema>::shape()
+        }
+
+        fn expected() -> ::core::option::Option<::std::string::String> {
+            <#other as ::scenario::schema::Schema>::expected()
+        }
+    }
+}
+
+fn shape_only(shape: &TokenStream) -> TokenStream {
+    quote! {
+        fn shape() -> ::scenario::schema::Shape {
+            #shape
+        }
+    }
+}
+
+/// The shape of the value that is read into `fields`.
+fn shape_of(container: &Serde, fields: &Fields) -> Result<TokenStream, Error> {
+    let types = |fields: &Fields| {
+        let shapes = fields
+            .iter()
+            .map(|Field { ty, .. }| quote!(<#ty as ::scenario::schema::Schema>::shape()));
+        shapes.collect::<Vec<_>>()
+    };
+    Ok(match fields {
+        Fields::Named(named) => {
+            let keys = named.named.iter().map(|field| key(container, field));
+            let keys = keys.collect::<Result<Vec<_>, Error>>()?.into_iter().flatten();
+            let defaults = match container.default {
+                Some(_) => quote!(&<Self as ::core::default::Default>::default()),
+                None => quote!(&()),
+            };
+            quote!({
+                let defaults = ::scenario::schema::defaults(#defaults);
+                let _ = &defaults;
+                ::scenario::schema::Shape::Table(::std::vec![#(#keys),*])
+            })
+        }
+        Fields::Unnamed(unnamed) if unnamed.unnamed.len() == 1 => {
+            types(fields).pop().unwrap_or_default()
+        }
+        _ => {
+            let types = types(fields);
+            quote!(::scenario::schema::Shape::Tuple(::std::vec![#(#types),*]))
+        }
+    })
+}
+
+/// The key of a field; none for a field that is not read.
+fn key(container: &Serde, field: &Field) -> Result<Option<TokenStream>, Error> {
+    let own = Serde::of(&field.attrs)?;
+    if own.skip {
+        return Ok(None);
+    }
+    let ident = field.ident.as_ref().map(ToString::to_string).unwrap_or_default();
+    let name = own.rename.unwrap_or_else(|| container.rename_all.of_field(&ident));
+    let meaning = meaning(&field.attrs);
+    let ty = &field.ty;
+    let presence = match (&own.default, &container.default) {
+        (Some(Fallback::Trait), _) => quote! {
+            ::scenario::schema::Presence::of(&<#ty as ::core::default::Default>::default())
+        },
+        (Some(Fallback::Function(path)), _) => {
+            quote!(::scenario::schema::Presence::of(&#path()))
+        }
+        (None, Some(_)) => quote!(::scenario::schema::Presence::among(&defaults, #name)),
+        (None, None) => quote!(::scenario::schema::Presence::Required),
+    };
+    Ok(Some(quote!(::scenario::schema::Key::of::<#ty>(#name, #meaning, #presence))))
+}
+
+/// The doc comment, in one line.
+fn meaning(attributes: &[syn::Attribute]) -> String {
+    let lines = attributes.iter().filter_map(|attribute| match &attribute.meta {
+        Meta::NameValue(pair) if pair.path.is_ident("doc") => text(&pair.value),
+        _ => None,
+    });
+    lines.map(|line| line.trim().to_owned()).collect::<Vec<_>>().join(" ").trim().to_owned()
+}
+
+fn text(value: &Expr) -> Option<String> {
+    match value {
+        Expr::Lit(ExprLit { lit: Lit::Str(text), .. }) => Some(text.value()),
+        Expr::Group(group) => text(&group.expr),
+        _ => None,
+    }
+}

@@ -1,0 +1,208 @@
+//! Physical quantities, each with its unit and its plausible range.
+//!
+//! A scenario key has one of these types. A value outside the range is refused while the document is read, because its
+//! position is still known then. NaN and infinities are outside every range.
+//!
+//! ```
+//! use scenario::quantity::Speed;
+//!
+//! assert_eq!(Speed::of(30.0).value(), 30.0);
+//! let refused = Speed::try_from(-1.0).expect_err("below the range");
+//! assert_eq!(refused.to_string(), "-1 is out of range, expected a speed from 0 to 100 m/s");
+//! ```
+
+mod range;
+
+pub use range::{OutOfRange, Range};
+
+use range::{quantity, whole};
+
+quantity! {
+    /// A speed, m/s.
+    Speed: "a speed", 0.0, 100.0, "m/s";
+    /// A signed acceleration, m/s².
+    Acceleration: "an acceleration", -30.0, 30.0, "m/s²";
+    /// The magnitude of an acceleration, m/s², not zero.
+    AccelerationMagnitude: "an acceleration", 0.01, 30.0, "m/s²", ", without a sign";
+    /// A rate of change of acceleration, m/s³, not zero.
+    JerkMagnitude: "a rate", 0.1, 1000.0, "m/s³", ", without a sign";
+    /// A difference of two speeds, m/s.
+    SpeedDifference: "a difference of speeds", -200.0, 200.0, "m/s";
+    /// A distance along the road, m.
+    Distance: "a distance", 0.0, 1e6, "m";
+    /// A length of something that exists, m.
+    Length: "a length", 0.1, 1000.0, "m";
+    /// A range that a sensor or radio reaches, m.
+    Reach: "a range", 1.0, 1e5, "m";
+    /// A lateral position, m, left positive.
+    Lateral: "a lateral position", -50.0, 50.0, "m";
+    /// A point in time or a waiting time, s.
+    Time: "a time", 0.0, 86_400.0, "s";
+    /// A shift in time, s.
+    TimeShift: "a time", -86_400.0, 86_400.0, "s";
+    /// A time that passes, s.
+    Duration: "a duration", 1e-3, 86_400.0, "s";
+    /// A time constant or a time headway, s.
+    TimeConstant: "a time constant", 1e-3, 100.0, "s";
+    /// A standard deviation, in the unit of the key.
+    Sigma: "a standard deviation", 0.0, 100.0, "";
+    /// A multiple of a standard deviation.
+    SigmaMultiple: "a multiple of sigma", 1.0, 100.0, "";
+    /// A probability.
+    Probability: "a probability", 0.0, 1.0, "";
+    /// A share of a whole.
+    Share: "a share", 0.0, 1.0, "";
+    /// An opening angle, degrees.
+    Angle: "an angle", 0.1, 360.0, "degrees";
+    /// A height above any level, m.
+    Height: "a height", -500.0, 9000.0, "m";
+    /// A grade, percent, positive uphill.
+    GradePercent: "a grade", -20.0, 20.0, "%";
+    /// The magnitude of a grade, percent, not zero.
+    GradeMagnitude: "a grade", 0.01, 20.0, "%", ", without a sign";
+    /// The length of a road, km.
+    RoadLength: "a length", 1.0, 500.0, "km";
+    /// An error in the position of a map, m, positive when the map is too far ahead.
+    MapShift: "a shift", -1000.0, 1000.0, "m";
+    /// A latitude, degrees, north positive.
+    Latitude: "a latitude", -89.0, 89.0, "degrees";
+    /// A longitude, degrees, east positive.
+    Longitude: "a longitude", -180.0, 180.0, "degrees";
+    /// A heading, degrees clockwise from north.
+    Heading: "a heading", 0.0, 360.0, "degrees";
+    /// A torque at the crankshaft, N m.
+    Torque: "a torque", -5000.0, 5000.0, "N m";
+    /// A rate of change of torque, N m/s, not zero.
+    TorqueRate: "a rate", 10.0, 1e6, "N m/s";
+    /// A noise, percent.
+    Percent: "a number", 0.0, 100.0, "%";
+    /// A factor on a mass.
+    MassFactor: "a factor", 0.5, 2.0, "";
+    /// A mass, kg.
+    Mass: "a mass", 100.0, 100_000.0, "kg";
+    /// A power, kW.
+    Power: "a power", 1.0, 10_000.0, "kW";
+    /// A deviation, in the unit of the figure that deviates.
+    Shift: "a number", -1e4, 1e4, "";
+    /// A ratio of powers, dB.
+    Decibels: "a level", -100.0, 100.0, "dB";
+    /// A loss of power, dB.
+    Loss: "a loss", 0.0, 100.0, "dB";
+    /// A radar cross section, dB relative to 1 m².
+    CrossSection: "a radar cross section", -40.0, 60.0, "dBsm";
+    /// A mean number of events in a scan.
+    MeanCount: "a mean number", 0.0, 2000.0, "";
+    /// A number of objects on a kilometre.
+    PerKilometre: "a number", 0.0, 2000.0, "per km";
+    /// A weight in a cost function.
+    Weight: "a weight", 0.0, 1e12, "";
+    /// A weight in a cost function that must not vanish.
+    PositiveWeight: "a weight", 1e-9, 1e12, "";
+}
+
+whole! {
+    /// A period, ms.
+    PeriodMs: u32, "a period", 1, 10_000, "ms", ", a whole number";
+    /// A delay, ms.
+    DelayMs: u32, "a delay", 0, 10_000, "ms", ", a whole number";
+    /// A difference of two clocks, ms.
+    OffsetMs: i32, "an offset", -60_000, 60_000, "ms", ", a whole number";
+    /// The rate by which a clock is too fast, millionths.
+    DriftPpm: i32, "a drift", -1000, 1000, "millionths", ", a whole number";
+    /// The id of a station that sends.
+    StationId: u32, "a station id", 1, 4_294_967_295, "";
+    /// A seed of the random numbers.
+    Seed: u64, "a whole number", 0, i64::MAX, "";
+    /// A number of things, or of repetitions.
+    Count: u16, "a whole number", 1, 10_000, "";
+    /// An amount of memory, MiB.
+    Megabytes: u32, "a size", 1, 1_000_000, "MiB", ", a whole number";
+    /// A number of steps in a horizon.
+    Steps: u16, "a whole number", 2, 1000, "";
+    /// A real-time priority as SCHED_FIFO counts them.
+    Priority: u8, "a priority", 1, 99, "", " (highest)";
+    /// A CPU, by its id.
+    Core: u16, "a CPU id", 0, 1023, "";
+    /// An intersection, by its id in the standards' 16 bits.
+    IntersectionId: u16, "an intersection id", 0, 65_535, "";
+    /// A signal group; the standards reserve 0 (not available) and 255 (permanently green).
+    SignalGroupId: u8, "a signal group id", 1, 254, "";
+}
+
+impl PeriodMs {
+    /// The period in nanoseconds.
+    #[must_use]
+    pub const fn nanoseconds(self) -> u64 {
+        self.0 as u64 * 1_000_000
+    }
+}
+
+impl DelayMs {
+    /// The delay in nanoseconds.
+    #[must_use]
+    pub const fn nanoseconds(self) -> u64 {
+        self.0 as u64 * 1_000_000
+    }
+}
+
+impl Time {
+    /// The time in nanoseconds, rounded to the nearest.
+    #[must_use]
+    pub fn nanoseconds(self) -> u64 {
+        seconds_to_nanoseconds(self.0)
+    }
+}
+
+impl Duration {
+    /// The duration in nanoseconds, rounded to the nearest.
+    #[must_use]
+    pub fn nanoseconds(self) -> u64 {
+        seconds_to_nanoseconds(self.0)
+    }
+}
+
+fn seconds_to_nanoseconds(seconds: f64) -> u64 {
+    (seconds * 1e9).round() as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn not_a_number_and_infinities_are_outside_every_range() {
+        for value in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert!(Speed::try_from(value).is_err());
+            assert!(Acceleration::try_from(value).is_err());
+            assert!(Weight::try_from(value).is_err());
+        }
+    }
+
+    #[test]
+    fn the_ends_of_a_range_belong_to_it() {
+        assert_eq!(PeriodMs::try_from(1), Ok(PeriodMs::of(1)));
+        assert_eq!(PeriodMs::try_from(10_000), Ok(PeriodMs::of(10_000)));
+        assert!(PeriodMs::try_from(0).is_err());
+        assert!(PeriodMs::try_from(10_001).is_err());
+        assert_eq!(Probability::try_from(1.0), Ok(Probability::of(1.0)));
+        assert!(Probability::try_from(1.0 + f64::EPSILON).is_err());
+    }
+
+    #[test]
+    fn a_refusal_names_the_value_and_what_was_expected() {
+        let refusal = Mass::try_from(0.0).expect_err("zero mass is not physical");
+        assert_eq!(refusal.to_string(), "0 is out of range, expected a mass from 100 to 100000 kg");
+        let refusal = PeriodMs::try_from(0).expect_err("a loop takes time");
+        assert_eq!(refusal.range.to_string(), "a period from 1 to 10000 ms, a whole number");
+        assert_eq!(Weight::RANGE.to_string(), "a weight from 0 to 1e12");
+        assert_eq!(PositiveWeight::RANGE.to_string(), "a weight from 1e-9 to 1e12");
+        assert_eq!(TimeConstant::RANGE.to_string(), "a time constant from 0.001 to 100 s");
+    }
+
+    #[test]
+    fn seconds_become_nanoseconds_without_drift() {
+        assert_eq!(Duration::of(0.1).nanoseconds(), 100_000_000);
+        assert_eq!(Time::of(86_400.0).nanoseconds(), 86_400_000_000_000);
+        assert_eq!(PeriodMs::of(10).nanoseconds(), 10_000_000);
+    }
+}
