@@ -5,6 +5,7 @@ use std::path::Path;
 use super::document::Document;
 use super::foreign::ForeignKeys;
 use super::overrides::Overrides;
+use super::own_law;
 use super::problem::Problem;
 use super::quantity::PeriodMs;
 use super::reads::{self, Reads};
