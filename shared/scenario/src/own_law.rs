@@ -100,7 +100,10 @@ impl<'de> Deserialize<'de> for Word {
 
             fn visit_str<E: Error>(self, text: &str) -> Result<Word, E> {
                 match text.contains('\0') {
-                    true => Err(E::invalid_value(Unexpected::Other("a zero byte"), &"a text without one")),
+                    true => Err(E::invalid_value(
+                        Unexpected::Other("a zero byte"),
+                        &"a text without one",
+                    )),
                     false => Ok(Word(text.to_owned())),
                 }
             }

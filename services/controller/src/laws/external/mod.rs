@@ -151,8 +151,8 @@ fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
         }
         Some((_, Origin::Library(path))) => {
             let key = format!("laws.{name}.library");
-            let library =
-                LawLibrary::open(path).map_err(|error| Problem::new(key, error.message(), error.expected()))?;
+            let library = LawLibrary::open(path)
+                .map_err(|error| Problem::new(key, error.message(), error.expected()))?;
             Ok(Box::new(Library::new(library, name, bounds, backup(reader)?)))
         }
         Some((_, Origin::Caller)) => Ok(Box::new(Asked::new(Questions::default(), None, scenario))),
