@@ -104,7 +104,7 @@ impl Recording {
                 let what = format!("{name} has no list `{wanted}`, expected one of {names:?}");
                 return Err(PyKeyError::new_err(what));
             };
-            columns.extend(entry.scalars().into_iter().map(|place| Growing::new(place)));
+            columns.extend(entry.scalars().into_iter().map(Growing::new));
             let count = topic.layout().scalars().into_iter().find(|place| place.path == "count");
             for record in self.0.records_of(&[topic]) {
                 let message = record.bytes();
@@ -125,7 +125,7 @@ impl Recording {
                 lists.iter().any(is_in)
             };
             let places = topic.layout().scalars().into_iter().filter(|place| !in_a_list(place));
-            columns.extend(places.map(|place| Growing::new(place)));
+            columns.extend(places.map(Growing::new));
             for record in self.0.records_of(&[topic]) {
                 times.extend((record.log_time_ns as f64 / 1e9).to_le_bytes());
                 columns.iter_mut().for_each(|column| column.add(record.bytes()));
