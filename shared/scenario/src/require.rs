@@ -6,18 +6,21 @@ use super::quantity::Share;
 use super::schema::Schema;
 
 /// Requirements on a run.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Require {
     /// Largest share of the control cycles in which the backup of a law that is a program may drive. Beyond it the
     /// outcome is `driven_by_backup`.
     pub max_backup_share: Share,
+    /// Requirements that the drive is judged by: formulas over its signals, such as `always gap_m > 2`, or names, such as
+    /// `min-gap:2`. A drive that breaks one has the outcome `requirement_broken`. docs/requirements.md lists both.
+    pub formulas: Vec<String>,
 }
 
 impl Default for Require {
     /// A program in Python needs about 0.5 s to start again. This is 5 % of the default run of 10 s. Twice
     /// that leaves room for late answers, and nine cycles of ten still belong to the law that is judged.
     fn default() -> Self {
-        Self { max_backup_share: Share::of(0.1) }
+        Self { max_backup_share: Share::of(0.1), formulas: Vec::new() }
     }
 }

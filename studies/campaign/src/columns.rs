@@ -37,6 +37,12 @@ pub fn sums<R>() -> Vec<Column<R>> {
             .weight(1),
         count("red_lights", "red lights", "Runs that ended at a red light"),
         count("driven_by_backup", "driven by backup", "Runs that the backup law drove").weight(3),
+        count(
+            "requirements_broken",
+            "requirement broken",
+            "Runs that broke a requirement of their scenario",
+        )
+        .weight(4),
         count("aborted", "aborted", "Runs that were aborted").weight(2),
         number("min_gap_m", "min gap", "m", 1, "Smallest gap to the vehicle ahead").weight(1),
         number("min_ttc_s", "min TTC", "s", 1, "Least time to collision").weight(1),

@@ -142,6 +142,7 @@ fn tiles(all: &Tally) -> Vec<Tile> {
         tile("Red lights", all.red_lights.to_string()),
         tile("Safe stops", all.safe_stops.to_string()),
         tile("Driven by the backup", all.driven_by_backup.to_string()),
+        tile("Requirements broken", all.requirements_broken.to_string()),
         tile("Aborted", all.aborted.to_string()),
         tile("Objects left behind", all.leaks.to_string()),
     ];

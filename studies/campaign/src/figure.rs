@@ -21,12 +21,13 @@ enum Kind {
 }
 
 /// All figures.
-pub const FIGURES: [Figure; 36] = [
+pub const FIGURES: [Figure; 37] = [
     count("collisions", |t| t.collisions),
     count("avoidable_collisions", |t| t.avoidable_collisions),
     count("red_lights", |t| t.red_lights),
     count("safe_stops", |t| t.safe_stops),
     count("driven_by_backup", |t| t.driven_by_backup),
+    count("requirements_broken", |t| t.requirements_broken),
     count("aborted", |t| t.aborted),
     count("kills", |t| t.kills),
     count("double_kills", |t| t.double_kills),

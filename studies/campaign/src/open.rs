@@ -13,8 +13,8 @@ const MAX_LINE: usize = 500;
 const MAX_NAME: usize = 64;
 
 /// Limits of a campaign that comes from a variation file.
-const REQUIRED: &str =
-    "require = { max_avoidable_collisions = 0, max_aborted = 0, max_driven_by_backup = 0 }";
+const REQUIRED: &str = "require = { max_avoidable_collisions = 0, max_aborted = 0, max_driven_by_backup = 0, \
+                        max_requirements_broken = 0 }";
 
 /// A variation file gives its campaign no name or no description.
 #[derive(Debug, thiserror::Error)]

@@ -16,6 +16,7 @@ pub struct Tally {
     pub red_lights: u64,
     pub safe_stops: u64,
     pub driven_by_backup: u64,
+    pub requirements_broken: u64,
     pub aborted: u64,
     pub kills: u64,
     pub double_kills: u64,
@@ -75,6 +76,7 @@ impl Sum {
             Outcome::RedLight => &mut tally.red_lights,
             Outcome::SafeStop => &mut tally.safe_stops,
             Outcome::DrivenByBackup => &mut tally.driven_by_backup,
+            Outcome::RequirementBroken => &mut tally.requirements_broken,
             Outcome::Aborted if found.launcher_died => &mut tally.launcher_kills,
             Outcome::Aborted => &mut tally.aborted,
         } += 1;

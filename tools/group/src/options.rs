@@ -24,6 +24,10 @@ pub struct ScenarioOptions {
     /// Laws of the user's own.
     #[command(flatten)]
     pub laws: LawOptions,
+    /// Judge the drive by a requirement as well: a formula such as 'always gap_m > 2', or a name such as min-gap:2
+    /// (repeatable; docs/requirements.md)
+    #[arg(long = "require", value_name = "FORMULA")]
+    pub require: Vec<String>,
     /// Parameters of an OpenSCENARIO file, `NAME=VALUE`: an option of the commands that take one.
     #[arg(skip)]
     pub parameters: Vec<String>,

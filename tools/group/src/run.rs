@@ -69,16 +69,18 @@ pub fn open_with(
     }
     let parameters = options.parameters.iter().map(|argument| assignment(argument));
     let parameters = parameters.collect::<Result<Vec<_>, _>>()?;
-    if is_openscenario(name) {
-        let path = Path::new(name);
-        return Scenario::open_openscenario(path, &parameters, &overrides, &laws::check)
-            .map_err(|error| Error::OpenScenario(Box::new(error)));
-    }
-    if let Some(argument) = options.parameters.first() {
+    let mut scenario = if is_openscenario(name) {
+        Scenario::open_openscenario(Path::new(name), &parameters, &overrides, &laws::check)
+            .map_err(|error| Error::OpenScenario(Box::new(error)))?
+    } else if let Some(argument) = options.parameters.first() {
         let (argument, name) = (argument.clone(), name.to_owned());
         return Err(ParameterError::NoOpenScenario { argument, name }.into());
-    }
-    Ok(Scenario::open(name, &overrides, &laws::check)?)
+    } else {
+        Scenario::open(name, &overrides, &laws::check)?
+    };
+    scenario.require.formulas.extend(options.require.iter().cloned());
+    crate::requirements(&scenario)?;
+    Ok(scenario)
 }
 
 /// A radio whose file is given from the present directory, as that of a scenario is from its own.

@@ -17,6 +17,7 @@ pub fn page(scenario: &Scenario, summary: &Summary, run: &RunPicture) -> String 
     let body = [
         tiles(&figures(summary)),
         faults(run),
+        requirements(summary),
         section("The drive", &(storyboard(summary) + &pictures(run))),
         tracking(summary),
         crate::radio::page(summary),
@@ -36,6 +37,18 @@ pub fn page(scenario: &Scenario, summary: &Summary, run: &RunPicture) -> String 
     ];
     let about: Vec<_> = about.into_iter().filter(|part| !part.is_empty()).collect();
     document(&summary.scenario, &about.join(" · "), good, &verdict, &body)
+}
+
+/// The requirements of the scenario with their margins; empty without one.
+fn requirements(summary: &Summary) -> String {
+    if summary.requirements.is_empty() {
+        return String::new();
+    }
+    let rows: Vec<_> = (summary.requirements.iter())
+        .map(|verdict| vec![verdict.requirement.clone(), print::requirement(verdict)])
+        .collect();
+    let head = [("requirement", Column::Text), ("verdict", Column::Text)];
+    section("Requirements", &stacked_table(&head, &rows))
 }
 
 /// Acts of the storyboard that never started: the drive was not the one of the file.
@@ -102,6 +115,11 @@ fn verdict(summary: &Summary) -> (bool, String) {
         Outcome::DrivenByBackup => {
             let law = print::backup(summary).unwrap_or_default();
             (false, format!("Driven by the backup: {law}. These figures say little about the law"))
+        }
+        Outcome::RequirementBroken => {
+            let broken = summary.requirements.iter().filter(|verdict| !verdict.met);
+            let texts: Vec<_> = broken.map(|verdict| verdict.requirement.as_str()).collect();
+            (false, format!("Requirement broken: {}", texts.join("; ")))
         }
         Outcome::Aborted => {
             let why = summary.aborted_because.as_deref().unwrap_or("ended early");

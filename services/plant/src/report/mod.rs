@@ -100,6 +100,8 @@ pub enum Outcome {
     SafeStop,
     /// The law's backup drove more than the scenario allows: the drive shows little about the law.
     DrivenByBackup,
+    /// The drive broke a requirement of the scenario, beside the rules that every drive is judged by.
+    RequirementBroken,
     /// Something ended the run before its time.
     Aborted,
 }

@@ -11,7 +11,7 @@ pub(crate) use drive::unstarted_acts;
 use crate::summary::Summary;
 use drive::{drive, emergency_brake, radar, storyboard};
 use group::report::{Outcome, ProgramReport};
-use group::{Error, RecordingSummary};
+use group::{Error, RecordingSummary, RequirementVerdict};
 use machine::{faults, machine, messages};
 use std::fmt::Write as _;
 use std::io::{ErrorKind, Write as _};
@@ -48,6 +48,7 @@ pub fn summary(summary: &Summary) -> String {
     program(summary, &mut line);
     drive(summary, &mut line);
     emergency_brake(summary, &mut line);
+    requirements(summary, &mut line);
     storyboard(summary, &mut line);
     radar(summary, &mut line);
     timing(summary, &mut line);
@@ -68,6 +69,26 @@ pub fn summary(summary: &Summary) -> String {
         summary.mode,
         summary.seed
     )
+}
+
+/// The requirements of the scenario, with their margins.
+fn requirements(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
+    for (index, verdict) in summary.requirements.iter().enumerate() {
+        let text = format!("{}: {}", verdict.requirement, requirement(verdict));
+        line(if index == 0 { "requirements" } else { "" }, text);
+    }
+}
+
+/// A requirement's verdict, in words.
+pub fn requirement(verdict: &RequirementVerdict) -> String {
+    let word = if verdict.met { "met" } else { "BROKEN" };
+    match verdict.margin {
+        Some(margin) => {
+            let margin = crate::chart::number(margin, 2);
+            format!("{word}, margin {margin} {} at {:.2} s", verdict.unit, verdict.at_s)
+        }
+        None => format!("{word}, nothing in the drive decides it"),
+    }
 }
 
 /// The user's programs, and the performance of a foreign law's program.
@@ -135,6 +156,7 @@ pub fn outcome_word(outcome: Outcome) -> &'static str {
         Outcome::RedLight => "RED LIGHT",
         Outcome::SafeStop => "safe stop",
         Outcome::DrivenByBackup => "DRIVEN BY BACKUP",
+        Outcome::RequirementBroken => "REQUIREMENT BROKEN",
         Outcome::Aborted => "aborted",
     }
 }

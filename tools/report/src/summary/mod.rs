@@ -18,7 +18,10 @@ use group::report::{
     ObuReport, Outcome, PerceptionReport, PlanningReport, PlantReport, ProgramReport,
     ServiceReport, SignalHops, WorstChain,
 };
-use group::{Ended, FaultRecord, GroupOutcome, Heartbeats, RecordingSummary, StandbyCost};
+use group::{
+    Drive, Ended, FaultRecord, GroupOutcome, Heartbeats, RecordingSummary, RequirementVerdict,
+    StandbyCost,
+};
 use messages::Service;
 use messages::level::Levels;
 use runtime::scheduling::Granted;
@@ -63,6 +66,8 @@ pub struct Summary {
     pub control: Control,
     /// Cycles by who commanded; null without the controller's report.
     pub law: Option<LawAccount>,
+    /// Verdicts on the scenario's requirements.
+    pub requirements: Vec<RequirementVerdict>,
     /// Latencies, jitter and deadlines.
     pub timing: Timing,
     /// Counts of each topic, by its name.
@@ -201,6 +206,12 @@ impl Summary {
         let law = controller.zip(report(Service::Controller));
         let law = law.map(|(of, service)| LawAccount::of(driver.clone(), service.cycles, of));
         let outcome = law.as_ref().map_or(reached, |law| law.judge(reached, scenario));
+        let requirements = judge(scenario, &group.drive);
+        let all_met = requirements.iter().all(|verdict| verdict.met);
+        let outcome = match outcome {
+            Outcome::Completed if !all_met => Outcome::RequirementBroken,
+            outcome => outcome,
+        };
         Self {
             schema_version: 1,
             scenario: scenario.name.as_str().into(),
@@ -226,6 +237,7 @@ impl Summary {
                 mode_changes: controller.map(|controller| controller.mode_changes.clone()),
             },
             law,
+            requirements,
             timing: Timing {
                 cycles: report(Service::Controller).map(|report| report.cycles),
                 deadline_us: controller.map(|controller| controller.deadline_us),
@@ -286,6 +298,13 @@ impl Summary {
             host: Host::this(),
         }
     }
+}
+
+/// The verdicts on the scenario's requirements, which were checked when it was opened.
+fn judge(scenario: &Scenario, drive: &Drive) -> Vec<RequirementVerdict> {
+    let requirements = group::requirements(scenario).unwrap_or_default();
+    let set_speed_mps = scenario.set_speed_mps.value();
+    requirements.iter().map(|requirement| requirement.judge(drive, set_speed_mps)).collect()
 }
 
 /// Name of the law that drove: from its process's report, from the program in the controller's place, or from

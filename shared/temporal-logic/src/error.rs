@@ -1,0 +1,94 @@
+//! Errors of a formula, with their place in its text.
+
+use crate::Unit;
+use std::ops::Range;
+use thiserror::Error;
+
+/// A formula that cannot be used.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[error("column {column}: {problem}\n  | {text}\n  | {marks}", marks = self.marks())]
+pub struct FormulaError {
+    /// First column concerned, counted in characters from 1.
+    pub column: usize,
+    /// Columns concerned.
+    pub width: usize,
+    /// The problem there.
+    pub problem: Problem,
+    /// The formula.
+    pub text: String,
+}
+
+/// What is wrong with a formula.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum Problem {
+    /// Another word was expected.
+    #[error("{found}, expected {expected}")]
+    Unexpected {
+        /// The word that stands there.
+        found: String,
+        /// The words that may stand there.
+        expected: &'static str,
+    },
+    /// A signal that does not exist.
+    #[error("unknown signal \"{name}\", expected one of {}{}", known.join(", "), hint(nearest))]
+    UnknownSignal {
+        /// Its name.
+        name: String,
+        /// The signals that exist.
+        known: Vec<&'static str>,
+        /// The most similar one.
+        nearest: Option<&'static str>,
+    },
+    /// A sum or a comparison of quantities that do not go together.
+    #[error("{left} and {right} cannot be added or compared")]
+    Units {
+        /// Unit on the left.
+        left: Unit,
+        /// Unit on the right.
+        right: Unit,
+    },
+    /// A number in the place of a condition.
+    #[error("a number, expected a condition such as gap_m > 2")]
+    NumberForCondition,
+    /// A condition in the place of a number.
+    #[error("a condition, expected a number or a signal")]
+    ConditionForNumber,
+    /// A window that is empty or begins in the past.
+    #[error("a window from {first_s} s to {last_s} s, expected 0 <= first <= last")]
+    Window {
+        /// Its beginning.
+        first_s: f64,
+        /// Its end.
+        last_s: f64,
+    },
+    /// A window that no run is long enough for.
+    #[error("the window ends after the run, which lasts {duration_s} s")]
+    LongWindow {
+        /// Length of the run.
+        duration_s: f64,
+    },
+    /// More nesting than a reader could follow.
+    #[error("nested more than {most} deep")]
+    Depth {
+        /// The limit.
+        most: usize,
+    },
+}
+
+fn hint(nearest: &Option<&'static str>) -> String {
+    nearest.map_or_else(String::new, |name| format!("; similar: {name}"))
+}
+
+impl FormulaError {
+    /// The error of the bytes `place` of `text`.
+    pub(crate) fn at(text: &str, place: Range<usize>, problem: Problem) -> Self {
+        let characters =
+            |range: Range<usize>| text.get(range).map_or(0, |part| part.chars().count());
+        let column = characters(0..place.start) + 1;
+        Self { column, width: characters(place).max(1), problem, text: text.to_owned() }
+    }
+
+    fn marks(&self) -> String {
+        " ".repeat(self.column - 1) + &"^".repeat(self.width)
+    }
+}

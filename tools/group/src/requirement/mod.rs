@@ -1,0 +1,201 @@
+//! Requirements on a drive: formulas over its signals, judged after the run.
+//!
+//! A requirement is a formula of [`temporal_logic`] over [`signals`], or a [named](names) one. It stands in a scenario's
+//! `[require]` or behind `--require`.
+
+mod names;
+mod signals;
+
+use crate::{Drive, Failure};
+use scenario::Scenario;
+use serde::{Deserialize, Serialize};
+use signals::Samples;
+use temporal_logic::{Formula, FormulaError, Trace};
+use thiserror::Error;
+
+/// A requirement that can be judged.
+#[derive(Clone, Debug)]
+pub struct Requirement {
+    text: String,
+    formula: Formula,
+}
+
+/// A requirement that cannot.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum RequirementError {
+    /// A formula with a fault, of the scenario's requirement `index`.
+    #[error("require.formulas.{index}: {error}")]
+    Formula {
+        /// Which of the scenario's requirements.
+        index: usize,
+        /// Its fault.
+        error: Box<FormulaError>,
+    },
+    /// A known name with another number of values than it takes.
+    #[error("require.formulas.{index}: \"{text}\", expected {expected}")]
+    Name {
+        /// Which of the scenario's requirements.
+        index: usize,
+        /// The requirement.
+        text: String,
+        /// The form of the name.
+        expected: &'static str,
+    },
+}
+
+impl Failure for RequirementError {}
+
+/// Whether a drive met a requirement, and by how much.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct RequirementVerdict {
+    /// The requirement as it was given.
+    pub requirement: String,
+    /// Its formula.
+    pub formula: String,
+    /// Distance to violation, in `unit`; negative where it is violated, null where nothing of the drive decides it.
+    pub margin: Option<f64>,
+    /// Unit of the margin. `tolerances` where the formula compares several units.
+    pub unit: String,
+    /// Run time of the sample that decides, s.
+    pub at_s: f64,
+    /// True if the requirement holds.
+    pub met: bool,
+}
+
+/// The requirements of a scenario.
+///
+/// # Errors
+/// [`RequirementError`] at the first one that is not a formula or a known name.
+///
+/// ```
+/// # use scenario::Scenario;
+/// let text = "schema_version = 1\nname = \"a\"\n[require]\nformulas = [\"always gap_m > 2\", \"min-gap:2\"]";
+/// let scenario = Scenario::parse("a.toml", text)?;
+/// let requirements = group::requirements(&scenario)?;
+/// assert_eq!(requirements[1].formula(), "always gap_m >= 2");
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn requirements(scenario: &Scenario) -> Result<Vec<Requirement>, RequirementError> {
+    let known = signals::signals();
+    let read = |(index, text): (usize, &String)| {
+        let formula = match names::formula(text) {
+            None => text.clone(),
+            Some(Ok(formula)) => formula,
+            Some(Err(expected)) => {
+                return Err(RequirementError::Name { index, text: text.clone(), expected });
+            }
+        };
+        let fault = |error| RequirementError::Formula { index, error: Box::new(error) };
+        let formula = Formula::parse(&formula, &known).map_err(fault)?;
+        formula.check_duration(scenario.duration_s.value()).map_err(fault)?;
+        Ok(Requirement { text: text.clone(), formula })
+    };
+    scenario.require.formulas.iter().enumerate().map(read).collect()
+}
+
+impl Requirement {
+    /// The formula.
+    #[must_use]
+    pub fn formula(&self) -> &str {
+        self.formula.text()
+    }
+
+    /// Judges a drive. A drive without a sample meets nothing.
+    #[must_use]
+    pub fn judge(&self, drive: &Drive, set_speed_mps: f64) -> RequirementVerdict {
+        let unit = self.formula.unit().to_string();
+        let verdict = |margin: f64, at_s: f64| RequirementVerdict {
+            requirement: self.text.clone(),
+            formula: self.formula.text().to_owned(),
+            margin: margin.is_finite().then_some(margin),
+            unit,
+            at_s,
+            met: margin >= 0.0,
+        };
+        let Some(samples) = Samples::of(drive, &self.formula.signals(), set_speed_mps) else {
+            return verdict(f64::NEG_INFINITY, 0.0);
+        };
+        let of = samples.of.iter().map(Vec::as_slice).collect();
+        let margin = self.formula.margin(&Trace { period_s: samples.period_s, samples: of });
+        verdict(margin.value, samples.begin_s + margin.sample as f64 * samples.period_s)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::DriveStep;
+    use bytemuck::Zeroable;
+    use messages::VehicleTruth;
+
+    /// 3 s at 10 ms: 20 m/s with a gap that shrinks by 2 m/s from 30 m and is sampled every 50 ms, until the vehicle
+    /// ahead leaves after 2 s.
+    fn drive() -> Drive {
+        let mut drive = Drive::default();
+        for step in 0..300_u64 {
+            let time_s = step as f64 / 100.0;
+            let is_sampled = step % 5 == 0;
+            if is_sampled {
+                let mut truth = VehicleTruth::zeroed();
+                truth.header.step = step;
+                drive.vehicles.push(truth);
+            }
+            drive.steps.push(DriveStep {
+                step,
+                time_s,
+                speed_mps: 20.0,
+                time_to_collision_s: f64::INFINITY,
+                stop_line_m: f64::INFINITY,
+                gap_m: (is_sampled && time_s < 2.0).then_some(30.0 - 2.0 * time_s),
+                ..DriveStep::default()
+            });
+        }
+        drive
+    }
+
+    fn judged(formula: &str) -> RequirementVerdict {
+        let text = format!(
+            "schema_version = 1\nname = \"a\"\nduration_s = 3\n[require]\nformulas = ['{formula}']"
+        );
+        let scenario = Scenario::parse("a.toml", &text).expect("valid");
+        requirements(&scenario).expect("valid")[0].judge(&drive(), 25.0)
+    }
+
+    #[test]
+    fn a_gap_holds_between_its_samples_and_is_infinite_on_an_empty_road() {
+        let verdict = judged("always gap_m > 26");
+        assert!((verdict.margin.expect("decided") - 0.1).abs() < 1e-9, "{verdict:?}");
+        assert!((verdict.at_s - 1.95).abs() < 1e-9 && verdict.met && verdict.unit == "m");
+        // The vehicle has left at 2 s.
+        assert_eq!(judged("always[2.1,2.9] gap_m > 1000").margin, None);
+        assert!(judged("always[2.1,2.9] gap_m > 1000").met);
+        assert!(!judged("always gap_m > 27").met);
+    }
+
+    #[test]
+    fn names_stand_for_formulas() {
+        let verdict = judged("time-gap:1..1.4");
+        assert_eq!(verdict.unit, "s");
+        assert!(
+            (verdict.margin.expect("decided") + 0.1).abs() < 1e-9,
+            "1.5 s at first: {verdict:?}"
+        );
+        assert!(judged("jerk:1").met && judged("comfort").met && judged("ttc:2").met);
+    }
+
+    #[test]
+    fn faults_name_the_requirement() {
+        let of = |formulas: &str| {
+            let text =
+                format!("schema_version = 1\nname = \"a\"\n[require]\nformulas = {formulas}");
+            let scenario = Scenario::parse("a.toml", &text).expect("valid");
+            requirements(&scenario).expect_err("refused").to_string()
+        };
+        assert!(
+            of("[\"min-gap:2\", \"always gap > 2\"]")
+                .starts_with("require.formulas.1: column 8: unknown signal")
+        );
+        assert!(of("[\"min-gap\"]").contains("expected min-gap:METRES"));
+        assert!(of("[\"always[0,500] gap_m > 2\"]").contains("the window ends after the run"));
+    }
+}

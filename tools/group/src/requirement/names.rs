@@ -1,0 +1,55 @@
+//! Named requirements.
+//!
+//! | name | formula |
+//! | --- | --- |
+//! | `min-gap:M` | `always gap_m >= M` |
+//! | `ttc:S` | `always ttc_s >= S` |
+//! | `time-gap:A..B` | `always (time_gap_s >= A and (time_gap_s <= B or time_gap_s > 6))` |
+//! | `jerk:J` | `always abs(jerk_mps3) <= J` |
+//! | `braking:A` | `always acceleration_mps2 >= -A` |
+//! | `comfort` | `always (acceleration_mps2 >= -3.5 and acceleration_mps2 <= 2 and abs(jerk_mps3) <= 5)` |
+//!
+//! A vehicle whose time gap is above 6 s is not followed. Comfort's accelerations are ISO 15622's limits above 20 m/s, its
+//! jerk is the limit below 5 m/s; all from secondary sources.
+
+/// Time gap above which a vehicle ahead is not followed, s.
+const FOLLOWED_S: f64 = 6.0;
+
+/// The formula of a named requirement; `None` if `text` is not one, the form of the name if its values are wrong.
+pub(super) fn formula(text: &str) -> Option<Result<String, &'static str>> {
+    let (name, value) = match text.split_once(':') {
+        Some((name, value)) => (name.trim(), Some(value.trim())),
+        None => (text.trim(), None),
+    };
+    let number = || value.and_then(positive);
+    Some(match name {
+        "min-gap" => number().map(|m| format!("always gap_m >= {m}")).ok_or("min-gap:METRES"),
+        "ttc" => number().map(|s| format!("always ttc_s >= {s}")).ok_or("ttc:SECONDS"),
+        "jerk" => number().map(|j| format!("always abs(jerk_mps3) <= {j}")).ok_or("jerk:LIMIT in m/s³"),
+        "braking" => {
+            number().map(|a| format!("always acceleration_mps2 >= -{a}")).ok_or("braking:LIMIT in m/s²")
+        }
+        "time-gap" => band(value).map(time_gap).ok_or("time-gap:LEAST..MOST in s"),
+        "comfort" => match value {
+            None => Ok("always (acceleration_mps2 >= -3.5 and acceleration_mps2 <= 2 and abs(jerk_mps3) <= 5)".to_owned()),
+            Some(_) => Err("comfort, without a value"),
+        },
+        _ => return None,
+    })
+}
+
+fn time_gap((least_s, most_s): (f64, f64)) -> String {
+    format!(
+        "always (time_gap_s >= {least_s} and (time_gap_s <= {most_s} or time_gap_s > {FOLLOWED_S}))"
+    )
+}
+
+fn band(value: Option<&str>) -> Option<(f64, f64)> {
+    let (least, most) = value?.split_once("..")?;
+    let (least, most) = (positive(least)?, positive(most)?);
+    (least <= most && most < FOLLOWED_S).then_some((least, most))
+}
+
+fn positive(text: &str) -> Option<f64> {
+    text.trim().parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0)
+}
