@@ -1,5 +1,6 @@
 //! A Python for the tests, with packages that read timegap's files.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::OnceLock;
@@ -21,6 +22,8 @@ pub struct NoInterpreter(pub String);
 
 /// Packages that run a notebook.
 const NOTEBOOK_PACKAGES: [&str; 2] = ["ipykernel==6.29.5", "nbclient==0.10.2"];
+/// Packages that read Perfetto's traces.
+const TRACE_PACKAGES: [&str; 2] = ["perfetto", "protobuf"];
 
 /// The interpreter of a virtual environment below `directory` that runs notebooks, created at the first call.
 ///
@@ -40,7 +43,21 @@ pub fn interpreter(directory: &Path) -> Result<PathBuf, NoInterpreter> {
     FOUND.get_or_init(|| prepare(&directory.join("interop-venv"), &PACKAGES)).clone()
 }
 
+/// The interpreter of a virtual environment below `directory` that reads Perfetto's traces, created at the first call.
+///
+/// # Errors
+/// The reason: no Python, no pip or no network.
+pub fn trace_interpreter(directory: &Path) -> Result<PathBuf, NoInterpreter> {
+    static FOUND: OnceLock<Result<PathBuf, NoInterpreter>> = OnceLock::new();
+    FOUND.get_or_init(|| prepare(&directory.join("perfetto-venv"), &TRACE_PACKAGES)).clone()
+}
+
+/// Test processes run side by side: the first one creates the environment, and the others wait for it.
 fn prepare(venv: &Path, packages: &[&str]) -> Result<PathBuf, NoInterpreter> {
+    let system = |error: std::io::Error| NoInterpreter(format!("{}: {error}", venv.display()));
+    std::fs::create_dir_all(venv.parent().unwrap_or(venv)).map_err(system)?;
+    let lock = File::create(venv.with_extension("lock")).map_err(system)?;
+    lock.lock().map_err(system)?;
     let python = venv.join("bin/python");
     let marker = venv.join("installed");
     let wanted = packages.join("\n");
@@ -56,9 +73,10 @@ fn prepare(venv: &Path, packages: &[&str]) -> Result<PathBuf, NoInterpreter> {
         Ok(output) => Err(NoInterpreter(format!("{what}: {}", failed(output)))),
         Err(error) => Err(NoInterpreter(format!("{what}: {error}"))),
     };
-    run(Command::new("python3").args(["-m", "venv"]).arg(venv), "python3 -m venv")?;
+    // What an interrupted attempt left would be in the way.
+    run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(venv), "python3 -m venv")?;
     let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
     run(Command::new(&python).args(pip).args(packages), "pip install")?;
-    std::fs::write(&marker, wanted).map_err(|e| NoInterpreter(e.to_string()))?;
+    std::fs::write(&marker, wanted).map_err(system)?;
     Ok(python)
 }

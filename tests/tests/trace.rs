@@ -1,9 +1,10 @@
 //! `timegap trace`, read with Perfetto's own definitions.
 
 use serde_json::Value;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use system_tests::cases::{self, Needed, case, needing};
+use system_tests::python::{NoInterpreter, trace_interpreter};
 use system_tests::{Corner, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
@@ -45,29 +46,13 @@ print(json.dumps({"tracks": list(names.values()), "slices": slices, "flows": lis
                   "counters": counters, "instants": instants, "clocks": clocks}))
 "#;
 
-/// A Python with PyPI's `perfetto` in a reused virtual environment; `None` without Python, pip or network.
-fn python() -> Option<PathBuf> {
-    let target = PathBuf::from(env!("CARGO_TARGET_TMPDIR"));
-    let environment = target.join("perfetto-venv");
-    let python = environment.join("bin/python");
-    let works = |python: &PathBuf| {
-        let import = "from perfetto.protos.perfetto.trace import perfetto_trace_pb2";
-        Command::new(python).args(["-c", import]).output().is_ok_and(|o| o.status.success())
-    };
-    if works(&python) {
-        return Some(python);
-    }
-    let made = Command::new("python3").args(["-m", "venv"]).arg(&environment).output();
-    let installed = made.is_ok_and(|output| output.status.success())
-        && Command::new(&python)
-            .args(["-m", "pip", "install", "--quiet", "perfetto", "protobuf"])
-            .output()
-            .is_ok_and(|output| output.status.success());
-    (installed && works(&python)).then_some(python)
+/// A Python with PyPI's `perfetto` in a reused virtual environment.
+fn python() -> Result<PathBuf, NoInterpreter> {
+    trace_interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
 }
 
 fn perfetto() -> Needed {
-    python().map(|_| ()).ok_or_else(|| "no Python with PyPI's perfetto".to_owned())
+    python().map(|_| ()).map_err(|NoInterpreter(reason)| reason)
 }
 
 fn read(python: &PathBuf, corner: &Corner) -> Value {
