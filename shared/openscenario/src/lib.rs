@@ -10,7 +10,7 @@
 //! * [`read`] turns a scenario file, its catalogs and its road into a [`Script`]. It refuses a file with place,
 //!   fault and what was expected.
 //! * Each element of the standard is declared once, with its attributes, their types and units, and the elements
-//!   inside it. The check of a file, its reader and the [`reference`] come from this declaration.
+//!   inside it. The check of a file, its reader and the [`mod@reference`] come from this declaration.
 //! * [`World`] moves a script: a pure function of its state, the time and the motion of the ego.
 //! * [`variation`] gives the combinations of a parameter value distribution.
 //!
