@@ -28,9 +28,11 @@ mod error;
 pub mod mcap;
 mod ros1;
 mod series;
+mod sink;
 
 pub use error::BagError;
-pub use series::{Encoding, Row, Series, Topic, is_bag, series, series_from, topics};
+pub use series::{Row, Series, Topic, is_bag, series, series_from, topics};
+pub use sink::Encoding;
 
 #[cfg(test)]
 mod tests;

@@ -7,7 +7,7 @@
 //! chunk:   a record whose data, out of its compression, are records of connections and messages
 //! ```
 
-use crate::series::{Connection, Sink};
+use crate::sink::{Connection, Sink};
 use crate::{BagError, Encoding};
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom};

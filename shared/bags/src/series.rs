@@ -2,6 +2,7 @@
 
 use crate::decode::{self, Layout};
 use crate::definition::Definition;
+use crate::sink::{Connection, Encoding, Sink};
 use crate::{BagError, mcap, ros1};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -12,19 +13,6 @@ use std::path::Path;
 const MOST_MESSAGES: usize = 4_000_000;
 /// First bytes of an SQLite database.
 const SQLITE: &[u8] = b"SQLite format 3\0";
-
-/// Encoding of the messages of a topic.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Encoding {
-    /// CDR with a definition in ROS 2's language.
-    Cdr,
-    /// Serialised as in ROS 1, with its definition.
-    Ros1,
-    /// JSON text.
-    Json,
-    /// Another encoding, by name.
-    Other(String),
-}
 
 /// A topic of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -63,23 +51,6 @@ pub struct Series {
     pub type_name: String,
     /// A row for each message.
     pub rows: Vec<Row>,
-}
-
-/// A topic's declaration in a file.
-pub(crate) struct Connection<'a> {
-    pub(crate) id: u32,
-    pub(crate) topic: &'a str,
-    pub(crate) type_name: &'a str,
-    pub(crate) definition: &'a str,
-    pub(crate) encoding: Encoding,
-}
-
-/// Receiver of what a file holds.
-pub(crate) trait Sink {
-    /// A topic; the same one may come again.
-    fn connection(&mut self, connection: Connection<'_>);
-    /// A message of connection `id`.
-    fn message(&mut self, id: u32, log_time_ns: u64, payload: &[u8]) -> Result<(), BagError>;
 }
 
 /// True if the file at `path` begins like a bag, also like one that is not read (SQLite).

@@ -2,7 +2,7 @@
 
 use super::records::{self, HEAD, MAGIC, opcode};
 use super::unpack::{LONGEST_CHUNK, unpack};
-use crate::series::{Connection, Sink};
+use crate::sink::{Connection, Sink};
 use crate::{BagError, Encoding};
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom};
