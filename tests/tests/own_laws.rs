@@ -241,6 +241,6 @@ fn main() -> ExitCode {
         case("a_law_that_does_not_forget_is_found", a_law_that_does_not_forget_is_found),
         case("standards_and_strings_take_them", standards_and_strings_take_them),
         case("what_is_no_law_is_refused_with_its_place", what_is_no_law_is_refused_with_its_place),
-        needing("a_library_is_the_same_law", c_compiler, a_library_is_the_same_law),
+        needing(c_compiler, "a_library_is_the_same_law", a_library_is_the_same_law),
     ])
 }
