@@ -1,9 +1,8 @@
 //! The margin of a formula on a trace.
 
+use crate::margin::{Margin, larger, negative, smaller};
 use crate::syntax::{Kind, Window};
-use crate::window::{
-    Samples, larger, largest_after, largest_before, least_after, negative, smaller,
-};
+use crate::window::{Samples, largest_after, largest_before, least_after};
 use crate::{Formula, Unit};
 
 /// Sampled signals.
@@ -13,22 +12,6 @@ pub struct Trace<'a> {
     pub period_s: f64,
     /// The samples of each signal, in the order of the signals that the formula was read with; all of one length.
     pub samples: Vec<&'a [f64]>,
-}
-
-/// By how much a formula holds.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Margin {
-    /// Distance to violation, in the formula's unit; negative where it is violated.
-    pub value: f64,
-    /// The sample that decides it.
-    pub sample: usize,
-}
-
-impl Margin {
-    /// The margin of the contrary.
-    pub(crate) fn negative(self) -> Self {
-        Self { value: -self.value, ..self }
-    }
 }
 
 /// What a node gives at each sample.

@@ -40,6 +40,7 @@
 
 mod error;
 mod evaluate;
+mod margin;
 mod parse;
 mod syntax;
 mod token;
@@ -48,7 +49,8 @@ mod units;
 mod window;
 
 pub use error::{FormulaError, Problem};
-pub use evaluate::{Margin, Trace};
+pub use evaluate::Trace;
+pub use margin::Margin;
 pub use unit::Unit;
 
 use syntax::{Node, NodeId};

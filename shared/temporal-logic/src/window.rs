@@ -1,6 +1,6 @@
 //! Extremes over windows of samples, in linear time.
 
-use crate::Margin;
+use crate::margin::{Margin, negative, smaller};
 use std::collections::VecDeque;
 
 /// Samples `first..=last` after each sample, or before it.
@@ -9,16 +9,6 @@ pub(crate) struct Samples {
     pub first: usize,
     /// The last one; all that there are without it.
     pub last: Option<usize>,
-}
-
-/// The smaller one; of equal ones the earlier.
-pub(crate) fn smaller(a: Margin, b: Margin) -> Margin {
-    if b.value < a.value || (b.value == a.value && b.sample < a.sample) { b } else { a }
-}
-
-/// The larger one; of equal ones the earlier.
-pub(crate) fn larger(a: Margin, b: Margin) -> Margin {
-    smaller(a.negative(), b.negative()).negative()
 }
 
 /// The least margin in the window after each sample; infinite where the window begins after the end.
@@ -48,10 +38,6 @@ pub(crate) fn largest_before(margins: &[Margin], window: Samples) -> Vec<Margin>
         }
     }
     negative(&least)
-}
-
-pub(crate) fn negative(margins: &[Margin]) -> Vec<Margin> {
-    margins.iter().map(|margin| margin.negative()).collect()
 }
 
 /// For each element in turn, the least of those that came `first..=last` elements before it.
