@@ -183,7 +183,7 @@ fn what_is_wrong_is_one_error_with_its_place() {
     assert_eq!(output.status.code(), Some(2));
     assert!(
         text(&output)
-            .contains("straight.xodr:13: element `width` in `lane` changes along the road"),
+            .contains("straight.xodr:13:40: element `width` in `lane` changes along the road"),
         "{}",
         text(&output)
     );

@@ -56,7 +56,7 @@ fn two_laws_are_compared_under_their_names() {
     let expected = ["eager", "acc-mpc", "gentle", "eager", "acc-mpc", "gentle"];
     assert_eq!(values(&compared, "rows", "controller"), expected);
     assert_eq!(compared["processes_sample"]["different"], 0, "{compared}");
-    let figure = |row: usize| compared["rows"][row]["control"]["max_abs_jerk_mps3"].as_f64();
+    let figure = |row: usize| compared["rows"][row]["control"]["rms_jerk_mps3"].as_f64();
     assert_ne!(figure(0), figure(2), "they are two laws");
     corner.expect_nothing_left(&[]);
 }
@@ -74,16 +74,16 @@ fn a_file_declares_laws_and_a_sweep_turns_their_knobs() {
     assert_eq!(run["controller"], "gentle");
     let compared = corner.json(&["compare", "mine.toml", "--controllers", "gentle,acc-mpc"]);
     assert_eq!(values(&compared, "rows", "controller"), ["gentle", "acc-mpc"]);
-    let gaps = |key: &str| -> Vec<f64> {
+    let jerks = |key: &str| -> Vec<f64> {
         let param = format!("laws.gentle.{key}=0.2,0.4,0.8");
         let swept = corner.json(&["sweep", "mine.toml", "--param", &param]);
         let points = swept["points"].as_array().unwrap_or_else(|| panic!("{swept}"));
-        let figure = |point: &Value| point["figures"]["min_gap_m"].as_f64();
+        let figure = |point: &Value| point["figures"]["rms_jerk_mps3"].as_f64();
         points.iter().map(|point| figure(point).unwrap_or_else(|| panic!("{point}"))).collect()
     };
-    let by_environment = gaps("env.GAIN");
+    let by_environment = jerks("env.GAIN");
     assert!(by_environment.windows(2).all(|pair| pair[0] != pair[1]), "{by_environment:?}");
-    assert_eq!(gaps("arguments.gain"), by_environment, "an argument does the same");
+    assert_eq!(jerks("arguments.gain"), by_environment, "an argument does the same");
     corner.expect_nothing_left(&[]);
 }
 
