@@ -60,10 +60,10 @@ fn least_in_turn(
             }
             candidates.push_back((entered, margin));
         }
-        if let Some(left) = window.last.and_then(|last| turn.checked_sub(last + 1)) {
-            if candidates.front().is_some_and(|(entered, _)| *entered <= left) {
-                candidates.pop_front();
-            }
+        let left = window.last.and_then(|last| turn.checked_sub(last + 1));
+        if candidates.front().is_some_and(|(entered, _)| left.is_some_and(|left| *entered <= left))
+        {
+            candidates.pop_front();
         }
         least.push(candidates.front().map_or(nothing, |(_, margin)| *margin));
     }
