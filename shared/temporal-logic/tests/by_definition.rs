@@ -53,7 +53,7 @@ impl Tree {
             Implies(a, b) => (-at(a, t)).max(at(b, t)),
             Always(i, j, a) => after(i, j).map(|u| at(a, u)).fold(f64::INFINITY, f64::min),
             Eventually(i, j, a) => after(i, j).map(|u| at(a, u)).fold(f64::NEG_INFINITY, f64::max),
-            Once(i, j, a) => (i + 0..=i + j)
+            Once(i, j, a) => (*i..=i + j)
                 .filter_map(|back| t.checked_sub(back))
                 .map(|u| at(a, u))
                 .fold(f64::NEG_INFINITY, f64::max),

@@ -37,8 +37,11 @@ pub enum Details {
     Link(Box<LinkReport>),
 }
 
+/// Reader of one service's details.
+type Reader = fn(&Payload) -> Option<Details>;
+
 /// Readers of the services' own figures. A service that is not here has none.
-const READERS: [(Service, fn(&Payload) -> Option<Details>); 6] = [
+const READERS: [(Service, Reader); 6] = [
     (Service::Plant, |payload| payload.read().map(Box::new).map(Details::Plant)),
     (Service::PerceptionSim, |payload| payload.read().map(Box::new).map(Details::Perception)),
     (Service::V2xSim, |payload| {
