@@ -50,7 +50,9 @@ fn a_run_has_the_name_and_the_program() {
 fn two_laws_are_compared_under_their_names() {
     let corner = Corner::new(PROGRAM);
     let (one, two) = (law("gentle", "follow"), law("eager", "follow --gain=0.8"));
-    let short = ["--set", "duration_s=6", "--law", &one, "--law", &two];
+    // The set speed is below the lead's, so that the gain on speed errors counts.
+    let short =
+        ["--set", "duration_s=6", "--set", "set_speed_mps=18", "--law", &one, "--law", &two];
     let named = ["compare", "following", "cut-in", "--controllers", "eager,acc-mpc,gentle"];
     let compared = corner.json(&[&named[..], &short].concat());
     let expected = ["eager", "acc-mpc", "gentle", "eager", "acc-mpc", "gentle"];
@@ -65,7 +67,7 @@ fn two_laws_are_compared_under_their_names() {
 fn a_file_declares_laws_and_a_sweep_turns_their_knobs() {
     let corner = Corner::new(PROGRAM);
     let scenario = format!(
-        "schema_version = 1\nname = \"mine\"\nduration_s = 6\n[controller]\nname = \"gentle\"\n\
+        "schema_version = 1\nname = \"mine\"\nduration_s = 6\nset_speed_mps = 18\n[controller]\nname = \"gentle\"\n\
          [plant]\ninitial_speed_mps = 15\n\
          [laws.gentle]\ncommand = [{ODD_LAW:?}, \"follow\"]\nenv = {{ GAIN = 0.4 }}\n"
     );
