@@ -76,7 +76,7 @@ pub enum Problem {
 }
 
 fn hint(nearest: &Option<&'static str>) -> String {
-    nearest.map_or_else(String::new, |name| format!("; similar: {name}"))
+    nearest.map_or_else(String::new, |name| format!(", did you mean {name}?"))
 }
 
 impl FormulaError {

@@ -14,7 +14,7 @@ fn message(text: &str) -> String {
 
 #[test]
 fn a_misspelt_signal_is_shown_with_a_similar_one() {
-    let expected = "column 9: unknown signal \"gap\", expected one of gap_m, speed_mps, time_gap_s; similar: gap_m\n  \
+    let expected = "column 9: unknown signal \"gap\", expected one of gap_m, speed_mps, time_gap_s, did you mean gap_m?\n  \
                     | always (gap > 2)\n  |         ^^^";
     assert_eq!(message("always (gap > 2)"), expected);
 }
