@@ -19,6 +19,9 @@ pub struct Drive {
     pub signal_age_us: Option<Percentiles>,
 }
 
+/// Slowest speed with a defined time gap, m/s. Below it the quotient grows and no longer describes following.
+const SLOWEST_MPS: f64 = 1.0;
+
 /// The drive at one simulation step. Values of slower topics are absent in between.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveStep {
@@ -75,6 +78,25 @@ impl DriveStep {
             cut_in: ego.cut_in != 0,
             ..Self::default()
         }
+    }
+
+    /// Time gap to the vehicle ahead, s; 0 in a contact, `None` below 1 m/s or without a gap in this step.
+    #[must_use]
+    pub fn time_gap_s(&self) -> Option<f64> {
+        let moves = self.speed_mps >= SLOWEST_MPS;
+        self.gap_m.filter(|_| moves).map(|gap_m| gap_m.max(0.0) / self.speed_mps)
+    }
+
+    /// Jerk since the step `before`, m/s³: the difference of two accelerations over their time. As for the referee, the
+    /// step to standstill is not a jerk of the drive: `None` there.
+    #[must_use]
+    pub fn jerk_since(&self, before: &Self) -> Option<f64> {
+        let felt = |step: &Self| match step.speed_mps <= 0.0 {
+            true => step.acceleration_mps2.max(0.0),
+            false => step.acceleration_mps2,
+        };
+        let comes_to_stand = before.speed_mps > 0.0 && self.speed_mps <= 0.0;
+        (!comes_to_stand).then(|| (felt(self) - felt(before)) / (self.time_s - before.time_s))
     }
 }
 

@@ -16,9 +16,6 @@ use scenario::quantity::{Distance, TimeConstant};
 use scenario::referee::DesiredGap;
 use serde::{Deserialize, Serialize};
 
-/// Slowest speed with a defined time gap, m/s. Below it the quotient grows and no longer describes following.
-const SLOWEST_MPS: f64 = 1.0;
-
 /// Desired gap of scenarios that name none. Chosen: the headway and distance that `acc-mpc` and `cacc-mpc`, the
 /// default laws, aim at.
 pub const STATED_GAP: DesiredGap = DesiredGap::Headway {
@@ -91,12 +88,6 @@ impl GapErrors {
     }
 }
 
-/// Time gap at a sample, s; 0 in a contact, `None` below 1 m/s.
-pub fn time_gap_s(step: &DriveStep) -> Option<f64> {
-    let moves = step.speed_mps >= SLOWEST_MPS;
-    step.gap_m.filter(|_| moves).map(|gap_m| gap_m.max(0.0) / step.speed_mps)
-}
-
 /// Time gaps behind a vehicle, s; null without one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Following {
@@ -109,7 +100,7 @@ pub struct Following {
 impl Following {
     /// Evaluates the samples with a gap at 1 m/s or faster.
     pub fn of(steps: &[DriveStep]) -> Self {
-        let mut gaps_s: Vec<f64> = steps.iter().filter_map(time_gap_s).collect();
+        let mut gaps_s: Vec<f64> = steps.iter().filter_map(DriveStep::time_gap_s).collect();
         gaps_s.sort_by(f64::total_cmp);
         let median = match gaps_s.len() {
             0 => None,

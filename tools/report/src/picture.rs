@@ -1,6 +1,6 @@
 //! Series over run time, from which the pictures of a run are drawn.
 
-use crate::{fault, following};
+use crate::fault;
 use controller::laws;
 use group::report::{Details, WorstChain};
 use group::{Drive, DriveStep, FaultRecord, GroupOutcome};
@@ -200,7 +200,7 @@ impl RunPicture {
             lead_speed_mps: ahead(|step| step.lead_speed_mps),
             gap_m: ahead(|step| step.gap_m),
             desired_gap_m: desired_gap(scenario, drive),
-            time_gap_s: ahead(following::time_gap_s),
+            time_gap_s: ahead(DriveStep::time_gap_s),
             time_to_collision_s: series(|step| Some(step.time_to_collision_s)),
             jerk_mps3: jerk(steps),
             height_m: of_road(&GradeProfile::height_m),
@@ -231,20 +231,10 @@ fn phases_of(levels: &Levels, until_s: f64) -> Vec<Phased> {
     phases([(0.0, first)].into_iter().chain(changes), until_s, |level| level.name().to_owned())
 }
 
-/// Difference of two acceleration samples over their time, at the later sample. As for the referee, the step
-/// to standstill is not a jerk of the drive.
+/// Jerk at the later of two steps; not a number where none is defined.
 fn jerk(steps: &[DriveStep]) -> Points {
-    let felt = |step: &DriveStep| match step.speed_mps <= 0.0 {
-        true => step.acceleration_mps2.max(0.0),
-        false => step.acceleration_mps2,
-    };
-    let rate = |pair: &[DriveStep]| {
-        let comes_to_stand = pair[0].speed_mps > 0.0 && pair[1].speed_mps <= 0.0;
-        let rise = felt(&pair[1]) - felt(&pair[0]);
-        if comes_to_stand { f64::NAN } else { rise / (pair[1].time_s - pair[0].time_s) }
-    };
     let pairs = steps.windows(2).filter(|pair| pair[1].time_s > pair[0].time_s);
-    pairs.map(|pair| (pair[1].time_s, rate(pair))).collect()
+    pairs.map(|pair| (pair[1].time_s, pair[1].jerk_since(&pair[0]).unwrap_or(f64::NAN))).collect()
 }
 
 /// Gap that the law aims at, while a vehicle is ahead.

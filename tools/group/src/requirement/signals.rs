@@ -31,9 +31,6 @@ fn ahead(value: Option<f64>, without: f64, context: &Context) -> Option<f64> {
     value.or_else(|| context.sees.then_some(without))
 }
 
-/// Slowest speed with a defined time gap, m/s. Below it the quotient grows and no longer describes following.
-const SLOWEST_MPS: f64 = 1.0;
-
 const fn flag(holds: bool) -> Option<f64> {
     Some(if holds { 1.0 } else { 0.0 })
 }
@@ -52,10 +49,7 @@ static ALL: [Sampled; 15] = [
     signal("jerk_mps3", Unit::METRE_PER_SECOND_CUBED, |_, _| None),
     signal("gap_m", Unit::METRE, |step, context| ahead(step.gap_m, f64::INFINITY, context)),
     signal("time_gap_s", Unit::SECOND, |step, context| {
-        let gap_s = step.gap_m.map(|gap_m| match step.speed_mps >= SLOWEST_MPS {
-            true => gap_m.max(0.0) / step.speed_mps,
-            false => f64::INFINITY,
-        });
+        let gap_s = step.gap_m.map(|_| step.time_gap_s().unwrap_or(f64::INFINITY));
         ahead(gap_s, f64::INFINITY, context)
     }),
     signal("lead_speed_mps", Unit::METRE_PER_SECOND, |step, context| {
@@ -129,23 +123,13 @@ fn hold(samples: &mut [f64]) {
     }
 }
 
-/// Difference of two accelerations over their time, at the later one. The step to standstill is not a jerk of the
-/// drive.
+/// The jerk at the later of two steps; 0 where none is defined.
 fn jerk(steps: &[DriveStep], begin_s: f64, period_s: f64, count: usize) -> Vec<f64> {
     let mut jerk = vec![0.0; count];
-    for pair in steps.windows(2) {
-        let time_s = pair[1].time_s - pair[0].time_s;
-        let comes_to_stand = pair[0].speed_mps > 0.0 && pair[1].speed_mps <= 0.0;
-        if time_s <= 0.0 || comes_to_stand {
-            continue;
-        }
-        let felt = |step: &DriveStep| match step.speed_mps <= 0.0 {
-            true => step.acceleration_mps2.max(0.0),
-            false => step.acceleration_mps2,
-        };
+    for pair in steps.windows(2).filter(|pair| pair[1].time_s > pair[0].time_s) {
         let at = ((pair[1].time_s - begin_s) / period_s).round() as usize;
-        if let Some(sample) = jerk.get_mut(at) {
-            *sample = (felt(&pair[1]) - felt(&pair[0])) / time_s;
+        if let (Some(sample), Some(found)) = (jerk.get_mut(at), pair[1].jerk_since(&pair[0])) {
+            *sample = found;
         }
     }
     jerk
