@@ -1,4 +1,4 @@
-//! What a law returns: a number, or an `Answer`.
+//! The answers of a law: a number, or an `Answer`.
 
 use bytemuck::Zeroable;
 use messages::{LAW_FIGURES, LAW_MODES, LAW_PLAN, LawAnswer};
@@ -67,7 +67,7 @@ impl Answer {
     }
 }
 
-/// What the law `name` returned, as a record.
+/// The answer of the law `name` as a record.
 pub fn of(returned: &Bound<'_, PyAny>, name: &str) -> PyResult<LawAnswer> {
     if let Ok(number) = returned.cast_exact::<PyFloat>() {
         return Ok(LawAnswer { request_mps2: number.extract()?, ..LawAnswer::zeroed() });

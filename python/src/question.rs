@@ -1,4 +1,4 @@
-//! What a law is told at one release: fields, and views of the arrays.
+//! A law's question at one release: fields, and views of the arrays.
 
 use messages::{LAW_INTERVALS, LawInput, LawInterval, LawSignal};
 use pyo3::prelude::*;

@@ -1,4 +1,4 @@
-//! What there is: scenarios and laws.
+//! Lists of scenarios and laws.
 
 use controller::laws::own;
 use pyo3::prelude::*;

@@ -18,7 +18,7 @@ use std::time::Instant;
 /// Turns of the services between two looks for signals.
 const TURNS: u32 = 512;
 
-/// What came of a run.
+/// The result of a run.
 #[pyclass(frozen, module = "timegap._timegap")]
 pub struct Driven {
     pub summary: Summary,
@@ -29,7 +29,7 @@ pub struct Driven {
 }
 
 impl Driven {
-    /// Of a run that is over.
+    /// The result of a run that is over.
     pub fn of(
         scenario: &scenario::Scenario,
         outcome: GroupOutcome,

@@ -73,7 +73,7 @@ fn prepare(venv: &Path, packages: &[&str]) -> Result<PathBuf, NoInterpreter> {
         Ok(output) => Err(NoInterpreter(format!("{what}: {}", failed(output)))),
         Err(error) => Err(NoInterpreter(format!("{what}: {error}"))),
     };
-    // What an interrupted attempt left would be in the way.
+    // The remains of an interrupted attempt would be in the way.
     run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(venv), "python3 -m venv")?;
     let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
     run(Command::new(&python).args(pip).args(packages), "pip install")?;

@@ -202,7 +202,7 @@ fn a_library_is_the_same_law() {
     let command = controller["program"]["command"].as_str().unwrap_or_default();
     assert!(command.ends_with("my_law.so"), "{controller}");
     assert_eq!(controller["program"]["sha256"].as_str().map(str::len), Some(64));
-    // What no vehicle can follow is refused, and the backup drives.
+    // An answer that no vehicle can follow is refused, and the backup drives.
     let code = std::fs::read_to_string(&example).expect("text");
     let wrong = code.replace("fmax(-4.0, fmin(2.0, request))", "NAN");
     assert_ne!(wrong, code);

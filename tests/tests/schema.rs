@@ -64,7 +64,7 @@ fn every_schema_is_held_against_a_result() {
     assert_eq!(defined, STUDIES.iter().copied().collect());
 }
 
-/// What the check finds: a renamed key is a missing and an undeclared one.
+/// The check's finding: a renamed key is a missing and an undeclared one.
 #[test]
 fn a_renamed_key_is_found_in_both_directions() {
     let corner = Corner::new(PROGRAM);

@@ -131,7 +131,7 @@ impl SettingError {
         }
     }
 
-    /// What is wrong.
+    /// The fault.
     #[must_use]
     pub fn message(&self) -> String {
         match self {

@@ -68,7 +68,7 @@ pub enum BagError {
 }
 
 impl BagError {
-    /// What is wrong.
+    /// The fault.
     #[must_use]
     pub fn message(&self) -> String {
         match self {
@@ -85,7 +85,7 @@ impl BagError {
         }
     }
 
-    /// What would have been right, if that is known.
+    /// The right form, if it is known.
     #[must_use]
     pub fn expected(&self) -> Option<String> {
         Some(match self {

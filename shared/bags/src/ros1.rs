@@ -12,7 +12,7 @@ use crate::{BagError, Encoding};
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom};
 
-/// What a file begins with.
+/// First bytes of a file.
 pub(crate) const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
 /// Longest header, data of a message and unpacked chunk that are read, bytes.
 const LONGEST_HEADER: u32 = 1 << 20;

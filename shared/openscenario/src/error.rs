@@ -22,7 +22,7 @@ impl fmt::Display for Spot {
 pub struct Place {
     /// The file, as it was named.
     pub file: String,
-    /// Where in it.
+    /// The place in it.
     pub spot: Spot,
 }
 
@@ -76,7 +76,7 @@ pub enum ReadError {
     /// An attribute that is unknown or missing, or whose value does not fit.
     #[error("{place}: attribute `{attribute}` of `{element}`: {reason}, expected {expected}")]
     Attribute {
-        /// Where it stands; where its element begins if it is missing.
+        /// Its place; the beginning of its element if it is missing.
         place: Place,
         /// Its name.
         attribute: String,

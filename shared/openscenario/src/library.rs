@@ -1,4 +1,4 @@
-//! Where the files of a scenario come from: itself, its catalogs, its road.
+//! The files of a scenario: itself, its catalogs, its road.
 
 use std::path::{Path, PathBuf};
 

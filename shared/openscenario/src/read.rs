@@ -21,20 +21,20 @@ pub struct Scenario {
     pub description: String,
     /// Its parameters with the values that took effect, by name.
     pub parameters: Vec<(String, String)>,
-    /// What a person should know of how it is simulated, a sentence each.
+    /// Notes for a person on how it is simulated, a sentence each.
     pub notices: Vec<String>,
-    /// Where in the scenario file its parts are.
+    /// The places of its parts in the scenario file.
     pub spots: Spots,
 }
 
 /// Spots in the scenario file.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Spots {
-    /// Where each entity is declared.
+    /// The declaration of each entity.
     pub entities: Vec<Spot>,
-    /// Where Init says how each entity begins; where it is declared when Init does not.
+    /// The place in Init that says how each entity begins; its declaration when Init does not.
     pub starts: Vec<Spot>,
-    /// Where the storyboard's stop trigger is.
+    /// The storyboard's stop trigger.
     pub stop: Option<Spot>,
 }
 

@@ -24,7 +24,7 @@ pub struct Document {
 pub struct Element {
     /// Name, without a namespace.
     pub name: String,
-    /// Where its start tag begins.
+    /// The beginning of its start tag.
     pub spot: Spot,
     /// Attributes in the order of the file.
     pub attributes: Vec<Attribute>,
@@ -39,7 +39,7 @@ pub struct Attribute {
     pub name: String,
     /// Value, with its references to characters replaced.
     pub value: String,
-    /// Where its name begins.
+    /// The beginning of its name.
     pub spot: Spot,
 }
 

@@ -2,7 +2,7 @@
 
 use syn::{Attribute, Error, Lit, LitStr, Path, Token, Type};
 
-/// What serde's attributes say of a type, a field or a variant.
+/// The settings of a type, a field or a variant in serde's attributes.
 #[derive(Default)]
 pub(crate) struct Serde {
     pub(crate) default: Option<Fallback>,
@@ -14,7 +14,7 @@ pub(crate) struct Serde {
     pub(crate) skip: bool,
 }
 
-/// Where a default comes from.
+/// The source of a default.
 pub(crate) enum Fallback {
     /// From the type's own `Default`.
     Trait,

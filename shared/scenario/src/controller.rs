@@ -83,7 +83,7 @@ impl Controller {
     }
 }
 
-/// Where the program of `command` runs: the chosen directory, the scenario file's, or the present one. `own` is the
+/// The directory of the program of `command`: the chosen one, the scenario file's, or the present one. `own` is the
 /// scenario file's directory.
 pub(super) fn place_of(
     command: &[String],

@@ -183,7 +183,7 @@ impl Scenario {
     }
 }
 
-/// Where a scenario's text is from.
+/// The source of a scenario's text.
 #[derive(Clone, Copy)]
 pub(crate) enum Place<'a> {
     /// The program, or a file of another format with its storyboard.
@@ -195,7 +195,7 @@ pub(crate) enum Place<'a> {
 }
 
 impl<'a> Place<'a> {
-    /// Where paths in it begin.
+    /// The directory at which paths in it begin.
     fn directory(self) -> Option<&'a Path> {
         match self {
             Self::In(directory) => Some(directory),

@@ -40,7 +40,7 @@ pub struct OwnLaw {
     pub arguments: BTreeMap<String, Word>,
 }
 
-/// What a law of the user's consists of.
+/// The parts of a law of the user's.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Origin<'a> {
     /// A program of its own.
@@ -52,7 +52,7 @@ pub enum Origin<'a> {
 }
 
 impl OwnLaw {
-    /// What it consists of.
+    /// Its parts.
     ///
     /// ```
     /// use scenario::own_law::{Origin, OwnLaw};

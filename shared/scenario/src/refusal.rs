@@ -7,10 +7,10 @@ use std::ops::Range;
 
 /// An error in two parts: what is wrong, and what would have been right.
 pub(crate) trait Explained {
-    /// What is wrong.
+    /// The fault.
     fn message(&self) -> String;
 
-    /// What would have been right.
+    /// The right form.
     fn expected(&self) -> String;
 }
 
@@ -74,7 +74,7 @@ impl Refusal {
         &self.message
     }
 
-    /// What would have been right; empty if that is not known.
+    /// The right form; empty if it is not known.
     pub(super) fn expected(&self) -> &str {
         &self.expected
     }

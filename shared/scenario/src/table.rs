@@ -10,7 +10,7 @@ type Field<'a> = (Range<usize>, &'a str);
 /// Mark at the beginning of some files in UTF-8.
 const BYTE_ORDER_MARK: char = '\u{feff}';
 
-/// What may separate the fields of a line.
+/// The separators between the fields of a line.
 const SEPARATORS: [char; 3] = [',', ';', '\t'];
 
 /// A CSV text: a line of names, then lines of numbers. The line of names decides which separator it has. Fields may

@@ -18,7 +18,7 @@ pub struct FormulaError {
     pub text: String,
 }
 
-/// What is wrong with a formula.
+/// The fault of a formula.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum Problem {
     /// Another word was expected.

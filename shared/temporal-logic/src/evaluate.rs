@@ -14,7 +14,7 @@ pub struct Trace<'a> {
     pub samples: Vec<&'a [f64]>,
 }
 
-/// What a node gives at each sample.
+/// The values of a node at each sample.
 enum Course {
     Numbers(Vec<f64>),
     Margins(Vec<Margin>),

@@ -27,7 +27,7 @@ impl Window {
     pub(crate) const ALL: Self = Self { first_s: 0.0, last_s: None };
 }
 
-/// What a node does.
+/// The operation of a node.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Kind {
     Number(f64),

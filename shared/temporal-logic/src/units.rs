@@ -4,7 +4,7 @@ use crate::error::{FormulaError, Problem};
 use crate::syntax::{Kind, Node, NodeId};
 use crate::{Signal, Unit};
 
-/// What a node gives.
+/// The kind of a node's values.
 #[derive(Clone, Copy, Debug)]
 enum Gives {
     Number(Unit),
@@ -32,7 +32,7 @@ pub(crate) fn check(
 struct Checked<'a> {
     text: &'a str,
     nodes: &'a [Node],
-    /// What the nodes before this one give: children stand before their parents.
+    /// The kinds of the nodes before this one: children stand before their parents.
     gives: &'a [Gives],
 }
 

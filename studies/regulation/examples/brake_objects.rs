@@ -1,4 +1,4 @@
-//! What the emergency brake makes of an everyday scene, scan by scan: its objects and its demand.
+//! The emergency brake in an everyday scene, scan by scan: its objects and its demand.
 //!
 //! ```sh
 //! cargo run --release -p regulation --example brake_objects -- led-queue 0 --from 2 --until 4

@@ -6,7 +6,7 @@ use scenario::name::Name;
 use scenario::{Overrides, ScenarioError};
 use std::path::PathBuf;
 
-/// What a shared library is marked by.
+/// The mark of a shared library.
 const LIBRARY: &str = "library:";
 
 /// Laws of the user's own, by the option `--law`.
@@ -31,11 +31,11 @@ pub struct LawOptions {
 pub struct NamedLaw {
     /// Its name in rows, legends and JSON.
     pub name: String,
-    /// What computes it.
+    /// Its program or library.
     pub source: LawSource,
 }
 
-/// What computes a law of the user's own.
+/// The program or library of a law of the user's own.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum LawSource {
     /// A program, with its arguments.

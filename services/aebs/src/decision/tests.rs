@@ -205,7 +205,7 @@ fn close_behind_a_slower_car_a_reserve_is_kept_for_its_braking() {
     // 6 m/s faster: 2.5 m/s² need 7.2 m and what their onset takes, 6 m/s² 3 m and the same.
     assert_eq!(state(7.0, 14.0), BrakeState::Braking, "it may brake");
     assert_ne!(state(12.0, 14.0), BrakeState::Braking, "a driver can still answer");
-    // What stands cannot begin to brake.
+    // A standing object cannot begin to brake.
     assert_ne!(state(36.0, 0.0), BrakeState::Braking);
 }
 

@@ -25,7 +25,7 @@ def drive(law):
         answers.flush()
 "#;
 
-/// What a law in a shared library has.
+/// The functions of a law in a shared library.
 const FUNCTIONS: &str = "
 /* A law in a shared library, which computes in timegap's own process. `create` returns a law of its own each time;
    several threads use several laws. `step` gets an answer that is all 0, and forgets all history where

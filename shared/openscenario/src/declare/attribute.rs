@@ -19,7 +19,7 @@ pub(crate) struct AttributeForm {
     pub optional: bool,
     /// Its unit; empty without one.
     pub unit: &'static str,
-    /// What it may hold.
+    /// Its allowed values.
     pub kind: fn() -> String,
 }
 
@@ -33,7 +33,7 @@ impl AttributeForm {
 pub(crate) trait Scalar {
     type Value;
 
-    /// What it may hold, for the reference and for errors.
+    /// Its allowed values, for the reference and for errors.
     fn kind() -> String;
 
     fn take(given: &Given<'_>) -> Result<Self::Value, ReadError>;
@@ -42,7 +42,7 @@ pub(crate) trait Scalar {
 /// The type of an attribute, which is optional as `Option`.
 pub(crate) trait FromAttribute {
     const OPTIONAL: bool;
-    /// What it may hold.
+    /// Its allowed values.
     const KIND: fn() -> String;
     type Value;
 
@@ -295,7 +295,7 @@ impl<S: Scalar> Scalar for Later<S> {
     }
 }
 
-/// What one of some words may be, for errors and for the reference.
+/// The allowed words, for errors and for the reference.
 pub(crate) fn kind_of<T>(words: &[(&str, T)]) -> String {
     one_of(words.iter().map(|(word, _)| *word))
 }

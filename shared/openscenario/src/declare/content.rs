@@ -9,7 +9,7 @@ use crate::error::{Place, ReadError, one_of};
 pub(crate) trait Choice {
     /// Their names and forms.
     const ALTERNATIVES: &'static [(&'static str, &'static Form)];
-    /// What the reader of each returns.
+    /// The value that each reader returns.
     type Value;
 
     /// Reads a node that has one of the names.

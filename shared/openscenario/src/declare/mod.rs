@@ -35,21 +35,21 @@ pub(crate) use node::Node;
 pub(crate) trait Element {
     /// Its name in a file.
     const NAME: &'static str;
-    /// What it may hold.
+    /// Its allowed content.
     const FORM: &'static Form;
-    /// What its reader returns.
+    /// The value that its reader returns.
     type Value;
 
     /// Reads it. The node has been checked against the form.
     fn read(node: Node<'_>) -> Result<Self::Value, ReadError>;
 }
 
-/// What an element may hold, as the check and the reference see it.
+/// The allowed content of an element, as the check and the reference see it.
 #[derive(Debug)]
 pub(crate) struct Form {
     /// The heading of its row in the reference.
     pub part: &'static str,
-    /// What timegap does with it.
+    /// Its effect in timegap.
     pub effect: &'static str,
     /// Attributes that are read.
     pub attributes: &'static [AttributeForm],

@@ -14,7 +14,7 @@ use crate::parameter::ParameterDeclarations;
 /// A scenario file as it was read.
 pub(crate) struct ScenarioParts {
     pub description: String,
-    /// Where the entities are declared.
+    /// The declarations of the entities.
     pub entities: Option<Vec<Spot>>,
     pub storyboard: Option<Board>,
 }

@@ -17,7 +17,7 @@ use crate::parameter::{ParameterDeclarations, Scoped};
 /// A storyboard as it was read.
 pub(crate) struct Board {
     pub init: Vec<InitAction>,
-    /// Where Init says how entities begin.
+    /// The places in Init that say how entities begin.
     pub starts: Vec<(usize, Spot)>,
     pub stories: Vec<storyboard::Story>,
     pub stop: Option<(Place, Trigger)>,

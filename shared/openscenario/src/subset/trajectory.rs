@@ -8,7 +8,7 @@ use crate::model::action::{self, Action, Vertex as Corner};
 use crate::parameter::{ParameterDeclarations, Scoped};
 
 words! {
-    /// Where a time counts from; its value is whether from the start of the run.
+    /// The origin of a time; its value is whether this is the start of the run.
     ReferenceContext = bool { "absolute" true, "relative" false }
 }
 

@@ -55,7 +55,7 @@ pub enum LibraryError {
 }
 
 impl LibraryError {
-    /// What is wrong.
+    /// The fault.
     #[must_use]
     pub fn message(&self) -> String {
         match self {
@@ -72,7 +72,7 @@ impl LibraryError {
         }
     }
 
-    /// What would have been right.
+    /// The right form.
     #[must_use]
     pub fn expected(&self) -> String {
         match self {

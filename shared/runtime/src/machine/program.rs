@@ -40,7 +40,7 @@ pub enum ProgramError {
 }
 
 impl ProgramError {
-    /// What is wrong.
+    /// The fault.
     #[must_use]
     pub fn message(&self) -> String {
         match self {
@@ -53,7 +53,7 @@ impl ProgramError {
         }
     }
 
-    /// What would have been right.
+    /// The right form.
     #[must_use]
     pub const fn expected(&self) -> &'static str {
         match self {

@@ -115,7 +115,7 @@ impl Seat {
         Rc::new(MemoryReceiver { queue, sealing, moved: Rc::clone(&self.bus.moved) })
     }
 
-    /// What lets this member's code wait for the caller of the run; none for observers.
+    /// The means by which this member's code waits for the caller of the run; `None` for observers.
     pub(crate) fn turns(&self) -> Option<Turns> {
         Some(Turns { pause: self.pause.clone()?, moved: Rc::clone(&self.bus.moved) })
     }

@@ -5,7 +5,7 @@ use std::fmt;
 /// The range of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range<T> {
-    /// What the quantity is, with its article.
+    /// The quantity's noun, with its article.
     pub what: &'static str,
     /// Smallest value.
     pub least: T,

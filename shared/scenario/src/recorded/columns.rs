@@ -3,7 +3,7 @@
 use super::error::RecordedError;
 use crate::accepted::accepted;
 
-/// What a column holds: the letter, units with their factor to SI; the first is the unit that is not written.
+/// The content of a column: the letter, units with their factor to SI; the first is the unit that is not written.
 struct Quantity {
     units: &'static [(&'static str, f64)],
 }
@@ -65,7 +65,7 @@ pub(super) struct Columns {
     pub(super) of_motion: Vec<Column>,
 }
 
-/// What is right, for errors.
+/// The right form, for errors.
 const EXPECTED: &str = "t=NAME with one of v=NAME, s=NAME, x=NAME and y=NAME, lat=NAME and lon=NAME; \
     a unit behind a colon, as in v=speed:km/h";
 

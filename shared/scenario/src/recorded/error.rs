@@ -10,9 +10,9 @@ pub enum RecordedError {
     Key {
         /// Key of `profile.csv`.
         key: &'static str,
-        /// What is wrong.
+        /// The fault.
         message: String,
-        /// What would have been right.
+        /// The right form.
         expected: String,
     },
     /// Something in the file is wrong.

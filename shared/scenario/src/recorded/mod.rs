@@ -60,7 +60,7 @@ pub struct Gap {
     pub length_s: f64,
 }
 
-/// What a file held.
+/// The content of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     /// Time, s of the run, and speed, m/s, of each row before the filter.

@@ -97,7 +97,7 @@ pub(crate) struct Keeper {
     book: Mutex<Book>,
 }
 
-/// What the command's own thread keeps.
+/// The share of the command's own thread.
 #[derive(Default)]
 struct Book {
     /// Runs that are not settled, in order.

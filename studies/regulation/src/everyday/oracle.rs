@@ -1,4 +1,4 @@
-//! What a drive is judged by: rectangles, and brakes that could have been.
+//! The judge of a drive: rectangles, and brakes that could have been.
 //!
 //! The oracle knows the motion of all vehicles ([`super::scene`]) and of the ego, and nothing of radar, laws and
 //! emergency brake.
@@ -88,7 +88,7 @@ pub struct Oracle<'a> {
 }
 
 impl<'a> Oracle<'a> {
-    /// Of a drive among `actors`.
+    /// The oracle of a drive among `actors`.
     #[must_use]
     pub fn new(actors: &'a [Actor], steps: &'a [DriveStep]) -> Self {
         Self { actors, steps }

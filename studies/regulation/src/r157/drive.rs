@@ -22,7 +22,7 @@ pub struct Driver {
     pub aebs: bool,
 }
 
-/// What the drives of a study have in common.
+/// The common part of a study's drives.
 #[derive(Clone, Debug, Default)]
 pub struct Conditions {
     /// Seed of the sensors' noise.

@@ -47,7 +47,7 @@ impl Settled {
         Self { conditions, gaps_m: Mutex::default() }
     }
 
-    /// What the drives have in common.
+    /// The common part of the drives.
     #[must_use]
     pub fn conditions(&self) -> &Conditions {
         &self.conditions

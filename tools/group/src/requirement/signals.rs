@@ -11,7 +11,7 @@ struct Sampled {
     value: fn(&DriveStep, &Context) -> Option<f64>,
 }
 
-/// What a step's values depend on beside the step.
+/// The facts beside a step that its values depend on.
 struct Context {
     /// The ground truth of the other vehicles is of this step: a gap that is missing means an empty road.
     sees: bool,

@@ -22,7 +22,7 @@ use std::rc::Rc;
 use std::time::Duration;
 use thiserror::Error;
 
-/// What the control loop and the caller of its run leave for each other.
+/// The exchange between the control loop and the caller of its run.
 ///
 /// ```
 /// use controller::laws::external::Questions;
