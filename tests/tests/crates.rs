@@ -22,8 +22,13 @@ const LAYERS: [&[&str]; 9] = [
 ];
 
 /// Crates of one layer that depend on each other in this order.
-const WITHIN: [(&str, &str); 3] =
-    [("report", "group"), ("openscenario", "random"), ("bench", "doctor")];
+const WITHIN: [(&str, &str); 5] = [
+    ("report", "group"),
+    ("openscenario", "random"),
+    ("openscenario", "road"),
+    ("road", "random"),
+    ("bench", "doctor"),
+];
 
 fn layer(name: &str, path: &str) -> usize {
     let of = |entry: &&str| match entry.strip_suffix('/') {

@@ -1,0 +1,314 @@
+//! The axis of a road.
+
+use crate::build::{Builder, CELL_M};
+use crate::check::uncrossed;
+use crate::{AxisError, Laid, MAX_GAP_M, MAX_KINK_RAD, MAX_LENGTH_M, Piece, Pose};
+
+/// Most steps of a projection; three are usual.
+const MAX_STEPS: u32 = 40;
+/// Longest step of a projection, m.
+const LONGEST_STEP_M: f64 = 20.0;
+/// A step that ends a projection, m.
+const LAST_STEP_M: f64 = 1e-9;
+/// Least rate at which the foot of a point moves: beyond the centre of a curve there is no foot.
+const MIN_RATE: f64 = 0.1;
+/// A line whose start differs by less than this from the straight beginning goes on with it, m and rad.
+const STRAIGHT: f64 = 1e-9;
+
+/// The axis of a road. It begins at (0, 0, 0) and goes on straight outside its ends.
+///
+/// ```
+/// use road::{Axis, Piece};
+/// let axis = Axis::new(&[Piece::Arc { length_m: 100.0, curvature_perm: 0.01 }])?;
+/// let end = axis.pose(100.0);
+/// assert!((end.heading_rad - 1.0).abs() < 1e-12 && (end.x_m - 100.0 * 1_f64.sin()).abs() < 1e-8);
+/// # Ok::<(), road::AxisError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Axis {
+    bins: Vec<u32>,
+    cells: Vec<Cell>,
+    length_m: f64,
+    /// Where its pieces begin, m.
+    pub(crate) starts: Vec<f64>,
+    /// Up to here `p` is `x`.
+    straight_m: f64,
+    /// What follows the end.
+    beyond: Cell,
+}
+
+/// A stretch of at most 5 m, as a series from its middle.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cell {
+    pub end_m: f64,
+    pub middle_m: f64,
+    pub pose: Pose,
+    pub cos: f64,
+    pub sin: f64,
+    pub curvature_perm: f64,
+    pub rate_perm2: f64,
+    /// Metres along the curve for one metre of `p`.
+    pub pace: f64,
+}
+
+/// A place on the axis.
+#[derive(Clone, Copy)]
+pub(crate) struct Place {
+    pub x_m: f64,
+    pub y_m: f64,
+    pub heading_rad: f64,
+    pub cos: f64,
+    pub sin: f64,
+    pub curvature_perm: f64,
+}
+
+impl Cell {
+    /// The series for a clothoid, up to the sixth power of the distance from the middle.
+    #[inline]
+    pub fn at(&self, p_m: f64) -> Place {
+        let d = self.pace * (p_m - self.middle_m);
+        let (k, m, d2) = (self.curvature_perm, self.rate_perm2, d * d);
+        let k2 = k * k;
+        let u = d - d2
+            * d
+            * (k2 / 6.0 + k * m * d / 8.0
+                - (k2 * k2 / 120.0 - m * m / 40.0 + k2 * k * m * d / 72.0) * d2);
+        let v = d2
+            * (0.5 * k + m * d / 6.0
+                - (k2 * k / 24.0 + k2 * m * d / 20.0) * d2
+                - (k * m * m / 48.0 - k2 * k2 * k / 720.0) * d2 * d2);
+        let turn = d * (k + 0.5 * m * d);
+        let t2 = turn * turn;
+        let sin = turn * (1.0 - t2 / 6.0 * (1.0 - t2 / 20.0 * (1.0 - t2 / 42.0)));
+        let cos = 1.0 - t2 * 0.5 * (1.0 - t2 / 12.0 * (1.0 - t2 / 30.0 * (1.0 - t2 / 56.0)));
+        Place {
+            x_m: self.pose.x_m + u * self.cos - v * self.sin,
+            y_m: self.pose.y_m + u * self.sin + v * self.cos,
+            heading_rad: self.pose.heading_rad + turn,
+            cos: self.cos * cos - self.sin * sin,
+            sin: self.sin * cos + self.cos * sin,
+            curvature_perm: k + m * d,
+        }
+    }
+}
+
+impl Axis {
+    /// A chain of pieces, each from the end of the one before.
+    ///
+    /// # Errors
+    /// When a number is not finite, a length is not positive, a radius is below 20 m, or the chain crosses itself.
+    pub fn new(pieces: &[Piece]) -> Result<Self, AxisError> {
+        Self::chain(pieces.iter().map(|piece| (None, *piece)))
+    }
+
+    /// Pieces with places of their own. The axis begins at (0, 0, 0): the first piece's start is its origin.
+    ///
+    /// # Errors
+    /// As [`Self::new`], and when a piece does not begin where the one before ends, within 5 cm and 0.01 rad.
+    pub fn laid(pieces: &[Laid]) -> Result<Self, AxisError> {
+        let origin = pieces.first().map_or(Pose::default(), |laid| laid.start);
+        Self::chain(pieces.iter().map(|laid| (Some(laid.start.seen_from(&origin)), laid.piece)))
+    }
+
+    fn chain(
+        pieces: impl ExactSizeIterator<Item = (Option<Pose>, Piece)>,
+    ) -> Result<Self, AxisError> {
+        if pieces.len() == 0 {
+            return Err(AxisError::Empty);
+        }
+        let mut builder = Builder { cells: Vec::new(), length_m: 0.0 };
+        let (mut end, mut straight_m) = (Pose::default(), 0.0);
+        let mut starts = Vec::with_capacity(pieces.len());
+        for (number, (start, piece)) in pieces.enumerate() {
+            piece.check(number)?;
+            let length_m = builder.length_m + piece.length_m();
+            if length_m > MAX_LENGTH_M {
+                return Err(AxisError::Length { piece: number, length_m });
+            }
+            let start = match start {
+                Some(start) => joined(&start, &end, number, MAX_KINK_RAD)?,
+                None => end,
+            };
+            let is_line = matches!(piece, Piece::Line { .. });
+            if is_line && straight_m == builder.length_m && goes_on(&start, straight_m) {
+                straight_m = length_m;
+            }
+            starts.push(builder.length_m);
+            end = builder.add(&*piece.smooth(), number, start)?;
+        }
+        Self::of(builder, starts, end, straight_m)
+    }
+
+    /// The axis of what was built, with where its pieces begin, its end, and how long it is straight.
+    pub(crate) fn of(
+        builder: Builder,
+        starts: Vec<f64>,
+        end: Pose,
+        straight_m: f64,
+    ) -> Result<Self, AxisError> {
+        let (sin, cos) = libm::sincos(end.heading_rad);
+        let length_m = builder.length_m;
+        let beyond = Cell {
+            end_m: f64::INFINITY,
+            middle_m: length_m,
+            pose: end,
+            cos,
+            sin,
+            curvature_perm: 0.0,
+            rate_perm2: 0.0,
+            pace: 1.0,
+        };
+        let axis = Self {
+            bins: builder.bins(),
+            cells: builder.cells,
+            length_m,
+            starts,
+            straight_m: if straight_m == length_m { f64::INFINITY } else { straight_m },
+            beyond,
+        };
+        uncrossed(&axis)?;
+        Ok(axis)
+    }
+
+    /// Its length, m.
+    #[must_use]
+    pub fn length_m(&self) -> f64 {
+        self.length_m
+    }
+
+    /// True if it is one straight line.
+    #[must_use]
+    pub fn is_straight(&self) -> bool {
+        self.straight_m == f64::INFINITY
+    }
+
+    /// The cell of a place behind the straight beginning.
+    #[inline]
+    fn cell(&self, p_m: f64) -> &Cell {
+        if !(p_m < self.length_m) {
+            return &self.beyond;
+        }
+        let mut index = self.bins[after(p_m)] as usize;
+        while self.cells[index].end_m <= p_m && index + 1 < self.cells.len() {
+            index += 1;
+        }
+        &self.cells[index]
+    }
+
+    #[inline]
+    pub(crate) fn place(&self, p_m: f64) -> Place {
+        if p_m <= self.straight_m {
+            let (heading_rad, curvature_perm) = (0.0, 0.0);
+            return Place { x_m: p_m, y_m: 0.0, heading_rad, cos: 1.0, sin: 0.0, curvature_perm };
+        }
+        self.cell(p_m).at(p_m)
+    }
+
+    /// The pose of the axis itself. The heading is not wrapped: it goes on along the axis.
+    #[must_use]
+    pub fn pose(&self, p_m: f64) -> Pose {
+        let place = self.place(p_m);
+        Pose { x_m: place.x_m, y_m: place.y_m, heading_rad: place.heading_rad }
+    }
+
+    /// The point `l_m` to the left of the axis, with the heading of the tangent.
+    #[must_use]
+    pub fn point(&self, p_m: f64, l_m: f64) -> Pose {
+        let place = self.place(p_m);
+        Pose {
+            x_m: place.x_m - l_m * place.sin,
+            y_m: place.y_m + l_m * place.cos,
+            heading_rad: place.heading_rad,
+        }
+    }
+
+    /// The curvature, 1/m: positive to the left, 0 outside the ends.
+    #[must_use]
+    pub fn curvature_perm(&self, p_m: f64) -> f64 {
+        self.place(p_m).curvature_perm
+    }
+
+    /// The change of the curvature along the axis, 1/m².
+    #[must_use]
+    pub fn curvature_rate_perm2(&self, p_m: f64) -> f64 {
+        if p_m <= self.straight_m { 0.0 } else { self.cell(p_m).rate_perm2 }
+    }
+
+    /// The coordinates (p, l) of a point: Newton's method from `near_p_m`, which must lie on the point's branch.
+    ///
+    /// A point has a foot on the axis as far as the centre of the curve. Beyond it the result is of no use.
+    #[must_use]
+    pub fn project(&self, x_m: f64, y_m: f64, near_p_m: f64) -> (f64, f64) {
+        let (mut p_m, mut reach_m) = (near_p_m, LONGEST_STEP_M);
+        for _ in 0..MAX_STEPS {
+            if p_m <= self.straight_m {
+                if x_m <= self.straight_m {
+                    return (x_m, y_m);
+                }
+                // The straight beginning ends here: at its joint the curve takes over.
+                p_m = x_m.min(self.straight_m + reach_m);
+                reach_m *= 0.5;
+                continue;
+            }
+            let cell = self.cell(p_m);
+            let place = cell.at(p_m);
+            let (dx_m, dy_m) = (x_m - place.x_m, y_m - place.y_m);
+            let along_m = dx_m * place.cos + dy_m * place.sin;
+            let left_m = dy_m * place.cos - dx_m * place.sin;
+            let rate = cell.pace * (1.0 - place.curvature_perm * left_m).max(MIN_RATE);
+            let step_m = (along_m / rate).clamp(-LONGEST_STEP_M, LONGEST_STEP_M);
+            p_m += step_m;
+            if step_m.abs() < LAST_STEP_M {
+                break;
+            }
+        }
+        let place = self.place(p_m);
+        (p_m, (y_m - place.y_m) * place.cos - (x_m - place.x_m) * place.sin)
+    }
+
+    /// The coordinates (p, l) of the point of the axis nearest to a point of the plane, without a place to begin from.
+    #[must_use]
+    pub fn nearest(&self, x_m: f64, y_m: f64) -> (f64, f64) {
+        let way_m = |p_m: f64| {
+            let place = self.place(p_m);
+            libm::hypot(x_m - place.x_m, y_m - place.y_m)
+        };
+        let starts = (0..self.bins.len()).map(|bin| CELL_M * bin as f64).chain([self.length_m]);
+        let near_m = starts.min_by(|a, b| way_m(*a).total_cmp(&way_m(*b))).unwrap_or(0.0);
+        self.project(x_m, y_m, near_m)
+    }
+}
+
+/// The number of the 5 m in which a place lies.
+#[inline]
+pub(crate) fn after(p_m: f64) -> usize {
+    (p_m / CELL_M).max(0.0) as usize
+}
+
+/// Whether a line from `start` goes on with a straight beginning of that length.
+pub(crate) fn goes_on(start: &Pose, straight_m: f64) -> bool {
+    let [x_m, y_m, heading_rad] = [start.x_m - straight_m, start.y_m, start.heading_rad];
+    x_m.abs() < STRAIGHT && y_m.abs() < STRAIGHT && heading_rad.abs() < STRAIGHT
+}
+
+/// The start of a piece that is laid, with a heading that goes on from the end before.
+pub(crate) fn joined(
+    start: &Pose,
+    end: &Pose,
+    piece: usize,
+    max_kink_rad: f64,
+) -> Result<Pose, AxisError> {
+    if !start.is_finite() {
+        return Err(AxisError::NotFinite { piece });
+    }
+    let gap_m = libm::hypot(start.x_m - end.x_m, start.y_m - end.y_m);
+    if gap_m > MAX_GAP_M {
+        return Err(AxisError::Gap { piece, gap_m });
+    }
+    let turn = start.heading_rad - end.heading_rad;
+    let kink_rad = libm::remainder(turn, std::f64::consts::TAU);
+    if kink_rad.abs() > max_kink_rad {
+        return Err(AxisError::Kink { piece, kink_rad });
+    }
+    Ok(Pose { heading_rad: end.heading_rad + kink_rad, ..*start })
+}
