@@ -9,8 +9,9 @@
 //!                                                                              └─ campaign.json, .csv, page
 //! ```
 //!
-//! A collision counts as avoidable if braking with 6 m/s², 0.35 s after the need, avoids it (`reference`). A campaign
-//! fails when its faults meet nothing (`exposure`), and is refused when its faults have no receiver (`targets`).
+//! A collision counts as avoidable if braking with 6 m/s², 0.35 s after the need, avoids it
+//! ([`group::is_avoidable_collision`]). A campaign fails when its faults meet nothing (`exposure`), and is refused when
+//! its faults have no receiver (`targets`).
 //!
 //! `select` has a row for each campaign that comes from no file; each has a folder of its own.
 //!
@@ -48,7 +49,6 @@ mod planned;
 mod plausibility;
 mod radio;
 mod record;
-mod reference;
 mod select;
 mod signals;
 mod study;

@@ -2,10 +2,9 @@
 
 use super::exposure::Struck;
 use super::planned::Planned;
-use super::reference::{Braking, avoids_contact};
 use frame::batch::{Done, Growth, Repetition};
 use group::report::Outcome;
-use group::{Error, FaultRecord, Recovery};
+use group::{Error, Evidence, FaultRecord, Recovery, is_avoidable_collision};
 use messages::level::{Level, LevelChange};
 use scenario::Scenario;
 use scenario::faults::{Helper, Kind};
@@ -14,11 +13,6 @@ use std::collections::BTreeMap;
 
 /// Two kills within this time are a double kill, s.
 const DOUBLE_S: f64 = 0.005;
-
-/// Reaction time of the reference that avoids collisions, s, and its deceleration, m/s². Chosen: the yardstick of
-/// `r157` and of the tight scenes. A truck's own brakes may give less.
-const REACTION_S: f64 = 0.35;
-const REFERENCE_MPS2: f64 = 6.0;
 
 /// One run, in one line of the journal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -46,7 +40,7 @@ pub struct Record {
 /// Figures of a run. The default is a run that was aborted before anything was measured.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
-    /// It ended in a collision that the reference would have avoided.
+    /// It ended in a collision that the reference driver of `no-avoidable-collision` avoids.
     pub avoidable: bool,
     pub duration_s: f64,
     pub min_gap_m: Option<f64>,
@@ -135,12 +129,8 @@ impl Record {
 impl Measured {
     fn of(scenario: &Scenario, done: &Done) -> Self {
         let summary = &done.summary;
-        let fallback = &scenario.plant.fallback;
-        let braking = Braking {
-            comfortable_mps2: fallback.stop_deceleration_mps2.value(),
-            reaction_s: REACTION_S,
-            emergency_mps2: scenario.aebs.deceleration_mps2.value().min(REFERENCE_MPS2),
-        };
+        let impact_speed_mps = summary.control.figures.impact_speed_mps;
+        let evidence = Evidence { scenario, drive: &done.drive, impact_speed_mps };
         let collided = summary.outcome == Outcome::Collision;
         let kills = [Kind::Kill, Kind::RestartStorm, Kind::KillHelper].map(Kind::name);
         let faults = &summary.faults;
@@ -156,7 +146,7 @@ impl Measured {
             faults: struck.faults,
             critical_faults: struck.critical,
             phases: struck.phases,
-            avoidable: collided && avoids_contact(&done.drive.steps, &braking),
+            avoidable: collided && is_avoidable_collision(&evidence),
             duration_s: summary.duration_s,
             min_gap_m: summary.control.figures.min_gap_m,
             min_ttc_s: summary.control.figures.min_ttc_s,

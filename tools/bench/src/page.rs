@@ -160,7 +160,7 @@ fn intervals(report: &Report) -> String {
             .into(),
         x: Axis::linear("ratio over its limit", 0.0, widest),
         rows: report.goals.iter().map(row).collect(),
-        marks: vec![Mark { x: 1.0, number: 1 }],
+        marks: vec![Mark::numbered(1.0, 1)],
     };
     format!("<div class=\"grid\">\n{}</div>\n", figure(&bands))
 }
@@ -191,7 +191,7 @@ fn peers(report: &Report) -> String {
         title: "p50 over a message through the services' ports, 95 % intervals".into(),
         x: Axis::linear("ratio", 0.0, widest),
         rows: peers.iter().map(row).collect(),
-        marks: vec![Mark { x: 1.0, number: 1 }],
+        marks: vec![Mark::numbered(1.0, 1)],
     };
     format!("<div class=\"grid\">\n{}</div>\n", figure(&bands))
 }

@@ -1,7 +1,7 @@
 //! A drive, sample by sample.
 
 use crate::report::ReceivedTopic;
-use messages::{EgoTruth, PhaseState, VehicleTruth};
+use messages::{BrakeState, EgoTruth, PhaseState, VehicleTruth};
 use runtime::statistics::Percentiles;
 
 /// All that the launcher received.
@@ -51,6 +51,12 @@ pub struct DriveStep {
     pub gap_m: Option<f64>,
     /// Speed of that vehicle, m/s.
     pub lead_speed_mps: Option<f64>,
+    /// Acceleration of that vehicle, m/s².
+    pub lead_acceleration_mps2: Option<f64>,
+    /// Place of that vehicle in the scenario's list of actors, from 0.
+    pub lead: Option<u32>,
+    /// State of the emergency brake.
+    pub brake: Option<BrakeState>,
     /// Mode of the law.
     pub mode: Option<u32>,
     /// Quality of the command: 0 full, 1 relaxed, 2 backup.

@@ -1,16 +1,19 @@
 //! The drive as the launcher receives it on the topics.
 
+use crate::by_step::take_step;
 use crate::cycles::CycleHistory;
 use crate::drive::{Drive, DriveStep, PowertrainStep};
 use crate::kept_steps::{KeptSteps, MOST_IN_REALTIME};
+use crate::present::Present;
 use crate::report::ControlFigures;
 use bytemuck::Zeroable;
 use messages::{
-    Brake, Command, Diagnostics, EgoTruth, Header, Heartbeat, Message, Powertrain, Service,
-    ServiceState, Topic, VehicleTruth,
+    Brake, BrakeState, Command, Diagnostics, EgoTruth, Header, Heartbeat, Message, Powertrain,
+    Service, ServiceState, Topic, VehicleTruth,
 };
 use runtime::statistics::Latencies;
 use runtime::{Group, InProcess, Mode, Observed, Observer, RuntimeError, Timetable};
+use scenario::Scenario;
 
 /// Most messages of a topic that have room from the start.
 const MOST_ROOM: u64 = 100_000;
@@ -44,10 +47,12 @@ pub struct DriveLog {
     signal_ages: Latencies,
     /// The emergency brake braked in its last message.
     is_braking: bool,
+    brakes: Vec<(u64, BrakeState)>,
     interventions_s: Vec<f64>,
     /// True in realtime: the supervisor takes the signs of life.
     supervised: bool,
     kept: KeptSteps,
+    present: Present,
     signs: Vec<Sign>,
     /// Newest incarnation of each service.
     incarnations: [u32; Service::ALL.len()],
@@ -92,17 +97,23 @@ pub struct Sign {
 
 impl DriveLog {
     /// Opens all topics. A command is late `deadline_ns` after its release.
-    pub fn listen(group: &Group, deadline_ns: i64) -> Result<Self, RuntimeError> {
-        Self::by(Observer::join(group, "launcher")?, group.mode, &group.timetable, deadline_ns)
+    pub fn listen(
+        group: &Group,
+        scenario: &Scenario,
+        deadline_ns: i64,
+    ) -> Result<Self, RuntimeError> {
+        let observer = Observer::join(group, "launcher")?;
+        Self::by(observer, scenario, group.mode, &group.timetable, deadline_ns)
     }
 
     /// Opens all topics of a run in this thread, where no command is late.
-    pub(crate) fn in_process(run: &InProcess) -> Result<Self, RuntimeError> {
-        Self::by(run.observer(), Mode::Lockstep, &run.timetable(), i64::MAX)
+    pub(crate) fn in_process(run: &InProcess, scenario: &Scenario) -> Result<Self, RuntimeError> {
+        Self::by(run.observer(), scenario, Mode::Lockstep, &run.timetable(), i64::MAX)
     }
 
     fn by(
         observer: Observer,
+        scenario: &Scenario,
         mode: Mode,
         timetable: &Timetable,
         deadline_ns: i64,
@@ -142,9 +153,11 @@ impl DriveLog {
             history: CycleHistory::new(controller),
             signal_ages: Latencies::default(),
             is_braking: false,
+            brakes: Vec::new(),
             interventions_s: Vec::new(),
             supervised: mode == Mode::Realtime,
             kept: KeptSteps::new(mode, perception, controller),
+            present: Present::of(scenario),
             signs: Vec::new(),
             incarnations: [0; Service::ALL.len()],
             first_messages: Vec::new(),
@@ -165,6 +178,7 @@ impl DriveLog {
             self.truths.retain(|message| kept.has(message.header.step));
             self.powertrains.retain(|(step, _)| kept.has(*step));
             self.requests.retain(|(step, _)| kept.has(*step));
+            self.brakes.retain(|(step, _)| kept.has(*step));
             self.cycles.retain(|message| kept.has(message.header.step));
         }
     }
@@ -237,6 +251,9 @@ impl DriveLog {
                 self.interventions_s.push(m.header.acquisition_ns as f64 / 1e9);
             }
             self.is_braking = is_braking;
+            if is_kept(&m.header) {
+                self.brakes.push((m.header.step, BrakeState::from_wire(m.state)));
+            }
         })?;
         for topic in &mut self.others {
             topic.drain_headers(&mut note)?;
@@ -334,6 +351,7 @@ impl DriveLog {
         let mut truths = self.truths.iter().peekable();
         let mut requests = self.requests.iter().peekable();
         let mut cycles = self.cycles.iter().peekable();
+        let mut brakes = self.brakes.iter().peekable();
         for ego in &mut self.steps {
             let step = ego.step;
             let truth = take_step(&mut truths, step, |truth| truth.header.step);
@@ -342,6 +360,13 @@ impl DriveLog {
             ego.request_mps2 = take_step(&mut requests, step, |request| request.0).map(|r| r.1);
             ego.gap_m = lead.map(|(gap_m, _)| gap_m);
             ego.lead_speed_mps = lead.map(|(_, speed_mps)| speed_mps);
+            if let Some((truth, (gap_m, _))) = truth.zip(lead) {
+                let place = place_at(truth, ego.position_m, gap_m);
+                ego.lead_acceleration_mps2 =
+                    place.map(|place| truth.vehicles[place].acceleration_mps2);
+                ego.lead = place.and_then(|place| self.present.actor(truth, place));
+            }
+            ego.brake = take_step(&mut brakes, step, |brake| brake.0).map(|brake| brake.1);
             ego.mode = cycle.map(|cycle| cycle.mode);
             ego.quality = cycle.map(|cycle| cycle.quality);
             ego.figures = cycle.map(|cycle| cycle.figures);
@@ -358,32 +383,17 @@ impl DriveLog {
     }
 }
 
+/// Place in `truth` of the vehicle in lane whose rear is `gap_m` ahead of `ego_m`.
+fn place_at(truth: &VehicleTruth, ego_m: f64, gap_m: f64) -> Option<usize> {
+    truth
+        .vehicles
+        .iter()
+        .position(|vehicle| vehicle.in_lane != 0 && vehicle.rear_position_m - ego_m == gap_m)
+}
+
 /// Writes to all reserved room, so that its pages are there from the start.
 fn touch<T: Copy>(room: &mut Vec<T>, anything: T) {
     room.resize(room.capacity(), anything);
     std::hint::black_box(room.as_mut_slice());
     room.clear();
-}
-
-/// The item of `step` from a sequence in the order of steps; skips earlier items.
-fn take_step<'a, T>(
-    items: &mut std::iter::Peekable<std::slice::Iter<'a, T>>,
-    step: u64,
-    step_of: impl Fn(&T) -> u64,
-) -> Option<&'a T> {
-    while items.next_if(|item| step_of(item) < step).is_some() {}
-    items.next_if(|item| step_of(item) == step)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn items_are_joined_by_step() {
-        let items = [(0, 'a'), (5, 'b'), (10, 'c')];
-        let mut iter = items.iter().peekable();
-        let mut at = |step| take_step(&mut iter, step, |item| item.0).map(|item| item.1);
-        assert_eq!([at(0), at(1), at(6), at(10), at(11)], [Some('a'), None, None, Some('c'), None]);
-    }
 }

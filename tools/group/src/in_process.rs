@@ -172,7 +172,7 @@ impl SteppedRun {
         };
         let begun = Instant::now();
         let mut run = InProcess::new(scenario, sealing);
-        let log = DriveLog::in_process(&run)?;
+        let log = DriveLog::in_process(&run, scenario)?;
         let told = for_services(scenario, false);
         let mut perception = Some(|runtime| perception_sim::run_behind(runtime, ahead));
         for service in scenario.services() {

@@ -16,6 +16,7 @@
 
 mod attached;
 mod attendant;
+mod by_step;
 pub mod control;
 mod cycles;
 mod dead_runs;
@@ -36,6 +37,7 @@ mod life;
 mod live_file;
 mod member;
 mod options;
+mod present;
 mod processes;
 mod programs;
 mod recording;
@@ -72,7 +74,10 @@ pub use programs::{NoProgram, of_service};
 pub use recording::RecordingSummary;
 pub use refusal::{Absent, Refusal, absent, check_in_process, check_targets};
 pub use replay::{Replayed, ReplayerError, replay};
-pub use requirement::{Requirement, RequirementError, RequirementVerdict, requirements};
+pub use requirement::{
+    Evidence, Requirement, RequirementError, RequirementVerdict, is_avoidable_collision,
+    requirements,
+};
 pub use room::{RoomError, check_room, shared_memory_room};
 pub use root::{RootError, RunRoot, base, is_alive};
 pub use run::{Keep, ParameterError, drive, is_openscenario, open, open_with};

@@ -266,16 +266,16 @@
     ctx.rect(bbox.left - 9 * ratio, 0, bbox.width + 18 * ratio, ctx.canvas.height);
     ctx.clip();
     let free = -Infinity;
-    for (const [at, label] of chart.marks) {
+    for (const [at, label, tone] of chart.marks) {
       const x = u.valToPos(at, "x", true);
-      ctx.strokeStyle = colour("alarm"); ctx.lineWidth = 1.2 * ratio;
+      ctx.strokeStyle = colour(tone); ctx.lineWidth = 1.2 * ratio;
       ctx.setLineDash([3 * ratio, 3 * ratio]);
       ctx.beginPath(); ctx.moveTo(x, bbox.top); ctx.lineTo(x, bbox.top + bbox.height); ctx.stroke();
       ctx.setLineDash([]);
-      // Close numbers are placed beside each other.
+      // Close labels are placed beside each other.
       const middle = Math.max(x, free);
       free = middle + 17 * ratio;
-      ctx.fillStyle = colour("alarm");
+      ctx.fillStyle = colour(tone);
       ctx.beginPath(); ctx.arc(middle, 10 * ratio, 8 * ratio, 0, 7); ctx.fill();
       write(String(label), middle, 14 * ratio, "center", "card");
     }

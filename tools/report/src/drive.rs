@@ -270,17 +270,23 @@ impl Tones {
     }
 }
 
-/// Marks of the faults, numbered in order of time.
+/// Marks of the faults, numbered in order of time, and of the instants that decide requirements, by letters.
 fn marks(run: &RunPicture) -> Vec<Mark> {
     let faults = run.faults.iter().enumerate();
-    faults.map(|(index, fault)| Mark { x: fault.t_s, number: index + 1 }).collect()
+    let faults = faults.map(|(index, fault)| Mark::numbered(fault.t_s, index + 1));
+    let decided = run.decided.iter().map(|decided| Mark {
+        x: decided.at_s,
+        label: decided.letter.to_string(),
+        tone: if decided.met { Tone::Muted } else { Tone::Alarm },
+    });
+    faults.chain(decided).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::chart::{Picture, script_json};
-    use crate::picture::{ActorPath, FaultMark, SignalPhases};
+    use crate::picture::{ActorPath, Decided, FaultMark, SignalPhases};
 
     /// A run with a fault, a cut-in, a signal and a bounded request.
     pub fn synthetic() -> RunPicture {
@@ -339,8 +345,9 @@ mod tests {
     }
 
     #[test]
-    fn faults_are_marked_in_every_picture() {
-        let run = synthetic();
+    fn faults_and_requirements_are_marked_in_every_picture() {
+        let decided = vec![Decided { at_s: 5.5, letter: 'A', met: true }];
+        let run = RunPicture { decided, ..synthetic() };
         let pictures: [&dyn Picture; 7] = [
             &speed(&run),
             &gap(&run).expect("a gap"),
@@ -351,7 +358,9 @@ mod tests {
             &road(&run),
         ];
         for picture in pictures {
-            assert_eq!(picture.chart().marks, [(3.0, 1)], "{}", picture.title());
+            let marks = picture.chart().marks;
+            let expected = [(3.0, "1".to_owned(), "alarm"), (5.5, "A".to_owned(), "muted")];
+            assert_eq!(marks, expected, "{}", picture.title());
         }
     }
 

@@ -3,7 +3,7 @@
 use crate::fault;
 use controller::laws;
 use group::report::{Details, WorstChain};
-use group::{Drive, DriveStep, FaultRecord, GroupOutcome};
+use group::{Drive, DriveStep, FaultRecord, GroupOutcome, RequirementVerdict};
 use messages::VehicleTruth;
 use messages::level::{Level, Levels};
 use runtime::statistics::QuantileCurve;
@@ -69,6 +69,8 @@ pub struct RunPicture {
     pub rungs: BTreeMap<&'static str, Vec<Phased>>,
     /// Faults, in order of time.
     pub faults: Vec<FaultMark>,
+    /// Instants that decide the requirements.
+    pub decided: Vec<Decided>,
     /// Distributions of the reaction time and its parts, by name.
     pub latencies: BTreeMap<String, QuantileCurve>,
     /// The chains with the longest reaction times, longest first.
@@ -119,7 +121,35 @@ pub struct FaultMark {
     pub outcome: String,
 }
 
+/// The instant that decides a requirement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Decided {
+    /// Run time, s.
+    pub at_s: f64,
+    /// Letter of the requirement.
+    pub letter: char,
+    /// True if the requirement holds.
+    pub met: bool,
+}
+
+/// Letter of a scenario's requirement by its place; more than 26 share the last one.
+pub fn letter(place: usize) -> char {
+    ('A'..='Z').nth(place).unwrap_or('Z')
+}
+
 impl RunPicture {
+    /// This picture with the instants that decide requirements.
+    #[must_use]
+    pub fn judged(self, verdicts: &[RequirementVerdict]) -> Self {
+        let decided = verdicts.iter().enumerate().filter(|(_, verdict)| verdict.margin.is_some());
+        let decided = decided.map(|(place, verdict)| Decided {
+            at_s: verdict.at_s,
+            letter: letter(place),
+            met: verdict.met,
+        });
+        Self { decided: decided.collect(), ..self }
+    }
+
     /// The picture of a run from the launcher's records.
     pub fn of(scenario: &Scenario, group: &GroupOutcome) -> Self {
         let modes = group.formulation(scenario).map_or(&[][..], |law| law.modes);
@@ -218,6 +248,7 @@ impl RunPicture {
             ),
             rungs: BTreeMap::new(),
             faults: Vec::new(),
+            decided: Vec::new(),
             latencies: BTreeMap::new(),
             worst_chains: Vec::new(),
         }

@@ -2,7 +2,7 @@
 
 use super::chart::escape;
 use super::html::{Column, Tile, document, figure, section, stacked_table, table, tiles};
-use super::picture::RunPicture;
+use super::picture::{RunPicture, letter};
 use super::{drive, timing};
 use crate::print;
 use crate::summary::{ServiceSummary, Summary};
@@ -39,15 +39,18 @@ pub fn page(scenario: &Scenario, summary: &Summary, run: &RunPicture) -> String 
     document(&summary.scenario, &about.join(" · "), good, &verdict, &body)
 }
 
-/// The requirements of the scenario with their margins; empty without one.
+/// The requirements of the scenario with their margins and their marks in the charts; empty without one.
 fn requirements(summary: &Summary) -> String {
     if summary.requirements.is_empty() {
         return String::new();
     }
-    let rows: Vec<_> = (summary.requirements.iter())
-        .map(|verdict| vec![verdict.requirement.clone(), print::requirement(verdict)])
+    let rows: Vec<_> = (summary.requirements.iter().enumerate())
+        .map(|(place, verdict)| {
+            let mark = letter(place).to_string();
+            vec![mark, verdict.requirement.clone(), print::requirement(verdict)]
+        })
         .collect();
-    let head = [("requirement", Column::Text), ("verdict", Column::Text)];
+    let head = [("mark", Column::Text), ("requirement", Column::Text), ("verdict", Column::Text)];
     section("Requirements", &stacked_table(&head, &rows))
 }
 
@@ -169,6 +172,7 @@ fn figures(summary: &Summary) -> Vec<Tile> {
                 .median_time_gap_s
                 .map_or_else(String::new, |median| format!("median {median:.2} s")),
         ),
+        tile("Impact speed", number(control.impact_speed_mps, 1, "m/s"), String::new()),
         tile("Smallest time to collision", number(control.min_ttc_s, 1, "s"), String::new()),
         tile("Gap error at the end", number(control.final_gap_error_m, 2, "m"), String::new()),
         tile("First stop line", crossed, past),

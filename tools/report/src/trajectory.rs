@@ -18,6 +18,17 @@ const COLUMNS: [&str; 11] = [
     "fuel_g",
 ];
 
+/// Columns behind the law's own figures: later ones stand at the end, so that readers by place keep working.
+const LATER: [&str; 7] = [
+    "applied_mps2",
+    "ttc_s",
+    "stop_line_m",
+    "signal",
+    "brake_state",
+    "lead",
+    "lead_acceleration_mps2",
+];
+
 /// The drive as columns, each with a value for every step; none where a step has no message. `figure_names` name the
 /// columns of the law's own figures; `law_` precedes a name that another column has.
 pub fn columns(drive: &Drive, figure_names: &[&str]) -> Vec<(String, Vec<Option<f64>>)> {
@@ -39,10 +50,21 @@ pub fn columns(drive: &Drive, figure_names: &[&str]) -> Vec<(String, Vec<Option<
         powertrain(|powertrain| powertrain.fuel_g),
     ];
     let figures = figure_names.iter().enumerate().map(|(index, name)| {
-        let name = if COLUMNS.contains(name) { format!("law_{name}") } else { (*name).to_owned() };
+        let is_taken = COLUMNS.contains(name) || LATER.contains(name);
+        let name = if is_taken { format!("law_{name}") } else { (*name).to_owned() };
         (name, of(&|step| Some(step.figures?[index])))
     });
-    COLUMNS.map(str::to_owned).into_iter().zip(own).chain(figures).collect()
+    let later: [Vec<Option<f64>>; LATER.len()] = [
+        of(&|step| Some(step.applied_mps2)),
+        of(&|step| Some(step.time_to_collision_s).filter(|time_s| time_s.is_finite())),
+        of(&|step| Some(step.stop_line_m).filter(|way_m| way_m.is_finite())),
+        of(&|step| step.signal.map(|phase| f64::from(phase.to_wire()))),
+        of(&|step| step.brake.map(|state| f64::from(state as u32))),
+        of(&|step| step.lead.map(f64::from)),
+        of(&|step| step.lead_acceleration_mps2),
+    ];
+    let own = COLUMNS.map(str::to_owned).into_iter().zip(own);
+    own.chain(figures).chain(LATER.map(str::to_owned).into_iter().zip(later)).collect()
 }
 
 /// The drive as CSV. Fields without a message in a step are empty.
@@ -58,12 +80,23 @@ mod tests {
 
     #[test]
     fn absent_values_are_empty_and_numbers_round_trip() {
-        let step =
-            DriveStep { time_s: 0.1, position_m: 1.5, gap_m: Some(49.5), ..DriveStep::default() };
+        let step = DriveStep {
+            time_s: 0.1,
+            position_m: 1.5,
+            gap_m: Some(49.5),
+            applied_mps2: -1.0,
+            time_to_collision_s: f64::INFINITY,
+            stop_line_m: 80.0,
+            signal: Some(messages::PhaseState::StopAndRemain),
+            brake: Some(messages::BrakeState::Braking),
+            lead: Some(2),
+            ..DriveStep::default()
+        };
         let drive = Drive { steps: vec![step], ..Drive::default() };
         let text = csv(&drive, &["e_m", "gap_m"]);
         let mut lines = text.lines();
-        assert!(lines.next().is_some_and(|head| head.ends_with(",fuel_g,e_m,law_gap_m")));
-        assert_eq!(lines.next(), Some("0.1,1.5,0,0,,49.5,,,,,,,"));
+        let head = lines.next().expect("a head");
+        assert!(head.contains(",fuel_g,e_m,law_gap_m,applied_mps2,ttc_s,"), "{head}");
+        assert_eq!(lines.next(), Some("0.1,1.5,0,0,,49.5,,,,,,,,-1,,80,3,2,2,"));
     }
 }

@@ -119,7 +119,8 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         Mode::Lockstep => Ok(()),
     });
     let written = written.and_then(|()| {
-        let page = report::run_page(&scenario, &summary, &RunPicture::of(&scenario, &group));
+        let picture = RunPicture::of(&scenario, &group).judged(&summary.requirements);
+        let page = report::run_page(&scenario, &summary, &picture);
         output.write(report::FILE, page.as_bytes())
     });
     for (service, line) in &group.wrote {

@@ -197,6 +197,9 @@ impl Referee {
             figures.min_ttc_s = smaller(figures.min_ttc_s, ahead.gap_m.max(0.0) / closing);
         }
         let contact = ahead.gap_m <= 0.0;
+        if contact && figures.impact_speed_mps.is_none() {
+            figures.impact_speed_mps = Some(closing.abs());
+        }
         contact.then_some(Violation::Collision { time_s: sample.time_s, closing_mps: closing })
     }
 }

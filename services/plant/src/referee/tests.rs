@@ -116,6 +116,7 @@ fn a_collision_is_reported_once() {
     assert_eq!(referee.observe(2 * PERIOD_NS, &ego, Some(&ahead(-0.09)), &[]), None);
     assert!(matches!(referee.violation(), Some(Violation::Collision { .. })));
     assert_eq!(referee.figures().min_ttc_s, Some(0.0));
+    assert_eq!(referee.figures().impact_speed_mps, Some(5.0));
 }
 
 #[test]

@@ -117,6 +117,9 @@ pub struct ControlFigures {
     pub max_abs_gap_error_m: Option<f64>,
     /// Smallest time to collision, s.
     pub min_ttc_s: Option<f64>,
+    /// Speed difference at the first contact, m/s; only after a collision.
+    #[serde(default)]
+    pub impact_speed_mps: Option<f64>,
     /// Real minus desired gap at the end, m: negative where the ego is too close.
     pub final_gap_error_m: Option<f64>,
     /// Ego minus lead speed at the end, or minus the set speed without a lead, m/s.

@@ -23,6 +23,9 @@ const ROWS: &[Column<Row>] = &[
     )
     .more(),
     number("control.median_time_gap_s", "median time gap", "s", 2, "Median time gap").weight(2),
+    number("control.impact_speed_mps", "impact", "m/s", 1, "Speed difference at the contact")
+        .less()
+        .weight(2),
     number("control.min_ttc_s", "min TTC", "s", 1, "Smallest time to collision").more(),
     count("aebs.interventions", "emergency brakings", "Interventions of the emergency brake")
         .less()

@@ -68,7 +68,7 @@ impl Figure {
 /// Name of the number of interventions of the emergency brake.
 pub const INTERVENTIONS: &str = "interventions";
 /// Number of figures.
-pub const COUNT: usize = 16;
+pub const COUNT: usize = 17;
 const KWH: &str = "kWh/100 km";
 
 /// All figures, in the order of the columns. None of them depends on the wall clock in lockstep.
@@ -109,6 +109,13 @@ pub static ALL: [Figure; COUNT] = [
         number("min_ttc_s", "min TTC", "s", 2, "Smallest time to collision").more().weight(1),
         ("smallest time to collision", "smallest"),
         |s| s.control.figures.min_ttc_s,
+    ),
+    mean(
+        number("impact_speed_mps", "impact", "m/s", 2, "Speed difference at the contact")
+            .less()
+            .weight(2),
+        ("impact speed", "impact"),
+        |s| s.control.figures.impact_speed_mps,
     ),
     least(
         number("min_time_gap_s", "min time gap", "s", 2, "Smallest time gap").more().weight(1),

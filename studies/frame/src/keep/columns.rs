@@ -29,6 +29,12 @@ pub(super) const NAMES: [&[&str]; 2] = [
         "figure_5",
         "figure_6",
         "figure_7",
+        "ttc_s",
+        "stop_line_m",
+        "signal",
+        "brake_state",
+        "lead",
+        "lead_acceleration_mps2",
     ],
 ];
 
@@ -98,5 +104,13 @@ pub(super) fn cells(
     let figures = NAMES[1].iter().filter(|name| name.starts_with("figure_")).enumerate();
     let figures = figures.map(|(index, _)| number(&|step| step.figures?.get(index).copied()));
     cells.extend(figures);
+    cells.extend([
+        number(&|step| Some(step.time_to_collision_s).filter(|time_s| time_s.is_finite())),
+        number(&|step| Some(step.stop_line_m).filter(|way_m| way_m.is_finite())),
+        whole(&|step| step.signal.map(|phase| i64::from(phase.to_wire()))),
+        whole(&|step| step.brake.map(|state| i64::from(state as u32))),
+        whole(&|step| step.lead.map(i64::from)),
+        number(&|step| step.lead_acceleration_mps2),
+    ]);
     cells
 }

@@ -1,12 +1,24 @@
 //! Requirements on a drive: formulas over its signals, judged after the run.
 //!
 //! A requirement is a formula of [`temporal_logic`] over [`signals`], or a [named](names) one. It stands in a scenario's
-//! `[require]` or behind `--require`.
+//! `[require]` or behind `--require`. Some names stand for rules on the ground truth, which no formula expresses.
 
+#[cfg(test)]
+mod by_hand;
+mod contact;
+mod evidence;
 mod names;
+mod others;
+mod red_light;
+mod reference;
 mod signals;
 
-use crate::{Drive, Failure};
+pub use evidence::Evidence;
+pub use reference::is_avoidable_collision;
+
+use crate::Failure;
+use evidence::Finding;
+use names::{Named, Rule};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use signals::Samples;
@@ -17,7 +29,13 @@ use thiserror::Error;
 #[derive(Clone, Debug)]
 pub struct Requirement {
     text: String,
-    formula: Formula,
+    judge: Judge,
+}
+
+#[derive(Clone, Debug)]
+enum Judge {
+    Formula(Formula),
+    Rule(Rule),
 }
 
 /// A requirement that cannot.
@@ -50,7 +68,7 @@ impl Failure for RequirementError {}
 pub struct RequirementVerdict {
     /// The requirement as it was given.
     pub requirement: String,
-    /// Its formula.
+    /// Its formula, or its rule in words.
     pub formula: String,
     /// Distance to violation, in `unit`; negative where it is violated, null where nothing of the drive decides it.
     pub margin: Option<f64>,
@@ -78,9 +96,12 @@ pub struct RequirementVerdict {
 pub fn requirements(scenario: &Scenario) -> Result<Vec<Requirement>, RequirementError> {
     let known = signals::signals();
     let read = |(index, text): (usize, &String)| {
-        let formula = match names::formula(text) {
+        let formula = match names::named(text) {
             None => text.clone(),
-            Some(Ok(formula)) => formula,
+            Some(Ok(Named::Formula(formula))) => formula,
+            Some(Ok(Named::Rule(rule))) => {
+                return Ok(Requirement { text: text.clone(), judge: Judge::Rule(rule) });
+            }
             Some(Err(expected)) => {
                 return Err(RequirementError::Name { index, text: text.clone(), expected });
             }
@@ -88,43 +109,62 @@ pub fn requirements(scenario: &Scenario) -> Result<Vec<Requirement>, Requirement
         let fault = |error| RequirementError::Formula { index, error: Box::new(error) };
         let formula = Formula::parse(&formula, &known).map_err(fault)?;
         formula.check_duration(scenario.duration_s.value()).map_err(fault)?;
-        Ok(Requirement { text: text.clone(), formula })
+        Ok(Requirement { text: text.clone(), judge: Judge::Formula(formula) })
     };
     scenario.require.formulas.iter().enumerate().map(read).collect()
 }
 
 impl Requirement {
-    /// The formula.
+    /// The formula, or the rule in words.
     #[must_use]
     pub fn formula(&self) -> &str {
-        self.formula.text()
+        match &self.judge {
+            Judge::Formula(formula) => formula.text(),
+            Judge::Rule(rule) => rule.words(),
+        }
     }
 
     /// Judges a drive. A drive without a sample meets nothing.
     #[must_use]
-    pub fn judge(&self, drive: &Drive, set_speed_mps: f64) -> RequirementVerdict {
-        let unit = self.formula.unit().to_string();
-        let verdict = |margin: f64, at_s: f64| RequirementVerdict {
+    pub fn judge(&self, evidence: &Evidence<'_>) -> RequirementVerdict {
+        let found = match &self.judge {
+            _ if evidence.drive.steps.is_empty() => {
+                Finding { value: f64::NEG_INFINITY, met: false, ..Finding::UNDECIDED }
+            }
+            Judge::Formula(formula) => by_formula(formula, evidence),
+            Judge::Rule(Rule::NoCollision) => contact::no_collision(evidence),
+            Judge::Rule(Rule::NoAvoidableCollision) => reference::no_avoidable_collision(evidence),
+            Judge::Rule(Rule::NoRedLight) => red_light::no_red_light(evidence),
+        };
+        RequirementVerdict {
             requirement: self.text.clone(),
-            formula: self.formula.text().to_owned(),
-            margin: margin.is_finite().then_some(margin),
-            unit,
-            at_s,
-            met: margin >= 0.0,
-        };
-        let Some(samples) = Samples::of(drive, &self.formula.signals(), set_speed_mps) else {
-            return verdict(f64::NEG_INFINITY, 0.0);
-        };
-        let of = samples.of.iter().map(Vec::as_slice).collect();
-        let margin = self.formula.margin(&Trace { period_s: samples.period_s, samples: of });
-        verdict(margin.value, samples.begin_s + margin.sample as f64 * samples.period_s)
+            formula: self.formula().to_owned(),
+            margin: found.value.is_finite().then_some(found.value),
+            unit: found.unit.to_string(),
+            at_s: found.time_s,
+            met: found.met,
+        }
+    }
+}
+
+fn by_formula(formula: &Formula, evidence: &Evidence<'_>) -> Finding {
+    let Evidence { scenario, drive, .. } = evidence;
+    let set_speed_mps = scenario.set_speed_mps.value();
+    let samples = Samples::of(drive, &formula.signals(), set_speed_mps).expect("it has a step");
+    let of = samples.of.iter().map(Vec::as_slice).collect();
+    let margin = formula.margin(&Trace { period_s: samples.period_s, samples: of });
+    Finding {
+        value: margin.value,
+        unit: formula.unit(),
+        time_s: samples.begin_s + margin.sample as f64 * samples.period_s,
+        met: margin.value >= 0.0,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::DriveStep;
+    use crate::{Drive, DriveStep};
     use bytemuck::Zeroable;
     use messages::VehicleTruth;
 
@@ -158,7 +198,9 @@ mod tests {
             "schema_version = 1\nname = \"a\"\nduration_s = 3\n[require]\nformulas = ['{formula}']"
         );
         let scenario = Scenario::parse("a.toml", &text).expect("valid");
-        requirements(&scenario).expect("valid")[0].judge(&drive(), 25.0)
+        let drive = drive();
+        let evidence = Evidence { scenario: &scenario, drive: &drive, impact_speed_mps: None };
+        requirements(&scenario).expect("valid")[0].judge(&evidence)
     }
 
     #[test]
@@ -196,6 +238,8 @@ mod tests {
                 .starts_with("require.formulas.1: column 8: unknown signal")
         );
         assert!(of("[\"min-gap\"]").contains("expected min-gap:METRES"));
+        assert!(of("[\"no-collision:3\"]").contains("expected the name without a value"));
+        assert!(of("[\"string-stable\"]").contains("expected it in `timegap string`"));
         assert!(of("[\"always[0,500] gap_m > 2\"]").contains("the window ends after the run"));
     }
 }

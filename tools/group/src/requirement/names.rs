@@ -2,6 +2,9 @@
 //!
 //! | name | formula |
 //! | --- | --- |
+//! | `no-collision` | the least gap in m; after a contact minus the impact speed in m/s |
+//! | `no-avoidable-collision` | the same, unless a [reference driver](super::reference) has a contact too |
+//! | `no-red-light` | way past a stop line, or before it, when its signal turned red, in m |
 //! | `min-gap:M` | `always gap_m >= M` |
 //! | `ttc:S` | `always ttc_s >= S` |
 //! | `time-gap:A..B` | `always (time_gap_s >= A and (time_gap_s <= B or time_gap_s > 6))` |
@@ -15,14 +18,52 @@
 /// Time gap above which a vehicle ahead is not followed, s.
 const FOLLOWED_S: f64 = 6.0;
 
-/// The formula of a named requirement; `None` if `text` is not one, the form of the name if its values are wrong.
-pub(super) fn formula(text: &str) -> Option<Result<String, &'static str>> {
+/// The meaning of a name.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Named {
+    /// A formula over the signals.
+    Formula(String),
+    /// A rule on the ground truth.
+    Rule(Rule),
+}
+
+/// A rule that no formula over the signals expresses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Rule {
+    NoCollision,
+    NoAvoidableCollision,
+    NoRedLight,
+}
+
+impl Rule {
+    /// The rule in words.
+    pub(super) const fn words(self) -> &'static str {
+        match self {
+            Self::NoCollision => "least gap, or minus the impact speed",
+            Self::NoAvoidableCollision => {
+                "least gap, or minus the impact speed, where the reference avoids"
+            }
+            Self::NoRedLight => "way to a stop line when its signal turned red",
+        }
+    }
+}
+
+/// The meaning of a named requirement; `None` if `text` is not one, the form of the name if its values are wrong.
+pub(super) fn named(text: &str) -> Option<Result<Named, &'static str>> {
     let (name, value) = match text.split_once(':') {
         Some((name, value)) => (name.trim(), Some(value.trim())),
         None => (text.trim(), None),
     };
     let number = || value.and_then(positive);
-    Some(match name {
+    let rule = |rule| match value {
+        None => Ok(Named::Rule(rule)),
+        Some(_) => Err("the name without a value"),
+    };
+    let formula = match name {
+        "no-collision" => return Some(rule(Rule::NoCollision)),
+        "no-avoidable-collision" => return Some(rule(Rule::NoAvoidableCollision)),
+        "no-red-light" => return Some(rule(Rule::NoRedLight)),
+        "string-stable" => Err("it in `timegap string`, which drives strings of cars"),
         "min-gap" => number().map(|m| format!("always gap_m >= {m}")).ok_or("min-gap:METRES"),
         "ttc" => number().map(|s| format!("always ttc_s >= {s}")).ok_or("ttc:SECONDS"),
         "jerk" => number().map(|j| format!("always abs(jerk_mps3) <= {j}")).ok_or("jerk:LIMIT in m/s³"),
@@ -35,7 +76,8 @@ pub(super) fn formula(text: &str) -> Option<Result<String, &'static str>> {
             Some(_) => Err("comfort, without a value"),
         },
         _ => return None,
-    })
+    };
+    Some(formula.map(Named::Formula))
 }
 
 fn time_gap((least_s, most_s): (f64, f64)) -> String {

@@ -1,7 +1,7 @@
 //! The signals that requirements name, sampled from a drive.
 
 use crate::{Drive, DriveStep};
-use messages::PhaseState;
+use messages::{BrakeState, PhaseState};
 use std::collections::BTreeSet;
 use temporal_logic::{Signal, Unit};
 
@@ -15,6 +15,8 @@ struct Sampled {
 struct Context {
     /// The ground truth of the other vehicles is of this step: a gap that is missing means an empty road.
     sees: bool,
+    /// The drive has messages of an emergency brake.
+    has_brake: bool,
     set_speed_mps: f64,
 }
 
@@ -35,7 +37,7 @@ const fn flag(holds: bool) -> Option<f64> {
     Some(if holds { 1.0 } else { 0.0 })
 }
 
-static ALL: [Sampled; 15] = [
+static ALL: [Sampled; 18] = [
     signal("time_s", Unit::SECOND, |step, _| Some(step.time_s)),
     signal("position_m", Unit::METRE, |step, _| Some(step.position_m)),
     signal("speed_mps", Unit::METRE_PER_SECOND, |step, _| Some(step.speed_mps)),
@@ -55,9 +57,20 @@ static ALL: [Sampled; 15] = [
     signal("lead_speed_mps", Unit::METRE_PER_SECOND, |step, context| {
         ahead(step.lead_speed_mps, f64::INFINITY, context)
     }),
+    signal("lead_acceleration_mps2", Unit::METRE_PER_SECOND_SQUARED, |step, context| {
+        ahead(step.lead_acceleration_mps2, f64::INFINITY, context)
+    }),
     signal("ttc_s", Unit::SECOND, |step, _| Some(step.time_to_collision_s)),
     signal("stop_line_m", Unit::METRE, |step, _| Some(step.stop_line_m)),
     signal("is_red", Unit::ONE, |step, _| flag(step.signal == Some(PhaseState::StopAndRemain))),
+    signal("is_yellow", Unit::ONE, |step, _| {
+        flag(step.signal == Some(PhaseState::ProtectedClearance))
+    }),
+    signal("is_emergency_braking", Unit::ONE, |step, context| match step.brake {
+        Some(state) => flag(matches!(state, BrakeState::Braking | BrakeState::Holding)),
+        None if context.has_brake => None,
+        None => flag(false),
+    }),
     signal("is_cut_in", Unit::ONE, |step, _| flag(step.cut_in)),
 ];
 
@@ -83,13 +96,15 @@ impl Samples {
         let period_s = if period_s.is_finite() { period_s } else { 0.01 };
         let count = ((last.time_s - first.time_s) / period_s).round() as usize + 1;
         let heard: BTreeSet<u64> = drive.vehicles.iter().map(|truth| truth.header.step).collect();
+        let has_brake = drive.steps.iter().any(|step| step.brake.is_some());
         let mut of = vec![Vec::new(); ALL.len()];
         for &index in read {
             of[index] = vec![f64::NAN; count];
         }
         for step in &drive.steps {
             let at = ((step.time_s - first.time_s) / period_s).round() as usize;
-            let context = Context { sees: heard.contains(&step.step), set_speed_mps };
+            let sees = heard.contains(&step.step);
+            let context = Context { sees, has_brake, set_speed_mps };
             for &index in read {
                 if let (Some(value), Some(sample)) =
                     ((ALL[index].value)(step, &context), of[index].get_mut(at))

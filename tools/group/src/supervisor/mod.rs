@@ -131,7 +131,8 @@ impl Supervisor<'_> {
             .map(|path| RecorderProcess::spawn(path, root, leader));
         let deadline_ms = self.launch.scenario.controller.deadline().value();
         enroll_listener(root.path(), std::process::id())?;
-        let log = DriveLog::listen(&self.group, i64::from(deadline_ms) * 1_000_000);
+        let deadline_ns = i64::from(deadline_ms) * 1_000_000;
+        let log = DriveLog::listen(&self.group, &self.launch.scenario, deadline_ns);
         let log = log.map_err(Error::from).and_then(|log| {
             self.wait_until_ready(spawned)?;
             Ok(log)

@@ -38,8 +38,8 @@ pub struct Chart {
     /// Rows coloured by a value.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map: Option<Map>,
-    /// Places on the horizontal axis and their numbers.
-    pub marks: Vec<(f64, usize)>,
+    /// Places on the horizontal axis, their labels and colours.
+    pub marks: Vec<(f64, String, &'static str)>,
     /// Labelled points.
     pub points: Vec<Point>,
     /// Texts at values of the vertical axis.
@@ -56,7 +56,8 @@ impl Chart {
 
     /// This chart with marks.
     pub fn marked(self, marks: &[Mark]) -> Self {
-        Self { marks: marks.iter().map(|mark| (mark.x, mark.number)).collect(), ..self }
+        let mark = |mark: &Mark| (mark.x, mark.label.clone(), mark.tone.name());
+        Self { marks: marks.iter().map(mark).collect(), ..self }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Pictures as data, which the page's script draws (`assets/charts.js`).
 //!
-//! * [`Plot`]: curves over two axes (linear, logarithmic or by percentiles) with labelled points, numbered
-//!   marks and strips, such as a signal's phases at its stop line. A curve need not be a function of the
+//! * [`Plot`]: curves over two axes (linear, logarithmic or by percentiles) with labelled points, marks by
+//!   numbers or letters and strips, such as a signal's phases at its stop line. A curve need not be a function of the
 //!   horizontal value.
 //! * [`Cells`]: filled cells of a grid over two axes, with edges.
 //! * [`Bands`]: rows of labelled spans over one axis: modes over time, the parts of a chain.
@@ -86,13 +86,22 @@ impl Stroke {
     }
 }
 
-/// A numbered place on the horizontal axis; a table beside the picture explains the numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A marked place on the horizontal axis; a table beside the picture explains the labels.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
     /// Place on the axis.
     pub x: f64,
-    /// Number.
-    pub number: usize,
+    /// Number of a fault, letter of a requirement.
+    pub label: String,
+    /// Colour.
+    pub tone: Tone,
+}
+
+impl Mark {
+    /// A place with a number, in the colour of a fault.
+    pub fn numbered(x: f64, number: usize) -> Self {
+        Self { x, label: number.to_string(), tone: Tone::Alarm }
+    }
 }
 
 /// A picture that can be drawn.

@@ -24,7 +24,10 @@ pub(super) fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         let end = control.final_gap_error_m.map_or_else(String::new, |error| {
             format!(", gap error {} m at the end", number(error, 2))
         });
-        line("gap", format!("{}{end}{ttc}", smallest_gap(summary.outcome, gap)));
+        let impact = control
+            .impact_speed_mps
+            .map_or_else(String::new, |impact| format!(" with {} m/s", number(impact, 1)));
+        line("gap", format!("{}{impact}{end}{ttc}", smallest_gap(summary.outcome, gap)));
     }
     let following = &summary.control.following;
     if let (Some(least), Some(median)) = (following.min_time_gap_s, following.median_time_gap_s) {

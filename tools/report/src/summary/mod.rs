@@ -19,7 +19,7 @@ use group::report::{
     ServiceReport, SignalHops, WorstChain,
 };
 use group::{
-    Drive, Ended, FaultRecord, GroupOutcome, Heartbeats, RecordingSummary, RequirementVerdict,
+    Ended, Evidence, FaultRecord, GroupOutcome, Heartbeats, RecordingSummary, RequirementVerdict,
     StandbyCost,
 };
 use messages::Service;
@@ -206,7 +206,9 @@ impl Summary {
         let law = controller.zip(report(Service::Controller));
         let law = law.map(|(of, service)| LawAccount::of(driver.clone(), service.cycles, of));
         let outcome = law.as_ref().map_or(reached, |law| law.judge(reached, scenario));
-        let requirements = judge(scenario, &group.drive);
+        let impact_speed_mps = plant.and_then(|plant| plant.control.impact_speed_mps);
+        let evidence = Evidence { scenario, drive: &group.drive, impact_speed_mps };
+        let requirements = judge(&evidence);
         let all_met = requirements.iter().all(|verdict| verdict.met);
         let outcome = match outcome {
             Outcome::Completed if !all_met => Outcome::RequirementBroken,
@@ -301,10 +303,9 @@ impl Summary {
 }
 
 /// The verdicts on the scenario's requirements, which were checked when it was opened.
-fn judge(scenario: &Scenario, drive: &Drive) -> Vec<RequirementVerdict> {
-    let requirements = group::requirements(scenario).unwrap_or_default();
-    let set_speed_mps = scenario.set_speed_mps.value();
-    requirements.iter().map(|requirement| requirement.judge(drive, set_speed_mps)).collect()
+fn judge(evidence: &Evidence<'_>) -> Vec<RequirementVerdict> {
+    let requirements = group::requirements(evidence.scenario).unwrap_or_default();
+    requirements.iter().map(|requirement| requirement.judge(evidence)).collect()
 }
 
 /// Name of the law that drove: from its process's report, from the program in the controller's place, or from

@@ -1,0 +1,24 @@
+//! Items of topics, joined by their steps.
+
+/// The item of `step` from a sequence in the order of steps; skips earlier items.
+pub(crate) fn take_step<'a, T>(
+    items: &mut std::iter::Peekable<std::slice::Iter<'a, T>>,
+    step: u64,
+    step_of: impl Fn(&T) -> u64,
+) -> Option<&'a T> {
+    while items.next_if(|item| step_of(item) < step).is_some() {}
+    items.next_if(|item| step_of(item) == step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn items_are_joined_by_step() {
+        let items = [(0, 'a'), (5, 'b'), (10, 'c')];
+        let mut iter = items.iter().peekable();
+        let mut at = |step| take_step(&mut iter, step, |item| item.0).map(|item| item.1);
+        assert_eq!([at(0), at(1), at(6), at(10), at(11)], [Some('a'), None, None, Some('c'), None]);
+    }
+}
