@@ -4,7 +4,9 @@ use crate::ReadError;
 use crate::Recording;
 use crate::link::{orders, say};
 use crate::takes::{INPUTS, Take, inputs};
-use messages::{Diagnostics, Map, Odometry, Origin, Powertrain, Preview, RadarTracks, Spat, Topic};
+use messages::{
+    Course, Curves, Diagnostics, Map, Odometry, Origin, Powertrain, Preview, RadarTracks, Spat, Topic,
+};
 use runtime::{Group, Played, Player, RuntimeError, Tap, Tapped, log_warnings};
 use serde::{Deserialize, Serialize};
 use std::ffi::OsString;
@@ -130,6 +132,8 @@ struct Ports {
     map: Played<Map>,
     powertrain: Played<Powertrain>,
     preview: Played<Preview>,
+    course: Played<Course>,
+    curves: Played<Curves>,
     // Ports before the node that owns them.
     _player: Player,
 }
@@ -143,6 +147,8 @@ impl Ports {
             map: player.on()?,
             powertrain: player.on()?,
             preview: player.on()?,
+            course: player.on()?,
+            curves: player.on()?,
             _player: player,
         })
     }
@@ -155,6 +161,8 @@ impl Ports {
             Topic::Map => self.map.send(message),
             Topic::Powertrain => self.powertrain.send(message),
             Topic::Preview => self.preview.send(message),
+            Topic::Course => self.course.send(message),
+            Topic::Curves => self.curves.send(message),
             _ => unreachable!("`INPUTS` has no other"),
         }
     }

@@ -39,20 +39,22 @@ pub struct Cycle {
 }
 
 /// The controller's inputs, in the order in which it takes them.
-pub const INPUTS: [Topic; 6] = [
+pub const INPUTS: [Topic; 8] = [
     Topic::RadarTracks,
     Topic::Odometry,
     Topic::Spat,
     Topic::Map,
     Topic::Powertrain,
     Topic::Preview,
+    Topic::Course,
+    Topic::Curves,
 ];
 
 /// The samples that a message was computed from, by the topics of [`INPUTS`].
 #[must_use]
 pub fn inputs(origins: &Origins) -> [Origin; INPUTS.len()] {
     let o = origins;
-    [o.radar, o.odometry, o.spat, o.map, o.powertrain, o.preview]
+    [o.radar, o.odometry, o.spat, o.map, o.powertrain, o.preview, o.radar, o.preview]
 }
 
 impl Cycle {
@@ -79,8 +81,10 @@ impl Cycle {
         }
         let origins = inputs(&cycle.header.origins);
         let mut used = INPUTS.into_iter().zip(origins).zip(&self.samples);
-        let ((topic, origin), _) =
-            used.find(|((_, origin), sample)| origin.is_some() && sample.is_none())?;
+        let ((topic, origin), _) = used.find(|((topic, origin), sample)| {
+            // One that rides exists on a road with a plan alone.
+            origin.is_some() && sample.is_none() && topic.rides_with().is_none()
+        })?;
         let (sample, topic) = (origin.sequence, topic.name());
         Some(format!(
             "message {sample} of `{topic}`, which its cycle {number} used, was not recorded"
@@ -125,6 +129,8 @@ const RECORDED: [Topic; INPUTS.len() + 2] = [
     INPUTS[3],
     INPUTS[4],
     INPUTS[5],
+    INPUTS[6],
+    INPUTS[7],
     Topic::Command,
     Topic::Diagnostics,
 ];
@@ -172,9 +178,11 @@ impl Cycles {
         let origins = inputs(&diagnostics.header.origins);
         let mut is_whole = command.is_some() || diagnostics.rung == Level::Silent as u32;
         let mut samples = [const { None }; INPUTS.len()];
-        for ((window, origin), sample) in self.samples.iter_mut().zip(origins).zip(&mut samples) {
-            *sample = window.find(origin);
-            is_whole &= sample.is_some() || !origin.is_some();
+        let windows = self.samples.iter_mut().zip(INPUTS);
+        for (((window, topic), origin), sample) in windows.zip(origins).zip(&mut samples) {
+            let rides = topic.rides_with().is_some();
+            *sample = window.find(origin, rides);
+            is_whole &= sample.is_some() || rides || !origin.is_some();
         }
         Some((Cycle { diagnostics, command, samples }, is_whole))
     }
@@ -223,11 +231,12 @@ impl Window {
         }
     }
 
-    pub(crate) fn find(&mut self, origin: Origin) -> Option<Arc<[u8]>> {
+    /// The sample that `origin` means ([`Origin::means`]).
+    pub(crate) fn find(&mut self, origin: Origin, rides: bool) -> Option<Arc<[u8]>> {
         if !origin.is_some() {
             return None;
         }
-        let is_it = |sample: &&(Origin, Arc<[u8]>)| sample.0 == origin;
+        let is_it = |sample: &&(Origin, Arc<[u8]>)| origin.means(&sample.0, rides);
         let found = self.used.as_ref().filter(is_it);
         let found = found.or_else(|| self.samples.iter().rev().find(is_it)).cloned();
         if found.is_some() {

@@ -176,8 +176,8 @@ impl Iterator for UnitCycles {
         Some(UnitCycle {
             spat: of_step(&mut self.spats, header),
             sent: of_step(&mut self.sent, header),
-            frames: self.frames.find(header.origins.spat),
-            odometry: self.odometry.find(header.origins.odometry),
+            frames: self.frames.find(header.origins.spat, false),
+            odometry: self.odometry.find(header.origins.odometry, false),
             map,
         })
     }

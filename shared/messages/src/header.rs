@@ -34,6 +34,15 @@ impl Origin {
         }
     }
 
+    /// True if `sample` is the one meant here. With `rides` it is one that the same sender sent in the same step on a topic
+    /// that rides with the sample's ([`Topic::rides_with`](crate::Topic::rides_with)): they differ in when they were published.
+    #[must_use]
+    pub fn means(&self, sample: &Self, rides: bool) -> bool {
+        let same_step =
+            (sample.sequence, sample.acquisition_ns) == (self.sequence, self.acquisition_ns);
+        same_step && (rides || sample.publish_ns == self.publish_ns)
+    }
+
     /// True if there was such an input.
     #[must_use]
     pub fn is_some(&self) -> bool {

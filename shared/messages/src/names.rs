@@ -48,7 +48,10 @@ pub fn of_field(layout: &str, field: &str) -> Option<&'static Enumeration> {
 }
 
 /// Endings of names and the units that they stand for, longer ones first.
-const UNITS: [(&str, &str); 15] = [
+const UNITS: [(&str, &str); 18] = [
+    ("_radps", "rad/s"),
+    ("_perm2", "1/m²"),
+    ("_perm", "1/m"),
     ("_mps3", "m/s³"),
     ("_mps2", "m/s²"),
     ("_dbsm", "dB relative to 1 m²"),
@@ -69,8 +72,10 @@ const UNITS: [(&str, &str); 15] = [
 /// The unit that the ending of a field's name stands for; `None` for a field without one.
 #[must_use]
 pub fn unit_of(field: &str) -> Option<&'static str> {
-    if field == "grades" {
-        return Some("m/m");
+    match field {
+        "grades" => return Some("m/m"),
+        "curvatures" => return Some("1/m"),
+        _ => {}
     }
     UNITS.iter().find(|(ending, _)| field.ends_with(ending)).map(|(_, unit)| *unit)
 }
@@ -118,5 +123,7 @@ mod tests {
         assert_eq!(rung.value(99), None);
         assert_eq!(of_field("Header", "source").and_then(|s| s.value(4)), Some("controller"));
         assert_eq!((unit_of("speed_mps"), unit_of("sequence")), (Some("m/s"), None));
+        let curved = ["yaw_rate_radps", "curvature_perm", "curvature_rate_perm2"].map(unit_of);
+        assert_eq!(curved, [Some("rad/s"), Some("1/m"), Some("1/m²")]);
     }
 }

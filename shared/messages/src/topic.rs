@@ -155,6 +155,12 @@ topics! { $
     8 VehicleTruth "truth/vehicles" Truth, [PerceptionSim] to [Plant];
     9 SignalTruth "truth/signals" Truth, [V2xSim] to [Plant] shows V2xSim;
     10 Heartbeat "health/heartbeat" Report, [] to [];
+    /// Sent on a road with a plan, as all below.
+    16 LateralMotion "vehicle/lateral" Function, [Plant] to [PerceptionSim, Aebs];
+    17 EgoPose "truth/pose" Truth, [Plant] to [PerceptionSim, V2xSim];
+    18 VehiclePoses "truth/poses" Truth, [PerceptionSim] to [Plant];
+    19 Course "radar/course" Function, [PerceptionSim] to [Controller];
+    20 Curves "v2x/curves" Function, [V2xSim] to [Controller, PerceptionSim];
 }
 
 impl Topic {
@@ -216,6 +222,16 @@ impl Topic {
         TOPICS.into_iter().find(shows).expect("each service has a topic that shows it")
     }
 
+    /// Topic of the same sender whose message of the same step stands for this one in [`Origins`](crate::Origins).
+    #[must_use]
+    pub const fn rides_with(self) -> Option<Self> {
+        match self {
+            Self::Course => Some(Self::RadarTracks),
+            Self::Curves => Some(Self::Preview),
+            _ => None,
+        }
+    }
+
     /// Purpose of the topic.
     #[must_use]
     pub const fn role(self) -> Role {
@@ -260,6 +276,11 @@ mod tests {
             "truth/ego",
             "radio/frames",
             "radio/sent",
+            "vehicle/lateral",
+            "truth/pose",
+            "truth/poses",
+            "radar/course",
+            "v2x/curves",
         ];
         // A later topic gets the next number.
         assert!(topics.into_iter().map(|(number, _)| number).eq(0..TOPICS.len() as u32));

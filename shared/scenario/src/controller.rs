@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
+use super::curve_speed::CurveSpeed;
 use super::law_tables::LawTables;
 use super::name::Name;
 use super::quantity::{
@@ -55,6 +56,9 @@ pub struct Controller {
     pub max_request_mps2: Acceleration,
     /// Weights of the paper's problem.
     pub weights: Weights,
+    /// Slower driving in curves, on a road with a plan.
+    #[serde(skip_serializing_if = "CurveSpeed::is_usual")]
+    pub curve_speed: CurveSpeed,
     /// The laws' own tables; the registry of the laws checks them.
     #[serde(flatten, skip_deserializing)]
     pub tables: LawTables,
@@ -128,6 +132,7 @@ impl Default for Controller {
             min_request_mps2: Acceleration::of(-6.0),
             max_request_mps2: Acceleration::of(4.9),
             weights: Weights::default(),
+            curve_speed: CurveSpeed::default(),
             tables: LawTables::default(),
         }
     }

@@ -11,7 +11,7 @@ use super::document::{Document, MAX_TEXT_BYTES};
 use super::error::ScenarioError;
 use super::problem::Problem;
 use super::recorded::{self, READING, RecordedError};
-use super::road::{self, Road};
+use super::road::{self, Heights};
 
 /// Why a text file is not read.
 #[derive(Debug, thiserror::Error)]
@@ -93,7 +93,7 @@ pub(super) fn load(
         };
         csv.points = record.points;
     }
-    if let Road::Csv { file, points } = &mut scenario.road
+    if let Heights::Csv { file, points } = &mut scenario.road.heights
         && let is_set = is_set(document, "road.csv", "road.points")
         && let Some(path) = to_read(file, own, is_set, points.is_empty())
     {
@@ -149,7 +149,7 @@ mod tests {
         overrides.set(&format!("road={{csv=\"{relative}\"}}")).expect("an option");
         let opened = Scenario::open("truck-hills", &overrides, &|_| Ok(Default::default()))
             .expect("a scenario");
-        let Road::Csv { points, .. } = &opened.road else { panic!("{:?}", opened.road) };
+        let Heights::Csv { points, .. } = &opened.road.heights else { panic!("{:?}", opened.road) };
         assert_eq!(points.len(), 2);
         let kept = directory.join("scenario.toml");
         let other = opened.to_toml().replace("400.0", "500.0");
@@ -158,7 +158,8 @@ mod tests {
         overrides.set("road.csv=road.csv").expect("an option");
         let again =
             Scenario::open(&kept.to_string_lossy(), &overrides, &|_| Ok(Default::default()));
-        let Road::Csv { points: read, .. } = again.expect("a scenario").road else { panic!() };
+        let again = again.expect("a scenario").road.heights;
+        let Heights::Csv { points: read, .. } = again else { panic!() };
         assert_eq!(&read, points);
         std::fs::write(directory.join("lead.csv"), "time_s,speed_mps\n0,20\n9,20\n")
             .expect("writable");

@@ -12,7 +12,7 @@ use super::placed::Placed;
 use super::problem::Problem;
 
 /// Tables of `[controller]` that have a type in this crate.
-const TYPED: [&str; 1] = ["weights"];
+const TYPED: [&str; 2] = ["weights", "curve_speed"];
 
 /// The laws' tables of a scenario, by name.
 #[derive(Clone, Debug, Default, PartialEq)]

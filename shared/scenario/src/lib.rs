@@ -40,13 +40,17 @@ pub mod aebs;
 pub mod builtin;
 pub mod carrier;
 pub mod controller;
+pub mod course;
+pub mod curve_speed;
 pub mod cycle;
 pub mod event;
 pub mod faults;
+pub mod lateral;
 pub mod name;
 pub mod own_law;
 pub mod per_service;
 pub mod perception;
+pub mod plan;
 pub mod plant;
 pub mod preview;
 pub mod quantity;
@@ -140,8 +144,8 @@ pub struct Scenario {
     /// The ego vehicle.
     #[serde(default)]
     pub plant: Plant,
-    /// The road's heights; absent: level.
-    #[serde(default, skip_serializing_if = "Road::is_level")]
+    /// The road's heights and its plan; absent: level and straight.
+    #[serde(default, skip_serializing_if = "Road::is_absent")]
     pub road: Road,
     /// Radar, tracker and target selection.
     #[serde(default)]

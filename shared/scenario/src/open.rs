@@ -134,6 +134,11 @@ impl Scenario {
         if scenario.plant.vehicle.is_truck() {
             scenario.aebs.follow_truck(|path| document.has(path));
         }
+        if let (Some(_), Some(truck_kg)) = (scenario.road.plan(), scenario.plant.vehicle.truck_kg())
+        {
+            let mass_kg = truck_kg * scenario.plant.mass_factor.value();
+            scenario.plant.lateral.follow_truck(mass_kg, |path| document.has(path));
+        }
         scenario.controller.place_command(directory);
         own_law::place(&mut scenario.laws, directory);
         scenario.v2x.radio.place(directory);

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::course::Course;
 use super::problem::Problem;
 use super::quantity::{
     Angle, Count, CrossSection, Decibels, DelayMs, Length, Loss, MeanCount, PerKilometre, PeriodMs,
@@ -28,6 +29,9 @@ pub struct Perception {
     pub tracker: Tracker,
     /// Which track is the target.
     pub target_selection: TargetSelection,
+    /// The path ahead, on a road with a plan.
+    #[serde(skip_serializing_if = "Course::is_usual")]
+    pub course: Course,
 }
 
 impl Default for Perception {
@@ -38,6 +42,7 @@ impl Default for Perception {
             radar: Radar::default(),
             tracker: Tracker::default(),
             target_selection: TargetSelection::default(),
+            course: Course::default(),
         }
     }
 }

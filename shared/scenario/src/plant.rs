@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::lateral::Lateral;
 use super::quantity::{
     Acceleration, AccelerationMagnitude, Duration, JerkMagnitude, Length, Mass, MassFactor,
     PeriodMs, Power, Speed, TimeConstant, Torque, TorqueRate,
@@ -43,6 +44,9 @@ pub struct Plant {
     pub gateway: Gateway,
     /// Reaction of the gateway when no newer valid command arrives.
     pub fallback: Fallback,
+    /// Motion across the road, on a road with a plan.
+    #[serde(skip_serializing_if = "Lateral::is_usual")]
+    pub lateral: Lateral,
 }
 
 impl Default for Plant {
@@ -62,6 +66,7 @@ impl Default for Plant {
             powertrain: None,
             gateway: Gateway::default(),
             fallback: Fallback::default(),
+            lateral: Lateral::default(),
         }
     }
 }
@@ -69,7 +74,7 @@ impl Default for Plant {
 /// Kind of the ego vehicle.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Vehicle {
-    /// A car that follows requests for acceleration with a lag, on a level road.
+    /// A car that follows requests for acceleration with a lag.
     #[default]
     #[serde(rename = "car")]
     Car,
@@ -86,6 +91,16 @@ impl Vehicle {
     #[must_use]
     pub const fn is_truck(self) -> bool {
         !matches!(self, Self::Car)
+    }
+
+    /// Mass of a truck that vehicle and law believe in, kg; `None` for a car, which has none here.
+    #[must_use]
+    pub const fn truck_kg(self) -> Option<f64> {
+        match self {
+            Self::Car => None,
+            Self::Jh6At49T => Some(49_000.0),
+            Self::Jh6At25T => Some(25_000.0),
+        }
     }
 
     /// The name as scenario files spell it.

@@ -11,6 +11,8 @@ use super::problem::Problem;
 
 /// Keys of `[controller]` that the control loop itself reads, whatever the law.
 const OF_THE_LOOP: [&str; 4] = ["name", "period_ms", "release", "deadline_ms"];
+/// A table of the loop's, with the dot before its keys.
+const CURVE_SPEED: &str = "curve_speed.";
 
 /// Keys below `[controller]` that a law reads. Paths are relative to that table.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -64,7 +66,8 @@ impl Reads {
     fn acts(&self, path: &str) -> bool {
         let in_table = self.tables.iter().any(|table| path.starts_with(table.as_str()));
         let in_own = in_table && !self.idle.contains(path);
-        in_own || self.keys.contains(path) || OF_THE_LOOP.contains(&path)
+        let in_loop = OF_THE_LOOP.contains(&path) || path.starts_with(CURVE_SPEED);
+        in_own || in_loop || self.keys.contains(path)
     }
 
     fn acts_on_backup(&self, path: &str) -> bool {

@@ -1,6 +1,6 @@
-//! `[road]`: how high the road is.
+//! `[road]`: how high the road is, and its plan.
 //!
-//! One of four sources, or none for a level road:
+//! The heights have one of four sources, or none for a level road:
 //!
 //! ```toml
 //! road.builtin = "hills-60km"
@@ -14,6 +14,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::error::ScenarioError;
+use super::plan::Plan;
 use super::problem::Problem;
 use super::quantity::{
     Distance, GradeMagnitude, GradePercent, Height, Length, Reach, RoadLength, Seed,
@@ -24,11 +25,20 @@ use crate::grade::{
     Alignment, BuiltinRoad, GradeProfile, MAX_POINTS, Point, ProfileError, generate,
 };
 
-/// The road. Beyond its ends it is level.
+/// The road.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(from = "RoadKeys", into = "RoadKeys")]
-pub enum Road {
-    /// No road is given.
+pub struct Road {
+    /// How high it is.
+    pub heights: Heights,
+    /// Its course in the plane; `None` for a straight road in scenarios without the plane.
+    pub plan: Option<Plan>,
+}
+
+/// Heights of the road. Beyond its ends it is level.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Heights {
+    /// None are given.
     #[default]
     Level,
     /// A road that comes with the program.
@@ -62,31 +72,35 @@ pub struct RoadKeys {
     /// The points themselves; beside `csv`, what the file held when the scenario was opened.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub points: Vec<RoadPoint>,
+    /// The course of the road in the plane; absent: a straight road, and no messages of the plane.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plan: Option<Plan>,
 }
 
 impl From<RoadKeys> for Road {
-    /// Takes one source; [`one_source`] refuses several.
+    /// Takes one source of heights; [`one_source`] refuses several.
     fn from(keys: RoadKeys) -> Self {
-        let RoadKeys { builtin, csv, generated, points } = keys;
-        match (builtin, csv, generated) {
-            (Some(builtin), ..) => Self::Builtin(builtin),
-            (None, Some(file), _) => Self::Csv { file, points },
-            (None, None, Some(generated)) => Self::Generated(generated),
-            (None, None, None) if points.is_empty() => Self::Level,
-            (None, None, None) => Self::Points(points),
-        }
+        let RoadKeys { builtin, csv, generated, points, plan } = keys;
+        let heights = match (builtin, csv, generated) {
+            (Some(builtin), ..) => Heights::Builtin(builtin),
+            (None, Some(file), _) => Heights::Csv { file, points },
+            (None, None, Some(generated)) => Heights::Generated(generated),
+            (None, None, None) if points.is_empty() => Heights::Level,
+            (None, None, None) => Heights::Points(points),
+        };
+        Self { heights, plan }
     }
 }
 
 impl From<Road> for RoadKeys {
-    fn from(road: Road) -> Self {
-        let none = Self::default();
-        match road {
-            Road::Level => none,
-            Road::Builtin(builtin) => Self { builtin: Some(builtin), ..none },
-            Road::Csv { file, points } => Self { csv: Some(file), points, ..none },
-            Road::Generated(generated) => Self { generated: Some(generated), ..none },
-            Road::Points(points) => Self { points, ..none },
+    fn from(Road { heights, plan }: Road) -> Self {
+        let none = Self { plan, ..Self::default() };
+        match heights {
+            Heights::Level => none,
+            Heights::Builtin(builtin) => Self { builtin: Some(builtin), ..none },
+            Heights::Csv { file, points } => Self { csv: Some(file), points, ..none },
+            Heights::Generated(generated) => Self { generated: Some(generated), ..none },
+            Heights::Points(points) => Self { points, ..none },
         }
     }
 }
@@ -141,10 +155,27 @@ pub struct Generated {
 }
 
 impl Road {
-    /// True if no road is given.
+    /// A road of these heights without a plan.
+    #[must_use]
+    pub fn of_heights(heights: Heights) -> Self {
+        Self { heights, plan: None }
+    }
+
+    /// True if no heights are given.
     #[must_use]
     pub fn is_level(&self) -> bool {
-        *self == Self::Level
+        self.heights == Heights::Level
+    }
+
+    /// True if nothing is given.
+    pub(super) fn is_absent(&self) -> bool {
+        self.is_level() && self.plan.is_none()
+    }
+
+    /// The road in the plane, if it has one.
+    #[must_use]
+    pub fn plan(&self) -> Option<&Plan> {
+        self.plan.as_ref()
     }
 
     /// The road's heights.
@@ -152,6 +183,12 @@ impl Road {
     /// # Errors
     /// When the points are no road, or the file has not been read.
     pub fn profile(&self) -> Result<GradeProfile, Problem> {
+        self.heights.profile()
+    }
+}
+
+impl Heights {
+    fn profile(&self) -> Result<GradeProfile, Problem> {
         let points = match self {
             Self::Builtin(builtin) => {
                 return Ok(parse_csv("built-in road", builtin.csv())
@@ -337,6 +374,10 @@ mod tests {
             "{said}"
         );
         let file: Road = toml::from_str(&format!("csv = \"a.csv\"\n{points}")).expect("one");
-        assert!(matches!(file, Road::Csv { points, .. } if points.len() == 2), "the file's points");
+        let points = match file.heights {
+            Heights::Csv { points, .. } => points.len(),
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(points, 2, "the file's points");
     }
 }

@@ -8,7 +8,7 @@ use scenario::name::Name;
 use scenario::quantity::{
     Acceleration, Distance, Duration, Height, Lateral, Length, OutOfRange, Seed, Speed, Time,
 };
-use scenario::road::{Road, RoadPoint};
+use scenario::road::{Heights, Road, RoadPoint};
 use scenario::{Problem, Scenario};
 
 use super::motion::Motion;
@@ -34,6 +34,9 @@ pub enum SceneError {
     /// The road cannot be used.
     #[error("{}", .0.message)]
     Road(#[source] Problem),
+    /// The road has a plan.
+    #[error("a string drives on a straight road, and this scenario has `road.plan`")]
+    Plan,
     /// No wave can be driven.
     #[error(transparent)]
     Wave(#[from] TooSlow),
@@ -92,7 +95,7 @@ impl Plan {
     /// The scenario of a car at `place` behind one that moved like `motion`.
     ///
     /// # Errors
-    /// [`SceneError::TooLong`], [`SceneError::Road`].
+    /// [`SceneError::TooLong`], [`SceneError::Road`], [`SceneError::Plan`].
     pub fn behind(&self, place: Place, motion: &Motion) -> Result<Scenario, SceneError> {
         let Place { index, behind_first_m } = place;
         let before = self.law(index - 1);
@@ -110,6 +113,9 @@ impl Plan {
         for signal in &mut scenario.v2x.signals {
             let line_m = signal.stop_line_m.value() + behind_first_m;
             signal.stop_line_m = Distance::try_from(line_m).map_err(too_long)?;
+        }
+        if scenario.road.plan().is_some() {
+            return Err(SceneError::Plan);
         }
         if !scenario.road.is_level() {
             scenario.road = moved(&scenario.road, behind_first_m)?;
@@ -186,7 +192,7 @@ fn moved(road: &Road, behind_m: f64) -> Result<Road, SceneError> {
         Ok(RoadPoint(distance_m, Height::try_from(point.height_m)?))
     });
     let points = points.collect::<Result<Vec<_>, OutOfRange<f64>>>()?;
-    Ok(Road::Points(points))
+    Ok(Road::of_heights(Heights::Points(points)))
 }
 
 #[cfg(test)]
@@ -232,7 +238,7 @@ mod tests {
         let place = plan.places()[1];
         let scenario = plan.behind(place, &Motion::constant(20.0)).expect("a short string");
         let first = plan.laws[0].road.profile().expect("a road").points()[1];
-        let Road::Points(points) = &scenario.road else { panic!("{:?}", scenario.road) };
+        let Heights::Points(points) = &scenario.road.heights else { panic!("{:?}", scenario.road) };
         let mine = points[1];
         assert!((mine.0.value() - first.distance_m - place.behind_first_m).abs() < 1e-9);
         assert_eq!(mine.1.value(), first.height_m);

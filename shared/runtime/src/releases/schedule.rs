@@ -101,12 +101,12 @@ impl Schedule {
         let Some(release) = &self.present else { return Origin::NONE };
         match topic {
             Topic::Odometry => release.inputs.odometry,
-            Topic::RadarTracks => release.inputs.radar,
+            Topic::RadarTracks | Topic::Course => release.inputs.radar,
             // The on-board unit's place for what the signals come from.
             Topic::Spat | Topic::RadioFrames => release.inputs.spat,
             Topic::Map => release.inputs.map,
             Topic::Powertrain => release.inputs.powertrain,
-            Topic::Preview => release.inputs.preview,
+            Topic::Preview | Topic::Curves => release.inputs.preview,
             _ => Origin::NONE,
         }
     }

@@ -62,6 +62,26 @@ quantity! {
     GradeMagnitude: "a grade", 0.01, 20.0, "%", ", without a sign";
     /// The length of a road, km.
     RoadLength: "a length", 1.0, 500.0, "km";
+    /// The length of a piece of a road, m.
+    PieceLength: "a length", 0.1, 1e6, "m";
+    /// The radius of a curve, m.
+    CurveRadius: "a radius", 20.0, 1e10, "m";
+    /// A coordinate in the plane, m.
+    Coordinate: "a coordinate", -1e6, 1e6, "m";
+    /// A heading in the plane, degrees counter-clockwise from x.
+    HeadingDeg: "a heading", -360.0, 360.0, "degrees";
+    /// A moment of inertia, kg m².
+    Inertia: "a moment of inertia", 10.0, 1e7, "kg m²";
+    /// A compliance of tyres: slip angle by lateral acceleration, rad per m/s².
+    SlipCompliance: "a slip angle by acceleration", 1e-4, 0.1, "rad per m/s²";
+    /// A gradient of understeer, rad per m/s²; negative: oversteer.
+    Understeer: "a gradient", -0.002, 0.05, "rad per m/s²";
+    /// An angular frequency, rad/s.
+    AngularFrequency: "a frequency", 0.01, 20.0, "rad/s";
+    /// A ratio of damping.
+    Damping: "a damping", 0.1, 5.0, "";
+    /// A share of a length, away from its ends.
+    InnerShare: "a share", 0.1, 0.9, "";
     /// An error in the position of a map, m, positive when the map is too far ahead.
     MapShift: "a shift", -1000.0, 1000.0, "m";
     /// A latitude, degrees, north positive.
@@ -111,6 +131,10 @@ whole! {
     DriftPpm: i32, "a drift", -1000, 1000, "millionths", ", a whole number";
     /// The id of a station that sends.
     StationId: u32, "a station id", 1, 4_294_967_295, "";
+    /// A number of lanes.
+    LaneCount: u8, "a number of lanes", 0, 20, "";
+    /// The id of a lane in OpenDRIVE: positive on the left of the reference line, negative on the right.
+    LaneId: i32, "a lane id", -1000, 1000, "";
     /// A seed of the random numbers.
     Seed: u64, "a whole number", 0, i64::MAX, "";
     /// A number of things, or of repetitions.
@@ -127,6 +151,18 @@ whole! {
     IntersectionId: u16, "an intersection id", 0, 65_535, "";
     /// A signal group; the standards reserve 0 (not available) and 255 (permanently green).
     SignalGroupId: u8, "a signal group id", 1, 254, "";
+}
+
+impl Default for Coordinate {
+    fn default() -> Self {
+        Self::of(0.0)
+    }
+}
+
+impl Default for HeadingDeg {
+    fn default() -> Self {
+        Self::of(0.0)
+    }
 }
 
 impl PeriodMs {

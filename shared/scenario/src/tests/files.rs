@@ -67,7 +67,11 @@ fn a_road_from_a_file_is_embedded_and_its_faults_are_shown_in_it() {
 fn roads_that_cannot_be_are_refused() {
     const TRUCK: &str = "plant.vehicle = \"jh6-49t\"\n";
     let cases = [
-        ("road.builtin = \"hills-60km\"", "a car knows no grade"),
+        (
+            "road.builtin = \"hills-60km\"\nplant.integrator = \"paper-euler\"\n\
+             plant.integration_step_ms = 10",
+            "the paper's Euler step has no grade",
+        ),
         ("plant.mass_factor = 1.2", "a car has no mass here"),
         ("road.csv = \"x.csv\"", "the file has not been read"),
         ("road.points = [[0, 0], [50, 1], [50, 2]]", "distances must increase"),

@@ -1,0 +1,135 @@
+//! Messages of a road with a plan: steering, poses in the plane, the course ahead.
+//!
+//! The plane has x east and y north where the road begins without another `start`, headings counter-clockwise from x.
+//! The axis is the middle of the ego's lane: `position_m` and `lateral_m` of all messages count along and across it.
+
+use super::{Header, MAX_TRACKS};
+use crate::layout::declare::*;
+
+layout! {
+    /// Motion across the road as the ego's sensors measure it.
+    ///
+    /// At a stand the yaw rate is the sensor's offset and noise.
+    #[type_name("timegap_msgs/msg/LateralMotion")]
+    pub struct LateralMotion {
+        /// Common header.
+        pub header: Header,
+        /// Yaw rate, rad/s, positive to the left.
+        pub yaw_rate_radps: f64,
+        /// Lateral acceleration at the centre of gravity, m/s², positive to the left.
+        pub lateral_acceleration_mps2: f64,
+        /// Angle of the front wheels, rad, positive to the left.
+        pub steering_rad: f64,
+    }
+}
+
+layout! {
+    /// Pose of the ego as it really is, and its motion across the road.
+    #[type_name("timegap_msgs/msg/EgoPose")]
+    pub struct EgoPose {
+        /// Common header.
+        pub header: Header,
+        /// Middle of the front bumper in the plane, m.
+        pub x_m: f64,
+        /// Middle of the front bumper in the plane, m.
+        pub y_m: f64,
+        /// Heading of the body in the plane, rad.
+        pub heading_rad: f64,
+        /// Distance of the front bumper's middle from the axis, m, positive to the left.
+        pub lateral_m: f64,
+        /// Yaw rate, rad/s.
+        pub yaw_rate_radps: f64,
+        /// Angle from the body to its motion at the centre of gravity, rad, positive where it moves to the left of its
+        /// heading.
+        pub side_slip_rad: f64,
+        /// Curvature of the axis at the front bumper, 1/m, positive to the left.
+        pub curvature_perm: f64,
+        /// Lateral acceleration at the centre of gravity, m/s².
+        pub lateral_acceleration_mps2: f64,
+    }
+}
+
+layout! {
+    /// The body of a vehicle in the plane.
+    #[derive(Default)]
+    #[type_name("timegap_msgs/msg/VehiclePose")]
+    pub struct VehiclePose {
+        /// Middle of the body, m.
+        pub x_m: f64,
+        /// Middle of the body, m.
+        pub y_m: f64,
+        /// Heading of the body, rad.
+        pub heading_rad: f64,
+        /// Length, m.
+        pub length_m: f64,
+        /// Width, m.
+        pub width_m: f64,
+    }
+}
+
+layout! {
+    /// Bodies of all simulated vehicles at the header's step.
+    #[type_name("timegap_msgs/msg/VehiclePoses")]
+    pub struct VehiclePoses {
+        /// Common header.
+        pub header: Header,
+        /// Valid entries of `poses`.
+        pub count: u64,
+        /// The bodies in the order of `truth/vehicles`; unused entries are 0.
+        pub poses: [VehiclePose; MAX_TRACKS],
+    }
+}
+
+impl VehiclePoses {
+    /// The valid entries of `poses`.
+    #[must_use]
+    pub fn listed(&self) -> &[VehiclePose] {
+        let count = usize::try_from(self.count).map_or(MAX_TRACKS, |count| count.min(MAX_TRACKS));
+        &self.poses[..count]
+    }
+}
+
+layout! {
+    /// The course: the axis ahead as perception estimates it, seen from the ego's body at the scan.
+    #[type_name("timegap_msgs/msg/Course")]
+    pub struct Course {
+        /// Common header.
+        pub header: Header,
+        /// Heading of the axis at the front bumper against the body, rad, positive to the left.
+        pub heading_rad: f64,
+        /// Curvature there, 1/m, positive to the left.
+        pub curvature_perm: f64,
+        /// Change of the curvature with the way, 1/m².
+        pub curvature_rate_perm2: f64,
+        /// Standard deviation of the course's lateral place 50 m ahead, m.
+        pub sigma_50_m: f64,
+        /// Standard deviation of the course's lateral place 100 m ahead, m.
+        pub sigma_100_m: f64,
+        /// Distance ahead to which the course is of use, m; 0: there is none.
+        pub valid_m: f64,
+        /// Standing objects that the last scan's update used.
+        pub posts: u32,
+        /// Points of trails that the last scan's update used.
+        pub trail_points: u32,
+    }
+}
+
+/// Most cells of a map of curves: 2 km in cells of 25 m.
+pub const MAX_CURVE_CELLS: usize = 80;
+
+layout! {
+    /// Curvature of the road ahead as the map knows it.
+    #[type_name("timegap_msgs/msg/Curves")]
+    pub struct Curves {
+        /// Common header.
+        pub header: Header,
+        /// Valid entries of `curvatures`: beyond them the map knows nothing.
+        pub count: u64,
+        /// Beginning of the first cell on the ego's axis, m: at the ego or behind it.
+        pub first_cell_m: f64,
+        /// Length of a cell, m.
+        pub cell_m: f64,
+        /// Mean curvature of each cell, positive to the left; unused entries are 0.
+        pub curvatures: [f64; MAX_CURVE_CELLS],
+    }
+}

@@ -1,0 +1,191 @@
+//! Checks of a plan: that it is a road, and one that the rest of the scenario can drive on.
+
+use super::{GeneratedPlan, Plan, PlanPiece};
+use crate::Scenario;
+use crate::actor::Profile;
+use crate::faults::{Fault, Target};
+use crate::lateral::Lateral;
+use crate::problem::Problem;
+use messages::{TOPICS, Topic};
+
+/// Difference of the lengths of heights and plan that counts as none, m: the step in which generated heights end.
+const SAME_LENGTH_M: f64 = 5.0;
+/// Distance between two places whose curvature is looked at, m.
+const SPACING_M: f64 = 5.0;
+/// Curvature below which a road counts as straight, 1/m.
+const STRAIGHT_PERM: f64 = 1e-6;
+
+/// Checks the plan of a scenario, and that nothing is set which acts only with a plan.
+pub(crate) fn check(scenario: &Scenario) -> Result<(), Problem> {
+    let Some(plan) = scenario.road.plan() else { return unused(scenario) };
+    one_source(plan)?;
+    let axis = plan.built()?;
+    lanes(plan)?;
+    heights(scenario, axis.length_m())?;
+    if plan.opendrive.is_some() && scenario.storyboard.is_some() {
+        return Err(Problem::new(
+            "road.plan.opendrive",
+            "the storyboard brings a road of its own",
+            "a scenario without a storyboard",
+        ));
+    }
+    frames(scenario, &axis)?;
+    reach(scenario, axis.length_m())?;
+    scenario.perception.course.check()
+}
+
+/// What acts on a road with a plan alone must not be set without one.
+fn unused(scenario: &Scenario) -> Result<(), Problem> {
+    let tables = [
+        ("plant.lateral", scenario.plant.lateral == Lateral::default()),
+        ("perception.course", scenario.perception.course.is_usual()),
+        ("controller.curve_speed", scenario.controller.curve_speed.is_usual()),
+    ];
+    if let Some((table, _)) = tables.into_iter().find(|(_, usual)| !usual) {
+        let message = format!("{table} has no effect without a plan of the road");
+        return Err(Problem::new(table, message, "[road.plan]"));
+    }
+    let of_plan = |topic: Topic| topic as u32 >= Topic::LateralMotion as u32;
+    let topics = TOPICS.into_iter().filter(|topic| of_plan(*topic));
+    for topic in topics {
+        let aimed = |fault: &Fault| fault.effect.target() == Target::Topic(topic);
+        if let Some(index) = scenario.faults.iter().position(aimed) {
+            return Err(Problem::new(
+                format!("faults.{index}.topic"),
+                format!("nothing is sent on `{}` without a plan of the road", topic.name()),
+                "[road.plan]",
+            ));
+        }
+    }
+    Ok(())
+}
+
+fn one_source(plan: &Plan) -> Result<(), Problem> {
+    let sources = [
+        ("road.plan.pieces", !plan.pieces.is_empty()),
+        ("road.plan.generated", plan.generated.is_some()),
+        ("road.plan.opendrive", plan.opendrive.is_some()),
+    ];
+    let mut given = sources.into_iter().filter(|(_, given)| *given).map(|(source, _)| source);
+    match (given.next(), given.next()) {
+        (None, _) => Err(Problem::new(
+            "road.plan",
+            "this plan has no road",
+            "`pieces`, `generated` or `opendrive`",
+        )),
+        (Some(first), Some(second)) => Err(Problem::new(
+            second,
+            format!("the plan is given twice, by {first} and {second}"),
+            "one source for the plan",
+        )
+        .against(first)),
+        (Some(_), None) => Ok(()),
+    }
+}
+
+/// The inner edge of a curve must lie on this side of the curve's centre.
+fn lanes(plan: &Plan) -> Result<(), Problem> {
+    let edges_m = [plan.lanes.left_edge_m(), -plan.lanes.right_edge_m()];
+    let refuse = |path: String, inner_m: f64, radius_m: f64| {
+        Problem::new(
+            path,
+            format!("the lanes reach {inner_m} m into a curve of {radius_m} m"),
+            "a radius above the distance of the lanes' inner edge",
+        )
+        .against("road.plan.lanes.width_m")
+    };
+    if let Some(GeneratedPlan { min_radius_m, .. }) = &plan.generated {
+        let inner_m = edges_m[0].max(edges_m[1]);
+        if inner_m >= min_radius_m.value() {
+            let path = "road.plan.generated.min_radius_m".to_owned();
+            return Err(refuse(path, inner_m, min_radius_m.value()));
+        }
+    }
+    for (index, piece) in plan.pieces.iter().enumerate() {
+        let PlanPiece::Arc { radius_m, turn, .. } = piece else { continue };
+        let inner_m = edges_m[*turn as usize];
+        if inner_m >= radius_m.value() {
+            return Err(refuse(format!("road.plan.pieces.{index}"), inner_m, radius_m.value()));
+        }
+    }
+    Ok(())
+}
+
+fn heights(scenario: &Scenario, length_m: f64) -> Result<(), Problem> {
+    let profile = scenario.road.profile()?;
+    // A generated plan is longer than it was asked to be.
+    let generated = scenario.road.plan().and_then(|plan| plan.generated);
+    let asked_m = generated.map_or(length_m, |generated| 1e3 * generated.length_km.value());
+    let same = |length_m: f64| (profile.end_m() - length_m).abs() <= SAME_LENGTH_M;
+    if scenario.road.is_level() || same(length_m) || same(asked_m) {
+        return Ok(());
+    }
+    Err(Problem::new(
+        "road",
+        format!("the heights end at {} m, the plan at {length_m} m", profile.end_m()),
+        "heights and a plan of the same length",
+    )
+    .against("road.plan"))
+}
+
+/// The on-board unit takes its approach to an intersection for a straight line.
+fn frames(scenario: &Scenario, axis: &road::Axis) -> Result<(), Problem> {
+    let Some(last) = scenario.v2x.signals.last().filter(|_| scenario.has_obu()) else {
+        return Ok(());
+    };
+    let last_m = last.stop_line_m.value();
+    let places = (0..=(last_m / SPACING_M) as usize).map(|index| index as f64 * SPACING_M);
+    let bent = |place_m: f64| axis.curvature_perm(place_m).abs() > STRAIGHT_PERM;
+    match places.chain([last_m]).any(bent) {
+        true => Err(Problem::new(
+            "v2x.radio",
+            "intersections behind or in a curve cannot come as frames",
+            "v2x.radio = \"direct\", or a straight road up to the last stop line",
+        )
+        .against("road.plan")),
+        false => Ok(()),
+    }
+}
+
+/// The road must not end before the drive, as far as that is known before it.
+fn reach(scenario: &Scenario, length_m: f64) -> Result<(), Problem> {
+    let refuse = |path: String, what: String| {
+        Err(Problem::new(path, what, format!("at most {length_m} m, or a longer road.plan"))
+            .against("road.plan"))
+    };
+    for (index, signal) in scenario.v2x.signals.iter().enumerate() {
+        if signal.stop_line_m.value() > length_m {
+            let what = "this stop line is behind the end of the road".to_owned();
+            return refuse(format!("v2x.signals.{index}.stop_line_m"), what);
+        }
+    }
+    let duration_s = scenario.duration_s.value();
+    for (index, actor) in scenario.actors.iter().enumerate() {
+        let start_m = actor.gap_m.value();
+        if start_m + actor.length_m.value() > length_m && actor.appears_at_s.value() == 0.0 {
+            let what = "this vehicle begins behind the end of the road".to_owned();
+            return refuse(format!("actors.{index}.gap_m"), what);
+        }
+        let is_known = actor.profile == Profile::Constant
+            && actor.events.is_empty()
+            && actor.appears_at_s.value() == 0.0;
+        if let Some(speed) = actor.initial_speed_mps.filter(|_| is_known) {
+            let until_s = actor.leaves_at_s.map_or(duration_s, |leaves| leaves.value());
+            let end_m = start_m + speed.value() * until_s.min(duration_s);
+            if end_m > length_m {
+                let what =
+                    format!("the road ends before the drive: this vehicle gets to {end_m} m");
+                return refuse(format!("actors.{index}.initial_speed_mps"), what);
+            }
+        }
+    }
+    let is_free = scenario.actors.is_empty() && scenario.v2x.signals.is_empty();
+    let slowest_mps = scenario.set_speed_mps.value().min(scenario.plant.initial_speed_mps.value());
+    let curve_speed = scenario.controller.curve_speed.enabled;
+    let way_m = slowest_mps * duration_s;
+    if is_free && !curve_speed && way_m > length_m {
+        let what = format!("the road ends before the drive: the ego gets to {way_m} m or farther");
+        return refuse("duration_s".to_owned(), what);
+    }
+    Ok(())
+}

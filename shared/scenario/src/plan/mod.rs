@@ -1,0 +1,233 @@
+//! `[road.plan]`: the course of the road in the plane.
+//!
+//! One of three sources. The road's axis is the middle of the ego's lane:
+//!
+//! ```toml
+//! [road.plan]
+//! pieces = [{ line_m = 300 }, { spiral_m = 80 }, { arc_m = 400, radius_m = 500, turn = "left" }, { line_m = 100 }]
+//! generated = { seed = 1, length_km = 10, min_radius_m = 250, max_radius_m = 2000, spiral_m = [30, 200] }
+//! opendrive = { file = "a.xodr", road = "1", lane = -1, s_m = 0 }
+//! ```
+//!
+//! A spiral joins the curvatures of its neighbours. So no curvature is written twice, and none can contradict another.
+
+mod check;
+mod opendrive;
+mod piece;
+
+pub use opendrive::OpendriveRoad;
+pub use piece::{PlanPiece, Turn};
+
+pub(super) use check::check;
+
+use std::sync::OnceLock;
+
+use serde::{Deserialize, Serialize};
+
+use super::problem::Problem;
+use super::quantity::{Coordinate, CurveRadius, HeadingDeg, LaneCount, Length, PieceLength};
+use super::quantity::{RoadLength, Seed};
+use super::schema::Schema;
+
+/// The road in the plane. Outside its ends it goes on straight.
+#[derive(Clone, Debug, Default, Serialize, Deserialize, Schema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Plan {
+    /// The pieces in order: `{ line_m }`, `{ arc_m, radius_m, turn }`, `{ spiral_m }`.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pieces: Vec<PlanPiece>,
+    /// A road made by a random generator.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub generated: Option<GeneratedPlan>,
+    /// A lane of an OpenDRIVE file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub opendrive: Option<OpendriveRoad>,
+    /// Place and heading of the road's beginning in the plane.
+    #[serde(skip_serializing_if = "Start::is_origin")]
+    pub start: Start,
+    /// The lanes.
+    pub lanes: Lanes,
+    /// The axis, once it was asked for.
+    #[serde(skip)]
+    axis: OnceLock<road::Axis>,
+}
+
+/// Plans with the same keys are the same road.
+impl PartialEq for Plan {
+    fn eq(&self, other: &Self) -> bool {
+        self.pieces == other.pieces
+            && self.generated == other.generated
+            && self.opendrive == other.opendrive
+            && self.start == other.start
+            && self.lanes == other.lanes
+    }
+}
+
+/// A random road of curves.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(deny_unknown_fields)]
+pub struct GeneratedPlan {
+    /// Seed; each has its own road.
+    pub seed: Seed,
+    /// Least length, km: the last curve is completed.
+    pub length_km: RoadLength,
+    /// Smallest radius of its arcs, m.
+    #[serde(default = "smallest_radius")]
+    pub min_radius_m: CurveRadius,
+    /// Largest radius of its arcs, m.
+    #[serde(default = "largest_radius")]
+    pub max_radius_m: CurveRadius,
+    /// Shortest and longest spiral, m.
+    #[serde(default = "spiral_lengths")]
+    pub spiral_m: SpiralLengths,
+}
+
+/// Shortest and longest spiral of a generated road: `[shortest_m, longest_m]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(expecting = "two lengths [shortest_m, longest_m]")]
+pub struct SpiralLengths(pub PieceLength, pub PieceLength);
+
+/// Beginning of the road in the plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Start {
+    /// East of the plane's origin, m.
+    pub x_m: Coordinate,
+    /// North of the plane's origin, m.
+    pub y_m: Coordinate,
+    /// Heading of the road, degrees counter-clockwise from x.
+    pub heading_deg: HeadingDeg,
+}
+
+/// Lanes of the ego's direction.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Lanes {
+    /// Lanes to the left of the ego's.
+    pub left: LaneCount,
+    /// Lanes to the right of the ego's.
+    pub right: LaneCount,
+    /// Width of each, m.
+    pub width_m: Length,
+}
+
+impl Default for Lanes {
+    fn default() -> Self {
+        Self { left: LaneCount::of(1), right: LaneCount::of(1), width_m: Length::of(3.5) }
+    }
+}
+
+impl Lanes {
+    /// Offset of the road's left edge from the axis, m.
+    #[must_use]
+    pub fn left_edge_m(&self) -> f64 {
+        (f64::from(self.left.value()) + 0.5) * self.width_m.value()
+    }
+
+    /// Offset of the road's right edge from the axis, m; negative.
+    #[must_use]
+    pub fn right_edge_m(&self) -> f64 {
+        -(f64::from(self.right.value()) + 0.5) * self.width_m.value()
+    }
+}
+
+impl Start {
+    fn is_origin(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The pose that places the road in the plane.
+    #[must_use]
+    pub fn pose(&self) -> road::Pose {
+        road::Pose {
+            x_m: self.x_m.value(),
+            y_m: self.y_m.value(),
+            heading_rad: self.heading_deg.value().to_radians(),
+        }
+    }
+}
+
+impl Plan {
+    /// A plan of these pieces that begins at the plane's origin.
+    #[must_use]
+    pub fn of_pieces(pieces: Vec<PlanPiece>) -> Self {
+        Self { pieces, ..Self::default() }
+    }
+
+    /// The middle of the ego's lane; begins at (0, 0) along x. [`Start::pose`] places it in the plane.
+    ///
+    /// # Panics
+    /// If the plan has not been checked: the scenario refuses a plan without an axis.
+    #[must_use]
+    pub fn axis(&self) -> &road::Axis {
+        self.axis.get_or_init(|| self.built().expect("the scenario has been checked"))
+    }
+
+    /// The pieces as the road's geometry takes them.
+    ///
+    /// # Errors
+    /// The place of what is no road.
+    pub fn geometry(&self) -> Result<Vec<road::Piece>, Problem> {
+        if let Some(generated) = &self.generated {
+            return generated.geometry();
+        }
+        if let Some(opendrive) = &self.opendrive {
+            return opendrive.geometry();
+        }
+        piece::geometry(&self.pieces)
+    }
+
+    fn built(&self) -> Result<road::Axis, Problem> {
+        road::Axis::new(&self.geometry()?).map_err(|error| {
+            let path = match self.pieces.is_empty() {
+                true => "road.plan".to_owned(),
+                false => format!("road.plan.pieces.{}", error.piece()),
+            };
+            Problem::new(path, error.to_string(), error.expected())
+        })
+    }
+}
+
+impl GeneratedPlan {
+    fn geometry(&self) -> Result<Vec<road::Piece>, Problem> {
+        let (least, most) = (self.min_radius_m.value(), self.max_radius_m.value());
+        if least > most {
+            return Err(Problem::new(
+                "road.plan.generated.max_radius_m",
+                "the largest radius is below the smallest",
+                format!("at least {least} m"),
+            )
+            .against("road.plan.generated.min_radius_m"));
+        }
+        let (shortest, longest) = (self.spiral_m.0.value(), self.spiral_m.1.value());
+        if shortest > longest {
+            return Err(Problem::new(
+                "road.plan.generated.spiral_m",
+                "the longest spiral is shorter than the shortest",
+                format!("at least {shortest} m"),
+            ));
+        }
+        let recipe = road::random::Recipe {
+            length_m: 1e3 * self.length_km.value(),
+            min_radius_m: least,
+            max_radius_m: most,
+            spiral_m: [shortest, longest],
+        };
+        Ok(road::random::pieces(&recipe, self.seed.value()))
+    }
+}
+
+fn smallest_radius() -> CurveRadius {
+    CurveRadius::of(250.0)
+}
+
+fn largest_radius() -> CurveRadius {
+    CurveRadius::of(2000.0)
+}
+
+fn spiral_lengths() -> SpiralLengths {
+    SpiralLengths(PieceLength::of(30.0), PieceLength::of(200.0))
+}
+
+#[cfg(test)]
+mod tests;
