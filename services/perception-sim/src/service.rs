@@ -1,6 +1,7 @@
 //! The perception loop: move the traffic, scan, track, publish.
 
 use crate::perception::Perception;
+use crate::poses::Poses;
 use crate::radar::scene::Ego;
 use crate::tracking::TrackList;
 use crate::traffic::Snapshot;
@@ -40,6 +41,7 @@ pub fn run_behind(mut runtime: Runtime, mut ahead: Ahead) -> Result<(), RuntimeE
     let mut ego_truth = runtime.subscriber::<EgoTruth>()?;
     let mut tracks = runtime.publisher::<RadarTracks>()?;
     let mut truth = runtime.publisher::<VehicleTruth>()?;
+    let mut poses = Poses::open(&mut runtime, &scenario)?;
     let mut output = DetectionOutput::open(&mut runtime, scenario.perception.model())?;
     let start = Ego { speed_mps: scenario.plant.initial_speed_mps.value(), ..Ego::default() };
     let mut checkpoint = match runtime.clock().mode() {
@@ -85,6 +87,9 @@ pub fn run_behind(mut runtime: Runtime, mut ahead: Ahead) -> Result<(), RuntimeE
         }
         let ended = perception.traffic().is_over();
         truth.send_with(|message| write_truth(message, header, perception.vehicles(), ended))?;
+        if let Some(poses) = &mut poses {
+            poses.send(header, perception.vehicles())?;
+        }
 
         let seen = odometry.newest().is_some();
         runtime.end_cycle(if seen { ServiceState::Running } else { ServiceState::Degraded })?;

@@ -3,8 +3,10 @@
 //! The storyboard's world has the road's coordinates. The simulation's axis begins at the middle of the ego's front
 //! bumper where the run starts. It points the way the ego faces.
 
+use std::sync::Arc;
+
 use openscenario::model::Drive;
-use openscenario::world::State;
+use openscenario::world::{Bend, State};
 use openscenario::{Motion, World};
 use scenario::Scenario;
 use scenario::actor::Profile;
@@ -30,7 +32,7 @@ pub(crate) struct Stage {
 
 impl Stage {
     /// The storyboard of a scenario, where it has one.
-    pub(crate) fn of(scenario: &Scenario) -> Option<Self> {
+    pub(crate) fn of(scenario: &Scenario, axis: Option<Arc<road::Axis>>) -> Option<Self> {
         let script = scenario.script()?;
         let ego = script.ego;
         let by_storyboard =
@@ -41,19 +43,16 @@ impl Stage {
         };
         let entities = (0..script.entities.len()).filter(moved).collect();
         let ego_width_m = script.entities[ego].body.width_m;
-        let world = World::new(script).expect("the scenario has been checked");
+        let mut world = World::new(script).expect("the scenario has been checked");
         let start = world.motion(ego);
         let extent = world.extent(ego);
         let direction = start.direction();
-        Some(Self {
-            entities,
-            direction,
-            front_s_m: if direction > 0.0 { extent.to_s_m } else { extent.from_s_m },
-            middle_t_m: 0.5 * (extent.from_t_m + extent.to_t_m),
-            ego_width_m,
-            world,
-            start,
-        })
+        let front_s_m = if direction > 0.0 { extent.to_s_m } else { extent.from_s_m };
+        let middle_t_m = 0.5 * (extent.from_t_m + extent.to_t_m);
+        if let Some(axis) = axis {
+            world.bend(Bend { axis, direction, at_s_m: front_s_m, at_t_m: middle_t_m });
+        }
+        Some(Self { entities, direction, front_s_m, middle_t_m, ego_width_m, world, start })
     }
 
     /// Brings the world to `time_ns`. `actors` are the scenario's; those that the storyboard moves are

@@ -9,6 +9,11 @@
 //! ```
 //!
 //! and samples inside a step are on its straight lines, as the ego's do.
+//!
+//! On a road with a plan a vehicle at the offset l covers the way p' = v / (1 − κ l) of the axis: the inner lane of a
+//! curve is shorter.
+
+use std::sync::Arc;
 
 use openscenario::world::State;
 use scenario::Scenario;
@@ -53,6 +58,8 @@ struct Mover {
     step_ns: u64,
     appears_ns: u64,
     leaves_ns: u64,
+    /// On a road with a plan, for a vehicle that is not always on its axis.
+    axis: Option<Arc<road::Axis>>,
     /// Start of the present step, once the vehicle has appeared.
     base: Option<Base>,
 }
@@ -68,6 +75,9 @@ impl Traffic {
     /// The vehicles of a scenario, before the start.
     #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
+        let axis = scenario.road.plan().map(|plan| Arc::new(plan.axis().clone()));
+        let on_axis =
+            |actor: &Actor| actor.lateral_offset_m.value() == 0.0 && actor.lateral.is_empty();
         let movers: Vec<Mover> = scenario
             .actors
             .iter()
@@ -77,11 +87,12 @@ impl Traffic {
                 step_ns: scenario.plant.integration_step_ms.nanoseconds(),
                 appears_ns: actor.appears_at_s.nanoseconds(),
                 leaves_ns: actor.leaves_at_s.map_or(u64::MAX, |time| time.nanoseconds()),
+                axis: axis.clone().filter(|_| !on_axis(actor)),
                 base: None,
             })
             .collect();
         let vehicles = vec![Vehicle::default(); movers.len()];
-        Self { movers, stage: Stage::of(scenario), vehicles }
+        Self { movers, stage: Stage::of(scenario, axis), vehicles }
     }
 
     /// Brings all vehicles to `time_ns`, which never goes back. A vehicle that appears is placed
@@ -188,9 +199,16 @@ impl Mover {
         };
         Base {
             time_ns: base.time_ns + elapsed_ns,
-            position_m: base.position_m + elapsed_s * mean_mps,
+            position_m: base.position_m + elapsed_s * mean_mps / self.stretch(base),
             speed_mps,
         }
+    }
+
+    /// Way at the vehicle's offset by the way on the axis: 1 without curves.
+    fn stretch(&self, base: &Base) -> f64 {
+        let Some(axis) = &self.axis else { return 1.0 };
+        let (lateral_m, _) = lateral_at(&self.actor, seconds(base.time_ns));
+        1.0 - axis.curvature_perm(base.position_m) * lateral_m
     }
 
     /// Acceleration over the step that starts at `base`, within standstill and the highest speed.

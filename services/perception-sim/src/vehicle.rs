@@ -29,4 +29,13 @@ impl Vehicle {
     pub fn in_ego_path(&self) -> bool {
         self.present && self.lateral_m.abs() < self.touches_within_m
     }
+
+    /// Its middle, with the heading of its body, in the frame that begins with the road. The body has the tangent's heading,
+    /// or the opposite one where it comes towards the ego.
+    #[must_use]
+    pub fn pose(&self, axis: &road::Axis) -> road::Pose {
+        let tangent = axis.point(self.rear_position_m + 0.5 * self.length_m, self.lateral_m);
+        let turned_rad = if self.speed_mps < 0.0 { std::f64::consts::PI } else { 0.0 };
+        road::Pose { heading_rad: tangent.heading_rad + turned_rad, ..tangent }
+    }
 }

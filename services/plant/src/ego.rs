@@ -3,14 +3,15 @@
 use crate::gateway::Actuation;
 use crate::longitudinal::{self, State};
 use crate::truck::{self, Truck};
+use scenario::grade::GradeProfile;
 use scenario::{Problem, Scenario};
 use serde::{Deserialize, Serialize};
 
 /// The ego vehicle.
 #[derive(Clone, Debug)]
 pub enum Ego {
-    /// Follows accelerations.
-    Car(longitudinal::Vehicle),
+    /// Follows accelerations; on a road with heights it feels them.
+    Car(longitudinal::Vehicle, Option<GradeProfile>),
     /// Has engine, gears and a road.
     Truck(Box<Truck>),
 }
@@ -32,14 +33,22 @@ impl Ego {
     pub fn new(scenario: &Scenario) -> Result<Self, Problem> {
         Ok(match Truck::new(scenario)? {
             Some(truck) => Self::Truck(Box::new(truck)),
-            None => Self::Car(longitudinal::Vehicle::new(&scenario.plant)),
+            None => {
+                let mut car = longitudinal::Vehicle::new(&scenario.plant);
+                let heights = (!scenario.road.is_level()).then(|| scenario.road.profile());
+                let heights = heights.transpose()?;
+                if let Some(heights) = &heights {
+                    car.begin_on(heights);
+                }
+                Self::Car(car, heights)
+            }
         })
     }
 
     /// Goes on from what another process kept; what was kept of another kind of ego is passed over.
     pub fn restore(&mut self, kept: Snapshot) {
         match (self, kept) {
-            (Self::Car(car), Snapshot::Car(kept)) => *car = kept,
+            (Self::Car(car, _), Snapshot::Car(kept)) => *car = kept,
             (Self::Truck(truck), Snapshot::Truck(kept)) => truck.restore(&kept),
             _ => {}
         }
@@ -49,7 +58,7 @@ impl Ego {
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         match self {
-            Self::Car(car) => Snapshot::Car(car.clone()),
+            Self::Car(car, _) => Snapshot::Car(car.clone()),
             Self::Truck(truck) => Snapshot::Truck(truck.snapshot()),
         }
     }
@@ -58,8 +67,18 @@ impl Ego {
     /// m/s².
     pub fn step(&mut self, actuation: &Actuation, ceiling_mps2: Option<f64>) {
         match self {
-            Self::Car(car) => car.step_below(actuation.request_mps2, ceiling_mps2),
+            Self::Car(car, heights) => {
+                car.step_on(actuation.request_mps2, ceiling_mps2, heights.as_ref());
+            }
             Self::Truck(truck) => truck.step(actuation, ceiling_mps2),
+        }
+    }
+
+    /// Corrects the place on the axis, m: on a road with a plan the way is not the place.
+    pub fn place(&mut self, position_m: f64) {
+        match self {
+            Self::Car(car, _) => car.place(position_m),
+            Self::Truck(truck) => truck.place(position_m),
         }
     }
 
@@ -67,7 +86,7 @@ impl Ego {
     #[must_use]
     pub fn state(&self) -> State {
         match self {
-            Self::Car(car) => car.state(),
+            Self::Car(car, _) => car.state(),
             Self::Truck(truck) => truck.state(),
         }
     }
@@ -76,7 +95,7 @@ impl Ego {
     #[must_use]
     pub fn truck(&self) -> Option<&Truck> {
         match self {
-            Self::Car(_) => None,
+            Self::Car(..) => None,
             Self::Truck(truck) => Some(truck),
         }
     }

@@ -5,7 +5,8 @@
 //! ```text
 //! control/command ──> delivery ──> gateway ──┐
 //!                                            ├──> ego ──> vehicle/odometry, truth/ego
-//! safety/brake ─────> brake ─────────────────┘     └────> referee ──> summary
+//! safety/brake ─────> brake ─────────────────┘     ├────> lateral ──> vehicle/lateral, truth/pose
+//!                                                  └────> referee ──> summary
 //! ```
 //!
 //! The models are plain code, and only `service` touches the runtime. A vehicle by itself:
@@ -27,9 +28,11 @@ pub mod brake;
 mod braking;
 pub mod chains;
 mod clear;
+pub mod contact;
 pub mod delivery;
 pub mod ego;
 pub mod gateway;
+pub mod lateral;
 pub mod longitudinal;
 pub mod numbers;
 mod parts;

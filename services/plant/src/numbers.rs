@@ -36,6 +36,21 @@ parameters! {
         /// Growth of the holding force over the truck's mass.
         hold_jerk_mps3: f64 = 0.5, "m/s³", 0.1..=5.0, "Chosen: a standing passenger does not mind it. At 0.25 and 1 nothing changes.";
 
+        // Motion across the road.
+
+        /// Speed from which the single track has dynamics of its own; below, its steady state.
+        dynamic_mps: f64 = 5.0, "m/s", 1.0..=10.0, "Chosen: its time constants are below 0.05 s there.";
+        /// Time constant from the wanted to the real angle of the wheels.
+        steering_lag_s: f64 = 0.15, "s", 0.02..=0.5, "Chosen: a driver's arms and the steering's play (0.1 to 0.2 s in driver models).";
+        /// Speed below which a driver corrects an offset on the way of this speed.
+        steers_from_mps: f64 = 3.0, "m/s", 0.5..=10.0, "Chosen: keeps corrections finite at a stand.";
+        /// Largest angle of the front wheels.
+        most_steering_rad: f64 = 0.6, "rad", 0.3..=1.0, "Chosen: 34 degrees, a car's full lock.";
+        /// Distance of two bodies' middles up to which contact is looked for.
+        contact_within_m: f64 = 30.0, "m", 10.0..=100.0, "Chosen: two half lorries of 16.5 m and the way of two periods.";
+        /// Time over which the lateral jerk is averaged.
+        lateral_jerk_s: f64 = 0.5, "s", 0.1..=2.0, "Source: UN R79, lateral jerk as a mean of 0.5 s (from memory).";
+
         // The emergency brake's path.
 
         /// Periods of the emergency brake without a message after which its last request ends.

@@ -170,6 +170,11 @@ impl Truck {
         }
     }
 
+    /// Corrects the place on the axis, m.
+    pub fn place(&mut self, position_m: f64) {
+        self.motion.position_m = position_m;
+    }
+
     /// Present state of motion.
     #[must_use]
     pub fn state(&self) -> State {

@@ -1,19 +1,22 @@
 //! The energy that a car's drive takes at the wheels.
 //!
 //! ```text
-//! F = m (a + g f) + rho c_d A v² / 2        E = integral of max(F, 0) over the way
+//! F = m (a + g f + g i) + rho c_d A v² / 2        E = integral of max(F, 0) over the way
 //! ```
 //!
 //! | symbol | value | unit |
 //! |---|---|---|
 //! | m | `mass_kg` of `[plant]`'s powertrain, else [`Numbers::car_mass_kg`] | kg |
 //! | f | [`Numbers::rolling`] | |
+//! | i | mean grade of the way: rise over way | |
 //! | rho c_d A | [`Numbers::drag_kgpm`] | kg/m |
 //!
 //! Source: Mitschke and Wallentowitz, Dynamik der Kraftfahrzeuge (5th ed.), chapter 5; the coefficients are
 //! those of a saloon car.
 
-use scenario::plant::{Plant, Vehicle};
+use scenario::Scenario;
+use scenario::grade::GradeProfile;
+use scenario::plant::Vehicle;
 use serde::{Deserialize, Serialize};
 
 use crate::longitudinal::State;
@@ -25,10 +28,13 @@ const GRAVITY_MPS2: f64 = 9.81;
 const KWH_J: f64 = 3.6e6;
 
 /// The energy so far.
-#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct WheelEnergy {
     #[serde(skip)]
     numbers: Numbers,
+    /// `None` for a level road.
+    #[serde(skip)]
+    heights: Option<GradeProfile>,
     mass_kg: f64,
     energy_j: f64,
     way_m: f64,
@@ -37,12 +43,20 @@ pub struct WheelEnergy {
 impl WheelEnergy {
     /// A car before its drive; `None` for a truck, whose fuel is known.
     #[must_use]
-    pub fn of(plant: &Plant, numbers: &Numbers) -> Option<Self> {
+    pub fn of(scenario: &Scenario, numbers: &Numbers) -> Option<Self> {
+        let plant = &scenario.plant;
         let own_kg = plant.powertrain.map(|powertrain| powertrain.mass_kg.value());
         let mass_kg = own_kg.unwrap_or(numbers.car_mass_kg);
         let numbers = *numbers;
-        let still = Self { numbers, mass_kg, energy_j: 0.0, way_m: 0.0 };
+        // A scenario's check has read the heights already.
+        let heights = scenario.road.profile().ok().filter(|_| !scenario.road.is_level());
+        let still = Self { numbers, heights, mass_kg, energy_j: 0.0, way_m: 0.0 };
         (plant.vehicle == Vehicle::Car).then_some(still)
+    }
+
+    /// Goes on from what another process kept.
+    pub fn restore(&mut self, kept: Self) {
+        *self = Self { numbers: self.numbers, heights: self.heights.take(), ..kept };
     }
 
     /// Adds the drive from one state to the next.
@@ -51,7 +65,10 @@ impl WheelEnergy {
         let speed_mps = 0.5 * (from.speed_mps + to.speed_mps);
         let acceleration_mps2 = 0.5 * (from.acceleration_mps2 + to.acceleration_mps2);
         let Numbers { rolling, drag_kgpm, .. } = self.numbers;
-        let force_n = self.mass_kg * (acceleration_mps2 + rolling * GRAVITY_MPS2)
+        let slope_mps2 = self.heights.as_ref().map_or(0.0, |heights| {
+            GRAVITY_MPS2 * heights.mean_grade(from.position_m, to.position_m)
+        });
+        let force_n = self.mass_kg * (acceleration_mps2 + rolling * GRAVITY_MPS2 + slope_mps2)
             + 0.5 * drag_kgpm * speed_mps * speed_mps;
         self.energy_j += force_n.max(0.0) * way_m;
         self.way_m += way_m;
@@ -67,13 +84,12 @@ impl WheelEnergy {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use scenario::Scenario;
 
     #[test]
     fn a_constant_speed_costs_its_resistance() {
         let scenario = Scenario::parse("x", "schema_version = 1\nname = \"x\"\n");
-        let mut energy = WheelEnergy::of(&scenario.expect("it is right").plant, &Numbers::DEFAULT)
-            .expect("a car");
+        let mut energy =
+            WheelEnergy::of(&scenario.expect("it is right"), &Numbers::DEFAULT).expect("a car");
         let at = |position_m| State { position_m, speed_mps: 30.0, acceleration_mps2: 0.0 };
         assert_eq!(energy.kwh_per_100km(), None);
         for k in 0..1000 {
@@ -82,5 +98,18 @@ mod tests {
         // 172.7 N of rolling resistance and 344.7 N of drag over 100 km.
         let found = energy.kwh_per_100km().expect("1 km");
         assert!((found - 517.4 * 1e5 / 3.6e6).abs() < 0.01, "{found}");
+    }
+    #[test]
+    fn a_climb_costs_its_height() {
+        let text = "schema_version = 1\nname = \"x\"\nroad.points = [[0, 0], [400, 8]]\n";
+        let scenario = Scenario::parse("x", text).expect("it is right");
+        let mut energy = WheelEnergy::of(&scenario, &Numbers::DEFAULT).expect("a car");
+        let at = |position_m| State { position_m, speed_mps: 30.0, acceleration_mps2: 0.0 };
+        for k in 0..400 {
+            energy.add(&at(f64::from(k)), &at(f64::from(k + 1)));
+        }
+        // 517.4 N as on a level road, and the weight of 1600 kg on 2 %.
+        let found = energy.kwh_per_100km().expect("400 m");
+        assert!((found - (517.4 + 0.02 * 1600.0 * 9.81) * 1e5 / 3.6e6).abs() < 0.01, "{found}");
     }
 }

@@ -196,6 +196,17 @@ fn figures(summary: &Summary) -> Vec<Tile> {
         ),
         tile("Largest jerk", number(control.max_abs_jerk_mps3, 1, "m/s³"), String::new()),
         tile(
+            "Largest lateral acceleration",
+            number(control.max_abs_lateral_accel_mps2, 2, "m/s²"),
+            number(control.max_abs_lateral_jerk_mps3, 2, "m/s³")
+                .map_or_else(String::new, |jerk| format!("lateral jerk {jerk}")),
+        ),
+        tile(
+            "Outside the lane",
+            number(control.outside_lane_s.filter(|time_s| *time_s > 0.0), 1, "s"),
+            String::new(),
+        ),
+        tile(
             "Fuel",
             number(control.fuel_l_per_100km, 2, "L/100 km"),
             match summary.control.trip.energy_is_comparable {

@@ -174,6 +174,61 @@ fn a_cut_in_of_constant_speed_rises_evenly_and_ends_at_once() {
     assert_eq!(lateral(5.0), 0.0);
 }
 
+/// Places of two vehicles at 20 m/s after some time, one in the ego's lane and one 3.5 m to the left of it.
+fn pair_in_a_curve(road: &str, events: &str, time_s: f64) -> [f64; 2] {
+    let actor = |name: &str, lateral: &str| {
+        format!(
+            "[[actors]]\nname = \"{name}\"\ngap_m = 50\ninitial_speed_mps = 20\n\
+             lateral_offset_m = {lateral}\n{events}"
+        )
+    };
+    let text = format!("{}{}{road}", actor("lead", "0"), actor("beside", "3.5"));
+    let mut traffic = traffic(&text);
+    let end = (time_s * 1e9) as u64;
+    for time_ns in (0..=end).step_by(PERIOD_NS as usize) {
+        traffic.advance(time_ns, &ego(0.0));
+    }
+    [0, 1].map(|index| traffic.vehicles()[index].rear_position_m - 50.0)
+}
+
+#[test]
+fn the_inner_lane_of_a_curve_is_shorter() {
+    // A left curve: the vehicle on the left covers 250 m of the axis on 246.5 m.
+    let arc = "[road.plan]\npieces = [{ arc_m = 900, radius_m = 250, turn = \"left\" }]\n";
+    // An event moves vehicles by a storyboard, by the same rule.
+    let event = "[[actors.events]]\nwhen = { time_s = 90 }\nspeed = { to_mps = 0, rate_mps2 = 1 }\n";
+    for events in ["", event] {
+        let [lead_m, beside_m] = pair_in_a_curve(arc, events, 9.0);
+        assert!((lead_m - 180.0).abs() < 1e-6, "{lead_m}");
+        assert!((beside_m - 180.0 / (1.0 - 3.5 / 250.0)).abs() < 0.02, "{beside_m}");
+        let straight = "[road.plan]\npieces = [{ line_m = 900 }]\n";
+        let [plain, planned] = ["", straight].map(|road| pair_in_a_curve(road, events, 9.0));
+        assert_eq!(plain.map(f64::to_bits), planned.map(f64::to_bits));
+    }
+}
+
+#[test]
+fn a_body_lies_on_its_offset_along_the_tangent() {
+    let arc = "[road.plan]\npieces = [{ arc_m = 900, radius_m = 125, turn = \"right\" }]\n";
+    let text = format!("schema_version = 1\nname = \"x\"\n{arc}");
+    let scenario = Scenario::parse("x.toml", &text).expect("it is right");
+    let axis = scenario.road.plan().expect("it has one").axis();
+    let lorry = Vehicle {
+        present: true,
+        rear_position_m: 91.75,
+        length_m: 16.5,
+        lateral_m: 3.5,
+        speed_mps: 20.0,
+        ..Vehicle::default()
+    };
+    let pose = lorry.pose(axis);
+    assert!((pose.heading_rad + 100.0 / 125.0).abs() < 1e-9);
+    // The centre of the curve is at (0, -125).
+    assert!((libm::hypot(pose.x_m, pose.y_m + 125.0) - 128.5).abs() < 1e-6);
+    let oncoming = Vehicle { speed_mps: -20.0, ..lorry }.pose(axis);
+    assert!((oncoming.heading_rad - pose.heading_rad - std::f64::consts::PI).abs() < 1e-12);
+}
+
 proptest! {
     #[test]
     fn the_result_does_not_depend_on_the_sampling(

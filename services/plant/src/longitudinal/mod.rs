@@ -22,12 +22,20 @@
 //! when the brake lets go, what the controller commands acts again, and nothing of the brake is left. `paper-euler`,
 //! which has no emergency brake in its paper, puts the ceiling on the request.
 //!
+//! On a grade gravity takes g sin θ from the acceleration of driveline and brakes, θ being the mean grade under the car.
+//! The lag is theirs: they know the grade, and a change of it acts at once and fades with tau. The bounds of u and the
+//! power are theirs too. So a car on a level road is the same to the last bit.
+//!
 //! The vehicle never moves backwards: at standstill speed and (negative) acceleration are zero.
 
+use scenario::grade::GradeProfile;
 use scenario::plant::{Integrator, Plant};
 use serde::{Deserialize, Serialize};
 
 use crate::numbers::Numbers;
+
+/// Acceleration of gravity, m/s².
+const GRAVITY_MPS2: f64 = 9.81;
 
 /// State of motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -50,8 +58,11 @@ pub struct Vehicle {
     specific_power: f64,
     /// Speed below which the power limits no further, m/s.
     traction_from_mps: f64,
+    length_m: f64,
     motion: Motion,
     state: State,
+    /// Share of gravity along the road at the last step, m/s².
+    slope_mps2: f64,
 }
 
 /// The integrator and what it keeps between samples.
@@ -105,8 +116,10 @@ impl Vehicle {
                 1e3 * powertrain.max_power_kw.value() / powertrain.mass_kg.value()
             }),
             traction_from_mps: numbers.traction_from_mps,
+            length_m: plant.length_m.value(),
             motion,
             state,
+            slope_mps2: 0.0,
         }
     }
 
@@ -118,16 +131,31 @@ impl Vehicle {
 
     /// The same with the emergency brake's ceiling on the acceleration, m/s².
     pub fn step_below(&mut self, request_mps2: f64, ceiling_mps2: Option<f64>) {
+        self.step_on(request_mps2, ceiling_mps2, None);
+    }
+
+    /// The same on a road with heights.
+    pub fn step_on(
+        &mut self,
+        request_mps2: f64,
+        ceiling_mps2: Option<f64>,
+        road: Option<&GradeProfile>,
+    ) {
         let ceiling = ceiling_mps2.map(|ceiling| ceiling.max(self.min_mps2));
         match &mut self.motion {
             Motion::Fine { substeps, step_s, decay, lag_mps2 } => {
                 let (substeps, step_s, decay, mut lag_mps2) =
                     (*substeps, *step_s, *decay, *lag_mps2);
                 for _ in 0..substeps {
+                    if let Some(road) = road {
+                        lag_mps2 -= self.take_slope(road);
+                    }
                     let request = self.attainable(request_mps2, self.state.speed_mps);
                     let unbraked = State { acceleration_mps2: lag_mps2, ..self.state };
                     let free = exact_step(unbraked, request, self.tau_s, step_s, decay);
                     lag_mps2 = free.acceleration_mps2;
+                    let least = self.min_mps2 - self.slope_mps2;
+                    let ceiling = ceiling.map(|ceiling| ceiling.max(least));
                     self.state = match ceiling {
                         Some(ceiling) if ceiling < lag_mps2 => {
                             // Traction goes back with the ceiling, not at once.
@@ -147,6 +175,29 @@ impl Vehicle {
         }
     }
 
+    /// Takes the slope under the car; returns by how much it has grown, m/s². A standing car is held.
+    fn take_slope(&mut self, road: &GradeProfile) -> f64 {
+        let front_m = self.state.position_m;
+        let grade = road.mean_grade(front_m - self.length_m, front_m);
+        let slope_mps2 = GRAVITY_MPS2 * grade / libm::sqrt(1.0 + grade * grade);
+        let grown = slope_mps2 - self.slope_mps2;
+        self.slope_mps2 = slope_mps2;
+        if self.state.speed_mps > 0.0 { grown } else { 0.0 }
+    }
+
+    /// Begins on a road with heights, with brakes and driveline in balance with its grade.
+    pub fn begin_on(&mut self, road: &GradeProfile) {
+        self.take_slope(road);
+    }
+
+    /// Corrects the place on the axis, m.
+    pub fn place(&mut self, position_m: f64) {
+        if let Motion::PaperEuler { base, .. } = &mut self.motion {
+            base.position_m += position_m - self.state.position_m;
+        }
+        self.state.position_m = position_m;
+    }
+
     /// Present state.
     #[must_use]
     pub fn state(&self) -> State {
@@ -161,7 +212,8 @@ impl Vehicle {
 
     fn attainable(&self, request_mps2: f64, speed_mps: f64) -> f64 {
         let traction = self.specific_power / speed_mps.max(self.traction_from_mps);
-        request_mps2.clamp(self.min_mps2, self.max_mps2).min(traction)
+        let slope = self.slope_mps2;
+        request_mps2.clamp(self.min_mps2 - slope, self.max_mps2 - slope).min(traction - slope)
     }
 
     fn euler_sample(&mut self, request_mps2: f64) {
@@ -230,5 +282,7 @@ fn without_reverse(state: State) -> State {
     }
 }
 
+#[cfg(test)]
+mod grade_tests;
 #[cfg(test)]
 mod tests;

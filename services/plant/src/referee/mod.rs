@@ -16,8 +16,11 @@ use crate::longitudinal::State;
 use crate::numbers::Numbers;
 use crate::wheel_energy::WheelEnergy;
 
+mod plane;
 mod signals;
 
+pub use plane::InPlane;
+use plane::PlaneFigures;
 use signals::StopLines;
 pub use signals::{MAX_SIGNALS, SignalTruth};
 
@@ -58,6 +61,8 @@ pub struct Referee {
     wheel_energy: Option<WheelEnergy>,
     /// The ego has driven since its last stand.
     drives: bool,
+    /// On a road with a plan.
+    plane: Option<PlaneFigures>,
     figures: ControlFigures,
 }
 
@@ -87,10 +92,20 @@ impl Referee {
             violation: None,
             gap_error: MeanSquare::default(),
             jerk: MeanSquare::default(),
-            wheel_energy: WheelEnergy::of(&scenario.plant, numbers),
+            wheel_energy: WheelEnergy::of(scenario, numbers),
             drives: false,
+            plane: PlaneFigures::of(scenario, numbers),
             figures: ControlFigures::default(),
         }
+    }
+
+    /// Goes on from what another process kept.
+    pub fn restore(&mut self, mut kept: Self) {
+        if let (Some(energy), Some(before)) = (&mut kept.wheel_energy, self.wheel_energy.take()) {
+            let kept = std::mem::replace(energy, before);
+            energy.restore(kept);
+        }
+        *self = Self { numbers: self.numbers, ..kept };
     }
 
     /// Takes the truth at `now_ns`: the ego, the vehicle ahead in its lane if there is one, and the
@@ -105,6 +120,18 @@ impl Referee {
         ahead: Option<&Ahead>,
         signals: &[SignalTruth],
     ) -> Option<Violation> {
+        self.observe_in_plane(now_ns, ego, ahead, signals, None)
+    }
+
+    /// The same on a road with a plan: contact is what the bodies in the plane do, not a gap that is used up.
+    pub fn observe_in_plane(
+        &mut self,
+        now_ns: u64,
+        ego: &State,
+        ahead: Option<&Ahead>,
+        signals: &[SignalTruth],
+        in_plane: Option<&InPlane>,
+    ) -> Option<Violation> {
         let sample = Sample { time_s: seconds(now_ns), ego: *ego };
         let finite = ego.position_m.is_finite()
             && ego.speed_mps.is_finite()
@@ -114,7 +141,16 @@ impl Referee {
         }
         self.motion(&sample);
         let ahead = ahead.filter(|ahead| ahead.gap_m.is_finite() && ahead.speed_mps.is_finite());
-        let collision = self.spacing(&sample, ahead);
+        let mut collision = self.spacing(&sample, ahead);
+        if let Some(in_plane) = in_plane {
+            let time_s = sample.time_s;
+            let of = |closing_mps| Violation::Collision { time_s, closing_mps };
+            collision = in_plane.closing_at_contact_mps.map(of);
+            let period_s = self.last.map_or(0.0, |last| time_s - last.time_s);
+            if let Some(plane) = &mut self.plane {
+                plane.add(in_plane, period_s, &mut self.figures);
+            }
+        }
         let red_light =
             self.stop_lines.observe(self.last.as_ref(), &sample, signals, &mut self.figures);
         self.last = Some(sample);
@@ -233,5 +269,7 @@ fn seconds(time_ns: u64) -> f64 {
     time_ns as f64 * 1e-9
 }
 
+#[cfg(test)]
+mod plane_tests;
 #[cfg(test)]
 mod tests;

@@ -25,8 +25,10 @@ use runtime::{
 use scenario::Scenario;
 use scenario::v2x::Phase;
 
+mod plane;
 mod survival;
 
+use plane::Plane;
 use survival::Snapshot;
 pub use survival::last_known;
 
@@ -74,6 +76,8 @@ struct Plant {
     /// Room for the signals as the referee watches them.
     shown: [SignalTruth; MAX_SIGNALS],
     braking: Option<Braking>,
+    /// On a road with a plan.
+    plane: Option<Plane>,
     delivery: Delivery,
     timeliness: Timeliness,
     active: Option<Command>,
@@ -112,6 +116,7 @@ impl Plant {
             signals: runtime.subscriber()?,
             shown: [DARK; MAX_SIGNALS],
             braking: Braking::open(runtime, scenario)?,
+            plane: Plane::open(runtime, scenario)?,
             delivery: Delivery::new(scenario),
             timeliness: Timeliness::new(
                 i64::from(scenario.controller.period_ms.value()) * 1_000_000,
@@ -143,6 +148,9 @@ impl Plant {
         if let Some(braking) = &mut self.braking {
             braking.update(runtime)?;
         }
+        if let Some(plane) = &mut self.plane {
+            plane.update(runtime)?;
+        }
         self.time_s = release.time_s;
         if let Some(signals) = self.signals.newest() {
             self.signal_chain.look(signals, self.ego.state().position_m);
@@ -156,7 +164,11 @@ impl Plant {
         let acceleration_mps2 = self.ego.state().acceleration_mps2;
         let ceiling = (self.braking.as_mut())
             .and_then(|braking| braking.act(&release, now_ns, acceleration_mps2));
+        let before = self.ego.state();
         self.ego.step(&actuation, ceiling);
+        if let Some(plane) = &mut self.plane {
+            plane.step(&before, &mut self.ego);
+        }
         self.keep(release.step)?;
         self.levels.observe(release.time_s, self.level(&release, actuation.source));
         if runtime.is_to_stop() {
@@ -231,7 +243,7 @@ impl Plant {
             message.acceleration_mps2 = state.acceleration_mps2;
             message.request_mps2 = request_mps2;
         })?;
-        Ok(())
+        self.plane.as_mut().map_or(Ok(()), |plane| plane.publish(header, &state))
     }
 
     /// Verdict of the referee on the state at the release.
@@ -242,7 +254,10 @@ impl Plant {
         let ahead = (self.vehicles.newest())
             .and_then(|newest| self.surroundings.ahead(newest, state.position_m, release.time_s));
         let now_ns = release.scheduled_ns.unsigned_abs();
-        self.referee.observe(now_ns, &state, ahead.as_ref(), &self.shown[..count])
+        let in_plane = (self.plane.as_ref())
+            .map(|plane| plane.sample(release, &state, self.vehicles.newest()));
+        let shown = &self.shown[..count];
+        self.referee.observe_in_plane(now_ns, &state, ahead.as_ref(), shown, in_plane.as_ref())
     }
 
     /// True if the run ends because the ego is clear of all others.

@@ -7,12 +7,13 @@ use runtime::{Checkpoint, Figures, Group, Runtime, RuntimeError};
 use serde::{Deserialize, Serialize};
 
 use super::Plant;
+use super::plane::Plane;
 use crate::braking::{self, Braking};
 use crate::referee::{Referee, Violation};
 use crate::report::{ControlFigures, Outcome, PlantReport};
 use crate::timeliness::Timeliness;
 use crate::truck::Truck;
-use crate::{ego, gateway, times};
+use crate::{ego, gateway, lateral, times};
 
 /// The state as it is read.
 #[derive(Deserialize)]
@@ -23,6 +24,7 @@ pub(super) struct Snapshot {
     referee: Referee,
     request_mps2: f64,
     braking: Option<braking::Snapshot>,
+    plane: Option<lateral::State>,
     counted: Counted,
     levels: LevelLog,
 }
@@ -36,6 +38,7 @@ struct Keeping<'a> {
     referee: &'a Referee,
     request_mps2: f64,
     braking: Option<braking::Snapshot>,
+    plane: Option<lateral::State>,
     counted: Counted,
     levels: &'a LevelLog,
 }
@@ -82,11 +85,14 @@ impl Plant {
         let Some(kept) = self.checkpoint.as_mut().and_then(Checkpoint::restore) else { return };
         runtime.resume_after(kept.step);
         self.ego.restore(kept.ego);
-        self.referee = kept.referee;
+        self.referee.restore(kept.referee);
         self.gateway.restore(&kept.gateway);
         self.request_mps2 = kept.request_mps2;
         if let (Some(braking), Some(kept)) = (&mut self.braking, kept.braking) {
             braking.restore(kept);
+        }
+        if let (Some(plane), Some(kept)) = (&mut self.plane, kept.plane) {
+            plane.restore(&kept);
         }
         self.levels = kept.levels;
         self.time_s = kept.counted.time_s;
@@ -104,6 +110,7 @@ impl Plant {
             referee: &self.referee,
             request_mps2: self.request_mps2,
             braking: self.braking.as_ref().map(Braking::snapshot),
+            plane: self.plane.as_ref().map(Plane::state),
             counted: Counted {
                 time_s: self.time_s,
                 timeliness: self.timeliness,

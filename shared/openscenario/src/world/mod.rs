@@ -5,6 +5,7 @@
 //! positions of shapes are closed forms of time, and so is the distance covered under a shape: the size of
 //! the steps decides only when triggers are evaluated.
 
+mod bend;
 mod check;
 mod condition;
 mod end;
@@ -24,6 +25,7 @@ use serde::{Deserialize, Serialize};
 use crate::expression::Value;
 use crate::model::action::{Action, SpeedTarget, Transition};
 use crate::model::{Drive, Script};
+pub use bend::Bend;
 use condition::ConditionMemory;
 pub use geometry::Extent;
 use motion::Mover;
@@ -142,6 +144,8 @@ pub struct State {
 pub struct World {
     script: Arc<Script>,
     plan: Arc<Plan>,
+    /// On a road with a plan.
+    bend: Option<Bend>,
     state: State,
 }
 
@@ -162,7 +166,8 @@ impl World {
             conditions: vec![ConditionMemory::default(); plan.conditions],
             values: script.values.iter().map(|named| named.value.clone()).collect(),
         };
-        let mut world = Self { script: Arc::new(script), plan: Arc::new(plan), state };
+        let (script, plan) = (Arc::new(script), Arc::new(plan));
+        let mut world = Self { script, plan, bend: None, state };
         world.place()?;
         world.first_speeds()?;
         let script = Arc::clone(&world.script);

@@ -132,6 +132,7 @@ impl World {
 
     fn drive(&mut self, entity: usize, from_ns: u64, time_ns: u64) {
         let elapsed_s = seconds(time_ns - from_ns);
+        let stretch = self.stretch(entity);
         let reference = match self.state.movers[entity].pace {
             Pace::Match { entity: other, factor, offset_mps, .. } => {
                 (factor * self.state.movers[other].motion.speed_mps + offset_mps)
@@ -158,7 +159,7 @@ impl World {
                 (0.5 * (before + speed) * elapsed_s, speed, rate(before, speed, elapsed_s), false)
             }
         };
-        mover.roll(way_m, speed_mps, acceleration);
+        mover.roll(way_m, stretch, speed_mps, acceleration);
         if over {
             self.end_pace(entity);
         }
@@ -168,6 +169,7 @@ impl World {
     fn keep(&mut self, entity: usize, distance: &Distance, from_ns: u64, time_ns: u64) {
         let elapsed_s = seconds(time_ns - from_ns);
         let before = self.state.movers[entity].motion.speed_mps;
+        let stretch = self.stretch(entity);
         let Some(goal) = self.gap_goal(entity, distance) else {
             self.drive_free(entity, elapsed_s);
             return;
@@ -177,7 +179,7 @@ impl World {
             let mover = &mut self.state.movers[entity];
             let here = mover.motion.s_m;
             let way_m = (goal - here) * mover.motion.direction();
-            mover.roll(way_m, other, rate(before, other, elapsed_s));
+            mover.roll(way_m, stretch, other, rate(before, other, elapsed_s));
             mover.motion.s_m = goal;
             return;
         };
@@ -191,7 +193,8 @@ impl World {
         let up = limits.max_acceleration_mps2 * elapsed_s;
         let down = limits.max_deceleration_mps2 * elapsed_s;
         let speed = before + (wanted - before).max(-down).min(up);
-        mover.roll(0.5 * (before + speed) * elapsed_s, speed, rate(before, speed, elapsed_s));
+        let way_m = 0.5 * (before + speed) * elapsed_s;
+        mover.roll(way_m, stretch, speed, rate(before, speed, elapsed_s));
         let reached = error_m.abs() < REACHED_M && (speed - other).abs() < REACHED_MPS;
         if reached && !distance.continuous {
             mover.motion.speed_mps = other;
@@ -200,9 +203,10 @@ impl World {
     }
 
     fn drive_free(&mut self, entity: usize, elapsed_s: f64) {
+        let stretch = self.stretch(entity);
         let mover = &mut self.state.movers[entity];
         let speed = mover.motion.speed_mps;
-        mover.roll(speed * elapsed_s, speed, 0.0);
+        mover.roll(speed * elapsed_s, stretch, speed, 0.0);
     }
 
     /// The coordinate `s` at which the entity has its distance from another, m.
@@ -317,8 +321,9 @@ impl World {
 }
 
 impl Mover {
-    /// Covers a distance along the heading. A timed trajectory moves the entity by itself.
-    fn roll(&mut self, way_m: f64, speed_mps: f64, acceleration_mps2: f64) {
+    /// Covers a distance along the heading, of which `stretch` is the part for each metre of the axis. A timed trajectory
+    /// moves the entity by itself.
+    fn roll(&mut self, way_m: f64, stretch: f64, speed_mps: f64, acceleration_mps2: f64) {
         if self.path.as_ref().is_some_and(|path| path.by_way_from_m.is_none())
             || !self.motion.present
         {
@@ -327,7 +332,7 @@ impl Mover {
         let motion = &mut self.motion;
         let heading = motion.heading_rad;
         if self.path.is_none() {
-            motion.s_m += way_m * libm::cos(heading);
+            motion.s_m += way_m * libm::cos(heading) / stretch;
             motion.t_m += way_m * libm::sin(heading);
         }
         motion.speed_mps = speed_mps;

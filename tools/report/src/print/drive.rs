@@ -41,6 +41,16 @@ pub(super) fn drive(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         let (low, high) = (number(low, 2), number(high, 2));
         line("acceleration", format!("{low} to {high} m/s²{jerk}"));
     }
+    if let Some(lateral) = control.max_abs_lateral_accel_mps2 {
+        let jerk = control
+            .max_abs_lateral_jerk_mps3
+            .map_or_else(String::new, |jerk| format!(", jerk {} m/s³", number(jerk, 2)));
+        let outside = match control.outside_lane_s {
+            Some(time_s) if time_s > 0.0 => format!(", outside the lane for {time_s:.1} s"),
+            _ => String::new(),
+        };
+        line("lateral", format!("at most {} m/s²{jerk}{outside}", number(lateral, 2)));
+    }
     if let Some(energy) = control.wheel_energy_kwh_per_100km {
         let stops = match control.stops {
             Some(1) => ", 1 stop".to_owned(),

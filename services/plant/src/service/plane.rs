@@ -1,0 +1,109 @@
+//! The plant's part of a road with a plan: motion across the road, and its messages.
+
+use messages::{EgoPose, Header, LateralMotion, VehiclePoses, VehicleTruth};
+use runtime::{Publisher, Release, Runtime, RuntimeError, Subscriber};
+use scenario::Scenario;
+use scenario::event::VEHICLE_WIDTH_M;
+
+use crate::contact::{Rectangle, closing_at_contact};
+use crate::ego::Ego;
+use crate::lateral::{self, Lateral};
+use crate::longitudinal::State;
+use crate::numbers::Numbers;
+use crate::referee::InPlane;
+
+/// Motion across the road with its ports.
+pub(super) struct Plane {
+    lateral: Lateral,
+    sensors: Publisher<LateralMotion>,
+    pose: Publisher<EgoPose>,
+    others: Subscriber<VehiclePoses>,
+    length_m: f64,
+    contact_within_m: f64,
+}
+
+impl Plane {
+    /// Opens the ports; `None` without a plan of the road.
+    pub(super) fn open(
+        runtime: &mut Runtime,
+        scenario: &Scenario,
+    ) -> Result<Option<Self>, RuntimeError> {
+        let Some(lateral) = Lateral::of(scenario, &Numbers::DEFAULT) else { return Ok(None) };
+        Ok(Some(Self {
+            lateral,
+            sensors: runtime.publisher()?,
+            pose: runtime.publisher()?,
+            others: runtime.subscriber()?,
+            length_m: scenario.plant.length_m.value(),
+            contact_within_m: Numbers::DEFAULT.contact_within_m,
+        }))
+    }
+
+    /// Sends what the sensors measure, and the truth.
+    pub(super) fn publish(&mut self, header: Header, ego: &State) -> Result<(), RuntimeError> {
+        let measured = self.lateral.measured();
+        self.sensors.send_with(|message| {
+            message.header = header;
+            message.yaw_rate_radps = measured.yaw_rate_radps;
+            message.lateral_acceleration_mps2 = measured.lateral_acceleration_mps2;
+            message.steering_rad = measured.steering_rad;
+        })?;
+        let lateral = &self.lateral;
+        self.pose.send_with(|message| {
+            message.header = header;
+            lateral.write(ego, message);
+        })?;
+        Ok(())
+    }
+
+    /// Takes the newest bodies of the others.
+    pub(super) fn update(&mut self, runtime: &Runtime) -> Result<(), RuntimeError> {
+        runtime.update(&mut self.others)
+    }
+
+    /// The ego across the road at a release, for the referee.
+    pub(super) fn sample(
+        &self,
+        release: &Release,
+        ego: &State,
+        vehicles: Option<&VehicleTruth>,
+    ) -> InPlane {
+        let state = self.lateral.state();
+        let body = || {
+            let front = self.lateral.placed(ego.position_m);
+            Rectangle::behind(&front, self.length_m, VEHICLE_WIDTH_M)
+        };
+        let others = vehicles.zip(self.others.newest());
+        let closing_at_contact_mps = others.and_then(|others| {
+            closing_at_contact(
+                &body(),
+                ego.speed_mps,
+                release.time_s,
+                others,
+                self.contact_within_m,
+            )
+        });
+        InPlane {
+            lateral_m: state.lateral_m,
+            lateral_acceleration_mps2: state.lateral_acceleration_mps2,
+            closing_at_contact_mps,
+        }
+    }
+
+    /// Moves on by the period in which the ego moved from `from` to where it is.
+    pub(super) fn step(&mut self, from: &State, ego: &mut Ego) {
+        if let Some(position_m) = self.lateral.step(from, &ego.state()) {
+            ego.place(position_m);
+        }
+    }
+
+    /// State that outlives the process.
+    pub(super) fn state(&self) -> lateral::State {
+        *self.lateral.state()
+    }
+
+    /// Goes on from what another process kept.
+    pub(super) fn restore(&mut self, kept: &lateral::State) {
+        self.lateral.restore(kept);
+    }
+}
