@@ -5,7 +5,8 @@ use crate::Recording;
 use crate::link::{orders, say};
 use crate::takes::{INPUTS, Take, inputs};
 use messages::{
-    Course, Curves, Diagnostics, Map, Odometry, Origin, Powertrain, Preview, RadarTracks, Spat, Topic,
+    Course, Curves, Diagnostics, Map, Odometry, Origin, Powertrain, Preview, RadarTracks, Spat,
+    Topic,
 };
 use runtime::{Group, Played, Player, RuntimeError, Tap, Tapped, log_warnings};
 use serde::{Deserialize, Serialize};

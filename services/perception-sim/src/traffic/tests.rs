@@ -196,7 +196,8 @@ fn the_inner_lane_of_a_curve_is_shorter() {
     // A left curve: the vehicle on the left covers 250 m of the axis on 246.5 m.
     let arc = "[road.plan]\npieces = [{ arc_m = 900, radius_m = 250, turn = \"left\" }]\n";
     // An event moves vehicles by a storyboard, by the same rule.
-    let event = "[[actors.events]]\nwhen = { time_s = 90 }\nspeed = { to_mps = 0, rate_mps2 = 1 }\n";
+    let event =
+        "[[actors.events]]\nwhen = { time_s = 90 }\nspeed = { to_mps = 0, rate_mps2 = 1 }\n";
     for events in ["", event] {
         let [lead_m, beside_m] = pair_in_a_curve(arc, events, 9.0);
         assert!((lead_m - 180.0).abs() < 1e-6, "{lead_m}");

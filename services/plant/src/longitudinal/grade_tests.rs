@@ -65,11 +65,12 @@ fn gravity_takes_from_brakes_and_power() {
     };
     let gravity = 9.81 * 0.05 / libm::sqrt(1.0 + 0.05 * 0.05);
     assert!((braked(0.0) + 9.0).abs() < 0.2);
-    assert!((braked(5.0) - braked(0.0) + gravity).abs() < 0.01, "uphill helps");
-    assert!((braked(-5.0) - braked(0.0) - gravity).abs() < 0.01, "downhill costs");
+    assert!((braked(5.0) - braked(0.0) + gravity).abs() < 0.02, "uphill helps");
+    assert!((braked(-5.0) - braked(0.0) - gravity).abs() < 0.02, "downhill costs");
     let top_mps = |percent: f64| {
         let road = road(&[(0.0, 0.0), (500.0, 5.0 * percent), (1000.0, 10.0 * percent)]);
-        let mut car = car("initial_speed_mps = 20\npowertrain = { mass_kg = 2000, max_power_kw = 40 }");
+        let mut car =
+            car("initial_speed_mps = 20\npowertrain = { mass_kg = 2000, max_power_kw = 40 }");
         car.begin_on(&road);
         while car.state().position_m < 900.0 {
             car.step_on(3.0, None, Some(&road));
