@@ -42,6 +42,8 @@ pub(crate) fn where_it_stands(first: &Object, second: &Object, path: Path) -> Op
         acceleration_mps2: second.acceleration_mps2,
         lateral: Lateral::known(moment_m / probability, 0.0),
         probability,
+        // What the first hits may stand beside a curve ahead, through which the first drives.
+        is_on_row: second.is_on_row,
         ..*first
     })
 }

@@ -19,6 +19,9 @@
 //! Letting go is safe if two things hold. Without brakes the ego comes no nearer than the margin and `clear_m`. And if
 //! the other vehicle brakes on, as hard as it did during the intervention, braking anew leaves the margin.
 //!
+//! What stands on a row that crosses the ego's way may stand beside a curve ahead. It neither warns nor brakes before the
+//! last point to steer (`steer_s`): the road would have bent by then.
+//!
 //! A contact is likely if it is with the ego's present acceleration. Cruise control and driver brake long
 //! before the last point, so that their braking keeps this system silent. Source of the order of warning and
 //! braking: UN R152, paragraphs 5.2.1 and 6.4.
@@ -237,6 +240,9 @@ impl Decision {
         if kept.probability < numbers.likely(ego.speed_mps - object.speed_mps) {
             return (kept.probability > numbers.of_no_interest).then_some(assessment);
         }
+        if object.is_on_row && !self.is_last_point_to_steer(ego, &passing) {
+            return Some(assessment);
+        }
         // Each prediction is made only where those before it leave the question open.
         let expected = self.expected(ego, object, &threat);
         let late = |wait_s: f64| {
@@ -248,6 +254,12 @@ impl Decision {
             late(*period_s) && contact(&threat, Plan::Brake(0.0), 0.0).loss < share * kept.loss;
         assessment.warns = assessment.brakes || late(*period_s + *warning_s);
         Some(assessment)
+    }
+
+    /// True if what is ahead is reached so soon that the ego would have to steer now to miss it.
+    fn is_last_point_to_steer(&self, ego: &Ego, threat: &Threat) -> bool {
+        let beside = self.settings.authority.beside(ego, threat, Plan::Keep, 0.0);
+        beside.is_some_and(|beside| beside.first_s <= self.numbers.steer_s)
     }
 
     /// The threat that the last point is reckoned with. Once braking as of a driver is not enough behind what moves, it
@@ -283,7 +295,8 @@ impl Decision {
                 false if offset_m > numbers.leaving_offset_m => offset_m - moved_m,
                 false => offset_m,
             };
-            let touches = overlap(reach_m, then_m, h.sigma_after_m(time_s.min(horizon_s)));
+            let sigma_m = libm::hypot(h.sigma_after_m(time_s.min(horizon_s)), object.way_sigma_m);
+            let touches = overlap(reach_m, then_m, sigma_m);
             let in_s = if inward_mps > 0.0 { (offset_m - reach_m) / inward_mps } else { 0.0 };
             let wanders = (1.0 - h.rate_mps.abs() / numbers.wandering_mps).max(0.0);
             let goes_on = libm::exp(-numbers.ceases_per_s * wanders * in_s.max(0.0));

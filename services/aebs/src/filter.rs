@@ -161,6 +161,15 @@ impl Lateral {
         self.position_m += self.rate_mps * time_s;
     }
 
+    /// The way that its position is counted from has moved by this to the right, m: it moves to the left, and keeps its
+    /// rate.
+    pub fn shift(&mut self, by_m: f64) {
+        for state in &mut self.states {
+            state.mean_m += by_m;
+        }
+        self.position_m += by_m;
+    }
+
     /// It stays where it is from now on.
     pub fn rest(&mut self) {
         *self = Self::first(self.position_m, self.position_sigma_m());
@@ -343,6 +352,18 @@ mod tests {
             let known = Lateral::known(2.0, rate_mps);
             assert!((known.rate_mps - rate_mps).abs() < 1e-6, "{rate_mps} {}", known.rate_mps);
         }
+    }
+
+    #[test]
+    fn a_way_that_moves_is_no_lateral_speed() {
+        let mut filter = Lateral::first(0.0, 0.1);
+        for k in 1..100 {
+            filter.predict(PERIOD_S, f64::INFINITY);
+            filter.shift(0.1);
+            filter.update(0.1 * f64::from(k), 0.01);
+        }
+        assert!((filter.position_m - 9.9).abs() < 1e-9, "{}", filter.position_m);
+        assert!(filter.rate_mps.abs() < 1e-9, "{}", filter.rate_mps);
     }
 
     #[test]

@@ -11,11 +11,16 @@
 //!                                              Decision: monitor ─► warn ─► brake ─► hold
 //! ```
 //!
+//! On a road with curves it reads `vehicle/lateral` too, and counts places along the circle that the ego drives
+//! ([`mod@circle`]). It uses no other estimate of the road: a fault of the controller's perception does not reach it. What
+//! stands on a row that crosses this circle is braked for late (`row`).
+//!
 //! Beside the objects as they are it looks at each that is about to hit another one as it will stand there
 //! ([`Objects::threats`](objects::Objects::threats)).
 //!
 //! Everything but `service` is plain code: state and time are arguments.
 
+pub mod circle;
 mod collision_ahead;
 pub mod decision;
 pub mod filter;
@@ -25,6 +30,7 @@ pub mod objects;
 mod point;
 pub mod prediction;
 pub mod report;
+mod row;
 mod service;
 pub mod sight;
 mod sighting;

@@ -57,6 +57,8 @@ parameters! {
         wandering_mps: f64 = 0.8, "m/s", 0.1..=3.0, "Chosen: three times the standard deviation of lane keeping.";
         /// Rate at which a lateral motion ceases at standstill.
         ceases_per_s: f64 = 0.6, "1/s", 0.0..=5.0, "Chosen. A fifth more or less leaves the totals of 300 random drives unchanged.";
+        /// Time before a contact from which an object on a row that crosses the way is braked for.
+        steer_s: f64 = 1.0, "s", 0.0..=5.0, "Chosen: to move 2 m aside with 4 m/s² takes that long. A road that bends along the row would bend by then.";
         /// Distance of its middle from the ego's axis from which something may be leaving.
         leaving_offset_m: f64 = 0.8, "m", 0.0..=3.0, "Chosen. A fifth more or less leaves the totals of 300 random drives unchanged.";
     }

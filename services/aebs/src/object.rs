@@ -1,5 +1,6 @@
 //! An object: what is known of one vehicle.
 
+use crate::circle::Circle;
 use crate::filter::Lateral;
 
 /// Below this speed over ground an object stands, m/s.
@@ -59,6 +60,12 @@ pub struct Object {
     pub(crate) history: u32,
     /// Time since it was last seen, s.
     pub(crate) unseen_s: f64,
+    /// How far the way there has bent away from its tangent at the ego, m to the left.
+    pub(crate) bow_m: f64,
+    /// How far the road may be beside the way there, as a standard deviation, m.
+    pub(crate) way_sigma_m: f64,
+    /// It stands on a row along which the road may bend ([`mod@crate::row`]).
+    pub(crate) is_on_row: bool,
 }
 
 impl Object {
@@ -85,6 +92,9 @@ impl Object {
             scans: 1,
             history: u32::MAX,
             unseen_s: 0.0,
+            bow_m: 0.0,
+            way_sigma_m: 0.0,
+            is_on_row: false,
         }
     }
 
@@ -130,7 +140,7 @@ impl Object {
 
     /// True if the nearer corner of its face is within half of the field of view, of this tangent.
     pub(crate) fn shows_its_face(&self, view_tangent: f64) -> bool {
-        let off_m = (self.lateral.position_m.abs() - SIDE_M).max(0.0);
+        let off_m = (self.sight_m().abs() - SIDE_M).max(0.0);
         let surely_m = self.distance_m - BLIND_MARGIN_M;
         surely_m > 0.0 && off_m < surely_m * view_tangent
     }
@@ -150,13 +160,13 @@ impl Object {
         let goes_on = self.distance_m - end_m < PLACES_M
             && (middle_m - nearer.lateral.position_m).abs() < 2.0 * nearer.half_width_m
             && (self.speed_mps - nearer.speed_mps).abs() < STANDING_MPS;
-        if goes_on || nearer.hides(self.distance_m, middle_m) {
+        if goes_on || nearer.hides(self.distance_m, self.sight_m()) {
             return self.shown_side().map_or(0.0, |(side, _)| side);
         }
         if middle_m.abs() > self.half_width_m + HALF_WIDTH_M {
             return 0.0;
         }
-        let is_hidden = |side: f64| nearer.hides(self.distance_m, middle_m + side * SIDE_M);
+        let is_hidden = |side: f64| nearer.hides(self.distance_m, self.sight_m() + side * SIDE_M);
         f64::from(is_hidden(1.0)) - f64::from(is_hidden(-1.0))
     }
 
@@ -169,13 +179,13 @@ impl Object {
         let slope = y_m / x_m;
         let (begin_y_m, end_y_m) = (slope * begin_m.max(0.0), slope * end_m.min(x_m));
         let (right_m, left_m) = (begin_y_m.min(end_y_m), begin_y_m.max(end_y_m));
-        let middle_m = self.lateral.position_m;
+        let middle_m = self.sight_m();
         left_m > middle_m - self.half_width_m && right_m < middle_m + self.half_width_m
     }
 
     /// True if all of it that reflects is outside of the field of view, beside the ego.
     pub(crate) fn is_hidden_beside(&self, view_tangent: f64) -> bool {
-        let off_m = (self.lateral.position_m.abs() - SIDE_M).max(0.0);
+        let off_m = (self.sight_m().abs() - SIDE_M).max(0.0);
         let last_m = self.distance_m + self.length_m - OVERHANG_M - BLIND_MARGIN_M;
         last_m <= 0.0 || off_m > last_m * view_tangent
     }
@@ -190,12 +200,29 @@ impl Object {
         }
     }
 
-    /// The side of the ego's axis on which it is, 1 left, -1 right, and how far off the axis the side is
-    /// that it shows, m; `None` if it shows none.
+    /// Offset from the tangent of the way at the ego, m to the left. Lines of sight are straight beside it.
+    fn sight_m(&self) -> f64 {
+        self.lateral.position_m + self.bow_m
+    }
+
+    /// Offset of its axis from the line of sight to it, m to the left. A vehicle on the left of the line shows its right
+    /// side. A lead in the middle of a left curve is on the right of it, and shows its left side.
+    fn aspect_m(&self) -> f64 {
+        self.lateral.position_m - self.bow_m
+    }
+
+    /// The side of the line of sight on which it is, 1 left, -1 right, and where the side is that it shows, m left of
+    /// the way; `None` if it shows none.
     pub(crate) fn shown_side(&self) -> Option<(f64, f64)> {
-        let side = self.lateral.position_m.signum();
-        let off_m = self.lateral.position_m.abs() - SIDE_M;
-        (off_m > SIDE_SHOWS_M).then_some((side, off_m))
+        let side = self.aspect_m().signum();
+        let shows = self.aspect_m().abs() - SIDE_M > SIDE_SHOWS_M;
+        shows.then_some((side, self.lateral.position_m - side * SIDE_M))
+    }
+
+    /// Takes the way that it is counted from.
+    pub(crate) fn see_along(&mut self, way: &Circle) {
+        self.bow_m = 0.5 * way.curvature_perm * self.distance_m * self.distance_m;
+        self.way_sigma_m = Circle::sigma_m(self.distance_m);
     }
 
     /// An object that begins with a point, at its place and with its speed.
@@ -214,6 +241,9 @@ impl Object {
             scans: 0,
             history: 0,
             unseen_s: 0.0,
+            bow_m: 0.0,
+            way_sigma_m: 0.0,
+            is_on_row: false,
         }
     }
 }

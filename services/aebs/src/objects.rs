@@ -26,11 +26,17 @@
 //! An object counts once it was seen in three of four scans; one that stands, in four of five, and not
 //! beyond the neighbouring lanes: what stands beside the road is left out. A standing object through which a lead in the
 //! path drives does not count: it is an echo of several vehicles beside the path.
+//!
+//! On a road with curves x and y are counted along the ego's own circle and left of it ([`mod@crate::circle`]). When the
+//! circle changes, every object is counted anew from it: it stays where it is in the plane, and the estimate of the
+//! curvature makes no lateral speed.
 
+use crate::circle::{Circle, OwnWay};
 use crate::collision_ahead::where_it_stands;
 use crate::decision::Path;
 use crate::object::Object;
-use crate::point::Point;
+use crate::point::{Place, Point};
+use crate::row::Places;
 use crate::sighting::{Sums, correct};
 use messages::Detection;
 
@@ -41,6 +47,8 @@ pub const MAX_OBJECTS: usize = 48;
 const REACH_M: f64 = 6.0;
 /// Points of one object differ from it by no more than this: speed, m/s, and lateral position, m.
 const SAME: (f64, f64) = (2.5, 1.9);
+/// Farther beside the path an object is no threat, whatever row it is on, m.
+const NEAR_PATH_M: f64 = 4.0;
 /// An object that counts is dropped after this time without a point, s.
 const COAST_S: f64 = 0.4;
 /// The same of one that is beside the ego, outside of the field of view, s.
@@ -53,6 +61,9 @@ pub struct Objects {
     sums: Vec<Sums>,
     last_scan_ns: Option<i64>,
     half_field_of_view_rad: f64,
+    /// The circle of the last scan, on a road with a plan.
+    circle: Option<Circle>,
+    places: Places,
 }
 
 impl Objects {
@@ -64,6 +75,8 @@ impl Objects {
             sums: Vec::with_capacity(MAX_OBJECTS),
             last_scan_ns: None,
             half_field_of_view_rad,
+            circle: None,
+            places: Places::new(),
         }
     }
 
@@ -81,21 +94,40 @@ impl Objects {
         self.confirmed().copied().chain(self.confirmed().flat_map(hits))
     }
 
-    /// Takes the detections, nearest first, that were acquired at `scan_ns` by an ego of `ego_mps`. A
+    /// Takes the detections, nearest first, that were acquired at `scan_ns` by an ego of `ego_mps` on a straight road. A
     /// scan that is not later than the last one is passed over. Allocates nothing.
     pub fn take_scan(&mut self, scan_ns: i64, ego_mps: f64, detections: &[Detection]) {
+        self.take_scan_along(None, scan_ns, ego_mps, detections);
+    }
+
+    /// The same along the ego's own `way`, where the road may have curves. Places are then counted along the circle of
+    /// the way and left of it.
+    pub fn take_scan_along(
+        &mut self,
+        way: Option<&OwnWay>,
+        scan_ns: i64,
+        ego_mps: f64,
+        detections: &[Detection],
+    ) {
         let Some(period_s) = self.advance(scan_ns, ego_mps) else { return };
+        let circle = way.map(|way| self.turn(way, period_s, ego_mps));
         let half_field_of_view_rad = self.half_field_of_view_rad;
         self.sums.clear();
         self.sums.resize(self.list.len(), Sums::NONE);
-        for point in detections.iter().filter_map(|detection| Point::of(detection, ego_mps)) {
-            self.assign(&point);
+        let circle = circle.as_ref();
+        for detection in detections {
+            if let Some(point) = Point::of(detection, ego_mps, circle) {
+                self.assign(&point, circle);
+            }
         }
         for (object, sums) in self.list.iter_mut().zip(&self.sums) {
             let shows_its_face = object.shows_its_face(half_field_of_view_rad);
             correct(object, sums, period_s, shows_its_face);
         }
         self.see_what_is_driven_through();
+        if circle.is_some() {
+            self.see_rows(detections, ego_mps);
+        }
         self.list.retain(|object| {
             let seen_lately = object.history & 0b11 != 0;
             let beside = object.is_hidden_beside(half_field_of_view_rad);
@@ -115,6 +147,7 @@ impl Objects {
         if period_s > 1.0 {
             // Nothing is left of what was known.
             self.list.clear();
+            self.places.clear();
         }
         for index in 0..self.list.len() {
             let object = &self.list[index];
@@ -130,6 +163,39 @@ impl Objects {
         Some(period_s)
     }
 
+    /// Counts all places along the circle of the way as it is now; returns it. The ego has driven on for `period_s`, and
+    /// has turned by its yaw rate meanwhile. What stands stays in its place in the plane.
+    fn turn(&mut self, way: &OwnWay, period_s: f64, ego_mps: f64) -> Circle {
+        let circle = way.circle();
+        let before = self.circle.replace(circle).unwrap_or(circle);
+        let (way_m, turn_rad) = (ego_mps * period_s, way.yaw_rate_radps() * period_s);
+        for object in &mut self.list {
+            let off_m = object.lateral.position_m;
+            let (along_m, now_m) =
+                before.seen_from(&circle, (object.distance_m, off_m), way_m, turn_rad);
+            object.distance_m = along_m;
+            object.lateral.shift(now_m - off_m);
+            object.see_along(&circle);
+        }
+        self.places.move_on((&before, &circle), period_s, way_m, turn_rad);
+        circle
+    }
+
+    /// Marks objects on rows along which the road may bend.
+    fn see_rows(&mut self, detections: &[Detection], ego_mps: f64) {
+        let places = detections
+            .iter()
+            .filter_map(|detection| Place::of(detection, ego_mps, self.circle.as_ref()));
+        for place in places.filter(Place::stands) {
+            self.places.take(place.x_m, place.y_m);
+        }
+        for object in &mut self.list {
+            object.is_on_row = object.stands()
+                && object.lateral.position_m.abs() < NEAR_PATH_M
+                && self.places.lead_to(object.distance_m, object.lateral.position_m);
+        }
+    }
+
     /// Marks standing objects in whose place a lead is.
     fn see_what_is_driven_through(&mut self) {
         for index in 0..self.list.len() {
@@ -141,7 +207,7 @@ impl Objects {
         }
     }
 
-    fn assign(&mut self, point: &Point) {
+    fn assign(&mut self, point: &Point, circle: Option<&Circle>) {
         let mut best: Option<(f64, usize)> = None;
         for (index, object) in self.list.iter().enumerate() {
             let (dx, dv, dy) = (
@@ -160,13 +226,16 @@ impl Objects {
         }
         match best {
             Some((_, index)) => self.sums[index].add(point, &self.list[index]),
-            None if self.list.len() < MAX_OBJECTS => self.begin(point),
+            None if self.list.len() < MAX_OBJECTS => self.begin(point, circle),
             None => {}
         }
     }
 
-    fn begin(&mut self, point: &Point) {
-        let object = Object::begin(point.x_m, point.y_m, point.speed_mps);
+    fn begin(&mut self, point: &Point, circle: Option<&Circle>) {
+        let mut object = Object::begin(point.x_m, point.y_m, point.speed_mps);
+        if let Some(circle) = circle {
+            object.see_along(circle);
+        }
         let mut sums = Sums::NONE;
         sums.add(point, &object);
         self.list.push(object);

@@ -1,7 +1,8 @@
-//! A detection as a point beside the ego, with its accuracy.
+//! A detection as a point on the ego's way, with its accuracy.
 
 use messages::Detection;
 
+use crate::circle::Circle;
 use crate::object::STANDING_MPS;
 
 /// Standing points farther off the path than this are left out, m: what stands beyond the neighbouring
@@ -16,10 +17,72 @@ const RATE_SIGMA_MPS: f64 = 0.04;
 const WEAK_SIGMA_MPS: f64 = 0.078;
 /// Standard deviation of a range, m.
 const RANGE_SIGMA_M: f64 = 0.1;
+/// Least cosine of the angle between a line of sight and a motion: beyond, a range rate says little of it.
+const LEAST_COSINE: f64 = 0.1;
 /// Largest amplitude's signal-to-noise ratio in the weights, dB: one strong echo does not decide alone.
 const STRONGEST_DB: f64 = 30.0;
 /// Standard deviation of the place that reflects on a side, m.
 pub(crate) const SIDE_SIGMA_M: f64 = 0.03;
+
+/// Place and speed of a detection.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Place {
+    /// Along the way and left of it.
+    pub(crate) x_m: f64,
+    pub(crate) y_m: f64,
+    /// Speed over ground of what moves along the road.
+    speed_mps: f64,
+    /// Of the angle between the line of sight and the road there.
+    sine: f64,
+    cosine: f64,
+    /// Distance along the body, and the cosine of the azimuth.
+    ahead_m: f64,
+    ahead_cosine: f64,
+}
+
+impl Place {
+    /// `None` for what is behind the antenna, or moves across the line of sight.
+    pub(crate) fn of(detection: &Detection, ego_mps: f64, way: Option<&Circle>) -> Option<Self> {
+        let (sine, cosine) = libm::sincos(detection.azimuth_rad);
+        if cosine < LEAST_COSINE {
+            return None;
+        }
+        let (ahead_m, left_m) = (detection.range_m * cosine, detection.range_m * sine);
+        let Some(way) = way else {
+            return Some(Self {
+                x_m: ahead_m,
+                y_m: left_m,
+                speed_mps: ego_mps + detection.range_rate_mps / cosine,
+                sine,
+                cosine,
+                ahead_m,
+                ahead_cosine: cosine,
+            });
+        };
+        let (x_m, y_m) = way.to_way(ahead_m, left_m);
+        let road_rad = way.heading_at_rad(x_m);
+        let (sine, road_cosine) = libm::sincos(detection.azimuth_rad - road_rad);
+        if road_cosine < LEAST_COSINE {
+            return None;
+        }
+        // What stands comes nearer with the ego's own speed along the line of sight.
+        let own_mps = ego_mps * libm::cos(detection.azimuth_rad - way.heading_rad);
+        Some(Self {
+            x_m,
+            y_m,
+            speed_mps: (own_mps + detection.range_rate_mps) / road_cosine,
+            sine,
+            cosine: road_cosine,
+            ahead_m,
+            ahead_cosine: cosine,
+        })
+    }
+
+    /// True if it stands.
+    pub(crate) fn stands(&self) -> bool {
+        self.speed_mps.abs() < 2.0 * STANDING_MPS
+    }
+}
 
 /// A detection as a point.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +91,7 @@ pub(crate) struct Point {
     pub(crate) y_m: f64,
     /// Speed over ground of what moves along the road.
     pub(crate) speed_mps: f64,
-    /// Tangent of the azimuth.
+    /// Tangent of the angle between the line of sight and the road there.
     pub(crate) tangent: f64,
     pub(crate) amplitude: f64,
     /// Variance of the lateral position, m².
@@ -38,24 +101,20 @@ pub(crate) struct Point {
 }
 
 impl Point {
-    /// `None` for what is behind the antenna or stands beside the road.
-    pub(crate) fn of(detection: &Detection, ego_mps: f64) -> Option<Self> {
-        let (sine, cosine) = libm::sincos(detection.azimuth_rad);
-        if cosine < 0.1 {
+    /// `None` for what is behind the antenna or stands beside the road. Without a `way` the road goes straight on.
+    pub(crate) fn of(detection: &Detection, ego_mps: f64, way: Option<&Circle>) -> Option<Self> {
+        let place = Place::of(detection, ego_mps, way)?;
+        if place.y_m.abs() > STANDING_OFFSET_M && place.stands() {
             return None;
         }
-        let y_m = detection.range_m * sine;
-        let speed_mps = ego_mps + detection.range_rate_mps / cosine;
-        if y_m.abs() > STANDING_OFFSET_M && speed_mps.abs() < 2.0 * STANDING_MPS {
-            return None;
-        }
-        let x_m = detection.range_m * cosine;
+        let Place { x_m, y_m, speed_mps, sine, cosine, ahead_m, ahead_cosine } = place;
         let weak = libm::exp10(-0.05 * detection.snr_db.clamp(0.0, 60.0));
         let (weak_rad, weak_mps) = (WEAK_SIGMA_RAD * weak, WEAK_SIGMA_MPS * weak);
         let along_m2 = RANGE_SIGMA_M * RANGE_SIGMA_M * sine * sine;
+        let ahead_cosine2 = ahead_cosine * ahead_cosine;
         let across_m2 = along_m2
-            + x_m * x_m * (AZIMUTH_SIGMA_RAD * AZIMUTH_SIGMA_RAD + weak_rad * weak_rad)
-                / (cosine * cosine * cosine * cosine);
+            + ahead_m * ahead_m * (AZIMUTH_SIGMA_RAD * AZIMUTH_SIGMA_RAD + weak_rad * weak_rad)
+                / (ahead_cosine2 * ahead_cosine2);
         Some(Self {
             x_m,
             y_m,

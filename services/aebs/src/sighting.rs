@@ -88,13 +88,13 @@ impl Sums {
             let (least_m, most_m) = self.face_ends_m;
             self.face_ends_m = (least_m.min(point.y_m), most_m.max(point.y_m));
         }
-        if let Some((side, off_m)) = object.shown_side()
+        if let Some((side, shown_m)) = object.shown_side()
             && behind_m > SIDE_BEHIND_M
         {
             let known_m = object.lateral.position_sigma_m();
             let known_m2 = known_m * known_m;
             let gate_m = SIDE_GATE * (known_m2 + point.variance_m2).sqrt();
-            if (point.y_m - side * off_m).abs() < gate_m {
+            if (point.y_m - shown_m).abs() < gate_m {
                 self.side_weight += 1.0 / point.variance_m2;
                 self.side_y_m += (point.y_m + side * SIDE_M) / point.variance_m2;
             }

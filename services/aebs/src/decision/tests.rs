@@ -249,3 +249,33 @@ proptest::proptest! {
         proptest::prop_assert_eq!(demand.state, BrakeState::Monitoring);
     }
 }
+
+#[test]
+fn what_stands_on_a_row_is_braked_for_from_the_last_point_to_steer_on() {
+    let first_braking_m = |is_on_row: bool| {
+        let mut decision = Decision::new(settings());
+        (0..1200).map(|k| 60.0 - 0.05 * f64::from(k)).find(|gap_m| {
+            let object = Object { is_on_row, ..in_way(*gap_m, 0.0) };
+            let demand = decision.step(&MOVING, [object]);
+            assert!(!is_on_row || *gap_m < 20.5 || demand.state == BrakeState::Monitoring);
+            demand.state == BrakeState::Braking
+        })
+    };
+    let (row_m, car_m) = (first_braking_m(true), first_braking_m(false));
+    // 20 m/s: a second is 20 m, and braking takes about 33 m.
+    assert!(row_m.is_some_and(|gap_m| (gap_m - 20.0).abs() < 0.5), "{row_m:?}");
+    assert!(car_m.is_some_and(|gap_m| gap_m > 28.0), "{car_m:?}");
+}
+
+#[test]
+fn a_road_that_may_bend_makes_a_contact_less_sure() {
+    let decision = Decision::new(settings());
+    let probability = |offset_m: f64, way_sigma_m: f64| {
+        let object = Object { way_sigma_m, ..Object::at(60.0, 0.0, offset_m, 0.0, 0.95) };
+        let threat = Threat { gap_m: 60.0, speed_mps: 0.0, acceleration_mps2: 0.0, passed_m: 9.0 };
+        let beside = settings().authority.beside(&MOVING, &threat, Plan::Keep, 0.0);
+        decision.contact(&object, &beside.expect("it is ahead")).probability
+    };
+    assert!(probability(0.0, 0.0) > probability(0.0, 1.2));
+    assert!(probability(3.5, 0.0) < probability(3.5, 1.2));
+}

@@ -229,3 +229,131 @@ fn what_a_lead_passes_or_swerves_around_stays() {
     assert_eq!(counts_around_a_lead(0.0, 1.9, 0.0), (true, true), "it drives beside the path");
     assert_eq!(counts_around_a_lead(0.0, -0.4, 0.6), (true, true), "it leaves the path");
 }
+
+/// A scan of what stands at places of the plane, and of a car that drives along a circle, seen by an ego that drives
+/// `way_m` along another circle.
+mod in_curves {
+    use super::*;
+    use crate::circle::{Body, Circle, OwnWay};
+
+    const EGO_MPS: f64 = 20.0;
+
+    /// Detection of a point of the body that moves with a heading, seen by an ego without slip.
+    fn seen(x_m: f64, y_m: f64, speed_mps: f64, heading_rad: f64) -> Detection {
+        let azimuth_rad = libm::atan2(y_m, x_m);
+        Detection {
+            range_rate_mps: speed_mps * libm::cos(azimuth_rad - heading_rad)
+                - EGO_MPS * libm::cos(azimuth_rad),
+            ..detection(x_m, y_m, 0.0)
+        }
+    }
+
+    /// A drive on a circle of `radius_m`; `scan` lists what is seen at a time.
+    fn drive(
+        radius_m: f64,
+        scans: i64,
+        scan: impl Fn(f64, &Circle) -> Vec<Detection>,
+    ) -> (Objects, OwnWay) {
+        let (mut objects, mut way) = (Objects::new(HALF_FIELD_RAD), OwnWay::new(Body::default()));
+        for k in 0..scans {
+            way.take(k * PERIOD_NS, EGO_MPS / radius_m, EGO_MPS);
+            let mut list = scan(k as f64 * 0.05, &way.circle());
+            list.sort_by(|a, b| a.range_m.total_cmp(&b.range_m));
+            objects.take_scan_along(Some(&way), k * PERIOD_NS, EGO_MPS, &list);
+        }
+        (objects, way)
+    }
+
+    #[test]
+    fn a_lead_of_a_curve_is_on_the_way_and_its_neighbour_beside_it() {
+        for (radius_m, lane_m) in [(125.0, 0.0), (-125.0, 0.0), (250.0, 3.5), (-125.0, -3.5)] {
+            let (objects, _) = drive(radius_m, 40, |time_s, circle| {
+                let along_m = 60.0 - 5.0 * time_s;
+                let places = [(0.0, 0.9), (0.0, -0.9), (0.0, 0.0)];
+                let of_car = |(dx, dy): (f64, f64)| {
+                    let (x_m, y_m) = circle.to_body(along_m + dx, lane_m + dy);
+                    let speed_mps = EGO_MPS - 5.0;
+                    seen(x_m, y_m, speed_mps, circle.heading_at_rad(along_m))
+                };
+                places.map(of_car).to_vec()
+            });
+            let list: Vec<_> = objects.confirmed().collect();
+            let [object] = list[..] else { panic!("{radius_m}: {list:?}") };
+            let expected_m = 60.0 - 5.0 * 1.95;
+            assert!((object.distance_m - expected_m).abs() < 0.4, "{radius_m}: {object:?}");
+            assert!((object.lateral.position_m - lane_m).abs() < 0.2, "{radius_m}: {object:?}");
+            assert!((object.speed_mps - 15.0).abs() < 0.2, "{radius_m}: {object:?}");
+            assert!(object.lateral.rate_mps.abs() < 0.1, "{radius_m}: {object:?}");
+        }
+    }
+
+    #[test]
+    fn what_stands_keeps_its_place_while_the_ego_steers_into_a_curve() {
+        // The ego drives straight for 1 s, and then with a radius of 250 m: in steps of 1 ms, by dead reckoning.
+        let (mut objects, mut way) = (Objects::new(HALF_FIELD_RAD), OwnWay::new(Body::default()));
+        let (car_x_m, car_y_m) = (75.0, 4.0);
+        let (mut x_m, mut y_m, mut heading_rad) = (0.0, 0.0, 0.0_f64);
+        for k in 0..2000 {
+            let yaw_rate_radps = if k < 1000 { 0.0 } else { EGO_MPS / 250.0 };
+            if k % 10 == 0 {
+                way.take(k * 1_000_000, yaw_rate_radps, EGO_MPS);
+            }
+            if k % 50 == 0 {
+                let (sine, cosine) = libm::sincos(heading_rad);
+                let (dx, dy) = (car_x_m - x_m, car_y_m - y_m);
+                let (ahead_m, left_m) = (dx * cosine + dy * sine, dy * cosine - dx * sine);
+                let list = [seen(ahead_m, left_m, 0.0, 0.0)];
+                objects.take_scan_along(Some(&way), k * 1_000_000, EGO_MPS, &list);
+                if k > 500 {
+                    let object = objects.confirmed().next().expect("it is followed");
+                    let (body_x_m, body_y_m) =
+                        way.circle().to_body(object.distance_m, object.lateral.position_m);
+                    assert!((body_x_m - ahead_m).abs() < 0.3, "{k}: {object:?} {ahead_m}");
+                    assert!((body_y_m - left_m).abs() < 0.3, "{k}: {object:?} {left_m}");
+                    assert!(object.lateral.rate_mps.abs() < 1e-3, "{k}: {object:?}");
+                }
+            }
+            heading_rad += 0.001 * yaw_rate_radps;
+            let (sine, cosine) = libm::sincos(heading_rad);
+            x_m += 0.001 * EGO_MPS * cosine;
+            y_m += 0.001 * EGO_MPS * sine;
+        }
+    }
+
+    /// Whether standing objects in the way are on a row, before a curve of `radius_m` that begins in `begin_m`.
+    fn rows_before_a_curve(radius_m: f64, begin_m: f64, standing: &[(f64, f64)]) -> Vec<bool> {
+        let curve = Circle { curvature_perm: 1.0 / radius_m, heading_rad: 0.0 };
+        let (objects, _) = drive(1e9, 12, |time_s, _| {
+            let way_m = EGO_MPS * time_s;
+            let placed = standing.iter().map(|(along_m, off_m)| {
+                let beyond_m = (along_m - begin_m).max(0.0);
+                let (x_m, y_m) = curve.to_body(beyond_m, *off_m);
+                (along_m.min(begin_m) + x_m - way_m, y_m)
+            });
+            let ahead = placed.filter(|(x_m, y_m)| *x_m > 0.0 && (y_m / x_m).abs() < 0.5);
+            ahead.map(|(x_m, y_m)| seen(x_m, y_m, 0.0, 0.0)).collect()
+        });
+        let in_way = objects.confirmed().filter(|object| object.lateral.position_m.abs() < 1.9);
+        in_way.map(|object| object.is_on_row).collect()
+    }
+
+    #[test]
+    fn a_queue_beside_a_curve_ahead_is_on_a_row_and_one_in_the_lane_is_not() {
+        let queue = |first_m: f64, off_m: f64| -> Vec<(f64, f64)> {
+            (0..8).map(|k| (first_m + 8.0 * f64::from(k), off_m)).collect()
+        };
+        let beside = rows_before_a_curve(250.0, 30.0, &queue(28.0, -3.5));
+        assert!(!beside.is_empty() && beside.iter().all(|on_row| *on_row), "{beside:?}");
+        let ahead = rows_before_a_curve(250.0, 30.0, &queue(60.0, 0.0));
+        assert!(!ahead.is_empty() && !ahead[0], "{ahead:?}");
+    }
+
+    #[test]
+    fn without_a_way_nothing_is_on_a_row_and_the_road_is_sure() {
+        let mut objects = Objects::new(HALF_FIELD_RAD);
+        follow(&mut objects, 20, |t| 60.0 - 20.0 * t, |_| 0.2);
+        let object = objects.confirmed().next().expect("it stands");
+        assert!(!object.is_on_row);
+        assert_eq!((object.bow_m, object.way_sigma_m), (0.0, 0.0));
+    }
+}

@@ -1,0 +1,267 @@
+//! Rows of standing places, and whether the road bends along one.
+//!
+//! Before a curve what stands beside it stands straight ahead: posts, a guard rail, a queue in the next lane. One echo
+//! of them looks as a car that stands in the ego's lane. All of them together do not: they are on a line that comes
+//! from *beside* the ego's lane and crosses the path ahead.
+//!
+//! ```text
+//!           o     path
+//!         ..o.............►      the row begins d0 beside the lane and bends across the path from σ = e on:
+//!    ego    o                    d(σ) = d0 + c/2 max(0, σ - e)²
+//!         o  o
+//!    o o o                       a queue in the own lane begins in the path and never comes from beside it
+//! ```
+//!
+//! [`Places`] keeps what stood in the last scans. A place is on such a row if two places nearer to the ego lie on one line
+//! of that form with it, all three more than [`APART_M`] from one another.
+
+use crate::circle::Circle;
+
+/// Most places that are kept.
+const MAX_PLACES: usize = 96;
+/// Places farther beside the way are left out, m: what stands beyond the road's edge.
+const WIDEST_M: f64 = 12.0;
+/// A point is of a known place if it is this near, m along and across.
+const SAME_M: (f64, f64) = (1.5, 1.2);
+/// Gain of a new point on a place.
+const GAIN: f64 = 0.3;
+/// Times that a place must be seen to count: one false alarm is no place.
+const SEEN: u32 = 2;
+/// A place is forgotten so long after it was seen, s, and so far behind the bumper, m.
+const KEPT_S: f64 = 3.0;
+const BEHIND_M: f64 = 15.0;
+/// Places of a row are at least this far apart, m: one vehicle shows several echoes.
+const APART_M: f64 = 6.0;
+/// A place is on a line if it is this near, m: a car reflects at its corners and in its middle.
+const ON_LINE_M: f64 = 0.8;
+/// A line begins beside the lane if it is this far from the middle of the way, m: half a lane and 0.45 m.
+const BESIDE_M: f64 = 2.2;
+/// No road bends more against the ego's way, 1/m.
+const SHARPEST_PERM: f64 = 1.0 / 100.0;
+/// Step of the begin of the bend, m.
+const BEGIN_STEP_M: f64 = 5.0;
+
+/// A standing place on the ego's way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Place {
+    along_m: f64,
+    off_m: f64,
+    seen: u32,
+    unseen_s: f64,
+    /// It was seen in this scan.
+    is_fresh: bool,
+}
+
+/// The standing places around the ego's way.
+#[derive(Clone, Debug)]
+pub(crate) struct Places {
+    list: Vec<Place>,
+}
+
+impl Places {
+    /// None yet.
+    pub(crate) fn new() -> Self {
+        Self { list: Vec::with_capacity(MAX_PLACES) }
+    }
+
+    /// Forgets all.
+    pub(crate) fn clear(&mut self) {
+        self.list.clear();
+    }
+
+    /// Moves on by `period_s`, in which the ego drove `way_m` and turned by `turn_rad`, to another circle.
+    pub(crate) fn move_on(
+        &mut self,
+        (from, to): (&Circle, &Circle),
+        period_s: f64,
+        way_m: f64,
+        turn_rad: f64,
+    ) {
+        for place in &mut self.list {
+            let behind = (place.along_m - way_m, place.off_m);
+            (place.along_m, place.off_m) = from.seen_from(to, behind, way_m, turn_rad);
+            place.unseen_s += period_s;
+            place.is_fresh = false;
+        }
+        self.list.retain(|place| {
+            let longest_s = if place.seen < SEEN { 2.5 * period_s } else { KEPT_S };
+            place.unseen_s <= longest_s && place.along_m > -BEHIND_M
+        });
+    }
+
+    /// Takes a standing point of the present scan.
+    pub(crate) fn take(&mut self, along_m: f64, off_m: f64) {
+        if off_m.abs() > WIDEST_M {
+            return;
+        }
+        let is_full = self.list.len() == MAX_PLACES;
+        let known = self.list.iter_mut().find(|place| {
+            (place.along_m - along_m).abs() < SAME_M.0 && (place.off_m - off_m).abs() < SAME_M.1
+        });
+        match known {
+            Some(place) => {
+                place.along_m += GAIN * (along_m - place.along_m);
+                place.off_m += GAIN * (off_m - place.off_m);
+                place.seen += u32::from(!place.is_fresh);
+                (place.unseen_s, place.is_fresh) = (0.0, true);
+            }
+            None if !is_full => {
+                self.list.push(Place { along_m, off_m, seen: 1, unseen_s: 0.0, is_fresh: true });
+            }
+            None => {}
+        }
+    }
+
+    /// True if the road may bend before this place, along a row of standing places that begins beside the lane.
+    pub(crate) fn lead_to(&self, along_m: f64, off_m: f64) -> bool {
+        let seen = || self.list.iter().filter(|place| place.seen >= SEEN);
+        let nearer = seen().filter(|place| place.along_m < along_m - APART_M);
+        nearer.into_iter().any(|near| {
+            let begins = (0..).map(|step| f64::from(step) * BEGIN_STEP_M);
+            begins.take_while(|begin_m| *begin_m < along_m - APART_M).any(|begin_m| {
+                let (p, q) = ((near.along_m - begin_m).max(0.0), along_m - begin_m);
+                let bend_perm = 2.0 * (off_m - near.off_m) / (q * q - p * p);
+                let beside_m = near.off_m - 0.5 * bend_perm * p * p;
+                let is_beside = beside_m.abs() > BESIDE_M && beside_m * bend_perm < 0.0;
+                if !is_beside || bend_perm.abs() > SHARPEST_PERM {
+                    return false;
+                }
+                seen().any(|third| {
+                    let t = (third.along_m - begin_m).max(0.0);
+                    let line_m = beside_m + 0.5 * bend_perm * t * t;
+                    (third.off_m - line_m).abs() < ON_LINE_M
+                        && (third.along_m - near.along_m).abs() > APART_M
+                        && third.along_m < along_m - APART_M
+                })
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const STRAIGHT: Circle = Circle { curvature_perm: 0.0, heading_rad: 0.0 };
+
+    /// Places as an ego on a straight sees them whose lane bends with `radius_m` in `begin_m`.
+    fn before_a_curve(begin_m: f64, radius_m: f64, places: &[(f64, f64)]) -> Places {
+        let curve = Circle { curvature_perm: 1.0 / radius_m, heading_rad: 0.0 };
+        let mut kept = Places::new();
+        for _ in 0..3 {
+            for (along_m, off_m) in places {
+                let (x_m, y_m) = if *along_m < begin_m {
+                    (*along_m, *off_m)
+                } else {
+                    let (x_m, y_m) = curve.to_body(along_m - begin_m, *off_m);
+                    (begin_m + x_m, y_m)
+                };
+                kept.take(x_m, y_m);
+            }
+            kept.move_on((&STRAIGHT, &STRAIGHT), 0.05, 0.0, 0.0);
+        }
+        kept
+    }
+
+    /// Those places that stand in the path straight ahead.
+    fn in_path(places: &Places) -> Vec<(f64, f64)> {
+        let ahead = places.list.iter().filter(|place| place.off_m.abs() < 1.9);
+        ahead.map(|place| (place.along_m, place.off_m)).collect()
+    }
+
+    fn row(first_m: f64, step_m: f64, off_m: f64) -> Vec<(f64, f64)> {
+        (0..12).map(|k| (first_m + step_m * f64::from(k), off_m)).collect()
+    }
+
+    #[test]
+    fn a_queue_in_the_next_lane_of_a_curve_ahead_stands_beside_it() {
+        for radius_m in [125.0, 250.0, 500.0, 1000.0] {
+            for begin_m in [0.0, 20.0, 40.0] {
+                let queue = row(5.0, 8.0, -3.5);
+                let places = before_a_curve(begin_m, radius_m, &queue);
+                let ahead = in_path(&places);
+                assert!(radius_m > 500.0 || !ahead.is_empty(), "{radius_m} {begin_m}");
+                for (along_m, off_m) in ahead {
+                    assert!(places.lead_to(along_m, off_m), "{radius_m} {begin_m} {along_m}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_same_on_the_other_side() {
+        let places = before_a_curve(10.0, -125.0, &row(5.0, 8.0, 3.5));
+        let ahead = in_path(&places);
+        assert!(!ahead.is_empty() && ahead.iter().all(|(x, y)| places.lead_to(*x, *y)));
+    }
+
+    #[test]
+    fn posts_of_a_curve_ahead_stand_beside_it() {
+        for radius_m in [125.0, 250.0, 500.0] {
+            for first_m in [4.0, 9.0, 14.0, 19.0] {
+                let places = before_a_curve(0.0, radius_m, &row(first_m - 20.0, 20.0, -8.0));
+                for (along_m, off_m) in in_path(&places) {
+                    assert!(places.lead_to(along_m, off_m), "{radius_m} {first_m} {along_m}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_queue_in_the_own_lane_is_no_row_from_beside_it() {
+        for radius_m in [125.0, -250.0, 500.0, 1e9] {
+            for begin_m in [0.0, 20.0, 60.0] {
+                let mut standing = row(45.0, 7.5, 0.0);
+                standing.extend(row(3.0, 20.0, -8.0));
+                standing.extend(row(8.0, 20.0, 8.0));
+                let places = before_a_curve(begin_m, radius_m, &standing);
+                let (x_m, y_m) = {
+                    let curve = Circle { curvature_perm: 1.0 / radius_m, heading_rad: 0.0 };
+                    let beyond_m: f64 = 45.0 - begin_m;
+                    let (x_m, y_m) = curve.to_body(beyond_m.max(0.0), 0.0);
+                    (begin_m.min(45.0) + x_m, y_m)
+                };
+                if y_m.abs() < 1.9 {
+                    assert!(!places.lead_to(x_m, y_m), "{radius_m} {begin_m}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn queues_in_both_lanes_leave_the_nearest_car_of_the_own_one_in_the_way() {
+        let mut standing = row(40.0, 7.5, 0.0);
+        standing.extend(row(30.0, 7.5, -3.5));
+        for radius_m in [250.0, -250.0, 1e9] {
+            let places = before_a_curve(40.0, radius_m, &standing);
+            assert!(!places.lead_to(40.0, 0.0), "{radius_m}");
+        }
+    }
+
+    #[test]
+    fn one_sighting_is_no_place_and_old_ones_are_forgotten() {
+        let mut places = Places::new();
+        for (along_m, off_m) in row(5.0, 8.0, -3.5) {
+            places.take(along_m, off_m + along_m * along_m / 250.0);
+        }
+        assert!(!places.lead_to(29.0, 0.0), "seen once");
+        for _ in 0..3 {
+            places.move_on((&STRAIGHT, &STRAIGHT), 0.05, 0.0, 0.0);
+        }
+        assert!(places.list.is_empty());
+        let mut places = before_a_curve(0.0, 125.0, &row(5.0, 8.0, -3.5));
+        places.move_on((&STRAIGHT, &STRAIGHT), 1.0, 40.0, 0.0);
+        assert!(places.list.iter().all(|place| place.along_m > -BEHIND_M));
+        assert!(!places.list.is_empty());
+    }
+
+    #[test]
+    fn there_is_an_end_to_what_is_kept() {
+        let mut places = Places::new();
+        for k in 0..1000 {
+            places.take(2.0 * f64::from(k), 5.0);
+        }
+        assert_eq!(places.list.len(), MAX_PLACES);
+        assert_eq!(places.list.capacity(), MAX_PLACES);
+    }
+}
