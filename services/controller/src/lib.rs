@@ -5,6 +5,7 @@
 //! [`run`] with the law that the scenario names, [`run_law`] with one that you bring along, which
 //! [`serve`] makes a program, [`run_asked`] with one that the caller of a run in one process computes.
 
+pub mod curve_speed;
 pub mod following;
 pub mod ladder;
 pub mod law;

@@ -1,0 +1,160 @@
+//! What the controller knows of the curvature ahead.
+
+/// No road bends more, 1/m: what says so is wrong.
+const SHARPEST_PERM: f64 = 1.0 / 15.0;
+/// Distance between two looks at a clothoid, m.
+const STEP_M: f64 = 5.0;
+/// A clothoid is looked at so far ahead at most, m.
+const FARTHEST_M: f64 = 300.0;
+
+/// A curvature that changes linearly, from the ego on.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Clothoid {
+    /// Curvature at the ego, 1/m, positive to the left.
+    pub curvature_perm: f64,
+    /// Its change along the road, 1/m².
+    pub rate_perm2: f64,
+    /// How far ahead it holds, m.
+    pub valid_m: f64,
+}
+
+/// Mean curvatures in cells of equal length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cells<'a> {
+    /// Begin of the first cell, m ahead of the ego; negative behind it.
+    pub first_m: f64,
+    /// Length of a cell, m.
+    pub cell_m: f64,
+    /// Curvature of each, 1/m.
+    pub curvatures_perm: &'a [f64],
+}
+
+/// What is known of the road ahead.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct RoadAhead<'a> {
+    /// Curvature of the ego's own way, 1/m. It counts where nothing else is known.
+    pub own_perm: Option<f64>,
+    /// Perception's estimate.
+    pub course: Option<Clothoid>,
+    /// The map.
+    pub map: Option<Cells<'a>>,
+}
+
+impl RoadAhead<'_> {
+    /// Calls `see` with the places of the road, m ahead, and their curvatures, 1/m. What no road can be is left out.
+    pub(super) fn each(&self, mut see: impl FnMut(f64, f64)) {
+        let mut sound = |ahead_m: f64, curvature_perm: f64| {
+            // What is no number is not below either.
+            if curvature_perm.abs() <= SHARPEST_PERM {
+                see(ahead_m, curvature_perm);
+            }
+        };
+        if let Some(course) = &self.course {
+            let valid_m = course.valid_m.clamp(0.0, FARTHEST_M);
+            let steps = (valid_m / STEP_M) as u32;
+            for step in 0..=steps {
+                let ahead_m = f64::from(step) * STEP_M;
+                sound(ahead_m, course.curvature_perm + course.rate_perm2 * ahead_m);
+            }
+        }
+        if let Some(map) = self.cells() {
+            for (cell, curvature_perm) in map.curvatures_perm.iter().enumerate() {
+                let begin_m = map.first_m + cell as f64 * map.cell_m;
+                if begin_m + map.cell_m > 0.0 {
+                    sound(begin_m.max(0.0), *curvature_perm);
+                }
+            }
+        }
+        if self.course.is_none()
+            && self.cells().is_none()
+            && let Some(own_perm) = self.own_perm
+        {
+            sound(0.0, own_perm);
+        }
+    }
+
+    /// Curvature at the ego, 1/m: of what is known the sharpest.
+    pub(super) fn here_perm(&self) -> f64 {
+        let mut here_perm = 0.0_f64;
+        self.each(|ahead_m, curvature_perm| {
+            if ahead_m == 0.0 && curvature_perm.abs() > here_perm.abs() {
+                here_perm = curvature_perm;
+            }
+        });
+        here_perm
+    }
+
+    /// True if the road bends by at least `curve_perm` on the next `way_m`.
+    pub(super) fn bends_within(&self, way_m: f64, curve_perm: f64) -> bool {
+        let mut bends = false;
+        self.each(|ahead_m, curvature_perm| {
+            bends |= ahead_m <= way_m && curvature_perm.abs() >= curve_perm;
+        });
+        bends
+    }
+
+    /// The map, if it is one and covers some road ahead.
+    fn cells(&self) -> Option<&Cells<'_>> {
+        let covers = |map: &&Cells<'_>| {
+            let end_m = map.first_m + map.cell_m * map.curvatures_perm.len() as f64;
+            map.cell_m >= 1.0 && end_m.is_finite() && end_m > 0.0 && map.first_m <= 0.0
+        };
+        self.map.as_ref().filter(covers)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn places(road: &RoadAhead<'_>) -> Vec<(f64, f64)> {
+        let mut places = Vec::new();
+        road.each(|ahead_m, curvature_perm| places.push((ahead_m, curvature_perm)));
+        places
+    }
+
+    #[test]
+    fn a_map_is_seen_from_the_ego_s_cell_on() {
+        let curvatures_perm = [1e-3, 2e-3, 3e-3];
+        let map =
+            |first_m| Some(Cells { first_m, cell_m: 25.0, curvatures_perm: &curvatures_perm });
+        let road = RoadAhead { map: map(-10.0), own_perm: Some(9e-3), ..RoadAhead::default() };
+        assert_eq!(places(&road), [(0.0, 1e-3), (15.0, 2e-3), (40.0, 3e-3)]);
+        assert_eq!(road.here_perm(), 1e-3);
+        assert!(road.bends_within(15.0, 2e-3) && !road.bends_within(14.0, 2e-3));
+        let passed = RoadAhead { map: map(-30.0), ..RoadAhead::default() };
+        assert_eq!(places(&passed)[0], (0.0, 2e-3));
+    }
+
+    #[test]
+    fn the_own_way_counts_where_nothing_else_is_known() {
+        let own = RoadAhead { own_perm: Some(-2e-3), ..RoadAhead::default() };
+        assert_eq!(places(&own), [(0.0, -2e-3)]);
+        let ended = Cells { first_m: -90.0, cell_m: 25.0, curvatures_perm: &[1e-3] };
+        assert_eq!(places(&RoadAhead { map: Some(ended), ..own }), [(0.0, -2e-3)]);
+        let empty = Cells { curvatures_perm: &[], ..ended };
+        assert_eq!(places(&RoadAhead { map: Some(empty), ..own }), [(0.0, -2e-3)]);
+        assert_eq!(places(&RoadAhead::default()), []);
+    }
+
+    #[test]
+    fn a_course_counts_as_far_as_it_holds() {
+        let course = Clothoid { curvature_perm: 1e-3, rate_perm2: 1e-4, valid_m: 12.0 };
+        let road = RoadAhead { course: Some(course), ..RoadAhead::default() };
+        let [(0.0, a), (5.0, b), (10.0, c)] = places(&road)[..] else { panic!("three places") };
+        assert!((a - 1e-3).abs() < 1e-12 && (b - 1.5e-3).abs() < 1e-12);
+        assert!((c - 2e-3).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_no_road_can_be_is_left_out() {
+        let wrong = [f64::NAN, f64::INFINITY, 0.1, -1e-3];
+        let map = Cells { first_m: 0.0, cell_m: 25.0, curvatures_perm: &wrong };
+        assert_eq!(places(&RoadAhead { map: Some(map), ..RoadAhead::default() }), [(75.0, -1e-3)]);
+        for map in [Cells { cell_m: f64::NAN, ..map }, Cells { first_m: f64::NAN, ..map }] {
+            assert_eq!(places(&RoadAhead { map: Some(map), ..RoadAhead::default() }), []);
+        }
+        let course = Clothoid { curvature_perm: 0.0, rate_perm2: 0.0, valid_m: f64::NAN };
+        assert!(places(&RoadAhead { course: Some(course), ..RoadAhead::default() }).len() < 100);
+    }
+}

@@ -1,0 +1,246 @@
+use super::*;
+use crate::law::{Ego, Target};
+use proptest::prelude::*;
+
+const PERIOD_S: f64 = 0.1;
+/// Cells of the map, m.
+const CELL_M: f64 = 25.0;
+/// Time constant and jerk of a driver who follows the set speed.
+const FOLLOWS_S: f64 = 1.0;
+const JERK_MPS3: f64 = 2.0;
+
+fn input(time_s: f64, speed_mps: f64, set_speed_mps: f64) -> Input {
+    let ego = Ego { speed_mps, ..Ego::default() };
+    let speed_limit_mps = f64::INFINITY;
+    Input { time_s, period_s: PERIOD_S, ego, set_speed_mps, speed_limit_mps, ..Input::default() }
+}
+
+fn own(radius_m: f64) -> RoadAhead<'static> {
+    RoadAhead { own_perm: Some(1.0 / radius_m), ..RoadAhead::default() }
+}
+
+#[test]
+fn the_comfortable_speed_is_that_of_the_standard_s_radii() {
+    let comfort = Settings::default();
+    for (radius_m, speed_mps) in [(500.0, 31.7), (250.0, 23.3), (125.0, 16.96)] {
+        let found = comfort.comfortable_mps(-1.0 / radius_m);
+        assert!((found - speed_mps).abs() < 0.05, "{radius_m}: {found}");
+    }
+    // Both ends, and no step between.
+    let lateral = |k: f64| k * comfort.comfortable_mps(k) * comfort.comfortable_mps(k);
+    assert!((lateral(0.05) - 2.3).abs() < 1e-9 && (lateral(1e-4) - 2.0).abs() < 1e-9);
+    let mut before = f64::INFINITY;
+    for k in 1..1000 {
+        let speed_mps = comfort.comfortable_mps(2e-5 * f64::from(k));
+        assert!(speed_mps < before, "{k}");
+        before = speed_mps;
+    }
+}
+
+#[test]
+fn the_cap_falls_from_the_ego_s_speed_and_is_gone_a_second_after_the_curve() {
+    let mut curve = CurveSpeed::new(Settings::default());
+    let mut time_s = 0.0;
+    let mut step = |curve: &mut CurveSpeed, road: &RoadAhead<'_>| {
+        let mut input = input(time_s, 25.0, 36.0);
+        time_s += PERIOD_S;
+        curve.cap(&mut input, road, 0.0);
+        input.set_speed_mps
+    };
+    assert_eq!(step(&mut curve, &own(1e6)), 36.0);
+    assert_eq!(step(&mut curve, &own(125.0)), 24.9);
+    for k in 2..30 {
+        let cap_mps = step(&mut curve, &own(125.0));
+        assert!((cap_mps - (25.0 - 0.1 * f64::from(k))).abs() < 1e-9, "{k}: {cap_mps}");
+    }
+    for _ in 0..100 {
+        step(&mut curve, &own(125.0));
+    }
+    assert!((curve.cap_mps().expect("it caps") - 16.96).abs() < 0.01);
+    for _ in 0..10 {
+        step(&mut curve, &own(1e6));
+    }
+    assert_eq!(curve.cap_mps(), None);
+}
+
+#[test]
+fn a_slower_ego_is_not_slowed_down_further() {
+    let mut curve = CurveSpeed::new(Settings::default());
+    for k in 0..200 {
+        let mut input = input(0.1 * f64::from(k), 10.0, 36.0);
+        curve.cap(&mut input, &own(125.0), 0.0);
+        assert!((input.set_speed_mps - 16.96).abs() < 0.01, "{k}: {}", input.set_speed_mps);
+    }
+}
+
+#[test]
+fn a_target_lost_in_a_curve_holds_the_speed_for_two_seconds() {
+    let target = Target { gap_m: 40.0, ..Target::default() };
+    let caps = |road: RoadAhead<'_>, found_again: bool| {
+        let mut curve = CurveSpeed::new(Settings::default());
+        let mut caps = Vec::new();
+        for k in 0..40 {
+            let time_s = 0.1 * f64::from(k);
+            let mut input = input(time_s, 15.0, 36.0);
+            let is_there = k < 5 || (found_again && k >= 10);
+            input.target = is_there.then_some(target);
+            curve.cap(&mut input, &road, 0.0);
+            caps.push(input.set_speed_mps);
+        }
+        caps
+    };
+    let lost = caps(own(1000.0), false);
+    assert!(lost[4] == 36.0 && lost[5] < 15.01 && (lost[20] - 15.0).abs() < 1e-9, "{lost:?}");
+    assert_eq!((lost[24], lost[36]), (15.0, 36.0));
+    assert_eq!(caps(own(1000.0), true)[21], 36.0, "it is there again");
+    assert!(caps(own(1e5), false).iter().all(|cap_mps| *cap_mps == 36.0), "no curve");
+    // The bend is where the target was, and not at the ego.
+    let curvatures_perm = [0.0, 1e-3];
+    let map = Cells { first_m: 0.0, cell_m: 25.0, curvatures_perm: &curvatures_perm };
+    let ahead = RoadAhead { map: Some(map), ..RoadAhead::default() };
+    assert!(caps(ahead, false)[20] < 15.01);
+}
+
+#[test]
+fn the_acceleration_is_bounded_in_a_curve_alone() {
+    let bound = |radius_m: f64, speed_mps: f64| {
+        let mut curve = CurveSpeed::new(Settings::default());
+        for k in 0..100 {
+            let mut input = input(0.1 * f64::from(k), speed_mps, 36.0);
+            curve.cap(&mut input, &own(radius_m), 1.5);
+        }
+        curve.most_mps2
+    };
+    // 20 m/s: 1.7 m/s² in all, 1.6 of it across.
+    assert!((bound(250.0, 20.0) - (1.7_f64 * 1.7 - 1.6 * 1.6).sqrt()).abs() < 1e-9);
+    assert_eq!(bound(100.0, 20.0), 0.0, "nothing is left");
+    assert_eq!(bound(1000.0, 20.0), FREE_MPS2);
+}
+
+#[test]
+fn the_bound_moves_with_the_jerk_of_the_standard() {
+    let mut curve = CurveSpeed::new(Settings::default());
+    let mut before = 1.5;
+    for k in 0..60 {
+        let radius_m = if k < 30 { 100.0 } else { 1e6 };
+        let mut input = input(0.1 * f64::from(k), 20.0, 36.0);
+        curve.cap(&mut input, &own(radius_m), before);
+        let now = curve.most_mps2.min(1.5);
+        assert!((now - before).abs() < 0.25 + 1e-9, "{k}: {before} {now}");
+        before = now;
+    }
+    assert_eq!(before, 1.5);
+}
+
+/// A road of arcs and straights with clothoids between; its curvature at a place.
+struct Arcs(Vec<(f64, f64)>);
+
+impl Arcs {
+    /// Nodes (place, curvature), linear between.
+    fn new(bends: &[(f64, f64, f64, f64)]) -> Self {
+        let mut nodes = vec![(0.0, 0.0), (600.0, 0.0)];
+        let mut place_m = 600.0;
+        for (curvature_perm, spiral_m, arc_m, line_m) in bends {
+            for (length_m, to_perm) in [
+                (*spiral_m, *curvature_perm),
+                (*arc_m, *curvature_perm),
+                (*spiral_m, 0.0),
+                (*line_m, 0.0),
+            ] {
+                place_m += length_m;
+                nodes.push((place_m, to_perm));
+            }
+        }
+        Self(nodes)
+    }
+
+    fn at(&self, place_m: f64) -> f64 {
+        let next = self.0.partition_point(|node| node.0 <= place_m).clamp(1, self.0.len() - 1);
+        let ((a_m, a), (b_m, b)) = (self.0[next - 1], self.0[next]);
+        a + (b - a) * ((place_m - a_m) / (b_m - a_m)).clamp(0.0, 1.0)
+    }
+
+    /// Means of all cells of the road's map, which is `shift_m` too far ahead.
+    fn cells(&self, shift_m: f64) -> Vec<f64> {
+        let count = (self.0[self.0.len() - 1].0 / CELL_M) as u32 + 90;
+        let mean = |cell: u32| {
+            let begin_m = CELL_M * f64::from(cell) - shift_m;
+            let inside = (0..10).map(|k| begin_m + CELL_M * (f64::from(k) + 0.5) / 10.0);
+            inside.map(|place_m| self.at(place_m)).sum::<f64>() / 10.0
+        };
+        (0..count).map(mean).collect()
+    }
+}
+
+/// What the controller knows in a drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Knows {
+    Map(f64),
+    OwnWay,
+}
+
+/// Largest lateral acceleration and jerk of a driver who follows the set speed along a road.
+fn drive(road: &Arcs, set_mps: f64, knows: Knows) -> (f64, f64) {
+    let mut curve = CurveSpeed::new(Settings::default());
+    let (mut place_m, mut speed_mps, mut request) = (0.0, set_mps, 0.0_f64);
+    let (mut lateral, mut jerk) = (0.0_f64, 0.0_f64);
+    let end_m = road.0[road.0.len() - 1].0;
+    let cells = match knows {
+        Knows::Map(shift_m) => road.cells(shift_m),
+        Knows::OwnWay => Vec::new(),
+    };
+    let mut cycle = 0;
+    while place_m < end_m {
+        let mut input = input(PERIOD_S * f64::from(cycle), speed_mps, set_mps);
+        cycle += 1;
+        let first = (place_m / CELL_M) as usize;
+        let map = (knows != Knows::OwnWay).then(|| Cells {
+            first_m: CELL_M * first as f64 - place_m,
+            cell_m: CELL_M,
+            curvatures_perm: &cells[first..first + 80],
+        });
+        let ahead = RoadAhead { own_perm: Some(road.at(place_m)), course: None, map };
+        curve.cap(&mut input, &ahead, request);
+        let wanted = ((input.set_speed_mps - speed_mps) / FOLLOWS_S).clamp(-3.0, 1.5);
+        let most = JERK_MPS3 * PERIOD_S;
+        let free = request + (wanted - request).clamp(-most, most);
+        let before = request;
+        request = if curve.most_mps2 < FREE_MPS2 { free.min(curve.most_mps2) } else { free };
+        jerk = jerk.max((request - before).abs() / PERIOD_S);
+        place_m += speed_mps * PERIOD_S + 0.5 * request * PERIOD_S * PERIOD_S;
+        speed_mps = (speed_mps + request * PERIOD_S).max(0.0);
+        lateral = lateral.max(speed_mps * speed_mps * road.at(place_m).abs());
+    }
+    (lateral, jerk)
+}
+
+fn bend() -> impl Strategy<Value = (f64, f64, f64, f64)> {
+    let radius = (125.0..2000.0_f64, proptest::bool::ANY);
+    let curvature = radius.prop_map(|(r, left)| if left { 1.0 / r } else { -1.0 / r });
+    (curvature, 30.0..200.0_f64, 20.0..400.0_f64, 0.0..400.0_f64)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 1000, ..ProptestConfig::default() })]
+
+    #[test]
+    fn with_a_map_no_curve_is_taken_too_fast(
+        bends in proptest::collection::vec(bend(), 1..6), set in 15.0..42.0_f64,
+    ) {
+        let (lateral, jerk) = drive(&Arcs::new(&bends), set, Knows::Map(0.0));
+        prop_assert!(lateral <= 2.6, "{lateral} m/s²");
+        prop_assert!(jerk <= 2.5 + 1e-9, "{jerk} m/s³");
+    }
+
+    #[test]
+    fn without_a_map_or_with_a_shifted_one_the_jerk_is_comfortable(
+        bends in proptest::collection::vec(bend(), 1..6), set in 15.0..42.0_f64,
+        shift in -50.0..50.0_f64,
+    ) {
+        let road = Arcs::new(&bends);
+        for knows in [Knows::OwnWay, Knows::Map(shift)] {
+            let (_, jerk) = drive(&road, set, knows);
+            prop_assert!(jerk <= 2.5 + 1e-9, "{knows:?}: {jerk} m/s³");
+        }
+    }
+}
