@@ -33,6 +33,7 @@ studies! {
     bench: "bench --quick --seconds 0.1";
     radio: "campaign radio --sample 3";
     signals: "campaign signals --seeds 3";
+    curves: "campaign curves --seeds 1";
     plausibility: "campaign plausibility --hours 0.01";
     campaign: "campaign messages --sample 4";
 }

@@ -76,9 +76,10 @@ impl Cdr {
         self.f64(x).f64(y).f64(z)
     }
 
-    /// No rotation, as a quaternion.
-    pub(crate) fn upright(&mut self) -> &mut Self {
-        self.point([0.0; 3]).f64(1.0)
+    /// A rotation about the vertical axis, as a quaternion.
+    pub(crate) fn turned(&mut self, heading_rad: f64) -> &mut Self {
+        let (sine, cosine) = libm::sincos(0.5 * heading_rad);
+        self.point([0.0, 0.0, sine]).f64(cosine)
     }
 }
 

@@ -21,10 +21,11 @@ pub struct CampaignArguments {
     /// Do only N of the runs, drawn by the first seed; number of runs (`radio`) [default: 2000]
     #[arg(long, value_name = "N", conflicts_with = "merge")]
     pub sample: Option<NonZeroUsize>,
-    /// Begin with run or corridor number N (`radio` and `signals`) [default: 1]
+    /// Begin with run, corridor or scene number N (`radio`, `signals`, `curves`) [default: 1]
     #[arg(long, value_name = "N", conflicts_with = "merge")]
     pub first: Option<NonZeroUsize>,
-    /// Runs of every combination [default: as in the file]; number of corridors (`signals`) [default: 500]
+    /// Runs of every combination [default: as in the file]; number of corridors (`signals`) [default: 500], of roads and
+    /// of each kind of queue (`curves`) [default: 1000]
     #[arg(long, value_name = "N", conflicts_with = "merge")]
     pub seeds: Option<NonZeroU32>,
     /// Hours of random drives without faults (`plausibility`) [default: 3]

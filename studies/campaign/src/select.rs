@@ -2,7 +2,7 @@
 
 use crate::arguments::CampaignArguments;
 use crate::builtin::BUILTIN;
-use crate::{columns, plausibility, radio, signals, study};
+use crate::{columns, curves, plausibility, radio, signals, study};
 use frame::parts;
 use group::{Error, Failure};
 use report::results::Schema;
@@ -23,7 +23,7 @@ pub struct Own {
 }
 
 /// Campaigns that come from no file.
-pub const WITHOUT_FILE: [Own; 3] = [
+pub const WITHOUT_FILE: [Own; 4] = [
     Own {
         name: radio::NAME,
         summary: "2,000 drives through signals whose frames are lost, late and falsified",
@@ -37,6 +37,13 @@ pub const WITHOUT_FILE: [Own; 3] = [
         takes: &["--seeds N", "--first N", "--shard I/N", "--resume DIR"],
         run: signals::run,
         schema: signals::schema,
+    },
+    Own {
+        name: curves::NAME,
+        summary: "1,000 random curved roads, and as many curves with queues beside and in the lane",
+        takes: &["--seeds N", "--first N", "--shard I/N", "--resume DIR"],
+        run: curves::run,
+        schema: curves::schema,
     },
     Own {
         name: plausibility::NAME,
@@ -164,10 +171,13 @@ mod tests {
         assert_eq!(refusal("campaign radio --first 3 --sample 2"), None);
         assert_eq!(refusal("campaign kills --seeds 3 --shard 1/2"), None);
         let said = refusal("campaign kills --first 3").expect("it is no option of a file");
-        assert!(
-            said.starts_with("--first N is for `radio`, `signals`; the campaign `kills` takes")
-        );
+        assert!(said.starts_with(
+            "--first N is for `radio`, `signals`, `curves`; the campaign `kills` takes"
+        ));
         let said = refusal("campaign radio --seeds 3").expect("its number is its seed");
-        assert!(said.contains("campaigns of a file, `signals`") && said.contains("--sample N"));
+        assert!(
+            said.contains("campaigns of a file, `signals`, `curves`")
+                && said.contains("--sample N")
+        );
     }
 }

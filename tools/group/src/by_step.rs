@@ -1,10 +1,10 @@
-//! Items of topics, joined by their steps.
+//! Items of topics, joined by their steps or times.
 
-/// The item of `step` from a sequence in the order of steps; skips earlier items.
-pub(crate) fn take_step<'a, T>(
+/// The item of `step`, or of a time, from a sequence in their order; skips earlier items.
+pub(crate) fn take_step<'a, T, K: Ord>(
     items: &mut std::iter::Peekable<std::slice::Iter<'a, T>>,
-    step: u64,
-    step_of: impl Fn(&T) -> u64,
+    step: K,
+    step_of: impl Fn(&T) -> K,
 ) -> Option<&'a T> {
     while items.next_if(|item| step_of(item) < step).is_some() {}
     items.next_if(|item| step_of(item) == step)

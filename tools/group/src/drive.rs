@@ -1,5 +1,6 @@
 //! A drive, sample by sample.
 
+use crate::plane::PlaneScene;
 use crate::report::ReceivedTopic;
 use messages::{BrakeState, EgoTruth, PhaseState, VehicleTruth};
 use runtime::statistics::Percentiles;
@@ -11,6 +12,8 @@ pub struct Drive {
     pub steps: Vec<DriveStep>,
     /// Ground truth of the other vehicles, in order of time.
     pub vehicles: Vec<VehicleTruth>,
+    /// What is seen from above, in order of time; empty where the road has no plan.
+    pub plane: Vec<PlaneScene>,
     /// Times at which the emergency brake began to brake, s.
     pub interventions_s: Vec<f64>,
     /// Counts of received messages, per topic.

@@ -3,13 +3,15 @@
 use crate::by_step::take_step;
 use crate::cycles::CycleHistory;
 use crate::drive::{Drive, DriveStep, PowertrainStep};
+use crate::headers::{Headers, listen_to};
 use crate::kept_steps::{KeptSteps, MOST_IN_REALTIME};
+use crate::plane::{PlaneLog, PlaneTopics};
 use crate::present::Present;
 use crate::report::ControlFigures;
 use bytemuck::Zeroable;
 use messages::{
     Brake, BrakeState, Command, Diagnostics, EgoTruth, Header, Heartbeat, Message, Powertrain,
-    Service, ServiceState, Topic, VehicleTruth,
+    RadarTracks, Service, ServiceState, Topic, VehicleTruth,
 };
 use runtime::statistics::Latencies;
 use runtime::{Group, InProcess, Mode, Observed, Observer, RuntimeError, Timetable};
@@ -29,6 +31,8 @@ pub struct DriveLog {
     diagnostics: Observed<Diagnostics>,
     brake: Observed<Brake>,
     heartbeat: Observed<Heartbeat>,
+    /// On a road with a plan.
+    plane: Option<PlaneTopics>,
     /// In realtime: topics that show the first messages of restarted services, beside those above.
     others: Vec<Box<dyn Headers>>,
     observer: Observer,
@@ -57,29 +61,6 @@ pub struct DriveLog {
     /// Newest incarnation of each service.
     incarnations: [u32; Service::ALL.len()],
     first_messages: Vec<(Service, u32, i64)>,
-}
-
-/// A topic of which only the headers matter.
-trait Headers: std::fmt::Debug {
-    /// Takes all that arrived.
-    fn drain_headers(&mut self, each: &mut dyn FnMut(Topic, &Header)) -> Result<(), RuntimeError>;
-}
-
-impl<T: Message> Headers for Observed<T> {
-    fn drain_headers(&mut self, each: &mut dyn FnMut(Topic, &Header)) -> Result<(), RuntimeError> {
-        self.drain(|message| each(T::TOPIC, message.header()))
-    }
-}
-
-fn listen_to(observer: &Observer, topic: Topic) -> Result<Box<dyn Headers>, RuntimeError> {
-    macro_rules! by_topic {
-        ($($message:ty),+) => {
-            match topic {
-                $(<$message as Message>::TOPIC => Ok(Box::new(observer.listen::<$message>()?)),)+
-            }
-        };
-    }
-    messages::each_message!(by_topic)
 }
 
 /// A sign of life.
@@ -118,6 +99,7 @@ impl DriveLog {
         timetable: &Timetable,
         deadline_ns: i64,
     ) -> Result<Self, RuntimeError> {
+        let has_plan = scenario.road.plan().is_some();
         // Room for the whole run, within a bound.
         let room = |service| {
             let messages = timetable.last_step / timetable.stride(service) + 1;
@@ -131,6 +113,7 @@ impl DriveLog {
         let others = others.filter(|topic| {
             mode == Mode::Realtime
                 && ![EgoTruth::TOPIC, Command::TOPIC, Brake::TOPIC].contains(topic)
+                && !(has_plan && *topic == RadarTracks::TOPIC)
         });
         let mut this = Self {
             ego: observer.listen()?,
@@ -140,6 +123,7 @@ impl DriveLog {
             diagnostics: observer.listen()?,
             brake: observer.listen()?,
             heartbeat: observer.listen()?,
+            plane: has_plan.then(|| PlaneTopics::listen(&observer)).transpose()?,
             others: others.map(|topic| listen_to(&observer, topic)).collect::<Result<_, _>>()?,
             observer,
             steps: Vec::with_capacity(room(Service::Plant)),
@@ -180,6 +164,9 @@ impl DriveLog {
             self.requests.retain(|(step, _)| kept.has(*step));
             self.brakes.retain(|(step, _)| kept.has(*step));
             self.cycles.retain(|message| kept.has(message.header.step));
+            if let Some(plane) = &mut self.plane {
+                plane.log.retain(&|step| kept.has(step));
+            }
         }
     }
 
@@ -255,6 +242,9 @@ impl DriveLog {
                 self.brakes.push((m.header.step, BrakeState::from_wire(m.state)));
             }
         })?;
+        if let Some(plane) = &mut self.plane {
+            plane.drain(&mut note)?;
+        }
         for topic in &mut self.others {
             topic.drain_headers(&mut note)?;
         }
@@ -295,6 +285,11 @@ impl DriveLog {
     /// out, so that an index does not keep its step.
     pub fn heard(&self) -> (&[DriveStep], &[VehicleTruth], &[Diagnostics]) {
         (&self.steps, &self.truths, &self.cycles)
+    }
+
+    /// Poses so far; none where the road has no plan.
+    pub fn plane(&self) -> Option<&PlaneLog> {
+        self.plane.as_ref().map(|plane| &plane.log)
     }
 
     /// Gap and acceleration of the drive so far.
@@ -347,6 +342,7 @@ impl DriveLog {
         if !self.powertrains.is_empty() {
             received.push(self.powertrain.received());
         }
+        received.extend(self.plane.iter().flat_map(PlaneTopics::received));
         let mut powertrains = self.powertrains.iter().peekable();
         let mut truths = self.truths.iter().peekable();
         let mut requests = self.requests.iter().peekable();
@@ -373,8 +369,10 @@ impl DriveLog {
             ego.powertrain = take_step(&mut powertrains, step, |p| p.0).map(|p| p.1);
         }
         let signal_age_us = self.signal_ages.percentiles_us();
+        let plane = self.plane.map(|plane| plane.log.finish(&self.truths));
         Ok(Drive {
             steps: self.steps,
+            plane: plane.unwrap_or_default(),
             vehicles: self.truths,
             interventions_s: self.interventions_s,
             received,

@@ -271,7 +271,7 @@ impl Tones {
 }
 
 /// Marks of the faults, numbered in order of time, and of the instants that decide requirements, by letters.
-fn marks(run: &RunPicture) -> Vec<Mark> {
+pub fn marks(run: &RunPicture) -> Vec<Mark> {
     let faults = run.faults.iter().enumerate();
     let faults = faults.map(|(index, fault)| Mark::numbered(fault.t_s, index + 1));
     let decided = run.decided.iter().map(|decided| Mark {

@@ -11,7 +11,7 @@ use std::fmt::Write;
 /// Licence of the library that draws the charts.
 const LICENCE: &str = include_str!("../assets/uplot/LICENSE");
 /// Text of a page without scripts, instead of its charts.
-const NO_SCRIPT: &str = "<noscript><style>.chart { display: none; }</style><p class=\"quiet\">The \
+const NO_SCRIPT: &str = "<noscript><style>.chart, .plane { display: none; }</style><p class=\"quiet\">The \
                          charts need JavaScript; verdict and tables are complete without \
                          it.</p></noscript>\n";
 /// Room that a chart takes beside its axes, px.
@@ -33,9 +33,17 @@ pub fn scripts() -> String {
     )
 }
 
+/// The script that draws a drive from above, behind [`scripts`].
+pub fn plane_script() -> String {
+    format!("<script>\n{}</script>\n", include_str!("../assets/plane.js"))
+}
+
 /// The frame of a page. It loads nothing: what it needs is in it.
 fn page(title: &str, body: &str) -> String {
-    let scripts = if body.contains("<figure ") { scripts() } else { String::new() };
+    let mut scripts = if body.contains("<figure ") { scripts() } else { String::new() };
+    if body.contains("<figure class=\"card plane\">") {
+        scripts.push_str(&plane_script());
+    }
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\

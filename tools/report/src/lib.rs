@@ -3,6 +3,7 @@
 //! ```text
 //! GroupOutcome ─► Summary ─► console, summary.json
 //!              └► RunPicture (series) ─► Plot, Bands (pictures) ─► Chart (data) ─► page
+//!                          └► PlaneView (road with a plan) ────────────────────────────┘
 //! ```
 //!
 //! A page begins with verdict and figures; charts and the machine's data follow. It loads nothing: uPlot and
@@ -21,14 +22,18 @@
 
 pub mod chart;
 mod compare;
+mod curve_plots;
 mod drive;
 mod duration;
 pub mod fault;
 mod following;
 pub mod html;
+mod lateral;
 mod link;
 pub mod output;
 mod picture;
+mod plane;
+mod plane_road;
 pub mod print;
 pub mod progress;
 mod radio;
@@ -36,6 +41,7 @@ pub mod results;
 mod run;
 pub mod summary;
 pub mod table;
+pub mod targets;
 mod timing;
 pub mod trajectory;
 mod trip;
@@ -43,6 +49,8 @@ mod trip;
 pub use compare::overlay;
 pub use following::Following;
 pub use picture::RunPicture;
+pub use plane::{Frame as PlaneFrame, PlaneView, Size as BodySize};
+pub use plane_road::RoadView;
 pub use run::{page as run_page, pictures as run_pictures};
 pub use timing::{Distribution, distributions};
 pub use trip::{Passing, Trip, nothing_ahead};

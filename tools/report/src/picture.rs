@@ -1,6 +1,8 @@
 //! Series over run time, from which the pictures of a run are drawn.
 
 use crate::fault;
+use crate::lateral::LateralSeries;
+use crate::plane::PlaneView;
 use controller::laws;
 use group::report::{Details, WorstChain};
 use group::{Drive, DriveStep, FaultRecord, GroupOutcome, RequirementVerdict};
@@ -51,6 +53,10 @@ pub struct RunPicture {
     pub height_m: Points,
     /// Grade of the road there, %, positive uphill.
     pub grade_percent: Points,
+    /// The drive from above, on a road with a plan.
+    pub plane: Option<PlaneView>,
+    /// Its motion across the road; empty without a plan.
+    pub lateral: LateralSeries,
     /// Gear of a truck, counted from 1.
     pub gear: Points,
     /// Torque of its engine at the crankshaft, kN m.
@@ -235,6 +241,8 @@ impl RunPicture {
             jerk_mps3: jerk(steps),
             height_m: of_road(&GradeProfile::height_m),
             grade_percent: of_road(&|road, position_m| 100.0 * road.grade(position_m)),
+            plane: PlaneView::of(scenario, drive),
+            lateral: LateralSeries::of(&drive.plane),
             gear: series(|step| step.powertrain.map(|p| f64::from(p.gear))),
             engine_torque_knm: series(|step| step.powertrain.map(|p| p.engine_torque_nm / 1e3)),
             service_brake_kn: series(|step| step.powertrain.map(|p| p.service_brake_n / 1e3)),

@@ -3,7 +3,7 @@
 use super::chart::escape;
 use super::html::{Column, Tile, document, figure, section, stacked_table, table, tiles};
 use super::picture::{RunPicture, letter};
-use super::{drive, timing};
+use super::{curve_plots, drive, timing};
 use crate::print;
 use crate::summary::{ServiceSummary, Summary};
 use group::report::Outcome;
@@ -269,11 +269,13 @@ pub fn pictures(run: &RunPicture) -> String {
     let following = [drive::gap(run), drive::time_gap(run), drive::time_to_collision(run)];
     let plots = [drive::speed(run)].into_iter().chain(following.into_iter().flatten());
     let motion = plots.chain([drive::acceleration(run), drive::jerk(run), drive::road(run)]);
-    let below = drive::profile(run).into_iter().chain(drive::powertrain(run));
+    let below = curve_plots::plots(run).into_iter().chain(drive::profile(run));
+    let below = below.chain(drive::powertrain(run));
     let drawn: String = motion.map(|plot| figure(&plot)).collect();
     let modes = drive::modes(run).map_or_else(String::new, |modes| figure(&modes));
     let below: String = below.map(|plot| figure(&plot)).collect();
-    format!("<div class=\"columns\">\n{drawn}{modes}{below}</div>\n")
+    let above = run.plane.as_ref().map_or_else(String::new, |plane| plane.html());
+    format!("{above}<div class=\"columns\">\n{drawn}{modes}{below}</div>\n")
 }
 
 fn times(summary: &Summary, run: &RunPicture) -> String {

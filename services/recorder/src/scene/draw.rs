@@ -1,5 +1,6 @@
 //! Markers and points as CDR.
 
+use super::ground::Place;
 use crate::cdr::Cdr;
 use messages::Detection;
 
@@ -21,6 +22,7 @@ impl Color {
 mod kind {
     pub(super) const CUBE: i32 = 1;
     pub(super) const SPHERE: i32 = 2;
+    pub(super) const LINE_STRIP: i32 = 4;
     pub(super) const LINE_LIST: i32 = 5;
     pub(super) const TEXT: i32 = 9;
     pub(super) const ADD: i32 = 0;
@@ -34,6 +36,7 @@ pub(super) struct Marker {
     kind: i32,
     action: i32,
     position_m: [f64; 3],
+    heading_rad: f64,
     scale_m: [f64; 3],
     color: Color,
     points_m: Vec<[f64; 3]>,
@@ -56,6 +59,11 @@ impl Marker {
         Self::new(namespace, kind::CUBE, middle_m, size_m, color)
     }
 
+    /// This marker turned about the vertical axis.
+    pub(super) fn turned(self, heading_rad: f64) -> Self {
+        Self { heading_rad, ..self }
+    }
+
     pub(super) fn sphere(
         namespace: &'static str,
         middle_m: [f64; 3],
@@ -76,6 +84,16 @@ impl Marker {
         Self { points_m, ..Self::new(namespace, kind::LINE_LIST, [0.0; 3], scale_m, color) }
     }
 
+    /// A line through the points.
+    pub(super) fn strip(
+        namespace: &'static str,
+        width_m: f64,
+        points_m: Vec<[f64; 3]>,
+        color: Color,
+    ) -> Self {
+        Self { kind: kind::LINE_STRIP, ..Self::lines(namespace, width_m, points_m, color) }
+    }
+
     pub(super) fn text(middle_m: [f64; 3], text: String) -> Self {
         Self { text, ..Self::new("text", kind::TEXT, middle_m, [0.0, 0.0, 1.0], Color::WHITE) }
     }
@@ -88,8 +106,8 @@ impl Marker {
         color: Color,
     ) -> Self {
         let action = kind::ADD;
-        let (points_m, text) = (Vec::new(), String::new());
-        Self { namespace, kind, action, position_m, scale_m, color, points_m, text }
+        let (points_m, text, heading_rad) = (Vec::new(), String::new(), 0.0);
+        Self { namespace, kind, action, position_m, heading_rad, scale_m, color, points_m, text }
     }
 }
 
@@ -100,7 +118,7 @@ pub(super) fn markers(unix_ns: i64, markers: &[Marker]) -> Vec<u8> {
     for (id, marker) in (0..).zip(markers) {
         cdr.header(unix_ns, "road").text(marker.namespace);
         cdr.i32(id).i32(marker.kind).i32(marker.action);
-        cdr.point(marker.position_m).upright().point(marker.scale_m);
+        cdr.point(marker.position_m).turned(marker.heading_rad).point(marker.scale_m);
         for share in marker.color.0 {
             cdr.f32(f32::from(share) / 255.0);
         }
@@ -118,41 +136,47 @@ pub(super) fn markers(unix_ns: i64, markers: &[Marker]) -> Vec<u8> {
     cdr.finish()
 }
 
-/// Step between the points of an outline, and between those along the lane, m.
+/// Step between the points of an outline, m.
 const FINE_M: f64 = 0.5;
-const COARSE_M: f64 = 3.0;
 
 /// Coloured points.
 #[derive(Debug, Default)]
 pub(super) struct Points(Vec<([f64; 2], Color)>);
 
 impl Points {
-    /// The outline of a rectangle whose back is at `[x, y]`, in the middle of its `[length, width]`.
-    pub(super) fn rectangle(&mut self, [x, y]: [f64; 2], [length, width]: [f64; 2], color: Color) {
+    /// The outline of a rectangle of `[length, width]` whose back is at a place, in the middle of its width.
+    pub(super) fn rectangle(&mut self, rear: &Place, [length, width]: [f64; 2], color: Color) {
         for side in [-0.5, 0.5] {
-            self.row([x, y + side * width], [length, 0.0], FINE_M, color);
+            self.row(rear, [0.0, side * width], [length, 0.0], FINE_M, color);
         }
         for end in [0.0, length] {
-            self.row([x + end, y - 0.5 * width], [0.0, width], FINE_M, color);
+            self.row(rear, [end, -0.5 * width], [0.0, width], FINE_M, color);
         }
     }
 
-    /// A line along the road from `from` to `to` that stays where it is when they move on.
-    pub(super) fn along(&mut self, [from, to]: [f64; 2], y: f64, color: Color) {
-        let first = (from / COARSE_M).ceil() * COARSE_M;
-        self.row([first, y], [to - first, 0.0], COARSE_M, color);
+    /// Points as they are.
+    pub(super) fn all(&mut self, points: Vec<[f64; 2]>, color: Color) {
+        self.0.extend(points.into_iter().map(|point| (point, color)));
     }
 
-    /// A line across the lane.
-    pub(super) fn across(&mut self, x: f64, width: f64, color: Color) {
-        self.row([x, -0.5 * width], [0.0, width], 0.5 * FINE_M, color);
+    /// A line across the road at a place.
+    pub(super) fn across(&mut self, place: &Place, width: f64, color: Color) {
+        self.row(place, [0.0, -0.5 * width], [0.0, width], 0.5 * FINE_M, color);
     }
 
-    fn row(&mut self, [x, y]: [f64; 2], [dx, dy]: [f64; 2], step: f64, color: Color) {
+    /// Points from one ahead of a place and to its left on.
+    fn row(
+        &mut self,
+        place: &Place,
+        [x, y]: [f64; 2],
+        [dx, dy]: [f64; 2],
+        step: f64,
+        color: Color,
+    ) {
         let count = (dx.abs().max(dy.abs()) / step).round().clamp(1.0, 1000.0);
         for k in 0..=count as u32 {
             let share = f64::from(k) / count;
-            self.0.push(([x + share * dx, y + share * dy], color));
+            self.0.push((place.point(x + share * dx, y + share * dy), color));
         }
     }
 

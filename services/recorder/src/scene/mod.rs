@@ -4,22 +4,26 @@
 //! | topic | type | what it shows |
 //! | --- | --- | --- |
 //! | `/tf` | `tf2_msgs/msg/TFMessage` | frames `ego` (front bumper) and `vehicle_N` (rear bumpers) in `road` |
-//! | `/scene/markers` | `visualization_msgs/msg/MarkerArray` | ego, vehicles, target, lane, stop lines and lights, for viewers that know markers (Foxglove, Lichtblick, RViz) |
+//! | `/scene/markers` | `visualization_msgs/msg/MarkerArray` | ego, vehicles, target, lanes, stop lines and lights, for viewers that know markers (Foxglove, Lichtblick, RViz) |
 //! | `/scene/outlines` | `sensor_msgs/msg/PointCloud2` | the same as coloured points, for viewers that know points alone (rerun) |
 //! | `/radar/points` | `sensor_msgs/msg/PointCloud2` | the radar's detections, in `ego`, where the radar has them |
 //!
-//! The frame `road` is x along the ego's axis from where its front bumper starts, y to the left, z up, m.
+//! The frame `road` is x along the ego's axis from where its front bumper starts, y to the left, z up, m. On a road
+//! with a plan it is the plane, bodies have their true headings, and lanes are line strips.
 //! All but detections are drawn at 20 Hz of run time. A recorder is a process of its own: none of this
 //! costs a control loop anything.
 
 mod definitions;
 mod draw;
+mod ground;
 
 use crate::Metadata;
 use crate::cdr::Cdr;
 use draw::{Color, Marker, Points};
+use ground::{Ground, Place};
 use messages::{
-    Odometry, PhaseState, RadarDetections, RadarTracks, SignalTruth, Topic, VehicleTruth,
+    EgoPose, Odometry, PhaseState, RadarDetections, RadarTracks, SignalTruth, Topic, VehiclePoses,
+    VehicleTruth,
 };
 use scenario::Scenario;
 use scenario::event::VEHICLE_WIDTH_M;
@@ -31,8 +35,6 @@ const USUAL_LENGTH_M: f64 = 4.5;
 /// Height of vehicles, and of lights above the road, m.
 const VEHICLE_HEIGHT_M: f64 = 1.5;
 const LIGHT_HEIGHT_M: f64 = 4.5;
-/// Width of a lane, m.
-const LANE_WIDTH_M: f64 = 3.5;
 /// Length of lane that is drawn behind and ahead of the ego, m.
 const BEHIND_M: f64 = 60.0;
 const AHEAD_M: f64 = 240.0;
@@ -85,10 +87,13 @@ pub(crate) struct Scene {
     epoch_ns: i64,
     ego_length_m: f64,
     lengths_m: Vec<f64>,
+    ground: Ground,
     /// When it is drawn next, ns of run time.
     due_ns: i64,
     odometry: Option<Odometry>,
+    pose: Option<EgoPose>,
     vehicles: Option<VehicleTruth>,
+    poses: Option<VehiclePoses>,
     signals: Option<SignalTruth>,
     tracks: Option<RadarTracks>,
     sequences: [u32; TOPICS.len()],
@@ -98,25 +103,43 @@ pub(crate) struct Scene {
 /// A vehicle on the road.
 struct Body {
     frame: String,
-    rear_m: f64,
-    lateral_m: f64,
+    /// Middle of the rear bumper.
+    rear: Place,
     length_m: f64,
+    width_m: f64,
     color: Color,
+}
+
+impl Body {
+    /// A point of it, from the middle of its rear bumper, m.
+    fn point(&self, ahead_m: f64, up_m: f64) -> [f64; 3] {
+        let [x, y] = self.rear.point(ahead_m, 0.0);
+        [x, y, up_m]
+    }
 }
 
 impl Scene {
     /// The scene of a run.
     pub(crate) fn of(metadata: &Metadata) -> Self {
         let scenario = Scenario::parse("scenario", &metadata.scenario).ok();
-        let ego_length_m = scenario.as_ref().map_or(USUAL_LENGTH_M, |s| s.plant.length_m.value());
+        Self::on(scenario.as_ref(), metadata.epoch_ns)
+    }
+
+    fn on(scenario: Option<&Scenario>, epoch_ns: i64) -> Self {
+        let ego_length_m = scenario.map_or(USUAL_LENGTH_M, |s| s.plant.length_m.value());
         let actors = scenario.iter().flat_map(|scenario| &scenario.actors);
+        let plan = scenario.and_then(|scenario| scenario.road.plan());
+        let ground = plan.map_or(Ground::Straight, |plan| Ground::Plan(Box::new(plan.clone())));
         Self {
-            epoch_ns: metadata.epoch_ns,
+            epoch_ns,
             ego_length_m,
             lengths_m: actors.map(|actor| actor.length_m.value()).collect(),
+            ground,
             due_ns: i64::MIN,
             odometry: None,
+            pose: None,
             vehicles: None,
+            poses: None,
             signals: None,
             tracks: None,
             sequences: [0; TOPICS.len()],
@@ -133,14 +156,21 @@ impl Scene {
             Topic::RadarDetections => {
                 self.draw_detections(now_ns, &bytemuck::pod_read_unaligned(message));
             }
+            Topic::VehiclePoses => self.poses = Some(bytemuck::pod_read_unaligned(message)),
+            Topic::EgoPose => {
+                self.pose = Some(bytemuck::pod_read_unaligned(message));
+                if self.ground.has_plan() {
+                    self.draw_if_due(now_ns);
+                }
+            }
             Topic::Odometry => {
                 let odometry: Odometry = bytemuck::pod_read_unaligned(message);
                 // A message from outside the group may hold anything.
                 if odometry.position_m.is_finite() && odometry.speed_mps.is_finite() {
                     self.odometry = Some(odometry);
-                    if now_ns >= self.due_ns {
-                        self.due_ns = (now_ns.div_euclid(PERIOD_NS) + 1) * PERIOD_NS;
-                        self.draw(now_ns, &odometry);
+                    // On a road with a plan the ego's pose is the newer one.
+                    if !self.ground.has_plan() {
+                        self.draw_if_due(now_ns);
                     }
                 }
             }
@@ -158,54 +188,97 @@ impl Scene {
         self.drawn.push(Drawn { topic, sequence: self.sequences[topic], payload });
     }
 
-    fn draw(&mut self, now_ns: i64, ego: &Odometry) {
+    fn draw_if_due(&mut self, now_ns: i64) {
+        let Some(ego) = self.odometry.filter(|_| now_ns >= self.due_ns) else { return };
+        let Some(front) = self.front(&ego) else { return };
+        self.due_ns = (now_ns.div_euclid(PERIOD_NS) + 1) * PERIOD_NS;
+        self.draw(now_ns, &ego, &front);
+    }
+
+    /// Middle of the ego's front bumper.
+    fn front(&self, ego: &Odometry) -> Option<Place> {
+        if !self.ground.has_plan() {
+            return Some(self.ground.place(ego.position_m, 0.0));
+        }
+        let pose = self.pose?;
+        let place = Place { at_m: [pose.x_m, pose.y_m], heading_rad: pose.heading_rad };
+        place.is_finite().then_some(place)
+    }
+
+    fn draw(&mut self, now_ns: i64, ego: &Odometry, front: &Place) {
         let unix_ns = self.epoch_ns.saturating_add(now_ns);
-        let bodies = self.bodies(ego);
+        let bodies = self.bodies(front);
         let lines = self.stop_lines(now_ns);
-        self.add(0, transforms(unix_ns, ego, &bodies));
-        let markers = self.markers(ego, &bodies, &lines);
+        self.add(0, transforms(unix_ns, front, &bodies));
+        let markers = self.markers(ego, front, &bodies, &lines);
         self.add(1, draw::markers(unix_ns, &markers));
         let mut points = Points::default();
         for body in &bodies {
-            points.rectangle(
-                [body.rear_m, body.lateral_m],
-                [body.length_m, VEHICLE_WIDTH_M],
-                body.color,
-            );
+            points.rectangle(&body.rear, [body.length_m, body.width_m], body.color);
         }
         let lane = [ego.position_m - BEHIND_M, ego.position_m + AHEAD_M];
-        for side in [-0.5, 0.5] {
-            points.along(lane, side * LANE_WIDTH_M, Color::GREY);
+        for left_m in self.ground.lines_m() {
+            points.all(self.ground.line(lane, left_m), Color::GREY);
         }
         for (at_m, color, _) in &lines {
-            points.across(*at_m, LANE_WIDTH_M, *color);
+            let place = self.ground.place(*at_m, 0.0);
+            points.across(&place, self.ground.lane_width_m(), *color);
         }
         self.add(2, points.cloud(unix_ns, "road"));
     }
 
     /// The ego and all vehicles.
-    fn bodies(&self, ego: &Odometry) -> Vec<Body> {
-        let mut bodies = vec![Body {
+    fn bodies(&self, front: &Place) -> Vec<Body> {
+        let ego = Body {
             frame: "ego".into(),
-            rear_m: ego.position_m - self.ego_length_m,
-            lateral_m: 0.0,
+            rear: Place { at_m: front.point(-self.ego_length_m, 0.0), ..*front },
             length_m: self.ego_length_m,
+            width_m: VEHICLE_WIDTH_M,
             color: Color::BLUE,
-        }];
-        let Some(truth) = &self.vehicles else { return bodies };
+        };
+        let others = if self.ground.has_plan() { self.posed() } else { self.along() };
+        std::iter::once(ego).chain(others).collect()
+    }
+
+    /// The vehicles of a straight road.
+    fn along(&self) -> Vec<Body> {
+        let Some(truth) = &self.vehicles else { return Vec::new() };
         let count = usize::try_from(truth.count).map_or(0, |count| count.min(truth.vehicles.len()));
-        for (index, vehicle) in truth.vehicles[..count].iter().enumerate() {
-            if vehicle.rear_position_m.is_finite() && vehicle.lateral_m.is_finite() {
-                bodies.push(Body {
-                    frame: format!("vehicle_{index}"),
-                    rear_m: vehicle.rear_position_m,
-                    lateral_m: vehicle.lateral_m,
-                    length_m: self.lengths_m.get(index).copied().unwrap_or(USUAL_LENGTH_M),
-                    color: if vehicle.in_lane == 0 { Color::GREY } else { Color::ORANGE },
-                });
+        let vehicles = truth.vehicles[..count].iter().enumerate();
+        let bodies = vehicles.map(|(index, vehicle)| Body {
+            frame: format!("vehicle_{index}"),
+            rear: self.ground.place(vehicle.rear_position_m, vehicle.lateral_m),
+            length_m: self.lengths_m.get(index).copied().unwrap_or(USUAL_LENGTH_M),
+            width_m: VEHICLE_WIDTH_M,
+            color: self.color(index),
+        });
+        bodies.filter(|body| body.rear.is_finite()).collect()
+    }
+
+    /// The vehicles of a road with a plan.
+    fn posed(&self) -> Vec<Body> {
+        let poses = self.poses.iter().flat_map(|poses| poses.listed()).enumerate();
+        let bodies = poses.map(|(index, pose)| {
+            let middle = Place { at_m: [pose.x_m, pose.y_m], heading_rad: pose.heading_rad };
+            Body {
+                frame: format!("vehicle_{index}"),
+                rear: Place { at_m: middle.point(-0.5 * pose.length_m, 0.0), ..middle },
+                length_m: pose.length_m,
+                width_m: pose.width_m,
+                color: self.color(index),
             }
+        });
+        bodies.filter(|body| body.rear.is_finite()).collect()
+    }
+
+    /// Colour of a vehicle: orange in the ego's lane.
+    fn color(&self, index: usize) -> Color {
+        let vehicle = self.vehicles.as_ref().and_then(|truth| truth.vehicles.get(index));
+        if vehicle.is_some_and(|vehicle| vehicle.in_lane != 0) {
+            Color::ORANGE
+        } else {
+            Color::GREY
         }
-        bodies
     }
 
     /// Stop lines: where, colour of the light, and time until it may change, s.
@@ -233,41 +306,73 @@ impl Scene {
     fn markers(
         &self,
         ego: &Odometry,
+        front: &Place,
         bodies: &[Body],
         lines: &[(f64, Color, Option<f64>)],
     ) -> Vec<Marker> {
         let mut markers = vec![Marker::clear()];
-        let [from_m, to_m] = [ego.position_m - BEHIND_M, ego.position_m + AHEAD_M];
-        let edge =
-            |side: f64| [[from_m, side * LANE_WIDTH_M, 0.0], [to_m, side * LANE_WIDTH_M, 0.0]];
-        markers.push(Marker::lines("lane", 0.12, [edge(-0.5), edge(0.5)].concat(), Color::GREY));
+        markers.extend(self.lanes(ego.position_m));
         for body in bodies {
-            let middle =
-                [body.rear_m + 0.5 * body.length_m, body.lateral_m, 0.5 * VEHICLE_HEIGHT_M];
-            let size = [body.length_m, VEHICLE_WIDTH_M, VEHICLE_HEIGHT_M];
-            markers.push(Marker::cube("vehicles", middle, size, body.color));
+            let middle = body.point(0.5 * body.length_m, 0.5 * VEHICLE_HEIGHT_M);
+            let size = [body.length_m, body.width_m, VEHICLE_HEIGHT_M];
+            let cube = Marker::cube("vehicles", middle, size, body.color);
+            markers.push(cube.turned(body.rear.heading_rad));
         }
-        let above = [ego.position_m - 0.5 * self.ego_length_m, 0.0, VEHICLE_HEIGHT_M + 1.5];
+        let [x, y] = front.point(-0.5 * self.ego_length_m, 0.0);
         let words = format!("{:.1} m/s\n{:+.2} m/s²", ego.speed_mps, ego.acceleration_mps2);
-        markers.push(Marker::text(above, words));
-        if let Some(tracks) = &self.tracks
-            && tracks.target.valid == 1
-            && tracks.target.gap_m.is_finite()
-        {
-            let [from, to] = [0.0, tracks.target.gap_m].map(|x| [ego.position_m + x, 0.0, 0.6]);
-            markers.push(Marker::lines("target", 0.25, vec![from, to], Color::BLUE));
+        markers.push(Marker::text([x, y, VEHICLE_HEIGHT_M + 1.5], words));
+        if let Some([x, y]) = self.target(front) {
+            let [from_x, from_y] = front.at_m;
+            let line = vec![[from_x, from_y, 0.6], [x, y, 0.6]];
+            markers.push(Marker::lines("target", 0.25, line, Color::BLUE));
         }
         for (at_m, color, left_s) in lines {
-            let line = [0.4, LANE_WIDTH_M, 0.05];
-            markers.push(Marker::cube("stop lines", [*at_m, 0.0, 0.02], line, *color));
-            let light = [*at_m, 0.5 * LANE_WIDTH_M + 0.8, LIGHT_HEIGHT_M];
-            markers.push(Marker::sphere("lights", light, 0.9, *color));
-            if let Some(left_s) = left_s {
-                let above = [light[0], light[1], light[2] + 1.4];
-                markers.push(Marker::text(above, format!("{left_s:.0} s")));
-            }
+            markers.extend(self.stop_line(*at_m, *color, *left_s));
         }
         markers
+    }
+
+    /// Lines of the lanes around a position.
+    fn lanes(&self, position_m: f64) -> Vec<Marker> {
+        let [from_m, to_m] = [position_m - BEHIND_M, position_m + AHEAD_M];
+        let lines_m = self.ground.lines_m();
+        if self.ground.has_plan() {
+            let strip = |left_m| {
+                let line = self.ground.line([from_m, to_m], left_m);
+                let points = line.into_iter().map(|[x, y]| [x, y, 0.0]).collect();
+                Marker::strip("lane", 0.12, points, Color::GREY)
+            };
+            return lines_m.into_iter().map(strip).collect();
+        }
+        let ends = lines_m.into_iter().flat_map(|y| [[from_m, y, 0.0], [to_m, y, 0.0]]).collect();
+        vec![Marker::lines("lane", 0.12, ends, Color::GREY)]
+    }
+
+    /// Place of the target.
+    fn target(&self, front: &Place) -> Option<[f64; 2]> {
+        let tracks = self.tracks.as_ref().filter(|tracks| tracks.target.valid == 1)?;
+        if !self.ground.has_plan() {
+            let gap_m = tracks.target.gap_m;
+            return gap_m.is_finite().then(|| front.point(gap_m, 0.0));
+        }
+        // The gap is along the course; the track's place is before the bumper.
+        let track = tracks.listed().iter().find(|track| track.in_path != 0)?;
+        let (sine, cosine) = libm::sincos(track.azimuth_rad);
+        let place = front.point(track.range_m * cosine, track.range_m * sine);
+        place.iter().all(|value| value.is_finite()).then_some(place)
+    }
+
+    /// A stop line with its light, and the time until it may change, s.
+    fn stop_line(&self, at_m: f64, color: Color, left_s: Option<f64>) -> Vec<Marker> {
+        let place = self.ground.place(at_m, 0.0);
+        let width_m = self.ground.lane_width_m();
+        let [x, y] = place.at_m;
+        let line = Marker::cube("stop lines", [x, y, 0.02], [0.4, width_m, 0.05], color);
+        let [x, y] = place.point(0.0, 0.5 * width_m + 0.8);
+        let light = Marker::sphere("lights", [x, y, LIGHT_HEIGHT_M], 0.9, color);
+        let words = left_s
+            .map(|left_s| Marker::text([x, y, LIGHT_HEIGHT_M + 1.4], format!("{left_s:.0} s")));
+        [line.turned(place.heading_rad), light].into_iter().chain(words).collect()
     }
 
     fn draw_detections(&mut self, now_ns: i64, scan: &RadarDetections) {
@@ -280,13 +385,16 @@ impl Scene {
 }
 
 /// `/tf`: the ego's front bumper and the vehicles' rear bumpers.
-fn transforms(unix_ns: i64, ego: &Odometry, bodies: &[Body]) -> Vec<u8> {
+fn transforms(unix_ns: i64, front: &Place, bodies: &[Body]) -> Vec<u8> {
     let mut cdr = Cdr::new();
     cdr.count(bodies.len());
     for (index, body) in bodies.iter().enumerate() {
-        let x_m = if index == 0 { ego.position_m } else { body.rear_m };
+        let Place { at_m: [x, y], heading_rad } = if index == 0 { *front } else { body.rear };
         cdr.header(unix_ns, "road").text(&body.frame);
-        cdr.point([x_m, body.lateral_m, 0.0]).upright();
+        cdr.point([x, y, 0.0]).turned(heading_rad);
     }
     cdr.finish()
 }
+
+#[cfg(test)]
+mod tests;

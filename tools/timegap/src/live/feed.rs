@@ -3,7 +3,7 @@
 use group::{FaultRecord, Moment};
 use messages::Diagnostics;
 use messages::level::Level;
-use report::fault;
+use report::{PlaneFrame, fault};
 use runtime::statistics::{Latencies, Percentiles};
 use serde::Serialize;
 use std::collections::VecDeque;
@@ -31,6 +31,9 @@ pub struct Frame {
     pub duration_s: f64,
     /// The drive, in order of time.
     pub points: Vec<Point>,
+    /// The surroundings from above, on a road with a plan.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub plane: Option<PlaneFrame>,
     /// Mode of the law.
     pub mode: String,
     /// Quality of its last command.
@@ -158,7 +161,7 @@ impl LiveFeed {
     }
 
     fn frame(&mut self, moment: &Moment<'_>) -> Frame {
-        let (steps, truths, cycles) = moment.drive.heard();
+        let (steps, all_truths, cycles) = moment.drive.heard();
         let first_cycle = cycles.partition_point(|message| {
             self.cycle_step.is_some_and(|last| message.header.step <= last)
         });
@@ -169,10 +172,10 @@ impl LiveFeed {
         }
         let after = |step: u64| self.step.is_some_and(|last| step <= last);
         let first = steps.partition_point(|ego| after(ego.step));
-        let first_truth = truths.partition_point(|message| {
+        let first_truth = all_truths.partition_point(|message| {
             self.truth_step.is_some_and(|last| message.header.step <= last)
         });
-        let mut truths = truths[first_truth..].iter().peekable();
+        let mut truths = all_truths[first_truth..].iter().peekable();
         let mut requests = cycles[first_cycle..].iter().peekable();
         let mut points = Vec::new();
         for ego in &steps[first..] {
@@ -200,10 +203,13 @@ impl LiveFeed {
         let points = points.into_iter().step_by(stride).collect();
         self.step = steps.last().map(|ego| ego.step).or(self.step);
         self.cycle_step = cycles.last().map(|message| message.header.step).or(self.cycle_step);
+        let scene = moment.drive.plane().and_then(|plane| plane.newest(all_truths));
+        let step = steps.last().copied().unwrap_or_default();
         Frame {
             time_s: moment.time_ns as f64 / 1e9,
             duration_s: self.duration_s,
             points,
+            plane: scene.map(|scene| PlaneFrame::live(&scene, &step)),
             mode: self.mode.map_or_else(String::new, |mode| self.mode_name(mode)),
             quality: ["full", "relaxed", "backup", "fall-back"][self.quality.min(3) as usize],
             level: self.level.name(),

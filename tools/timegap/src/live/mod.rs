@@ -9,6 +9,7 @@
 //! view that does not keep up misses it.
 
 mod feed;
+mod ground;
 mod history;
 mod http;
 mod server;
@@ -60,7 +61,7 @@ impl Live {
             Some(port) => {
                 let (sender, updates) = sync_channel(BACKLOG);
                 views.push(sender);
-                let server = Server::start(&title, port, updates)?;
+                let server = Server::start(&title, &ground::json(scenario), port, updates)?;
                 report::print::note(&format!("live at {}", server.url()));
                 Some(server)
             }

@@ -64,14 +64,20 @@ struct Hub {
 }
 
 impl Server {
-    /// Listens on `port` of the loopback interface; 0 takes any that is free.
-    pub fn start(title: &str, port: u16, updates: Receiver<Update>) -> Result<Self, ServeError> {
+    /// Listens on `port` of the loopback interface; 0 takes any that is free. `ground` is what the view from above
+    /// stands on, as JSON.
+    pub fn start(
+        title: &str,
+        ground: &str,
+        port: u16,
+        updates: Receiver<Update>,
+    ) -> Result<Self, ServeError> {
         let failed = |reason| ServeError { port, reason };
         let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port)).map_err(failed)?;
         let address = listener.local_addr().map_err(failed)?;
         let hub = Arc::new(Mutex::new(Hub::default()));
         let token = token().map_err(failed)?;
-        let served = Served { page: page(title).into(), token: Arc::clone(&token) };
+        let served = Served { page: page(title, ground).into(), token: Arc::clone(&token) };
         let accepting = Arc::clone(&hub);
         let acceptor = std::thread::Builder::new().name("serve".into()).spawn(move || {
             for stream in listener.incoming().map_while(Result::ok) {
@@ -137,11 +143,12 @@ fn lock(hub: &Mutex<Hub>) -> MutexGuard<'_, Hub> {
     hub.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-fn page(title: &str) -> String {
+fn page(title: &str, ground: &str) -> String {
     PAGE.replace("WINDOW_S", &WINDOW_S.to_string())
         .replace("TITLE", &report::chart::escape(title))
         .replace("/*STYLE*/", &report::html::style())
-        .replace("/*SCRIPTS*/", &report::html::scripts())
+        .replace("/*SCRIPTS*/", &(report::html::scripts() + &report::html::plane_script()))
+        .replace("/*GROUND*/null", ground)
 }
 
 /// Passes the updates to all clients until the run is over.
@@ -260,7 +267,7 @@ mod tests {
     #[test]
     fn browsers_get_the_past_the_present_and_the_end() {
         let (sender, updates) = sync_channel(16);
-        let server = Server::start("a <run>", 0, updates).expect("a free port");
+        let server = Server::start("a <run>", "null", 0, updates).expect("a free port");
         let (address, token) = (server.address, Arc::clone(&server.token));
         assert!(address.ip().is_loopback());
         sender.send(frame(0.5)).expect("it listens");
@@ -299,7 +306,7 @@ mod tests {
     #[test]
     fn a_head_has_no_body_and_other_methods_learn_what_is_answered() {
         let (_sender, updates) = sync_channel(1);
-        let server = Server::start("a <run>", 0, updates).expect("a free port");
+        let server = Server::start("a <run>", "null", 0, updates).expect("a free port");
         let answer_to = |method: &str, path: &str| {
             let mut stream = TcpStream::connect(server.address).expect("it listens");
             let path = format!("/{}/{path}", server.token);
@@ -323,7 +330,7 @@ mod tests {
     #[test]
     fn a_request_that_is_too_long_is_refused() {
         let (_sender, updates) = sync_channel(1);
-        let server = Server::start("a run", 0, updates).expect("a free port");
+        let server = Server::start("a run", "null", 0, updates).expect("a free port");
         let answer = get(server.address, "/", &"x".repeat(20 * crate::live::http::MAX_REQUEST));
         assert!(answer.starts_with("HTTP/1.1 431 "), "{answer}");
     }
@@ -331,7 +338,7 @@ mod tests {
     #[test]
     fn the_page_needs_nothing_else_and_is_for_this_machine_only() {
         let (sender, updates) = sync_channel(1);
-        let server = Server::start("a <run>", 0, updates).expect("a free port");
+        let server = Server::start("a <run>", "null", 0, updates).expect("a free port");
         let home = format!("/{}/", server.token);
         assert_eq!(server.url(), format!("http://{}{home}", server.address));
         let page = get(server.address, &home, "127.0.0.1:80");
@@ -352,7 +359,7 @@ mod tests {
     #[test]
     fn slow_clients_do_not_hold_up_the_end() {
         let (sender, updates) = sync_channel(1);
-        let server = Server::start("run", 0, updates).expect("a free port");
+        let server = Server::start("run", "null", 0, updates).expect("a free port");
         // One never ends its request, one takes no events.
         let mut slow = TcpStream::connect(server.address).expect("it listens");
         slow.write_all(b"GET / HT").expect("it reads");

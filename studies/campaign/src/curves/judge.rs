@@ -1,0 +1,337 @@
+//! Figures of a drive, by its ground truth.
+//!
+//! ```text
+//! drive ─ report::targets ─► scans with lead, owner of the target and place ─► sums by place
+//!       └ scenes ─► sight of the queue ─► time to the target, avoidable collision
+//! ```
+//!
+//! The queue is in sight when the middle of its last vehicle's rear is within the radar's range and field of view.
+
+use frame::batch::Done;
+use group::PlaneScene;
+use group::report::Outcome;
+use report::targets::{JudgedScan, Owner, Place, REACH_M, judge, spans};
+use scenario::Scenario;
+use scenario::perception::Radar;
+use serde::{Deserialize, Serialize};
+
+use super::limits::{BRAKED_MPS2, FROM_SIGHT_MPS2, SEEN_WITHIN_S};
+use super::scene::Scene;
+
+/// Sums of the scans in one part of a curve.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Sums {
+    /// Time, s.
+    pub time_s: f64,
+    /// Way, km.
+    pub km: f64,
+    /// Time with a lead within reach, s.
+    pub lead_s: f64,
+    /// Time of these in which it was lost, s.
+    pub lost_s: f64,
+    /// Number of times that it was lost.
+    pub losses: u64,
+    /// Time with a neighbour as the target, s.
+    pub taken_s: f64,
+    /// Number of times that a neighbour became the target.
+    pub takings: u64,
+    /// Time with a target that is no vehicle, s.
+    pub nothing_s: f64,
+}
+
+impl Sums {
+    /// Adds other sums.
+    pub fn add(&mut self, other: &Self) {
+        self.time_s += other.time_s;
+        self.km += other.km;
+        self.lead_s += other.lead_s;
+        self.lost_s += other.lost_s;
+        self.losses += other.losses;
+        self.taken_s += other.taken_s;
+        self.takings += other.takings;
+        self.nothing_s += other.nothing_s;
+    }
+}
+
+/// How a queue in the lane came into sight and became the target.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sight {
+    /// Run time at which it came into sight, s.
+    pub at_s: f64,
+    /// Gap to it along the axis then, m.
+    pub gap_m: f64,
+    /// Speed of the ego then, m/s.
+    pub speed_mps: f64,
+    /// Time from then to the first message with it as the target, s; none: never. Negative: before.
+    pub seen_after_s: Option<f64>,
+}
+
+/// The record of a drive.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Kept {
+    /// The scene's number, from 1.
+    pub number: usize,
+    /// Its kind.
+    pub scene: Scene,
+    /// Sources of the course, by name.
+    pub sources: String,
+    /// How the run ended.
+    pub outcome: Outcome,
+    /// Sums by part of a curve, in the order of [`Place::ALL`].
+    pub places: [Sums; 4],
+    /// Times that the emergency brake braked.
+    pub interventions: u64,
+    /// Lowest request of the law, m/s².
+    pub lowest_request_mps2: Option<f64>,
+    /// Sight of a queue in the lane.
+    pub sight: Option<Sight>,
+    /// Largest lateral acceleration, m/s².
+    pub largest_lateral_mps2: f64,
+}
+
+impl Kept {
+    /// Judges a drive.
+    pub fn of(
+        (number, scene, sources): (usize, Scene, &str),
+        scenario: &Scenario,
+        done: &Done,
+    ) -> Self {
+        let drive = &done.drive;
+        let axis = scenario.road.plan().map(|plan| plan.axis());
+        let curvature = |p_m: f64| axis.as_ref().map_or(0.0, |axis| axis.curvature_perm(p_m));
+        let scans = judge(drive, &curvature);
+        let lateral = drive.plane.iter().map(|scene| scene.ego.lateral_acceleration_mps2.abs());
+        let is_in_lane = scene == Scene::InLane;
+        let radar = &scenario.perception.radar;
+        let speeds = |time_s: f64| {
+            let step = drive.steps.partition_point(|step| step.time_s < time_s - 1e-9);
+            drive.steps.get(step).map_or(0.0, |step| step.speed_mps)
+        };
+        Self {
+            number,
+            scene,
+            sources: sources.to_owned(),
+            outcome: done.summary.outcome,
+            places: by_place(&scans),
+            interventions: done.summary.aebs.interventions.unwrap_or(0),
+            lowest_request_mps2: drive
+                .steps
+                .iter()
+                .filter_map(|step| step.request_mps2)
+                .reduce(f64::min),
+            sight: if is_in_lane { sight(&drive.plane, &scans, radar, &speeds) } else { None },
+            largest_lateral_mps2: lateral.fold(0.0, f64::max),
+        }
+    }
+
+    /// Sums over all places.
+    pub fn sums(&self) -> Sums {
+        let mut sums = Sums::default();
+        self.places.iter().for_each(|place| sums.add(place));
+        sums
+    }
+
+    /// The law braked as before a vehicle.
+    pub fn is_braked(&self) -> bool {
+        self.lowest_request_mps2.is_some_and(|request| request < BRAKED_MPS2)
+    }
+
+    /// Interventions that nothing in the lane needed.
+    pub fn phantom_interventions(&self) -> u64 {
+        if self.scene == Scene::InLane { 0 } else { self.interventions }
+    }
+
+    /// The run ended in a collision that braking from sight avoids.
+    pub fn is_avoidable(&self) -> bool {
+        let stops = |sight: &Sight| sight.speed_mps.powi(2) / (2.0 * FROM_SIGHT_MPS2) < sight.gap_m;
+        // A collision without sight of the vehicle is no queue's: nothing had to be hit.
+        self.outcome == Outcome::Collision && self.sight.as_ref().is_none_or(stops)
+    }
+
+    /// The queue in the lane became the target too late.
+    pub fn is_seen_late(&self) -> bool {
+        let late =
+            |sight: &Sight| sight.seen_after_s.is_none_or(|after| after > SEEN_WITHIN_S + 1e-9);
+        self.scene == Scene::InLane && self.sight.as_ref().is_none_or(late)
+    }
+
+    /// The drive had no finding that no drive may have.
+    pub fn holds(&self) -> bool {
+        self.outcome == Outcome::Completed
+            && self.phantom_interventions() == 0
+            && !self.is_seen_late()
+    }
+
+    /// The command that repeats all drives of its number.
+    pub fn repeat(&self) -> String {
+        format!("timegap campaign curves --first {} --seeds 1", self.number)
+    }
+
+    /// Its finding, in words.
+    pub fn finding(&self) -> String {
+        let mut findings = Vec::new();
+        if self.outcome != Outcome::Completed {
+            findings.push(report::print::outcome_word(self.outcome).to_lowercase());
+        }
+        if self.phantom_interventions() > 0 {
+            findings.push("the emergency brake braked for nothing in the lane".to_owned());
+        }
+        if self.is_seen_late() {
+            findings.push("the queue became the target too late".to_owned());
+        }
+        findings.join("; ")
+    }
+}
+
+/// Sums of the scans by part of a curve. A loss counts in the part in which it begins.
+fn by_place(scans: &[JudgedScan]) -> [Sums; 4] {
+    Place::ALL.map(|place| {
+        let mut sums = Sums::default();
+        for pair in scans.windows(2).filter(|pair| pair[0].place == place) {
+            let [scan, next] = [&pair[0], &pair[1]];
+            let dt_s = next.time_s - scan.time_s;
+            let while_true = |is: bool| if is { dt_s } else { 0.0 };
+            sums.time_s += dt_s;
+            sums.km += (next.position_m - scan.position_m) / 1e3;
+            sums.lead_s += while_true(scan.lead_within(REACH_M).is_some());
+            sums.lost_s += while_true(scan.is_lead_lost());
+            sums.taken_s += while_true(scan.is_neighbour_taken());
+            sums.nothing_s += while_true(scan.is_nothing_taken());
+        }
+        let begins_here = |finding: fn(&JudgedScan) -> bool| {
+            let begins = spans(scans, finding).into_iter().filter(|(from_s, _)| {
+                let scan = scans.iter().find(|scan| scan.time_s >= *from_s);
+                scan.is_some_and(|scan| scan.place == place)
+            });
+            begins.count() as u64
+        };
+        sums.losses = begins_here(JudgedScan::is_lead_lost);
+        sums.takings = begins_here(JudgedScan::is_neighbour_taken);
+        sums
+    })
+}
+
+/// Sight of the last vehicle of a queue in the lane; none if it never came into sight.
+fn sight(
+    scenes: &[PlaneScene],
+    scans: &[JudgedScan],
+    radar: &Radar,
+    speed_mps: &dyn Fn(f64) -> f64,
+) -> Option<Sight> {
+    let range_m = radar.max_range_m.value();
+    let half_view_rad = 0.5 * radar.field_of_view_deg.value().to_radians();
+    let (scan, lead) = scans.iter().find_map(|scan| {
+        let lead = scan.lead?;
+        let scene = scenes.iter().find(|scene| scene.time_s == scan.time_s)?;
+        let (x_m, y_m) = scene.bodies[lead.vehicle].rear_m();
+        let (x, y) = (x_m - scene.ego.x_m, y_m - scene.ego.y_m);
+        let (sine, cosine) = libm::sincos(scene.ego.heading_rad);
+        let (along, across) = (x * cosine + y * sine, y * cosine - x * sine);
+        let is_in_view = libm::hypot(along, across) <= range_m
+            && libm::atan2(across, along).abs() <= half_view_rad;
+        is_in_view.then_some((scan, lead))
+    })?;
+    let target = |judged: &&JudgedScan| judged.owner == Some(Owner::Vehicle(lead.vehicle));
+    let seen = scans.iter().find(target).and_then(|judged| {
+        let scene = scenes.iter().find(|scene| scene.time_s == judged.time_s)?;
+        Some(scene.seen?.published_s - scan.time_s)
+    });
+    let speed_mps = speed_mps(scan.time_s);
+    Some(Sight { at_s: scan.time_s, gap_m: lead.gap_m, speed_mps, seen_after_s: seen })
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use group::{Body, EgoPlace, Seen};
+    use report::targets::Lead;
+
+    /// A drive without a finding.
+    pub fn example(scene: Scene, sources: &str) -> Kept {
+        let road = Sums { time_s: 200.0, km: 5.0, lead_s: 150.0, ..Sums::default() };
+        let sight = Sight { at_s: 3.0, gap_m: 150.0, speed_mps: 20.0, seen_after_s: Some(0.4) };
+        Kept {
+            number: 1,
+            scene,
+            sources: sources.to_owned(),
+            outcome: Outcome::Completed,
+            places: [road, Sums::default(), Sums::default(), Sums::default()],
+            interventions: 0,
+            lowest_request_mps2: Some(-0.4),
+            sight: (scene == Scene::InLane).then_some(sight),
+            largest_lateral_mps2: 1.9,
+        }
+    }
+
+    fn scan(time_s: f64, place: Place, owner: Option<Owner>) -> JudgedScan {
+        let lead = Some(Lead { vehicle: 0, gap_m: 60.0 });
+        let is_beside = owner == Some(Owner::Vehicle(1));
+        JudgedScan { time_s, position_m: 20.0 * time_s, place, lead, owner, is_beside }
+    }
+
+    #[test]
+    fn a_loss_counts_where_it_begins_and_its_time_where_it_passes() {
+        let (right, beside) = (Some(Owner::Vehicle(0)), Some(Owner::Vehicle(1)));
+        let scans = [
+            scan(0.0, Place::Straight, right),
+            scan(1.0, Place::Entry, None),
+            scan(2.0, Place::Arc, beside),
+            scan(3.0, Place::Arc, right),
+            scan(4.0, Place::Exit, right),
+        ];
+        let [straight, entry, arc, exit] = by_place(&scans);
+        assert_eq!((straight.lost_s, straight.losses), (0.0, 0));
+        assert_eq!((entry.lost_s, entry.losses), (1.0, 1));
+        assert_eq!((arc.lost_s, arc.losses, arc.taken_s, arc.takings), (1.0, 0, 1.0, 1));
+        assert_eq!((exit.time_s, arc.time_s, entry.km), (0.0, 2.0, 0.02));
+    }
+
+    #[test]
+    fn sight_begins_in_range_and_view_and_ends_with_the_target() {
+        let body =
+            |x_m: f64, y_m: f64| Body { x_m, y_m, length_m: 4.0, in_lane: true, ..Body::default() };
+        let scene = |time_s: f64, body: Body| PlaneScene {
+            time_s,
+            ego: EgoPlace::default(),
+            bodies: vec![body],
+            seen: Some(Seen { published_s: time_s + 0.05, target: None }),
+        };
+        // Out of range, out of view, in view twice.
+        let scenes = [
+            scene(0.0, body(160.0, 0.0)),
+            scene(1.0, body(60.0, 60.0)),
+            scene(2.0, body(100.0, 20.0)),
+            scene(3.0, body(90.0, 20.0)),
+        ];
+        let owner = |time_s: f64| (time_s >= 3.0).then_some(Owner::Vehicle(0));
+        let scans: Vec<_> = scenes
+            .iter()
+            .map(|scene| scan(scene.time_s, Place::Arc, owner(scene.time_s)))
+            .collect();
+        let found = sight(&scenes, &scans, &Radar::default(), &|_| 15.0).expect("it is in sight");
+        assert_eq!((found.at_s, found.speed_mps), (2.0, 15.0));
+        assert!((found.seen_after_s.expect("it is seen") - 1.05).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_collision_is_avoidable_where_braking_from_sight_stops_before_it() {
+        let hit = Kept { outcome: Outcome::Collision, ..example(Scene::InLane, "x") };
+        assert!(hit.is_avoidable(), "33 m of 150 m");
+        let near = Sight { at_s: 0.0, gap_m: 30.0, speed_mps: 20.0, seen_after_s: Some(0.0) };
+        assert!(!Kept { sight: Some(near), ..hit }.is_avoidable(), "30 m are too few");
+        let beside = Kept { outcome: Outcome::Collision, ..example(Scene::Beside, "x") };
+        assert!(beside.is_avoidable(), "nothing is in the lane");
+    }
+
+    #[test]
+    fn a_queue_that_is_seen_late_or_never_is_a_finding() {
+        let seen = |seen_after_s| {
+            let sight = Sight { at_s: 0.0, gap_m: 150.0, speed_mps: 20.0, seen_after_s };
+            Kept { sight: Some(sight), ..example(Scene::InLane, "x") }
+        };
+        assert!(seen(Some(0.5)).holds() && seen(Some(-1.0)).holds());
+        assert!(!seen(Some(0.55)).holds() && !seen(None).holds());
+        assert!(!Kept { sight: None, ..seen(None) }.holds());
+        assert!(example(Scene::Road, "x").holds());
+    }
+}

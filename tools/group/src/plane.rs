@@ -1,0 +1,349 @@
+//! A drive seen from above, on a road with a plan.
+//!
+//! One scene for each scan of the radar. Poses are the ground truth at the scan; the target is the track that
+//! perception selected from it, placed in the plane by the ego's true pose.
+//!
+//! ```text
+//! truth/pose ──────────┐
+//! truth/poses ─────────┼─ by time of acquisition ─► PlaneScene
+//! truth/vehicles ──────┤
+//! radar/tracks ────────┘ (later by the radar's latency)
+//! ```
+
+use messages::{EgoPose, Header, Message, RadarTracks, Topic, VehiclePoses, VehicleTruth};
+use runtime::{Observed, Observer, RuntimeError};
+
+use crate::by_step::take_step;
+use crate::report::ReceivedTopic;
+
+/// Ego, vehicles and target at a scan of the radar.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlaneScene {
+    /// Run time of the scan, s.
+    pub time_s: f64,
+    /// The ego.
+    pub ego: EgoPlace,
+    /// The other vehicles, in the order of `truth/vehicles`.
+    pub bodies: Vec<Body>,
+    /// Result of the scan; none: `radar/tracks` has none of this time.
+    pub seen: Option<Seen>,
+}
+
+/// The ego in the plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct EgoPlace {
+    /// Middle of the front bumper, m.
+    pub x_m: f64,
+    /// Middle of the front bumper, m.
+    pub y_m: f64,
+    /// Heading of the body, rad.
+    pub heading_rad: f64,
+    /// Distance of the front bumper's middle from the axis, m, positive to the left.
+    pub lateral_m: f64,
+    /// Curvature of the axis there, 1/m.
+    pub curvature_perm: f64,
+    /// Lateral acceleration, m/s².
+    pub lateral_acceleration_mps2: f64,
+}
+
+/// Another vehicle in the plane and on the axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Body {
+    /// Middle of the body, m.
+    pub x_m: f64,
+    /// Middle of the body, m.
+    pub y_m: f64,
+    /// Heading of the body, rad.
+    pub heading_rad: f64,
+    /// Length, m.
+    pub length_m: f64,
+    /// Width, m.
+    pub width_m: f64,
+    /// Position of the rear bumper on the axis, m.
+    pub rear_position_m: f64,
+    /// Speed, m/s.
+    pub speed_mps: f64,
+    /// Its body reaches into the ego's lane.
+    pub in_lane: bool,
+}
+
+/// Result of a scan.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Seen {
+    /// Run time at which it was published, s.
+    pub published_s: f64,
+    /// The selected target.
+    pub target: Option<TargetPlace>,
+}
+
+/// The selected target where perception places it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct TargetPlace {
+    /// Place in the plane, m.
+    pub x_m: f64,
+    /// Place in the plane, m.
+    pub y_m: f64,
+    /// Gap along the course, m.
+    pub gap_m: f64,
+    /// Identity of its track.
+    pub track_id: u32,
+}
+
+impl EgoPlace {
+    fn of(pose: &EgoPose) -> Self {
+        Self {
+            x_m: pose.x_m,
+            y_m: pose.y_m,
+            heading_rad: pose.heading_rad,
+            lateral_m: pose.lateral_m,
+            curvature_perm: pose.curvature_perm,
+            lateral_acceleration_mps2: pose.lateral_acceleration_mps2,
+        }
+    }
+}
+
+impl Body {
+    /// Distance of a place from the body, m; 0 inside.
+    #[must_use]
+    pub fn distance_m(&self, x_m: f64, y_m: f64) -> f64 {
+        let (sine, cosine) = libm::sincos(self.heading_rad);
+        let (x, y) = (x_m - self.x_m, y_m - self.y_m);
+        let along = (x * cosine + y * sine).abs() - 0.5 * self.length_m;
+        let across = (y * cosine - x * sine).abs() - 0.5 * self.width_m;
+        libm::hypot(along.max(0.0), across.max(0.0))
+    }
+
+    /// Middle of the rear bumper, m.
+    #[must_use]
+    pub fn rear_m(&self) -> (f64, f64) {
+        let (sine, cosine) = libm::sincos(self.heading_rad);
+        (self.x_m - 0.5 * self.length_m * cosine, self.y_m - 0.5 * self.length_m * sine)
+    }
+}
+
+/// The topics of a road with a plan, and their messages so far.
+#[derive(Debug)]
+pub(crate) struct PlaneTopics {
+    pose: Observed<EgoPose>,
+    poses: Observed<VehiclePoses>,
+    tracks: Observed<RadarTracks>,
+    pub(crate) log: PlaneLog,
+}
+
+impl PlaneTopics {
+    /// Opens the topics.
+    pub(crate) fn listen(observer: &Observer) -> Result<Self, RuntimeError> {
+        Ok(Self {
+            pose: observer.listen()?,
+            poses: observer.listen()?,
+            tracks: observer.listen()?,
+            log: PlaneLog::default(),
+        })
+    }
+
+    /// Takes the messages that arrived; `note` sees the header of each track message.
+    pub(crate) fn drain(
+        &mut self,
+        note: &mut dyn FnMut(Topic, &Header),
+    ) -> Result<(), RuntimeError> {
+        let log = &mut self.log;
+        self.pose.drain(|message| log.pose(message))?;
+        self.poses.drain(|message| log.poses(message))?;
+        self.tracks.drain(|message| {
+            note(RadarTracks::TOPIC, &message.header);
+            log.tracks(message);
+        })
+    }
+
+    /// Counts of received messages.
+    pub(crate) fn received(&self) -> [ReceivedTopic; 3] {
+        [self.pose.received(), self.poses.received(), self.tracks.received()]
+    }
+}
+
+/// A target before it has its place: its track from the front bumper of the ego.
+#[derive(Clone, Copy, Debug)]
+struct Selected {
+    range_m: f64,
+    azimuth_rad: f64,
+    gap_m: f64,
+    track_id: u32,
+}
+
+/// The messages of a drive on a road with a plan, each topic in order of time.
+#[derive(Debug, Default)]
+pub struct PlaneLog {
+    egos: Vec<(u64, i64, EgoPlace)>,
+    bodies: Vec<(u64, i64, Vec<Body>)>,
+    seen: Vec<(u64, i64, f64, Option<Selected>)>,
+}
+
+impl PlaneLog {
+    /// Takes a pose of the ego.
+    pub(crate) fn pose(&mut self, pose: &EgoPose) {
+        let Header { step, acquisition_ns, .. } = pose.header;
+        self.egos.push((step, acquisition_ns, EgoPlace::of(pose)));
+    }
+
+    /// Takes the bodies at a scan.
+    pub(crate) fn poses(&mut self, poses: &VehiclePoses) {
+        let bodies = poses.listed().iter().map(|pose| Body {
+            x_m: pose.x_m,
+            y_m: pose.y_m,
+            heading_rad: pose.heading_rad,
+            length_m: pose.length_m,
+            width_m: pose.width_m,
+            ..Body::default()
+        });
+        let Header { step, acquisition_ns, .. } = poses.header;
+        self.bodies.push((step, acquisition_ns, bodies.collect()));
+    }
+
+    /// Takes the tracks of a scan.
+    pub(crate) fn tracks(&mut self, tracks: &RadarTracks) {
+        let selected = tracks.listed().iter().find(|track| track.in_path != 0);
+        let selected = selected.filter(|_| tracks.target.valid == 1).map(|track| Selected {
+            range_m: track.range_m,
+            azimuth_rad: track.azimuth_rad,
+            gap_m: tracks.target.gap_m,
+            track_id: track.id,
+        });
+        let Header { step, acquisition_ns, publish_ns, .. } = tracks.header;
+        self.seen.push((step, acquisition_ns, publish_ns as f64 / 1e9, selected));
+    }
+
+    /// Thins out the samples of a long drive.
+    pub(crate) fn retain(&mut self, keeps: &dyn Fn(u64) -> bool) {
+        self.egos.retain(|entry| keeps(entry.0));
+        self.bodies.retain(|entry| keeps(entry.0));
+        self.seen.retain(|entry| keeps(entry.0));
+    }
+
+    /// The newest scene with the newest target before it. `truths` are those of the same drive so far.
+    #[must_use]
+    pub fn newest(&self, truths: &[VehicleTruth]) -> Option<PlaneScene> {
+        let (_, time_ns, bodies) = self.bodies.last()?;
+        let ego = self.ego_at(*time_ns)?;
+        let mut bodies = bodies.clone();
+        let truth = truths.last().filter(|truth| truth.header.acquisition_ns == *time_ns);
+        place_on_axis(&mut bodies, truth);
+        let seen = self.seen.last().and_then(|(_, scanned_ns, published_s, selected)| {
+            let ego = self.ego_at(*scanned_ns)?;
+            let target = selected.map(|selected| selected.from(&ego));
+            Some(Seen { published_s: *published_s, target })
+        });
+        Some(PlaneScene { time_s: *time_ns as f64 / 1e9, ego, bodies, seen })
+    }
+
+    fn ego_at(&self, time_ns: i64) -> Option<EgoPlace> {
+        let newest = self.egos.iter().rev().take_while(|entry| entry.1 >= time_ns);
+        newest.last().filter(|entry| entry.1 == time_ns).map(|entry| entry.2)
+    }
+
+    /// The scenes, in order of time. `truths` are those of the same drive.
+    pub(crate) fn finish(self, truths: &[VehicleTruth]) -> Vec<PlaneScene> {
+        let mut egos = self.egos.iter().peekable();
+        let mut truths = truths.iter().peekable();
+        let mut seen = self.seen.iter().peekable();
+        let scenes = self.bodies.into_iter().filter_map(|(_, time_ns, mut bodies)| {
+            let ego = take_step(&mut egos, time_ns, |entry| entry.1)?.2;
+            let truth = take_step(&mut truths, time_ns, |truth| truth.header.acquisition_ns);
+            place_on_axis(&mut bodies, truth);
+            let seen = take_step(&mut seen, time_ns, |entry| entry.1);
+            let seen = seen.map(|(_, _, published_s, selected)| Seen {
+                published_s: *published_s,
+                target: selected.map(|selected| selected.from(&ego)),
+            });
+            Some(PlaneScene { time_s: time_ns as f64 / 1e9, ego, bodies, seen })
+        });
+        scenes.collect()
+    }
+}
+
+/// Gives the bodies of a scan their places on the axis.
+fn place_on_axis(bodies: &mut [Body], truth: Option<&VehicleTruth>) {
+    for (body, vehicle) in bodies.iter_mut().zip(truth.iter().flat_map(|truth| &truth.vehicles)) {
+        body.rear_position_m = vehicle.rear_position_m;
+        body.speed_mps = vehicle.speed_mps;
+        body.in_lane = vehicle.in_lane != 0;
+    }
+}
+
+impl Selected {
+    /// Its place, seen from the ego.
+    fn from(self, ego: &EgoPlace) -> TargetPlace {
+        let (sine, cosine) = libm::sincos(ego.heading_rad + self.azimuth_rad);
+        TargetPlace {
+            x_m: ego.x_m + self.range_m * cosine,
+            y_m: ego.y_m + self.range_m * sine,
+            gap_m: self.gap_m,
+            track_id: self.track_id,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+    use messages::{MAX_TRACKS, Origins, Track, TrackedTarget, VehiclePose, VehicleTruthItem};
+
+    fn header(step: u64) -> Header {
+        let origins = Origins::NONE;
+        Header::new(step, i64::try_from(step).expect("small") * 10_000_000, origins)
+    }
+
+    #[test]
+    fn a_scene_joins_the_topics_by_the_time_of_the_scan() {
+        let mut log = PlaneLog::default();
+        for step in 0..=10 {
+            let heading_rad = std::f64::consts::FRAC_PI_2;
+            let pose = EgoPose {
+                header: header(step),
+                x_m: 5.0,
+                y_m: step as f64,
+                heading_rad,
+                ..EgoPose::zeroed()
+            };
+            log.pose(&pose);
+        }
+        let mut poses = VehiclePoses { header: header(5), count: 1, ..VehiclePoses::zeroed() };
+        poses.poses[0] =
+            VehiclePose { x_m: 5.0, y_m: 37.0, heading_rad: 1.5, length_m: 4.0, width_m: 2.0 };
+        log.poses(&poses);
+        let mut tracks = RadarTracks {
+            // Published with the next scan.
+            header: Header { acquisition_ns: 50_000_000, ..header(10) },
+            target: TrackedTarget { valid: 1, gap_m: 30.5, ..TrackedTarget::zeroed() },
+            count: 1,
+            ..RadarTracks::zeroed()
+        };
+        tracks.tracks[0] = Track { id: 7, in_path: 1, range_m: 30.0, ..Track::zeroed() };
+        log.tracks(&tracks);
+        let mut truth = VehicleTruth { header: header(5), count: 1, ..VehicleTruth::zeroed() };
+        truth.vehicles = [VehicleTruthItem::zeroed(); MAX_TRACKS];
+        truth.vehicles[0].rear_position_m = 35.0;
+        truth.vehicles[0].in_lane = 1;
+        let newest = log.newest(&[truth]).expect("there is a scene");
+        let scenes = log.finish(&[truth]);
+        assert_eq!(scenes, [newest]);
+        let [PlaneScene { time_s, ego, bodies, seen: Some(seen) }] = scenes.as_slice() else {
+            panic!("{scenes:?}")
+        };
+        assert_eq!((*time_s, ego.y_m), (0.05, 5.0));
+        assert!(bodies[0].in_lane && bodies[0].rear_position_m == 35.0);
+        // The ego looks along y.
+        let target = seen.target.expect("it is selected");
+        assert!((target.x_m - 5.0).abs() < 1e-9 && (target.y_m - 35.0).abs() < 1e-9);
+        assert_eq!((target.gap_m, target.track_id), (30.5, 7));
+        assert!(bodies[0].distance_m(target.x_m, target.y_m) < 0.2);
+    }
+
+    #[test]
+    fn a_body_knows_its_distance_and_its_rear() {
+        let body = Body { length_m: 4.0, width_m: 2.0, ..Body::default() };
+        assert_eq!(body.distance_m(1.0, 0.5), 0.0);
+        assert_eq!(body.distance_m(5.0, 5.0), 5.0);
+        assert_eq!(body.rear_m(), (-2.0, 0.0));
+    }
+}

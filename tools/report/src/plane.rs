@@ -1,0 +1,261 @@
+//! The bird's-eye view of a drive on a road with a plan, as data that the page's script draws (`assets/plane.js`).
+//!
+//! It shows the lanes, the way of the ego coloured by its speed, the spans with a lost lead or a false target, and the
+//! bodies at an instant. The first instant is the worst one: that of the collision, else of the least time to
+//! collision, else of the least gap.
+
+use group::{Drive, DriveStep, PlaneScene};
+use scenario::Scenario;
+use serde::Serialize;
+
+use crate::chart::{escape, script_json};
+use crate::html::{Column, table};
+use crate::plane_road::{RoadView, fine, rounded};
+use crate::targets::{JudgedScan, Owner, judge, spans};
+
+/// Most places of the way.
+const MOST_PLACES: usize = 1_200;
+/// Most instants of the close-up.
+const MOST_INSTANTS: usize = 300;
+/// Road behind the start and beyond the end of the drive, m.
+const AROUND_M: (f64, f64) = (60.0, 160.0);
+/// Least range of the speed's colours, m/s.
+const LEAST_RANGE_MPS: f64 = 2.0;
+/// Most findings in the table.
+const MOST_FINDINGS: usize = 20;
+
+/// The bird's-eye view of a drive.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PlaneView {
+    road: RoadView,
+    way: Way,
+    /// Speeds of the first and the last colour, m/s.
+    low: f64,
+    high: f64,
+    findings: Vec<Finding>,
+    ego: Size,
+    frames: Vec<Frame>,
+    /// Index of the worst instant.
+    worst: usize,
+    /// Why it is the worst.
+    why: &'static str,
+}
+
+/// The way of the ego's front bumper, m, with its speed, m/s.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+struct Way {
+    x: Vec<f64>,
+    y: Vec<f64>,
+    speed: Vec<f64>,
+}
+
+/// A kind of finding with its spans on the way.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+struct Finding {
+    name: &'static str,
+    tone: &'static str,
+    /// Indices of the first and the last place on the way.
+    spans: Vec<(usize, usize)>,
+    /// Begin and end of each, s.
+    #[serde(skip)]
+    times_s: Vec<(f64, f64)>,
+}
+
+/// Length and width, m.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Size {
+    length: f64,
+    width: f64,
+}
+
+/// The bodies at an instant.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Frame {
+    /// Place and heading of the ego.
+    ego: (f64, f64, f64),
+    /// Middle, heading, length, width, and 1 in the ego's lane.
+    bodies: Vec<(f64, f64, f64, f64, f64, u8)>,
+    /// Place and colour of the target.
+    target: Option<(f64, f64, &'static str)>,
+    text: String,
+}
+
+/// Kinds of findings: name, colour, and whether a scan has it.
+type Kind = (&'static str, &'static str, fn(&JudgedScan) -> bool);
+const KINDS: [Kind; 3] = [
+    ("lead lost", "stop", JudgedScan::is_lead_lost),
+    ("neighbour taken", "clear", JudgedScan::is_neighbour_taken),
+    ("target without a vehicle", "t3", JudgedScan::is_nothing_taken),
+];
+
+impl PlaneView {
+    /// The view of a drive; none where the road has no plan or nothing was seen.
+    pub fn of(scenario: &Scenario, drive: &Drive) -> Option<Self> {
+        let plan = scenario.road.plan()?;
+        let axis = plan.axis();
+        let (first, last) = (drive.steps.first()?, drive.steps.last()?);
+        drive.plane.first()?;
+        let from_to_m = (first.position_m - AROUND_M.0, last.position_m + AROUND_M.1);
+        let scans = judge(drive, &|p_m| axis.curvature_perm(p_m));
+        let steps = steps_at(drive);
+        let stride = drive.plane.len().div_ceil(MOST_PLACES).max(1);
+        let places: Vec<usize> = (0..drive.plane.len()).step_by(stride).collect();
+        let way = Way {
+            x: places.iter().map(|&at| rounded(drive.plane[at].ego.x_m)).collect(),
+            y: places.iter().map(|&at| rounded(drive.plane[at].ego.y_m)).collect(),
+            speed: places.iter().map(|&at| rounded(steps[at].speed_mps)).collect(),
+        };
+        let speeds = || way.speed.iter().copied();
+        let low = speeds().fold(f64::INFINITY, f64::min).floor();
+        let high = speeds().fold(f64::NEG_INFINITY, f64::max).ceil().max(low + LEAST_RANGE_MPS);
+        let findings = KINDS.map(|(name, tone, has)| {
+            let times_s = spans(&scans, has);
+            let at = |time_s: f64| {
+                let index = drive.plane.partition_point(|scene| scene.time_s < time_s);
+                (index / stride).min(places.len() - 1)
+            };
+            let spans = times_s.iter().map(|(from_s, to_s)| (at(*from_s), at(*to_s))).collect();
+            Finding { name, tone, spans, times_s }
+        });
+        let findings = findings.into_iter().filter(|finding| !finding.spans.is_empty()).collect();
+        let (worst, why) = worst(&steps, drive);
+        let mut instants: Vec<usize> =
+            (0..drive.plane.len()).step_by(drive.plane.len().div_ceil(MOST_INSTANTS)).collect();
+        if let Err(place) = instants.binary_search(&worst) {
+            instants.insert(place, worst);
+        }
+        let frames = instants.iter().map(|&at| {
+            let scene = &drive.plane[at];
+            let scan = scans.binary_search_by(|scan| scan.time_s.total_cmp(&scene.time_s));
+            Frame::of(scene, &steps[at], scan.ok().map(|scan| &scans[scan]))
+        });
+        Some(Self {
+            road: RoadView::of(plan, from_to_m),
+            way,
+            low,
+            high,
+            findings,
+            ego: Size::of_ego(scenario),
+            frames: frames.collect(),
+            worst: instants.binary_search(&worst).unwrap_or(0),
+            why,
+        })
+    }
+
+    /// The figure, and below it a table of the findings.
+    pub fn html(&self) -> String {
+        let title = "The way from above";
+        let figure = format!(
+            "<figure class=\"card plane\">\n<figcaption><h3>{title}</h3></figcaption>\n\
+             <div class=\"plot\"></div>\n<script type=\"application/json\">{}</script>\n</figure>\n",
+            script_json(self),
+        );
+        figure + &self.findings()
+    }
+
+    fn findings(&self) -> String {
+        let mut all: Vec<(f64, f64, &str)> = (self.findings.iter())
+            .flat_map(|finding| finding.times_s.iter().map(|(a, b)| (*a, *b, finding.name)))
+            .collect();
+        if all.is_empty() {
+            return "<p>The target was the vehicle ahead whenever one was within 100 m.</p>\n"
+                .into();
+        }
+        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let more = all.len().saturating_sub(MOST_FINDINGS);
+        let rows: Vec<_> = (all.iter().take(MOST_FINDINGS))
+            .map(|(from_s, to_s, name)| {
+                vec![format!("{from_s:.2}"), format!("{:.2}", to_s - from_s), (*name).to_owned()]
+            })
+            .collect();
+        let head = [
+            ("at, s", Column::Number),
+            ("for, s", Column::Number),
+            ("lost and false targets, by ground truth", Column::Text),
+        ];
+        let rest = match more {
+            0 => String::new(),
+            more => format!("<p class=\"quiet\">{} more</p>\n", escape(&more.to_string())),
+        };
+        table(&head, &rows) + &rest
+    }
+}
+
+impl Size {
+    /// Size of the ego.
+    #[must_use]
+    pub fn of_ego(scenario: &Scenario) -> Self {
+        Self { length: scenario.plant.length_m.value(), width: scenario::event::VEHICLE_WIDTH_M }
+    }
+}
+
+impl Frame {
+    /// A scene of a drive that goes on: nothing judges its target yet.
+    #[must_use]
+    pub fn live(scene: &PlaneScene, step: &DriveStep) -> Self {
+        let text = format!("{:.2} s · {:.1} m/s", scene.time_s, step.speed_mps);
+        Self::with(scene, "t0", text)
+    }
+
+    fn of(scene: &PlaneScene, step: &DriveStep, scan: Option<&JudgedScan>) -> Self {
+        let (tone, whose) = match scan {
+            Some(scan) if scan.is_neighbour_taken() => ("clear", "a neighbour is the target"),
+            Some(scan) if scan.is_nothing_taken() => ("t3", "the target is no vehicle"),
+            Some(scan) if scan.is_lead_lost() => ("stop", "the lead is lost"),
+            Some(JudgedScan { owner: Some(Owner::Vehicle(_)), .. }) => {
+                ("go", "the vehicle ahead is the target")
+            }
+            _ => ("muted", "no target"),
+        };
+        let lead = scan.and_then(|scan| scan.lead);
+        let gap = lead.map_or_else(String::new, |lead| format!(" · gap {:.1} m", lead.gap_m));
+        let text = format!("{:.2} s · {:.1} m/s{gap} · {whose}", scene.time_s, step.speed_mps);
+        Self::with(scene, tone, text)
+    }
+
+    fn with(scene: &PlaneScene, tone: &'static str, text: String) -> Self {
+        let bodies = scene.bodies.iter().map(|body| {
+            let place = (rounded(body.x_m), rounded(body.y_m));
+            let heading = fine(body.heading_rad);
+            let size = (rounded(body.length_m), rounded(body.width_m));
+            (place.0, place.1, heading, size.0, size.1, u8::from(body.in_lane))
+        });
+        let target = scene.seen.and_then(|seen| seen.target);
+        Self {
+            ego: (rounded(scene.ego.x_m), rounded(scene.ego.y_m), fine(scene.ego.heading_rad)),
+            bodies: bodies.collect(),
+            target: target.map(|target| (rounded(target.x_m), rounded(target.y_m), tone)),
+            text,
+        }
+    }
+}
+
+/// The step at the time of each scene.
+fn steps_at(drive: &Drive) -> Vec<DriveStep> {
+    let mut steps = drive.steps.iter().peekable();
+    let mut last = drive.steps.first().copied().unwrap_or_default();
+    let at = |scene: &PlaneScene| {
+        while let Some(step) = steps.next_if(|step| step.time_s <= scene.time_s + 1e-9) {
+            last = *step;
+        }
+        last
+    };
+    drive.plane.iter().map(at).collect()
+}
+
+/// Index of the worst scene, and why it is the worst.
+fn worst(steps: &[DriveStep], drive: &Drive) -> (usize, &'static str) {
+    let least = |value: &dyn Fn(&DriveStep) -> Option<f64>| {
+        let values = steps.iter().enumerate().filter_map(|(at, step)| Some((at, value(step)?)));
+        let finite = values.filter(|(_, value)| value.is_finite());
+        finite.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| at)
+    };
+    let contact = drive.steps.iter().any(|step| step.gap_m.is_some_and(|gap_m| gap_m <= 0.0));
+    if contact {
+        return (steps.len() - 1, "the contact");
+    }
+    let collision = |step: &DriveStep| Some(step.time_to_collision_s).filter(|s| *s > 0.0);
+    (least(&collision).map(|at| (at, "the least time to collision")))
+        .or(least(&|step| step.gap_m).map(|at| (at, "the least gap")))
+        .unwrap_or((0, "the start"))
+}

@@ -1,0 +1,96 @@
+//! The lanes of a road with a plan as lines in the plane.
+
+use scenario::plan::Plan;
+use serde::Serialize;
+
+/// Largest distance of a line from its chords, m: less than a pixel of the close-up.
+const SAGITTA_M: f64 = 0.03;
+/// Shortest and longest chord, m.
+const CHORD_M: (f64, f64) = (2.0, 60.0);
+
+/// The lanes as lines in the plane.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct RoadView {
+    left: Line,
+    right: Line,
+    /// Lines between lanes.
+    lines: Vec<Line>,
+}
+
+/// A line in the plane, m.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+struct Line {
+    x: Vec<f64>,
+    y: Vec<f64>,
+}
+
+impl RoadView {
+    /// The lanes between two positions, m.
+    #[must_use]
+    pub fn of(plan: &Plan, from_to_m: (f64, f64)) -> Self {
+        let (axis, start, lanes) = (plan.axis(), plan.start.pose(), &plan.lanes);
+        let places_m = places(&|p_m| axis.curvature_perm(p_m), from_to_m);
+        let line = |offset_m: f64| {
+            let mut line = Line::default();
+            for p_m in &places_m {
+                let pose = axis.point(*p_m, offset_m).placed(&start);
+                line.x.push(rounded(pose.x_m));
+                line.y.push(rounded(pose.y_m));
+            }
+            line
+        };
+        let right_m = lanes.right_edge_m();
+        let between = 1..=lanes.left.value() + lanes.right.value();
+        let offsets = between.map(|lane| right_m + f64::from(lane) * lanes.width_m.value());
+        let (left, right) = (line(lanes.left_edge_m()), line(right_m));
+        Self { left, right, lines: offsets.map(line).collect() }
+    }
+}
+
+/// Positions whose chords are near the axis: close together in curves, far apart on straights.
+fn places(curvature: &dyn Fn(f64) -> f64, (from_m, to_m): (f64, f64)) -> Vec<f64> {
+    let mut places = vec![from_m];
+    let mut at_m = from_m;
+    while at_m < to_m {
+        let mut chord_m = CHORD_M.1;
+        while chord_m > CHORD_M.0 {
+            let bends =
+                [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| curvature(at_m + share * chord_m).abs());
+            let most_perm = bends.into_iter().fold(0.0, f64::max);
+            if most_perm * chord_m * chord_m <= 8.0 * SAGITTA_M {
+                break;
+            }
+            chord_m *= 0.8;
+        }
+        at_m = (at_m + chord_m.max(CHORD_M.0)).min(to_m);
+        places.push(at_m);
+    }
+    places
+}
+
+/// To a centimetre, as a screen shows it.
+pub fn rounded(value: f64) -> f64 {
+    (value * 100.0).round() / 100.0
+}
+
+/// To a tenth of a milliradian.
+pub fn fine(value: f64) -> f64 {
+    (value * 1e4).round() / 1e4
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn chords_are_short_in_curves_alone() {
+        let places_m = places(&|p_m| if p_m < 500.0 { 0.0 } else { 0.01 }, (0.0, 1_000.0));
+        assert_eq!((places_m[0], places_m.last()), (0.0, Some(&1_000.0)));
+        for pair in places_m.windows(2) {
+            let chord_m = pair[1] - pair[0];
+            assert!(chord_m <= CHORD_M.1);
+            assert!(pair[1] <= 500.0 || 0.01 * chord_m.powi(2) <= 8.0 * SAGITTA_M + 1e-9);
+        }
+        assert!((100..200).contains(&places_m.len()), "{}", places_m.len());
+    }
+}
