@@ -26,6 +26,7 @@ macro_rules! studies {
 studies! {
     compare: "compare following cut-in --controllers acc-mpc,six-mode --set duration_s=5";
     sweep: "sweep cut-in --duration 5 --param runtime.extra_delay_ms=0,100 --seeds 1..2";
+    search: "search tight-brake --vary actors.0.gap_m=24..34 --budget 8 --cases 1";
     string: "string following --vehicles 2 --frequencies 0.05,0.1 --param controller.time_headway_s=1,2";
     r157: "r157 --controllers acc-mpc --sample 1";
     iso15622: "iso15622 --controllers acc-mpc";

@@ -22,6 +22,8 @@
 //!    `results()` of timegap's `list.rs`, and a command in `tests/tests/schema.rs`.
 //! 6. `pub fn run(arguments) { frame::study::run::<MyStudy>(arguments) }`, and its row in timegap's `cli.rs`.
 //!
+//! A study whose runs depend on earlier ones gets their records back by [`Study::recall`].
+//!
 //! Runs that are not one drive implement [`Study::drive`] with a [`Crew`]. Runs begin in the order of their numbers,
 //! so that a run may wait for an earlier one. [`Study::is_alone`] names runs beside which no other may go on.
 //! [`Study::NEEDS`] says whether some of the runs are worth a result. With [`Study::KEEPS_JOURNAL`] records stay on

@@ -21,13 +21,18 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Files that commands write into their directory; a name without a dot is a directory.
-const RESULTS: [&str; 34] = [
+const RESULTS: [&str; 41] = [
     "bench.json",
     "campaign.csv",
     "campaign.json",
     "campaign.toml",
     "compare.json",
     "csv",
+    "failure-1.toml",
+    "failure-2.toml",
+    "failure-3.toml",
+    "failure-4.toml",
+    "failure-5.toml",
     "gains.csv",
     "histograms.hlog",
     "iso15622.json",
@@ -46,6 +51,8 @@ const RESULTS: [&str; 34] = [
     "reproduce.json",
     "runs.jsonl",
     "scenario.toml",
+    "search.csv",
+    "search.json",
     "signals.csv",
     "signals.json",
     "string.csv",

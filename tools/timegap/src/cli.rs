@@ -51,6 +51,8 @@ pub enum Command {
     String(string::StringArguments),
     /// Drive a scenario for several values of a key and print a figure of each
     Sweep(comparison::sweep::SweepArguments),
+    /// Search the scenes and faults that break a requirement
+    Search(Box<search::SearchArguments>),
     /// Show the contents of a recording
     Info(InfoArguments),
     /// Repair a truncated recording

@@ -48,6 +48,7 @@ fn results() -> serde_json::Value {
     let mut all = vec![
         comparison::compare::schema(),
         comparison::sweep::schema(),
+        search::schema(),
         string::schema(),
         regulation::r157::schema(),
         regulation::iso15622::schema(),

@@ -76,6 +76,7 @@ fn run_command() -> ExitCode {
         Command::Campaign(arguments) => campaign::run(&arguments),
         Command::String(arguments) => string::run(&arguments),
         Command::Sweep(arguments) => comparison::sweep::run(&arguments),
+        Command::Search(arguments) => search::run(&arguments),
         Command::Info(arguments) => recordings::info::run(&arguments),
         Command::Recover(arguments) => recordings::recover::run(&arguments),
         Command::Export(arguments) => recordings::export::run(&arguments),

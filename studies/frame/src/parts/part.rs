@@ -67,6 +67,11 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         Ok(())
     }
 
+    /// The records so far.
+    pub fn records(&self) -> &Records<T> {
+        &self.records
+    }
+
     /// The runs of this part that are left to do.
     pub fn left(&self) -> Vec<usize> {
         self.mine().filter(|run| !self.records.has(*run)).collect()

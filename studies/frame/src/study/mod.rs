@@ -10,7 +10,7 @@ pub use schema::{ok, schema};
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, FromArgMatches};
 use group::{Error, GroupOptions};
@@ -69,6 +69,8 @@ pub struct Found<S: Study> {
     pub shard: Option<Shard>,
     /// Every run of the study, or of this part, is there.
     pub is_whole: bool,
+    /// The directory of the results.
+    pub directory: PathBuf,
 }
 
 /// A study: numbered runs, a record of each, and a judgement over all records.
@@ -187,6 +189,12 @@ pub trait Study: Sized + Sync {
     fn is_alone(&self, run: usize) -> Result<bool, Error> {
         let _ = run;
         Ok(false)
+    }
+
+    /// Takes a record that a journal kept, before the first run of this command begins. A study whose runs depend on
+    /// earlier ones needs it.
+    fn recall(&self, run: usize, record: &Self::Record) {
+        let _ = (run, record);
     }
 
     /// The keys that the study varies, with their values in a run: columns of the trajectories that `--keep` keeps.

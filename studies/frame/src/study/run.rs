@@ -58,6 +58,10 @@ fn drive<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
     if let Some((name, text)) = study.inputs() {
         output.write(name, text.as_bytes())?;
     }
+    part.records().each(&mut |run, record| {
+        study.recall(run, record);
+        Ok(())
+    })?;
     let bar = report::progress::count_bar(part.runs(), results.json);
     bar.set_message(study.label());
     let mut seen = BTreeMap::new();
@@ -139,7 +143,8 @@ fn merge<S: Study>(arguments: &S::Arguments, parts: &PartOptions) -> Result<Exit
     let Merged { records, sample, .. } = merged;
     let seen = BTreeMap::new();
     let sample = agreed(&study, sample)?;
-    let found = Found { records, seen, sample, shard: None, is_whole };
+    let directory = output.path().to_owned();
+    let found = Found { records, seen, sample, shard: None, is_whole, directory };
     let document = study.judge(found)?;
     options.results.deliver(&document, &output)?;
     Ok(if is_whole { document.exit_code() } else { ExitCode::FAILURE })
@@ -180,7 +185,8 @@ fn conclude<S: Study>(
         }
     }
     let is_whole = records.len() == runs;
-    let document = study.judge(Found { records, seen, sample, shard, is_whole })?;
+    let directory = output.path().to_owned();
+    let document = study.judge(Found { records, seen, sample, shard, is_whole, directory })?;
     match end {
         Ok(()) => options.results.deliver(&document, output)?,
         Err(error) => {

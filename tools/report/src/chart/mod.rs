@@ -5,6 +5,7 @@
 //!   horizontal value.
 //! * [`Cells`]: filled cells of a grid over two axes, with edges.
 //! * [`Bands`]: rows of labelled spans over one axis: modes over time, the parts of a chain.
+//! * [`Parallel`]: lines through one value a row, such as the variables of many runs.
 //! * [`Ribbons`]: rows coloured by a value along one axis: speeds of many vehicles over time.
 //!
 //! A picture becomes a [`Chart`]: series over two axes, with the points that a screen can show. The script
@@ -25,6 +26,7 @@ mod bands;
 mod cells;
 mod data;
 mod decimate;
+mod parallel;
 mod plot;
 mod ribbons;
 
@@ -32,6 +34,7 @@ pub use axis::{Axis, number};
 pub use bands::{Bands, Row, Span};
 pub use cells::{Cells, Edges, FilledCell};
 pub use data::{Chart, Point, escape, script_json};
+pub use parallel::{Parallel, Polyline};
 pub use plot::{Curve, Plot, Strip};
 pub use ribbons::{Ribbon, Ribbons};
 

@@ -1,0 +1,110 @@
+//! A Cholesky factor that grows by rows.
+
+/// The lower factor of a symmetric positive definite matrix, row by row.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Factor {
+    rows: Vec<Vec<f64>>,
+}
+
+impl Factor {
+    /// Adds a row of the matrix: covariances with the rows before it, and its own. A row that depends on the others
+    /// gets the least diagonal that keeps the factor regular.
+    pub fn push(&mut self, with: &[f64], own: f64) {
+        let mut row = self.forward(with);
+        let left = own - dot(&row, &row);
+        row.push(left.max(1e-12 * own).sqrt());
+        self.rows.push(row);
+    }
+
+    /// Keeps the first rows alone.
+    pub fn truncate(&mut self, rows: usize) {
+        self.rows.truncate(rows);
+    }
+
+    /// Solves L z = b.
+    pub fn forward(&self, b: &[f64]) -> Vec<f64> {
+        let mut z = Vec::with_capacity(b.len() + 1);
+        for (row, b) in self.rows.iter().zip(b) {
+            let place = z.len();
+            z.push((b - dot(&row[..place], &z)) / row[place]);
+        }
+        z
+    }
+
+    /// The next component of z, for rows that were added since.
+    pub fn forward_from(&self, z: &mut Vec<f64>, b: &[f64]) {
+        for (row, b) in self.rows[z.len()..].iter().zip(&b[z.len()..]) {
+            let place = z.len();
+            z.push((b - dot(&row[..place], z)) / row[place]);
+        }
+    }
+
+    /// Solves Lᵀ x = z.
+    pub fn backward(&self, mut z: Vec<f64>) -> Vec<f64> {
+        for place in (0..z.len()).rev() {
+            let row = &self.rows[place];
+            let x = z[place] / row[place];
+            z[place] = x;
+            for (z, l) in z[..place].iter_mut().zip(row) {
+                *z -= x * l;
+            }
+        }
+        z
+    }
+
+    /// Half of the logarithm of the matrix's determinant.
+    pub fn half_log_determinant(&self) -> f64 {
+        self.rows.iter().map(|row| libm::log(row[row.len() - 1])).sum()
+    }
+}
+
+/// The scalar product, in eight sums that a processor can do side by side.
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 8];
+    let (a8, b8) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rest: f64 = a8.remainder().iter().zip(b8.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in a8.zip(b8) {
+        for k in 0..8 {
+            sums[k] += a[k] * b[k];
+        }
+    }
+    let pairs = [sums[0] + sums[4], sums[1] + sums[5], sums[2] + sums[6], sums[3] + sums[7]];
+    (pairs[0] + pairs[2]) + (pairs[1] + pairs[3]) + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_factor_solves_its_matrix() {
+        // M = A Aᵀ + I for a fixed A.
+        let n = 23;
+        let a = |i: usize, j: usize| (((i * 7 + j * 13) % 11) as f64 - 5.0) / 5.0;
+        let m = |i: usize, j: usize| {
+            (0..n).map(|k| a(i, k) * a(j, k)).sum::<f64>() + if i == j { 1.0 } else { 0.0 }
+        };
+        let mut factor = Factor::default();
+        for i in 0..n {
+            factor.push(&(0..i).map(|j| m(i, j)).collect::<Vec<_>>(), m(i, i));
+        }
+        let x: Vec<f64> = (0..n).map(|i| i as f64 - 3.0).collect();
+        let b: Vec<f64> = (0..n).map(|i| (0..n).map(|j| m(i, j) * x[j]).sum()).collect();
+        let found = factor.backward(factor.forward(&b));
+        assert!(found.iter().zip(&x).all(|(found, x)| (found - x).abs() < 1e-9), "{found:?}");
+        let mut part = factor.clone();
+        part.truncate(10);
+        let mut z = part.forward(&b[..10]);
+        factor.forward_from(&mut z, &b);
+        assert_eq!(z, factor.forward(&b));
+    }
+
+    #[test]
+    fn a_row_that_repeats_another_keeps_the_factor_regular() {
+        let mut factor = Factor::default();
+        factor.push(&[], 2.0);
+        factor.push(&[2.0], 2.0);
+        assert_eq!(factor.rows.len(), 2);
+        assert!(factor.forward(&[1.0, 1.0]).iter().all(|z| z.is_finite()));
+    }
+}

@@ -1,0 +1,46 @@
+//! Gaussian processes: a function from a few values of it, with its uncertainty.
+//!
+//! ```text
+//! y ~ N(0, K + n² I),   K_ij = s² k(r_ij),   k(r) = (1 + √5 r + 5/3 r²) exp(−√5 r)        (Matérn, ν = 5/2)
+//! r² = Σ over numbers ((x − x') / l_d)² + Σ over words [x ≠ x'] / l_d²
+//!
+//! mean(x) = k(x)ᵀ (K + n² I)⁻¹ y,   variance(x) = s² − k(x)ᵀ (K + n² I)⁻¹ k(x)
+//! ```
+//!
+//! | symbol | field | meaning |
+//! | --- | --- | --- |
+//! | `s` | [`Hyperparameters::signal`] | standard deviation of the function |
+//! | `n` | [`Hyperparameters::noise`] | standard deviation of the noise |
+//! | `l_d` | [`Hyperparameters::lengths`] | length over which coordinate d matters |
+//!
+//! [`fit`] maximises the marginal likelihood of the values, with a weak prior on the lengths. A [`Process`] grows by
+//! one point in O(n²): its Cholesky factor gains a row. [`expected_improvement`] says how much lower than a target a
+//! value is expected to be. The same numbers on every x86-64: transcendental functions are those of `libm`.
+//!
+//! Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2, 4 and 5; Jones, Schonlau,
+//! Welch, Efficient Global Optimization of Expensive Black-Box Functions (1998), equation 15.
+//!
+//! ```
+//! use gaussian_process::{Kind, Process, fit};
+//!
+//! let kinds = [Kind::Number];
+//! let points: Vec<Vec<f64>> = (0..8).map(|k| vec![f64::from(k) / 7.0]).collect();
+//! let values: Vec<f64> = points.iter().map(|x| (3.0 * x[0]).sin()).collect();
+//! let parameters = fit(&kinds, &points, &values);
+//! let process = Process::new(&kinds, parameters, points, values);
+//! let (mean, variance) = process.predict(&[0.5]);
+//! assert!((mean - 1.5_f64.sin()).abs() < 0.01 && variance < 0.01);
+//! ```
+
+#![forbid(unsafe_code)]
+
+mod factor;
+mod fit;
+mod improvement;
+mod kernel;
+mod process;
+
+pub use fit::fit;
+pub use improvement::expected_improvement;
+pub use kernel::{Hyperparameters, Kind};
+pub use process::{Ahead, Process};

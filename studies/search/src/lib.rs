@@ -1,0 +1,32 @@
+//! `timegap search`: scenes and faults that break a requirement, found before the road does.
+//!
+//! ```text
+//! problem ─ method ─► points ─ reference avoids? ─► runs ─► values ─► method …
+//!                                                      └─► failures ─► minimal cases ─► failure-1.toml
+//! ```
+//!
+//! A [`problem::Problem`] is a scenario with variables and a requirement. A method ([`method`]) chooses points one
+//! after the other; a [`reference`] driver says which are worth a run. [`value`] is what is made small: below 0 a run
+//! is a failure. The command is a study of `frame`: journals, parts and results are the frame's.
+//!
+//! docs/search.md has the files, the methods and what they found.
+
+#![forbid(unsafe_code)]
+
+mod arguments;
+pub mod distinct;
+mod effect;
+pub mod method;
+pub mod minimal;
+mod pictures;
+pub mod problem;
+pub mod record;
+pub mod reference;
+mod results;
+mod study;
+pub mod trial;
+pub mod value;
+
+pub use arguments::SearchArguments;
+pub use results::schema;
+pub use study::run;

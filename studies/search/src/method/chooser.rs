@@ -1,0 +1,294 @@
+//! The points of all runs, by the results of earlier ones.
+
+use std::collections::BTreeMap;
+
+use gaussian_process::Kind;
+use group::Error;
+
+use super::gaussian::{Datum, Model};
+use super::scan::{Admit, Proposal, Refused, Scan, random};
+use super::{MethodName, seed_of};
+use crate::problem::{Domain, Variable};
+
+/// Runs that are chosen at once by a Gaussian process; two such halves are under way.
+const HALF: usize = 5;
+/// Runs of a search before the process chooses, for each variable.
+const START: usize = 6;
+/// Every so many points of a process are even ones.
+const EVEN_EVERY: usize = 4;
+
+/// Result of a run, as the choice of later ones needs it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Told {
+    /// The point.
+    pub point: Vec<f64>,
+    /// Its value; below 0: a failure.
+    pub value: f64,
+    /// Points that were refused before it.
+    pub refused: Vec<Refused>,
+}
+
+/// Chooses points.
+///
+/// ```
+/// use search::method::{Admission, Chooser, MethodName, Told};
+/// use search::problem::{Domain, Value, Variable};
+///
+/// let domain = Domain::parse("0..1").unwrap();
+/// let variable = Variable { name: "x".into(), domain, nominal: Value::Number(0.5) };
+/// let mut chooser = Chooser::new(MethodName::Gp, &[variable.clone(), variable], 1, 1);
+/// let admit = |_: &[f64]| Ok(Admission { value: -1.0 });
+/// let mut best = f64::INFINITY;
+/// for run in 0..60 {
+///     let proposal = chooser.propose(run, &admit).unwrap();
+///     let [x, y] = proposal.point[..] else { panic!("two variables") };
+///     let value = (x - 0.3).hypot(y - 0.8) * 10.0 - 0.1;
+///     best = best.min(value);
+///     chooser.tell(run, Told { point: proposal.point, value, refused: proposal.refused });
+/// }
+/// assert!(best < 0.0, "the failure takes 0.03 % of the square");
+/// ```
+#[derive(Clone, Debug)]
+pub struct Chooser {
+    method: MethodName,
+    dimensions: usize,
+    seed: u64,
+    replicas: Vec<Replica>,
+}
+
+/// One of several independent searches; run `r` is number `r / replicas` of replica `r % replicas`.
+#[derive(Clone, Debug)]
+struct Replica {
+    scan: Scan,
+    model: Model,
+    told: BTreeMap<usize, Told>,
+    chosen: BTreeMap<usize, Proposal>,
+    start: usize,
+    /// Data of the told runs as far as they follow each other from 0, and where those of each run end.
+    data: Vec<Datum>,
+    ends: Vec<usize>,
+}
+
+impl Chooser {
+    /// Chooses by a method among the values of `variables`. Replicas are of use to a Gaussian process alone.
+    #[must_use]
+    pub fn new(method: MethodName, variables: &[Variable], seed: u64, replicas: usize) -> Self {
+        let kind = |variable: &Variable| match &variable.domain {
+            Domain::Words(words) => Kind::Word(words.len()),
+            Domain::Range { .. } | Domain::Numbers(_) => Kind::Number,
+        };
+        let kinds: Vec<Kind> = variables.iter().map(kind).collect();
+        let dimensions = kinds.len();
+        let start = (START * dimensions).next_multiple_of(HALF);
+        let replica = |index: usize| {
+            let seed = seed_of(seed, 5, index as u64);
+            Replica {
+                scan: Scan::new(dimensions, seed),
+                model: Model::new(kinds.clone(), seed),
+                told: BTreeMap::new(),
+                chosen: BTreeMap::new(),
+                start,
+                data: Vec::new(),
+                ends: Vec::new(),
+            }
+        };
+        Self { method, dimensions, seed, replicas: (0..replicas.max(1)).map(replica).collect() }
+    }
+
+    /// True once the results that the choice of this run needs are there.
+    #[must_use]
+    pub fn is_ready(&self, run: usize) -> bool {
+        let (replica, place) = self.place(run);
+        self.method != MethodName::Gp || replica.follows(replica.needs(place))
+    }
+
+    /// Chooses the point of a run. `admit` judges points without a run.
+    ///
+    /// # Errors
+    /// [`super::NoneAdmissible`], or an error of `admit`.
+    ///
+    /// # Panics
+    /// If the run is not ready.
+    pub fn propose(&mut self, run: usize, admit: &Admit<'_>) -> Result<Proposal, Error> {
+        assert!(self.is_ready(run), "run {run} needs results that are not there");
+        let (count, dimensions, seed) = (self.replicas.len(), self.dimensions, self.seed);
+        let replica = &mut self.replicas[run % count];
+        match self.method {
+            MethodName::Random => random(dimensions, seed, run, admit),
+            MethodName::Sobol => replica.scan.get(run / count, admit),
+            MethodName::Gp => replica.propose(run / count, admit),
+        }
+    }
+
+    /// Takes the result of a run.
+    pub fn tell(&mut self, run: usize, told: Told) {
+        let count = self.replicas.len();
+        self.replicas[run % count].tell(run / count, told);
+    }
+
+    fn place(&self, run: usize) -> (&Replica, usize) {
+        let count = self.replicas.len();
+        (&self.replicas[run % count], run / count)
+    }
+}
+
+impl Replica {
+    /// Number of runs whose results the choice of this one needs.
+    fn needs(&self, place: usize) -> usize {
+        if place < self.start { 0 } else { (place / HALF - 1) * HALF }
+    }
+
+    fn follows(&self, runs: usize) -> bool {
+        self.ends.len() >= runs
+    }
+
+    fn tell(&mut self, place: usize, told: Told) {
+        self.told.insert(place, told);
+        while let Some(told) = self.told.get(&self.ends.len()) {
+            let refused = told.refused.iter().map(|refused| (&refused.point, refused.value));
+            let all = refused.chain([(&told.point, told.value)]);
+            self.data.extend(all.map(|(point, value)| Datum { point: point.clone(), value }));
+            self.ends.push(self.data.len());
+        }
+    }
+
+    fn propose(&mut self, place: usize, admit: &Admit<'_>) -> Result<Proposal, Error> {
+        if place < self.start {
+            return self.scan.get(place, admit);
+        }
+        if !self.chosen.contains_key(&place) {
+            self.choose(place / HALF, admit)?;
+        }
+        Ok(self.chosen[&place].clone())
+    }
+
+    /// Chooses the points of a half batch.
+    fn choose(&mut self, half: usize, admit: &Admit<'_>) -> Result<(), Error> {
+        let known = (half - 1) * HALF;
+        // The half batch before is under way, unless it was done before an interrupt.
+        let mut pending = Vec::with_capacity(HALF);
+        for place in known..known + HALF {
+            let point = match self.told.get(&place) {
+                Some(told) => told.point.clone(),
+                None => self.propose(place, admit)?.point,
+            };
+            pending.push(point);
+        }
+        let is_even = |place: usize| (place - self.start) % EVEN_EVERY == EVEN_EVERY - 1;
+        let places: Vec<usize> = (half * HALF..(half + 1) * HALF).collect();
+        let (even, led): (Vec<usize>, Vec<usize>) =
+            places.into_iter().partition(|place| is_even(*place));
+        for place in even {
+            let number = self.start + (place - self.start) / EVEN_EVERY;
+            let proposal = self.scan.get(number, admit)?;
+            self.chosen.insert(place, proposal);
+        }
+        let fit_to = self.ends[self.fitted_at(known) - 1];
+        let data = &self.data[..self.ends[known - 1]];
+        self.model.know(data, fit_to);
+        let chosen = self.model.choose(data, &pending, (led.len(), half), admit)?;
+        self.chosen.extend(led.into_iter().zip(chosen));
+        Ok(())
+    }
+
+    /// Number of runs that the hyperparameters are fitted to when `known` are known: each time a quarter more.
+    fn fitted_at(&self, known: usize) -> usize {
+        let mut at = self.start - HALF;
+        while at + (at / 4).max(HALF) <= known {
+            at += (at / 4).max(HALF);
+        }
+        at
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Admission;
+    use super::*;
+    use crate::problem::Value;
+
+    fn variables(count: usize) -> Vec<Variable> {
+        let domain = || Domain::parse("0..1").expect("a range");
+        let number = |k: usize| Variable {
+            name: format!("x{k}"),
+            domain: domain(),
+            nominal: Value::Number(0.5),
+        };
+        let mut all: Vec<Variable> = (0..count).map(number).collect();
+        let words = Domain::parse("a,b,c").expect("a list");
+        all.push(Variable { name: "w".into(), domain: words, nominal: Value::Word("a".into()) });
+        all
+    }
+
+    /// A ridge of no reference, and a small hole beyond it for one word alone.
+    fn admit(point: &[f64]) -> Result<Admission, Error> {
+        Ok(Admission { value: 4.0 * (point[0] - 0.9) })
+    }
+
+    fn value(point: &[f64]) -> f64 {
+        let word = if (0.34..0.66).contains(&point[3]) { 0.0 } else { 1.5 };
+        let off = (point[0] - 0.75).hypot(point[1] - 0.2).hypot(point[2] - 0.6);
+        8.0 * off - 0.4 + word
+    }
+
+    fn drive(method: MethodName, runs: usize) -> Vec<f64> {
+        let mut chooser = Chooser::new(method, &variables(3), 5, 1);
+        let mut values = Vec::new();
+        for run in 0..runs {
+            let Proposal { point, refused, .. } = chooser.propose(run, &admit).expect("admissible");
+            let value = value(&point);
+            values.push(value);
+            chooser.tell(run, Told { point, value, refused });
+        }
+        values
+    }
+
+    #[test]
+    fn the_process_finds_what_even_points_do_not() {
+        let first = |values: &[f64]| values.iter().position(|value| *value < 0.0);
+        assert!(first(&drive(MethodName::Gp, 90)).is_some());
+        assert_eq!(first(&drive(MethodName::Sobol, 90)), None);
+        assert_eq!(first(&drive(MethodName::Random, 90)), None);
+    }
+
+    /// Results come in another order, some are there before the others begin: the choice is the same.
+    #[test]
+    fn the_choice_does_not_depend_on_the_time_of_results() {
+        let runs = 50;
+        let mut all = Vec::new();
+        let mut chooser = Chooser::new(MethodName::Gp, &variables(3), 5, 1);
+        for run in 0..runs {
+            let proposal = chooser.propose(run, &admit).expect("admissible");
+            all.push(proposal.clone());
+            let Proposal { point, refused, .. } = proposal;
+            let value = value(&point);
+            chooser.tell(run, Told { point, value, refused });
+        }
+        let told = |run: usize| {
+            let Proposal { point, refused, .. } = all[run].clone();
+            Told { value: value(&point), point, refused }
+        };
+        // As after an interrupt: the last half batch is missing two of its runs.
+        let mut resumed = Chooser::new(MethodName::Gp, &variables(3), 5, 1);
+        for run in (0..runs).rev().filter(|run| ![42, 46].contains(run)) {
+            resumed.tell(run, told(run));
+        }
+        for run in [42, 46] {
+            assert!(resumed.is_ready(run));
+            assert_eq!(resumed.propose(run, &admit).expect("admissible"), all[run], "run {run}");
+            resumed.tell(run, told(run));
+        }
+        let next = resumed.propose(50, &admit).expect("admissible");
+        assert_eq!(next, chooser.propose(50, &admit).expect("admissible"));
+    }
+
+    #[test]
+    fn replicas_do_not_know_of_each_other() {
+        let mut chooser = Chooser::new(MethodName::Gp, &variables(2), 5, 2);
+        for run in (0..40).step_by(2) {
+            let Proposal { point, refused, .. } = chooser.propose(run, &admit).expect("one");
+            chooser.tell(run, Told { value: point[0], point, refused });
+        }
+        assert!(chooser.is_ready(40) && chooser.is_ready(1) && !chooser.is_ready(41));
+    }
+}

@@ -1,0 +1,275 @@
+//! The choice by a Gaussian process: expected improvement below the best value, or below 0 after a violation.
+//!
+//! The neighbourhood of each violation loses its credit, so that the search goes on to other ones:
+//!
+//! ```text
+//! score(x) = EI(x) · Π over violations v (1 − exp(−|x − v|² / (2 (0.1 √d)²)))      words: |x − v| infinite if they differ
+//! ```
+//!
+//! Values enter as `asinh`: margins far from 0 say little about where it is.
+
+use gaussian_process::{Hyperparameters, Kind, Process, expected_improvement, fit};
+use group::Error;
+use rand_core::SeedableRng;
+use rand_pcg::Pcg64;
+
+use super::scan::{Admit, Proposal, Refused};
+use super::{Sobol, seed_of};
+
+/// Points that hyperparameters are fitted to at most: the cost grows with the cube.
+const MOST_FITTED: usize = 120;
+/// Points of the whole box that are looked at for a choice.
+const EVEN: usize = 256;
+/// Best points whose surroundings are looked at, and points looked at around each.
+const AROUND: (usize, usize) = (6, 24);
+/// Points whose variance is computed, when the process is large: it costs the square of its points.
+const WITH_VARIANCE: usize = 128;
+/// A process below this size is asked for the variance of all points.
+const LARGE: usize = 250;
+/// Radius of the lost credit around a violation, in diagonals of the cube.
+const CREDIT_RADIUS: f64 = 0.1;
+/// Points of one choice that may turn out not to be admissible.
+const MOST_REFUSED: usize = 12;
+
+/// A value of a run, or of a point that the reference does not avoid.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Datum {
+    pub point: Vec<f64>,
+    pub value: f64,
+}
+
+/// Data of one search, in the order of its runs, as far as a choice may know them.
+#[derive(Clone, Debug)]
+pub(super) struct Model {
+    kinds: Vec<Kind>,
+    seed: u64,
+    /// Number of data that the hyperparameters were fitted to, and what came out.
+    fitted: Option<(usize, Fitted)>,
+    process: Option<Process>,
+}
+
+#[derive(Clone, Debug)]
+struct Fitted {
+    parameters: Hyperparameters,
+    mean: f64,
+    deviation: f64,
+}
+
+impl Fitted {
+    fn scaled(&self, value: f64) -> f64 {
+        (libm::asinh(value) - self.mean) / self.deviation
+    }
+}
+
+impl Model {
+    pub fn new(kinds: Vec<Kind>, seed: u64) -> Self {
+        Self { kinds, seed, fitted: None, process: None }
+    }
+
+    /// Takes the data; hyperparameters are those of the first `fit_to`.
+    pub fn know(&mut self, data: &[Datum], fit_to: usize) {
+        if self.fitted.as_ref().is_none_or(|(count, _)| *count != fit_to) {
+            self.fitted = Some((fit_to, self.fit(&data[..fit_to])));
+            self.process = None;
+        }
+        // Never: choices come in the order of the runs. A process that knows more would know too much.
+        self.process.take_if(|process| process.len() > data.len());
+        let (_, fitted) = self.fitted.as_ref().expect("it was fitted");
+        let known = self.process.as_ref().map_or(0, Process::len);
+        let new = data[known..].iter().map(|one| (one.point.clone(), fitted.scaled(one.value)));
+        match &mut self.process {
+            Some(process) => process.extend(new),
+            None => {
+                let (points, values) = new.unzip();
+                let parameters = fitted.parameters.clone();
+                self.process = Some(Process::new(&self.kinds, parameters, points, values));
+            }
+        }
+    }
+
+    /// Hyperparameters of the data: of many the lowest half, and others evenly.
+    fn fit(&self, data: &[Datum]) -> Fitted {
+        let squashed: Vec<f64> = data.iter().map(|one| libm::asinh(one.value)).collect();
+        let count = squashed.len() as f64;
+        let mean = squashed.iter().sum::<f64>() / count;
+        let variance = squashed.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>();
+        let deviation = (variance / count).sqrt().max(1e-3);
+        let mut order: Vec<usize> = (0..data.len()).collect();
+        if data.len() > MOST_FITTED {
+            order.sort_by(|a, b| squashed[*a].total_cmp(&squashed[*b]).then(a.cmp(b)));
+            let (low, rest) = order.split_at(MOST_FITTED / 2);
+            let wanted = MOST_FITTED - low.len();
+            let even = (0..wanted).map(|k| rest[k * rest.len() / wanted]);
+            order = low.iter().copied().chain(even).collect();
+            order.sort_unstable();
+        }
+        let points: Vec<Vec<f64>> = order.iter().map(|place| data[*place].point.clone()).collect();
+        let values: Vec<f64> =
+            order.iter().map(|place| (squashed[*place] - mean) / deviation).collect();
+        Fitted { parameters: fit(&self.kinds, &points, &values), mean, deviation }
+    }
+
+    /// Chooses `count` points. `pending` are driven now: they count as they are expected.
+    pub fn choose(
+        &mut self,
+        data: &[Datum],
+        pending: &[Vec<f64>],
+        (count, batch): (usize, usize),
+        admit: &Admit<'_>,
+    ) -> Result<Vec<Proposal>, Error> {
+        let known = data.len();
+        let (_, fitted) = self.fitted.as_ref().expect("it knows the data");
+        let least = data.iter().map(|one| one.value).fold(f64::INFINITY, f64::min);
+        let target = fitted.scaled(least.max(0.0));
+        let mut choice = Choice {
+            kinds: &self.kinds,
+            process: self.process.as_mut().expect("it knows the data"),
+            target,
+            violations: data.iter().filter(|one| one.value < 0.0).map(|one| &one.point).collect(),
+            random: Pcg64::seed_from_u64(seed_of(self.seed, 3, batch as u64)),
+        };
+        for point in pending {
+            choice.believe(point.clone());
+        }
+        let mut best: Vec<&Datum> = data.iter().collect();
+        best.sort_by(|a, b| a.value.total_cmp(&b.value));
+        best.truncate(AROUND.0);
+        let sobol = Sobol::new(self.kinds.len(), Some(seed_of(self.seed, 4, batch as u64)));
+        let mut chosen = Vec::with_capacity(count);
+        for place in 0..count {
+            let even = (0..EVEN).map(|k| sobol.point((place * EVEN + k) as u64));
+            let mut points: Vec<Vec<f64>> = even.collect();
+            for one in &best {
+                for k in 0..AROUND.1 {
+                    let spread = if k % 2 == 0 { 0.15 } else { 0.04 };
+                    points.push(choice.near(&one.point, spread));
+                }
+            }
+            let proposal = choice.best_of(points, admit)?;
+            choice.believe(proposal.point.clone());
+            chosen.push(proposal);
+        }
+        choice.process.truncate(known);
+        Ok(chosen)
+    }
+}
+
+struct Choice<'a> {
+    kinds: &'a [Kind],
+    process: &'a mut Process,
+    target: f64,
+    violations: Vec<&'a Vec<f64>>,
+    random: Pcg64,
+}
+
+impl Choice<'_> {
+    /// Counts a point as it is expected.
+    fn believe(&mut self, point: Vec<f64>) {
+        let mean = self.process.mean(&point);
+        self.process.extend([(point, mean)]);
+    }
+
+    fn score(&self, point: &[f64], prediction: (f64, f64)) -> f64 {
+        expected_improvement(prediction, self.target) * self.credit(point)
+    }
+
+    fn credit(&self, point: &[f64]) -> f64 {
+        let radius = CREDIT_RADIUS * CREDIT_RADIUS * self.kinds.len() as f64;
+        let share = |violation: &&Vec<f64>| {
+            let mut squared = 0.0;
+            for ((kind, a), b) in self.kinds.iter().zip(point).zip(violation.iter()) {
+                match kind {
+                    Kind::Number => squared += (a - b) * (a - b),
+                    Kind::Word(count) if same_word(*count, *a, *b) => {}
+                    Kind::Word(_) => return 1.0,
+                }
+            }
+            1.0 - libm::exp(-0.5 * squared / radius)
+        };
+        self.violations.iter().map(share).product()
+    }
+
+    /// A point around another one. Sometimes a word changes.
+    fn near(&mut self, point: &[f64], spread: f64) -> Vec<f64> {
+        let mut near = Vec::with_capacity(point.len());
+        for (kind, at) in self.kinds.iter().zip(point) {
+            let (moved, jump) =
+                (random::normal(&mut self.random), random::uniform(&mut self.random));
+            let drawn = random::uniform(&mut self.random);
+            near.push(match kind {
+                Kind::Number => (at + spread * moved).clamp(0.0, 1.0),
+                Kind::Word(_) if jump < 0.15 => drawn,
+                Kind::Word(_) => *at,
+            });
+        }
+        near
+    }
+
+    /// The admissible one of some points with the best score, moved to where it is better still.
+    fn best_of(&mut self, points: Vec<Vec<f64>>, admit: &Admit<'_>) -> Result<Proposal, Error> {
+        let points = self.promising(points);
+        let score = |point: Vec<f64>| {
+            let score = self.score(&point, self.process.predict(&point));
+            (score, point)
+        };
+        let mut scored: Vec<(f64, Vec<f64>)> = points.into_iter().map(score).collect();
+        scored.sort_by(|a, b| b.0.total_cmp(&a.0));
+        let mut refused: Vec<Refused> = Vec::new();
+        for (tried, (score, point)) in scored.iter().enumerate() {
+            let climbed = self.climb(*score, point);
+            // The climb may leave the admissible points.
+            for point in [Some(climbed), Some(point.clone())].into_iter().flatten() {
+                let admission = admit(&point)?;
+                if admission.admits() {
+                    let reference = admission.value;
+                    return Ok(Proposal { point, is_even: false, reference, tried, refused });
+                }
+                refused.push(Refused { point, value: admission.value });
+            }
+            if refused.len() >= MOST_REFUSED {
+                break;
+            }
+        }
+        // The model knows too little of where the reference fails: an even point, with what was learnt.
+        let random = &mut self.random;
+        let count = self.kinds.len();
+        let points =
+            std::iter::repeat_with(|| (0..count).map(|_| random::uniform(random)).collect());
+        let found = super::scan::first(points, admit)?;
+        refused.truncate(MOST_REFUSED);
+        Ok(Proposal { is_even: false, tried: found.tried + refused.len(), refused, ..found })
+    }
+
+    /// Of many points those whose variance is worth its cost: the lowest means, and some others.
+    fn promising(&self, points: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        if self.process.len() < LARGE || points.len() <= WITH_VARIANCE {
+            return points;
+        }
+        let rank = |point: Vec<f64>| (self.process.mean(&point), point);
+        let mut ranked: Vec<(f64, Vec<f64>)> = points.into_iter().map(rank).collect();
+        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (low, rest) = ranked.split_at(WITH_VARIANCE * 3 / 4);
+        let others = rest.iter().step_by(rest.len() / (WITH_VARIANCE / 4));
+        low.iter().chain(others).map(|(_, point)| point.clone()).collect()
+    }
+
+    /// A better point near this one, by steps that shrink.
+    fn climb(&mut self, score: f64, point: &[f64]) -> Vec<f64> {
+        let (mut best, mut at) = (score, point.to_vec());
+        for spread in [0.06, 0.03, 0.015] {
+            for _ in 0..8 {
+                let near = self.near(&at, spread);
+                let score = self.score(&near, self.process.predict(&near));
+                if score > best {
+                    (best, at) = (score, near);
+                }
+            }
+        }
+        at
+    }
+}
+
+fn same_word(count: usize, a: f64, b: f64) -> bool {
+    let word = |x: f64| ((x * count as f64) as usize).min(count - 1);
+    word(a) == word(b)
+}

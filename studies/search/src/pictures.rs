@@ -1,0 +1,182 @@
+//! Pictures of a search: all runs at once, the best so far, the two variables that matter most, and the failing drives
+//! beside the reference's.
+
+use group::DriveStep;
+use report::chart::{
+    Axis, Cells, Curve, FilledCell, Parallel, Picture, Plot, Polyline, Stroke, Tone,
+};
+
+use crate::effect::effects;
+use crate::problem::{Domain, Problem, Variable};
+use crate::record::Record;
+use crate::reference::Sample;
+
+/// Most runs in the picture of all runs: the failures, then the least values.
+const MOST_LINES: usize = 300;
+/// Size of a point in a scatter, as a share of the axis.
+const POINT: f64 = 0.012;
+/// A value below this is near a failure, tolerances.
+const NEAR: f64 = 2.0;
+/// Kinds of runs: legend and colour.
+const KINDS: [(&str, Tone); 3] =
+    [("failure", Tone::Alarm), ("within 2 tolerances", Tone::Series(1)), ("others", Tone::Muted)];
+
+/// A failing drive and the reference's in the same scene.
+#[derive(Clone, Debug, Default)]
+pub struct Drives {
+    /// Samples of the failing drive.
+    pub own: Vec<Sample>,
+    /// Speed of the vehicle ahead of it, m/s, over time.
+    pub lead_mps: Vec<(f64, f64)>,
+    /// Samples of the reference; empty without one.
+    pub reference: Vec<Sample>,
+}
+
+impl Drives {
+    /// The drives of a case.
+    pub fn new(steps: &[DriveStep], reference: Vec<Sample>) -> Self {
+        let sample = |step: &DriveStep| Sample {
+            time_s: step.time_s,
+            speed_mps: step.speed_mps,
+            gap_m: step.gap_m,
+        };
+        let lead = steps.iter().map(|step| (step.time_s, step.lead_speed_mps));
+        let lead_mps = lead.filter_map(|(time_s, speed)| Some((time_s, speed?))).collect();
+        Self { own: steps.iter().map(sample).collect(), lead_mps, reference }
+    }
+}
+
+/// The pictures of all runs; none without a run.
+pub fn of_runs(problem: &Problem, records: &[(usize, Record)]) -> Vec<Box<dyn Picture>> {
+    if records.is_empty() {
+        return Vec::new();
+    }
+    let mut pictures: Vec<Box<dyn Picture>> =
+        vec![Box::new(parallel(problem, records)), Box::new(best_so_far(records))];
+    if let Some(scatter) = scatter(problem, records) {
+        pictures.push(Box::new(scatter));
+    }
+    pictures
+}
+
+fn kind(value: f64) -> usize {
+    match value {
+        value if value < 0.0 => 0,
+        value if value < NEAR => 1,
+        _ => 2,
+    }
+}
+
+/// Each run as a line through its values, one row a variable.
+fn parallel(problem: &Problem, records: &[(usize, Record)]) -> Parallel {
+    let mut order: Vec<&Record> = records.iter().map(|(_, record)| record).collect();
+    order.sort_by(|a, b| a.value().total_cmp(&b.value()));
+    order.truncate(MOST_LINES);
+    let lines = order
+        .iter()
+        .map(|record| Polyline { shares: record.point.clone(), kind: kind(record.value()) });
+    let rows =
+        problem.variables.iter().map(|variable| format!("{}: {}", variable.name, variable.domain));
+    Parallel {
+        title: format!("The {} runs with the least values", order.len()),
+        rows: rows.collect(),
+        kinds: KINDS.map(|(name, tone)| (name.to_owned(), tone)).to_vec(),
+        lines: lines.collect(),
+    }
+}
+
+/// The least value of the runs so far.
+fn best_so_far(records: &[(usize, Record)]) -> Plot {
+    let mut best = f64::INFINITY;
+    let least = records.iter().map(|(run, record)| {
+        best = best.min(record.value());
+        ((run + 1) as f64, best)
+    });
+    let least = Curve::new("least value so far", Tone::Series(0), least.collect()).steps();
+    let own = |is_even: bool| {
+        let runs = records.iter().filter(|(_, record)| record.is_even == is_even);
+        runs.map(|(run, record)| ((run + 1) as f64, record.value().min(20.0))).collect::<Vec<_>>()
+    };
+    let last = records.last().map_or(1.0, |(run, _)| (run + 1) as f64);
+    let limit =
+        Curve::new("limit", Tone::Stop, vec![(1.0, 0.0), (last, 0.0)]).stroke(Stroke::Dashed);
+    let even = Curve::new("even points", Tone::Muted, own(true)).thin();
+    let led = Curve::new("points of the process", Tone::Series(2), own(false)).thin();
+    let x = Axis::linear("run", 1.0, last.max(2.0));
+    Plot::over("Value by run (above 20: 20)", x, "tolerances", vec![least, limit, led, even])
+}
+
+/// The runs over the two variables that matter most; none with fewer than two numbers.
+fn scatter(problem: &Problem, records: &[(usize, Record)]) -> Option<Cells> {
+    let effects = effects(&problem.variables, records);
+    let is_number = |place: &usize| !problem.variables[*place].domain.is_of_words();
+    let mut places: Vec<usize> = (0..effects.len()).filter(is_number).collect();
+    places.sort_by(|a, b| effects[*b].unwrap_or(0.0).total_cmp(&effects[*a].unwrap_or(0.0)));
+    let [across, up, ..] = places[..] else { return None };
+    let (x, y) = (&problem.variables[across], &problem.variables[up]);
+    let (x_axis, y_axis) = (axis(x), axis(y));
+    let cells = records.iter().map(|(_, record)| {
+        let (a, b) = (record.point[across], record.point[up]);
+        let at = |axis: &Axis, share: f64| unshare(axis, share);
+        FilledCell {
+            from: (at(&x_axis, a - POINT / 2.0), at(&y_axis, b - POINT)),
+            to: (at(&x_axis, a + POINT / 2.0), at(&y_axis, b + POINT)),
+            kind: kind(record.value()),
+        }
+    });
+    let mut cells: Vec<FilledCell> = cells.collect();
+    // Failures are drawn last.
+    cells.sort_by_key(|cell| std::cmp::Reverse(cell.kind));
+    Some(Cells {
+        title: format!("{} over {}", y.name, x.name),
+        x: x_axis.clone(),
+        y: y_axis.clone(),
+        kinds: KINDS.map(|(name, tone)| (name.to_owned(), tone)).to_vec(),
+        cells,
+        edges: Vec::new(),
+    })
+}
+
+/// The axis of a variable's numbers.
+fn axis(variable: &Variable) -> Axis {
+    match &variable.domain {
+        Domain::Range { from, to, is_log: false } => Axis::linear(&variable.name, *from, *to),
+        Domain::Range { from, to, is_log: true } => {
+            Axis { label: variable.name.clone(), ..Axis::frequencies("", *from, *to) }
+        }
+        Domain::Numbers(numbers) => Axis::linear(&variable.name, 0.0, numbers.len() as f64),
+        Domain::Words(words) => Axis::linear(&variable.name, 0.0, words.len() as f64),
+    }
+}
+
+/// The value at a share of an axis.
+fn unshare(axis: &Axis, share: f64) -> f64 {
+    match axis.ends() {
+        (low, high, false) => low + share * (high - low),
+        (low, high, true) => libm::exp(libm::log(low) + share * (libm::log(high) - libm::log(low))),
+    }
+}
+
+/// A failing drive beside the reference's.
+pub fn of_drives(file: &str, drives: &Drives) -> Vec<Box<dyn Picture>> {
+    let end_s = drives.own.last().map_or(1.0, |sample| sample.time_s);
+    let end_s = drives.reference.last().map_or(end_s, |sample| sample.time_s.max(end_s));
+    let speed = |samples: &[Sample]| samples.iter().map(|s| (s.time_s, s.speed_mps)).collect();
+    let gap = |samples: &[Sample]| {
+        samples.iter().filter_map(|s| Some((s.time_s, s.gap_m?))).collect::<Vec<_>>()
+    };
+    let speeds = vec![
+        Curve::new("ego", Tone::Series(0), speed(&drives.own)),
+        Curve::new("reference", Tone::Series(2), speed(&drives.reference)),
+        Curve::new("vehicle ahead of the ego", Tone::Muted, drives.lead_mps.clone())
+            .stroke(Stroke::Dashed),
+    ];
+    let gaps = vec![
+        Curve::new("ego", Tone::Series(0), gap(&drives.own)),
+        Curve::new("reference", Tone::Series(2), gap(&drives.reference)),
+    ];
+    vec![
+        Box::new(Plot::over_time(&format!("{file}: speed"), end_s, "m/s", speeds)),
+        Box::new(Plot::over_time(&format!("{file}: gap"), end_s, "m", gaps)),
+    ]
+}

@@ -1,0 +1,332 @@
+//! A problem: a scenario, the variables of it, and what is to hold.
+//!
+//! ```text
+//! variables ─ at a point ─► values ─ [set], faults ─► keys ─ over the scenario ─► a run
+//! ```
+//!
+//! A *point* is a place in the unit cube, one coordinate a variable.
+
+mod arithmetic;
+mod file;
+mod keys;
+mod setting;
+mod variable;
+
+pub use arithmetic::{Arithmetic, ArithmeticError};
+pub use file::FileError;
+pub use keys::is_whole;
+pub use setting::{Setting, Term};
+pub use variable::{Domain, DomainError, Value, Variable, rounded};
+
+use group::{Error, Failure, GroupOptions, ScenarioOptions};
+use runtime::Mode;
+use scenario::Scenario;
+use thiserror::Error;
+
+use crate::arguments::SearchArguments;
+use crate::reference::Reference;
+use setting::FaultChoice;
+
+/// Most variables: the dimensions of the Sobol sequence.
+pub const MOST_VARIABLES: usize = 21;
+
+/// Name of the variable that chooses a fault.
+pub const FAULT: &str = "fault";
+
+/// The value of [`FAULT`] without a fault.
+pub const NO_FAULT: &str = "none";
+
+/// What is driven, what may be chosen, and what is to hold.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// Its name: that of the file, or of the scenario.
+    pub name: String,
+    /// The variables, in the order of a point's coordinates.
+    pub variables: Vec<Variable>,
+    /// The driver who must be able to avoid a scene that counts; none: every scene counts.
+    pub reference: Option<Reference>,
+    /// The scenario with every variable at its nominal value, without a fault of `[[faults]]`.
+    pub nominal: Scenario,
+    scenario: String,
+    options: ScenarioOptions,
+    settings: Vec<Setting>,
+    faults: Vec<FaultChoice>,
+}
+
+/// Why there is no problem.
+#[derive(Debug, Error)]
+pub enum ProblemError {
+    /// Nothing is varied.
+    #[error("nothing varies, expected --vary KEY=A..B, --faults all, or a file with [vary]")]
+    NoVariable,
+    /// More variables than the Sobol sequence has dimensions.
+    #[error("{0} variables, expected at most {MOST_VARIABLES}")]
+    TooMany(usize),
+    /// An argument of `--vary`.
+    #[error("--vary {argument}: {reason}, expected KEY=A..B, KEY=A..B:log or KEY=a,b,c")]
+    Vary {
+        /// The argument.
+        argument: String,
+        /// Its fault.
+        reason: VaryError,
+    },
+    /// A point that the scenario refuses.
+    #[error("the scenario refuses {point}: {reason}")]
+    Refused {
+        /// The values at it.
+        point: String,
+        /// The scenario's words.
+        reason: String,
+    },
+    /// A formula without a value.
+    #[error("{key} = \"{formula}\" has no value at {point}")]
+    NoValue {
+        /// The key.
+        key: String,
+        /// Its formula.
+        formula: String,
+        /// The values.
+        point: String,
+    },
+}
+
+/// Why an argument of `--vary` names no variable.
+#[derive(Debug, Error)]
+pub enum VaryError {
+    /// Values without a key.
+    #[error("no `=`")]
+    NoKey,
+    /// Another argument has the same key.
+    #[error("the key varies already")]
+    Twice,
+    /// The values.
+    #[error(transparent)]
+    Domain(#[from] DomainError),
+}
+
+impl Failure for ProblemError {}
+
+/// True if the scenario refuses the values of a point, or a formula has no value there.
+#[must_use]
+pub fn is_refusal(error: &Error) -> bool {
+    let Error::Operation(failure) = error else { return false };
+    let failure: &(dyn std::error::Error + 'static) = failure.as_ref();
+    matches!(
+        failure.downcast_ref(),
+        Some(ProblemError::Refused { .. } | ProblemError::NoValue { .. })
+    )
+}
+
+impl Problem {
+    /// The problem of a command: a search file, or a scenario with `--vary`.
+    ///
+    /// # Errors
+    /// [`ProblemError`], [`FileError`], or mistakes in the scenario.
+    pub fn open(arguments: &SearchArguments) -> Result<Self, Error> {
+        let name = arguments.scenario.as_deref().unwrap_or_default();
+        let mut draft = match file::read(name)? {
+            Some(file) => file.draft()?,
+            None => {
+                Draft { name: scenario_name(name), scenario: name.to_owned(), ..Draft::default() }
+            }
+        };
+        for argument in &arguments.vary {
+            draft.vary(argument)?;
+        }
+        if let Some(reference) = arguments.reference {
+            draft.reference = Some(Reference::named(reference));
+        }
+        draft.finish(arguments.scenario_options.clone(), &arguments.group)
+    }
+
+    /// Number of variables.
+    #[must_use]
+    pub fn dimensions(&self) -> usize {
+        self.variables.len()
+    }
+
+    /// The values at a point.
+    #[must_use]
+    pub fn values(&self, point: &[f64]) -> Vec<Value> {
+        self.variables.iter().zip(point).map(|(variable, at)| variable.domain.at(*at)).collect()
+    }
+
+    /// The point of some values.
+    #[must_use]
+    pub fn point(&self, values: &[Value]) -> Vec<f64> {
+        let place = |(variable, value): (&Variable, &Value)| variable.domain.place(value);
+        self.variables.iter().zip(values).map(place).collect()
+    }
+
+    /// The keys of the scenario with these values, as for `--set`.
+    ///
+    /// # Errors
+    /// [`ProblemError::NoValue`].
+    pub fn keys(&self, values: &[Value]) -> Result<Vec<String>, ProblemError> {
+        let mut keys = Vec::with_capacity(self.settings.len() + 1);
+        for setting in &self.settings {
+            let value = self.text(&setting.key, setting, values)?;
+            keys.push(format!("{}={value}", setting.key));
+        }
+        if let Some(fault) = self.fault(values) {
+            let mut all = setting::faults_of(&self.nominal);
+            let mut pairs = Vec::with_capacity(fault.keys.len());
+            for setting in &fault.keys {
+                let value = self.text(&format!("faults.{}", setting.key), setting, values)?;
+                pairs.push(format!("{} = {value}", setting.key));
+            }
+            all.push(format!("{{ {} }}", pairs.join(", ")));
+            keys.push(format!("faults=[{}]", all.join(", ")));
+        }
+        Ok(keys)
+    }
+
+    fn text(&self, key: &str, setting: &Setting, values: &[Value]) -> Result<String, ProblemError> {
+        setting.term.text(values, is_whole(key)).ok_or_else(|| ProblemError::NoValue {
+            key: key.to_owned(),
+            formula: setting.term.formula().to_owned(),
+            point: self.words(values),
+        })
+    }
+
+    fn fault(&self, values: &[Value]) -> Option<&FaultChoice> {
+        let place = self.variables.iter().position(|variable| variable.name == FAULT)?;
+        self.faults.iter().find(|fault| values[place] == Value::Word(fault.name.clone()))
+    }
+
+    /// The scenario with these values and this seed.
+    ///
+    /// # Errors
+    /// [`ProblemError::Refused`], [`ProblemError::NoValue`].
+    pub fn scenario(&self, values: &[Value], seed: u64) -> Result<Scenario, Error> {
+        let keys = self.keys(values)?;
+        let options = ScenarioOptions { seed: Some(seed.to_string()), ..self.options.clone() };
+        group::open_with(&self.scenario, &options, "--set", &keys).map_err(|error| {
+            let said = error.to_string();
+            let reason = said.strip_prefix("error: ").unwrap_or(&said).to_owned();
+            ProblemError::Refused { point: self.words(values), reason }.into()
+        })
+    }
+
+    /// The nominal values.
+    #[must_use]
+    pub fn nominal_values(&self) -> Vec<Value> {
+        self.variables.iter().map(|variable| variable.nominal.clone()).collect()
+    }
+
+    /// Values with the names of their variables.
+    #[must_use]
+    pub fn words(&self, values: &[Value]) -> String {
+        let pair = |(variable, value): (&Variable, &Value)| format!("{} = {value}", variable.name);
+        self.variables.iter().zip(values).map(pair).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Text that tells this problem from others.
+    #[must_use]
+    pub fn subject(&self) -> String {
+        format!(
+            "{}\n{:?}\n{:?}\n{:?}\n{:?}",
+            self.nominal.to_toml(),
+            self.variables,
+            self.settings,
+            self.faults,
+            self.reference
+        )
+    }
+
+    /// Tries the nominal values, and each variable at its ends.
+    fn check(&self, group: &GroupOptions) -> Result<(), Error> {
+        let nominal = self.nominal_values();
+        frame::batch::check(&self.scenario(&nominal, 1)?, Mode::Lockstep, group)?;
+        for (place, variable) in self.variables.iter().enumerate() {
+            let all: Vec<f64> = match variable.domain.count() {
+                None => vec![0.0, 1.0],
+                Some(count) => (0..count).map(|k| (k as f64 + 0.5) / count as f64).collect(),
+            };
+            for at in all {
+                let mut values = nominal.clone();
+                values[place] = variable.domain.at(at);
+                let scenario = self.scenario(&values, 1)?;
+                frame::batch::check(&scenario, Mode::Lockstep, group)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A problem before its scenario is opened.
+#[derive(Debug, Default)]
+pub(crate) struct Draft {
+    pub name: String,
+    pub scenario: String,
+    /// Name, values, and the nominal value where it is given.
+    pub variables: Vec<(String, Domain, Option<Value>)>,
+    /// Key and term; the variables that no term reads are keys themselves.
+    pub settings: Vec<Setting>,
+    pub faults: Vec<FaultChoice>,
+    pub require: Vec<String>,
+    /// The driver; none: the default one, `Some(None)`: nobody.
+    pub reference: Option<Option<Reference>>,
+}
+
+impl Draft {
+    fn vary(&mut self, argument: &str) -> Result<(), ProblemError> {
+        let refuse = |reason| ProblemError::Vary { argument: argument.to_owned(), reason };
+        let (key, list) = argument.split_once('=').ok_or_else(|| refuse(VaryError::NoKey))?;
+        let key = key.trim();
+        if self.variables.iter().any(|(known, ..)| known == key) {
+            return Err(refuse(VaryError::Twice));
+        }
+        let domain = Domain::parse(list).map_err(|error| refuse(error.into()))?;
+        let place = self.variables.len();
+        self.variables.push((key.to_owned(), domain, None));
+        self.settings.push(Setting { key: key.to_owned(), term: Term::Variable(place) });
+        Ok(())
+    }
+
+    fn finish(self, mut options: ScenarioOptions, group: &GroupOptions) -> Result<Problem, Error> {
+        let Self { name, scenario, mut variables, settings, faults, require, reference } = self;
+        if !faults.is_empty() {
+            let none = std::iter::once(NO_FAULT.to_owned());
+            let names = none.chain(faults.iter().map(|fault| fault.name.clone())).collect();
+            let none = Value::Word(NO_FAULT.to_owned());
+            variables.push((FAULT.to_owned(), Domain::Words(names), Some(none)));
+        }
+        match variables.len() {
+            0 => return Err(ProblemError::NoVariable.into()),
+            1..=MOST_VARIABLES => {}
+            many => return Err(ProblemError::TooMany(many).into()),
+        }
+        options.require.extend(require);
+        let base = group::open(&scenario, &options)?;
+        if base.require.formulas.is_empty() {
+            options.require.push(crate::value::DEFAULT_REQUIREMENT.to_owned());
+        }
+        let base = group::open(&scenario, &options)?;
+        let written: toml::Table = base.to_toml().parse().unwrap_or_default();
+        let variables = variables.into_iter().map(|(name, domain, nominal)| {
+            let written = || setting::written(&written, &name);
+            let nominal = nominal.or_else(written).map(|value| domain.nearest(&value));
+            let nominal = nominal.unwrap_or_else(|| domain.middle());
+            Variable { name, domain, nominal }
+        });
+        let problem = Problem {
+            name,
+            variables: variables.collect(),
+            reference: reference.unwrap_or(Some(Reference::REGULATION)),
+            nominal: base,
+            scenario,
+            options,
+            settings,
+            faults,
+        };
+        problem.check(group)?;
+        Ok(problem)
+    }
+}
+
+/// A scenario's name for titles: that of a file without its folder and ending.
+fn scenario_name(argument: &str) -> String {
+    let path = std::path::Path::new(argument);
+    path.file_stem().map_or_else(|| argument.to_owned(), |name| name.to_string_lossy().into_owned())
+}

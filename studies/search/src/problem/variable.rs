@@ -1,0 +1,311 @@
+//! Variables: what a search may choose, and the unit interval that stands for it.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// A quantity that a search chooses.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Variable {
+    /// Its name: a word of `[vary]`, or the dotted path of a key.
+    pub name: String,
+    /// Its values.
+    pub domain: Domain,
+    /// The harmless value, from which a minimal case departs as little as it can.
+    pub nominal: Value,
+}
+
+/// The values of a variable.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Domain {
+    /// The numbers between two ends.
+    Range {
+        /// Smallest value.
+        from: f64,
+        /// Largest value.
+        to: f64,
+        /// Its logarithm is spread evenly.
+        is_log: bool,
+    },
+    /// Numbers in ascending order.
+    Numbers(Vec<f64>),
+    /// Words, none of which is nearer to another.
+    Words(Vec<String>),
+}
+
+/// A value of a variable.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Value {
+    /// A number.
+    Number(f64),
+    /// A word.
+    Word(String),
+}
+
+/// A text that is no domain.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum DomainError {
+    /// A part of a range is not a number.
+    #[error("`{0}` is not a number")]
+    NotANumber(String),
+    /// The range holds no more than one value.
+    #[error("the range is empty: its begin {from} is not below its end {to}")]
+    Empty {
+        /// Begin.
+        from: f64,
+        /// End.
+        to: f64,
+    },
+    /// The logarithm of an end does not exist.
+    #[error("a logarithmic range begins above 0, not at {0}")]
+    NoLogarithm(f64),
+    /// A word behind the range.
+    #[error("`:{0}` is unknown")]
+    Scale(String),
+    /// There is nothing between two commas.
+    #[error("a value is missing")]
+    Missing,
+    /// There is nothing to choose.
+    #[error("one value leaves nothing to choose")]
+    Single,
+    /// A list names a value again.
+    #[error("{0} is there twice")]
+    Twice(String),
+}
+
+impl Domain {
+    /// Reads `A..B`, `A..B:log` or `a,b,c`.
+    ///
+    /// # Errors
+    /// [`DomainError`].
+    pub fn parse(text: &str) -> Result<Self, DomainError> {
+        // A path may have two dots as well; a range begins with a number.
+        if let Some((from, rest)) = text.split_once("..")
+            && from.trim().parse::<f64>().is_ok()
+        {
+            let (to, is_log) = match rest.split_once(':') {
+                None => (rest, false),
+                Some((to, scale)) if scale.trim() == "log" => (to, true),
+                Some((_, scale)) => return Err(DomainError::Scale(scale.trim().to_owned())),
+            };
+            return Self::range(number(from)?, number(to)?, is_log);
+        }
+        Self::list(text.split(',').map(|value| value.trim().to_owned()).collect())
+    }
+
+    /// The numbers between two ends.
+    ///
+    /// # Errors
+    /// [`DomainError::Empty`], [`DomainError::NoLogarithm`].
+    pub fn range(from: f64, to: f64, is_log: bool) -> Result<Self, DomainError> {
+        if !(from < to && (to - from).is_finite()) {
+            return Err(DomainError::Empty { from, to });
+        }
+        if is_log && from <= 0.0 {
+            return Err(DomainError::NoLogarithm(from));
+        }
+        Ok(Self::Range { from, to, is_log })
+    }
+
+    /// A list: of numbers, if all values are numbers.
+    ///
+    /// # Errors
+    /// [`DomainError::Missing`], [`DomainError::Single`], [`DomainError::Twice`].
+    pub fn list(values: Vec<String>) -> Result<Self, DomainError> {
+        if values.iter().any(String::is_empty) {
+            return Err(DomainError::Missing);
+        }
+        if values.len() < 2 {
+            return Err(DomainError::Single);
+        }
+        if let Some((_, twice)) = values.iter().enumerate().find(|(i, v)| values[..*i].contains(v))
+        {
+            return Err(DomainError::Twice(twice.clone()));
+        }
+        let numbers: Result<Vec<f64>, _> = values.iter().map(|value| number(value)).collect();
+        Ok(match numbers {
+            Ok(mut numbers) => {
+                numbers.sort_by(f64::total_cmp);
+                Self::Numbers(numbers)
+            }
+            Err(_) => Self::Words(values),
+        })
+    }
+
+    /// True if its values are words.
+    #[must_use]
+    pub fn is_of_words(&self) -> bool {
+        matches!(self, Self::Words(_))
+    }
+
+    /// Number of values of a list.
+    #[must_use]
+    pub fn count(&self) -> Option<usize> {
+        match self {
+            Self::Range { .. } => None,
+            Self::Numbers(numbers) => Some(numbers.len()),
+            Self::Words(words) => Some(words.len()),
+        }
+    }
+
+    /// The value at a place of the unit interval. Numbers have seven digits, so that a file is readable.
+    ///
+    /// ```
+    /// use search::problem::{Domain, Value};
+    ///
+    /// let delay = Domain::parse("1..100:log").unwrap();
+    /// assert_eq!(delay.at(0.5), Value::Number(10.0));
+    /// let law = Domain::parse("acc-mpc,six-mode").unwrap();
+    /// assert_eq!(law.at(0.7), Value::Word("six-mode".into()));
+    /// ```
+    #[must_use]
+    pub fn at(&self, place: f64) -> Value {
+        let place = place.clamp(0.0, 1.0);
+        let index = |count: usize| ((place * count as f64) as usize).min(count - 1);
+        match self {
+            Self::Range { from, to, is_log: false } => {
+                Value::Number(rounded(from + place * (to - from), 7).clamp(*from, *to))
+            }
+            Self::Range { from, to, is_log: true } => {
+                let log = libm::log(*from) + place * (libm::log(*to) - libm::log(*from));
+                Value::Number(rounded(libm::exp(log), 7).clamp(*from, *to))
+            }
+            Self::Numbers(numbers) => Value::Number(numbers[index(numbers.len())]),
+            Self::Words(words) => Value::Word(words[index(words.len())].clone()),
+        }
+    }
+
+    /// The place of a value; a value of a list is in the middle of its share. A value outside stands for the nearest.
+    #[must_use]
+    pub fn place(&self, value: &Value) -> f64 {
+        let middle = |index: usize, count: usize| (index as f64 + 0.5) / count as f64;
+        match (self, value) {
+            (Self::Range { from, to, is_log: false }, Value::Number(number)) => {
+                ((number - from) / (to - from)).clamp(0.0, 1.0)
+            }
+            (Self::Range { from, to, is_log: true }, Value::Number(number)) => {
+                let log = |number: f64| libm::log(number.clamp(*from, *to));
+                (log(*number) - log(*from)) / (log(*to) - log(*from))
+            }
+            (Self::Numbers(numbers), Value::Number(number)) => {
+                let distance = |one: &f64| (one - number).abs();
+                let nearest = numbers.iter().enumerate();
+                let nearest = nearest.min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)));
+                middle(nearest.map_or(0, |(index, _)| index), numbers.len())
+            }
+            (Self::Words(words), Value::Word(word)) => {
+                let index = words.iter().position(|one| one == word).unwrap_or(0);
+                middle(index, words.len())
+            }
+            _ => 0.5,
+        }
+    }
+
+    /// The value of the domain that is nearest to `value`.
+    #[must_use]
+    pub fn nearest(&self, value: &Value) -> Value {
+        match (self, value) {
+            (Self::Range { from, to, .. }, Value::Number(number)) => {
+                Value::Number(number.clamp(*from, *to))
+            }
+            _ => self.at(self.place(value)),
+        }
+    }
+
+    /// The middle of a range, the first value of a list.
+    #[must_use]
+    pub fn middle(&self) -> Value {
+        self.at(if self.count().is_some() { 0.0 } else { 0.5 })
+    }
+}
+
+/// A number rounded to this number of significant digits.
+#[must_use]
+pub fn rounded(number: f64, digits: usize) -> f64 {
+    format!("{number:.*e}", digits - 1).parse().unwrap_or(number)
+}
+
+fn number(text: &str) -> Result<f64, DomainError> {
+    let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| DomainError::NotANumber(text.trim().to_owned()))
+}
+
+impl Value {
+    /// The number, if it is one.
+    #[must_use]
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Number(number) => Some(*number),
+            Self::Word(_) => None,
+        }
+    }
+}
+
+impl std::fmt::Display for Domain {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Range { from, to, is_log } => {
+                write!(f, "{from}..{to}{}", if *is_log { ":log" } else { "" })
+            }
+            Self::Numbers(numbers) => {
+                let words: Vec<String> = numbers.iter().map(f64::to_string).collect();
+                f.write_str(&words.join(","))
+            }
+            Self::Words(words) => f.write_str(&words.join(",")),
+        }
+    }
+}
+
+impl std::fmt::Display for Value {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Number(number) => write!(f, "{}", rounded(*number, 7)),
+            Self::Word(word) => f.write_str(word),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_and_values_lead_back_to_each_other() {
+        for text in ["12..36", "0.8..2:log", "1,2,5", "a,b,c"] {
+            let domain = Domain::parse(text).expect(text);
+            for place in [0.0, 0.2, 0.5, 0.99, 1.0] {
+                let value = domain.at(place);
+                assert_eq!(domain.at(domain.place(&value)), value, "{text} at {place}");
+                assert_eq!(domain.nearest(&value), value);
+            }
+        }
+        let range = Domain::parse("-1..3").expect("a range");
+        assert_eq!(range.at(0.5), Value::Number(1.0));
+        assert_eq!(range.nearest(&Value::Number(9.0)), Value::Number(3.0));
+    }
+
+    #[test]
+    fn a_list_of_numbers_is_ordered() {
+        let list = Domain::parse("5, 1, 2").expect("a list");
+        assert_eq!(list, Domain::Numbers(vec![1.0, 2.0, 5.0]));
+        assert_eq!((list.at(0.0), list.at(0.9)), (Value::Number(1.0), Value::Number(5.0)));
+    }
+
+    #[test]
+    fn bad_domains_are_refused() {
+        for (text, what) in [
+            ("5..5", "the range is empty"),
+            ("9..2", "its begin 9 is not below its end 2"),
+            ("0..2:log", "begins above 0, not at 0"),
+            ("0..2:lin", "`:lin` is unknown"),
+            ("0..x", "`x` is not a number"),
+            ("0..inf", "`inf` is not a number"),
+            ("a", "leaves nothing to choose"),
+            ("a,,b", "a value is missing"),
+            ("1,2,1", "1 is there twice"),
+        ] {
+            let said = Domain::parse(text).expect_err(text).to_string();
+            assert!(said.contains(what), "{text}: {said}");
+        }
+    }
+}

@@ -1,0 +1,254 @@
+//! The reference driver: who must be able to avoid a scene, or a failure in it is nobody's.
+//!
+//! ```text
+//! follows:  a = a0 (1 − (v/v0)⁴ − (s*/s)²),   s* = s0 + v T + v Δv / (2 √(a0 b))      within [−2 m/s², a0]
+//! needs:    more than 2.5 m/s² to stay behind what is in its path and goes on as it does
+//! brakes:   `reaction_s` after the need, with `deceleration_mps2`, until the need is over
+//! ```
+//!
+//! It knows the true traffic, and nothing of radar, faults and delays. Its drive needs no services: the traffic of the
+//! scenario moves, and the driver among it. Following: Treiber, Hennecke, Helbing, Congested traffic states in
+//! empirical observations and microscopic simulations, Phys. Rev. E 62 (2000), equations 3 and 4. Braking: UN R157,
+//! annex 4, appendix 3 (6 m/s² after 0.35 s; the careful driver 0.774 g after 0.75 s, reached in 0.6 s).
+
+use clap::ValueEnum;
+use perception_sim::radar::scene::Ego;
+use perception_sim::traffic::Traffic;
+use perception_sim::vehicle::Vehicle;
+use plant::ahead::{Ahead, required_deceleration};
+use scenario::Scenario;
+use serde::{Deserialize, Serialize};
+
+/// Step of the drive, ns.
+const STEP_NS: u64 = 10_000_000;
+/// The same, s.
+const STEP_S: f64 = 0.01;
+
+/// Clearance that the driver must keep, m. Chosen: below it verdicts depend on the step.
+pub const CLEARANCE_M: f64 = 0.5;
+
+/// Braking that the driver needs before it acts, m/s²: as for the everyday scenes.
+const NEED_MPS2: f64 = 2.5;
+/// Need at which it stops braking hard, m/s². Chosen: comfortable.
+const OVER_MPS2: f64 = 1.0;
+
+/// Following: largest acceleration, m/s². Chosen.
+const ACCELERATION_MPS2: f64 = 1.5;
+/// Following: comfortable deceleration, m/s². Chosen, as for an attentive driver.
+const COMFORT_MPS2: f64 = 2.0;
+/// Following: time gap, s. Chosen: shorter than what the laws keep.
+const TIME_GAP_S: f64 = 1.0;
+/// Following: gap at standstill, m. Chosen.
+const STANDSTILL_M: f64 = 2.0;
+
+/// Names of the drivers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ReferenceName {
+    /// 6 m/s², 0.35 s after the need
+    #[default]
+    Regulation,
+    /// The careful driver of UN R157: 0.774 g after 0.75 s
+    Careful,
+    /// Nobody: every scene counts
+    None,
+}
+
+/// A driver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reference {
+    /// Time from the need to the braking, s.
+    pub reaction_s: f64,
+    /// Deceleration, m/s².
+    pub deceleration_mps2: f64,
+    /// Growth of the deceleration, m/s³.
+    pub jerk_mps3: f64,
+}
+
+/// The drive of a reference.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Driven {
+    /// Smallest gap to what was in its path, m; negative after a contact, infinite on an empty road.
+    pub clearance_m: f64,
+    /// Its samples.
+    pub samples: Vec<Sample>,
+}
+
+/// The driver at an instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Run time, s.
+    pub time_s: f64,
+    /// Speed, m/s.
+    pub speed_mps: f64,
+    /// Gap to the vehicle ahead, m.
+    pub gap_m: Option<f64>,
+}
+
+impl Driven {
+    /// The driver avoids the scene.
+    #[must_use]
+    pub fn avoids(&self) -> bool {
+        self.clearance_m > CLEARANCE_M
+    }
+
+    /// Value of the scene by the driver alone, in tolerances of 0.5 m: above 0 where the driver does not avoid it.
+    #[must_use]
+    pub fn value(&self) -> f64 {
+        ((CLEARANCE_M - self.clearance_m) / 0.5).clamp(-200.0, 200.0)
+    }
+}
+
+impl Reference {
+    /// 6 m/s², 0.35 s after the need.
+    pub const REGULATION: Self =
+        Self { reaction_s: 0.35, deceleration_mps2: 6.0, jerk_mps3: f64::INFINITY };
+    /// The careful driver: 0.774 g after 0.75 s, reached in 0.6 s.
+    pub const CAREFUL: Self = Self { reaction_s: 0.75, deceleration_mps2: 7.59, jerk_mps3: 12.65 };
+
+    /// The driver of that name.
+    #[must_use]
+    pub fn named(name: ReferenceName) -> Option<Self> {
+        match name {
+            ReferenceName::Regulation => Some(Self::REGULATION),
+            ReferenceName::Careful => Some(Self::CAREFUL),
+            ReferenceName::None => None,
+        }
+    }
+
+    /// Drives a scenario, until its end or a contact. `keep` keeps the samples.
+    #[must_use]
+    pub fn drive(&self, scenario: &Scenario, keep: bool) -> Driven {
+        let mut traffic = Traffic::new(scenario);
+        let mut ego = Ego { speed_mps: scenario.plant.initial_speed_mps.value(), ..Ego::default() };
+        let length_m = scenario.plant.length_m.value();
+        let limit = scenario.speed_limit_mps.map_or(f64::INFINITY, |limit| limit.value());
+        let wanted_mps = scenario.set_speed_mps.value().min(limit).max(1.0);
+        let hardest = self.deceleration_mps2.min(-scenario.plant.min_acceleration_mps2.value());
+        let mut driven = Driven { clearance_m: f64::INFINITY, samples: Vec::new() };
+        let (mut needed_since, mut braking_mps2) = (None, 0.0_f64);
+        let steps = scenario.duration_s.nanoseconds() / STEP_NS;
+        for step in 0..=steps {
+            let (time_ns, time_s) = (step * STEP_NS, step as f64 * STEP_S);
+            traffic.advance(time_ns, &ego);
+            let ahead = nearest(traffic.vehicles(), &ego, length_m);
+            let gap_m = ahead.map(|vehicle| vehicle.rear_position_m - ego.position_m);
+            driven.clearance_m = driven.clearance_m.min(gap_m.unwrap_or(f64::INFINITY));
+            if keep {
+                driven.samples.push(Sample { time_s, speed_mps: ego.speed_mps, gap_m });
+            }
+            if gap_m.is_some_and(|gap| gap <= 0.0) {
+                break;
+            }
+            let need_mps2 = ahead.map_or(0.0, |vehicle| needs(&ego, vehicle));
+            match needed_since {
+                None if need_mps2 > NEED_MPS2 => needed_since = Some(time_s),
+                Some(_) if need_mps2 < OVER_MPS2 => needed_since = None,
+                _ => {}
+            }
+            let brakes = needed_since.is_some_and(|since| time_s >= since + self.reaction_s - 1e-9);
+            let acceleration_mps2 = if brakes {
+                braking_mps2 = (braking_mps2 + self.jerk_mps3 * STEP_S).min(hardest);
+                -braking_mps2
+            } else {
+                braking_mps2 = 0.0;
+                match needed_since {
+                    None => follow(&ego, ahead, wanted_mps),
+                    // Until it reacts, the driver does what it did, and does not speed up.
+                    Some(_) => ego.acceleration_mps2.min(0.0),
+                }
+            };
+            let next_mps = (ego.speed_mps + acceleration_mps2 * STEP_S).max(0.0);
+            ego.position_m += 0.5 * STEP_S * (ego.speed_mps + next_mps);
+            ego.acceleration_mps2 = acceleration_mps2;
+            ego.speed_mps = next_mps;
+        }
+        driven
+    }
+}
+
+/// The vehicle in the path that is ahead, or beside the ego's own body.
+fn nearest<'a>(vehicles: &'a [Vehicle], ego: &Ego, length_m: f64) -> Option<&'a Vehicle> {
+    let is_ahead = |vehicle: &&Vehicle| {
+        vehicle.in_ego_path()
+            && vehicle.rear_position_m + vehicle.length_m > ego.position_m - length_m
+    };
+    let rear = |vehicle: &&Vehicle| vehicle.rear_position_m;
+    vehicles.iter().filter(is_ahead).min_by(|a, b| rear(a).total_cmp(&rear(b)))
+}
+
+/// Even braking that avoids a vehicle which goes on as it does, m/s².
+fn needs(ego: &Ego, vehicle: &Vehicle) -> f64 {
+    let ahead = Ahead {
+        gap_m: vehicle.rear_position_m - ego.position_m,
+        speed_mps: vehicle.speed_mps,
+        acceleration_mps2: vehicle.acceleration_mps2,
+    };
+    required_deceleration(ego.speed_mps, &ahead)
+}
+
+fn follow(ego: &Ego, ahead: Option<&Vehicle>, wanted_mps: f64) -> f64 {
+    let speed_mps = ego.speed_mps;
+    let free = 1.0 - squared(squared(speed_mps / wanted_mps));
+    let near = ahead.map_or(0.0, |vehicle| {
+        let gap_m = (vehicle.rear_position_m - ego.position_m).max(0.1);
+        let closing = speed_mps * (speed_mps - vehicle.speed_mps)
+            / (2.0 * (ACCELERATION_MPS2 * COMFORT_MPS2).sqrt());
+        let desired_m = STANDSTILL_M + (speed_mps * TIME_GAP_S + closing).max(0.0);
+        squared(desired_m / gap_m)
+    });
+    (ACCELERATION_MPS2 * (free - near)).clamp(-COMFORT_MPS2, ACCELERATION_MPS2)
+}
+
+fn squared(x: f64) -> f64 {
+    x * x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drive(driver: Reference, text: &str) -> Driven {
+        let text = format!(
+            "schema_version = 1\nname = \"x\"\nduration_s = 20\nset_speed_mps = 20\n\
+             [plant]\ninitial_speed_mps = 20\n{text}"
+        );
+        driver.drive(&Scenario::parse("x.toml", &text).expect("a scenario"), true)
+    }
+
+    fn standing(gap_m: f64, appears_s: f64) -> String {
+        format!(
+            "[[actors]]\nname = \"car\"\ngap_m = {gap_m}\ninitial_speed_mps = 0\nappears_at_s = {appears_s}\n"
+        )
+    }
+
+    /// It appears ahead of the ego, which keeps its speed. From 20 m/s: 7 m in 0.35 s, then 400/12 = 33.3 m; or 15 m in
+    /// 0.75 s, 11.5 m while the braking grows, then 20.7 m. 0.5 m must be left.
+    #[test]
+    fn the_driver_brakes_after_its_reaction_time() {
+        let avoids = |driver, gap_m| drive(driver, &standing(gap_m, 1.0)).avoids();
+        assert!(avoids(Reference::REGULATION, 41.3) && !avoids(Reference::REGULATION, 40.3));
+        assert!(avoids(Reference::CAREFUL, 48.5) && !avoids(Reference::CAREFUL, 47.0));
+    }
+
+    #[test]
+    fn the_driver_follows_a_vehicle_that_stops_gently() {
+        let text = "[[actors]]\nname = \"car\"\ngap_m = 30\ninitial_speed_mps = 20\n\
+            profile.steps = [{ time_s = 2, speed_mps = 0, acceleration_mps2 = 2 }]\n";
+        let driven = drive(Reference::REGULATION, text);
+        assert!(driven.avoids() && driven.clearance_m > 1.0, "{}", driven.clearance_m);
+        // At a walk the distances are too short for a comfortable rate.
+        let fast = driven.samples.windows(2).filter(|two| two[1].speed_mps > 3.0);
+        let hardest = fast.map(|two| two[0].speed_mps - two[1].speed_mps).fold(0.0, f64::max);
+        assert!(hardest < 0.021, "2 m/s² are enough: {hardest}");
+    }
+
+    #[test]
+    fn what_is_beside_the_lane_is_not_in_the_way() {
+        let text = standing(60.0, 0.0) + "lateral_offset_m = 3.5\n";
+        let driven = drive(Reference::REGULATION, &text);
+        assert_eq!(driven.clearance_m, f64::INFINITY);
+        assert!(driven.avoids() && driven.value() < 0.0);
+        assert_eq!(driven.samples.len(), 2001);
+    }
+}

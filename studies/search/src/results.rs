@@ -1,0 +1,381 @@
+//! The result of a search.
+
+use frame::batch::ProcessesSample;
+use report::html::{Tile, figure};
+use report::results::{
+    Column, Document, Format, Kind, Schema, Table, column, count, judged, nested, number, word,
+};
+use serde::Serialize;
+use serde_json::{Value as Json, json};
+
+use crate::effect::effects;
+use crate::method::MethodName;
+use crate::minimal::Held;
+use crate::pictures::{self, Drives};
+use crate::problem::{Problem, Value};
+use crate::record::Record;
+use crate::value::Judged;
+
+/// The whole search.
+#[derive(Debug, Serialize)]
+pub struct Search {
+    schema_version: u32,
+    ok: bool,
+    problem: String,
+    controller: String,
+    method: &'static str,
+    requirements: Vec<String>,
+    /// Runs of the search.
+    runs: usize,
+    /// Runs that were planned.
+    planned: usize,
+    /// Runs for minimal cases.
+    reducing_runs: u64,
+    /// Points that the reference did not avoid, and that were not driven.
+    refused: usize,
+    /// Number of the first failing run, from 1.
+    first_violation: Option<usize>,
+    /// Failing runs.
+    violations: usize,
+    /// Groups of failing runs that are no neighbours.
+    distinct: usize,
+    failures: Vec<FailureRow>,
+    /// Least value, tolerances.
+    worst_robustness: Option<f64>,
+    /// Least value of a run that is no failure, tolerances.
+    nearest_miss: Option<f64>,
+    /// Upper end of the 95 % interval of the share of failures, by even points; none where they failed.
+    share_below: Option<f64>,
+    variables: Vec<VariableRow>,
+    probability: Option<Json>,
+    processes_sample: ProcessesSample,
+    #[serde(skip)]
+    drives: Vec<Drives>,
+}
+
+/// A variable.
+#[derive(Clone, Debug, Serialize)]
+struct VariableRow {
+    name: String,
+    values: String,
+    nominal: Value,
+    /// Share of the values' variance that it explains alone.
+    effect: Option<f64>,
+}
+
+/// A minimal case.
+#[derive(Clone, Debug, Serialize)]
+pub struct FailureRow {
+    /// Its file.
+    pub file: String,
+    /// Value in tolerances.
+    pub robustness: f64,
+    /// The requirement that it breaks.
+    pub requirement: String,
+    /// Margin in its unit.
+    pub margin: Option<f64>,
+    /// The unit.
+    pub unit: String,
+    /// Seeds on which it fails, and seeds that were tried.
+    pub holds_on: [usize; 2],
+    /// Values that differ from the nominal ones, in words.
+    pub differs: String,
+    /// All values by the names of the variables.
+    pub values: serde_json::Map<String, Json>,
+    /// Failing runs of the search in its group.
+    pub runs: usize,
+    /// The run that it was reduced from, from 1.
+    pub from_run: usize,
+    /// The command that repeats it.
+    pub repeat: String,
+    /// Contents of the file.
+    #[serde(skip)]
+    pub text: String,
+}
+
+const FAILURES: &[Column<FailureRow>] = &[
+    word("file", "failure", "Scenario file that repeats it"),
+    word("requirement", "requirement", "Requirement that it breaks"),
+    number("margin", "margin", "", 2, "Margin of the requirement, in its unit"),
+    word("unit", "unit", "Unit of the margin"),
+    number("robustness", "robustness", "tolerances", 1, "Margin in tolerances of its unit")
+        .less()
+        .weight(3),
+    column(
+        "holds_on",
+        "fails on",
+        "",
+        Format::Nested(Kind::List),
+        "Seeds on which it fails, and seeds that were tried",
+    )
+    .hidden(),
+    judged("", "fails on", "").of(held),
+    count("runs", "runs like it", "Failing runs of the search in its group").weight(2),
+    count("from_run", "from run", "Run that it was reduced from").weight(3),
+    nested("values", Kind::Object, "All values, by the names of the variables"),
+    column(
+        "differs",
+        "departs from the nominal values by",
+        "",
+        Format::Sentence,
+        "Values that differ from the nominal ones",
+    ),
+    column("repeat", "repeat", "", Format::Command, "Command that repeats it"),
+];
+
+fn held(row: &FailureRow) -> Json {
+    let [failed, tried] = row.holds_on;
+    json!({"text": format!("{failed} of {tried}"), "ok": null})
+}
+
+const VARIABLES: &[Column<VariableRow>] = &[
+    word("name", "variable", "Name of the variable"),
+    word("values", "values", "Its values"),
+    report::results::value("nominal", "nominal", "Its harmless value"),
+    number("effect", "effect", "", 2, "Share of the variance of the values that it explains alone"),
+];
+
+const FIELDS: &[Column<()>] = &[
+    frame::ok("No run broke a requirement in a scene that the reference avoids"),
+    word("problem", "", "Name of the problem"),
+    word("controller", "", "Control law"),
+    word("method", "", "Choice of the points: gp, sobol or random"),
+    nested("requirements", Kind::List, "Requirements"),
+    count("runs", "", "Runs of the search"),
+    count("planned", "", "Runs that were planned"),
+    count("reducing_runs", "", "Runs for minimal cases"),
+    count("refused", "", "Points that the reference did not avoid, which cost no run"),
+    count("first_violation", "", "Number of the first failing run, from 1"),
+    count("violations", "", "Failing runs"),
+    count("distinct", "", "Groups of failing runs that are not neighbours"),
+    number("worst_robustness", "", "tolerances", 2, "Least value of a run"),
+    number("nearest_miss", "", "tolerances", 2, "Least value of a run that is no failure"),
+    number(
+        "share_below",
+        "",
+        "",
+        4,
+        "Upper end of the 95 % interval of the share of failures by even points, where none of them failed",
+    ),
+    nested("probability", Kind::Object, "Probability of a failure, with --probability"),
+];
+
+/// The schema of the command's JSON.
+#[must_use]
+pub fn schema() -> Schema {
+    frame::schema("search", "Scenes and faults that break a requirement")
+        .fields(FIELDS)
+        .rows("failures", "Minimal cases, the worst first", FAILURES)
+        .rows("variables", "The variables", VARIABLES)
+}
+
+impl FailureRow {
+    /// A case with these values.
+    pub fn new(
+        problem: &Problem,
+        values: &[Value],
+        held: &Held,
+        (group, from_run): (usize, usize),
+    ) -> Self {
+        let nothing =
+            || Judged { value: 0.0, requirement: String::new(), margin: None, unit: String::new() };
+        let judged = held.first.as_ref().map_or_else(nothing, |(_, judged)| judged.clone());
+        let named = problem.variables.iter().zip(values);
+        let differs = named.clone().filter(|(variable, value)| variable.nominal != **value);
+        let differs: Vec<String> =
+            differs.map(|(variable, value)| format!("{} = {value}", variable.name)).collect();
+        let values = named.map(|(variable, value)| (variable.name.clone(), json!(value)));
+        Self {
+            file: String::new(),
+            robustness: judged.value,
+            requirement: judged.requirement,
+            margin: judged.margin,
+            unit: judged.unit,
+            holds_on: [held.failed, held.tried],
+            differs: if differs.is_empty() { "nothing".to_owned() } else { differs.join(", ") },
+            values: values.collect(),
+            runs: group,
+            from_run: from_run + 1,
+            repeat: String::new(),
+            text: String::new(),
+        }
+    }
+}
+
+impl Search {
+    /// The result of some runs.
+    pub fn new(
+        problem: &Problem,
+        (method, planned): (MethodName, usize),
+        records: &[(usize, Record)],
+        distinct: usize,
+        processes_sample: ProcessesSample,
+    ) -> Self {
+        let values = || records.iter().map(|(_, record)| record.value());
+        let least = |values: &mut dyn Iterator<Item = f64>| values.min_by(f64::total_cmp);
+        let violations = values().filter(|value| *value < 0.0).count();
+        let even: Vec<&Record> =
+            records.iter().map(|(_, record)| record).filter(|record| record.is_even).collect();
+        let none_failed = !even.is_empty() && even.iter().all(|record| !record.is_failure());
+        let effects = effects(&problem.variables, records);
+        let rows = problem.variables.iter().zip(effects).map(|(variable, effect)| VariableRow {
+            name: variable.name.clone(),
+            values: variable.domain.to_string(),
+            nominal: variable.nominal.clone(),
+            effect,
+        });
+        Self {
+            schema_version: 1,
+            ok: violations == 0,
+            problem: problem.name.clone(),
+            controller: problem.nominal.controller.name.as_str().to_owned(),
+            method: method.name(),
+            requirements: problem.nominal.require.formulas.clone(),
+            runs: records.len(),
+            planned,
+            reducing_runs: 0,
+            refused: records.iter().map(|(_, record)| record.tried).sum(),
+            first_violation: records
+                .iter()
+                .find(|(_, one)| one.is_failure())
+                .map(|(run, _)| run + 1),
+            violations,
+            distinct,
+            failures: Vec::new(),
+            worst_robustness: least(&mut values()),
+            nearest_miss: least(&mut values().filter(|value| *value >= 0.0)),
+            // Rule of three: 1 - 0.05^(1/n) is below 3/n.
+            share_below: none_failed.then(|| (3.0 / even.len() as f64).min(1.0)),
+            variables: rows.collect(),
+            probability: None,
+            processes_sample,
+            drives: Vec::new(),
+        }
+    }
+
+    /// The same with its minimal cases; the files are numbered in their order.
+    pub fn with_cases(
+        mut self,
+        cases: Vec<(FailureRow, Drives)>,
+        reducing_runs: u64,
+        directory: &std::path::Path,
+    ) -> Self {
+        self.reducing_runs = reducing_runs;
+        for (place, (mut row, drives)) in cases.into_iter().enumerate() {
+            row.file = format!("failure-{}.toml", place + 1);
+            let path = directory.join(&row.file).to_string_lossy().into_owned();
+            row.repeat = runtime::command_line(&["timegap", "run", &path, "--mode", "lockstep"]);
+            self.failures.push(row);
+            self.drives.push(drives);
+        }
+        self
+    }
+
+    /// The result for every output.
+    pub fn document(&self, problem: &Problem, records: &[(usize, Record)]) -> Document {
+        let (place, method) = (&self.problem, self.method);
+        let requirements = self.requirements.join(", ");
+        let about = format!(
+            "{place} ({}, {method}): {} variables, {} of {} runs, {requirements}",
+            self.controller,
+            self.variables.len(),
+            self.runs,
+            self.planned,
+        );
+        let mut pictures = pictures::of_runs(problem, records);
+        for (row, drives) in self.failures.iter().zip(&self.drives) {
+            pictures.extend(pictures::of_drives(&row.file, drives));
+        }
+        let pictures: String = pictures.iter().map(|picture| figure(picture.as_ref())).collect();
+        let pictures = match pictures.as_str() {
+            "" => String::new(),
+            drawn => format!("<div class=\"grid\">\n{drawn}</div>\n"),
+        };
+        let mut document = Document::new("search", &format!("Search in {place}"), self)
+            .about(about)
+            .tiles(self.tiles())
+            .table(Table::new("Minimal cases", FAILURES, &self.failures))
+            .table(Table::new("Variables", VARIABLES, &self.variables).without_cases())
+            .figures("Runs", pictures)
+            .file("search.csv", csv(problem, records))
+            .verdict(self.ok, self.sentence());
+        for row in &self.failures {
+            document = document.file(&row.file, row.text.clone());
+        }
+        document
+    }
+
+    fn tiles(&self) -> Vec<Tile> {
+        let tile = |label, value: String, note: String| Tile { label, value, note };
+        let run = |run: Option<usize>| run.map_or_else(|| "none".to_owned(), |run| run.to_string());
+        let tolerances = |value: Option<f64>| {
+            value.map_or_else(|| "-".to_owned(), |value| format!("{value:.2}"))
+        };
+        vec![
+            tile(
+                "Runs",
+                self.runs.to_string(),
+                format!("and {} for minimal cases", self.reducing_runs),
+            ),
+            tile("First violation at run", run(self.first_violation), String::new()),
+            tile("Violations", self.violations.to_string(), format!("{} distinct", self.distinct)),
+            tile("Least value", tolerances(self.worst_robustness), "tolerances".to_owned()),
+            tile("Nearest miss", tolerances(self.nearest_miss), "tolerances".to_owned()),
+            tile("Not driven", self.refused.to_string(), "the reference fails too".to_owned()),
+        ]
+    }
+
+    fn sentence(&self) -> String {
+        let missing = match self.planned - self.runs {
+            0 => String::new(),
+            missing => format!("INCOMPLETE: {missing} runs are missing; "),
+        };
+        let miss = self.nearest_miss.map(|value| format!("; nearest miss {value:.1} tolerances"));
+        let miss = miss.unwrap_or_default();
+        match self.first_violation {
+            Some(first) => format!(
+                "{missing}BROKEN: first violation at run {first}, {} violations, {} distinct{miss}",
+                self.violations, self.distinct
+            ),
+            None => {
+                let share = self.share_below.map(|share| {
+                    format!(
+                        "; failures fill less than {:.2} % of the box (95 %, by its even points)",
+                        share * 100.0
+                    )
+                });
+                format!(
+                    "{missing}no violation in {} runs{miss}{}",
+                    self.runs,
+                    share.unwrap_or_default()
+                )
+            }
+        }
+    }
+}
+
+/// One line for each run.
+fn csv(problem: &Problem, records: &[(usize, Record)]) -> String {
+    let variables = problem.variables.iter().enumerate().map(|(place, variable)| {
+        report::results::value("", "", "").named(format!("values.{place}"), variable.name.clone())
+    });
+    let columns: Vec<Column<Json>> = std::iter::once(count("run", "run", ""))
+        .chain(variables)
+        .chain([
+            count("seed", "seed", ""),
+            word("outcome", "outcome", ""),
+            word("judged.requirement", "requirement", ""),
+            number("judged.margin", "margin", "", 4, ""),
+            word("judged.unit", "unit", ""),
+            number("value", "value", "", 4, ""),
+            report::results::fact("is_even", "is even", ""),
+        ])
+        .collect();
+    let row = |(run, record): &(usize, Record)| {
+        let mut row = serde_json::to_value(record).expect("plain data");
+        row["run"] = json!(run + 1);
+        row["value"] = json!(record.value());
+        row
+    };
+    Table::new("Runs", &columns, &records.iter().map(row).collect::<Vec<_>>()).csv()
+}

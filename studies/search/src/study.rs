@@ -1,0 +1,296 @@
+//! The command as a study of the frame.
+
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+use std::process::ExitCode;
+use std::sync::{Condvar, Mutex};
+use std::time::Duration;
+
+use frame::batch::{Done, Job};
+use frame::parts::ShardChoice;
+use frame::{Crew, Found, Gave, Needs, Options, Study};
+use group::{Error, Failure, GroupOptions};
+use indicatif::ProgressBar;
+use report::results::Document;
+use thiserror::Error;
+
+use crate::arguments::SearchArguments;
+use crate::distinct::{self, Group};
+use crate::method::{Admission, Chooser, MethodName, Proposal, independent, seed_of};
+use crate::minimal::{self, Case, Trial};
+use crate::pictures::Drives;
+use crate::problem::Problem;
+use crate::record::Record;
+use crate::results::{FailureRow, Search};
+use crate::trial::Seeds;
+use crate::value::judge;
+
+/// Longest wait for a result before an interrupt is looked for.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// Options that do not go together.
+#[derive(Debug, Error)]
+pub enum PlanError {
+    /// A part would not hold a whole search.
+    #[error(
+        "--shard {index}/{count}: a part holds whole replicas of the search, expected --replicas {count} or a multiple"
+    )]
+    Part {
+        /// The part.
+        index: u32,
+        /// Number of parts.
+        count: u32,
+    },
+    /// Replicas of runs that do not depend on each other.
+    #[error("--replicas: runs of `{0}` do not depend on each other, expected `gp`")]
+    Replicas(&'static str),
+    /// No seed.
+    #[error("--seed {0}: expected a whole number without a sign")]
+    Seed(String),
+}
+
+impl Failure for PlanError {}
+
+/// Runs the command.
+///
+/// # Errors
+/// Mistakes in the arguments or the file, else as [`frame::study::run`].
+pub fn run(arguments: &SearchArguments) -> Result<ExitCode, Error> {
+    frame::study::run::<Runs>(arguments)
+}
+
+/// The study.
+struct Runs {
+    problem: Problem,
+    method: MethodName,
+    budget: usize,
+    seed: u64,
+    /// Seeds of a minimal case, and number of such cases.
+    seeds: usize,
+    cases: usize,
+    group: GroupOptions,
+    jobs: Option<NonZeroUsize>,
+    is_quiet: bool,
+    chooser: Mutex<Chooser>,
+    /// A run ended: others may have waited for it.
+    ended: Condvar,
+    /// Proposals whose runs are under way.
+    under_way: Mutex<BTreeMap<usize, Proposal>>,
+}
+
+impl Runs {
+    fn admit(&self, point: &[f64]) -> Result<Admission, Error> {
+        let scenario = self.problem.scenario(&self.problem.values(point), self.seed)?;
+        let reference = self.problem.reference.as_ref();
+        let value =
+            reference.map_or(-f64::INFINITY, |driver| driver.drive(&scenario, false).value());
+        Ok(Admission { value: value.max(-200.0) })
+    }
+
+    /// The point of a run, when the results that its choice needs are there.
+    fn proposal(&self, run: usize, going_on: &dyn Fn() -> bool) -> Result<Proposal, Error> {
+        let admit = |point: &[f64]| self.admit(point);
+        if self.method == MethodName::Random {
+            return independent(self.problem.dimensions(), self.seed, run, &admit);
+        }
+        let mut chooser = self.chooser.lock().expect("no worker panics here");
+        while !chooser.is_ready(run) {
+            if !going_on() {
+                return Err(Error::Interrupted);
+            }
+            (chooser, _) = self.ended.wait_timeout(chooser, LOOK).expect("no worker panics here");
+        }
+        chooser.propose(run, &admit)
+    }
+
+    fn tell(&self, run: usize, record: &Record) {
+        let mut chooser = self.chooser.lock().expect("no worker panics here");
+        chooser.tell(run, record.told());
+        self.ended.notify_all();
+    }
+}
+
+impl Study for Runs {
+    type Arguments = SearchArguments;
+    type Record = Record;
+    type Seen = ();
+
+    const NAME: &'static str = "search";
+    const NEEDS: Needs = Needs::Any;
+    // The points of later runs are not known when the file begins.
+    const KEEPS_TRAJECTORIES: bool = false;
+
+    fn options(arguments: &SearchArguments) -> Options<'_> {
+        let SearchArguments { parts, jobs, group, results, .. } = arguments;
+        Options { parts: Some(parts), jobs: *jobs, group, results }
+    }
+
+    fn plan(arguments: &SearchArguments) -> Result<Self, Error> {
+        let (method, replicas) = (arguments.method, arguments.replicas.get());
+        if replicas > 1 && method != MethodName::Gp {
+            return Err(PlanError::Replicas(method.name()).into());
+        }
+        if let Some(shard) = arguments.parts.shard.map(ShardChoice::resolve).transpose()?
+            && method == MethodName::Gp
+            && !replicas.is_multiple_of(shard.count as usize)
+        {
+            return Err(PlanError::Part { index: shard.index, count: shard.count }.into());
+        }
+        let seed = match &arguments.scenario_options.seed {
+            Some(seed) => seed.parse().map_err(|_| PlanError::Seed(seed.clone()))?,
+            None => 1,
+        };
+        let problem = Problem::open(arguments)?;
+        let chooser = Chooser::new(method, &problem.variables, seed, replicas);
+        Ok(Self {
+            method,
+            budget: arguments.budget.get(),
+            seed,
+            seeds: arguments.seeds.get(),
+            cases: arguments.cases.into(),
+            group: arguments.group.clone(),
+            jobs: arguments.jobs,
+            is_quiet: arguments.results.json,
+            chooser: Mutex::new(chooser),
+            ended: Condvar::new(),
+            under_way: Mutex::default(),
+            problem,
+        })
+    }
+
+    fn runs(&self) -> usize {
+        self.budget
+    }
+
+    fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    fn label(&self) -> String {
+        format!("search-{}", self.problem.name)
+    }
+
+    fn subject(&self) -> Result<String, Error> {
+        Ok(self.problem.subject())
+    }
+
+    fn recall(&self, run: usize, record: &Record) {
+        self.tell(run, record);
+    }
+
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<Record, ()>, Error> {
+        let proposal = self.proposal(run, crew.going_on())?;
+        let values = self.problem.values(&proposal.point);
+        let scenario = self.problem.scenario(&values, seed_of(self.seed, 6, run as u64))?;
+        self.under_way.lock().expect("no worker panics here").insert(run, proposal);
+        crew.drive_and_record(self, run, &Job::lockstep(scenario))
+    }
+
+    fn record(
+        &self,
+        run: usize,
+        job: &Job,
+        result: Result<Done, Error>,
+    ) -> Result<(Record, ()), Error> {
+        let summary = result?.summary;
+        let proposal = self.under_way.lock().expect("no worker panics here").remove(&run);
+        let Proposal { point, is_even, reference, tried, refused } =
+            proposal.expect("the run was proposed");
+        let record = Record {
+            values: self.problem.values(&point),
+            point,
+            seed: job.scenario.seed.value(),
+            outcome: summary.outcome,
+            judged: judge(&summary),
+            reference,
+            is_even,
+            tried,
+            refused,
+        };
+        self.tell(run, &record);
+        Ok((record, ()))
+    }
+
+    fn describe(&self, run: usize) -> String {
+        let _ = run;
+        format!(" of the search in {}", self.problem.name)
+    }
+
+    fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
+        let Found { records, sample, shard, is_whole, directory, .. } = found;
+        let records = records.all()?;
+        let groups = distinct::groups(&self.problem.variables, &records);
+        let plan = (self.method, self.budget);
+        let search = Search::new(&self.problem, plan, &records, groups.len(), sample);
+        // A part and an interrupted search have no last word on what is distinct.
+        if shard.is_some() || !is_whole {
+            return Ok(search.document(&self.problem, &records));
+        }
+        let bar = report::progress::count_bar(0, self.is_quiet);
+        bar.set_message("minimal cases");
+        let cases = self.reduce(&groups, &records, &bar);
+        let reducing_runs = bar.position();
+        bar.finish_and_clear();
+        let search = search.with_cases(cases?, reducing_runs, &directory);
+        Ok(search.document(&self.problem, &records))
+    }
+}
+
+/// Failures of a group that are tried until one holds on enough seeds.
+const MOST_STARTS: usize = 4;
+
+impl Runs {
+    /// The minimal cases of the worst groups.
+    fn reduce(
+        &self,
+        groups: &[Group],
+        records: &[(usize, Record)],
+        bar: &ProgressBar,
+    ) -> Result<Vec<(FailureRow, Drives)>, Error> {
+        let trial = Seeds {
+            problem: &self.problem,
+            group: &self.group,
+            jobs: self.jobs,
+            seed: self.seed,
+            count: self.seeds,
+            bar,
+        };
+        let mut rows: Vec<(FailureRow, Drives)> = Vec::new();
+        for group in groups.iter().take(self.cases) {
+            let mut place = group.members[0];
+            let mut case = None;
+            for member in group.members.iter().take(MOST_STARTS) {
+                let values = &records[*member].1.values;
+                if trial.holds(values)? {
+                    (place, case) =
+                        (*member, Some(minimal::reduce(&self.problem, values, &trial)?));
+                    break;
+                }
+            }
+            // A failure of few seeds stays as it was found.
+            let values = &records[place].1.values;
+            let case = match case {
+                Some(case) => case,
+                None => Case { values: values.clone(), held: trial.drive(values, true)? },
+            };
+            let (run, record) = &records[place];
+            // Its own seed fails in any case.
+            let (seed, judged) =
+                case.held.first.clone().unwrap_or((record.seed, record.judged.clone()));
+            let held = minimal::Held { first: Some((seed, judged)), ..case.held };
+            let scenario = self.problem.scenario(&case.values, seed)?;
+            let mut row =
+                FailureRow::new(&self.problem, &case.values, &held, (group.members.len(), *run));
+            // Two groups may have one cause.
+            if rows.iter().any(|(known, _)| known.values == row.values) {
+                continue;
+            }
+            row.text = scenario.to_toml();
+            let steps = trial.repeat(&case.values, seed)?.steps;
+            let reference = self.problem.reference.as_ref();
+            let reference = reference.map(|driver| driver.drive(&scenario, true).samples);
+            rows.push((row, Drives::new(&steps, reference.unwrap_or_default())));
+        }
+        Ok(rows)
+    }
+}
