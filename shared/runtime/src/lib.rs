@@ -24,15 +24,15 @@
 //! [`SMALL_BYTES`](messages::SMALL_BYTES) and copy what is not before they check it.
 //!
 //! `unsafe` is allowed in `coroutine`, `library`, `scheduling`, `spawn`, `usage` and `words`, for system calls that no
-//! crate wraps, and in `transport` (`pooled`, and where loaned bytes become a message) and `probe`.
+//! crate wraps, and in `transport` (`pooled`, and where loaned bytes become a message).
 
 mod error;
 mod faults;
+mod guest;
 mod in_process;
 mod life;
 mod machine;
 mod ports;
-mod probe;
 mod releases;
 pub mod report;
 mod session;
@@ -43,6 +43,7 @@ mod words;
 
 pub use error::RuntimeError;
 pub use faults::{FaultStatistics, Injected, concerned};
+pub use guest::Guest;
 pub use in_process::{Entry, InProcess};
 pub use life::group::Group;
 pub use life::link::{FromService, PEER_JOINED, StartOrder, ToService};
@@ -59,7 +60,6 @@ pub use ports::observer::{Observed, Observer};
 pub use ports::player::{Played, Player};
 pub use ports::tap::{Tap, Tapped};
 pub use ports::{Publisher, Subscriber};
-pub use probe::{Contents, EventReceiver, EventSender, PayloadReceiver, PayloadSender, Probe};
 pub use releases::clock::{Clock, Mode, monotonic_ns, sleep_until};
 pub use releases::release::{Overrun, Release};
 pub use releases::schedule::{Schedule, ScheduledRelease};
@@ -71,5 +71,8 @@ pub use survival::checkpoint::Checkpoint;
 pub use survival::figures::{Count, Figures, RELEASE_JITTER};
 pub use survival::standby::{ActiveProcess, Cause, TakeOver};
 pub use transport::carried::Carried;
-pub use transport::{Carrier, Loan, Sealing, TransportError, Turns, domain, shared_memory_bytes};
+pub use transport::waking::{Ticket, Waiter, Waker};
+pub use transport::{
+    Carrier, Ipc, Loan, Sealing, TransportError, Turns, domain, shared_memory_bytes,
+};
 pub use words::SharedWords;

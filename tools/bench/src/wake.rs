@@ -3,6 +3,8 @@
 //! Every wake-up carries the instant before the sender's first action, so that a stalled sink is charged for
 //! each late wake-up. An end may hold several ways open and use them in turn; equal mechanisms share one.
 
+use super::middleware::event::{EventReceiver, EventSender};
+use super::middleware::payload::{Contents, PayloadReceiver, PayloadSender};
 use super::middleware::{self, MiddlewareError, Receiving, Sending};
 use super::setup::Mechanism;
 use super::words::{COUNT, RING, STAMPS};
@@ -11,8 +13,7 @@ use group::{Failure, Status};
 use messages::Service;
 use messages::{Header, MAX_DETECTIONS, Origins, RadarDetections, RadarTracks};
 use runtime::{
-    Contents, EventReceiver, EventSender, Group, PayloadReceiver, PayloadSender, Probe, Publisher,
-    RuntimeError, SharedWords, Subscriber, enroll, monotonic_ns,
+    Group, Guest, Publisher, RuntimeError, SharedWords, Subscriber, enroll, monotonic_ns,
 };
 use rustix::io::Errno;
 use rustix::thread::futex;
@@ -63,7 +64,7 @@ pub struct Source<'a> {
     sent: u32,
     ways: Vec<(Mechanism, SourceWay)>,
     /// Dropped after the ports that need it.
-    _probe: Option<Probe>,
+    _guest: Option<Guest>,
 }
 
 enum SourceWay {
@@ -76,8 +77,8 @@ enum SourceWay {
     Peer(Box<dyn Sending>),
 }
 
-fn join(root: &Path, name: &str) -> Result<Probe, WakeError> {
-    Ok(Probe::join(Group::read(root)?, name)?)
+fn join(root: &Path, name: &str) -> Result<Guest, WakeError> {
+    Ok(Guest::join(Group::read(root)?, name)?)
 }
 
 /// Each mechanism once.
@@ -91,8 +92,8 @@ fn distinct(mechanisms: &[Mechanism]) -> Vec<Mechanism> {
     distinct
 }
 
-/// The probe for mechanisms with our ports.
-fn probe(mechanisms: &[Mechanism], root: &Path, name: &str) -> Result<Option<Probe>, WakeError> {
+/// The guest for mechanisms with our ports.
+fn guest(mechanisms: &[Mechanism], root: &Path, name: &str) -> Result<Option<Guest>, WakeError> {
     let ours = |mechanism: &Mechanism| {
         use Mechanism::{Detections, Iceoryx2Event, Message, Payload, ProtectedPayload};
         matches!(mechanism, Iceoryx2Event | Message | Detections | Payload(_) | ProtectedPayload(_))
@@ -118,8 +119,8 @@ impl<'a> Source<'a> {
         root: &Path,
         page: &'a SharedWords,
     ) -> Result<Self, WakeError> {
-        let probe = probe(mechanisms, root, "bench-source")?;
-        let needed = || probe.as_ref().expect("made for every mechanism with a port");
+        let guest = guest(mechanisms, root, "bench-source")?;
+        let needed = || guest.as_ref().expect("made for every mechanism with a port");
         // A reader accepts messages of group members only.
         let member = || enroll(root, Service::PerceptionSim, 0, std::process::id());
         let mut ways = Vec::new();
@@ -127,7 +128,9 @@ impl<'a> Source<'a> {
             let way = match mechanism {
                 Mechanism::Futex => SourceWay::Futex,
                 Mechanism::Eventfd => SourceWay::Eventfd,
-                Mechanism::Iceoryx2Event => SourceWay::Event(Box::new(needed().event_sender()?)),
+                Mechanism::Iceoryx2Event => {
+                    SourceWay::Event(Box::new(EventSender::open(needed())?))
+                }
                 Mechanism::Message => {
                     member()?;
                     SourceWay::Message(Box::new(needed().publisher(Service::PerceptionSim)?))
@@ -137,10 +140,10 @@ impl<'a> Source<'a> {
                     SourceWay::Detections(Box::new(needed().publisher(Service::PerceptionSim)?))
                 }
                 Mechanism::Payload(bytes) => {
-                    SourceWay::Payload(needed().payload_sender(bytes, Contents::Bare)?)
+                    SourceWay::Payload(PayloadSender::open(needed(), bytes, Contents::Bare)?)
                 }
                 Mechanism::ProtectedPayload(bytes) => {
-                    SourceWay::Payload(needed().payload_sender(bytes, Contents::Protected)?)
+                    SourceWay::Payload(PayloadSender::open(needed(), bytes, Contents::Protected)?)
                 }
                 Mechanism::Iceoryx2PubSub
                 | Mechanism::UnixDatagram
@@ -152,7 +155,7 @@ impl<'a> Source<'a> {
             };
             ways.push((mechanism, way));
         }
-        Ok(Self { page, sent: 0, ways, _probe: probe })
+        Ok(Self { page, sent: 0, ways, _guest: guest })
     }
 
     /// One wake-up.
@@ -223,7 +226,7 @@ pub struct Sink<'a> {
     seen: u32,
     ways: Vec<(Mechanism, SinkWay)>,
     /// Dropped after the ports that need it; messages are waited for through it.
-    probe: Option<Probe>,
+    guest: Option<Guest>,
 }
 
 enum SinkWay {
@@ -243,21 +246,23 @@ impl<'a> Sink<'a> {
         root: &Path,
         page: &'a SharedWords,
     ) -> Result<Self, WakeError> {
-        let probe = probe(mechanisms, root, "bench-sink")?;
-        let needed = || probe.as_ref().expect("made for every mechanism with a port");
+        let guest = guest(mechanisms, root, "bench-sink")?;
+        let needed = || guest.as_ref().expect("made for every mechanism with a port");
         let mut ways = Vec::new();
         for mechanism in distinct(mechanisms) {
             let way = match mechanism {
                 Mechanism::Futex => SinkWay::Futex,
                 Mechanism::Eventfd => SinkWay::Eventfd,
-                Mechanism::Iceoryx2Event => SinkWay::Event(Box::new(needed().event_receiver()?)),
+                Mechanism::Iceoryx2Event => {
+                    SinkWay::Event(Box::new(EventReceiver::open(needed())?))
+                }
                 Mechanism::Message => SinkWay::Message(Box::new(needed().subscriber()?)),
                 Mechanism::Detections => SinkWay::Detections(Box::new(needed().subscriber()?)),
                 Mechanism::Payload(bytes) => {
-                    SinkWay::Payload(needed().payload_receiver(bytes, Contents::Bare)?)
+                    SinkWay::Payload(PayloadReceiver::open(needed(), bytes, Contents::Bare)?)
                 }
                 Mechanism::ProtectedPayload(bytes) => {
-                    SinkWay::Payload(needed().payload_receiver(bytes, Contents::Protected)?)
+                    SinkWay::Payload(PayloadReceiver::open(needed(), bytes, Contents::Protected)?)
                 }
                 Mechanism::Iceoryx2PubSub
                 | Mechanism::UnixDatagram
@@ -269,7 +274,7 @@ impl<'a> Sink<'a> {
             };
             ways.push((mechanism, way));
         }
-        Ok(Self { page, seen: 0, ways, probe })
+        Ok(Self { page, seen: 0, ways, guest })
     }
 
     /// Bytes copied so far to take messages out of shared memory.
@@ -289,14 +294,14 @@ impl<'a> Sink<'a> {
 
     /// Waits once, and calls `each` with the stamp of each new wake-up.
     pub fn wait(&mut self, by: Mechanism, mut each: impl FnMut(i64)) -> Result<(), WakeError> {
-        let probe = || self.probe.as_ref().expect("opened with the port");
+        let guest = || self.guest.as_ref().expect("opened with the port");
         match self.ways.iter_mut().find(|(mechanism, _)| *mechanism == by) {
             Some((_, SinkWay::Message(port))) => {
-                probe().next_samples(port, LOOK, |m| each(m.header.acquisition_ns))?;
+                guest().next_samples(port, LOOK, |m| each(m.header.acquisition_ns))?;
                 return Ok(());
             }
             Some((_, SinkWay::Detections(port))) => {
-                probe().next_samples(port, LOOK, |m| each(m.header.acquisition_ns))?;
+                guest().next_samples(port, LOOK, |m| each(m.header.acquisition_ns))?;
                 return Ok(());
             }
             Some((_, SinkWay::Payload(port))) => {

@@ -1,6 +1,5 @@
 //! Why a carrier does not carry.
 
-use messages::e2e::profile7;
 use std::error::Error;
 use std::io;
 
@@ -37,9 +36,6 @@ pub enum TransportError {
     /// Bytes are played that no message of the topic has.
     #[error("{0} bytes are no such message")]
     Length(usize),
-    /// A payload of a probe does not pass its check.
-    #[error("a payload's {0:?}")]
-    Corrupted(profile7::Corrupted),
 }
 
 impl TransportError {

@@ -122,7 +122,7 @@ impl Seat {
 
     pub(super) fn waiter(&self) -> Waiter {
         let pause = self.pause.clone().expect("observers do not wait");
-        Waiter::InProcess { pause, stalled: Rc::clone(&self.bus.stalled) }
+        Waiter::in_process(pause, Rc::clone(&self.bus.stalled))
     }
 }
 

@@ -16,8 +16,8 @@ pub use held::{Held, Rooms};
 pub use loan::Loan;
 pub use memory::Turns;
 pub(super) use memory::{Bus, Seat};
-pub(super) use shared_memory::{Ipc, SharedMemory, refused};
-pub use shared_memory::{domain, shared_memory_bytes};
+pub(super) use shared_memory::SharedMemory;
+pub use shared_memory::{Ipc, domain, shared_memory_bytes};
 
 use crate::RuntimeError;
 use crate::life::link::End;

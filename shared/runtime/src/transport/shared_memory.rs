@@ -26,7 +26,7 @@ use std::rc::Rc;
 use std::sync::Mutex;
 
 /// The iceoryx2 variant of all topics.
-pub(crate) use super::pooled::PooledIpc as Ipc;
+pub use super::pooled::PooledIpc as Ipc;
 
 /// Messages that a receiver borrows at most: the newest one, one of a later step, one that is checked.
 const HELD: usize = 3;
@@ -212,7 +212,7 @@ impl SharedMemory {
         self.wake_words.waker(topic)
     }
 
-    pub(super) fn waiter(&self, topic: Topic) -> Waiter {
+    pub(crate) fn waiter(&self, topic: Topic) -> Waiter {
         self.wake_words.waiter(topic)
     }
 }
@@ -268,7 +268,7 @@ pub fn domain(group: &Group) -> Result<Config, RuntimeError> {
 }
 
 /// The error of a topic that iceoryx2 does not open.
-pub(crate) fn refused<E: std::error::Error + Send + Sync + 'static>(
+fn refused<E: std::error::Error + Send + Sync + 'static>(
     topic: Topic,
 ) -> impl FnOnce(E) -> RuntimeError {
     move |error| RuntimeError::Topic { topic, reason: TransportError::iceoryx2(error) }

@@ -41,7 +41,7 @@ impl WakeWords {
     }
 
     pub(crate) fn waiter(&self, topic: Topic) -> Waiter {
-        Waiter::Futex { words: self.clone(), topic }
+        Waiter(Way::Futex { words: self.clone(), topic })
     }
 
     fn word(&self, topic: Topic) -> &AtomicU32 {
@@ -52,14 +52,17 @@ impl WakeWords {
 
 /// Wakes those who wait for a topic in other processes.
 #[derive(Debug)]
-pub(crate) struct Waker {
+pub struct Waker {
     words: WakeWords,
     topic: Topic,
 }
 
 impl Waker {
     /// Wakes all who wait. To be called after the sample was sent.
-    pub(crate) fn wake(&self) {
+    ///
+    /// # Panics
+    /// Never: the word is mapped.
+    pub fn wake(&self) {
         let word = self.words.word(self.topic);
         word.fetch_add(1, Ordering::Release);
         futex::wake(word, futex::Flags::empty(), i32::MAX.unsigned_abs())
@@ -69,11 +72,14 @@ impl Waker {
 
 /// The state of a topic's word before a look at the topic.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ticket(u32);
+pub struct Ticket(u32);
 
 /// Waits for a topic.
 #[derive(Debug)]
-pub(crate) enum Waiter {
+pub struct Waiter(Way);
+
+#[derive(Debug)]
+enum Way {
     /// By sleeping.
     Futex {
         /// The run's words.
@@ -91,20 +97,29 @@ pub(crate) enum Waiter {
 }
 
 impl Waiter {
+    /// Waits in a run in one process. `stalled` is set when no message will come any more.
+    pub(crate) fn in_process(pause: Pause, stalled: Rc<Cell<bool>>) -> Self {
+        Self(Way::InProcess { pause, stalled })
+    }
+
     /// To be taken before looking for a sample.
-    pub(crate) fn ticket(&self) -> Ticket {
-        match self {
-            Self::Futex { words, topic } => Ticket(words.word(*topic).load(Ordering::Acquire)),
-            Self::InProcess { .. } => Ticket(0),
+    #[must_use]
+    pub fn ticket(&self) -> Ticket {
+        match &self.0 {
+            Way::Futex { words, topic } => Ticket(words.word(*topic).load(Ordering::Acquire)),
+            Way::InProcess { .. } => Ticket(0),
         }
     }
 
     /// Waits until a sender woke the topic's waiters since `ticket` was taken, at most for
     /// `timeout`; a signal ends the wait early, and so does another service's wait in this thread.
-    pub(crate) fn wait(&self, ticket: Ticket, timeout: Duration) -> io::Result<()> {
-        let (words, topic) = match self {
-            Self::Futex { words, topic } => (words, *topic),
-            Self::InProcess { pause, .. } => {
+    ///
+    /// # Errors
+    /// If the system refuses.
+    pub fn wait(&self, ticket: Ticket, timeout: Duration) -> io::Result<()> {
+        let (words, topic) = match &self.0 {
+            Way::Futex { words, topic } => (words, *topic),
+            Way::InProcess { pause, .. } => {
                 pause.wait();
                 return Ok(());
             }
@@ -118,12 +133,12 @@ impl Waiter {
 
     /// True if a wait is another service's turn in this thread.
     pub(crate) fn is_in_process(&self) -> bool {
-        matches!(self, Self::InProcess { .. })
+        matches!(self.0, Way::InProcess { .. })
     }
 
     /// True if waiting longer is of no use.
     pub(crate) fn is_in_vain(&self) -> bool {
-        matches!(self, Self::InProcess { stalled, .. } if stalled.get())
+        matches!(&self.0, Way::InProcess { stalled, .. } if stalled.get())
     }
 }
 

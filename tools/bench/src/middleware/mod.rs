@@ -2,6 +2,8 @@
 //!
 //! Each end is opened under the measured scheduling, so that a library's own threads inherit it.
 
+pub mod event;
+pub mod payload;
 mod pub_sub;
 mod sockets;
 
@@ -12,6 +14,7 @@ mod zenoh;
 
 use super::setup::Mechanism;
 use messages::RadarTracks;
+use messages::e2e::profile7;
 use runtime::RuntimeError;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -36,6 +39,9 @@ pub enum MiddlewareError {
     /// The run's configuration of iceoryx2 is not available.
     #[error(transparent)]
     Runtime(#[from] RuntimeError),
+    /// A payload does not pass its check.
+    #[error("a payload's {0:?}")]
+    Corrupted(profile7::Corrupted),
     /// A socket or another library.
     #[error("{what}: {reason}")]
     Failed {
@@ -65,6 +71,13 @@ pub enum MiddlewareError {
         /// Its return code.
         code: i32,
     },
+}
+
+fn iceoryx2_failed<E>(what: &'static str) -> impl Fn(E) -> MiddlewareError
+where
+    E: std::error::Error + Send + Sync + 'static,
+{
+    move |reason| MiddlewareError::Iceoryx2 { what, reason: Box::new(reason) }
 }
 
 fn failed<E: Into<Cause>>(what: &'static str) -> impl Fn(E) -> MiddlewareError {

@@ -1,7 +1,7 @@
 //! The same message by iceoryx2 alone: its own variant, its publish-subscribe service, and its event service
 //! as wake-up.
 
-use super::{MiddlewareError, Receiving, Sending};
+use super::{MiddlewareError, Receiving, Sending, iceoryx2_failed as failed};
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::publisher::Publisher;
@@ -13,13 +13,6 @@ use runtime::Group;
 use std::time::Duration;
 
 type Ipc = ipc::Service;
-
-fn failed<E>(what: &'static str) -> impl Fn(E) -> MiddlewareError
-where
-    E: std::error::Error + Send + Sync + 'static,
-{
-    move |reason| MiddlewareError::Iceoryx2 { what, reason: Box::new(reason) }
-}
 
 /// A node with the two services.
 struct Topic {

@@ -1,32 +1,29 @@
-//! The ends of a topic without a service around them: what `timegap bench` measures.
+//! The ends of a topic without a service around them, for measurements: those of the services themselves.
 //!
-//! Typed messages go through the services' own [`Publisher`] and [`Subscriber`]. [`payload`] and [`event`] open
-//! iceoryx2 services that no topic uses, in the same node and variant.
-
-mod event;
-mod payload;
-
-pub use event::{EventReceiver, EventSender};
-pub use payload::{Contents, PayloadReceiver, PayloadSender};
+//! A guest can also open iceoryx2 services that no topic uses, in the same node and variant, and wake those who wait
+//! for a topic. So a program can send bytes of any size as the topics' messages are sent. `timegap bench` does.
 
 use crate::life::link::End;
 use crate::ports::members::Members;
 use crate::ports::{Checks, Outlet, Protection, Tally, Wire};
 use crate::survival::gate::Gate;
-use crate::transport::{Sealing, SharedMemory, Transport};
+use crate::transport::waking::{Waiter, Waker};
+use crate::transport::{Ipc, Sealing, SharedMemory, Transport};
 use crate::{Carried, Clock, Group, Publisher, RuntimeError, Subscriber};
-use messages::{Message, Service};
+use iceoryx2::prelude::ServiceName;
+use iceoryx2::service::builder::Builder;
+use messages::{Message, Service, Topic};
 use std::rc::Rc;
 use std::time::Duration;
 
 /// A member of a group that is no service.
 #[derive(Debug)]
-pub struct Probe {
+pub struct Guest {
     transport: Transport,
     group: Group,
 }
 
-impl Probe {
+impl Guest {
     /// Joins `group` under `name`.
     ///
     /// # Errors
@@ -34,6 +31,24 @@ impl Probe {
     pub fn join(group: Group, name: &str) -> Result<Self, RuntimeError> {
         let transport = Transport::SharedMemory(SharedMemory::join(&group, name)?);
         Ok(Self { transport, group })
+    }
+
+    /// Begins to open an iceoryx2 service that is no topic.
+    #[must_use]
+    pub fn service(&self, name: &ServiceName) -> Builder<Ipc> {
+        self.node().service(name)
+    }
+
+    /// Wakes those who wait for `topic`.
+    #[must_use]
+    pub fn waker(&self, topic: Topic) -> Waker {
+        self.node().waker(topic)
+    }
+
+    /// Waits for `topic`.
+    #[must_use]
+    pub fn waiter(&self, topic: Topic) -> Waiter {
+        self.node().waiter(topic)
     }
 
     /// The node that its ends belong to.
