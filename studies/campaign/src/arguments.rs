@@ -3,7 +3,7 @@
 use clap::Args;
 use frame::Options;
 use frame::parts::PartOptions;
-use group::{GroupOptions, LawOptions};
+use group::{Failure, GroupOptions, LawOptions};
 use report::results::ResultOptions;
 use std::fmt;
 use std::num::{NonZeroU32, NonZeroUsize};
@@ -31,7 +31,8 @@ pub struct CampaignArguments {
     /// Hours of random drives without faults (`plausibility`) [default: 3]
     #[arg(long, value_name = "H", conflicts_with = "merge")]
     pub hours: Option<Hours>,
-    /// Laws of the user's own. They drive where the campaign names no controllers.
+    /// Laws of the user's own. They drive where the campaign names no controllers; in `signals` beside the two laws of
+    /// the campaign, in `radio` and `plausibility` one in the place of its laws.
     #[command(flatten)]
     pub laws: LawOptions,
     /// Seed of these drives (`plausibility`) [default: 1]
@@ -55,7 +56,25 @@ pub struct CampaignArguments {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hours(f64);
 
+/// Several laws where one drives.
+#[derive(Debug, thiserror::Error)]
+#[error("--law: {laws} laws, and the campaign `{campaign}` drives with one: expected one --law")]
+pub struct SeveralLaws {
+    campaign: &'static str,
+    laws: usize,
+}
+
+impl Failure for SeveralLaws {}
+
 impl CampaignArguments {
+    /// The law of the user's own that drives `campaign`, or none.
+    pub(crate) fn one_law(&self, campaign: &'static str) -> Result<&LawOptions, SeveralLaws> {
+        match self.laws.laws.len() {
+            0 | 1 => Ok(&self.laws),
+            laws => Err(SeveralLaws { campaign, laws }),
+        }
+    }
+
     /// The options that all studies have.
     pub(crate) fn options(&self) -> Options<'_> {
         let Self { parts, jobs, group, results, .. } = self;

@@ -27,14 +27,14 @@ pub const WITHOUT_FILE: [Own; 4] = [
     Own {
         name: radio::NAME,
         summary: "2,000 drives through signals whose frames are lost, late and falsified",
-        takes: &["--sample N", "--first N", "--shard I/N", "--resume DIR"],
+        takes: &["--sample N", "--first N", "--law NAME=COMMAND", "--shard I/N", "--resume DIR"],
         run: radio::run,
         schema: radio::schema,
     },
     Own {
         name: signals::NAME,
         summary: "500 corridors of signals, `cacc-mpc` against an ACC that stops for them",
-        takes: &["--seeds N", "--first N", "--shard I/N", "--resume DIR"],
+        takes: &["--seeds N", "--first N", "--law NAME=COMMAND", "--shard I/N", "--resume DIR"],
         run: signals::run,
         schema: signals::schema,
     },
@@ -48,7 +48,7 @@ pub const WITHOUT_FILE: [Own; 4] = [
     Own {
         name: plausibility::NAME,
         summary: "how often and how fast the checks of the inputs find a false sender",
-        takes: &["--hours H", "--seed S", "--shard I/N", "--resume DIR"],
+        takes: &["--hours H", "--seed S", "--law NAME=COMMAND", "--shard I/N", "--resume DIR"],
         run: plausibility::run,
         schema: plausibility::schema,
     },

@@ -8,6 +8,7 @@ use super::jobs::{self, job};
 use super::launcher_death;
 use super::open::open;
 use super::plan::{Plan, plan};
+use super::planned::Planned;
 use super::record::Record;
 use super::sums::Sums;
 use super::targets::Targets;
@@ -144,6 +145,11 @@ impl Study for FileCampaign {
         let (planned, mode) = (self.plan.at(run), self.campaign.mode);
         let record = launcher_death::run(&planned, &job.scenario, mode, crew.going_on())?;
         Ok(Gave { record, seen: (), repetition: None })
+    }
+
+    fn keys(&self, run: usize) -> Vec<(String, String)> {
+        let Planned { fault, parameters, .. } = self.plan.at(run);
+        vec![("fault".to_owned(), fault), ("parameters".to_owned(), parameters.join(" "))]
     }
 
     fn record(

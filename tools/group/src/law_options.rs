@@ -124,6 +124,26 @@ impl LawOptions {
         }
     }
 
+    /// The options as words of a command line.
+    ///
+    /// ```
+    /// # use group::LawOptions;
+    /// let laws = LawOptions { laws: vec!["a=python3 'my law.py'".parse().unwrap()] };
+    /// assert_eq!(laws.words(), ["--law", "a=python3 'my law.py'"]);
+    /// ```
+    #[must_use]
+    pub fn words(&self) -> Vec<String> {
+        let words = self.laws.iter().filter_map(|NamedLaw { name, source }| {
+            let source = match source {
+                LawSource::Program(words) => runtime::command_line(words),
+                LawSource::Library(file) => format!("{LIBRARY}{}", file.display()),
+                LawSource::Caller => return None,
+            };
+            Some(["--law".to_owned(), format!("{name}={source}")])
+        });
+        words.flatten().collect()
+    }
+
     /// The keys that declare the laws, as arguments of `--set`. Their programs run in the present directory.
     #[must_use]
     pub fn keys(&self) -> Vec<String> {

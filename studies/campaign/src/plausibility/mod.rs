@@ -6,7 +6,8 @@
 //! scenario, fault ─ cases ─► drive ─► found or not, after how long
 //! ```
 //!
-//! The drives without faults are random and of many kinds ([`draw`]): `--hours H` of them from `--seed S` on.
+//! The drives without faults are random and of many kinds ([`draw`]): `--hours H` of them from `--seed S` on. A law of
+//! `--law` drives all cars. Trucks keep their own.
 
 mod cases;
 mod draw;
@@ -21,8 +22,9 @@ use std::process::ExitCode;
 use frame::batch::{Done, Job};
 use frame::{Found, Options, Study};
 use group::report::CheckReport;
-use group::{Error, ScenarioOptions};
+use group::{Error, LawOptions, ScenarioOptions};
 use report::results::Document;
+use scenario::plant::Vehicle;
 use serde::{Deserialize, Serialize};
 
 use crate::arguments::CampaignArguments;
@@ -62,9 +64,9 @@ fn begins_s(case: usize, drive: u32) -> f64 {
     (at_s * 100.0).round() / 100.0
 }
 
-fn job(seed: u32, planned: Planned) -> Result<Job, Error> {
+fn job(seed: u32, laws: &LawOptions, planned: Planned) -> Result<Job, Error> {
     match planned {
-        Planned::Quiet(number) => Ok(Job::lockstep(draw::drive(seed, number)?.1)),
+        Planned::Quiet(number) => Ok(Job::lockstep(draw::drive(seed, number, laws)?.1)),
         Planned::Faulty(case, drive) => {
             let (_, _, scenario, keys, ..) = CASES[case];
             let kind = if keys.contains("field") { BIAS } else { FREEZE };
@@ -75,17 +77,22 @@ fn job(seed: u32, planned: Planned) -> Result<Job, Error> {
             ];
             let seed = Some((drive + 1).to_string());
             let options = ScenarioOptions { seed, ..ScenarioOptions::default() };
-            Ok(Job::lockstep(group::open_with(scenario, &options, "set", &keys)?))
+            let mut drive = group::open_with(scenario, &options, "set", &keys)?;
+            if !laws.laws.is_empty() && drive.plant.vehicle == Vehicle::Car {
+                let options = ScenarioOptions { laws: laws.clone(), ..options };
+                drive = group::open_with(scenario, &options, "set", &keys)?;
+            }
+            Ok(Job::lockstep(drive))
         }
     }
 }
 
 /// The random drives that fill these hours.
-fn quiet(seed: u32, hours: f64) -> Result<Vec<Planned>, Error> {
+fn quiet(seed: u32, laws: &LawOptions, hours: f64) -> Result<Vec<Planned>, Error> {
     let mut left_s = hours * 3600.0;
     let mut planned = Vec::new();
     while left_s > 0.0 {
-        let (_, scenario) = draw::drive(seed, planned.len())?;
+        let (_, scenario) = draw::drive(seed, planned.len(), laws)?;
         left_s -= scenario.duration_s.value();
         planned.push(Planned::Quiet(planned.len()));
     }
@@ -103,6 +110,8 @@ pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
 /// The study: random drives without faults, then the drives with each false sender.
 struct Checks {
     seed: u32,
+    /// The law of the user's own, or none.
+    laws: LawOptions,
     drives: Vec<Planned>,
 }
 
@@ -119,11 +128,12 @@ impl Study for Checks {
 
     fn plan(arguments: &CampaignArguments) -> Result<Self, Error> {
         let seed = arguments.seed.unwrap_or(1);
-        let mut drives = quiet(seed, arguments.hours.map_or(HOURS, f64::from))?;
+        let laws = arguments.one_law(NAME)?.clone();
+        let mut drives = quiet(seed, &laws, arguments.hours.map_or(HOURS, f64::from))?;
         for case in 0..CASES.len() {
             drives.extend((0..DRIVES).map(|drive| Planned::Faulty(case, drive)));
         }
-        Ok(Self { seed, drives })
+        Ok(Self { seed, laws, drives })
     }
 
     fn runs(&self) -> usize {
@@ -139,7 +149,7 @@ impl Study for Checks {
     }
 
     fn job(&self, run: usize) -> Result<Job, Error> {
-        job(self.seed, self.drives[run])
+        job(self.seed, &self.laws, self.drives[run])
     }
 
     fn record(
@@ -154,6 +164,17 @@ impl Study for Checks {
         Ok((kept, ()))
     }
 
+    fn keys(&self, run: usize) -> Vec<(String, String)> {
+        let (fault, drive) = match self.drives[run] {
+            Planned::Quiet(number) => ("none".to_owned(), number + 1),
+            Planned::Faulty(case, drive) => {
+                let (fault, size, ..) = CASES[case];
+                (format!("{fault} {size}"), drive as usize + 1)
+            }
+        };
+        vec![("fault".to_owned(), fault), ("drive".to_owned(), drive.to_string())]
+    }
+
     fn describe(&self, run: usize) -> String {
         match self.drives[run] {
             Planned::Quiet(number) => format!(" ({}-{number})", draw::kind(number)),
@@ -165,7 +186,7 @@ impl Study for Checks {
     }
 
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
-        let mut results = results::Results::new(self.seed, found.sample);
+        let mut results = results::Results::new(self.seed, self.laws.only(), found.sample);
         for (run, kept) in found.records.all()? {
             match self.drives[run] {
                 Planned::Quiet(number) => results.quiet(draw::kind(number), &kept),

@@ -83,6 +83,8 @@ pub struct Results {
     pub ok: bool,
     /// Seed of the random drives.
     pub seed: u32,
+    /// The law of the user's own that drove the cars; null: those of the drives.
+    pub law: Option<String>,
     quiet_s: f64,
     /// Random drives.
     pub drives: u64,
@@ -99,7 +101,7 @@ pub struct Results {
 
 impl Results {
     /// The result without a drive.
-    pub fn new(seed: u32, processes_sample: ProcessesSample) -> Self {
+    pub fn new(seed: u32, law: Option<&str>, processes_sample: ProcessesSample) -> Self {
         let faults = CASES.map(|(fault, size, scenario, ..)| Found {
             fault,
             size,
@@ -113,6 +115,7 @@ impl Results {
             schema_version: 1,
             ok: false,
             seed,
+            law: law.map(str::to_owned),
             quiet_s: 0.0,
             drives: 0,
             all: Rate::default(),

@@ -11,6 +11,7 @@ use super::results::{Found, Rate, Results};
 const FIELDS: &[Column<Results>] = &[
     frame::ok("No check found a contradiction without a fault"),
     count("seed", "", "Seed of the random drives"),
+    word("law", "", "Law of the user's own that drove the cars; null: those of the drives"),
     number("quiet_s", "", "s", 1, "Simulated time without faults"),
     count("drives", "", "Random drives without faults"),
 ];
@@ -162,8 +163,10 @@ pub fn document(results: &Results) -> Document {
         results.faults.iter().filter(|found| found.drives > 0).map(Sender::of).collect();
     let Rate { hours, alarmed, per_hour, per_hour_ci95: [low, high], .. } = results.all;
     let about = format!(
-        "{hours:.1} h without faults, {} drives from seed {}, lockstep",
-        results.drives, results.seed
+        "{hours:.1} h without faults, {} drives from seed {}, lockstep{}",
+        results.drives,
+        results.seed,
+        results.law.as_ref().map_or_else(String::new, |law| format!(", cars by {law}"))
     );
     let found: usize = results.faults.iter().map(|found| found.found).sum();
     let faulty: usize = results.faults.iter().map(|found| found.drives).sum();
@@ -193,7 +196,7 @@ mod tests {
             duration_s: 1_800.0,
             checks: vec![CheckReport { check: "motion".to_owned(), cycles, first_s, nearest: 0.4 }],
         };
-        let mut results = Results::new(1, ProcessesSample::default());
+        let mut results = Results::new(1, None, ProcessesSample::default());
         results.quiet(KINDS[0].0, &kept(0, None));
         results.quiet(KINDS[0].0, &kept(3, Some(7.0)));
         results.faulty(0, 5.0, &kept(9, Some(5.25)));

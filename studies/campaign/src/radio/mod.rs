@@ -1,6 +1,6 @@
 //! `timegap campaign radio`: drives through signals whose frames are lost, late and falsified.
 //!
-//! Each run is `corridor` with its own signal programs. The run's number seeds a generator, which draws the faults of
+//! Each run is `corridor` with its own signal programs, driven by the scenario's law or by the one of `--law`. The run's number seeds a generator, which draws the faults of
 //! the air, of the roadside units and of the on-board unit. No run may cross a red light or touch another vehicle.
 
 mod draw;
@@ -15,7 +15,7 @@ use std::process::ExitCode;
 use frame::batch::{Done, Job};
 use frame::{Found, Options, Study};
 use group::report::Outcome;
-use group::{Error, ScenarioOptions};
+use group::{Error, LawOptions, ScenarioOptions};
 use report::results::Document;
 use serde::{Deserialize, Serialize};
 
@@ -42,6 +42,9 @@ pub struct Kept {
     verdicts: BTreeMap<String, u64>,
     /// Time that the controller was without its signals, s.
     signals_lost_s: f64,
+    /// The options that declare a law of the user's own, as words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    law_options: Vec<String>,
 }
 
 impl Kept {
@@ -58,6 +61,7 @@ impl Kept {
             frames: radio.map_or(0, |radio| radio.frames),
             verdicts: radio.map(|radio| radio.verdicts.clone()).unwrap_or_default(),
             signals_lost_s: lost_s.copied().unwrap_or(0.0),
+            law_options: Vec::new(),
         }
     }
 
@@ -67,7 +71,11 @@ impl Kept {
 
     /// The command that repeats it.
     fn repeat(&self) -> String {
-        planned(self.number).repeat("lockstep")
+        let command = planned(self.number).repeat("lockstep");
+        match self.law_options.as_slice() {
+            [] => command,
+            words => format!("{command} {}", runtime::command_line(words)),
+        }
     }
 
     /// How it failed, and the command that repeats it.
@@ -113,9 +121,10 @@ fn planned(number: usize) -> Planned {
     }
 }
 
-fn job(number: usize) -> Result<Job, Error> {
+fn job(number: usize, laws: &LawOptions) -> Result<Job, Error> {
     let Planned { scenario, seed, keys, .. } = planned(number);
-    let options = ScenarioOptions { seed: Some(seed.to_string()), ..ScenarioOptions::default() };
+    let (seed, laws) = (Some(seed.to_string()), laws.clone());
+    let options = ScenarioOptions { seed, laws, ..ScenarioOptions::default() };
     Ok(Job::lockstep(group::open_with(&scenario, &options, "set", &keys)?))
 }
 
@@ -130,6 +139,8 @@ pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
 /// The study: each number is a run.
 struct Drives {
     numbers: Numbers,
+    /// The law of the user's own, or none.
+    laws: LawOptions,
 }
 
 impl Study for Drives {
@@ -144,7 +155,8 @@ impl Study for Drives {
     }
 
     fn plan(arguments: &CampaignArguments) -> Result<Self, Error> {
-        Ok(Self { numbers: Numbers::of(arguments) })
+        let laws = arguments.one_law(NAME)?.clone();
+        Ok(Self { numbers: Numbers::of(arguments), laws })
     }
 
     fn runs(&self) -> usize {
@@ -156,7 +168,7 @@ impl Study for Drives {
     }
 
     fn job(&self, run: usize) -> Result<Job, Error> {
-        job(self.numbers.number(run))
+        job(self.numbers.number(run), &self.laws)
     }
 
     fn record(
@@ -165,11 +177,16 @@ impl Study for Drives {
         _: &Job,
         result: Result<Done, Error>,
     ) -> Result<(Kept, ()), Error> {
-        Ok((Kept::of(self.numbers.number(run), &result?), ()))
+        let kept = Kept::of(self.numbers.number(run), &result?);
+        Ok((Kept { law_options: self.laws.words(), ..kept }, ()))
     }
 
     fn notice(&self, kept: &Kept) -> Option<String> {
         (!kept.holds()).then(|| kept.failure())
+    }
+
+    fn keys(&self, run: usize) -> Vec<(String, String)> {
+        vec![("number".to_owned(), self.numbers.number(run).to_string())]
     }
 
     fn describe(&self, run: usize) -> String {
@@ -189,7 +206,8 @@ mod tests {
     #[test]
     fn every_run_is_a_scenario() {
         for number in 1..=200 {
-            job(number).unwrap_or_else(|error| panic!("run {number}: {error}"));
+            job(number, &LawOptions::default())
+                .unwrap_or_else(|error| panic!("run {number}: {error}"));
         }
     }
 
@@ -203,6 +221,7 @@ mod tests {
             frames: 0,
             verdicts: BTreeMap::new(),
             signals_lost_s: 0.0,
+            law_options: vec!["--law".to_owned(), "mine=./law".to_owned()],
         };
         let said = kept.failure();
         assert!(!kept.holds() && said.starts_with("run 7: red light after 31.5 s\n"), "{said}");
@@ -210,5 +229,6 @@ mod tests {
             said.contains("timegap run corridor --mode lockstep --seed 7 --set 'v2x."),
             "{said}"
         );
+        assert!(said.ends_with(" --law mine=./law"), "{said}");
     }
 }

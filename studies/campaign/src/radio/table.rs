@@ -156,6 +156,7 @@ mod tests {
             frames: 4,
             verdicts: [("accepted".to_owned(), 3), ("too_old".to_owned(), 1)].into(),
             signals_lost_s: 3.15,
+            law_options: Vec::new(),
         };
         let runs = [run(1, Outcome::Completed), run(2, Outcome::RedLight)];
         let document = document(&runs, ProcessesSample::default());

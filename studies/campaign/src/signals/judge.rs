@@ -53,6 +53,9 @@ pub struct Kept {
     pub max_jerk_mps3: Option<f64>,
     /// Times that the emergency brake braked.
     pub interventions: u64,
+    /// The options that declare laws of the user's own, as words.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub law_options: Vec<String>,
 }
 
 impl Kept {
@@ -88,6 +91,7 @@ impl Kept {
             rms_jerk_mps3: figures.rms_jerk_mps3,
             max_jerk_mps3: figures.max_abs_jerk_mps3,
             interventions: done.summary.aebs.interventions.unwrap_or(0),
+            law_options: Vec::new(),
         }
     }
 
@@ -96,15 +100,18 @@ impl Kept {
         self.outcome == Outcome::Completed
     }
 
-    /// The command that repeats both drives of its corridor.
+    /// The command that repeats all drives of its corridor.
     pub fn repeat(&self) -> String {
-        format!("timegap campaign signals --first {} --seeds 1", self.corridor)
+        let number = self.corridor.to_string();
+        let words = ["timegap", "campaign", "signals", "--first", &number, "--seeds", "1"];
+        let own = self.law_options.iter().map(String::as_str);
+        runtime::command_line(&words.into_iter().chain(own).collect::<Vec<_>>())
     }
 
     /// How it failed, and the command that repeats it.
     pub fn failure(&self) -> String {
         let outcome = report::print::outcome_word(self.outcome).to_lowercase();
-        format!("corridor {}: {outcome}; to repeat: {}", self.corridor, self.repeat())
+        format!("corridor {}, {}: {outcome}; to repeat: {}", self.corridor, self.law, self.repeat())
     }
 
     #[cfg(test)]
@@ -126,6 +133,7 @@ impl Kept {
             rms_jerk_mps3: None,
             max_jerk_mps3: None,
             interventions: 0,
+            law_options: Vec::new(),
         }
     }
 }

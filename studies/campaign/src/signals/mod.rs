@@ -1,6 +1,6 @@
 //! `timegap campaign signals`: corridors of signals, `cacc-mpc` against an ACC whose driver stops for them.
 //!
-//! Each corridor is driven by both laws, and beside them stands the fastest legal trip. The radar is imperfect,
+//! Each corridor is driven by both laws and by those of `--law`, and beside them stands the fastest legal trip. The radar is imperfect,
 //! and the signals come as frames. `docs/signals.md` says how the figures are meant.
 //!
 //! ```text
@@ -24,7 +24,7 @@ use controller::laws;
 use draw::Corridor;
 use frame::batch::{Done, Job};
 use frame::{Found, Options, Study};
-use group::Error;
+use group::{Error, LawOptions};
 use judge::Kept;
 use report::results::Document;
 use scenario::{Overrides, Scenario};
@@ -58,15 +58,6 @@ impl Numbers {
             count: usize::try_from(count).expect("at least 32 bits"),
         }
     }
-
-    fn runs(self) -> usize {
-        self.count * LAWS.len()
-    }
-
-    /// Corridor and law of a run.
-    fn run(self, index: usize) -> (usize, &'static str) {
-        (self.first + index / LAWS.len(), LAWS[index % LAWS.len()])
-    }
 }
 
 /// The scenario file of corridor `number` for a law.
@@ -74,9 +65,11 @@ pub(crate) fn corridor(number: u64, law: &str) -> String {
     Corridor::new(number).text(number, law, law == RIVAL)
 }
 
-/// The scenario of that file.
-fn scenario(number: usize, law: &str) -> Result<Scenario, Error> {
-    Ok(Scenario::parse_with(NAME, &corridor(number as u64, law), &Overrides::new(), &laws::check)?)
+/// The scenario of that file. The law may be one of the user's `own`.
+fn scenario(number: usize, law: &str, own: &LawOptions) -> Result<Scenario, Error> {
+    let mut overrides = Overrides::new();
+    own.lay_over(&mut overrides)?;
+    Ok(Scenario::parse_with(NAME, &corridor(number as u64, law), &overrides, &laws::check)?)
 }
 
 /// Runs the campaign, or joins its parts.
@@ -90,6 +83,17 @@ pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
 /// The study: each corridor with each law.
 struct Corridors {
     numbers: Numbers,
+    /// In the order of the runs of a corridor.
+    laws: Vec<String>,
+    own: LawOptions,
+}
+
+impl Corridors {
+    /// Corridor and law of a run.
+    fn run(&self, index: usize) -> (usize, &str) {
+        let laws = self.laws.len();
+        (self.numbers.first + index / laws, &self.laws[index % laws])
+    }
 }
 
 impl Study for Corridors {
@@ -104,11 +108,14 @@ impl Study for Corridors {
     }
 
     fn plan(arguments: &CampaignArguments) -> Result<Self, Error> {
-        Ok(Self { numbers: Numbers::of(arguments) })
+        let own = arguments.laws.clone();
+        own.check()?;
+        let laws = LAWS.map(str::to_owned).into_iter().chain(own.names()).collect();
+        Ok(Self { numbers: Numbers::of(arguments), laws, own })
     }
 
     fn runs(&self) -> usize {
-        self.numbers.runs()
+        self.numbers.count * self.laws.len()
     }
 
     fn label(&self) -> String {
@@ -116,8 +123,8 @@ impl Study for Corridors {
     }
 
     fn job(&self, run: usize) -> Result<Job, Error> {
-        let (number, law) = self.numbers.run(run);
-        Ok(Job::lockstep(scenario(number, law)?))
+        let (number, law) = self.run(run);
+        Ok(Job::lockstep(scenario(number, law, &self.own)?))
     }
 
     fn record(
@@ -126,12 +133,16 @@ impl Study for Corridors {
         job: &Job,
         result: Result<Done, Error>,
     ) -> Result<(Kept, ()), Error> {
-        let (number, _) = self.numbers.run(run);
-        Ok((Kept::of(number, &job.scenario, &result?), ()))
+        let kept = Kept::of(self.run(run).0, &job.scenario, &result?);
+        Ok((Kept { law_options: self.own.words(), ..kept }, ()))
+    }
+
+    fn keys(&self, run: usize) -> Vec<(String, String)> {
+        vec![("corridor".to_owned(), self.run(run).0.to_string())]
     }
 
     fn describe(&self, run: usize) -> String {
-        let (number, law) = self.numbers.run(run);
+        let (number, law) = self.run(run);
         format!(" (corridor {number}, {law})")
     }
 
@@ -149,7 +160,8 @@ mod tests {
     fn every_corridor_is_a_scenario_for_both_laws() {
         for number in 1..=100 {
             for law in LAWS {
-                scenario(number, law).unwrap_or_else(|error| panic!("{number}, {law}: {error}"));
+                scenario(number, law, &LawOptions::default())
+                    .unwrap_or_else(|error| panic!("{number}, {law}: {error}"));
             }
         }
     }

@@ -64,10 +64,14 @@ struct Line<'a> {
 /// Fields of the JSON.
 const FIELDS: &[Column<Results>] = &[
     frame::ok(
-        "cacc-mpc crossed no red light, touched nothing and ended every run; goals do not count",
+        "cacc-mpc and laws of --law crossed no red light, touched nothing and ended every run; goals do not count",
     ),
-    count("corridors", "", "Corridors, each driven by both laws"),
-    nested("failures", Kind::List, "Runs of cacc-mpc that broke a requirement, with the command"),
+    count("corridors", "", "Corridors, each driven by every law"),
+    nested(
+        "failures",
+        Kind::List,
+        "Runs that broke a requirement, but for those of acc-signal-stop, with the command",
+    ),
 ];
 
 /// Columns of the goals.
@@ -106,7 +110,7 @@ const FAILURES: &[Column<Kept>] = &[
     count("corridor", "corridor", "Number of the corridor"),
     word("law", "law", "Control law"),
     outcome("outcome"),
-    column("repeat", "", "", Format::Command, "Command that repeats both drives of the corridor")
+    column("repeat", "", "", Format::Command, "Command that repeats all drives of the corridor")
         .of(|run| json!(run.repeat())),
 ];
 
@@ -169,7 +173,13 @@ pub fn document(runs: &[Kept], processes_sample: ProcessesSample) -> Document {
 
 impl Results {
     fn of(runs: &[Kept], processes_sample: ProcessesSample) -> Self {
-        let laws: Vec<Law> = LAWS.iter().map(|law| Law::of(law, runs)).collect();
+        let mut names: Vec<&str> = LAWS.to_vec();
+        for run in runs {
+            if !names.contains(&run.law.as_str()) {
+                names.push(&run.law);
+            }
+        }
+        let laws: Vec<Law> = names.iter().map(|law| Law::of(law, runs)).collect();
         let figures = |name: &str| laws.iter().find(|law| law.law == name).map(|law| &law.all);
         let goals = figures(OURS).zip(figures(RIVAL)).map_or_else(Vec::new, |(ours, rival)| {
             let missed = |figures: &Figures| figures.greens_missed as f64;
@@ -183,7 +193,8 @@ impl Results {
                 Goal::of("greens_missed", missed(ours), missed(rival)),
             ]
         });
-        let broken = |run: &&Kept| run.law == OURS && !run.holds();
+        // The rival is a yardstick, and not judged.
+        let broken = |run: &&Kept| run.law != RIVAL && !run.holds();
         let failures: Vec<String> = runs.iter().filter(broken).map(Kept::failure).collect();
         Self {
             schema_version: 1,
