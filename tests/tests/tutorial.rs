@@ -1,10 +1,107 @@
-//! The end of the tutorial: the reader's own controller in the group, with a fault.
+//! The tutorial: its commands in their order, and the reader's own controller in the group, with a fault.
 
 use serde_json::Value;
-use system_tests::Corner;
+use std::path::Path;
+use std::process::Command;
+use system_tests::{Corner, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 const MY_CONTROLLER: &str = env!("CARGO_BIN_EXE_my-controller");
+
+const TUTORIAL: &str = include_str!("../../docs/tutorial.md");
+
+/// What the tutorial asks for, in its order.
+#[derive(Debug, PartialEq)]
+enum Step {
+    /// Type this line.
+    Type(String),
+    /// Save this text in the file, or append it.
+    Save { file: String, text: String, appends: bool },
+}
+
+/// The steps that a page asks for: indented lines are typed, blocks below a sentence that names a file are saved.
+fn steps(page: &str) -> Vec<Step> {
+    let mut steps = Vec::new();
+    let (mut before, mut lines) = ("", page.lines());
+    while let Some(line) = lines.next() {
+        if line.starts_with("```") {
+            let block: Vec<&str> = lines.by_ref().take_while(|line| *line != "```").collect();
+            let named = before.strip_suffix("`:").and_then(|words| words.rsplit_once('`'));
+            if let Some((words, file)) = named {
+                let (file, text) = (file.to_owned(), block.join("\n") + "\n");
+                steps.push(Step::Save { file, text, appends: words.contains("Append") });
+            }
+        } else if let Some(typed) = line.strip_prefix("    ").filter(|line| !line.starts_with(' '))
+        {
+            steps.push(Step::Type(typed.to_owned()));
+        }
+        if !line.is_empty() {
+            before = line;
+        }
+    }
+    steps
+}
+
+/// True of a line that needs a second terminal, or what only a checkout has.
+fn is_left_out(line: &str) -> bool {
+    line.starts_with("cargo ") || line.contains("--watch") || line.contains(" RUN ")
+}
+
+#[test]
+fn the_commands_work_in_the_order_in_which_they_stand() {
+    let corner = Corner::new(PROGRAM);
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("../examples");
+    let link = |from: &Path, to: &str| {
+        let to = corner.path().join(to);
+        std::fs::create_dir_all(to.parent().expect("in the corner")).expect("ours");
+        std::os::unix::fs::symlink(from, to).expect("ours");
+    };
+    link(Path::new(PROGRAM), "bin/timegap");
+    link(&examples, "examples");
+    link(Path::new(MY_CONTROLLER), "target/release/examples/my_controller");
+    let places =
+        [corner.path().join("bin").display().to_string(), std::env::var("PATH").expect("a path")];
+    let mut typed = 0;
+    for step in steps(TUTORIAL) {
+        match step {
+            Step::Type(line) if is_left_out(&line) => {}
+            Step::Type(line) => {
+                let output = Command::new("sh")
+                    .args(["-c", &line])
+                    .current_dir(corner.path())
+                    .env("PATH", places.join(":"))
+                    .env("TMPDIR", corner.path())
+                    .env("XDG_RUNTIME_DIR", corner.path())
+                    .output()
+                    .expect("there is a shell");
+                // The regulation's verdict on the tutorial's law is a finding, and no mistake.
+                let expected: &[i32] = if line.contains(" r157 ") { &[0, 1] } else { &[0] };
+                let status = output.status.code();
+                assert!(status.is_some_and(|s| expected.contains(&s)), "{line}: {}", text(&output));
+                typed += 1;
+            }
+            Step::Save { file, text, appends } => {
+                let path = corner.path().join(file);
+                let old = if appends {
+                    std::fs::read_to_string(&path).expect("it is there")
+                } else {
+                    String::new()
+                };
+                std::fs::write(path, old + &text).expect("our own directory");
+            }
+        }
+    }
+    assert!(typed > 15, "{typed} lines were typed");
+    corner.expect_nothing_left(&[]);
+}
+
+#[test]
+fn a_page_is_read_as_steps() {
+    let page = "Save it as `a.py`:\n\n```python\nx\n```\n\n    type a\n\nAppend to `a.py`:\n\n```python\ny\n```\n\n```toml\nno file\n```\n";
+    let save = |text: &str, appends| Step::Save { file: "a.py".into(), text: text.into(), appends };
+    let expected = [save("x\n", false), Step::Type("type a".into()), save("y\n", true)];
+    assert_eq!(steps(page), expected);
+}
 
 fn service() -> String {
     format!("controller={MY_CONTROLLER}")
