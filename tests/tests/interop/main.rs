@@ -1,6 +1,8 @@
 //! Other programs read timegap's files and messages: PyPI's `mcap`, `rosbags`, `pandas` and `iceoryx2`, and a
 //! C compiler.
 
+mod tables;
+
 use messages::{Odometry, TOPICS, Topic};
 use recorder::Recording;
 use serde_json::Value;
@@ -323,38 +325,6 @@ fn always() -> Needed {
     Ok(())
 }
 
-/// Every table as CSV and as Parquet, compared cell by cell with pyarrow.
-fn parquet_tables_hold_what_csv_tables_hold() {
-    let python = interpreter().expect("looked for before");
-    let corner = Corner::new(PROGRAM);
-    for (scenario, tables) in [("corridor", 10), ("truck-follow", 10)] {
-        let run = ["run", scenario, "--mode", "lockstep", "--duration", "5", "--out", scenario];
-        printed(&corner, &run);
-        printed(&corner, &["export", scenario, "--csv", "--parquet"]);
-        let script = Path::new(SCRIPTS).join("parquet.py");
-        let compared =
-            succeeded(Command::new(&python).arg(script).arg(corner.path().join(scenario)));
-        let compared: usize = compared.trim().parse().expect("a number of tables");
-        assert!(compared >= tables, "{compared} tables of {scenario}");
-    }
-}
-
-fn kept_trajectories_are_those_of_the_runs() {
-    let python = interpreter().expect("looked for before");
-    let corner = Corner::new(PROGRAM);
-    for (keep, runs) in [("all", "4"), ("worst:1", "1")] {
-        let keys =
-            ["--param", "runtime.extra_delay_ms=0,100", "--seeds", "1,2", "--duration", "12"];
-        let sweep = [&["sweep", "cut-in", "--keep", keep, "--out", keep], &keys[..]].concat();
-        printed(&corner, &sweep);
-        let script = Path::new(SCRIPTS).join("trajectories.py");
-        let found = succeeded(Command::new(&python).arg(script).arg(corner.path().join(keep)));
-        assert_eq!(found.trim(), runs);
-    }
-    let refused = corner.run(&["r157", "--keep", "all"]);
-    assert_eq!(refused.status.code(), Some(2), "{}", text(&refused));
-}
-
 fn main() -> ExitCode {
     cases::run(&[
         needing(tshark, "wireshark_reads_the_frames_of_a_run", wireshark_reads_the_frames_of_a_run),
@@ -377,12 +347,17 @@ fn main() -> ExitCode {
         needing(
             pypi,
             "kept_trajectories_are_those_of_the_runs",
-            kept_trajectories_are_those_of_the_runs,
+            tables::kept_trajectories_are_those_of_the_runs,
+        ),
+        needing(
+            pypi,
+            "every_drive_of_a_study_has_its_row_and_its_trajectory",
+            tables::every_drive_of_a_study_has_its_row_and_its_trajectory,
         ),
         needing(
             pypi,
             "parquet_tables_hold_what_csv_tables_hold",
-            parquet_tables_hold_what_csv_tables_hold,
+            tables::parquet_tables_hold_what_csv_tables_hold,
         ),
         needing(pypi, "the_pandas_example_runs_as_printed", the_pandas_example_runs_as_printed),
         needing(
