@@ -12,6 +12,7 @@
 #![cfg(feature = "module")]
 
 mod answer;
+mod compare;
 mod errors;
 mod law;
 mod mpc;
@@ -39,6 +40,7 @@ fn _timegap(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<stepper::Stepper>()?;
     module.add_class::<string::CarString>()?;
     module.add_function(wrap_pyfunction!(run::drive, module)?)?;
+    module.add_function(wrap_pyfunction!(compare::over_seeds, module)?)?;
     module.add_function(wrap_pyfunction!(registry::scenarios, module)?)?;
     module.add_function(wrap_pyfunction!(registry::laws, module)?)
 }

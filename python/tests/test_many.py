@@ -25,6 +25,23 @@ def test_laws_are_compared_side_by_side() -> None:
     assert "<table>" in found._repr_html_() and len(found.to_pandas()) == 8
 
 
+def test_differences_over_seeds_are_judged() -> None:
+    found = timegap.compare("cut-in", ["acc-mpc", "six-mode"], set={"duration_s": 12}, seeds=range(1, 11), keep=False)
+    means = {(row["law"], row["figure"]): row for row in found.means.to_pylist()}
+    gaps = [row["min_gap_m"] for row in found.rows if row["law"] == "six-mode"]
+    own = means["six-mode", "min_gap_m"]
+    assert own["n"] == 10 and abs(own["mean"] - sum(gaps) / 10) < 1e-9 and own["deviation"] > 0.0
+    by_figure = {row["figure"]: row for row in found.differences.to_pylist()}
+    gap = by_figure["min_gap_m"]
+    assert gap["law"] == "six-mode" and gap["reference"] == "acc-mpc" and gap["n"] == 10
+    assert gap["low"] <= gap["mean"] <= gap["high"] and gap["real"] is (gap["low"] > 0.0 or gap["high"] < 0.0)
+    assert found.rule is not None and "called real" in found.rule and "called real" in found._repr_html_()
+    few = timegap.compare("cut-in", ["acc-mpc", "six-mode"], set={"duration_s": 2}, seeds=[1, 2])
+    assert few.differences.num_rows > 0 and set(few.differences["real"].to_pylist()) == {None}
+    one = timegap.compare("cut-in", ["acc-mpc"], set={"duration_s": 2})
+    assert one.rule is None and one.differences.num_rows == 0
+
+
 def test_runs_at_once_do_not_share_what_a_law_remembers() -> None:
     alone = timegap.run("following", law=Counting(), duration_s=5).summary["control"]["min_gap_m"]
     found = timegap.compare("following", {"mine": Counting()}, set={"duration_s": 5}, seeds=[1] * 4, workers=4)

@@ -5,12 +5,15 @@ from __future__ import annotations
 import copy
 import html
 import itertools
+import json
 import os
 import pickle
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from functools import cached_property
 from typing import TYPE_CHECKING, Any, Union
 
+from . import _timegap
 from ._laws import LawLike, check, laws as own_laws, name_of
 from ._options import ScenarioLike
 from ._run import Run, run
@@ -27,6 +30,15 @@ Laws = Union[LawLike, Sequence[LawLike], Mapping[str, LawLike]]
 def _shown(value: object) -> str:
     """A value in a cell."""
     return f"{value:.3g}" if isinstance(value, float) else "" if value is None else str(value)
+
+
+def _html(names: Sequence[str], rows: Iterable[Mapping[str, Any]]) -> str:
+    """Rows under the names of their columns."""
+    head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
+    body = "".join(
+        "<tr>" + "".join(f"<td>{html.escape(_shown(row.get(name)))}</td>" for name in names) + "</tr>" for row in rows
+    )
+    return f"<table><tr>{head}</tr>{body}</table>"
 
 
 def _each(seeds: Iterable[int] | None) -> list[int | None]:
@@ -70,16 +82,66 @@ class Rows:
     def _repr_html_(self) -> str:
         names = [*self._first, "outcome", "min_gap_m", "rms_gap_error_m", "max_abs_jerk_mps3", "min_accel_mps2"]
         names = [name for name in dict.fromkeys(names) if any(row.get(name) is not None for row in self.rows)]
-        head = "".join(f"<th>{html.escape(name)}</th>" for name in names)
-        body = "".join(
-            "<tr>" + "".join(f"<td>{html.escape(_shown(row.get(name)))}</td>" for name in names) + "</tr>"
-            for row in self.rows
-        )
-        return f"<table><tr>{head}</tr>{body}</table>"
+        return _html(names, self.rows)
 
 
 class Comparison(Rows):
     """Laws side by side on the same scenarios."""
+
+    def __init__(self, rows: list[dict[str, Any]], runs: list[Run] | None, summaries: list[dict[str, Any]]) -> None:
+        super().__init__(rows, runs, ["scenario", "law"])
+        self._summaries = summaries
+
+    @cached_property
+    def _over_seeds(self) -> dict[str, Any]:
+        found: dict[str, Any] = json.loads(_timegap.over_seeds(json.dumps(self._summaries)))
+        return found
+
+    @property
+    def means(self) -> Table:
+        """Figures over the seeds as a `pyarrow.Table`: scenario, law, runs, completed, figure, mean, deviation, n.
+
+        The deviation is that of a sample, and None of one seed. n is the number of seeds in which the figure applies.
+        """
+        rows = [
+            {
+                "scenario": of["scenario"],
+                "law": of["controller"],
+                "runs": of["runs"],
+                "completed": of["completed"],
+                "figure": figure,
+                **spread,
+            }
+            for of in self._over_seeds["means"]
+            for figure, spread in of["figures"].items()
+            if spread["n"] > 0
+        ]
+        return of_rows(rows, ["scenario", "law", "runs", "completed", "figure", "mean", "deviation", "n"])
+
+    @property
+    def differences(self) -> Table:
+        """Each law minus the first one, seed by seed, as a `pyarrow.Table`; empty for one seed.
+
+        Columns: scenario, law, reference, figure, mean, low, high, n, real, better. `rule` says when a difference is
+        called real. Of too few seeds low, high and real are None.
+        """
+        rows = [{"law": one.pop("controller"), **one} for one in map(dict, self._over_seeds["differences"])]
+        names = ["scenario", "law", "reference", "figure", "mean", "low", "high", "n", "real", "better"]
+        return of_rows(rows, names)
+
+    @property
+    def rule(self) -> str | None:
+        """When a difference is called real, in words; None for one seed."""
+        rule: str | None = self._over_seeds["rule"]
+        return rule
+
+    def _repr_html_(self) -> str:
+        if self.rule is None:
+            return super()._repr_html_()
+        real = [one for one in self.differences.to_pylist() if one["real"]]
+        names = ["scenario", "law", "reference", "figure", "mean", "low", "high", "n", "better"]
+        shown = _html(names, real) if real else "<p>No difference is real.</p>"
+        return f"{super()._repr_html_()}{shown}<p>{html.escape(self.rule)}</p>"
 
     def plot(self, scenario: str | None = None) -> Any:
         """Draws the drives of one scenario, the first if None, over each other; returns the figure."""
@@ -130,16 +192,22 @@ def named(laws: Laws | None) -> dict[str, LawLike]:
     return found
 
 
-def _one(job: tuple[Any, ...]) -> tuple[dict[str, Any], Run | None]:
+Done = tuple[dict[str, Any], Union[Run, None], dict[str, Any]]
+"""The row of a run, the run if it is kept, and the parts of its summary that a comparison reads."""
+
+
+def _one(job: tuple[Any, ...]) -> Done:
     first, scenario, name, law, keys, options, keep = job
     own = None if isinstance(law, str) else name
     # Runs at once do not share what a law remembers.
     result = run(scenario, law if isinstance(law, str) else copy.deepcopy(law), keys, name=own, **options)
-    row = {**first, "law": result.law, "outcome": result.outcome, "error": result.error, **flat(result.summary["control"])}
-    return row, result if keep else None
+    summary = result.summary
+    row = {**first, "law": result.law, "outcome": result.outcome, "error": result.error, **flat(summary["control"])}
+    read = {key: summary[key] for key in ("controller", "seed", "mode", "outcome", "control", "timing", "aebs")}
+    return row, result if keep else None, read
 
 
-def _all(jobs: list[tuple[Any, ...]], workers: int | None, processes: bool) -> list[tuple[dict[str, Any], Run | None]]:
+def _all(jobs: list[tuple[Any, ...]], workers: int | None, processes: bool) -> list[Done]:
     """Does the runs, several at once. An interrupt ends those in progress."""
     count = max(1, min(len(jobs), workers or os.cpu_count() or 1))
     if count == 1:
@@ -185,7 +253,8 @@ def compare(
             functions of a module. The runs are not kept.
 
     Returns:
-        A row for each run, in the order of scenarios, laws and seeds.
+        A row for each run, in the order of scenarios, laws and seeds. With several seeds `.means` has the figures
+        over the seeds, and `.differences` each law against the first one, seed by seed.
     """
     by_name = named(laws)
     if processes:
@@ -200,8 +269,9 @@ def compare(
             options["seed"] = seed
         jobs.append((first, scenario, name, law, set, options, keep and not processes))
     done = _all(jobs, workers, processes)
-    runs = [each for _, each in done if each is not None]
-    return Comparison([row for row, _ in done], runs if keep and not processes else None, ["scenario", "law"])
+    runs = [each for _, each, _ in done if each is not None]
+    summaries = [{"scenario": row["scenario"], **summary} for row, _, summary in done]
+    return Comparison([row for row, _, _ in done], runs if keep and not processes else None, summaries)
 
 
 def sweep(
@@ -252,5 +322,5 @@ def sweep(
         together = {**(set or {}), **dict(zip(keys, point))}
         jobs.append((first, scenario, name or None, each, together, options, keep and not processes))
     done = _all(jobs, workers, processes)
-    runs = [each for _, each in done if each is not None]
-    return Sweep([row for row, _ in done], runs if keep and not processes else None, ["law", *keys])
+    runs = [each for _, each, _ in done if each is not None]
+    return Sweep([row for row, _, _ in done], runs if keep and not processes else None, ["law", *keys])

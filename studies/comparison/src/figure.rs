@@ -1,8 +1,9 @@
-//! The figures that a sweep follows, and how several seeds become one.
+//! The figures of a drive that are followed over keys and compared between laws, and how several seeds become one.
 
-use report::results::{Column, count, number};
-use report::summary::Summary;
+use report::results::{Column, Good, count, number};
+use report::summary::{Control, Summary, Timing};
 use serde_json::Value;
+use statistics::Spread;
 
 /// How a figure of several seeds becomes one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,7 +30,25 @@ pub struct Figure {
     pub of: Of,
 }
 
-type Of = fn(&Summary) -> Option<f64>;
+type Of = fn(Measured<'_>) -> Option<f64>;
+
+/// The parts of a run's summary that have figures.
+#[derive(Clone, Copy)]
+pub struct Measured<'a> {
+    /// Figures of the drive.
+    pub control: &'a Control,
+    /// Latencies and deadlines.
+    pub timing: &'a Timing,
+    /// Interventions of the emergency brake; none without it.
+    pub interventions: Option<u64>,
+}
+
+impl<'a> From<&'a Summary> for Measured<'a> {
+    fn from(summary: &'a Summary) -> Self {
+        let Summary { control, timing, aebs, .. } = summary;
+        Self { control, timing, interventions: aebs.interventions }
+    }
+}
 
 /// A figure whose seeds become their mean; `(panel, label)` are its names in the picture.
 const fn mean(
@@ -63,12 +82,17 @@ impl Figure {
     pub fn name(&self) -> &str {
         &self.column.head.name
     }
+
+    /// Less or more of it is better, so that laws can be compared by it.
+    pub fn has_direction(&self) -> bool {
+        self.column.head.good != Good::Neither
+    }
 }
 
 /// Name of the number of interventions of the emergency brake.
 pub const INTERVENTIONS: &str = "interventions";
 /// Number of figures.
-pub const COUNT: usize = 17;
+pub const COUNT: usize = 19;
 const KWH: &str = "kWh/100 km";
 
 /// All figures, in the order of the columns. None of them depends on the wall clock in lockstep.
@@ -122,6 +146,26 @@ pub static ALL: [Figure; COUNT] = [
         ("time gap", "shortest"),
         |s| s.control.following.min_time_gap_s,
     ),
+    least(
+        number("min_accel_mps2", "hardest braking", "m/s²", 2, "Smallest acceleration")
+            .more()
+            .weight(2),
+        ("hardest braking", "hardest"),
+        |s| s.control.figures.min_accel_mps2,
+    ),
+    mean(
+        number(
+            "trip_over_fastest_s",
+            "trip over the fastest",
+            "s",
+            2,
+            "Trip time beyond the fastest legal trip",
+        )
+        .less()
+        .weight(2),
+        ("trip over the fastest", "time"),
+        |s| s.control.trip.over_fastest_s(),
+    ),
     mean(
         number("median_time_gap_s", "median time gap", "s", 2, "Median time gap").weight(3),
         ("time gap", "median"),
@@ -150,7 +194,7 @@ pub static ALL: [Figure; COUNT] = [
             .less()
             .weight(1),
         ("emergency brakings", "brakings"),
-        |s| s.aebs.interventions.map(|times| times as f64),
+        |s| s.interventions.map(|times| times as f64),
     ),
     mean(
         number("stops", "stops", "", 2, "Times that the vehicle came to a stand").less().weight(3),
@@ -195,8 +239,9 @@ pub static ALL: [Figure; COUNT] = [
 pub type Values = [Option<f64>; COUNT];
 
 /// The figures of a run.
-pub fn values(summary: &Summary) -> Values {
-    std::array::from_fn(|index| (ALL[index].of)(summary))
+pub fn values<'a>(measured: impl Into<Measured<'a>>) -> Values {
+    let measured = measured.into();
+    std::array::from_fn(|index| (ALL[index].of)(measured))
 }
 
 /// Several seeds as one figure.
@@ -204,29 +249,21 @@ pub fn values(summary: &Summary) -> Values {
 pub struct Folded {
     /// The mean, or the worst.
     pub value: Option<f64>,
-    /// Standard deviation over the seeds, of a sample; none of fewer than two seeds.
-    pub deviation: Option<f64>,
-    /// Seeds in which the figure applies.
-    pub n: usize,
+    /// Spread over the seeds in which the figure applies.
+    pub spread: Spread,
 }
 
 impl Fold {
     /// The figure that stands for those of several seeds. A seed in which it does not apply is left out.
     pub fn over(self, values: impl Iterator<Item = Option<f64>>) -> Folded {
         let values: Vec<f64> = values.flatten().collect();
-        let n = values.len();
-        if n == 0 {
-            return Folded::default();
-        }
-        let mean = values.iter().sum::<f64>() / n as f64;
-        let squares = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
+        let spread = Spread::of(&values);
         let value = match self {
-            Self::Mean => mean,
-            Self::Least => values.iter().copied().fold(f64::INFINITY, f64::min),
-            Self::Most => values.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+            Self::Mean => spread.mean,
+            Self::Least => values.into_iter().reduce(f64::min),
+            Self::Most => values.into_iter().reduce(f64::max),
         };
-        let deviation = (n > 1).then(|| (squares / (n - 1) as f64).sqrt());
-        Folded { value: Some(value), deviation, n }
+        Folded { value, spread }
     }
 }
 
@@ -238,8 +275,7 @@ mod tests {
     fn seeds_are_folded_to_the_mean_with_its_spread_or_to_the_worst() {
         let seeds = [Some(1.0), None, Some(4.0)];
         let mean = Fold::Mean.over(seeds.into_iter());
-        assert_eq!((mean.value, mean.n), (Some(2.5), 2));
-        assert!((mean.deviation.expect("two seeds") - 4.5_f64.sqrt()).abs() < 1e-12);
+        assert_eq!((mean.value, mean.spread.n), (Some(2.5), 2));
         assert_eq!(Fold::Least.over(seeds.into_iter()).value, Some(1.0));
         assert_eq!(Fold::Most.over(seeds.into_iter()).value, Some(4.0));
         assert_eq!(Fold::Mean.over([None].into_iter()), Folded::default());

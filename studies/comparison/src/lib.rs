@@ -1,7 +1,7 @@
 //! Laws side by side on the same scenarios ([`compare`]), and figures as functions of any key ([`sweep`]).
 //!
 //! ```text
-//! compare: scenarios × laws  ─► one table for each scenario
+//! compare: scenarios × laws × seeds ─► one table for each scenario; mean ± spread, real differences between laws
 //! sweep:   keys × values × seeds ─► points: mean ± spread, or the worst of the seeds
 //! ```
 //!
@@ -14,4 +14,5 @@
 //! ```
 
 pub mod compare;
+mod figure;
 pub mod sweep;

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! A study implements [`Study`]. The frame does the rest: workers, `--shard`, `--resume` and `--merge`, the sample
-//! that is repeated as separate processes, the progress bar, interrupts, the exit status, and every output.
+//! that is repeated as separate processes, the progress bar, interrupts, the exit status, and every output. It also
+//! writes the summary figures of every drive as one tidy table ([`drives`]), and keeps trajectories ([`keep`]).
 //!
 //! # A new study
 //!
@@ -24,7 +25,8 @@
 //!
 //! A study whose runs depend on earlier ones gets their records back by [`Study::recall`].
 //!
-//! Runs that are not one drive implement [`Study::drive`] with a [`Crew`]. Runs begin in the order of their numbers,
+//! Runs that are not one drive implement [`Study::drive`] with a [`Crew`], and hand each drive to [`Crew::observe`].
+//! Runs begin in the order of their numbers,
 //! so that a run may wait for an earlier one. [`Study::is_alone`] names runs beside which no other may go on.
 //! [`Study::NEEDS`] says whether some of the runs are worth a result. With [`Study::KEEPS_JOURNAL`] records stay on
 //! the disk, and [`Records::each`](parts::Records::each) reads them back one by one. With [`Study::inputs`] a part keeps
@@ -98,9 +100,11 @@
 //! ```
 
 pub mod batch;
+pub mod drives;
 pub mod keep;
 pub mod param;
 pub mod parts;
+pub mod seeds;
 pub mod study;
 
 pub use study::{Crew, Found, Gave, Needs, Options, Study, ok, schema};

@@ -27,6 +27,7 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use frame::batch::ProcessesSample;
+use frame::keep::Keep;
 use group::{Error, GroupOptions};
 use pictures::{Gallery, Pictures};
 use report::results::ResultOptions;
@@ -67,6 +68,9 @@ pub struct ReproduceArguments {
     /// Standard deviation of the skilled driver's aimed speed, km/h
     #[arg(long, value_name = "KMH", default_value_t = 2.5, value_parser = spread)]
     pub driver_spread: f64,
+    /// Keep the trajectories of drives in trajectories.parquet: all, failures, or worst:N by the smallest gap
+    #[arg(long, value_name = "WHICH")]
+    pub keep: Option<Keep>,
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,

@@ -1,6 +1,6 @@
 //! Pieces of a paper, and the runner that drives their scenarios.
 
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::sync::Arc;
 
 use frame::Crew;
@@ -89,10 +89,24 @@ impl Piece {
     }
 }
 
+/// The keys of a piece's drive: its number in the piece, and the keys that it sets.
+pub fn keys(paper: &str, piece: &str, drive: usize, set: &[&str]) -> Vec<(String, String)> {
+    let keys = [
+        ("paper", paper.to_owned()),
+        ("piece", piece.to_owned()),
+        ("drive", drive.to_string()),
+        ("set", set.join(" ")),
+    ];
+    keys.map(|(name, value)| (name.to_owned(), value)).to_vec()
+}
+
 /// The drives of one piece.
 pub struct Runner<'a> {
     crew: &'a Crew<'a>,
     run: usize,
+    /// The paper, and the piece of it.
+    names: (&'a str, &'a str),
+    drives: Cell<usize>,
     /// Standard deviation of the skilled driver's aimed speed, m/s.
     driver_spread_mps: f64,
     repetition: RefCell<Option<Repetition>>,
@@ -100,8 +114,14 @@ pub struct Runner<'a> {
 
 impl<'a> Runner<'a> {
     /// A runner for the piece that is run number `run`.
-    pub fn new(crew: &'a Crew<'a>, run: usize, driver_spread_mps: f64) -> Self {
-        Self { crew, run, driver_spread_mps, repetition: RefCell::default() }
+    pub fn new(
+        crew: &'a Crew<'a>,
+        run: usize,
+        names: (&'a str, &'a str),
+        driver_spread_mps: f64,
+    ) -> Self {
+        let (drives, repetition) = (Cell::default(), RefCell::default());
+        Self { crew, run, names, drives, driver_spread_mps, repetition }
     }
 
     /// Standard deviation of the skilled driver's aimed speed, m/s.
@@ -120,6 +140,10 @@ impl<'a> Runner<'a> {
         let (group, going_on) = (self.crew.group(), self.crew.going_on());
         let done = batch::lockstep(&scenario, group, repeats, going_on)?;
         batch::whole(&done.summary)?;
+        self.drives.set(self.drives.get() + 1);
+        let (paper, piece) = self.names;
+        let keys = self::keys(paper, piece, self.drives.get(), keys);
+        self.crew.observe(self.run, &keys, &scenario, &done);
         if done.repetition.is_some() {
             self.repetition.replace(done.repetition);
         }

@@ -1,12 +1,13 @@
 //! The papers as a study: each piece of a paper is a run.
 
 use frame::batch::ProcessesSample;
+use frame::keep::Keep;
 use frame::{Crew, Found, Gave, Needs, Options, Study};
 use group::Error;
 use report::results::Document;
 
 use super::row::{Row, Verdict};
-use super::runner::{Part, Piece, Runner};
+use super::runner::{self, Part, Piece, Runner};
 use super::{
     PAPERS, Paper, PaperName, Pictures, ReproduceArguments, Reproduction, page, tally::tally,
 };
@@ -44,14 +45,25 @@ impl Study for Papers {
         self.pieces.len()
     }
 
+    fn keep(arguments: &ReproduceArguments) -> Option<Keep> {
+        arguments.keep
+    }
+
+    fn keys(&self, run: usize) -> Vec<(String, String)> {
+        let (paper, piece) = &self.pieces[run];
+        runner::keys(paper.as_str(), &piece.name, 1, &[])
+    }
+
     /// The words of the command name no file.
     fn subject(&self) -> Result<String, Error> {
         Ok(String::new())
     }
 
     fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<Vec<Row>, Pictures>, Error> {
-        let runner = Runner::new(crew, run, self.driver_spread_mps);
-        let Part { rows, pictures } = self.pieces[run].1.reproduce(&runner)?;
+        let (paper, piece) = &self.pieces[run];
+        let names = (paper.as_str(), piece.name.as_str());
+        let runner = Runner::new(crew, run, names, self.driver_spread_mps);
+        let Part { rows, pictures } = piece.reproduce(&runner)?;
         Ok(Gave { record: rows, seen: pictures, repetition: runner.repetition() })
     }
 

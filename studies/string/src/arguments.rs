@@ -9,6 +9,7 @@ use runtime::Mode;
 
 use super::scene::Plan;
 use frame::batch;
+use frame::keep::Keep;
 use frame::param::{self, Param, ValuesError};
 
 /// Frequencies that are swept unless others are given.
@@ -54,6 +55,9 @@ pub struct StringArguments {
     /// Cars driven at once, each a moment behind the one before it [default: one per core]
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
+    /// Keep the trajectories of drives in trajectories.parquet: all, failures, or worst:N by the smallest gap
+    #[arg(long, value_name = "WHICH")]
+    pub keep: Option<Keep>,
     /// How each run's processes are started.
     #[command(flatten)]
     pub group: GroupOptions,
@@ -185,7 +189,11 @@ impl Task {
                 if param.key == "controller.name" {
                     return Err(StringError::SweptLaw { key: param.key }.into());
                 }
-                param::refuse_if_set(&param.key, &arguments.scenario_options)?;
+                param::refuse_if_set(
+                    &format!("--param {}", param.key),
+                    &param.key,
+                    &arguments.scenario_options,
+                )?;
                 let mut distinct: Vec<&Option<String>> = Vec::new();
                 for law in &laws {
                     if !distinct.contains(&law) {

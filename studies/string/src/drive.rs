@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use frame::batch::{self, Done};
+use frame::keep::Keep;
 use frame::{Crew, Found, Gave, Needs, Options, Study};
 use group::Error;
 use group::in_process::Ahead;
@@ -29,6 +30,8 @@ use super::{page, response};
 pub struct Strings {
     task: Task,
     strings: Vec<Plan>,
+    /// Of each string: the frequency of its sine, Hz, and the value of the swept key.
+    labels: Vec<[String; 2]>,
     cars: Vec<Car>,
 }
 
@@ -48,18 +51,23 @@ impl Study for Strings {
     fn plan(arguments: &StringArguments) -> Result<Self, Error> {
         let task = Task::read(arguments)?;
         let mut strings = vec![task.plan.clone()];
+        let mut labels = vec![[String::new(), String::new()]];
         for &hz in &task.frequencies {
             strings.push(task.plan.behind_wave(hz)?);
+            labels.push([hz.to_string(), String::new()]);
         }
-        let swept = task.sweep.iter().flat_map(|(_, laws)| laws).flat_map(|law| &law.plans);
-        for plan in swept {
-            for &hz in &task.sweep_frequencies {
-                strings.push(plan.behind_wave(hz)?);
+        if let Some((param, laws)) = &task.sweep {
+            let plans = laws.iter().flat_map(|law| law.plans.iter().zip(&param.values));
+            for (plan, value) in plans {
+                for &hz in &task.sweep_frequencies {
+                    strings.push(plan.behind_wave(hz)?);
+                    labels.push([hz.to_string(), value.clone()]);
+                }
             }
         }
         let cars = strings.iter().enumerate().flat_map(|(string, plan)| Car::all(string, plan));
         let cars = cars.collect();
-        Ok(Self { task, strings, cars })
+        Ok(Self { task, strings, labels, cars })
     }
 
     fn runs(&self) -> usize {
@@ -68,6 +76,21 @@ impl Study for Strings {
 
     fn seed(&self) -> u64 {
         self.task.plan.seed()
+    }
+
+    fn keep(arguments: &StringArguments) -> Option<Keep> {
+        arguments.keep
+    }
+
+    fn keys(&self, run: usize) -> Vec<(String, String)> {
+        let Car { string, place, .. } = &self.cars[run];
+        let [hz, value] = self.labels[*string].clone();
+        let keys = [
+            ("vehicle".to_owned(), (place.index + 1).to_string()),
+            ("frequency_hz".to_owned(), hz),
+        ];
+        let swept = self.task.sweep.iter().map(|(param, _)| (param.key.clone(), value.clone()));
+        keys.into_iter().chain(swept).collect()
     }
 
     fn subject(&self) -> Result<String, Error> {
@@ -83,6 +106,7 @@ impl Study for Strings {
         let repeats = crew.repeats(run);
         let sealing = if repeats { Sealing::Sealed } else { Sealing::Unsealed };
         let (scenario, done) = car.drive(plan, crew, sealing)?;
+        crew.observe(run, &self.keys(run), &scenario, &done);
         let seen = Driven::of(plan, car.place, &scenario, &done);
         let repetition = match repeats && done.summary.carrier == Carrier::Memory {
             true => Some(batch::repeat(&scenario, &done.summary, crew.group(), crew.going_on())?),

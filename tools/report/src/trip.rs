@@ -41,6 +41,12 @@ fn is_comparable(steps: &[DriveStep]) -> Option<bool> {
 }
 
 impl Trip {
+    /// Trip time beyond the fastest legal trip, s; none without both.
+    #[must_use]
+    pub fn over_fastest_s(&self) -> Option<f64> {
+        Some(self.trip_time_s? - self.fastest_legal_trip_s?)
+    }
+
     /// The trip of a drive through a scenario.
     pub fn of(scenario: &Scenario, steps: &[DriveStep]) -> Self {
         let lines = scenario.v2x.signals.iter().map(|signal| signal.stop_line_m.value());

@@ -1,18 +1,26 @@
 //! The columns of a comparison.
 
-use super::{Comparison, Row};
-use report::results::{Column, Kind, Schema, Table, count, micros, nested, number, outcome, word};
-use serde_json::json;
+use super::differences::Difference;
+use super::means::Means;
+use super::results::{Comparison, Row};
+use crate::figure::{ALL, Figure};
+use report::results::{
+    Column, Format, Kind, Schema, Table, count, fact, judged, micros, nested, number, outcome, word,
+};
+use serde_json::{Value, json};
 
 /// Fields beside the rows.
-const FIELDS: &[Column<Comparison>] =
-    &[frame::ok("Every run reached its end without a collision or a red light")];
+const FIELDS: &[Column<Comparison>] = &[
+    frame::ok("Every run reached its end without a collision or a red light"),
+    word("rule", "", "When a difference is called real; null for one seed"),
+];
 
 /// Columns of the runs.
 const ROWS: &[Column<Row>] = &[
     word("scenario", "scenario", "Scenario that was driven"),
     word("controller", "law", "Control law that drove"),
     outcome("outcome"),
+    count("seed", "seed", "Seed of the run").hidden(),
     number("control.min_gap_m", "min gap", "m", 1, "Smallest gap to the vehicle ahead").more(),
     number(
         "control.min_time_gap_s",
@@ -33,12 +41,7 @@ const ROWS: &[Column<Row>] = &[
     number("", "trip over the fastest", "s", 1, "Trip time beyond the fastest legal trip")
         .less()
         .weight(3)
-        .of(|row| {
-            let trip = &row.control.trip;
-            json!(
-                trip.trip_time_s.zip(trip.fastest_legal_trip_s).map(|(own, fastest)| own - fastest)
-            )
-        }),
+        .of(|row| json!(row.control.trip.over_fastest_s())),
     number("control.rms_gap_error_m", "gap error rms", "m", 2, "Root mean square of the gap error")
         .less()
         .weight(1),
@@ -96,9 +99,71 @@ const NESTED: &[Column<Row>] = &[
     nested("aebs", Kind::Object, "Interventions of the emergency brake, as in summary.json"),
 ];
 
+/// Columns of a law in a scenario, over its seeds.
+const OF_SEEDS: &[Column<Means>] = &[
+    word("scenario", "scenario", "Scenario that was driven"),
+    word("controller", "law", "Control law that drove"),
+    count("runs", "", "Runs, one a seed"),
+    count("completed", "", "Runs that reached the scenario's end"),
+];
+
+/// Columns of the differences from the first law.
+const DIFFERENCES: &[Column<Difference>] = &[
+    word("scenario", "scenario", "Scenario that was driven"),
+    word("controller", "law", "Control law that drove"),
+    word("reference", "", "The first law, from which the difference is taken").hidden(),
+    word("figure", "", "Name of the figure: a key of `means.figures`, or `completed`").hidden(),
+    word("", "figure", "").of(|difference| json!(difference.title)),
+    number("mean", "difference", "", 3, "Mean of the differences over the seeds"),
+    number("low", "from", "", 3, "Lower end of its interval; null of too few seeds").weight(1),
+    number("high", "to", "", 3, "Upper end of its interval; null of too few seeds").weight(1),
+    count("n", "n", "Pairs of runs").weight(2),
+    fact("real", "", "The interval leaves out 0; null of too few seeds").hidden(),
+    fact("better", "", "The law is better than the first one; null where that is open").hidden(),
+    word("", "law is", "").of(|difference| json!(difference.verdict())),
+];
+
 /// The runs as a table with a block for each scenario.
-pub fn table(rows: &[Row]) -> Table {
+pub fn runs(rows: &[Row]) -> Table {
     Table::new("Runs", ROWS, rows).blocks("scenario")
+}
+
+/// The runs of several seeds, whose seeds belong to their names.
+pub fn runs_with_seeds(rows: &[Row]) -> Table {
+    let mut columns = ROWS.to_vec();
+    let place = columns.iter().position(|column| column.head.name == "seed");
+    let mut seed = columns.remove(place.expect("it is one of them"));
+    seed.head.is_hidden = false;
+    columns.insert(2, seed);
+    Table::new("Runs", &columns, rows)
+}
+
+/// The means as a table with a block for each scenario.
+pub fn means(means: &[Means]) -> Table {
+    let figures = ALL.iter().map(|figure| {
+        let mut column = figure.column.clone();
+        column.head.format = Format::Mean(2);
+        column
+    });
+    let names: [Column<Value>; 3] = [
+        word("scenario", "scenario", ""),
+        word("controller", "law", ""),
+        judged("ended", "outcome", "How the runs ended"),
+    ];
+    let columns: Vec<_> = names.into_iter().chain(figures).collect();
+    let rows: Vec<Value> = means.iter().map(Means::shown).collect();
+    Table::new("Means", &columns, &rows).blocks("scenario").without_cases()
+}
+
+/// The real differences for a terminal, and all of them for pages.
+pub fn differences(all: &[Difference]) -> Vec<Table> {
+    let Some(reference) = all.first().map(|difference| &difference.reference) else {
+        return Vec::new();
+    };
+    let real: Vec<&Difference> = all.iter().filter(|difference| difference.is_real()).collect();
+    let real = Table::of(&format!("Real differences from {reference}"), DIFFERENCES, real);
+    let all = Table::new(&format!("All differences from {reference}"), DIFFERENCES, all);
+    vec![real.for_terminals().without_cases(), all.for_pages().without_cases()]
 }
 
 /// Contents of the JSON.
@@ -107,9 +172,21 @@ pub fn schema() -> Schema {
     // A figure is in the JSON of every run; what is nested below `timing` may be null as a whole.
     let columns: Vec<_> =
         columns.into_iter().filter(|column| !column.head.name.starts_with("timing.")).collect();
-    frame::schema("compare", "Laws side by side on the same scenarios").fields(FIELDS).rows(
-        "rows",
-        "A row for each scenario and law",
-        &columns,
-    )
+    let spread = |figure: &Figure| {
+        let head = &figure.column.head;
+        let at = |what: &str| format!("figures.{}.{what}", figure.name());
+        [
+            number("", "", head.unit, 2, head.meaning).named(at("mean"), String::new()),
+            number("", "", head.unit, 2, "Standard deviation over the seeds")
+                .named(at("deviation"), String::new()),
+            count("", "", "Seeds in which the figure applies").named(at("n"), String::new()),
+        ]
+    };
+    let means: Vec<Column<Means>> =
+        OF_SEEDS.iter().cloned().chain(ALL.iter().flat_map(spread)).collect();
+    frame::schema("compare", "Laws side by side on the same scenarios")
+        .fields(FIELDS)
+        .rows("rows", "A row for each scenario, law and seed", &columns)
+        .rows("means", "A row for each scenario and law, over its seeds", &means)
+        .rows("differences", "Figures of each law minus those of the first one", DIFFERENCES)
 }

@@ -1,71 +1,39 @@
-//! `timegap compare`: laws side by side on the same scenarios.
+//! `timegap compare`: laws side by side on the same scenarios, with one seed or several.
 //!
 //! ```text
-//! scenario 1 ─┬─ law A ─► row ┐
-//!             └─ law B ─► row ┴─► block of scenario 1: the best of each column is marked
+//! scenario 1 ─┬─ law A ─ seeds ─► rows ┐
+//!             └─ law B ─ seeds ─► rows ┴─► block of scenario 1: the best of each column is marked
+//!                                        └─► of several seeds: mean ± spread, and A - B seed by seed
 //! ```
 
 mod columns;
+mod differences;
+mod means;
+mod results;
 
 pub use columns::schema;
+pub use results::over_seeds;
 
 use clap::Args;
-use frame::batch::{self, Done, Job, ProcessesSample};
+use frame::batch::{self, Done, Job};
+use frame::param;
 use frame::parts::{self, PartOptions};
-use frame::{Found, Needs, Options, Study};
+use frame::{Found, Needs, Options, Study, seeds};
 use group::{Error, Failure, GroupOptions, LawOptions, ModeName, ScenarioOptions};
 use messages::Service;
+use report::RunPicture;
 use report::results::{Document, ResultOptions};
-use report::summary::{Aebs, Control, LawAccount, Timing, braked};
-use report::{RunPicture, overlay};
-
-use group::report::Outcome;
+use results::{Row, document, drives};
 use runtime::Mode;
 use scenario::Scenario;
-use serde::{Deserialize, Serialize};
-use std::collections::BTreeMap;
+use scenario::quantity::Seed;
+use std::num::NonZeroUsize;
 use std::path::Path;
 use std::process::ExitCode;
 
-#[derive(Debug, Serialize)]
-struct Comparison {
-    schema_version: u32,
-    ok: bool,
-    rows: Vec<Row>,
-    processes_sample: ProcessesSample,
-}
-
-#[derive(Debug, Serialize, Deserialize)]
-struct Row {
-    scenario: String,
-    controller: String,
-    mode: String,
-    outcome: Outcome,
-    control: Control,
-    timing: Timing,
-    aebs: Braking,
-    #[serde(default)]
-    law: Option<LawAccount>,
-}
-
-/// Interventions of the emergency brake in a run.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-struct Braking {
-    enabled: bool,
-    warnings: Option<u64>,
-    interventions: Option<u64>,
-    braking_s: Option<f64>,
-}
-
-impl Braking {
-    fn of(aebs: &Aebs) -> Self {
-        let Aebs { enabled, warnings, interventions, braking_s, .. } = *aebs;
-        Self { enabled, warnings, interventions, braking_s }
-    }
-}
-
 /// Options that a merge takes from the parts.
-const WITHOUT_MERGE: [&str; 5] = ["scenarios", "controllers", "laws", "mode", "set"];
+const WITHOUT_MERGE: [&str; 7] =
+    ["scenarios", "controllers", "laws", "seeds", "mode", "set", "jobs"];
 
 /// Arguments of `compare`.
 #[derive(Debug, Args)]
@@ -80,12 +48,18 @@ pub struct CompareArguments {
     /// Laws of the user's own.
     #[command(flatten)]
     pub laws: LawOptions,
+    /// Seeds of every scenario: a number N for 1 to N, A..B or a,b,c; figures are means, differences are judged
+    #[arg(long, value_name = "SEEDS")]
+    pub seeds: Option<String>,
     /// Clock: figures of the drive repeat exactly in `lockstep`; `realtime` also measures deadlines
     #[arg(long, value_enum, default_value_t = ModeName::Lockstep)]
     pub mode: ModeName,
     /// Change any key of every scenario, by its dotted path (repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+    /// Runs at once [default: one per core; 1 in realtime]
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<NonZeroUsize>,
     /// Parts of the comparison.
     #[command(flatten)]
     pub parts: PartOptions,
@@ -126,16 +100,31 @@ pub struct OneProgram {
 
 impl Failure for OneProgram {}
 
-/// The study: each scenario with each law.
+/// The study: each scenario with each law and each seed.
 struct Laws {
-    runs: Vec<Run>,
+    pairs: Vec<Pair>,
+    /// Seeds of each pair; none: the scenario's own.
+    seeds: Vec<Seed>,
     mode: Mode,
 }
 
-/// A run, with the name of its scenario in results.
-struct Run {
+/// A scenario with a law, and the name of the scenario in results.
+struct Pair {
     label: String,
     scenario: Scenario,
+}
+
+impl Laws {
+    fn seeds(&self) -> usize {
+        self.seeds.len().max(1)
+    }
+
+    /// The scenario of a run with its name in results. The seed varies fastest.
+    fn at(&self, run: usize) -> (&str, Scenario) {
+        let Pair { label, scenario } = &self.pairs[run / self.seeds()];
+        let seed = self.seeds.get(run % self.seeds()).copied().unwrap_or(scenario.seed);
+        (label, Scenario { seed, ..scenario.clone() })
+    }
 }
 
 /// The name of a scenario in results: its own, or its file's where another file has the same name.
@@ -184,14 +173,15 @@ fn own_laws(arguments: &CompareArguments) -> Result<Vec<String>, Error> {
 impl Study for Laws {
     type Arguments = CompareArguments;
     type Record = Row;
-    type Seen = RunPicture;
+    /// Drives of the first seed alone are drawn.
+    type Seen = Option<RunPicture>;
 
     const NAME: &'static str = "compare";
     const NEEDS: Needs = Needs::Part;
 
     fn options(arguments: &CompareArguments) -> Options<'_> {
-        let CompareArguments { parts, group, results, .. } = arguments;
-        Options { parts: Some(parts), jobs: None, group, results }
+        let CompareArguments { parts, jobs, group, results, .. } = arguments;
+        Options { parts: Some(parts), jobs: *jobs, group, results }
     }
 
     fn plan(arguments: &CompareArguments) -> Result<Self, Error> {
@@ -205,7 +195,8 @@ impl Study for Laws {
             return Err(Twice { name: name.clone() }.into());
         }
         let mode = arguments.mode.into();
-        let mut runs: Vec<Run> = Vec::new();
+        let seeds = arguments.seeds.as_deref().map(seeds::read).transpose()?.unwrap_or_default();
+        let mut pairs: Vec<Pair> = Vec::new();
         let mut names: Vec<(String, String)> = Vec::new();
         for argument in &arguments.scenarios {
             for law in &laws {
@@ -215,6 +206,9 @@ impl Study for Laws {
                     laws: arguments.laws.clone(),
                     ..ScenarioOptions::default()
                 };
+                if arguments.seeds.is_some() {
+                    param::refuse_if_set("--seeds", "seed", &options)?;
+                }
                 let scenario = group::open(argument, &options)?;
                 for notice in scenario.notices() {
                     eprintln!("note: {notice}");
@@ -223,15 +217,15 @@ impl Study for Laws {
                 if names.last().is_none_or(|(known, _)| known != argument) {
                     names.push((argument.clone(), scenario.name.as_str().to_owned()));
                 }
-                runs.push(Run { label: argument.clone(), scenario });
+                pairs.push(Pair { label: argument.clone(), scenario });
             }
         }
-        runs.iter_mut().for_each(|run| run.label = label(&run.label, &names));
-        Ok(Self { runs, mode })
+        pairs.iter_mut().for_each(|pair| pair.label = label(&pair.label, &names));
+        Ok(Self { pairs, seeds, mode })
     }
 
     fn runs(&self) -> usize {
-        self.runs.len()
+        self.pairs.len() * self.seeds()
     }
 
     fn mode(&self) -> Mode {
@@ -239,11 +233,11 @@ impl Study for Laws {
     }
 
     fn seed(&self) -> u64 {
-        self.runs[0].scenario.seed.value()
+        self.at(0).1.seed.value()
     }
 
     fn job(&self, run: usize) -> Result<Job, Error> {
-        Ok(Job { mode: self.mode, ..Job::lockstep(self.runs[run].scenario.clone()) })
+        Ok(Job { mode: self.mode, ..Job::lockstep(self.at(run).1) })
     }
 
     fn record(
@@ -251,117 +245,34 @@ impl Study for Laws {
         run: usize,
         job: &Job,
         result: Result<Done, Error>,
-    ) -> Result<(Row, RunPicture), Error> {
+    ) -> Result<(Row, Option<RunPicture>), Error> {
         let Done { summary, drive, .. } = result?;
-        let row = Row {
-            scenario: self.runs[run].label.clone(),
-            controller: summary.controller,
-            mode: summary.mode.to_owned(),
-            outcome: summary.outcome,
-            control: summary.control,
-            timing: summary.timing,
-            aebs: Braking::of(&summary.aebs),
-            law: summary.law,
-        };
-        Ok((row, RunPicture::of_drive(&job.scenario, &drive)))
+        let is_drawn = run.is_multiple_of(self.seeds());
+        let picture = is_drawn.then(|| RunPicture::of_drive(&job.scenario, &drive));
+        Ok((Row::new(&self.pairs[run / self.seeds()].label, summary), picture))
     }
 
     fn describe(&self, run: usize) -> String {
-        let Run { label, scenario } = &self.runs[run];
-        format!(" ({label} with {})", scenario.controller.name.as_str())
+        let (label, scenario) = self.at(run);
+        let seed = match self.seeds.len() {
+            0 | 1 => String::new(),
+            _ => format!(", seed {}", scenario.seed.value()),
+        };
+        format!(" ({label} with {}{seed})", scenario.controller.name.as_str())
     }
 
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
         let rows: Vec<(usize, Row)> = found.records.all()?;
         let drives = drives(&rows, &found.seen);
         let rows: Vec<Row> = rows.into_iter().map(|(_, row)| row).collect();
-        Ok(document(rows, found.sample, drives))
+        Ok(document(rows, self.seeds(), found.sample, drives))
     }
-}
-
-/// The drives of each scenario over each other. Parts of a comparison keep figures alone.
-fn drives(rows: &[(usize, Row)], seen: &BTreeMap<usize, RunPicture>) -> Vec<(String, String)> {
-    let blocks = rows.chunk_by(|(_, a), (_, b)| a.scenario == b.scenario);
-    let drawn = blocks.filter_map(|rows| {
-        let pictures =
-            rows.iter().map(|(run, row)| Some((row.controller.as_str(), seen.get(run)?)));
-        let pictures: Vec<_> = pictures.collect::<Option<_>>()?;
-        Some((rows[0].1.scenario.clone(), overlay(&pictures)))
-    });
-    drawn.collect()
-}
-
-fn document(
-    rows: Vec<Row>,
-    processes_sample: ProcessesSample,
-    drives: Vec<(String, String)>,
-) -> Document {
-    let completed = rows.iter().filter(|row| row.outcome == Outcome::Completed).count();
-    let ok = completed == rows.len();
-    let braked = braked(rows.iter().filter_map(|row| row.aebs.interventions).sum());
-    let all = rows.len();
-    let by_backup = rows.iter().filter(|row| row.outcome == Outcome::DrivenByBackup);
-    let by_backup: Vec<_> = by_backup.flat_map(|row| &row.law).map(ToString::to_string).collect();
-    let backup = if by_backup.is_empty() {
-        String::new()
-    } else {
-        format!("; driven by the backup: {}", by_backup.join(", "))
-    };
-    let verdict = format!("{completed} of {all} runs completed; {braked}{backup}");
-    let about = rows.first().map_or("", |row| row.mode.as_str()).to_owned();
-    let whole = Comparison { schema_version: 1, ok, rows, processes_sample };
-    let table = columns::table(&whole.rows);
-    let table = drives.into_iter().fold(table, |table, (of, html)| table.figures(&of, html));
-    Document::new("compare", "Comparison of controllers", &whole)
-        .about(about)
-        .verdict(ok, verdict)
-        .table(table)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use clap::FromArgMatches;
-    use group::report::ControlFigures;
-    use report::{Following, Trip};
-
-    /// A row of a car: without fuel, and without deadlines, since it was driven in lockstep.
-    fn row(controller: &str, min_gap_m: f64) -> Row {
-        let figures = ControlFigures {
-            min_gap_m: Some(min_gap_m),
-            rms_gap_error_m: Some(0.5),
-            ..ControlFigures::default()
-        };
-        let following = Following { min_time_gap_s: Some(1.25), median_time_gap_s: Some(1.5) };
-        Row {
-            scenario: "following".into(),
-            controller: controller.into(),
-            mode: "lockstep".into(),
-            outcome: Outcome::Completed,
-            control: Control { figures, following, trip: Trip::default(), mode_changes: None },
-            timing: Timing::default(),
-            aebs: Braking { interventions: Some(2), ..Braking::default() },
-            law: None,
-        }
-    }
-
-    #[test]
-    fn time_gaps_are_shown_and_columns_without_a_figure_are_not() {
-        let rows = vec![row("acc-mpc", 20.0), row("six-mode", -0.01)];
-        let document = document(rows, ProcessesSample::default(), Vec::new());
-        for text in [document.console(80), document.page(), document.markdown()] {
-            for heading in ["min time gap, s", "median time gap, s", "gap error rms, m"] {
-                assert!(text.contains(heading), "{heading}: {text}");
-            }
-            for heading in ["fuel", "missed", "gap error at the end"] {
-                assert!(!text.contains(heading), "{heading}: {text}");
-            }
-            assert!(!text.contains("-0.0") && !text.contains("−0.0"), "{text}");
-        }
-        let wrong = report::results::check(&schema().json(), &document.value());
-        assert_eq!(wrong, [""; 0]);
-        assert!(document.junit().contains("name=\"following, acc-mpc\""), "{}", document.junit());
-    }
 
     #[test]
     fn files_of_one_name_are_told_apart_by_their_files() {
@@ -381,15 +292,32 @@ mod tests {
 
     #[test]
     fn one_program_is_not_compared_with_itself() {
-        let arguments = |words: &[&str]| {
-            let command = CompareArguments::augment_args(clap::Command::new("compare"));
-            let matches = command.get_matches_from([&["compare", "cacc-a"], words].concat());
-            CompareArguments::from_arg_matches(&matches).expect("they are arguments")
-        };
         let program = ["--service", "controller=./mine"];
         let said = Laws::plan(&arguments(&program)).err().expect("many laws").to_string();
         assert!(said.contains("expected one law by --controllers"), "{said}");
         let one = [&program[..], &["--controllers", "acc-mpc"]].concat();
         assert_eq!(Laws::plan(&arguments(&one)).expect("one law").runs(), 1);
+    }
+
+    fn arguments(words: &[&str]) -> CompareArguments {
+        let command = CompareArguments::augment_args(clap::Command::new("compare"));
+        let matches = command.get_matches_from([&["compare", "cacc-a"], words].concat());
+        CompareArguments::from_arg_matches(&matches).expect("they are arguments")
+    }
+
+    #[test]
+    fn every_law_meets_every_seed() {
+        let two = ["--controllers", "acc-mpc,six-mode", "--seeds", "3"];
+        let laws = Laws::plan(&arguments(&two)).expect("built in");
+        let run = |run| {
+            let (_, scenario) = laws.at(run);
+            (scenario.controller.name.as_str().to_owned(), scenario.seed.value())
+        };
+        assert_eq!(laws.runs(), 6);
+        assert_eq!((run(2), run(3)), (("acc-mpc".into(), 3), ("six-mode".into(), 1)));
+        assert_eq!(laws.describe(4), " (cacc-a with six-mode, seed 2)");
+        let set = [&two[..], &["--set", "seed=7"]].concat();
+        let said = Laws::plan(&arguments(&set)).err().expect("two seeds").to_string();
+        assert!(said.contains("--seeds: --set seed=7 says what it is"), "{said}");
     }
 }

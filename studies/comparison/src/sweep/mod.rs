@@ -8,7 +8,6 @@
 //! Every point of the grid is a run of its own. In lockstep delays, jitter and misses are emulated
 //! exactly, so that the same sweep gives the same bytes, in one go or in parts.
 
-mod figure;
 mod page;
 mod results;
 mod words;
@@ -17,9 +16,9 @@ use clap::Args;
 pub use results::schema;
 
 use frame::batch::{self, Done, Job};
-use frame::param::{self, Param, ValuesError};
+use frame::param::{self, Param};
 use frame::parts::{self, PartOptions};
-use frame::{Found, Needs, Options, Study};
+use frame::{Found, Needs, Options, Study, seeds};
 use group::{Error, Failure, GroupOptions, ModeName, ScenarioOptions};
 use report::results::{Document, ResultOptions};
 use results::{Run, Sweep};
@@ -55,7 +54,7 @@ pub struct SweepArguments {
     /// A key and its values: `KEY=A..B/STEP` or `KEY=a,b,c`; given again: their grid
     #[arg(long = "param", value_name = "KEY=VALUES", required_unless_present_any = ["merge", "resume"])]
     pub params: Vec<String>,
-    /// Seeds, by commas or as A..B; every point is run with each
+    /// Seeds of every point: a number N for 1 to N, A..B or a,b,c
     #[arg(long, value_name = "SEEDS", conflicts_with = "seed")]
     pub seeds: Option<String>,
     /// Options of all points of the grid.
@@ -195,7 +194,7 @@ impl Study for Grid {
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
     /// Seeds have an option of their own.
-    #[error("--param {argument}: points are run with several seeds by --seeds A..B")]
+    #[error("--param {argument}: points are run with several seeds by --seeds N")]
     Seed {
         /// The argument.
         argument: String,
@@ -205,15 +204,6 @@ pub enum SweepError {
     Twice {
         /// The key.
         key: String,
-    },
-    /// The seeds cannot be read.
-    #[error("--seeds {seeds}: {reason}, expected A..B or a,b,c")]
-    Seeds {
-        /// The argument.
-        seeds: String,
-        /// The mistake in it.
-        #[source]
-        reason: ValuesError,
     },
     /// The grid is too large.
     #[error("the grid has more than {MAX_RUNS} runs")]
@@ -233,14 +223,17 @@ fn points(arguments: &SweepArguments) -> Result<(Vec<Param>, Vec<Vec<String>>), 
         if params.iter().any(|known: &Param| known.key == param.key) {
             return Err(SweepError::Twice { key: param.key }.into());
         }
-        param::refuse_if_set(&param.key, &arguments.scenario_options)?;
+        param::refuse_if_set(
+            &format!("--param {}", param.key),
+            &param.key,
+            &arguments.scenario_options,
+        )?;
         params.push(param);
     }
     let mut all = params.clone();
     if let Some(seeds) = &arguments.seeds {
-        let values = param::values(seeds, Some("1"))
-            .map_err(|reason| SweepError::Seeds { seeds: seeds.clone(), reason })?;
-        all.push(Param { key: "seed".into(), values });
+        let seeds = seeds::read(seeds)?.into_iter().map(|seed| seed.value().to_string());
+        all.push(Param { key: "seed".into(), values: seeds.collect() });
     }
     let runs = all.iter().map(|param| param.values.len()).try_fold(1, usize::checked_mul);
     if runs.is_none_or(|runs| runs > MAX_RUNS) {

@@ -1,8 +1,8 @@
 //! The figures of a sweep as curves over the swept key, and the result with them.
 
-use super::figure::{ALL, Figure};
 use super::results::{Point, Sweep};
 use super::words;
+use crate::figure::{ALL, Figure};
 use report::chart::{Axis, Curve, Plot, Tone};
 use report::html::figure;
 use report::results::Document;

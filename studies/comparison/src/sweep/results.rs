@@ -1,6 +1,6 @@
 //! The result of a sweep: every run, and every point folded over its seeds.
 
-use super::figure::{self, ALL, COUNT, Folded, Values};
+use crate::figure::{self, ALL, COUNT, Folded, Values};
 use frame::batch::ProcessesSample;
 use frame::param::Param;
 use group::Error;
@@ -56,7 +56,8 @@ pub struct Spread([Folded; COUNT]);
 impl Serialize for Spread {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(Some(COUNT))?;
-        for (figure, Folded { deviation, n, .. }) in ALL.iter().zip(self.0) {
+        for (figure, Folded { spread, .. }) in ALL.iter().zip(self.0) {
+            let statistics::Spread { deviation, n, .. } = spread;
             map.serialize_entry(figure.name(), &json!({"deviation": deviation, "n": n}))?;
         }
         map.end()
@@ -185,7 +186,7 @@ impl Sweep {
                 completed: seeds.iter().filter(|run| run.outcome == Outcome::Completed).count(),
                 figures: Figures(folded.map(|folded| folded.value)),
                 spread: Spread(folded),
-                ended: outcomes(seeds),
+                ended: print::outcomes(seeds.iter().map(|run| run.outcome)),
             }
         });
         Self {
@@ -229,10 +230,10 @@ impl Sweep {
         let columns: Vec<_> = self.keys().chain([ended]).chain(figures).collect();
         let rows = self.points.iter().map(|point| {
             let mut row = Map::new();
-            for (figure, Folded { value, deviation, n }) in ALL.iter().zip(point.spread.0) {
-                let shown = match (figure.fold, deviation) {
+            for (figure, Folded { value, spread }) in ALL.iter().zip(point.spread.0) {
+                let shown = match (figure.fold, spread.deviation) {
                     (figure::Fold::Mean, Some(deviation)) => {
-                        let n = (n != point.seeds).then_some(n);
+                        let n = (spread.n != point.seeds).then_some(spread.n);
                         json!({"mean": value, "deviation": deviation, "n": n})
                     }
                     _ => json!(value),
@@ -268,22 +269,6 @@ impl Sweep {
         let lines = reasons.iter().map(|(why, runs)| format!("{runs} aborted: {why}"));
         lines.collect::<Vec<_>>().join("\n")
     }
-}
-
-/// How the runs of one point ended: `completed`, or how many did what else.
-fn outcomes(runs: &[Run]) -> String {
-    let mut kinds: Vec<(Outcome, usize)> = Vec::new();
-    for run in runs {
-        match kinds.iter_mut().find(|(outcome, _)| *outcome == run.outcome) {
-            Some((_, count)) => *count += 1,
-            None => kinds.push((run.outcome, 1)),
-        }
-    }
-    let word = |(outcome, count): &(Outcome, usize)| match runs.len() {
-        1 => print::outcome_word(*outcome).to_owned(),
-        _ => format!("{count} {}", print::outcome_word(*outcome)),
-    };
-    kinds.iter().map(word).collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]
@@ -327,7 +312,7 @@ mod tests {
         let csv = sweep.csv();
         let lines: Vec<_> = csv.lines().collect();
         assert!(lines[0].starts_with("runtime.extra_delay_ms,seed,outcome,rms_gap_error_m,"));
-        assert_eq!(lines[3], "20,1,completed,2,,,,,,,,,,,,,,,");
+        assert_eq!(lines[3], "20,1,completed,2,,,,,,,,,,,,,,,,,");
         assert!(lines[4].starts_with("20,2,collision,2,,,,-0.1,"));
     }
 

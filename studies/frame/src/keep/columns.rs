@@ -55,7 +55,8 @@ pub(super) fn keys(runs: impl Iterator<Item = Vec<(String, String)>>) -> Vec<Key
             keys = run.iter().map(key).collect();
         }
         for (key, (_, value)) in keys.iter_mut().zip(&run) {
-            key.is_number &= value.parse::<f64>().is_ok();
+            // A key need not apply in every run.
+            key.is_number &= value.is_empty() || value.parse::<f64>().is_ok();
         }
     }
     keys

@@ -4,7 +4,7 @@
 //! run ends ─► offer (its steps as columns) ─► settle ─► row groups, in the order of the runs
 //! ```
 //!
-//! A row is a step of a run. Columns: `run`, `scenario`, `law`, `seed`, the keys that the study varies, then those of
+//! A row is a step of a drive. Columns: `run`, `scenario`, `law`, `seed`, the keys that the study varies, then those of
 //! `trajectory.csv`, and the law's own figures by their place, `figure_0` on. The file's metadata has their names, as
 //! `figures.LAW`.
 
@@ -19,18 +19,18 @@ use std::str::FromStr;
 use std::sync::Mutex;
 
 use group::report::Outcome;
-use group::{Error, Failure};
+use group::{Drive, Error, Failure};
 use parquet_writer::{Cells, Writer};
 use report::output::OutputDirectory;
+use report::summary::Summary;
 use scenario::Scenario;
 
-use crate::batch::Done;
 use columns::{Key, NAMES, cells};
 
 /// Name of the file.
 pub const FILE: &str = "trajectories.parquet";
 
-/// The runs whose trajectories are kept.
+/// The drives whose trajectories are kept.
 ///
 /// ```
 /// use frame::keep::Keep;
@@ -40,11 +40,11 @@ pub const FILE: &str = "trajectories.parquet";
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Keep {
-    /// All runs.
+    /// All drives.
     All,
-    /// Runs that did not end as completed.
+    /// Drives that did not end as completed.
     Failures,
-    /// The runs with the smallest gaps, so many.
+    /// This number of drives, those with the smallest gaps.
     Worst(NonZeroUsize),
 }
 
@@ -53,9 +53,9 @@ pub enum Keep {
 #[error("expected all, failures or worst:N with N of 1 or more")]
 pub struct KeepError;
 
-/// The command has no single trajectory for a run.
+/// The command's drives are not known before they begin.
 #[derive(Debug, thiserror::Error)]
-#[error("--keep: {command} keeps no trajectories, expected compare, sweep, iso15622 or campaign")]
+#[error("--keep: {command} keeps no trajectories, expected another study, or the command that repeats a run")]
 pub struct KeepsNone {
     /// The command.
     pub command: String,
@@ -92,8 +92,8 @@ pub(crate) struct Keeper {
     keep: Keep,
     path: PathBuf,
     keys: Vec<Key>,
-    /// Runs that ended and are not settled. Workers offer them.
-    offered: Mutex<BTreeMap<usize, Kept>>,
+    /// Drives that ended, of runs that are not settled. Workers offer them.
+    offered: Mutex<BTreeMap<usize, Vec<Kept>>>,
     book: Mutex<Book>,
 }
 
@@ -103,8 +103,9 @@ struct Book {
     /// Runs that are not settled, in order.
     expected: VecDeque<usize>,
     settled: BTreeSet<usize>,
-    /// Settled runs that are to be written when all before them are settled, or at the end.
-    waiting: BTreeMap<usize, Kept>,
+    /// Drives of settled runs that are to be written when all before them are settled, or at the end: by the number of
+    /// the run, and their place in it.
+    waiting: BTreeMap<(usize, usize), Kept>,
     writer: Option<Writer<BufWriter<File>>>,
     written: usize,
 }
@@ -127,22 +128,24 @@ impl Keeper {
         }
     }
 
-    /// Takes the trajectory of a run, in the worker's thread.
+    /// Takes the trajectory of a drive of a run, in the worker's thread.
     pub(crate) fn offer(
         &self,
         run: usize,
         scenario: &Scenario,
         values: &[(String, String)],
-        done: &Done,
+        summary: &Summary,
+        drive: &Drive,
     ) {
-        let failed = done.summary.outcome != Outcome::Completed;
-        let law = done.summary.controller.clone();
+        let failed = summary.outcome != Outcome::Completed;
+        let law = summary.controller.clone();
         let names = controller::laws::figure_names(scenario);
         let figures = (!names.is_empty()).then(|| (law.clone(), names.join(",")));
-        let gap_m = done.summary.control.figures.min_gap_m.unwrap_or(f64::INFINITY);
-        let cells = cells(run, scenario, &law, &self.keys, values, &done.drive);
+        let gap_m = summary.control.figures.min_gap_m.unwrap_or(f64::INFINITY);
+        let cells = cells(run, scenario, &law, &self.keys, values, drive);
         let kept = Kept { cells, failed, gap_m, figures };
-        self.offered.lock().expect("no worker panics here").insert(run, kept);
+        let mut offered = self.offered.lock().expect("no worker panics here");
+        offered.entry(run).or_default().push(kept);
     }
 
     /// Decides on a run that ended.
@@ -153,16 +156,17 @@ impl Keeper {
         let offered = self.offered.lock().expect("no worker panics here").remove(&run);
         let mut book = self.book.lock().expect("one thread settles");
         book.settled.insert(run);
-        let offered = offered.filter(|kept| match self.keep {
+        let drives = offered.into_iter().flatten().enumerate();
+        let chosen = drives.filter(|(_, kept)| match self.keep {
             Keep::All | Keep::Worst(_) => true,
             Keep::Failures => kept.failed,
         });
-        book.waiting.extend(offered.map(|kept| (run, kept)));
+        book.waiting.extend(chosen.map(|(place, kept)| ((run, place), kept)));
         if let Keep::Worst(most) = self.keep {
-            if book.waiting.len() > most.get() {
-                let gap = |entry: &(&usize, &Kept)| entry.1.gap_m;
+            while book.waiting.len() > most.get() {
+                let gap = |entry: &(&(usize, usize), &Kept)| entry.1.gap_m;
                 let best = book.waiting.iter().max_by(|a, b| gap(a).total_cmp(&gap(b)));
-                let best = best.map(|(run, _)| *run).expect("it is not empty");
+                let best = best.map(|(place, _)| *place).expect("it is not empty");
                 book.waiting.remove(&best);
             }
             return Ok(());
@@ -172,7 +176,8 @@ impl Keeper {
             && book.settled.remove(&next)
         {
             book.expected.pop_front();
-            if let Some(kept) = book.waiting.remove(&next) {
+            let behind = book.waiting.split_off(&(next + 1, 0));
+            for kept in std::mem::replace(&mut book.waiting, behind).into_values() {
                 self.write(&mut book, &kept)?;
             }
         }
@@ -235,7 +240,7 @@ mod tests {
             let names = NAMES.concat();
             let cells = names.iter().map(|_| one()).collect();
             let kept = Kept { cells, failed: gap_m < 3.0, gap_m, figures: None };
-            keeper.offered.lock().expect("alone").insert(run, kept);
+            keeper.offered.lock().expect("alone").insert(run, vec![kept]);
         }
         // They end in another order.
         for run in [2, 0, 3, 1] {
@@ -253,7 +258,7 @@ mod tests {
             let (keeper, path) = keeper(keep, name);
             if keep != Keep::All {
                 let book = keeper.book.lock().expect("alone");
-                let waiting: Vec<usize> = book.waiting.keys().copied().collect();
+                let waiting: Vec<usize> = book.waiting.keys().map(|(run, _)| *run).collect();
                 let expected: &[usize] = if keep == Keep::Failures { &[] } else { &[1, 3] };
                 assert_eq!(waiting, expected);
             }

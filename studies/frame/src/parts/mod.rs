@@ -28,6 +28,7 @@ use clap::{Args, FromArgMatches};
 use group::{Error, Failure};
 use serde::{Deserialize, Serialize};
 
+use crate::drives::Drive;
 use crate::keep::Keep;
 
 /// Name of the file that describes a part.
@@ -114,6 +115,9 @@ pub(crate) struct Line<T> {
     /// Whether its repetition in a process group gave the same bytes; none: it was not repeated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub same_in_processes: Option<bool>,
+    /// Figures of its drives.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub drives: Vec<Drive>,
     pub result: T,
 }
 

@@ -12,6 +12,7 @@ use super::{
     FILE, Line, PartError, PartFile, PartOptions, Records, Shard, ShardChoice, Study, read_file,
 };
 use crate::batch::{ProcessesSample, Repetition};
+use crate::drives::Drive;
 
 /// A part under way: its journal and what is left to do.
 pub struct Part<T> {
@@ -97,23 +98,24 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         crate::batch::choose(seed, self.study.runs)
     }
 
-    /// Keeps the record of a run.
+    /// Keeps the record of a run with the figures of its drives.
     ///
     /// # Errors
     /// If the journal cannot be written.
-    pub fn keep(
+    pub(crate) fn keep(
         &mut self,
         run: usize,
         result: T,
+        drives: Vec<Drive>,
         repetition: Option<&Repetition>,
     ) -> Result<(), Error> {
         let same_in_processes = repetition.map(|repetition| *repetition == Repetition::Same);
-        let line = Line { run, same_in_processes, result };
+        let line = Line { run, same_in_processes, drives, result };
         self.sample.count(run, repetition);
         match &mut self.journal {
             Some(journal) => Ok(self.records.add(run, journal.add(&line)?, true)?),
             None => {
-                self.records.keep(run, journal::as_read_back(&line).result);
+                self.records.keep(journal::as_read_back(&line));
                 Ok(())
             }
         }

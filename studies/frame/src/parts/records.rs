@@ -7,10 +7,11 @@ use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
 use group::Error;
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, IgnoredAny};
 
 use super::Line;
 use super::journal::{JournalError, Place};
+use crate::drives::Drive;
 
 /// The records of a study, by the numbers of their runs.
 #[derive(Debug)]
@@ -24,7 +25,7 @@ pub struct Records<T> {
 enum Entry<T> {
     None,
     /// Boxed: the others are small, and there may be a million of them.
-    Memory(Box<T>),
+    Memory(Box<Line<T>>),
     /// Which journal, and where in it.
     Journal(u32, Place),
 }
@@ -56,8 +57,9 @@ impl<T> Records<T> {
     }
 
     /// Keeps a record in memory.
-    pub(crate) fn keep(&mut self, run: usize, record: T) {
-        self.runs[run] = Entry::Memory(Box::new(record));
+    pub(crate) fn keep(&mut self, line: Line<T>) {
+        let run = line.run;
+        self.runs[run] = Entry::Memory(Box::new(line));
         self.count += 1;
     }
 
@@ -102,8 +104,32 @@ impl<T: DeserializeOwned> Records<T> {
         for (run, entry) in self.runs.iter().enumerate() {
             match entry {
                 Entry::None => {}
-                Entry::Memory(record) => take(run, record)?,
-                Entry::Journal(journal, place) => take(run, &reader.read(*journal, *place)?)?,
+                Entry::Memory(line) => take(run, &line.result)?,
+                Entry::Journal(journal, place) => {
+                    take(run, &reader.read::<T>(*journal, *place)?.result)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Hands over the figures of all drives in the order of the runs.
+    ///
+    /// # Errors
+    /// If a journal cannot be read, or what `take` returns.
+    pub(crate) fn each_drive(
+        &self,
+        take: &mut dyn FnMut(usize, &Drive) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let mut reader = Reader { journals: &self.journals, opened: None, bytes: Vec::new() };
+        for (run, entry) in self.runs.iter().enumerate() {
+            match entry {
+                Entry::None => {}
+                Entry::Memory(line) => line.drives.iter().try_for_each(|drive| take(run, drive))?,
+                Entry::Journal(journal, place) => {
+                    let line = reader.read::<IgnoredAny>(*journal, *place)?;
+                    line.drives.iter().try_for_each(|drive| take(run, drive))?;
+                }
             }
         }
         Ok(())
@@ -119,8 +145,10 @@ impl<T: DeserializeOwned> Records<T> {
         for (run, entry) in self.runs.into_iter().enumerate() {
             match entry {
                 Entry::None => {}
-                Entry::Memory(record) => all.push((run, *record)),
-                Entry::Journal(journal, place) => all.push((run, reader.read(journal, place)?)),
+                Entry::Memory(line) => all.push((run, line.result)),
+                Entry::Journal(journal, place) => {
+                    all.push((run, reader.read::<T>(journal, place)?.result));
+                }
             }
         }
         Ok(all)
@@ -136,7 +164,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn read<T: DeserializeOwned>(&mut self, journal: u32, place: Place) -> Result<T, Error> {
+    fn read<T: DeserializeOwned>(&mut self, journal: u32, place: Place) -> Result<Line<T>, Error> {
         let path = &self.journals[journal as usize];
         let error = |reason| Error::Path { action: "read", path: path.clone(), reason };
         let (_, file) = match self.opened.take().filter(|(of, _)| *of == journal) {
@@ -146,6 +174,6 @@ impl Reader<'_> {
         self.bytes.resize(place.length, 0);
         let read = file.read_exact_at(&mut self.bytes, place.offset);
         let line = read.and_then(|()| Ok(serde_json::from_slice::<Line<T>>(&self.bytes)?));
-        Ok(line.map_err(error)?.result)
+        line.map_err(error)
     }
 }

@@ -1,19 +1,43 @@
 //! The means by which a study does its runs.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Mutex;
 
 use group::{Error, GroupOptions};
 
 use super::{Gave, Study};
 use crate::batch::{self, Done, Job};
+use crate::drives::Drive;
 use crate::keep::Keeper;
+use scenario::Scenario;
 
 /// Drives runs in threads or process groups, and repeats the runs of the sample.
 pub struct Crew<'a> {
     group: &'a GroupOptions,
     repeated: &'a BTreeSet<usize>,
     going_on: &'a dyn Fn() -> bool,
-    keeper: Option<&'a Keeper>,
+    observed: &'a Observed<'a>,
+}
+
+/// What is taken of drives as they end, beside their records.
+#[derive(Default)]
+pub(super) struct Observed<'a> {
+    /// Keeps trajectories.
+    pub keeper: Option<&'a Keeper>,
+    /// Figures of the drives of runs that are not settled.
+    drives: Mutex<BTreeMap<usize, Vec<Drive>>>,
+}
+
+impl<'a> Observed<'a> {
+    pub fn new(keeper: Option<&'a Keeper>) -> Self {
+        Self { keeper, drives: Mutex::default() }
+    }
+
+    /// The figures of the drives of a run that ended.
+    pub fn take(&self, run: usize) -> Vec<Drive> {
+        let mut drives = self.drives.lock().expect("no worker panics here");
+        drives.remove(&run).unwrap_or_default()
+    }
 }
 
 impl<'a> Crew<'a> {
@@ -21,9 +45,9 @@ impl<'a> Crew<'a> {
         group: &'a GroupOptions,
         repeated: &'a BTreeSet<usize>,
         going_on: &'a dyn Fn() -> bool,
-        keeper: Option<&'a Keeper>,
+        observed: &'a Observed<'a>,
     ) -> Self {
-        Self { group, repeated, going_on, keeper }
+        Self { group, repeated, going_on, observed }
     }
 
     /// How processes are started.
@@ -41,6 +65,17 @@ impl<'a> Crew<'a> {
     #[must_use]
     pub fn repeats(&self, run: usize) -> bool {
         self.repeated.contains(&run)
+    }
+
+    /// Takes a drive of run `run` into the table of all drives, and its trajectory where it is to be kept. `keys` are
+    /// those of [`Study::keys`], with their values in this drive.
+    pub fn observe(&self, run: usize, keys: &[(String, String)], scenario: &Scenario, done: &Done) {
+        if let Some(keeper) = self.observed.keeper {
+            keeper.offer(run, scenario, keys, &done.summary, &done.drive);
+        }
+        let drive = Drive::of(scenario, keys, &done.summary);
+        let mut drives = self.observed.drives.lock().expect("no worker panics here");
+        drives.entry(run).or_default().push(drive);
     }
 
     /// Drives, and repeats what is in the sample.
@@ -65,8 +100,8 @@ impl<'a> Crew<'a> {
             result @ (Ok(_) | Err(Error::NotReady { .. } | Error::Runtime(_))) => result,
             Err(error) => return Err(error),
         };
-        if let (Ok(done), Some(keeper)) = (&result, self.keeper) {
-            keeper.offer(run, &job.scenario, &study.keys(run), done);
+        if let Ok(done) = &result {
+            self.observe(run, &study.keys(run), &job.scenario, done);
         }
         let repetition = result.as_ref().ok().and_then(|done| done.repetition.clone());
         let (record, seen) = study.record(run, job, result)?;

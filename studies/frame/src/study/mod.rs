@@ -20,6 +20,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::batch::{Done, Job, ProcessesSample, Repetition};
+use crate::keep::Keep;
 use crate::parts::{PartOptions, Records, Shard};
 
 /// The options that all studies have, where an argument struct keeps them.
@@ -92,13 +93,18 @@ pub trait Study: Sized + Sync {
     const NEEDS: Needs = Needs::Part;
     /// There may be too many records for memory: a journal is kept in any case.
     const KEEPS_JOURNAL: bool = false;
-    /// Each run has one trajectory, which `--keep` can keep.
+    /// `--keep` can keep the drives: their keys are known before the first of them.
     const KEEPS_TRAJECTORIES: bool = true;
     /// A run that gave other bytes in a process group is a finding of the study. Otherwise it ends the study.
     const JUDGES_SAMPLE: bool = false;
 
     /// Finds the common options in the arguments.
     fn options(arguments: &Self::Arguments) -> Options<'_>;
+
+    /// The trajectories to keep. A study that cannot be split has an option of its own.
+    fn keep(arguments: &Self::Arguments) -> Option<Keep> {
+        Self::options(arguments).parts.and_then(|parts| parts.keep)
+    }
 
     /// Reads and checks all that the arguments name. Nothing is written before.
     ///
@@ -197,8 +203,8 @@ pub trait Study: Sized + Sync {
         let _ = (run, record);
     }
 
-    /// The keys that the study varies, with their values in a run: columns of the trajectories that `--keep` keeps.
-    /// All runs have the same keys.
+    /// The keys that the study varies, with their values in a run: columns of the table of drives, and of the
+    /// trajectories that `--keep` keeps. All runs have the same keys.
     fn keys(&self, run: usize) -> Vec<(String, String)> {
         let _ = run;
         Vec::new()

@@ -7,8 +7,10 @@ use group::{Error, GroupOptions};
 use indicatif::ProgressBar;
 use report::output::OutputDirectory;
 
+use super::crew::Observed;
 use super::{Crew, Found, Gave, Needs, Options, Study};
 use crate::batch::{self, ProcessesSample};
+use crate::drives;
 use crate::keep::{self, Keeper, KeepsNone};
 use crate::parts::{self, Merged, Part, PartOptions, ShardChoice, name_incomplete};
 
@@ -27,7 +29,7 @@ pub fn run<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
 fn drive<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
     let given = S::options(arguments);
     let mut parts = given.parts.cloned().unwrap_or_default();
-    if parts.keep.is_some() && !S::KEEPS_TRAJECTORIES {
+    if S::keep(arguments).is_some() && !S::KEEPS_TRAJECTORIES {
         return Err(KeepsNone { command: S::NAME.to_owned() }.into());
     }
     let mut group = given.group.clone();
@@ -65,8 +67,8 @@ fn drive<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
     let bar = report::progress::count_bar(part.runs(), results.json);
     bar.set_message(study.label());
     let mut seen = BTreeMap::new();
-    let keeper =
-        parts.keep.map(|keep| Keeper::new(keep, &output, &part.left(), &|run| study.keys(run)));
+    let keeper = S::keep(arguments)
+        .map(|keep| Keeper::new(keep, &output, &part.left(), &|run| study.keys(run)));
     let end = all(&study, options, &mut part, &mut seen, keeper.as_ref(), &bar);
     bar.finish_and_clear();
     if let Some(keeper) = keeper {
@@ -102,6 +104,7 @@ fn all<S: Study>(
     }
     let sampled = part.sampled(study.seed());
     let mut sample = ProcessesSample::default();
+    let observed = Observed::new(keeper);
     let mut keep = |run: usize, gave: Result<Gave<S::Record, S::Seen>, Error>| {
         let Gave { record, seen: picture, repetition } = gave?;
         if let Some(line) = study.notice(&record) {
@@ -112,12 +115,12 @@ fn all<S: Study>(
             keeper.settle(run)?;
         }
         seen.insert(run, picture);
-        part.keep(run, record, repetition.as_ref())
+        part.keep(run, record, observed.take(run), repetition.as_ref())
     };
     let at_once = batch::at_once(options.jobs, study.mode());
     for (runs, at_once) in [(together, at_once), (alone, 1)] {
         let work = |place: usize, going_on: &dyn Fn() -> bool| {
-            let crew = Crew::new(options.group, &sampled, going_on, keeper);
+            let crew = Crew::new(options.group, &sampled, going_on, &observed);
             study.drive(runs[place], &crew)
         };
         let mut each = |place: usize, gave| keep(runs[place], gave);
@@ -143,11 +146,17 @@ fn merge<S: Study>(arguments: &S::Arguments, parts: &PartOptions) -> Result<Exit
     let Merged { records, sample, .. } = merged;
     let seen = BTreeMap::new();
     let sample = agreed(&study, sample)?;
+    drives::write(&records, &keys(&study), &output)?;
     let directory = output.path().to_owned();
     let found = Found { records, seen, sample, shard: None, is_whole, directory };
     let document = study.judge(found)?;
     options.results.deliver(&document, &output)?;
     Ok(if is_whole { document.exit_code() } else { ExitCode::FAILURE })
+}
+
+/// The keys of all runs, those of the first.
+fn keys<S: Study>(study: &S) -> Vec<(String, String)> {
+    if study.runs() > 0 { study.keys(0) } else { Vec::new() }
 }
 
 /// The sample, unless it ends the study.
@@ -185,6 +194,7 @@ fn conclude<S: Study>(
         }
     }
     let is_whole = records.len() == runs;
+    drives::write(&records, &keys(study), output)?;
     let directory = output.path().to_owned();
     let document = study.judge(Found { records, seen, sample, shard, is_whole, directory })?;
     match end {

@@ -137,6 +137,10 @@ impl Study for Tests {
         Ok((rows::rows(*test, law, &done.drive), ()))
     }
 
+    fn keys(&self, run: usize) -> Vec<(String, String)> {
+        vec![("test".to_owned(), format!("{:?}", self.tests[run].1))]
+    }
+
     fn describe(&self, run: usize) -> String {
         let (law, test) = &self.tests[run];
         format!(" ({test:?} with {law})")

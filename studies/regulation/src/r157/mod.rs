@@ -37,6 +37,7 @@ use matrix::{Case, Matrix};
 use plan::{Plan, first_scenario};
 use report::results::{Document, ResultOptions};
 use results::{MatrixResult, Results};
+use scenario::Scenario;
 
 /// Options that a merge takes from the parts.
 const WITHOUT_MERGE: [&str; 5] = ["matrix", "controllers", "laws", "sample", "seed"];
@@ -103,8 +104,6 @@ impl Study for Plan {
     type Seen = ();
 
     const NAME: &'static str = "r157";
-    // A case is driven as often as its judgement takes.
-    const KEEPS_TRAJECTORIES: bool = false;
     const NEEDS: Needs = Needs::All;
 
     fn options(arguments: &R157Arguments) -> Options<'_> {
@@ -137,9 +136,16 @@ impl Study for Plan {
     }
 
     fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<Kept, ()>, Error> {
+        let observe = |aebs: bool, scenario: &Scenario, done: &Done| {
+            crew.observe(run, &self.keys_of(run, aebs), scenario, done);
+        };
         let (record, repetition) =
-            self.drive_case(run, crew.repeats(run), crew.group(), crew.going_on())?;
+            self.drive_case(run, crew.repeats(run), crew.group(), crew.going_on(), &observe)?;
         Ok(Gave { record, seen: (), repetition })
+    }
+
+    fn keys(&self, run: usize) -> Vec<(String, String)> {
+        self.keys_of(run, false)
     }
 
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {

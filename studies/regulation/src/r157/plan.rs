@@ -83,16 +83,29 @@ impl Plan {
         self.matrices.iter().map(|(_, cases)| cases.len() * self.laws.len()).sum()
     }
 
-    fn place(&self, run: usize) -> (&Laws, &Case) {
+    fn place(&self, run: usize) -> (&Laws, Matrix, usize, &Case) {
         let mut before = 0;
-        for (_, cases) in &self.matrices {
+        for (matrix, cases) in &self.matrices {
             let place = run - before;
             if place < cases.len() * self.laws.len() {
-                return (&self.laws[place / cases.len()], &cases[place % cases.len()]);
+                let (laws, case) = (&self.laws[place / cases.len()], place % cases.len());
+                return (laws, *matrix, case, &cases[case]);
             }
             before += cases.len() * self.laws.len();
         }
         unreachable!("the runs are numbered up to their count")
+    }
+
+    /// The keys of a drive of run number `run`. Laws that are the same without signals share their drives, under the
+    /// name of the first.
+    pub fn keys_of(&self, run: usize, aebs: bool) -> Vec<(String, String)> {
+        let (_, matrix, number, _) = self.place(run);
+        let keys = [
+            ("matrix", matrix.name().to_owned()),
+            ("case", (number + 1).to_string()),
+            ("aebs", aebs.to_string()),
+        ];
+        keys.map(|(name, value)| (name.to_owned(), value)).to_vec()
     }
 
     /// The first drive of run number `run`.
@@ -100,12 +113,13 @@ impl Plan {
     /// # Errors
     /// As [`scene::scenario`].
     pub fn first_of(&self, run: usize) -> Result<Scenario, Error> {
-        let (laws, case) = self.place(run);
+        let (laws, _, _, case) = self.place(run);
         let driver = Driver { law: laws.names[0].clone(), aebs: laws.with_brake };
         scene::scenario(case, &driver, &self.settled)
     }
 
-    /// Drives run number `run`: as often as it takes, or `repeat`ing it in process groups and with every driver.
+    /// Drives run number `run`: as often as it takes, or `repeat`ing it in process groups and with every driver. Each
+    /// drive of its own is shown to `observe`, with whether the emergency brake took part.
     ///
     /// # Errors
     /// As [`batch::lockstep`]; [`batch::Aborted`].
@@ -115,23 +129,27 @@ impl Plan {
         repeat: bool,
         group: &GroupOptions,
         going_on: &dyn Fn() -> bool,
+        observe: &dyn Fn(bool, &Scenario, &Done),
     ) -> Result<(Kept, Option<Repetition>), Error> {
-        let (laws, case) = self.place(run);
-        let drive = |law: &str, aebs: bool, repeat: bool| -> Result<Done, Error> {
+        let (laws, _, _, case) = self.place(run);
+        let drive = |law: &str, aebs: bool, repeat: bool| -> Result<(Scenario, Done), Error> {
             let driver = Driver { law: law.to_owned(), aebs };
             let scenario = scene::scenario(case, &driver, &self.settled)?;
             let done = batch::lockstep(&scenario, group, repeat, going_on)?;
             batch::whole(&done.summary)?;
-            Ok(done)
+            Ok((scenario, done))
         };
-        let Shared { kept, brake_acted } =
-            Shared::of(laws.with_brake, &|aebs| drive(&laws.names[0], aebs, false))?;
+        let Shared { kept, brake_acted } = Shared::of(laws.with_brake, &|aebs| {
+            let (scenario, done) = drive(&laws.names[0], aebs, false)?;
+            observe(aebs, &scenario, &done);
+            Ok(done)
+        })?;
         if !(repeat && batch::in_one_thread(group)) {
             return Ok((kept, None));
         }
         let mut repetition = Repetition::Same;
         for (Driver { law, aebs }, in_group) in laws.repeated(run, brake_acted) {
-            let done = drive(&law, aebs, in_group)?;
+            let (_, done) = drive(&law, aebs, in_group)?;
             let found = match done.repetition {
                 Some(different @ Repetition::Different(_)) => different,
                 _ if kept.end(aebs) != Some(End::of(&done)) => {
@@ -240,6 +258,7 @@ mod tests {
     use super::super::matrix;
     use super::*;
     use clap::ValueEnum;
+    use std::cell::Cell;
     use std::collections::BTreeMap;
     use std::num::NonZeroUsize;
 
@@ -339,8 +358,13 @@ mod tests {
         assert_eq!(plan.laws.len(), 2, "cacc-mpc and acc-mpc are one");
         assert_eq!((plan.drivers.len(), plan.number_of_runs()), (6, 12));
         let group = arguments(&[]).group;
-        let drive = |run| plan.drive_case(run, false, &group, &|| true).expect("it runs").0;
+        let observed = Cell::new(0);
+        let observe = |_: bool, _: &Scenario, _: &Done| observed.set(observed.get() + 1);
+        let drive = |run| plan.drive_case(run, false, &group, &|| true, &observe);
+        let drive = |run| drive(run).expect("it runs").0;
         let kept: Vec<_> = (0..plan.number_of_runs()).map(|run| Some(drive(run))).collect();
+        assert!(observed.get() >= plan.number_of_runs(), "{observed:?}");
+        assert_eq!(plan.keys_of(7, true)[0].1, "following", "{:?}", plan.keys_of(7, true));
         for judged in plan.judged(&kept).expect("it runs").expect("none is missing") {
             let drivers: Vec<_> =
                 judged.laws.iter().map(|d| (d.driver.law.as_str(), d.driver.aebs)).collect();

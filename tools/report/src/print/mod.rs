@@ -161,6 +161,29 @@ pub fn outcome_word(outcome: Outcome) -> &'static str {
     }
 }
 
+/// How several runs ended: `completed`, or the number of each outcome.
+///
+/// ```
+/// use group::report::Outcome::{Collision, Completed};
+///
+/// assert_eq!(report::print::outcomes([Completed, Collision, Completed]), "2 completed, 1 COLLISION");
+/// assert_eq!(report::print::outcomes([Completed]), "completed");
+/// ```
+pub fn outcomes(runs: impl IntoIterator<Item = Outcome>) -> String {
+    let mut kinds: Vec<(Outcome, usize)> = Vec::new();
+    for run in runs {
+        match kinds.iter_mut().find(|(outcome, _)| *outcome == run) {
+            Some((_, count)) => *count += 1,
+            None => kinds.push((run, 1)),
+        }
+    }
+    if let [(outcome, 1)] = kinds.as_slice() {
+        return outcome_word(*outcome).to_owned();
+    }
+    let words = kinds.iter().map(|(outcome, count)| format!("{count} {}", outcome_word(*outcome)));
+    words.collect::<Vec<_>>().join(", ")
+}
+
 fn recording(recording: &RecordingSummary) -> String {
     let lost = match recording.lost {
         Some(0) => "0 lost".into(),

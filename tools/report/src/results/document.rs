@@ -213,7 +213,7 @@ impl Document {
         let tables = self.parts.iter().filter(|part| matches!(part, Part::Table(_))).count();
         for part in &self.parts {
             match part {
-                Part::Table(table) if table.rows.is_empty() || table.is_for_pages => {}
+                Part::Table(table) if !table.is_on_terminals() => {}
                 Part::Table(table) => {
                     if tables > 1 && table.block.is_none() {
                         text += &console::folded(&table.heading, 0, width);

@@ -24,7 +24,7 @@ fn text(document: &Document) -> String {
     }
     for part in &document.parts {
         match part {
-            Part::Table(table) if !table.rows.is_empty() => text += &self::table(table),
+            Part::Table(table) if table.is_on_pages() => text += &self::table(table),
             Part::Text(words) => text += &format!("\n{}\n", escape(words)),
             _ => {}
         }

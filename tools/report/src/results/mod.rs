@@ -30,4 +30,4 @@ pub use document::{Attachment, Contents, Document, Fill, Part};
 pub use head::{Format, Good, Head, Kind};
 pub use options::{ExportError, ResultOptions};
 pub use schema::{Schema, check, document as schema_document};
-pub use table::{Table, csv_head, csv_line};
+pub use table::{Table, csv_head, csv_line, field};

@@ -24,7 +24,7 @@ fn text(result: &Document) -> String {
 
 fn part(part: &Part) -> String {
     match part {
-        Part::Table(table) if table.rows.is_empty() => String::new(),
+        Part::Table(table) if !table.is_on_pages() => String::new(),
         Part::Table(table) => blocks(table),
         Part::Figures(heading, html) if heading.is_empty() => html.clone(),
         Part::Figures(heading, html) => section(heading, html),

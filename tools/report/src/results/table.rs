@@ -17,12 +17,20 @@ pub struct Table {
     pub(super) block: Option<usize>,
     /// Most rows that a terminal shows.
     pub(super) most_rows: usize,
-    /// A terminal does not show it.
-    pub(super) is_for_pages: bool,
+    /// The outputs that show it.
+    pub(super) place: Place,
     /// Its rows are cases of a continuous integration job.
     pub(super) has_cases: bool,
     /// HTML behind the block of this name.
     pub(super) figures: Vec<(String, String)>,
+}
+
+/// The outputs for people that show a table.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Place {
+    Everywhere,
+    Pages,
+    Terminals,
 }
 
 impl Table {
@@ -43,13 +51,22 @@ impl Table {
     /// assert_eq!(table.csv(), "law,jerk_mps3\na,2\nb,1\n");
     /// ```
     pub fn new<R: Serialize>(heading: &str, columns: &[Column<R>], rows: &[R]) -> Self {
+        Self::of(heading, columns, rows)
+    }
+
+    /// A table of rows that are chosen from others.
+    pub fn of<'a, R: Serialize + 'a>(
+        heading: &str,
+        columns: &[Column<R>],
+        rows: impl IntoIterator<Item = &'a R>,
+    ) -> Self {
         Self {
             heading: heading.to_owned(),
             columns: columns.iter().map(|column| column.head.clone()).collect(),
-            rows: rows.iter().map(|row| cells(columns, row)).collect(),
+            rows: rows.into_iter().map(|row| cells(columns, row)).collect(),
             block: None,
             most_rows: usize::MAX,
-            is_for_pages: false,
+            place: Place::Everywhere,
             has_cases: true,
             figures: Vec::new(),
         }
@@ -76,8 +93,25 @@ impl Table {
     /// The same on the page and in Markdown alone.
     #[must_use]
     pub fn for_pages(mut self) -> Self {
-        self.is_for_pages = true;
+        self.place = Place::Pages;
         self
+    }
+
+    /// The same on a terminal alone.
+    #[must_use]
+    pub fn for_terminals(mut self) -> Self {
+        self.place = Place::Terminals;
+        self
+    }
+
+    /// True if pages and Markdown show it.
+    pub(super) fn is_on_pages(&self) -> bool {
+        self.place != Place::Terminals && !self.rows.is_empty()
+    }
+
+    /// True if a terminal shows it.
+    pub(super) fn is_on_terminals(&self) -> bool {
+        self.place != Place::Pages && !self.rows.is_empty()
     }
 
     /// The same whose rows are no cases of a job.
@@ -176,7 +210,8 @@ fn in_csv(head: &Head) -> bool {
 }
 
 /// A field of CSV: all digits of a number; nothing where nothing applies.
-fn field(value: &Value) -> String {
+#[must_use]
+pub fn field(value: &Value) -> String {
     match value {
         Value::Null => String::new(),
         Value::String(text) => text.clone(),

@@ -1,0 +1,261 @@
+//! The rows of a comparison, and the result that is made of them.
+
+use std::collections::BTreeMap;
+
+use frame::batch::ProcessesSample;
+use group::report::Outcome;
+use report::results::Document;
+use report::summary::{Aebs, Control, LawAccount, Summary, Timing, braked};
+use report::{RunPicture, overlay};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+
+use super::columns;
+use super::differences::{Difference, differences, rule};
+use super::means::{Means, means};
+use crate::figure::Measured;
+
+/// The whole comparison.
+#[derive(Debug, Serialize)]
+pub struct Comparison {
+    pub schema_version: u32,
+    pub ok: bool,
+    pub rows: Vec<Row>,
+    /// Each scenario with each law, over the seeds.
+    pub means: Vec<Means>,
+    /// Each law against the first one, seed by seed; empty for one seed.
+    pub differences: Vec<Difference>,
+    /// When a difference is called real; null for one seed.
+    pub rule: Option<String>,
+    pub processes_sample: ProcessesSample,
+}
+
+/// A run.
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Row {
+    pub scenario: String,
+    pub controller: String,
+    pub seed: u64,
+    pub mode: String,
+    pub outcome: Outcome,
+    pub control: Control,
+    pub timing: Timing,
+    pub aebs: Braking,
+    #[serde(default)]
+    pub law: Option<LawAccount>,
+}
+
+impl Row {
+    /// The row of a run of the scenario that is named `label` in results.
+    pub fn new(label: &str, summary: Summary) -> Self {
+        Self {
+            scenario: label.to_owned(),
+            controller: summary.controller,
+            seed: summary.seed,
+            mode: summary.mode.to_owned(),
+            outcome: summary.outcome,
+            control: summary.control,
+            timing: summary.timing,
+            aebs: Braking::of(&summary.aebs),
+            law: summary.law,
+        }
+    }
+}
+
+impl<'a> From<&'a Row> for Measured<'a> {
+    fn from(row: &'a Row) -> Self {
+        let Row { control, timing, aebs, .. } = row;
+        Self { control, timing, interventions: aebs.interventions }
+    }
+}
+
+/// Interventions of the emergency brake in a run.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Braking {
+    pub enabled: bool,
+    pub warnings: Option<u64>,
+    pub interventions: Option<u64>,
+    pub braking_s: Option<f64>,
+}
+
+impl Braking {
+    fn of(aebs: &Aebs) -> Self {
+        let Aebs { enabled, warnings, interventions, braking_s, .. } = *aebs;
+        Self { enabled, warnings, interventions, braking_s }
+    }
+}
+
+/// `means`, `differences` and `rule` of the JSON, of runs that somebody else drove: `rows` is the list of the same name.
+/// The runs of a scenario stand together, and those of a law in it, with the same seeds in the same order.
+///
+/// # Errors
+/// If a row lacks a figure.
+///
+/// # Panics
+/// Never: figures are plain data.
+///
+/// ```
+/// let of_nothing = comparison::compare::over_seeds("[]").expect("an empty list");
+/// assert_eq!(of_nothing["means"], serde_json::json!([]));
+/// assert!(comparison::compare::over_seeds("[{}]").is_err());
+/// ```
+pub fn over_seeds(rows: &str) -> serde_json::Result<Value> {
+    let rows: Vec<Row> = serde_json::from_str(rows)?;
+    let differences = differences(&rows);
+    let rule = rule(&differences);
+    Ok(json!({"means": means(&rows), "differences": differences, "rule": rule}))
+}
+
+/// The drives of each scenario over each other. Parts of a comparison keep figures alone.
+pub fn drives(
+    rows: &[(usize, Row)],
+    seen: &BTreeMap<usize, Option<RunPicture>>,
+) -> Vec<(String, String)> {
+    let blocks = rows.chunk_by(|(_, a), (_, b)| a.scenario == b.scenario);
+    let drawn = blocks.filter_map(|rows| {
+        let laws = rows.chunk_by(|(_, a), (_, b)| a.controller == b.controller);
+        let pictures = laws.map(|seeds| {
+            let (run, row) = &seeds[0];
+            Some((row.controller.as_str(), seen.get(run)?.as_ref()?))
+        });
+        let pictures: Vec<_> = pictures.collect::<Option<_>>()?;
+        Some((rows[0].1.scenario.clone(), overlay(&pictures)))
+    });
+    drawn.collect()
+}
+
+/// The result for every output.
+pub fn document(
+    rows: Vec<Row>,
+    seeds: usize,
+    processes_sample: ProcessesSample,
+    drives: Vec<(String, String)>,
+) -> Document {
+    let completed = rows.iter().filter(|row| row.outcome == Outcome::Completed).count();
+    let ok = completed == rows.len();
+    let (means, differences) = (means(&rows), differences(&rows));
+    let rule = rule(&differences);
+    let mut verdict = format!(
+        "{completed} of {} runs completed; {}{}",
+        rows.len(),
+        braked(rows.iter().filter_map(|row| row.aebs.interventions).sum()),
+        backup(&rows)
+    );
+    if !differences.is_empty() {
+        let real = differences.iter().filter(|difference| difference.is_real()).count();
+        verdict += &format!("; {real} of {} differences are real", differences.len());
+    }
+    let about = rows.first().map_or("", |row| row.mode.as_str()).to_owned();
+    let about = match seeds {
+        1 => about,
+        seeds => format!("{about}, {seeds} seeds each (mean ± standard deviation)"),
+    };
+    let whole =
+        Comparison { schema_version: 1, ok, rows, means, differences, rule, processes_sample };
+    let table = match seeds {
+        1 => columns::runs(&whole.rows),
+        _ => columns::means(&whole.means),
+    };
+    let table = drives.into_iter().fold(table, |table, (of, html)| table.figures(&of, html));
+    let mut document = Document::new("compare", "Comparison of controllers", &whole)
+        .about(about)
+        .verdict(ok, verdict)
+        .table(table);
+    if seeds > 1 {
+        for table in columns::differences(&whole.differences) {
+            document = document.table(table);
+        }
+        document = document
+            .text(whole.rule.clone().unwrap_or_default())
+            .table(columns::runs_with_seeds(&whole.rows).for_pages());
+    }
+    document
+}
+
+/// Laws that their backups drove for, in words.
+fn backup(rows: &[Row]) -> String {
+    let by_backup = rows.iter().filter(|row| row.outcome == Outcome::DrivenByBackup);
+    let by_backup: Vec<_> = by_backup.flat_map(|row| &row.law).map(ToString::to_string).collect();
+    match by_backup.as_slice() {
+        [] => String::new(),
+        laws => format!("; driven by the backup: {}", laws.join(", ")),
+    }
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+    use group::report::ControlFigures;
+    use report::{Following, Trip};
+
+    /// A row of a car: without fuel, and without deadlines, since it was driven in lockstep.
+    pub fn row(controller: &str, seed: u64, min_gap_m: f64) -> Row {
+        let figures = ControlFigures {
+            min_gap_m: Some(min_gap_m),
+            rms_gap_error_m: Some(0.5),
+            ..ControlFigures::default()
+        };
+        let following = Following { min_time_gap_s: Some(1.25), median_time_gap_s: Some(1.5) };
+        Row {
+            scenario: "following".into(),
+            controller: controller.into(),
+            seed,
+            mode: "lockstep".into(),
+            outcome: Outcome::Completed,
+            control: Control { figures, following, trip: Trip::default(), mode_changes: None },
+            timing: Timing::default(),
+            aebs: Braking { interventions: Some(2), ..Braking::default() },
+            law: None,
+        }
+    }
+
+    #[test]
+    fn time_gaps_are_shown_and_columns_without_a_figure_are_not() {
+        let rows = vec![row("acc-mpc", 1, 20.0), row("six-mode", 1, -0.01)];
+        let document = document(rows, 1, ProcessesSample::default(), Vec::new());
+        for text in [document.console(80), document.page(), document.markdown()] {
+            for heading in ["min time gap, s", "median time gap, s", "gap error rms, m"] {
+                assert!(text.contains(heading), "{heading}: {text}");
+            }
+            for heading in ["fuel", "missed", "gap error at the end", "real"] {
+                assert!(!text.contains(heading), "{heading}: {text}");
+            }
+            assert!(!text.contains("-0.0") && !text.contains("−0.0"), "{text}");
+        }
+        let wrong = report::results::check(&columns::schema().json(), &document.value());
+        assert_eq!(wrong, [""; 0]);
+        assert!(document.junit().contains("name=\"following, acc-mpc\""), "{}", document.junit());
+    }
+
+    #[test]
+    fn of_several_seeds_means_and_real_differences_are_shown() {
+        let of = |law, gap_m: f64| {
+            (1..=12).map(move |seed| row(law, seed, gap_m + 0.1 * (seed % 3) as f64))
+        };
+        let mut rows: Vec<Row> = of("acc-mpc", 20.0).chain(of("six-mode", 15.0)).collect();
+        rows[3].outcome = Outcome::Collision;
+        let document = document(rows, 12, ProcessesSample::default(), Vec::new());
+        let console = document.console(100);
+        for words in ["lockstep, 12 seeds each", "20.10", "± 0.09", "11 completed, 1 COLLISION"] {
+            assert!(console.contains(words), "{words}: {console}");
+        }
+        let (_, real) = console.split_once("Real differences from acc-mpc").expect(&console);
+        let table = real.split("A difference is called real").next().expect("the rule follows");
+        assert!(table.contains("min gap, m") && table.contains("worse"), "{table}");
+        assert!(!table.contains("gap error rms"), "equal figures differ: {table}");
+        let (page, json) = (document.page(), document.value());
+        assert!(page.contains("All differences from acc-mpc") && page.contains("gap error rms"));
+        assert_eq!(json["means"].as_array().map(Vec::len), Some(2));
+        let junit = document.junit();
+        assert!(junit.contains("name=\"following, acc-mpc, 4\""), "{junit}");
+        assert_eq!(junit.matches("<failure").count(), 2, "the run and the verdict: {junit}");
+        assert!(json["rule"].as_str().expect("words").contains("Hartigan"));
+        let wrong = report::results::check(&columns::schema().json(), &json);
+        assert_eq!(wrong, [""; 0]);
+        let rows = json["rows"].to_string();
+        let again = over_seeds(&rows).expect("the rows of a result");
+        for part in ["means", "differences", "rule"] {
+            assert_eq!(again[part], json[part], "{part}");
+        }
+    }
+}
