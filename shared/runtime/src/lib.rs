@@ -26,6 +26,7 @@
 //! `unsafe` is allowed in `coroutine`, `library`, `scheduling`, `spawn`, `usage` and `words`, for system calls that no
 //! crate wraps, and in `transport` (`pooled`, and where loaned bytes become a message).
 
+mod counts;
 mod error;
 mod faults;
 mod guest;
@@ -36,11 +37,14 @@ mod ports;
 mod releases;
 pub mod report;
 mod session;
-pub mod statistics;
 mod survival;
 mod transport;
 mod words;
 
+pub use counts::account::{LastAccount, Progress, take_account};
+pub use counts::figures::{Count, Figures, RELEASE_JITTER};
+pub use counts::statistics;
+pub use counts::statistics::histogram_log;
 pub use error::RuntimeError;
 pub use faults::{FaultStatistics, Injected, concerned};
 pub use guest::Guest;
@@ -65,10 +69,7 @@ pub use releases::release::{Overrun, Release};
 pub use releases::schedule::{Schedule, ScheduledRelease};
 pub use releases::timetable::Timetable;
 pub use session::{Cycle, Runtime, count_allocations_by};
-pub use statistics::histogram_log;
-pub use survival::account::{LastAccount, Progress, take_account};
 pub use survival::checkpoint::Checkpoint;
-pub use survival::figures::{Count, Figures, RELEASE_JITTER};
 pub use survival::standby::{ActiveProcess, Cause, TakeOver};
 pub use transport::carried::Carried;
 pub use transport::waking::{Ticket, Waiter, Waker};

@@ -8,8 +8,8 @@ mod payload;
 pub use payload::{Payload, Reported};
 
 use crate::FaultStatistics;
+use crate::counts::statistics::Percentiles;
 use crate::machine::scheduling::Granted;
-use crate::statistics::Percentiles;
 use messages::Service;
 use messages::e2e::Outcomes;
 use serde::{Deserialize, Serialize};

@@ -6,7 +6,7 @@
 //! two locks of the handover, which the thread holds for a copy, and allocates nothing. Where all
 //! services share one thread the work is done when it is asked for: its time does not count there.
 
-use crate::statistics::{Latencies, Percentiles};
+use crate::counts::statistics::{Latencies, Percentiles};
 use crate::{Carrier, Count, Mode, Release, Runtime, RuntimeError, monotonic_ns};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};

@@ -1,7 +1,7 @@
 //! The cycles of one service: which step is next, when it begins, what was left out.
 
+use crate::counts::statistics::Latencies;
 use crate::releases::schedule::Schedule;
-use crate::statistics::Latencies;
 use crate::{Clock, Mode, Release, Timetable};
 use messages::{Origin, Service, Topic};
 use std::rc::Rc;

@@ -8,6 +8,7 @@ mod start;
 
 pub use cycle::{Cycle, count_allocations_by};
 
+use crate::counts::figures::{Figures, RELEASE_JITTER};
 use crate::faults::Faults;
 use crate::life::link::Link;
 use crate::machine::scheduling::Granted;
@@ -18,7 +19,6 @@ use crate::releases::schedule::Schedule;
 use crate::survival::Survival;
 use crate::survival::checkpoint::{Checkpoint, state_path};
 use crate::survival::fence::Fences;
-use crate::survival::figures::{Figures, RELEASE_JITTER};
 use crate::transport::{Carrier, Seat, SharedMemory, Transport, Turns};
 use crate::{Clock, Group, Mode, Publisher, RuntimeError, Subscriber, Usage};
 use messages::{EgoTruth, Heartbeat, Service};

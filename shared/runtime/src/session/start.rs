@@ -1,8 +1,8 @@
 //! From the open ports to the first release.
 
 use super::Runtime;
+use crate::counts::account::Account;
 use crate::machine::scheduling::{Granted, Request, above, apply, in_force};
-use crate::survival::account::Account;
 use crate::survival::end_word;
 use crate::survival::standby::{ActiveProcess, Standby};
 use crate::transport::Carrier;

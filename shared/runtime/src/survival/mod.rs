@@ -1,25 +1,22 @@
-//! Survival of a process's end: counts and state that outlive it, epochs and standbys that replace it.
+//! Survival of a process's end: state that outlives it, epochs and standbys that replace it.
 //!
 //! ```text
-//! process ──► Account: counts of this process ─┐
-//!         ──► Figures: histograms of all       ├─► read by the launcher after its end
-//!         ──► Checkpoint: state ───────────────┴─► read by the next process
+//! process ──► counts: its account, the figures of all ─► read by the launcher after its end
+//!         ──► Checkpoint: state ───────────────────────► read by the next process
 //!
 //! Gate: may this process speak?  ◄── Fences: one epoch a service  ◄── Standby: takes the epoch over
 //! ```
 
-pub mod account;
 pub mod checkpoint;
 mod cycle_watch;
 pub mod end_word;
 pub mod fence;
-pub mod figures;
 pub mod gate;
 pub mod standby;
 
-use account::Account;
+use crate::counts::account::Account;
+use crate::counts::figures::Figures;
 use fence::Fences;
-use figures::Figures;
 use gate::Gate;
 use messages::Service;
 use standby::Standby;

@@ -8,8 +8,8 @@
 //!
 //! The end of the active process is known by [`end_word`], or by its pidfd.
 
+use crate::counts::account::progress;
 use crate::machine::scheduling::{Granted, Request, above, set_below_services, set_fifo_of};
-use crate::survival::account::progress;
 use crate::survival::cycle_watch::CycleWatch;
 use crate::survival::end_word;
 use crate::survival::fence;
@@ -190,7 +190,7 @@ impl Standby {
         let timeout_ns = scenario.supervision.standby_timeout_ms.nanoseconds();
         let timeout_ns = i64::try_from(timeout_ns).unwrap_or(i64::MAX);
         let period_ns = group.timetable.period_ns(service);
-        let account = crate::survival::account::page(group, service, active.incarnation);
+        let account = crate::counts::account::page(group, service, active.incarnation);
         Ok(Self { order, account, watch: CycleWatch::new(monotonic_ns(), period_ns, timeout_ns) })
     }
 

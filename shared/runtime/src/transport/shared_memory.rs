@@ -4,10 +4,10 @@ use super::ends::{Arrival, Connect, Input, Receiver, Sender, SenderId, buffer, b
 use super::error::TransportError;
 use super::held::Held;
 use super::loan::{Loan, Place};
+use crate::counts::figures::MOST_BYTES as MOST_KEPT_BYTES;
 use crate::life::link::End;
 use crate::ports::members::Members;
 use crate::survival::checkpoint::MOST_BYTES as MOST_STATE_BYTES;
-use crate::survival::figures::MOST_BYTES as MOST_KEPT_BYTES;
 use crate::transport::waking::{Waiter, WakeWords, Waker};
 use crate::{Group, Mode, RuntimeError, Timetable};
 use iceoryx2::config::Config;

@@ -2,10 +2,8 @@
 
 #![allow(unsafe_code, reason = "no crate maps shared memory as atomic words")]
 
-mod counters;
 mod own_file;
 
-pub(crate) use counters::Counters;
 pub(crate) use own_file::{open_existing_own, open_own};
 
 use rustix::fs::{FallocateFlags, fallocate};

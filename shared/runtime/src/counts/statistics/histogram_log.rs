@@ -1,6 +1,6 @@
 //! Histograms as a file that the tools of the HdrHistogram family read.
 
-use crate::statistics::Latencies;
+use super::Latencies;
 use hdrhistogram::serialization::V2DeflateSerializer;
 use hdrhistogram::serialization::interval_log::{IntervalLogWriterBuilder, Tag};
 use std::io;

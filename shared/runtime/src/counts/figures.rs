@@ -11,8 +11,9 @@
 //! records nothing until it takes over. A name is a hash, 0 for a free place. It takes its place by compare-and-swap,
 //! because the active process and its standby open the file at the same time. A histogram gets memory when it is opened.
 
-use crate::statistics::{BUCKETS, Latencies};
-use crate::words::{Counters, PAGE_BYTES, SharedWords, WORDS, open_existing_own, open_own};
+use super::Counters;
+use super::statistics::{BUCKETS, Latencies};
+use crate::words::{PAGE_BYTES, SharedWords, WORDS, open_existing_own, open_own};
 use crate::{Group, RuntimeError};
 use messages::Service;
 use std::fs::File;

@@ -2,7 +2,7 @@
 
 pub mod histogram_log;
 
-use crate::words::Counters;
+use super::Counters;
 use hdrhistogram::Histogram;
 use serde::{Deserialize, Serialize};
 
@@ -12,7 +12,7 @@ const HIGHEST_NS: u64 = 60_000_000_000;
 /// Leading bits of a duration that determine its bucket: two decimal digits need 200 steps.
 const DIGIT_BITS: u32 = 8;
 /// Buckets of a histogram.
-pub(crate) const BUCKETS: usize = bucket(HIGHEST_NS) + 1;
+pub(super) const BUCKETS: usize = bucket(HIGHEST_NS) + 1;
 
 /// The bucket of a duration, as HdrHistogram lays them out: one for each ns below 2⁸, and 2⁷ for each doubling
 /// above.
@@ -127,7 +127,7 @@ impl Latencies {
     }
 
     /// One whose counts outlive the process.
-    pub(crate) fn kept(buckets: Counters) -> Self {
+    pub(super) fn kept(buckets: Counters) -> Self {
         Self(Counts::Kept(buckets))
     }
 

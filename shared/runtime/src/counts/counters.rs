@@ -1,12 +1,12 @@
 //! Counters in shared memory.
 
-use super::SharedWords;
+use crate::words::SharedWords;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Counters that outlive the process and stand still while it is a standby. They wrap at 2³².
 #[derive(Clone, Debug)]
-pub(crate) struct Counters {
+pub(super) struct Counters {
     words: Arc<SharedWords>,
     /// The word of the first counter.
     first: usize,
@@ -16,19 +16,19 @@ pub(crate) struct Counters {
 
 impl Counters {
     /// The counters in `words` from word `first` on, which count while `records` is set.
-    pub(crate) fn new(words: Arc<SharedWords>, first: usize, records: Arc<AtomicBool>) -> Self {
+    pub(super) fn new(words: Arc<SharedWords>, first: usize, records: Arc<AtomicBool>) -> Self {
         Self { words, first, records }
     }
 
     /// Adds `more` to counter `index`.
-    pub(crate) fn add(&self, index: usize, more: u32) {
+    pub(super) fn add(&self, index: usize, more: u32) {
         if self.records.load(Ordering::Relaxed) {
             self.words.word(self.first + index).fetch_add(more, Ordering::Relaxed);
         }
     }
 
     /// Value of counter `index`.
-    pub(crate) fn get(&self, index: usize) -> u64 {
+    pub(super) fn get(&self, index: usize) -> u64 {
         self.words.word(self.first + index).load(Ordering::Relaxed).into()
     }
 }
