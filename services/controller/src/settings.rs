@@ -5,15 +5,80 @@ use scenario::controller::Controller;
 use scenario::schema::{self, Key, Schema, Shape};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use std::collections::BTreeMap;
 use thiserror::Error;
 
 /// A law's own table in a scenario file, as a type. Every key has a default.
 pub trait Settings: Default + DeserializeOwned + Schema + Serialize {
+    /// Shows every number with its range, in the order in which they are checked.
+    fn ranges(&self, see: &mut Ranges<'_>);
+
+    /// Checks what depends on several keys.
+    ///
+    /// # Errors
+    /// The first key that is not usable.
+    fn check_together(&self) -> Result<(), SettingError> {
+        Ok(())
+    }
+
     /// Checks every value.
     ///
     /// # Errors
     /// The first key that is not usable.
-    fn check(&self) -> Result<(), SettingError>;
+    fn check(&self) -> Result<(), SettingError> {
+        let mut found = Ok(());
+        self.ranges(&mut Ranges(&mut |key, value, range| {
+            if found.is_ok() {
+                found = value.map_or(Ok(()), |value| range.check(key, value));
+            }
+        }));
+        found?;
+        self.check_together()
+    }
+}
+
+/// Takes the ranges of a table's numbers. A number may be absent.
+pub struct Ranges<'a>(&'a mut dyn FnMut(&'static str, Option<f64>, Range));
+
+impl Ranges<'_> {
+    /// `least <= value <= most`.
+    pub fn within(&mut self, key: &'static str, value: f64, least: f64, most: f64) {
+        self.optional(key, Some(value), least, most);
+    }
+
+    /// `above < value <= most`.
+    pub fn above(&mut self, key: &'static str, value: f64, above: f64, most: f64) {
+        (self.0)(key, Some(value), Range::Above(above, most));
+    }
+
+    /// `least <= value <= most`, if there is a value.
+    pub fn optional(&mut self, key: &'static str, value: Option<f64>, least: f64, most: f64) {
+        (self.0)(key, value, Range::Within(least, most));
+    }
+}
+
+/// The range of a number.
+#[derive(Clone, Copy, Debug)]
+enum Range {
+    Within(f64, f64),
+    Above(f64, f64),
+}
+
+impl Range {
+    fn check(self, key: &'static str, value: f64) -> Result<(), SettingError> {
+        match self {
+            Self::Within(least, most) => within(key, value, least, most),
+            Self::Above(bound, most) => above(key, value, bound, most),
+        }
+    }
+
+    /// The refusal of `value`, which has the range in words.
+    fn refusal(self, key: &'static str, value: f64) -> SettingError {
+        match self {
+            Self::Within(least, most) => SettingError::OutOfRange { key, value, least, most },
+            Self::Above(above, most) => SettingError::NotAbove { key, value, above, most },
+        }
+    }
 }
 
 /// Reads and checks the table `controller.<table>` of a scenario.
@@ -51,25 +116,23 @@ impl Table {
 
 /// The keys of a law's table, with the ranges that its check holds them to.
 fn keys<T: Settings>() -> Vec<Key> {
+    let mut ranges = BTreeMap::new();
+    T::default().ranges(&mut Ranges(&mut |key, value, range| {
+        ranges.insert(key, range.refusal(key, value.unwrap_or_default()));
+    }));
     let mut keys = schema::keys_of::<T>();
-    find_ranges::<T>(&mut keys, &[]);
+    put_ranges(&mut keys, "", &ranges);
     keys
 }
 
-/// Asks the check for the ranges of the keys in the table at the path `tables`.
-fn find_ranges<T: Settings>(keys: &mut [Key], tables: &[&str]) {
+/// Puts the ranges beside the keys of the table at this path.
+fn put_ranges(keys: &mut [Key], path: &str, ranges: &BTreeMap<&'static str, SettingError>) {
     for Key { name, shape, expected, .. } in keys {
-        let path = [tables, &[name.as_str()]].concat();
+        let path = format!("{path}{name}");
         match shape {
-            Shape::Table(below) => find_ranges::<T>(below, &path),
-            Shape::Number { range, is_whole, .. } => {
-                // No range holds it: what refuses it names the range.
-                let wrong = if *is_whole { u32::MAX.into() } else { toml::Value::from(f64::NAN) };
-                let wrong = path.iter().rev().fold(wrong, |value, &key| {
-                    toml::Table::from_iter([(key.to_owned(), value)]).into()
-                });
-                let refusal = T::deserialize(wrong).ok().and_then(|table| table.check().err());
-                if let Some(refusal) = refusal.filter(|refusal| refusal.key() == path.join(".")) {
+            Shape::Table(below) => put_ranges(below, &format!("{path}."), ranges),
+            Shape::Number { range, .. } => {
+                if let Some(refusal) = ranges.get(path.as_str()) {
                     *expected = Some(refusal.expected());
                     *range = refusal.range();
                 }

@@ -22,14 +22,18 @@ pub trait Hosted {
     /// The run is one of many in this thread: its program may serve them one after another.
     fn share(&mut self) {}
 
-    /// Starts the program and waits for its first answer.
+    /// Starts the program and waits for its first answer. A law without a program of its own has nothing to start.
     ///
     /// # Errors
     /// What the program did instead of answering.
-    fn start(&mut self) -> Result<(), HostedError>;
+    fn start(&mut self) -> Result<(), HostedError> {
+        Ok(())
+    }
 
     /// The run begins in real time: the program gets a share of the services' scheduling.
-    fn begin_realtime(&mut self, scenario: &Scenario);
+    fn begin_realtime(&mut self, scenario: &Scenario) {
+        let _ = scenario;
+    }
 
     /// One step of the law. `left` is the wall time in which it must be done: what has not been answered
     /// by then is answered by the law's backup. None: in simulated time, in which the answer is waited

@@ -3,7 +3,7 @@
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use crate::settings::{SettingError, Settings, Table, within};
+use crate::settings::{Ranges, SettingError, Settings, Table, within};
 
 /// The table of the road formulation.
 pub(super) const TABLE: Table = Table::of::<RoadConfig>("road");
@@ -79,21 +79,21 @@ impl Default for RoadConfig {
 }
 
 impl Settings for RoadConfig {
-    fn check(&self) -> Result<(), SettingError> {
-        within("stop_margin_m", self.stop_margin_m, 0.3, 20.0)?;
-        within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0)?;
-        within("lead_decay_s", self.lead_decay_s, 0.05, 20.0)?;
-        within("pass_margin_s", self.pass_margin_s, 0.0, 10.0)?;
-        within("yellow_reaction_s", self.yellow_reaction_s, 0.0, 2.0)?;
-        within("light_weight_m", self.light_weight_m, 0.0, 1e6)?;
-        within("light_threshold_m", self.light_threshold_m, 0.1, 1e3)?;
-        within("hysteresis", self.hysteresis, 0.0, 10.0)?;
-        within("gap_weight_per_m2", self.gap_weight_per_m2, 0.0, 1e6)?;
-        within("speed_weight_s2_per_m2", self.speed_weight_s2_per_m2, 0.0, 1e6)?;
+    fn ranges(&self, see: &mut Ranges<'_>) {
+        see.within("stop_margin_m", self.stop_margin_m, 0.3, 20.0);
+        see.within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0);
+        see.within("lead_decay_s", self.lead_decay_s, 0.05, 20.0);
+        see.within("pass_margin_s", self.pass_margin_s, 0.0, 10.0);
+        see.within("yellow_reaction_s", self.yellow_reaction_s, 0.0, 2.0);
+        see.within("light_weight_m", self.light_weight_m, 0.0, 1e6);
+        see.within("light_threshold_m", self.light_threshold_m, 0.1, 1e3);
+        see.within("hysteresis", self.hysteresis, 0.0, 10.0);
+        see.within("gap_weight_per_m2", self.gap_weight_per_m2, 0.0, 1e6);
+        see.within("speed_weight_s2_per_m2", self.speed_weight_s2_per_m2, 0.0, 1e6);
         let acceleration = self.acceleration_weight_s4_per_m2;
-        within("acceleration_weight_s4_per_m2", acceleration, 0.0, 1e6)?;
-        within("jerk_weight_s6_per_m2", self.jerk_weight_s6_per_m2, 0.0, 1e6)?;
-        within("request_weight_s4_per_m2", self.request_weight_s4_per_m2, 1e-6, 1e6)
+        see.within("acceleration_weight_s4_per_m2", acceleration, 0.0, 1e6);
+        see.within("jerk_weight_s6_per_m2", self.jerk_weight_s6_per_m2, 0.0, 1e6);
+        see.within("request_weight_s4_per_m2", self.request_weight_s4_per_m2, 1e-6, 1e6);
     }
 }
 

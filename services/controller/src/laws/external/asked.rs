@@ -164,8 +164,6 @@ impl Hosted for Asked {
         }
     }
 
-    fn begin_realtime(&mut self, _scenario: &Scenario) {}
-
     fn step_within(
         &mut self,
         _left: Option<Duration>,

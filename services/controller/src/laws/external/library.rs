@@ -12,7 +12,6 @@ use crate::report::ProgramReport;
 use bytemuck::Zeroable;
 use messages::LawAnswer;
 use runtime::LawLibrary;
-use scenario::Scenario;
 use std::time::Duration;
 
 /// The law.
@@ -39,12 +38,6 @@ impl Library {
 }
 
 impl Hosted for Library {
-    fn start(&mut self) -> Result<(), HostedError> {
-        Ok(())
-    }
-
-    fn begin_realtime(&mut self, _scenario: &Scenario) {}
-
     fn step_within(
         &mut self,
         _left: Option<Duration>,

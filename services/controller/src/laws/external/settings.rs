@@ -1,6 +1,6 @@
 //! The table `[controller.external]`.
 
-use crate::settings::{self, SettingError, within};
+use crate::settings::{self, Ranges};
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 
@@ -21,8 +21,8 @@ impl Default for Settings {
 }
 
 impl settings::Settings for Settings {
-    fn check(&self) -> Result<(), SettingError> {
-        within("patience_s", self.patience_s, 0.1, 600.0)?;
-        within("silence_s", self.silence_s, 0.01, 600.0)
+    fn ranges(&self, see: &mut Ranges<'_>) {
+        see.within("patience_s", self.patience_s, 0.1, 600.0);
+        see.within("silence_s", self.silence_s, 0.01, 600.0);
     }
 }

@@ -1,6 +1,6 @@
 //! The settings of the law outside its design.
 
-use crate::settings::{self, SettingError, within};
+use crate::settings::{self, Ranges};
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 
@@ -61,11 +61,11 @@ impl Settings {
 }
 
 impl settings::Settings for Settings {
-    fn check(&self) -> Result<(), SettingError> {
-        within("sensor_range_m", self.sensor_range_m, 1.0, 1000.0)?;
-        within("gap_error_limit_m", self.gap_error_limit_m, 0.0, 1000.0)?;
-        within("envelope_limit", self.envelope_limit, 0.01, 1.0)?;
-        within("fall_back_braking_mps2", self.fall_back_braking_mps2, 1.0, 12.0)?;
-        within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0)
+    fn ranges(&self, see: &mut Ranges<'_>) {
+        see.within("sensor_range_m", self.sensor_range_m, 1.0, 1000.0);
+        see.within("gap_error_limit_m", self.gap_error_limit_m, 0.0, 1000.0);
+        see.within("envelope_limit", self.envelope_limit, 0.01, 1.0);
+        see.within("fall_back_braking_mps2", self.fall_back_braking_mps2, 1.0, 12.0);
+        see.within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0);
     }
 }

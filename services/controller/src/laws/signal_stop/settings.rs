@@ -3,7 +3,7 @@
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use crate::settings::{SettingError, Settings, within};
+use crate::settings::{Ranges, Settings};
 
 /// Settings of the driver who stops at signals; decelerations are positive numbers.
 ///
@@ -41,11 +41,11 @@ impl Default for SignalStop {
 }
 
 impl Settings for SignalStop {
-    fn check(&self) -> Result<(), SettingError> {
-        within("sight_m", self.sight_m, 10.0, 1000.0)?;
-        within("reaction_s", self.reaction_s, 0.0, 5.0)?;
-        within("yellow_deceleration_mps2", self.yellow_deceleration_mps2, 0.5, 12.0)?;
-        within("stop_deceleration_mps2", self.stop_deceleration_mps2, 0.2, 12.0)?;
-        within("stop_margin_m", self.stop_margin_m, 0.3, 20.0)
+    fn ranges(&self, see: &mut Ranges<'_>) {
+        see.within("sight_m", self.sight_m, 10.0, 1000.0);
+        see.within("reaction_s", self.reaction_s, 0.0, 5.0);
+        see.within("yellow_deceleration_mps2", self.yellow_deceleration_mps2, 0.5, 12.0);
+        see.within("stop_deceleration_mps2", self.stop_deceleration_mps2, 0.2, 12.0);
+        see.within("stop_margin_m", self.stop_margin_m, 0.3, 20.0);
     }
 }

@@ -3,7 +3,7 @@
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 
-use crate::settings::{SettingError, Settings, above, below, within};
+use crate::settings::{Ranges, SettingError, Settings, below};
 
 /// The paper's acceleration below the set speed and in the accelerate mode, m/s².
 const PAPER_ACCELERATION_MPS2: f64 = 1.0;
@@ -223,34 +223,37 @@ impl Parameters {
 }
 
 impl Settings for Parameters {
-    fn check(&self) -> Result<(), SettingError> {
-        above("braking_mps2", self.braking_mps2, 0.0, 12.0)?;
-        above("lead_braking_mps2", self.lead_braking_mps2, 0.0, 15.0)?;
-        above("warning_deceleration_mps2", self.warning_deceleration_mps2, 0.0, 12.0)?;
-        above("standstill_gap_m", self.standstill_gap_m, 0.0, 50.0)?;
-        above("sensor_range_m", self.sensor_range_m, 0.0, 1000.0)?;
-        above("approach_threshold_mps", self.approach_threshold_mps, 0.0, 20.0)?;
-        above("cruise_gain_per_s", self.cruise_gain_per_s, 0.0, 10.0)?;
-        above("least_band_m", self.least_band_m, 0.0, 50.0)?;
-        above("approach_limit_mps2", self.approach_limit_mps2, 0.0, 12.0)?;
-        above("approach_floor_m", self.approach_floor_m, 0.0, 50.0)?;
-        above("opening_fade_m", self.opening_fade_m, 0.0, 100.0)?;
-        above("jerk_limit_mps3", self.jerk_limit_mps3, 0.0, 1000.0)?;
-        above("emergency_jerk_limit_mps3", self.emergency_jerk_limit_mps3, 0.0, 1000.0)?;
-        within("acceleration_mps2", self.acceleration_mps2, 0.2, 5.0)?;
-        above("time_gap_s", self.time_gap_s, 0.0, 10.0)?;
-        within("margin_m", self.margin_m, 0.0, 50.0)?;
-        within("reaction_time_s", self.reaction_time_s, 0.0, 10.0)?;
-        within("steady_band_mps", self.steady_band_mps, 0.0, 20.0)?;
-        within("steady_gain_per_s", self.steady_gain_per_s, 0.0, 10.0)?;
-        within("following_hysteresis_m", self.following_hysteresis_m, 0.0, 100.0)?;
-        within("sign_band_mps", self.sign_band_mps, 0.0, 5.0)?;
-        within("braking_hysteresis_m", self.braking_hysteresis_m, 0.0, 100.0)?;
-        within("warning_hysteresis_m", self.warning_hysteresis_m, 0.0, 100.0)?;
-        within("threshold_hysteresis_mps", self.threshold_hysteresis_mps, 0.0, 5.0)?;
-        within("dwell_s", self.dwell_s, 0.0, 10.0)?;
-        within("filter_time_s", self.filter_time_s, 0.0, 10.0)?;
-        within("range_hysteresis_m", self.range_hysteresis_m, 0.0, 100.0)?;
+    fn ranges(&self, see: &mut Ranges<'_>) {
+        see.above("braking_mps2", self.braking_mps2, 0.0, 12.0);
+        see.above("lead_braking_mps2", self.lead_braking_mps2, 0.0, 15.0);
+        see.above("warning_deceleration_mps2", self.warning_deceleration_mps2, 0.0, 12.0);
+        see.above("standstill_gap_m", self.standstill_gap_m, 0.0, 50.0);
+        see.above("sensor_range_m", self.sensor_range_m, 0.0, 1000.0);
+        see.above("approach_threshold_mps", self.approach_threshold_mps, 0.0, 20.0);
+        see.above("cruise_gain_per_s", self.cruise_gain_per_s, 0.0, 10.0);
+        see.above("least_band_m", self.least_band_m, 0.0, 50.0);
+        see.above("approach_limit_mps2", self.approach_limit_mps2, 0.0, 12.0);
+        see.above("approach_floor_m", self.approach_floor_m, 0.0, 50.0);
+        see.above("opening_fade_m", self.opening_fade_m, 0.0, 100.0);
+        see.above("jerk_limit_mps3", self.jerk_limit_mps3, 0.0, 1000.0);
+        see.above("emergency_jerk_limit_mps3", self.emergency_jerk_limit_mps3, 0.0, 1000.0);
+        see.within("acceleration_mps2", self.acceleration_mps2, 0.2, 5.0);
+        see.above("time_gap_s", self.time_gap_s, 0.0, 10.0);
+        see.within("margin_m", self.margin_m, 0.0, 50.0);
+        see.within("reaction_time_s", self.reaction_time_s, 0.0, 10.0);
+        see.within("steady_band_mps", self.steady_band_mps, 0.0, 20.0);
+        see.within("steady_gain_per_s", self.steady_gain_per_s, 0.0, 10.0);
+        see.within("following_hysteresis_m", self.following_hysteresis_m, 0.0, 100.0);
+        see.within("sign_band_mps", self.sign_band_mps, 0.0, 5.0);
+        see.within("braking_hysteresis_m", self.braking_hysteresis_m, 0.0, 100.0);
+        see.within("warning_hysteresis_m", self.warning_hysteresis_m, 0.0, 100.0);
+        see.within("threshold_hysteresis_mps", self.threshold_hysteresis_mps, 0.0, 5.0);
+        see.within("dwell_s", self.dwell_s, 0.0, 10.0);
+        see.within("filter_time_s", self.filter_time_s, 0.0, 10.0);
+        see.within("range_hysteresis_m", self.range_hysteresis_m, 0.0, 100.0);
+    }
+
+    fn check_together(&self) -> Result<(), SettingError> {
         let (lead, threshold) = (self.lead_braking_mps2, self.approach_threshold_mps);
         below("braking_mps2", self.braking_mps2, "lead_braking_mps2", lead)?;
         below("steady_band_mps", self.steady_band_mps, "approach_threshold_mps", threshold)?;

@@ -3,7 +3,7 @@
 mod numbers;
 mod tables;
 
-use crate::settings::{self, SettingError, within};
+use crate::settings::{self, Ranges};
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 use truck_model::{Parameters, Truck};
@@ -140,16 +140,16 @@ impl Default for Keys {
 }
 
 impl settings::Settings for Keys {
-    fn check(&self) -> Result<(), SettingError> {
-        within("mean_speed", self.mean_speed, 0.8, 1.2)?;
-        within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0)?;
-        self.gap.check()?;
-        self.follow.check()?;
-        self.bounds.check()?;
-        self.road.check()?;
-        self.plan.check()?;
-        self.filter.check()?;
-        self.truck.check()
+    fn ranges(&self, see: &mut Ranges<'_>) {
+        see.within("mean_speed", self.mean_speed, 0.8, 1.2);
+        see.within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0);
+        self.gap.ranges(see);
+        self.follow.ranges(see);
+        self.bounds.ranges(see);
+        self.road.ranges(see);
+        self.plan.ranges(see);
+        self.filter.ranges(see);
+        self.truck.ranges(see);
     }
 }
 

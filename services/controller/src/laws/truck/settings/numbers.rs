@@ -1,7 +1,5 @@
 //! Tables of numbers: each key is written once, with its meaning, default and range.
 
-use crate::settings::{SettingError, within};
-
 /// A value that may be absent.
 pub(super) trait Number: Copy {
     /// The value, if there is one.
@@ -24,16 +22,6 @@ impl Number for Option<f64> {
     fn number(self) -> Option<f64> {
         self
     }
-}
-
-/// Accepts an absent number, and one within its range.
-pub(super) fn check(
-    key: &'static str,
-    value: impl Number,
-    least: f64,
-    most: f64,
-) -> Result<(), SettingError> {
-    value.number().map_or(Ok(()), |value| within(key, value, least, most))
 }
 
 /// Declares the table `$table` of a law as a struct: `pub key: type = default, least to most;`.
@@ -62,12 +50,14 @@ macro_rules! numbers {
         }
 
         impl $name {
-            /// Checks every value.
-            pub(super) fn check(&self) -> Result<(), crate::settings::SettingError> {
-                $(super::numbers::check(
-                    concat!($table, ".", stringify!($key)), self.$key, $least, $most,
-                )?;)+
-                Ok(())
+            /// Shows every value with its range.
+            pub(super) fn ranges(&self, see: &mut crate::settings::Ranges<'_>) {
+                $(see.optional(
+                    concat!($table, ".", stringify!($key)),
+                    super::numbers::Number::number(self.$key),
+                    $least,
+                    $most,
+                );)+
             }
         }
     };
