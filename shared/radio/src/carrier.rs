@@ -7,14 +7,12 @@ use crate::envelope::{Content, MAX_PACKET};
 use crate::error::{OpenError, SendError};
 use crate::frame::{Frame, MAX_FRAME};
 use crate::listener::{Identity, Listener, Shared};
+use crate::numbers::NUMBERS;
 use crate::{udp, wall_clock_ns};
 use scenario::carrier::CarrierAddress;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::sync::{Arc, PoisonError};
 use std::thread::JoinHandle;
-
-/// Most frames in the queue to the loop: more than a second of 25 roadside units.
-const QUEUE: usize = 512;
 
 /// End of the carrier.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -167,7 +165,7 @@ impl Live {
         endpoint: impl Endpoint + 'static,
         outlet: impl Outlet + 'static,
     ) -> Result<Self, OpenError> {
-        let (queue, frames) = sync_channel(QUEUE);
+        let (queue, frames) = sync_channel(NUMBERS.queue as usize);
         let listener =
             Listener { endpoint: Box::new(endpoint), identity, queue, shared: Arc::clone(&shared) };
         let thread = std::thread::Builder::new()

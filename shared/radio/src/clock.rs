@@ -9,17 +9,17 @@
 //!
 //! For any delays, the true offset is within half a round trip of the estimate. So the question with the
 //! shortest round trip is the best one. Older ones lose value, since clocks drift apart by at most
-//! [`DRIFT_PPM`], twice the 50 parts per million of a usual crystal.
+//! [`drift_ppm`](crate::numbers::Numbers::drift_ppm), twice the 50 parts per million of a usual crystal.
 //!
 //! After a clock was set, earlier and later exchanges contradict each other. Then the earlier ones are
 //! dropped.
 
 use serde::{Deserialize, Serialize};
 
-/// Largest drift between two hosts' clocks, parts per million.
-const DRIFT_PPM: i64 = 100;
+use crate::numbers::NUMBERS;
+
 /// Kept questions.
-const REMEMBERED: usize = 32;
+const REMEMBERED: usize = NUMBERS.remembered as usize;
 
 /// A question with its answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,7 +88,7 @@ impl Exchange {
     /// The difference at `now_ns` by the own clock.
     fn difference(&self, now_ns: i64) -> ClockDifference {
         let age_ns = now_ns.saturating_sub(self.returned_ns).max(0);
-        let drift_ns = age_ns / 1_000_000 * DRIFT_PPM;
+        let drift_ns = age_ns / 1_000_000 * i64::from(NUMBERS.drift_ppm);
         // Half of an odd number of nanoseconds is rounded up.
         let uncertainty_ns = (self.round_trip_ns() / 2).saturating_add(1 + drift_ns);
         ClockDifference { offset_ns: self.offset_ns(), uncertainty_ns }

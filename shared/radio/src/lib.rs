@@ -48,6 +48,7 @@ mod envelope;
 mod error;
 mod frame;
 mod listener;
+mod numbers;
 mod sequence;
 mod stations;
 mod udp;

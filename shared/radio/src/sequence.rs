@@ -1,13 +1,9 @@
 //! Counts of a sender's numbered frames: received, lost, repeated, out of order.
 
-/// Distance from all other numbers beyond which a single number is refused (RFC 3550, appendix A.1,
-/// `MAX_DROPOUT`). Otherwise one packet with a wrong number would make all later ones look old.
-const FAR: u64 = 3_000;
-/// Numbers that are distinguished; a frame overtaken by more is late.
-const WINDOW: u64 = 64;
+use crate::numbers::NUMBERS;
 
-/// Late numbers in a row, each following the previous one, that replace the sender's numbering.
-const AGREEING: u32 = 3;
+/// Numbers that are distinguished; a frame overtaken by more is late. They are the bits of a word.
+const WINDOW: u64 = 64;
 
 /// The received numbers of one sender.
 #[derive(Clone, Copy, Debug, Default)]
@@ -37,7 +33,7 @@ impl Numbers {
             self.begin(number);
             return true;
         }
-        if number.abs_diff(self.highest) > FAR {
+        if number.abs_diff(self.highest) > u64::from(NUMBERS.far) {
             return self.take_far(number);
         }
         self.far = None;
@@ -91,7 +87,7 @@ impl Numbers {
             _ => 1,
         };
         self.late = Some((number, in_a_row));
-        in_a_row >= AGREEING
+        in_a_row >= NUMBERS.agreeing
     }
 
     fn begin(&mut self, number: u64) {

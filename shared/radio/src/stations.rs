@@ -4,17 +4,9 @@ use crate::clock::{ClockDifference, Comparison, Exchange};
 use crate::counts::StationReport;
 use crate::endpoint::Origin;
 use crate::envelope::Envelope;
+use crate::numbers::NUMBERS;
 use crate::sequence::Numbers;
 use std::time::{Duration, Instant};
-
-/// Most senders that are distinguished; beyond it, the longest silent one is dropped.
-const MOST: usize = 64;
-/// Questions to a new station, for a good estimate soon.
-const FIRST_QUESTIONS: u64 = 8;
-/// Time between the first questions.
-const FIRST_PERIOD: Duration = Duration::from_millis(50);
-/// Time between later questions.
-const PERIOD: Duration = Duration::from_secs(1);
 
 /// All known senders.
 #[derive(Debug, Default)]
@@ -52,7 +44,7 @@ impl Stations {
     fn station(&mut self, envelope: &Envelope, origin: Origin) -> &mut Station {
         let known = self.0.iter().position(|station| station.sender == envelope.sender);
         let place = known.unwrap_or_else(|| {
-            if self.0.len() == MOST {
+            if self.0.len() == NUMBERS.stations as usize {
                 let silent = self.0.iter().enumerate().min_by_key(|(_, station)| station.heard);
                 let (oldest, _) = silent.expect("the list is full");
                 self.0.swap_remove(oldest);
@@ -86,8 +78,9 @@ impl Stations {
         let due = |station: &&mut Station| station.is_roadside && station.ask_at <= now;
         let station = self.0.iter_mut().find(due)?;
         station.asked += 1;
-        let first = station.asked < FIRST_QUESTIONS;
-        station.ask_at = now + if first { FIRST_PERIOD } else { PERIOD };
+        let first = station.asked < u64::from(NUMBERS.first_questions);
+        let period_s = if first { NUMBERS.first_period_s } else { NUMBERS.period_s };
+        station.ask_at = now + Duration::from_secs_f64(period_s);
         Some(station.origin)
     }
 

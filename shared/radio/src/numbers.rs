@@ -1,0 +1,41 @@
+//! The numbers of the carriers, each with its unit, range and origin.
+
+use parameters::parameters;
+
+parameters! {
+    /// How the clocks of two hosts are compared, and how a sender's packets are numbered.
+    pub struct Numbers {
+        /// Largest drift between two hosts' clocks.
+        drift_ppm: u32 = 100, "parts per million", 10.0..=500.0, "Chosen: twice the 50 of a usual crystal.";
+        /// Kept questions with their answers.
+        remembered: u32 = 32, "exchanges", 4.0..=256.0, "Chosen: half a minute of questions, in which a drift of 100 parts per million adds 3 ms.";
+        /// Questions to a new station, for a good estimate soon.
+        first_questions: u32 = 8, "questions", 1.0..=32.0, "Chosen: the shortest of eight delays is near the least.";
+        /// Time between the first questions.
+        first_period_s: f64 = 0.05, "s", 0.01..=1.0, "Chosen: all first questions are asked within 0.4 s, before the first frame counts.";
+        /// Time between later questions.
+        period_s: f64 = 1.0, "s", 0.1..=10.0, "Chosen: the drift in it is 0.1 ms, less than an answer's delay.";
+        /// Most senders that are distinguished; beyond it, the longest silent one is dropped.
+        stations: u32 = 64, "senders", 8.0..=1024.0, "Chosen: twice the units within reach of a vehicle in a town.";
+        /// Most frames in the queue to the loop.
+        queue: u32 = 512, "frames", 64.0..=4096.0, "Chosen: more than a second of 25 roadside units.";
+        /// Distance from all other numbers beyond which a single number is refused.
+        far: u32 = 3000, "numbers", 100.0..=100000.0, "Source: RFC 3550, appendix A.1, MAX_DROPOUT. Otherwise one packet with a wrong number would make all later ones look old.";
+        /// Late numbers in a row, each following the previous one, that replace the sender's numbering.
+        agreeing: u32 = 3, "numbers", 2.0..=10.0, "Chosen: one more than the MIN_SEQUENTIAL of RFC 3550, appendix A.1.";
+    }
+}
+
+/// The values that the carriers use.
+pub const NUMBERS: Numbers = Numbers::DEFAULT;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ::parameters::Table;
+
+    #[test]
+    fn each_value_is_within_its_range() {
+        assert!(NUMBERS.within_ranges());
+    }
+}
