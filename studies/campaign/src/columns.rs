@@ -1,6 +1,7 @@
 //! The columns of a campaign's results: each figure is declared once.
 
 use super::blame::{Broken, Failure};
+use super::counts;
 use super::exposure::Exposure;
 use super::record::Record;
 use super::sums::Combination;
@@ -28,22 +29,7 @@ const FIELDS: &[Column<Verdict>] = &[
 
 /// The sums over some runs. The shown ones make a table of runs; `totals` has the others of all runs.
 pub fn sums<R>() -> Vec<Column<R>> {
-    let shown = [
-        count("runs", "runs", "Runs"),
-        count("completed", "completed", "Runs that reached their end"),
-        count("safe_stops", "safe stops", "Runs that ended in a safe stop").weight(2),
-        count("collisions", "collisions", "Runs that ended in a collision"),
-        count("interventions", "emergency brakings", "Interventions of the emergency brake")
-            .weight(1),
-        count("red_lights", "red lights", "Runs that ended at a red light"),
-        count("driven_by_backup", "driven by backup", "Runs that the backup law drove").weight(3),
-        count(
-            "requirements_broken",
-            "requirement broken",
-            "Runs that broke a requirement of their scenario",
-        )
-        .weight(4),
-        count("aborted", "aborted", "Runs that were aborted").weight(2),
+    let measured = [
         number("min_gap_m", "min gap", "m", 1, "Smallest gap to the vehicle ahead").weight(1),
         number("min_ttc_s", "min TTC", "s", 1, "Least time to collision").weight(1),
         micros("recovery_us.p50", "recovery p50", "Median time of a recovery").weight(LEFT_OUT),
@@ -63,37 +49,13 @@ pub fn sums<R>() -> Vec<Column<R>> {
         nested("phases", Kind::Object, "Faults that acted in each phase"),
         nested("rungs_s", Kind::Object, "Time of each service on each degradation level, s"),
     ];
-    shown.into_iter().chain(timed).chain(totals()).collect()
+    counts::columns().into_iter().chain(measured).chain(timed).chain(amounts()).collect()
 }
 
-/// Sums over all runs that are told unless they are zero.
-fn totals<R>() -> [Column<R>; 25] {
+/// Amounts over all runs, which are printed unless they are zero.
+fn amounts<R>() -> [Column<R>; 9] {
     [
-        total("avoidable_collisions", "avoidable collisions", "That a braking reference avoids"),
         amount("command_overdue_ms", "plant without a due command", "ms", "Longest time"),
-        total("faults", "faults that acted", "Faults that acted"),
-        total(
-            "critical_faults",
-            "faults in critical phases",
-            "Faults that acted in a critical phase",
-        ),
-        total("kills", "processes killed", "Killed processes"),
-        total("double_kills", "pairs killed within 5 ms", "Pairs of services killed within 5 ms"),
-        total("starting_kills", "killed while starting", "Killed before they took part"),
-        total("helper_kills", "helpers killed", "Killed recorders, janitors and launchers"),
-        total("launcher_kills", "launchers killed", "Runs that ended with their launcher"),
-        total("recordings_lost", "recordings lost", "Recordings that cannot be read or end early"),
-        total("unrecovered", "unrecovered", "Process faults without a recovery"),
-        total(
-            "degraded",
-            "services degraded at the end",
-            "Services below the first level at the end",
-        ),
-        total("leaks", "leftovers", "Objects and processes left behind"),
-        total("messages_lost", "messages lost", "Lost messages"),
-        total("disturbed", "messages disturbed", "Disturbed by faults, over all receivers"),
-        total("corrupted", "messages corrupted", "Corrupted by faults"),
-        total("undetected_corruptions", "corruptions accepted", "Accepted corrupted messages"),
         amount("all_memory_kib", "memory of all services", "KiB", "Largest of all runs"),
         amount("all_descriptors", "descriptors of all services", "", "Largest of all runs"),
         amount("all_shared_memory_kib", "shared memory", "KiB", "Largest of all runs"),

@@ -30,9 +30,9 @@ pub fn document(verdict: &Verdict, runs: &Sum, records: Records<Record>) -> Docu
             "{} ({}): {} of {} runs, {} processes killed",
             verdict.campaign,
             verdict.mode.name(),
-            all.runs,
+            all.counts.runs,
             verdict.planned,
-            all.kills
+            all.counts.kills
         ))
         .tiles(tiles(all))
         .table(Table::new("Requirements", REQUIREMENTS, &verdict.requirements))
@@ -130,21 +130,21 @@ fn rounded(figures: &BTreeMap<String, f64>) -> BTreeMap<String, String> {
 fn tiles(all: &Tally) -> Vec<Tile> {
     let tile = |label, value: String| Tile { label, value, note: String::new() };
     let mut tiles = vec![
-        tile("Runs", all.runs.to_string()),
+        tile("Runs", all.counts.runs.to_string()),
         Tile {
             label: "Faults in critical phases",
-            value: all.critical_faults.to_string(),
-            note: format!("of {}", all.faults_struck),
+            value: all.counts.critical_faults.to_string(),
+            note: format!("of {}", all.counts.faults_struck),
         },
-        tile("Processes killed", all.kills.to_string()),
-        tile("Collisions", all.collisions.to_string()),
-        tile("Emergency brakings", all.interventions.to_string()),
-        tile("Red lights", all.red_lights.to_string()),
-        tile("Safe stops", all.safe_stops.to_string()),
-        tile("Driven by the backup", all.driven_by_backup.to_string()),
-        tile("Requirements broken", all.requirements_broken.to_string()),
-        tile("Aborted", all.aborted.to_string()),
-        tile("Objects left behind", all.leaks.to_string()),
+        tile("Processes killed", all.counts.kills.to_string()),
+        tile("Collisions", all.counts.collisions.to_string()),
+        tile("Emergency brakings", all.counts.interventions.to_string()),
+        tile("Red lights", all.counts.red_lights.to_string()),
+        tile("Safe stops", all.counts.safe_stops.to_string()),
+        tile("Driven by the backup", all.counts.driven_by_backup.to_string()),
+        tile("Requirements broken", all.counts.requirements_broken.to_string()),
+        tile("Aborted", all.counts.aborted.to_string()),
+        tile("Objects left behind", all.counts.leaks.to_string()),
     ];
     let least =
         [("Smallest gap", all.min_gap_m, "m"), ("Smallest time to collision", all.min_ttc_s, "s")];
@@ -180,7 +180,7 @@ fn pictures(runs: &Sum) -> String {
 
 /// The answer in a sentence.
 fn sentence(verdict: &Verdict) -> String {
-    let (runs, planned) = (verdict.all.runs, verdict.planned);
+    let (runs, planned) = (verdict.all.counts.runs, verdict.planned);
     let mut words = vec![match verdict.unaccounted {
         0 => format!("{runs} runs done"),
         missing => format!("INCOMPLETE: {missing} of {planned} runs are missing"),

@@ -1,9 +1,11 @@
 //! Figures that a campaign can require something of.
 
+use super::counts::{Counts, limited};
 use super::record::Record;
 use super::tally::{Sum, Tally};
 
 /// A figure over all runs.
+#[derive(Clone, Copy)]
 pub struct Figure {
     /// Name behind `max_` or `min_`.
     pub name: &'static str,
@@ -13,36 +15,15 @@ pub struct Figure {
 #[derive(Clone, Copy)]
 enum Kind {
     /// A number of runs or events. Each run that has one is to blame.
-    Count(fn(&Tally) -> u64),
+    Count(fn(&Counts) -> u64),
     /// A measured value; none if no run measured it.
     Measure(fn(&Tally) -> Option<f64>),
     /// The median of a measured value. A single run cannot be to blame for it.
     Median(fn(&Tally) -> Option<f64>),
 }
 
-/// All figures.
-pub const FIGURES: [Figure; 37] = [
-    count("collisions", |t| t.collisions),
-    count("avoidable_collisions", |t| t.avoidable_collisions),
-    count("red_lights", |t| t.red_lights),
-    count("safe_stops", |t| t.safe_stops),
-    count("driven_by_backup", |t| t.driven_by_backup),
-    count("requirements_broken", |t| t.requirements_broken),
-    count("aborted", |t| t.aborted),
-    count("kills", |t| t.kills),
-    count("double_kills", |t| t.double_kills),
-    count("starting_kills", |t| t.starting_kills),
-    count("helper_kills", |t| t.helper_kills),
-    count("launcher_kills", |t| t.launcher_kills),
-    count("recordings_lost", |t| t.recordings_lost),
-    count("interventions", |t| t.interventions),
-    count("unrecovered", |t| t.unrecovered),
-    count("degraded", |t| t.degraded),
-    count("leaks", |t| t.leaks),
-    count("messages_lost", |t| t.messages_lost),
-    count("undetected_corruptions", |t| t.undetected_corruptions),
-    count("faults_struck", |t| t.faults_struck),
-    count("critical_faults", |t| t.critical_faults),
+/// The measured figures. The counts are in [`counts`](super::counts).
+const MEASURED: [Figure; 16] = [
     measure("gap_m", |t| t.min_gap_m),
     measure("ttc_s", |t| t.min_ttc_s),
     median("detection_p50_ms", |t| t.detection_us.map(|p| p.p50 / 1e3)),
@@ -61,8 +42,10 @@ pub const FIGURES: [Figure; 37] = [
     measure("shared_memory_object_growth", |t| t.shared_memory_object_growth),
 ];
 
-const fn count(name: &'static str, of: fn(&Tally) -> u64) -> Figure {
-    Figure { name, of: Kind::Count(of) }
+/// All figures.
+pub fn figures() -> impl Iterator<Item = Figure> {
+    let counts = limited().map(|(name, of)| Figure { name, of: Kind::Count(of) });
+    counts.chain(MEASURED)
 }
 
 const fn measure(name: &'static str, of: fn(&Tally) -> Option<f64>) -> Figure {
@@ -75,8 +58,8 @@ const fn median(name: &'static str, of: fn(&Tally) -> Option<f64>) -> Figure {
 
 impl Figure {
     /// The figure of that name.
-    pub fn named(name: &str) -> Option<&'static Self> {
-        FIGURES.iter().find(|figure| figure.name == name)
+    pub fn named(name: &str) -> Option<Self> {
+        figures().find(|figure| figure.name == name)
     }
 
     /// True if it counts runs or events.
@@ -87,7 +70,7 @@ impl Figure {
     /// Its value over all runs; none if no run measured it.
     pub fn value(&self, tally: &Tally) -> Option<f64> {
         match self.of {
-            Kind::Count(of) => Some(of(tally) as f64),
+            Kind::Count(of) => Some(of(&tally.counts) as f64),
             Kind::Measure(of) | Kind::Median(of) => of(tally),
         }
     }
@@ -97,7 +80,7 @@ impl Figure {
 #[derive(Clone, Copy)]
 pub struct Limit {
     /// The figure.
-    pub figure: &'static Figure,
+    pub figure: Figure,
     /// True for `min_`: the figure must be at least the value.
     is_least: bool,
     /// The value.
@@ -135,7 +118,7 @@ impl Limit {
         let alone = alone.tally();
         match self.figure.of {
             Kind::Count(of) => {
-                Some(of(&alone) as f64).filter(|count| *count > 0.0 && !self.is_least)
+                Some(of(&alone.counts) as f64).filter(|count| *count > 0.0 && !self.is_least)
             }
             Kind::Measure(of) => of(&alone).filter(|value| !self.holds(*value)),
             Kind::Median(_) => None,

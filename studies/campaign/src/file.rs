@@ -33,7 +33,7 @@
 //! min_gap_m = 1.0
 //! ```
 
-use super::figure::{FIGURES, Figure, Limit};
+use super::figure::{Figure, Limit, figures};
 use group::{Error, Failure};
 use runtime::Mode;
 use scenario::Problem;
@@ -185,7 +185,8 @@ impl Campaign {
             let path = format!("require.{key}");
             let name = key.strip_prefix("max_").or_else(|| key.strip_prefix("min_"));
             let Some(figure) = name.and_then(Figure::named) else {
-                let figures = FIGURES.map(|figure| figure.name).join(", ");
+                let figures: Vec<_> = figures().map(|figure| figure.name).collect();
+                let figures = figures.join(", ");
                 let expected = format!("max_ or min_ and one of {figures}");
                 return Err(Problem::new(path, "unknown figure", expected));
             };

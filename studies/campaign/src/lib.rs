@@ -36,6 +36,7 @@ mod arguments;
 mod blame;
 mod builtin;
 mod columns;
+mod counts;
 mod curves;
 mod document;
 mod drawn;

@@ -1,40 +1,16 @@
 //! Sums over runs.
 
+use super::counts::Counts;
 use super::record::Record;
-use group::report::Outcome;
 use runtime::statistics::{Latencies, Percentiles};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Sums over some runs. `columns` describes each of them.
+/// Sums over some runs. `columns` describes the measured ones.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Tally {
-    pub runs: u64,
-    pub completed: u64,
-    pub collisions: u64,
-    pub avoidable_collisions: u64,
-    pub red_lights: u64,
-    pub safe_stops: u64,
-    pub driven_by_backup: u64,
-    pub requirements_broken: u64,
-    pub aborted: u64,
-    pub kills: u64,
-    pub double_kills: u64,
-    pub starting_kills: u64,
-    pub helper_kills: u64,
-    pub launcher_kills: u64,
-    pub recordings_lost: u64,
-    pub interventions: u64,
-    pub unrecovered: u64,
-    pub degraded: u64,
-    pub leaks: u64,
-    pub messages_lost: u64,
-    pub disturbed: u64,
-    pub corrupted: u64,
-    pub undetected_corruptions: u64,
-    #[serde(rename = "faults")]
-    pub faults_struck: u64,
-    pub critical_faults: u64,
+    #[serde(flatten)]
+    pub counts: Counts,
     pub phases: BTreeMap<String, u64>,
     pub min_gap_m: Option<f64>,
     pub min_ttc_s: Option<f64>,
@@ -68,34 +44,7 @@ impl Sum {
     /// Adds a run. In another order the times on the levels may differ in their last digits.
     pub fn add(&mut self, record: &Record) {
         let (tally, found) = (&mut self.tally, &record.measured);
-        tally.runs += 1;
-        // A group whose launcher is killed always ends as aborted.
-        *match record.outcome {
-            Outcome::Completed => &mut tally.completed,
-            Outcome::Collision => &mut tally.collisions,
-            Outcome::RedLight => &mut tally.red_lights,
-            Outcome::SafeStop => &mut tally.safe_stops,
-            Outcome::DrivenByBackup => &mut tally.driven_by_backup,
-            Outcome::RequirementBroken => &mut tally.requirements_broken,
-            Outcome::Aborted if found.launcher_died => &mut tally.launcher_kills,
-            Outcome::Aborted => &mut tally.aborted,
-        } += 1;
-        tally.avoidable_collisions += u64::from(found.avoidable);
-        tally.kills += found.kills;
-        tally.double_kills += found.double_kills;
-        tally.starting_kills += found.starting_kills;
-        tally.helper_kills += found.helper_kills;
-        tally.recordings_lost += u64::from(found.recording_lost);
-        tally.interventions += found.interventions;
-        tally.unrecovered += found.unrecovered;
-        tally.degraded += found.degraded.len() as u64;
-        tally.leaks += found.leaks.len() as u64;
-        tally.messages_lost += found.messages_lost;
-        tally.disturbed += found.disturbed;
-        tally.corrupted += found.corrupted;
-        tally.undetected_corruptions += found.undetected;
-        tally.faults_struck += found.faults;
-        tally.critical_faults += found.critical_faults;
+        tally.counts.add(record);
         for (phase, count) in &found.phases {
             *tally.phases.entry(phase.clone()).or_insert(0) += count;
         }

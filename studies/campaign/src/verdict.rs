@@ -67,7 +67,7 @@ impl Verdict {
     ) -> Self {
         let Scope { planned, is_part } = scope;
         let all = sums.all.tally();
-        let runs = usize::try_from(all.runs).unwrap_or(usize::MAX);
+        let runs = usize::try_from(all.counts.runs).unwrap_or(usize::MAX);
         let share = planned as f64 / plan.whole().max(1) as f64;
         let judge = |(key, value): (&String, &f64)| {
             let limit = Limit::of(key, *value).for_share(share);
@@ -82,7 +82,7 @@ impl Verdict {
         let requirements: Vec<_> = campaign.require.iter().filter_map(judge).collect();
         let met_nothing = !is_part
             && !campaign.faults.is_empty()
-            && all.critical_faults == 0
+            && all.counts.critical_faults == 0
             && !campaign.require.contains_key("min_critical_faults");
         Self {
             schema_version: 1,
@@ -189,7 +189,10 @@ pub mod tests {
         let require = "max_collisions = 0\nmin_gap_m = 7\nmax_recovery_p50_ms = 2.1\nmin_kills = 4";
         let verdict = verdict(require, WHOLE);
         assert!(verdict.ok && verdict.failures.is_empty(), "{verdict:?}");
-        assert_eq!((verdict.all.runs, verdict.all.kills, verdict.all.messages_lost), (4, 4, 4));
+        assert_eq!(
+            (verdict.all.counts.runs, verdict.all.counts.kills, verdict.all.counts.messages_lost),
+            (4, 4, 4)
+        );
         assert_eq!(verdict.all.min_gap_m, Some(7.0));
         assert_eq!(verdict.combinations.len(), 2);
         assert_eq!(verdict.all.rungs_s["plant full"], 4.0);
@@ -286,6 +289,6 @@ pub mod tests {
         let records = [record(&plan.get(0), Outcome::Completed, 1.0, &[])];
         let verdict = of_records(&campaign, &plan, false, &records);
         assert!(!verdict.ok && verdict.failures.is_empty());
-        assert_eq!((verdict.all.runs, verdict.planned, verdict.unaccounted), (1, 4, 3));
+        assert_eq!((verdict.all.counts.runs, verdict.planned, verdict.unaccounted), (1, 4, 3));
     }
 }
