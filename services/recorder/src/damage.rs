@@ -65,7 +65,7 @@ pub enum Damage {
         /// The damage.
         reason: String,
     },
-    /// Parts of the file are too far from the order of log times to be put in it, and were left out.
+    /// Parts of the file are too far from the order of log times. They were left out.
     Disorder {
         /// Their length, bytes.
         bytes: u64,

@@ -80,8 +80,8 @@ impl Sequencer {
         self.held.insert(key, (topic, bytes.to_vec()));
     }
 
-    /// The messages whose turn has come, after every topic was looked at until nothing was left, at
-    /// `now_ns` of run time.
+    /// The messages whose turn has come at `now_ns` of run time. Every topic was looked at before, until nothing was
+    /// left.
     pub(crate) fn ready(&mut self, now_ns: i64) -> Vec<Placed> {
         let before_ns = match self.mode {
             Mode::Realtime => now_ns.saturating_sub(HOLD_NS),

@@ -1,4 +1,4 @@
-//! An on-board unit's part of a recording: each cycle with the frames that it decoded and what it made of them, in
+//! An on-board unit's part of a recording: each cycle with the frames that it decoded, and the results. It is read in
 //! one pass over the file and in bounded memory.
 
 use crate::takes::Window;

@@ -22,8 +22,8 @@ pub struct Attendant {
 }
 
 impl Attendant {
-    /// Starts this program again as `timegap service NAME ROOT ARGUMENTS...` in the process group
-    /// `group`, or in a new one for 0.
+    /// Starts this program again as `timegap service NAME ROOT ARGUMENTS...`. Its process group is `group`, or a new
+    /// one for 0.
     pub fn spawn(
         name: &'static str,
         arguments: &[&OsStr],

@@ -137,8 +137,8 @@ impl FaultLog {
         }
     }
 
-    /// Notes that process `incarnation` of `service`, its standby, has taken over from process `old`, whose end
-    /// or silence it noticed at `noticed_ns`.
+    /// Notes that the standby of `service` has taken over from process `old`. It noticed the end or silence of that
+    /// process at `noticed_ns`.
     pub fn taken_over(&mut self, service: Service, old: u32, kind: &str, noticed_ns: i64) {
         self.detected(service, kind, old + 1, None, noticed_ns);
         let record = self

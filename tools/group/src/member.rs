@@ -184,8 +184,8 @@ impl Member {
         }
     }
 
-    /// Sends an order to the active process, and to the standby if it concerns it. An order to end goes to the
-    /// standby first, so that it does not take over from a process that leaves.
+    /// Sends an order to the active process, and to the standby if it concerns it. An order to end goes to the standby
+    /// first: it must not take over from a process that leaves.
     pub fn order(&mut self, order: &ToService) {
         if matches!(order, ToService::Abort) {
             self.dismiss_others();

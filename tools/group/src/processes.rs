@@ -55,8 +55,8 @@ pub struct Process {
 }
 
 impl Process {
-    /// Starts `service`, as this program again or as `program`, in the process group `group`, or in a new one for 0.
-    /// Its name differs from a service's while it `waits` to be let in.
+    /// Starts `service`, as this program again or as `program`. Its process group is `group`, or a new one for 0. Its
+    /// name differs from a service's while it `waits` to be let in.
     pub fn spawn(
         (service, incarnation): (Service, u32),
         program: Option<&PathBuf>,

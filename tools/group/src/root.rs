@@ -181,8 +181,8 @@ pub fn base() -> Result<PathBuf, RootError> {
     if own { Ok(base) } else { Err(RootError::NotOwn { path: base }) }
 }
 
-/// True if `path` is a directory of this user. It must be short enough for the names of sockets below it, and of
-/// characters that iceoryx2 takes in a path.
+/// True if `path` is a directory of this user. It must be short enough for the names of sockets below it. Its
+/// characters must be those that iceoryx2 takes in a path.
 fn is_usable(path: &Path, uid: u32) -> bool {
     path.is_absolute()
         && path.as_os_str().len() <= LONGEST_BASE

@@ -6,8 +6,7 @@
 
 use std::path::PathBuf;
 
-/// Part of the time without a sign of life for which a process that is starved had the processor at
-/// most: cycles take far less.
+/// Largest part of the time without a sign of life for which a starved process had the processor. Cycles take far less.
 const MOST_OF_IT: i64 = 4;
 
 /// Processor time of a process so far, by its main thread, which runs the loop.
@@ -48,8 +47,8 @@ impl Share {
         })
     }
 
-    /// True if the process waits for an order to go on, or had the processor for most of the `elapsed_ns` since
-    /// `before`: others that wait for its messages do neither.
+    /// True if the process waits for an order to go on, or had the processor for most of `elapsed_ns` since `before`.
+    /// Others that wait for its messages do neither.
     pub fn holds_up(self, before: Self, elapsed_ns: i64) -> bool {
         self.stopped || 2 * (self.ran_ns - before.ran_ns) > elapsed_ns
     }

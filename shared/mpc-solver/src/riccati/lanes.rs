@@ -1,15 +1,14 @@
 //! Four numbers processed alike, in one wide register where the machine has one.
 //!
-//! The loops over the stages are compiled twice, for any x86-64 and for its wide registers (AVX2);
-//! the machine decides at run time. Both versions perform the same operations in the same order,
-//! and neither uses a fused multiply-add, which would round once instead of twice. The bits
-//! therefore do not depend on the machine; a test of the crate runs both.
+//! The loops over the stages are compiled twice, for any x86-64 and for its wide registers (AVX2); the machine decides
+//! at run time. Both versions perform the same operations in the same order. Neither uses a fused multiply-add, which
+//! would round once instead of twice. The bits therefore do not depend on the machine; a test of the crate runs both.
 //!
-//! The compiler assigns four [`Lanes`] to a register when they go lane by lane to memory or to each
-//! other. Reductions at the end of a loop (sum, maximum) are functions that are not inlined.
-//! Inlined, they made the compiler pair the lanes in the order of the reduction and process the
-//! loop number by number, a third slower. Loops that mix lanes at each stage are generic over
-//! [`Vector`] and use the registers directly ([`wide`]) where the machine has them.
+//! The compiler assigns four [`Lanes`] to a register when they go lane by lane to memory or to each other. Reductions
+//! at the end of a loop (sum, maximum) are functions that are not inlined. Inlined, they made the compiler pair the
+//! lanes in the order of the reduction. It then processed the loop number by number, a third slower. Loops that mix
+//! lanes at each stage are generic over [`Vector`]. They use the registers directly ([`wide`]) where the machine has
+//! them.
 
 #[cfg(target_arch = "x86_64")]
 pub(super) mod wide;

@@ -1,8 +1,8 @@
 //! Cost of the light as a curve, and its tangents.
 //!
-//! `α ∈ −∂φ(D)` is a decreasing curve in the plane of the margin `D` and the multiplier `α`. It is
-//! flat at the penalty `λ` up to the knee `√(w/λ)` (soft lights only), then the hyperbola `w/D²` up
-//! to `d_th`, vertical there, and flat at zero beyond.
+//! `α ∈ −∂φ(D)` is a decreasing curve in the plane of the margin `D` and the multiplier `α`. It is flat at the penalty
+//! `λ` up to the knee `√(w/λ)` (soft lights only). The hyperbola `w/D²` follows up to `d_th`. There it is vertical, and
+//! flat at zero beyond.
 //!
 //! A Newton step replaces the curve by its tangent at one point. The end of the step on the tangent
 //! is projected back to the curve *by the coordinate that moves less*: by `D` when the margin has
@@ -35,8 +35,8 @@ pub(super) struct LightCurve {
     stiffness: f64,
 }
 
-/// Part of the curve, stored in a whole word. A tangent with one byte and seven unused ones is
-/// copied in pieces, and each load waits for the stores before it.
+/// Part of the curve, stored in a whole word. A tangent with one byte and seven unused ones is copied in pieces. Each
+/// load then waits for the stores before it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u64)]
 enum Region {
@@ -139,9 +139,9 @@ impl LightCurve {
         LightTangent { region: Region::Hyperbola, margin, alpha, slope }
     }
 
-    /// Projects the point of `tangent` at `margin` back to the curve. Returns the new tangent, the
-    /// multiplier of the point, and its relative distance from the curve (1 or more when it changes
-    /// to another part).
+    /// Projects the point of `tangent` at `margin` back to the curve. Returns the new tangent, the multiplier of the
+    /// point, and its relative distance from the curve. The distance is 1 or more when the point changes to another
+    /// part.
     #[inline(always)]
     pub(super) fn project(&self, tangent: &LightTangent, margin: f64) -> (LightTangent, f64, f64) {
         let alpha = tangent.alpha - tangent.slope * (margin - tangent.margin);

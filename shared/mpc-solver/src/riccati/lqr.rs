@@ -226,8 +226,8 @@ impl LinearQuadratic {
         }
     }
 
-    /// Returns `A x + B u` with `u = −(F x + offset)`. The next input waits for the last state,
-    /// which therefore comes from the last column of `A − B F` and does not wait for `u`.
+    /// Returns `A x + B u` with `u = −(F x + offset)`. The next input waits for the last state. So that state comes
+    /// from the last column of `A − B F` and does not wait for `u`.
     #[inline(always)]
     pub(super) fn closed_step<const SHAPE: Shape>(
         &self,

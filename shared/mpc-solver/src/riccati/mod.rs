@@ -5,10 +5,10 @@
 //!
 //! 1. *Warm* ([`Riccati::warm`]): the active set from the previous solution, moved forward.
 //! 2. *Cold* ([`Riccati::cold`]): the active set without a guess ([`active_set`]).
-//! 3. *Interior point* ([`Riccati::interior`]), started near an early trajectory of the cold
-//!    attempt ([`interior_point`]). Once its steps are nearly full, they show which inequalities
-//!    are active, and the active set finishes exactly in one to three rounds. While the iterate is
-//!    infeasible, [`infeasibility`] checks whether its multipliers prove that the problem is.
+//! 3. *Interior point* ([`Riccati::interior`]), started near an early trajectory of the cold attempt
+//!    ([`interior_point`]). Once its steps are nearly full, they show which inequalities are active. The active set
+//!    then finishes exactly in one to three rounds. While the iterate is infeasible, [`infeasibility`] checks whether
+//!    its multipliers prove that the problem is.
 //!
 //! [`crate::residuals`] checks every returned point and is independent of the methods: the status
 //! is [`Status::Solved`] only if the optimality conditions hold to 1e-8.
@@ -49,8 +49,8 @@ const MAX_ITERATIONS: u32 = 60;
 const MU_TOLERANCE: f64 = 1e-6;
 /// Fraction of the first iterate's linear residuals that counts as zero.
 const RESIDUAL_TOLERANCE: f64 = 1e-9;
-/// Number of evaluations of the optimality conditions without progress that ends the machine's precision, and the
-/// ratio that counts as progress. If limits hold without a force, an iteration gains less than a digit.
+/// Evaluations of the optimality conditions without progress after which the machine's precision is reached. The ratio
+/// is what counts as progress. If limits hold without a force, an iteration gains less than a digit.
 const MAX_EVALUATIONS: u32 = 8;
 const PROGRESS: f64 = 0.7;
 /// Conditions under which the active set tries to finish: remaining fractions of the linear

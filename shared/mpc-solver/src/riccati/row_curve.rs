@@ -1,9 +1,9 @@
 //! Penalty of a row as a curve, and its tangents.
 //!
 //! `μ ∈ ∂ψ(z)` is zero below the limit, vertical at it up to the penalty `λ` (without end if hard), and `λ + κ z`
-//! beyond. As for the light ([`super::light_curve`]), a tangent replaces the curve in one round, and the point
-//! reached on it decides the next part. The vertical part is a steep line through the multiplier of the previous
-//! round. So the multiplier settles, and the limit is met exactly.
+//! beyond. As for the light ([`super::light_curve`]), a tangent replaces the curve in one round. The point reached on
+//! it decides the next part. The vertical part is a steep line through the multiplier of the previous round. So the
+//! multiplier settles, and the limit is met exactly.
 //!
 //! A steeper line needs fewer rounds. But it turns the rounding of `z`, some 1e-14 m, into an error of the
 //! multiplier. The optimality conditions require 1e-8 of the largest one. The slope is therefore [`STIFFNESS`] times
@@ -14,8 +14,8 @@ use crate::problem::{Row, Softness};
 /// Slope that replaces the vertical part, in largest multipliers per unit of the limit.
 pub(super) const STIFFNESS: f64 = 3e4;
 
-/// Part of the curve, stored in a whole word. A tangent with one byte and seven unused ones is
-/// copied in pieces, and each load waits for the stores before it.
+/// Part of the curve, stored in a whole word. A tangent with one byte and seven unused ones is copied in pieces. Each
+/// load then waits for the stores before it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[repr(u64)]
 enum Region {
@@ -60,9 +60,9 @@ impl RowTangent {
         self.multiplier + self.slope * z
     }
 
-    /// Projects the point at `z` back to the curve. Returns the new tangent, the multiplier of the
-    /// point, and its distance from the curve in units of the limit (1 or more when it changes to
-    /// another part). `stiffness` is the slope that replaces the vertical part.
+    /// Projects the point at `z` back to the curve. Returns the new tangent, the multiplier of the point, and its
+    /// distance from the curve in units of the limit. The distance is 1 or more when the point changes to another part.
+    /// `stiffness` is the slope that replaces the vertical part.
     pub(super) fn project(&self, row: &Row, z: f64, unit: f64, stiffness: f64) -> (Self, f64, f64) {
         let mu = self.at(z);
         let (penalty, curvature) = match row.softness {

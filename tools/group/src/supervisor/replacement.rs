@@ -143,8 +143,8 @@ impl Supervisor<'_> {
         }
     }
 
-    /// Lets a process that was started during the run into it, as a standby of process `stands_by_for`, or as
-    /// the active one.
+    /// Lets in a process that was started during the run: as a standby of process `stands_by_for`, or as the active
+    /// one.
     fn admit(
         &mut self,
         service: Service,

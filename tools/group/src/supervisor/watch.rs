@@ -240,8 +240,8 @@ impl Supervisor<'_> {
             Mode::Realtime => {
                 now_ns < table.step_ns * i64::try_from(last).expect("runs are finite")
             }
-            // The odometry that releases the service may still be on its way to this listener, since a
-            // sender serves one listener after the other.
+            // The odometry that releases the service may still be on its way to this listener: a sender serves one
+            // listener after the other.
             Mode::Lockstep => log.reached() + table.stride(Service::Plant) < last,
         }
     }

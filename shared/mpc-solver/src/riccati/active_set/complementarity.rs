@@ -176,8 +176,8 @@ impl Complementarity {
         target
     }
 
-    /// Finds the multiplier that first reaches the end of its piece on the way to `target`, and the
-    /// fraction of the way.
+    /// Finds the multiplier that first reaches the end of its piece on the way to `target`. Also returns the fraction
+    /// of the way.
     fn first_end(
         &self,
         pieces: &[Piece; MAX_WORKING_ROWS],

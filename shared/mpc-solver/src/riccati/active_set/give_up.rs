@@ -19,17 +19,17 @@
 //!    remain. 5 of 554 random problems with fewer than four free inputs after the first round settled.
 //! 3. The inputs are at the same sides as two rounds before, but not at those of the last round:
 //!    two guesses lead to each other.
-//! 4. More than a quarter of the stages violate a row (two fifths in the first two rounds of a problem with the
-//!    light). An arc of active stages needs more than [`super::complementarity::MAX_WORKING_ROWS`] multipliers. The
-//!    first round knows neither rows nor light. There this sign ends 67 % of the attempts on random problems in which
-//!    a row will act, 50 % with the light. 25 of these 6,048 attempts would have settled; the others would have ended
-//!    at least one round later.
+//! 4. More than a quarter of the stages violate a row (two fifths in the first two rounds of a problem with the light).
+//!    An arc of active stages needs more than [`super::complementarity::MAX_WORKING_ROWS`] multipliers. The first round
+//!    knows neither rows nor light. There this sign ends 67 % of the attempts on random problems in which a row will
+//!    act. With the light it ends 50 %. 25 of these 6,048 attempts would have settled; the others would have ended at
+//!    least one round later.
 //! 5. With a terminal equality and without the light: three rounds bring no new minimum of changed
 //!    sides, and more than two still change. The sides then repeat in a cycle. With the light, the
 //!    rounds in between can belong to its margins.
 //!
-//! A guess from the previous solution is dropped at the first round in which a third of its inputs
-//! change sides; with row tangents, a tenth.
+//! A guess from the previous solution is dropped once a third of its inputs change sides in a round. With row tangents
+//! it is a tenth.
 //!
 //! A guess from an iterate of the interior point has five rounds. A round may change as many sides of inputs and
 //! parts of the rows' curves as the remaining rounds can settle: five with two or more rounds left, one with one

@@ -1,7 +1,7 @@
 //! Fast method: a semismooth Newton method on the set of active constraints.
 //!
-//! A guess states which inputs are at their bounds, where each stage lies on the light's curve, and
-//! which rows act. A round solves the linear-quadratic problem of the guess:
+//! A guess states which inputs are at their bounds and which rows act. It also states where each stage lies on the
+//! light's curve. A round solves the linear-quadratic problem of the guess:
 //!
 //! 1. *Backward sweep* ([`super::lqr`]). The inputs of the guess are held, and tangents replace the
 //!    light's curve. It starts at the last stage at which the guess has changed; in the first
@@ -13,10 +13,9 @@
 //! 5. *New guess*: the sides that the inputs were clamped to ([`switching`]), tangents at the new
 //!    margins ([`light`]), the rows that the trajectory violates ([`rows`]).
 //!
-//! The trajectory is optimal when no input changes sides, all margins are at their tangents' points
-//! of contact, and no further row is violated. The multiplier of a bound is then `v − u` times
-//! `−δ`. Most cruise problems settle after one or two rounds, about seven with a light, about
-//! eleven with the light and a row.
+//! The trajectory is optimal under three conditions: no input changes sides, no further row is violated, and all
+//! margins are at their tangents' points of contact. The multiplier of a bound is then `v − u` times `−δ`. Most cruise
+//! problems settle after one or two rounds. With a light it takes about seven, with the light and a row about eleven.
 //!
 //! The method has no safeguard and may wander. It ends because the rounds are bounded and
 //! [`give_up`] drops attempts that wander; [`crate::Riccati`] then uses another method.

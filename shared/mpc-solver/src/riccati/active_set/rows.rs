@@ -1,8 +1,8 @@
 //! Working rows: the rows that may act, each at one stage.
 //!
-//! Rows whose multiplier became zero leave the set. The worst stage of every run of neighbouring
-//! violated stages enters. One stage per run suffices at first, because a row that holds at the
-//! worst stage mostly holds at its neighbours. Later rounds move or split it.
+//! Rows whose multiplier became zero leave the set. The worst stage of every run of neighbouring violated stages
+//! enters. One stage per run suffices at first: a row that holds at the worst stage mostly holds at its neighbours.
+//! Later rounds move or split it.
 
 use multiversion::multiversion;
 

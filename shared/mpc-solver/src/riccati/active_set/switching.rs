@@ -7,14 +7,12 @@
 //! two is therefore freed: the other one if exactly one was free before (the switch moves), else
 //! the one with the smaller excess.
 //!
-//! A switch moves by one stage, plus half the number of stages that would compensate the excess of
-//! the free input. Each stage that changes from one bound to the other compensates the range
-//! between them.
+//! A switch moves by one stage, and by half the number of stages that would compensate the free input's excess. Each
+//! stage that changes from one bound to the other compensates the range between them.
 //!
-//! Ahead of an acting row, in the working set or by its tangent, the costate jumps, and neighbours
-//! at opposite bounds can be right. If they are right elsewhere, the sweep that finds the sides
-//! unchanged settles before this rule applies. A switch stays closed if freeing one of the two only
-//! restored the sides.
+//! Ahead of an acting row, in the working set or by its tangent, the costate jumps. There, neighbours at opposite
+//! bounds can be right. If they are right elsewhere, the sweep that finds the sides unchanged settles before this rule
+//! applies. A switch stays closed if freeing one of the two only restored the sides.
 
 use crate::riccati::working_set::Side;
 

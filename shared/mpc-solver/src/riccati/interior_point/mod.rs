@@ -24,17 +24,16 @@
 //! take their longest step. Mostly only one of the two is limited, and a common length costs 4 to 7
 //! % more iterations.
 //!
-//! No residual is carried from iteration to iteration: all are computed at the present iterate,
-//! that of `ν` included. Dynamics, slacks and the terminal equality are linear in the primal
-//! variables, so a primal length `a` scales their residuals by `1 − a`. A dual length `b` scales
-//! the stationarity residual by `1 − b` and adds `a − b` times the change of the cost's gradient.
-//! This addition vanishes near the solution, where both lengths become 1.
+//! No residual is carried from iteration to iteration: all are computed at the present iterate, that of `ν` included.
+//! Dynamics, slacks and the terminal equality are linear in the primal variables. So a primal length `a` scales their
+//! residuals by `1 − a`. A dual length `b` scales the stationarity residual by `1 − b`. It adds `a − b` times the
+//! change of the cost's gradient. This addition vanishes near the solution, where both lengths become 1.
 //! [`InteriorPoint::remaining_residual`] is therefore a guide for the next phase, not a proof.
 //!
-//! The light's `w/p² = α + β` is not linear, and steps with different lengths for `p` and `α` can cycle. One length
-//! is full, the other short, and two tiny steps follow. After four iterations the mean product is the same (seed
-//! 23192 of the tests' random problems). Both lengths are therefore equal once the mean product has not fallen for
-//! [`step_length::MOST_STALLED`] iterations while the linear residuals are nearly zero.
+//! The light's `w/p² = α + β` is not linear. Steps with different lengths for `p` and `α` can cycle. One length is
+//! full, the other short, and two tiny steps follow. After four iterations the mean product is the same (seed 23192 of
+//! the tests' random problems). So both lengths are made equal once the mean product has not fallen for
+//! [`step_length::MOST_STALLED`] iterations. The linear residuals must be nearly zero by then.
 //!
 //! # Sweeps
 //!
@@ -76,8 +75,8 @@ const START_SLACK: f64 = 3.0;
 /// Initial products as a fraction of the quadratic cost of the first trajectory, and their limits.
 const START_PRODUCT: f64 = 1e-2;
 const START_PRODUCTS: (f64, f64) = (1.0, 1e6);
-/// Smallest target product. At a limit without a force, slack and multiplier are both its root, and
-/// the optimality conditions require 1e-8 of them.
+/// Smallest target product. At a limit without a force, slack and multiplier are both its root. The optimality
+/// conditions require 1e-8 of them.
 const LEAST_TARGET: f64 = 1e-20;
 /// Smallest fraction of the mean product that a step aims at.
 const LEAST_CENTRING: f64 = 1e-6;

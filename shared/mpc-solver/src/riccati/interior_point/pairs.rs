@@ -9,10 +9,10 @@
 //! sλ(1 + a r)(1 − b − b r) = (1 − b) sλ + (a − b) sλ r − a b n,     n = sλ r(1 + r)
 //! ```
 //!
-//! `n` is the second-order term that the predictor neglects, and it gives the corrector's target `t
-//! = τ + n`. It belongs to a full step, however. After a short predictor step, single pairs have an
-//! `n` of thousands of mean products, and compensating it spoils the step of all others. So only a
-//! fraction of `n` counts, up to a multiple of the mean product.
+//! `n` is the second-order term that the predictor neglects, and it gives the corrector's target `t = τ + n`. It
+//! belongs to a full step, however. After a short predictor step, single pairs have an `n` of thousands of mean
+//! products. Compensating it spoils the step of all others. So only a fraction of `n` counts, up to a multiple of the
+//! mean product.
 
 use crate::riccati::lanes::{Lanes, WIDTH};
 

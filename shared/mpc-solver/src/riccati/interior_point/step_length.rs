@@ -1,13 +1,11 @@
 //! Length of a step: how much of the longest one is taken, and when both lengths are equal.
 
-/// Fraction of the longest step that is left out while the products are large, and the further
-/// fraction for a predictor that cannot move. The limiting pair then stays farther from zero and
-/// limits the next step less.
+/// Fraction of the longest step that is left out while the products are large. A predictor that cannot move leaves out
+/// the further fraction. The limiting pair then stays farther from zero and limits the next step less.
 const MARGIN: f64 = 0.01;
 const SHORT_MARGIN: f64 = 0.1;
 
-/// Number of iterations without a smaller mean product after which both lengths are equal, and the
-/// ratio that counts as smaller.
+/// Iterations without a smaller mean product after which both lengths are equal. The ratio is what counts as smaller.
 pub(super) const MOST_STALLED: u32 = 4;
 const SMALLER: f64 = 0.9;
 
