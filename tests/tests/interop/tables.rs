@@ -41,7 +41,8 @@ pub fn kept_trajectories_are_those_of_the_runs() {
 pub fn every_drive_of_a_study_has_its_row_and_its_trajectory() {
     let python = interpreter().expect("looked for before");
     let corner = Corner::new(PROGRAM);
-    let string = ["string", "following", "--vehicles", "2", "--frequencies", "0.1", "--duration", "30"];
+    let string =
+        ["string", "following", "--vehicles", "2", "--frequencies", "0.1", "--duration", "30"];
     let r157 = ["r157", "--matrix", "cut-in", "--controllers", "acc-mpc", "--sample", "3"];
     for (words, keys, least) in [
         (&string[..], "vehicle,frequency_hz", 4),

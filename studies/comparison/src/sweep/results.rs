@@ -312,7 +312,7 @@ mod tests {
         let csv = sweep.csv();
         let lines: Vec<_> = csv.lines().collect();
         assert!(lines[0].starts_with("runtime.extra_delay_ms,seed,outcome,rms_gap_error_m,"));
-        assert_eq!(lines[3], "20,1,completed,2,,,,,,,,,,,,,,,,,");
+        assert_eq!(lines[3], "20,1,completed,2,,,,,,,,,,,,,,,,,,");
         assert!(lines[4].starts_with("20,2,collision,2,,,,-0.1,"));
     }
 

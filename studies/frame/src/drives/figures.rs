@@ -11,6 +11,7 @@ pub const FIGURES: &[Figure] = &[
     ("max_abs_gap_error_m", |s| s.control.figures.max_abs_gap_error_m),
     ("final_gap_error_m", |s| s.control.figures.final_gap_error_m),
     ("min_ttc_s", |s| s.control.figures.min_ttc_s),
+    ("impact_speed_mps", |s| s.control.figures.impact_speed_mps),
     ("min_time_gap_s", |s| s.control.following.min_time_gap_s),
     ("median_time_gap_s", |s| s.control.following.median_time_gap_s),
     ("final_speed_error_mps", |s| s.control.figures.final_speed_error_mps),

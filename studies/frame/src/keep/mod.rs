@@ -55,7 +55,9 @@ pub struct KeepError;
 
 /// The command's drives are not known before they begin.
 #[derive(Debug, thiserror::Error)]
-#[error("--keep: {command} keeps no trajectories, expected another study, or the command that repeats a run")]
+#[error(
+    "--keep: {command} keeps no trajectories, expected another study, or the command that repeats a run"
+)]
 pub struct KeepsNone {
     /// The command.
     pub command: String,
