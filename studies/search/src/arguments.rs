@@ -2,18 +2,19 @@
 
 use std::num::NonZeroUsize;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 use frame::parts::{self, PartOptions};
-use group::{GroupOptions, ScenarioOptions};
+use group::{Failure, GroupOptions, ScenarioOptions};
 use report::results::ResultOptions;
 
 use crate::method::MethodName;
 use crate::reference::ReferenceName;
 
 /// Options that a merge takes from the parts.
-const WITHOUT_MERGE: [&str; 15] = [
+const WITHOUT_MERGE: [&str; 16] = [
     "scenario",
     "vary",
+    "faults",
     "budget",
     "method",
     "replicas",
@@ -29,6 +30,13 @@ const WITHOUT_MERGE: [&str; 15] = [
     "jobs",
 ];
 
+/// Which faults are tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FaultsName {
+    /// All faults of messages and of timing
+    All,
+}
+
 /// Arguments of `search`.
 #[derive(Clone, Debug, Args)]
 #[command(mut_arg("merge", |merge| merge.conflicts_with_all(WITHOUT_MERGE).conflicts_with_all(parts::OF_RUNS)))]
@@ -39,6 +47,9 @@ pub struct SearchArguments {
     /// A key that varies: `KEY=A..B`, `KEY=A..B:log` or `KEY=a,b,c` (repeatable)
     #[arg(long, value_name = "KEY=VALUES")]
     pub vary: Vec<String>,
+    /// Instead of varying keys: every fault of messages and of timing that the scenario can have, and what each breaks
+    #[arg(long, value_enum, value_name = "WHICH", conflicts_with_all = ["vary", "method", "replicas", "cases"])]
+    pub faults: Option<FaultsName>,
     /// Number of runs, without those for minimal cases
     #[arg(long, value_name = "N", default_value = "500")]
     pub budget: NonZeroUsize,
@@ -72,4 +83,24 @@ pub struct SearchArguments {
     /// Directory and forms of the results.
     #[command(flatten)]
     pub results: ResultOptions,
+}
+
+/// A text that is no seed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("--seed {0}: expected a whole number without a sign")]
+pub struct NoSeed(String);
+
+impl Failure for NoSeed {}
+
+impl SearchArguments {
+    /// Seed of the study: the seeds of its runs come from it.
+    ///
+    /// # Errors
+    /// [`NoSeed`].
+    pub fn seed(&self) -> Result<u64, NoSeed> {
+        match &self.scenario_options.seed {
+            Some(seed) => seed.parse().map_err(|_| NoSeed(seed.clone())),
+            None => Ok(1),
+        }
+    }
 }

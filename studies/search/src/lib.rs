@@ -16,6 +16,7 @@
 mod arguments;
 pub mod distinct;
 mod effect;
+mod faults;
 pub mod method;
 pub mod minimal;
 mod pictures;

@@ -9,6 +9,7 @@ use serde::Serialize;
 use serde_json::{Value as Json, json};
 
 use crate::effect::effects;
+use crate::faults::{self, FaultRow};
 use crate::method::MethodName;
 use crate::minimal::Held;
 use crate::pictures::{self, Drives};
@@ -47,6 +48,8 @@ pub struct Search {
     /// Upper end of the 95 % interval of the share of failures, by even points; none where they failed.
     share_below: Option<f64>,
     variables: Vec<VariableRow>,
+    /// Faults by what they break, with `--faults`.
+    faults: Vec<FaultRow>,
     probability: Option<Json>,
     processes_sample: ProcessesSample,
     #[serde(skip)]
@@ -167,6 +170,7 @@ pub fn schema() -> Schema {
         .fields(FIELDS)
         .rows("failures", "Minimal cases, the worst first", FAILURES)
         .rows("variables", "The variables", VARIABLES)
+        .rows("faults", "Faults by what they break, with --faults", faults::COLUMNS)
 }
 
 impl FailureRow {
@@ -247,6 +251,7 @@ impl Search {
             // Rule of three: 1 - 0.05^(1/n) is below 3/n.
             share_below: none_failed.then(|| (3.0 / even.len() as f64).min(1.0)),
             variables: rows.collect(),
+            faults: Vec::new(),
             probability: None,
             processes_sample,
             drives: Vec::new(),
@@ -269,6 +274,62 @@ impl Search {
             self.drives.push(drives);
         }
         self
+    }
+
+    /// The result of a search among faults: `values` of its runs, and its rows in their order.
+    pub fn of_faults(
+        problem: &Problem,
+        (planned, reducing_runs, first_violation): (usize, u64, Option<usize>),
+        values: Vec<f64>,
+        faults: Vec<FaultRow>,
+        sample: ProcessesSample,
+    ) -> Self {
+        let runs = values.len();
+        let least = |values: &mut dyn Iterator<Item = f64>| values.min_by(f64::total_cmp);
+        let violations = values.iter().filter(|value| **value < 0.0).count();
+        Self {
+            method: MethodName::Sobol.name(),
+            runs,
+            planned,
+            reducing_runs,
+            first_violation,
+            violations,
+            ok: violations == 0,
+            distinct: faults.iter().filter(|row| row.broken > 0).count(),
+            worst_robustness: least(&mut values.iter().copied()),
+            nearest_miss: least(&mut values.iter().copied().filter(|value| *value >= 0.0)),
+            variables: Vec::new(),
+            faults,
+            ..Self::new(problem, (MethodName::Sobol, planned), &[], 0, sample)
+        }
+    }
+
+    /// The result of a search among faults for every output.
+    pub fn faults_document(&self) -> Document {
+        let place = &self.problem;
+        let requirements = self.requirements.join(", ");
+        let about = format!(
+            "{place} ({}): {} faults of messages and timing, {} of {} runs, {requirements}",
+            self.controller,
+            self.faults.len(),
+            self.runs,
+            self.planned,
+        );
+        let sentence = match self.distinct {
+            0 => format!("no fault broke a requirement in {} runs", self.runs),
+            broken => {
+                format!("BROKEN: {broken} of {} faults break a requirement", self.faults.len())
+            }
+        };
+        let table = Table::new("What hurts most", faults::COLUMNS, &self.faults).most_rows(25);
+        let document = Document::new("search", &format!("Faults in {place}"), self)
+            .about(about)
+            .table(table)
+            .verdict(self.ok, sentence);
+        self.faults.iter().fold(document, |document, row| match &row.file {
+            Some(file) => document.file(file, row.text.clone()),
+            None => document,
+        })
     }
 
     /// The result for every output.

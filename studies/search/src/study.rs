@@ -7,7 +7,7 @@ use std::sync::{Condvar, Mutex};
 use std::time::Duration;
 
 use frame::batch::{Done, Job};
-use frame::parts::ShardChoice;
+use frame::parts::{self, ShardChoice};
 use frame::{Crew, Found, Gave, Needs, Options, Study};
 use group::{Error, Failure, GroupOptions};
 use indicatif::ProgressBar;
@@ -16,6 +16,7 @@ use thiserror::Error;
 
 use crate::arguments::SearchArguments;
 use crate::distinct::{self, Group};
+use crate::faults::Faults;
 use crate::method::{Admission, Chooser, MethodName, Proposal, independent, seed_of};
 use crate::minimal::{self, Case, Trial};
 use crate::pictures::Drives;
@@ -44,9 +45,6 @@ pub enum PlanError {
     /// Replicas of runs that do not depend on each other.
     #[error("--replicas: runs of `{0}` do not depend on each other, expected `gp`")]
     Replicas(&'static str),
-    /// No seed.
-    #[error("--seed {0}: expected a whole number without a sign")]
-    Seed(String),
 }
 
 impl Failure for PlanError {}
@@ -56,6 +54,13 @@ impl Failure for PlanError {}
 /// # Errors
 /// Mistakes in the arguments or the file, else as [`frame::study::run`].
 pub fn run(arguments: &SearchArguments) -> Result<ExitCode, Error> {
+    // A part that is continued or joined knows what it is a part of.
+    let held = parts::held(&arguments.parts)?;
+    let has_faults =
+        |study: parts::Study| study.words.iter().any(|word| word.starts_with("--faults"));
+    if arguments.faults.is_some() || held.is_some_and(has_faults) {
+        return frame::study::run::<Faults>(arguments);
+    }
     frame::study::run::<Runs>(arguments)
 }
 
@@ -136,10 +141,7 @@ impl Study for Runs {
         {
             return Err(PlanError::Part { index: shard.index, count: shard.count }.into());
         }
-        let seed = match &arguments.scenario_options.seed {
-            Some(seed) => seed.parse().map_err(|_| PlanError::Seed(seed.clone()))?,
-            None => 1,
-        };
+        let seed = arguments.seed()?;
         let problem = Problem::open(arguments)?;
         let chooser = Chooser::new(method, &problem.variables, seed, replicas);
         Ok(Self {

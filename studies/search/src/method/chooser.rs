@@ -238,6 +238,7 @@ mod tests {
             let Proposal { point, refused, .. } = chooser.propose(run, &admit).expect("admissible");
             let value = value(&point);
             values.push(value);
+            eprintln!("{run} {value:.3} {point:.3?} {}", refused.len());
             chooser.tell(run, Told { point, value, refused });
         }
         values

@@ -25,7 +25,7 @@ use thiserror::Error;
 
 use crate::arguments::SearchArguments;
 use crate::reference::Reference;
-use setting::FaultChoice;
+pub(crate) use setting::FaultChoice;
 
 /// Most variables: the dimensions of the Sobol sequence.
 pub const MOST_VARIABLES: usize = 21;
@@ -136,7 +136,9 @@ impl Problem {
         if let Some(reference) = arguments.reference {
             draft.reference = Some(Reference::named(reference));
         }
-        draft.finish(arguments.scenario_options.clone(), &arguments.group)
+        let problem = draft.finish(arguments.scenario_options.clone())?;
+        problem.check(&arguments.group)?;
+        Ok(problem)
     }
 
     /// Number of variables.
@@ -284,7 +286,8 @@ impl Draft {
         Ok(())
     }
 
-    fn finish(self, mut options: ScenarioOptions, group: &GroupOptions) -> Result<Problem, Error> {
+    /// Opens the scenario. The ends of the variables are not tried.
+    pub(crate) fn finish(self, mut options: ScenarioOptions) -> Result<Problem, Error> {
         let Self { name, scenario, mut variables, settings, faults, require, reference } = self;
         if !faults.is_empty() {
             let none = std::iter::once(NO_FAULT.to_owned());
@@ -310,7 +313,7 @@ impl Draft {
             let nominal = nominal.unwrap_or_else(|| domain.middle());
             Variable { name, domain, nominal }
         });
-        let problem = Problem {
+        Ok(Problem {
             name,
             variables: variables.collect(),
             reference: reference.unwrap_or(Some(Reference::REGULATION)),
@@ -319,14 +322,12 @@ impl Draft {
             options,
             settings,
             faults,
-        };
-        problem.check(group)?;
-        Ok(problem)
+        })
     }
 }
 
 /// A scenario's name for titles: that of a file without its folder and ending.
-fn scenario_name(argument: &str) -> String {
+pub(crate) fn scenario_name(argument: &str) -> String {
     let path = std::path::Path::new(argument);
     path.file_stem().map_or_else(|| argument.to_owned(), |name| name.to_string_lossy().into_owned())
 }

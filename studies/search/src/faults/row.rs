@@ -1,0 +1,134 @@
+//! A row of the table "what hurts most".
+
+use std::cmp::Ordering;
+
+use report::results::{Column, Format, Kind, column, count, judged, number, word};
+use serde::Serialize;
+use serde_json::{Value as Json, json};
+
+use super::candidates::{BEGIN, Candidate, LASTS, SIZE};
+use crate::minimal::Case;
+use crate::value::Judged;
+
+/// A fault and what it breaks.
+#[derive(Clone, Debug, Serialize)]
+pub struct FaultRow {
+    /// Kind and target.
+    pub fault: String,
+    /// Runs with it.
+    pub runs: usize,
+    /// Runs that broke a requirement.
+    pub broken: usize,
+    /// Smallest size that breaks a requirement.
+    pub size: Option<f64>,
+    /// Unit of the size.
+    pub size_unit: &'static str,
+    /// Shortest duration that breaks a requirement, s.
+    pub for_s: Option<f64>,
+    /// Its begin, s.
+    pub at_s: Option<f64>,
+    /// Seeds on which the smallest one breaks it, and seeds that were tried.
+    pub holds_on: Option<[usize; 2]>,
+    /// The requirement with the least margin.
+    pub requirement: String,
+    /// Least margin of the runs, in its unit.
+    pub margin: Option<f64>,
+    /// The unit.
+    pub unit: String,
+    /// The same in tolerances.
+    pub robustness: f64,
+    /// Its file.
+    pub file: Option<String>,
+    /// The command that repeats it.
+    pub repeat: Option<String>,
+    /// Contents of the file.
+    #[serde(skip)]
+    pub text: String,
+    /// Places of size and duration in their ranges, summed: a small one hurts more.
+    #[serde(skip)]
+    severity: f64,
+}
+
+/// Columns of the table.
+pub const COLUMNS: &[Column<FaultRow>] = &[
+    word("fault", "fault", "Kind and target of the fault"),
+    judged("", "breaks", "").of(breaks),
+    number("size", "smallest size", "", 2, "Smallest size that breaks a requirement"),
+    word("size_unit", "unit", "Unit of the size; empty for a share"),
+    number("for_s", "shortest", "s", 2, "Shortest duration that breaks a requirement"),
+    number("at_s", "begins at", "s", 2, "Its begin").weight(2),
+    column(
+        "holds_on",
+        "",
+        "",
+        Format::Nested(Kind::List),
+        "Seeds on which the smallest one breaks it, and seeds that were tried",
+    )
+    .hidden(),
+    number(
+        "robustness",
+        "least margin",
+        "tolerances",
+        1,
+        "Least margin of its runs, in tolerances",
+    )
+    .more(),
+    word("requirement", "of", "Requirement with this margin").weight(3),
+    number("margin", "", "", 3, "The same in the requirement's unit").hidden(),
+    word("unit", "", "Unit of the margin").hidden(),
+    count("runs", "runs", "Runs with the fault").weight(2),
+    count("broken", "", "Runs with the fault that broke a requirement").hidden(),
+    word("file", "file", "Scenario file that repeats the smallest one").weight(1),
+    word("repeat", "", "Command that repeats it").hidden(),
+];
+
+fn breaks(row: &FaultRow) -> Json {
+    let text = match (row.broken, row.holds_on) {
+        (0, _) => "no".to_owned(),
+        (broken, None) => format!("{broken} of {}", row.runs),
+        (_, Some([failed, tried])) => format!("on {failed} of {tried} seeds"),
+    };
+    json!({"text": text, "ok": row.broken == 0})
+}
+
+impl FaultRow {
+    /// A fault whose worst run was judged so.
+    pub fn new(candidate: &Candidate, worst: &Judged, runs: usize, broken: usize) -> Self {
+        Self {
+            fault: candidate.name.clone(),
+            runs,
+            broken,
+            size: None,
+            size_unit: candidate.unit,
+            for_s: None,
+            at_s: None,
+            holds_on: None,
+            requirement: worst.requirement.clone(),
+            margin: worst.margin,
+            unit: worst.unit.clone(),
+            robustness: worst.value,
+            file: None,
+            repeat: None,
+            text: String::new(),
+            severity: 2.0,
+        }
+    }
+
+    /// Takes the smallest case.
+    pub fn reduced(&mut self, candidate: &Candidate, case: &Case) {
+        let value = |name: &str| candidate.value(name, &case.values);
+        (self.size, self.for_s, self.at_s) = (value(SIZE), value(LASTS), value(BEGIN));
+        self.holds_on = Some([case.held.failed, case.held.tried]);
+        let place = |name: &str| candidate.severity(name, &case.values).unwrap_or(1.0);
+        self.severity = place(SIZE) + place(LASTS);
+    }
+
+    /// The order of the table: what breaks with the least, then what comes nearest to it.
+    pub fn rank(&self, other: &Self) -> Ordering {
+        let broken = |row: &Self| row.broken == 0;
+        broken(self)
+            .cmp(&broken(other))
+            .then(self.severity.total_cmp(&other.severity))
+            .then(self.robustness.total_cmp(&other.robustness))
+    }
+}
