@@ -30,6 +30,7 @@
 #![allow(clippy::large_enum_variant, reason = "one of each exists in a process")]
 
 pub mod perception;
+mod plane;
 mod poses;
 pub mod quality;
 pub mod radar;

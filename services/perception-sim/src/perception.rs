@@ -3,22 +3,29 @@
 //! The radar is on before the run begins. From that time are the scans that its latency holds back, and those from
 //! which the tracker knows the traffic. In that time every vehicle keeps its speed of the start.
 
+use std::sync::Arc;
+
 use crate::report::PerceptionReport;
 use bytemuck::Zeroable;
 use messages::{Detection, MAX_DETECTIONS};
+use road::Axis;
 use scenario::Scenario;
 use scenario::perception::{MAX_LATENCY_SCANS, RadarModel};
 
+use crate::plane::sources;
 use crate::quality::Quality;
 use crate::radar::detections::DetectionRadar;
 use crate::radar::object_list::ObjectListRadar;
 use crate::radar::receiver::Received;
-use crate::radar::scene::{Ego, Scene};
+use crate::radar::scene::{Ego, PlaneEgo, Scene};
 use crate::tracking::TrackList;
+use crate::tracking::course_filter::{MapAhead, Sources};
+use crate::tracking::course_numbers::CourseNumbers;
 use crate::tracking::detection_tracker::DetectionTracker;
 use crate::tracking::ego_speed::EgoSpeed;
 use crate::tracking::exact_tracker::ExactTracker;
 use crate::tracking::object_tracker::ObjectTracker;
+use crate::tracking::road_ahead::RoadAhead;
 use crate::traffic::Traffic;
 use crate::vehicle::Vehicle;
 
@@ -33,6 +40,8 @@ const SETTLING_SCANS: u64 = 30;
 pub struct Perception {
     traffic: Traffic,
     sensor: Sensor,
+    /// The road, where it has a plan.
+    road: Option<Arc<Axis>>,
     period_ns: u64,
     latency_scans: usize,
     held: Box<[Scene; HELD]>,
@@ -77,9 +86,11 @@ impl Perception {
                 Sensor::Detections(Box::new((radar, tracker)))
             }
         };
-        Self {
+        let road = scenario.road.plan().map(|plan| Arc::new(plan.axis().clone()));
+        let perception = Self {
             traffic: Traffic::new(scenario),
             sensor,
+            road: None,
             period_ns: perception.period_ms.nanoseconds(),
             latency_scans,
             held: Box::new([Scene::default(); HELD]),
@@ -91,7 +102,23 @@ impl Perception {
             list: TrackList::default(),
             ego_speed: EgoSpeed::default(),
             known: Ego::default(),
+        };
+        match road {
+            Some(road) => perception.on_road(road, sources(scenario), &CourseNumbers::DEFAULT),
+            None => perception,
         }
+    }
+
+    /// The same on a road in the plane, with a course from these sources.
+    #[must_use]
+    pub fn on_road(mut self, road: Arc<Axis>, sources: Sources, numbers: &CourseNumbers) -> Self {
+        self.road = Some(road);
+        match &mut self.sensor {
+            Sensor::Ideal(_) => {}
+            Sensor::ObjectList(both) => both.1.follow_course(sources, numbers),
+            Sensor::Detections(both) => both.1.follow_course(sources, numbers),
+        }
+        self
     }
 
     /// Takes the scan of `time_ns` with the true state of the ego. Returns the tracks of the scan that the radar's
@@ -114,13 +141,30 @@ impl Perception {
         told: Option<Ego>,
         detections: &mut [Detection; MAX_DETECTIONS],
     ) -> &TrackList {
+        self.step_in_plane(time_ns, ego, told, None, None, detections)
+    }
+
+    /// The same of an ego in the plane, with the map ahead of it if there is one. Both are of use on a road with a plan
+    /// alone.
+    pub fn step_in_plane(
+        &mut self,
+        time_ns: u64,
+        ego: &Ego,
+        told: Option<Ego>,
+        in_plane: Option<PlaneEgo>,
+        map: Option<&MapAhead>,
+        detections: &mut [Detection; MAX_DETECTIONS],
+    ) -> &TrackList {
         self.traffic.advance(time_ns, ego);
         let now_ns = i64::try_from(time_ns).unwrap_or(i64::MAX);
-        let scene = Scene { told, ..Scene::new(now_ns, *ego, self.traffic.vehicles()) };
+        let mut scene = Scene { told, ..Scene::new(now_ns, *ego, self.traffic.vehicles()) };
+        if let (Some(road), Some(in_plane)) = (&self.road, in_plane) {
+            scene = scene.on(road, in_plane);
+        }
         if self.taken == 0 {
             self.warm_up(&scene, detections);
         }
-        self.process(&scene, detections);
+        self.process(&scene, map, detections);
         self.detections += self.received.count as u64;
         self.detections_left_out += self.received.left_out;
         self.quality.observe(&self.scanned(), &self.list, now_ns);
@@ -132,11 +176,11 @@ impl Perception {
         let settles = now.time_ns == 0 && matches!(self.sensor, Sensor::Detections(_));
         let settling = if settles { SETTLING_SCANS } else { 0 };
         for back in (1..=self.latency_scans as u64 + settling).rev() {
-            let scene = now.earlier((back * self.period_ns) as i64);
+            let scene = now.earlier((back * self.period_ns) as i64, self.road.as_deref());
             if self.taken < self.latency_scans {
                 self.hold(&scene);
             } else {
-                self.process(&scene, detections);
+                self.process(&scene, None, detections);
             }
         }
         // Unused entries of the first message are 0.
@@ -156,9 +200,16 @@ impl Perception {
         self.held[(self.taken - 1 - self.latency_scans) % HELD]
     }
 
-    fn process(&mut self, scene: &Scene, detections: &mut [Detection; MAX_DETECTIONS]) {
+    fn process(
+        &mut self,
+        scene: &Scene,
+        map: Option<&MapAhead>,
+        detections: &mut [Detection; MAX_DETECTIONS],
+    ) {
         self.hold(scene);
         let out = self.scanned();
+        let road = self.road.as_deref();
+        let yaw_rate_radps = out.plane.and_then(|plane| plane.ego.told_yaw_rate_radps);
         self.received = Received::default();
         self.list = match &mut self.sensor {
             Sensor::Ideal(tracker) => tracker.step(&out),
@@ -167,14 +218,16 @@ impl Perception {
                 let scan = radar.scan(&out);
                 let known = out.told.unwrap_or(self.known);
                 self.known = known;
-                tracker.step(out.time_ns, &known, &scan)
+                tracker.step_on_course(out.time_ns, &known, yaw_rate_radps, map, &scan)
             }
             Sensor::Detections(both) => {
                 let (radar, tracker) = both.as_mut();
-                self.received = radar.scan(&out, detections);
+                self.received = radar.scan_on(road, &out, detections);
                 let detections = &detections[..self.received.count];
-                self.known = self.ego_speed.take_scan(out.time_ns, out.told, detections);
-                tracker.step(out.time_ns, &self.known, detections)
+                let course = tracker.ahead().course();
+                self.known = self.ego_speed.take_scan_on(course, out.time_ns, out.told, detections);
+                let known = &self.known;
+                tracker.step_on_course(out.time_ns, known, yaw_rate_radps, map, detections)
             }
         };
     }
@@ -198,6 +251,16 @@ impl Perception {
             Sensor::Ideal(_) => 1.0,
             Sensor::ObjectList(both) => both.1.seen_share(),
             Sensor::Detections(both) => both.1.seen_share(),
+        }
+    }
+
+    /// The road ahead as the tracker takes it to be; `None` of exact tracks.
+    #[must_use]
+    pub fn road_ahead(&self) -> Option<&RoadAhead> {
+        match &self.sensor {
+            Sensor::Ideal(_) => None,
+            Sensor::ObjectList(both) => Some(both.1.ahead()),
+            Sensor::Detections(both) => Some(both.1.ahead()),
         }
     }
 
@@ -231,5 +294,7 @@ impl Perception {
     }
 }
 
+#[cfg(test)]
+mod plane_tests;
 #[cfg(test)]
 mod tests;

@@ -19,6 +19,8 @@
 //! Source: Rahmathullah, García-Fernández and Svensson, Generalized optimal sub-pattern assignment
 //! metric (FUSION 2017).
 
+use std::array::from_fn;
+
 use crate::report::PerceptionReport;
 use messages::MAX_TRACKS;
 use scenario::Scenario;
@@ -96,8 +98,7 @@ impl Quality {
     /// Judges the tracks of the scan of `scene`, published at `published_ns`.
     pub fn observe(&mut self, scene: &Scene, list: &TrackList, published_ns: i64) {
         let mut owners = [None; MAX_TRACKS];
-        let in_view =
-            scene.vehicles.map(|vehicle| self.view.measure(&scene.ego, &vehicle).is_some());
+        let in_view = from_fn(|vehicle| self.view.measure(scene, vehicle).is_some());
         let pairs = Assignment::best(scene, &in_view, list);
         let visible = in_view.iter().filter(|seen| **seen).count() as u64;
         self.scans += 1;

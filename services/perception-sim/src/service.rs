@@ -1,6 +1,7 @@
 //! The perception loop: move the traffic, scan, track, publish.
 
 use crate::perception::Perception;
+use crate::plane::PlanePorts;
 use crate::poses::Poses;
 use crate::radar::scene::Ego;
 use crate::tracking::TrackList;
@@ -41,6 +42,7 @@ pub fn run_behind(mut runtime: Runtime, mut ahead: Ahead) -> Result<(), RuntimeE
     let mut ego_truth = runtime.subscriber::<EgoTruth>()?;
     let mut tracks = runtime.publisher::<RadarTracks>()?;
     let mut truth = runtime.publisher::<VehicleTruth>()?;
+    let mut plane = PlanePorts::open(&mut runtime, &scenario)?;
     let mut poses = Poses::open(&mut runtime, &scenario)?;
     let mut output = DetectionOutput::open(&mut runtime, scenario.perception.model())?;
     let start = Ego { speed_mps: scenario.plant.initial_speed_mps.value(), ..Ego::default() };
@@ -58,6 +60,9 @@ pub fn run_behind(mut runtime: Runtime, mut ahead: Ahead) -> Result<(), RuntimeE
         let Some(release) = runtime.next_release(Overrun::Skip)? else { return Ok(Cycle::Last) };
         runtime.update(&mut odometry)?;
         runtime.update(&mut ego_truth)?;
+        if let Some(plane) = &mut plane {
+            plane.update(runtime)?;
+        }
         // The radar measures from the ego's true place, not from that of its last message.
         let ego = ego_truth.newest().map_or(start, |truth| true_at(truth, release.time_s));
         let told = told_at(odometry.newest(), start, &release);
@@ -67,7 +72,10 @@ pub fn run_behind(mut runtime: Runtime, mut ahead: Ahead) -> Result<(), RuntimeE
             follow(&mut perception, checkpoint.as_mut(), time_ns);
         }
         let mut detections = output.loan()?;
-        let list = *perception.step_told(time_ns, &ego, told, output.room(detections.as_mut()));
+        let room = output.room(detections.as_mut());
+        let in_plane = plane.as_ref().map(|plane| plane.ego(&ego, ego_truth.newest(), &release));
+        let map = plane.as_ref().and_then(|plane| plane.map(told));
+        let list = *perception.step_in_plane(time_ns, &ego, told, in_plane, map.as_ref(), room);
         if let Some(checkpoint) = checkpoint.as_mut().filter(|_| !runtime.is_standby()) {
             checkpoint.save(&perception.traffic().snapshot())?;
         }
@@ -87,6 +95,9 @@ pub fn run_behind(mut runtime: Runtime, mut ahead: Ahead) -> Result<(), RuntimeE
         }
         let ended = perception.traffic().is_over();
         truth.send_with(|message| write_truth(message, header, perception.vehicles(), ended))?;
+        if let Some(plane) = &mut plane {
+            plane.send(acquired, perception.road_ahead())?;
+        }
         if let Some(poses) = &mut poses {
             poses.send(header, perception.vehicles())?;
         }

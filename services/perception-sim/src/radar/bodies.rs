@@ -1,14 +1,13 @@
 //! The echoes of vehicles.
 //!
-//! A vehicle reflects at a few places of its body: the middle of its rear, the rear corners, and the wheelhouses of
+//! A vehicle reflects at a few places of its body ([`super::body`]): the middle of its rear, the rear corners, and the wheelhouses of
 //! the side that it shows, on long vehicles more along that side. A place is strong when its face is seen squarely;
 //! each has a fluctuation of its own. A hidden place is seen under the other vehicle only, weaker. Beside the
 //! straight path a wave takes two others:
 //!
 //! * under the body: it is thrown to and fro between the road and the floor and comes back from the same
 //!   direction, later: an echo beyond the true range.
-//! * by the guard rail: the vehicle's mirror image, farther off and beyond the rail. A rail stands on
-//!   some stretches of the road and not on others.
+//! * by the guard rail: the vehicle's mirror image, farther off and beyond the rail ([`super::rail`]).
 //!
 //! Sources. The reflecting places are those of Bühren and Yang, Simulation of automotive radar target lists using a
 //! novel approach of object representation (IEEE Intelligent Vehicles 2006). The mean cross section of a car, 10 m²,
@@ -16,12 +15,15 @@
 //! propagation in uncertain environments (ITSC 2018). The strengths of the places and of the detours are chosen, not
 //! measured.
 
+use super::body::{Body, hidden};
 use super::echo::{Antenna, Echo, Fluctuation};
 use super::numbers::Numbers;
+use super::rail::{self, Rail};
 use super::receiver::Echoes;
-use super::scene::{Ego, Scene};
-use crate::random::{Random, fixed, hash};
+use super::scene::Scene;
+use crate::random::Random;
 use crate::vehicle::Vehicle;
+use road::Axis;
 
 /// Reflections of vehicles.
 #[derive(Clone, Copy, Debug)]
@@ -55,77 +57,29 @@ pub struct UnderBody {
     pub mean_m: f64,
 }
 
-/// Guard rails on both sides.
-#[derive(Clone, Copy, Debug)]
-pub struct Rail {
-    /// Share of the road's stretches that have one; 0: none.
-    pub share: f64,
-    /// Distance from the centre of the ego's lane, m.
-    pub offset_m: f64,
-    /// Factor on the power of the direct echo.
-    pub factor: f64,
-}
-
 impl Bodies {
     /// Adds the echoes of all vehicles of a scene.
-    pub fn reflect(&self, seed: u64, scene: &Scene, antenna: &Antenna, echoes: &mut Echoes) {
+    pub fn reflect(
+        &self,
+        seed: u64,
+        scene: &Scene,
+        road: Option<&Axis>,
+        antenna: &Antenna,
+        echoes: &mut Echoes,
+    ) {
         for (index, vehicle) in scene.vehicles.iter().enumerate() {
-            let body = Body::of(&scene.ego, vehicle);
-            if !vehicle.present || body.front_m <= 0.0 || body.rear_m > antenna.max_range_m {
+            let body = Body::of(scene, index);
+            if !vehicle.present || !body.is_ahead() || body.rear_m > antenna.max_range_m {
                 continue;
             }
             let mut random = Random::of_scan(seed, index as u64 + 1, scene.time_ns);
             if random.uniform() < self.dropout_probability {
                 continue;
             }
-            let mut sight = Sight { bodies: self, seed, scene, antenna, random, echoes };
+            let mut sight = Sight { bodies: self, seed, scene, road, antenna, random, echoes };
             sight.vehicle(index, vehicle, &body);
         }
     }
-}
-
-/// The outline of a vehicle as the radar has it before itself, m.
-#[derive(Clone, Copy, Debug)]
-struct Body {
-    rear_m: f64,
-    front_m: f64,
-    right_m: f64,
-    left_m: f64,
-}
-
-impl Body {
-    fn of(ego: &Ego, vehicle: &Vehicle) -> Self {
-        let rear_m = vehicle.rear_position_m - ego.position_m;
-        Self {
-            rear_m,
-            front_m: rear_m + vehicle.length_m,
-            right_m: vehicle.lateral_m - 0.5 * vehicle.width_m,
-            left_m: vehicle.lateral_m + 0.5 * vehicle.width_m,
-        }
-    }
-
-    /// The straight line to a point passes through the body before it reaches the point.
-    fn hides(&self, x_m: f64, y_m: f64) -> bool {
-        if self.front_m <= 0.0 || self.rear_m >= x_m {
-            return false;
-        }
-        let slope = y_m / x_m;
-        let (mut enter, mut leave) = (self.rear_m.max(0.0), self.front_m.min(x_m - 0.01));
-        if slope.abs() < 1e-9 {
-            return self.right_m < y_m && y_m < self.left_m && enter < leave;
-        }
-        let (a, b) = (self.right_m / slope, self.left_m / slope);
-        enter = enter.max(a.min(b));
-        leave = leave.min(a.max(b));
-        enter < leave
-    }
-}
-
-/// True if a vehicle other than number `itself` stands between the radar and a point.
-pub(super) fn hidden(scene: &Scene, itself: usize, x_m: f64, y_m: f64) -> bool {
-    scene.vehicles.iter().enumerate().any(|(index, vehicle)| {
-        index != itself && vehicle.present && Body::of(&scene.ego, vehicle).hides(x_m, y_m)
-    })
 }
 
 /// One vehicle in one scan.
@@ -133,6 +87,7 @@ struct Sight<'a> {
     bodies: &'a Bodies,
     seed: u64,
     scene: &'a Scene,
+    road: Option<&'a Axis>,
     antenna: &'a Antenna,
     random: Random,
     echoes: &'a mut Echoes,
@@ -143,32 +98,27 @@ impl Sight<'_> {
         let numbers = &self.bodies.numbers;
         let lorry = vehicle.length_m > numbers.longest_car_m;
         let mean_m2 = if lorry { self.bodies.lorry_m2 } else { self.bodies.car_m2 };
-        let velocity = (vehicle.speed_mps - self.scene.ego.speed_mps, vehicle.lateral_speed_mps);
         if body.rear_m > 0.0 {
-            let middle = (body.rear_m, vehicle.lateral_m);
+            let middle = (body.rear_m, body.middle_m);
             let squarely = middle.0 / libm::sqrt(middle.0 * middle.0 + middle.1 * middle.1);
             let rear_m2 = mean_m2 * squarely * squarely;
-            let echo = self.place(index, middle, velocity, numbers.rear_share * rear_m2);
+            let echo = self.place(index, body, middle, numbers.rear_share * rear_m2);
             if let Some(echo) = echo {
                 self.under_body(&echo);
             }
-            self.place(index, (body.rear_m, body.left_m), velocity, numbers.corner_share * rear_m2);
-            self.place(
-                index,
-                (body.rear_m, body.right_m),
-                velocity,
-                numbers.corner_share * rear_m2,
-            );
-            self.mirrored(middle, velocity, rear_m2);
+            let corner_m2 = numbers.corner_share * rear_m2;
+            self.place(index, body, (body.rear_m, body.left_m), corner_m2);
+            self.place(index, body, (body.rear_m, body.right_m), corner_m2);
+            self.mirrored(vehicle, body, rear_m2);
         }
         let side_m = if body.right_m > 0.0 { body.right_m } else { body.left_m };
         if body.right_m > 0.0 || body.left_m < 0.0 {
-            self.side(index, body, side_m, velocity, numbers.side_share * mean_m2);
+            self.side(index, body, side_m, numbers.side_share * mean_m2);
         }
     }
 
     /// The places along a side.
-    fn side(&mut self, index: usize, body: &Body, y_m: f64, velocity: (f64, f64), area_m2: f64) {
+    fn side(&mut self, index: usize, body: &Body, y_m: f64, area_m2: f64) {
         let numbers = &self.bodies.numbers;
         let (first, last) =
             (body.rear_m + numbers.wheelhouse_m, body.front_m - numbers.wheelhouse_m);
@@ -176,21 +126,23 @@ impl Sight<'_> {
         for k in 0..=gaps as u32 {
             let x_m = first + (last - first) * f64::from(k) / gaps;
             let squarely = y_m.abs() / libm::sqrt(x_m * x_m + y_m * y_m);
-            self.place(index, (x_m, y_m), velocity, area_m2 * squarely);
+            self.place(index, body, (x_m, y_m), area_m2 * squarely);
         }
     }
 
-    /// The direct echo of one place.
+    /// The direct echo of one place in the body's own axes.
     fn place(
         &mut self,
         index: usize,
-        (x, y): (f64, f64),
-        velocity: (f64, f64),
+        body: &Body,
+        place: (f64, f64),
         area_m2: f64,
     ) -> Option<Echo> {
         let fluctuation = self.bodies.fluctuation.draw(&mut self.random);
-        let mut echo = self.antenna.echo((x, y), velocity, || area_m2 * fluctuation())?;
-        if self.bodies.hidden_factor < 1.0 && hidden(self.scene, index, x, y) {
+        let seen = body.seen_from_ego(place);
+        let velocity = body.velocity_at(place);
+        let mut echo = self.antenna.echo(seen, velocity, || area_m2 * fluctuation())?;
+        if self.bodies.hidden_factor < 1.0 && hidden(self.scene, index, seen) {
             echo.power *= self.bodies.hidden_factor;
         }
         self.echoes.add(echo);
@@ -209,36 +161,30 @@ impl Sight<'_> {
     }
 
     /// The mirror images in the rails of both sides.
-    fn mirrored(&mut self, (x, y): (f64, f64), (vx, vy): (f64, f64), area_m2: f64) {
-        let rail = self.bodies.rail;
+    fn mirrored(&mut self, vehicle: &Vehicle, body: &Body, area_m2: f64) {
+        let rail = &self.bodies.rail;
         if rail.share <= 0.0 {
             return;
         }
         for (side, offset_m) in [(0, rail.offset_m), (1, -rail.offset_m)] {
-            if (offset_m - y) * offset_m <= 0.0 {
-                continue; // The vehicle is beyond the rail itself.
-            }
-            let image_y = 2.0 * offset_m - y;
-            let struck_m = self.scene.ego.position_m + x * offset_m / image_y;
-            let stretch = (struck_m / self.bodies.numbers.rail_stretch_m).floor() as i64;
-            let there = fixed(hash(self.seed, RAIL_STREAM + side), stretch as u64) < rail.share;
-            if !there {
+            let Some(image) = rail::image(self.scene, self.road, vehicle, body, offset_m) else {
+                continue;
+            };
+            if !rail.stands(self.seed, side, image.struck_m, &self.bodies.numbers) {
                 continue;
             }
             let fluctuation = self.bodies.fluctuation.draw(&mut self.random);
             let area_m2 = || area_m2 * rail.factor * fluctuation();
-            if let Some(echo) = self.antenna.echo((x, image_y), (vx, -vy), area_m2) {
+            if let Some(echo) = self.antenna.echo(image.place_m, image.velocity_mps, area_m2) {
                 self.echoes.add(echo);
             }
         }
     }
 }
 
-/// Streams of random numbers for the places of rails.
-const RAIL_STREAM: u64 = 1 << 32;
-
 #[cfg(test)]
 mod tests {
+    use super::super::scene::Ego;
     use super::*;
 
     const EXACT: Bodies = Bodies {
@@ -268,7 +214,7 @@ mod tests {
         let ego = Ego { position_m: 0.0, speed_mps: 25.0, acceleration_mps2: 0.0 };
         let scene = Scene::new(0, ego, vehicles);
         let mut echoes = Echoes::new(64, &Numbers::DEFAULT);
-        bodies.reflect(1, &scene, &Antenna::new(15.0, 6.0, 60.0, 150.0), &mut echoes);
+        bodies.reflect(1, &scene, None, &Antenna::new(15.0, 6.0, 60.0, 150.0), &mut echoes);
         echoes.list().to_vec()
     }
 
@@ -332,9 +278,5 @@ mod tests {
             right += u32::from((y + 18.0).abs() < 1e-6);
         }
         assert_eq!((left, right), (1, 1));
-        // Half of the road has a rail when half of its stretches do.
-        let rail = Rail { share: 0.5, ..EXACT.rail };
-        let seen = (0..400).filter(|stretch| fixed(hash(1, RAIL_STREAM), *stretch) < rail.share);
-        assert!((150..250).contains(&seen.count()));
     }
 }

@@ -11,12 +11,14 @@
 //! | [`Receiver`] | `range_*`, `range_rate_*`, `azimuth_*`, `merge`, `threshold_db`, `false_alarms_per_scan` |
 
 use messages::{Detection, MAX_DETECTIONS};
+use road::Axis;
 use scenario::Scenario;
 use scenario::perception::{Detections, Radar, Swerling};
 
-use super::bodies::{Bodies, Rail, UnderBody};
+use super::bodies::{Bodies, UnderBody};
 use super::echo::{Antenna, Fluctuation, ratio};
 use super::numbers::Numbers;
+use super::rail::Rail;
 use super::receiver::{Accuracy, Echoes, Received, Receiver};
 use super::roadside::Roadside;
 use super::scene::Scene;
@@ -75,16 +77,26 @@ impl DetectionRadar {
         }
     }
 
-    /// Writes the detections of a scene, nearest first, as many as there is room for. The rest of `detections` stays.
+    /// Writes the detections of a scene on a straight road; see [`Self::scan_on`].
     pub fn scan(
         &mut self,
         scene: &Scene,
         detections: &mut [Detection; MAX_DETECTIONS],
     ) -> Received {
+        self.scan_on(None, scene, detections)
+    }
+
+    /// Writes the detections of a scene on its road, if that has a plan, nearest first, as many as there is room for. The rest of `detections` stays.
+    pub fn scan_on(
+        &mut self,
+        road: Option<&Axis>,
+        scene: &Scene,
+        detections: &mut [Detection; MAX_DETECTIONS],
+    ) -> Received {
         let echoes = &mut self.echoes;
         echoes.clear();
-        self.bodies.reflect(self.seed, scene, &self.antenna, echoes);
-        self.roadside.reflect(self.seed, scene, &self.antenna, echoes);
+        self.bodies.reflect(self.seed, scene, road, &self.antenna, echoes);
+        self.roadside.reflect(self.seed, scene, road, &self.antenna, echoes);
         self.receiver.detect(self.seed, scene.time_ns, &self.antenna, echoes, detections)
     }
 

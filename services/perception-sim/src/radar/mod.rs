@@ -7,10 +7,12 @@
 //! * ideal: exact and complete, taken from the scene itself.
 
 pub mod bodies;
+mod body;
 pub mod detections;
 pub mod echo;
 pub mod numbers;
 pub mod object_list;
+pub mod rail;
 pub mod receiver;
 pub mod roadside;
 pub mod scene;

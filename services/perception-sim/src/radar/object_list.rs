@@ -12,9 +12,8 @@ use messages::MAX_TRACKS;
 use scenario::Scenario;
 use scenario::perception::Radar;
 
-use super::scene::{Ego, Scene};
+use super::scene::Scene;
 use crate::random::Random;
-use crate::vehicle::Vehicle;
 
 /// One measurement of one vehicle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -47,18 +46,28 @@ impl View {
         }
     }
 
-    /// The exact measurement, when the vehicle is visible. The lateral speed of a lane change is
+    /// The exact measurement of vehicle number `index`, when it is visible. The lateral speed of a lane change is
     /// left out of the range rate: it is perpendicular to the line of sight but for a few degrees.
     #[must_use]
-    pub fn measure(&self, ego: &Ego, vehicle: &Vehicle) -> Option<Measurement> {
-        let (dx, dy) = (vehicle.rear_position_m - ego.position_m, vehicle.lateral_m);
+    pub fn measure(&self, scene: &Scene, index: usize) -> Option<Measurement> {
+        let (ego, vehicle) = (&scene.ego, &scene.vehicles[index]);
+        let (dx, dy) = match &scene.plane {
+            Some(plane) => plane.bodies[index].rear_m,
+            None => (vehicle.rear_position_m - ego.position_m, vehicle.lateral_m),
+        };
         if !vehicle.present || dx <= 0.0 {
             return None;
         }
         let range_m = (dx * dx + dy * dy).sqrt();
         let azimuth_rad = libm::atan2(dy, dx);
         let visible = range_m <= self.max_range_m && azimuth_rad.abs() <= self.half_angle_rad;
-        let range_rate_mps = (vehicle.speed_mps - ego.speed_mps) * dx / range_m;
+        let range_rate_mps = match &scene.plane {
+            Some(plane) if !plane.is_line => {
+                let (vx, vy) = plane.bodies[index].velocity_mps;
+                (vx * dx + vy * dy) / range_m
+            }
+            _ => (vehicle.speed_mps - ego.speed_mps) * dx / range_m,
+        };
         visible.then_some(Measurement { range_m, range_rate_mps, azimuth_rad })
     }
 }
@@ -95,11 +104,11 @@ impl ObjectListRadar {
     /// Takes one scan of a scene.
     pub fn scan(&mut self, scene: &Scene) -> Scan {
         let mut scan = [None; MAX_TRACKS];
-        for (i, (vehicle, random)) in scene.vehicles.iter().zip(&mut self.noise).enumerate() {
+        for (i, random) in self.noise.iter_mut().enumerate().take(MAX_TRACKS) {
             let noise = Noise::draw(random);
             scan[i] = self
                 .view
-                .measure(&scene.ego, vehicle)
+                .measure(scene, i)
                 .filter(|_| noise.uniform >= self.dropout_probability)
                 .map(|exact| Measurement {
                     range_m: (exact.range_m + self.range_sigma_m * noise.gaussian[0]).max(0.0),
@@ -130,7 +139,9 @@ impl Noise {
 
 #[cfg(test)]
 mod tests {
+    use super::super::scene::Ego;
     use super::*;
+    use crate::vehicle::Vehicle;
 
     fn radar(keys: &str, actors: usize) -> ObjectListRadar {
         let mut text = format!(

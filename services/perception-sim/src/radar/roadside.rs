@@ -1,13 +1,14 @@
 //! Objects beside the road: posts, signs, trees.
 //!
 //! On each side the road is cut into cells of one object each. Its place and its mean cross section depend on the
-//! seed and the cell alone: it is the same in every scan.
+//! seed and the cell alone: it is the same in every scan. On a curve the sides bend with the road.
 
-use super::bodies::hidden;
+use super::body::hidden;
 use super::echo::{Antenna, Fluctuation};
 use super::receiver::Echoes;
 use super::scene::Scene;
 use crate::random::{Random, fixed, hash};
+use road::Axis;
 
 /// Number of the random numbers' stream; vehicles have those below.
 const STREAM: u64 = 1 << 20;
@@ -33,20 +34,37 @@ pub struct Roadside {
 
 impl Roadside {
     /// Adds the echoes of what stands within range.
-    pub fn reflect(&self, seed: u64, scene: &Scene, antenna: &Antenna, echoes: &mut Echoes) {
+    pub fn reflect(
+        &self,
+        seed: u64,
+        scene: &Scene,
+        road: Option<&Axis>,
+        antenna: &Antenna,
+        echoes: &mut Echoes,
+    ) {
         if self.objects_per_km <= 0.0 {
             return;
         }
         let cell_m = 1e3 / self.objects_per_km;
         let ego = &scene.ego;
+        let plane = scene.plane.as_ref().zip(road);
         let mut random = Random::of_scan(seed, STREAM, scene.time_ns);
-        let (first, last) =
-            (ego.position_m / cell_m, (ego.position_m + antenna.max_range_m) / cell_m);
+        // A road that bends is longer than the range.
+        let window_m = if plane.is_some() { 1.1 } else { 1.0 } * antenna.max_range_m;
+        let (first, last) = (ego.position_m / cell_m, (ego.position_m + window_m) / cell_m);
+        let velocity_mps = match plane {
+            Some((plane, _)) => (-plane.ego.velocity_mps.0, -plane.ego.velocity_mps.1),
+            None => (-ego.speed_mps, 0.0),
+        };
         for cell in first.floor() as i64..=last.floor() as i64 {
             for (side, sign) in [(0, 1.0), (1, -1.0)] {
                 let object = hash(seed, STREAM.wrapping_add_signed(2 * cell + side));
-                let x_m = (cell as f64 + fixed(object, 0)) * cell_m - ego.position_m;
-                let y_m = sign * (self.offset_m + self.depth_m * fixed(object, 1));
+                let along_m = (cell as f64 + fixed(object, 0)) * cell_m;
+                let across_m = sign * (self.offset_m + self.depth_m * fixed(object, 1));
+                let place = match plane {
+                    Some((plane, road)) => plane.pose(road, along_m, across_m).at_m,
+                    None => (along_m - ego.position_m, across_m),
+                };
                 let scanned = hash(object, scene.time_ns as u64);
                 let is_missing =
                     self.dropout_probability > 0.0 && fixed(scanned, 3) < self.dropout_probability;
@@ -54,14 +72,13 @@ impl Roadside {
                 let fluctuation = self.fluctuation.draw(&mut random);
                 let mean_m2 = || -self.area_m2 * libm::log(1.0 - fixed(object, 2));
                 let area_m2 = || mean_m2() * fluctuation();
-                let Some(mut echo) = antenna.echo((x_m, y_m), (-ego.speed_mps, 0.0), area_m2)
-                else {
+                let Some(mut echo) = antenna.echo(place, velocity_mps, area_m2) else {
                     continue;
                 };
                 if is_missing {
                     continue;
                 }
-                if self.hidden_factor < 1.0 && hidden(scene, usize::MAX, x_m, y_m) {
+                if self.hidden_factor < 1.0 && hidden(scene, usize::MAX, place) {
                     echo.power *= self.hidden_factor;
                 }
                 echoes.add(echo);
@@ -91,7 +108,7 @@ mod tests {
         let ego = Ego { position_m, speed_mps: 30.0, acceleration_mps2: 0.0 };
         let scene = Scene::new(0, ego, &[]);
         let mut echoes = Echoes::new(100, &Numbers::DEFAULT);
-        ROADSIDE.reflect(7, &scene, &Antenna::new(40.0, 0.0, 60.0, 150.0), &mut echoes);
+        ROADSIDE.reflect(7, &scene, None, &Antenna::new(40.0, 0.0, 60.0, 150.0), &mut echoes);
         let place = |echo: &super::super::echo::Echo| {
             let (sine, cosine) = libm::sincos(echo.azimuth_rad);
             assert!((echo.range_rate_mps + 30.0 * cosine).abs() < 1e-9, "it stands");

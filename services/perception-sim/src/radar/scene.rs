@@ -1,6 +1,7 @@
 //! The scene before the radar at one instant.
 
 use messages::MAX_TRACKS;
+use road::{Axis, Pose};
 
 use crate::vehicle::Vehicle;
 
@@ -26,6 +27,119 @@ pub struct Scene {
     pub told: Option<Ego>,
     /// The other vehicles, in the scenario's order; the rest are not present.
     pub vehicles: [Vehicle; MAX_TRACKS],
+    /// Places in the plane, where the road has a plan.
+    pub plane: Option<Plane>,
+}
+
+/// The ego in the plane, with the road beginning at the origin, along x.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PlaneEgo {
+    /// Middle of the front bumper and the body's heading.
+    pub pose: Pose,
+    /// Velocity of the front bumper along the body and to its left, m/s.
+    pub velocity_mps: (f64, f64),
+    /// Yaw rate, rad/s, left positive.
+    pub yaw_rate_radps: f64,
+    /// Yaw rate by the ego's sensor; `None` without one of use.
+    pub told_yaw_rate_radps: Option<f64>,
+}
+
+/// The scene in the plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Plane {
+    /// The ego.
+    pub ego: PlaneEgo,
+    /// The other vehicles before it, in the scene's order.
+    pub bodies: [Standing; MAX_TRACKS],
+    /// All of it stands along one line, the ego in the middle of its lane: nothing is askew.
+    pub is_line: bool,
+    /// Cosine and sine of the ego's heading.
+    heading: (f64, f64),
+}
+
+/// How a vehicle stands before the ego.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Standing {
+    /// Middle of the rear in the ego's axes, m.
+    pub rear_m: (f64, f64),
+    /// Cosine of the body's heading in the ego's axes.
+    pub cosine: f64,
+    /// Sine of it.
+    pub sine: f64,
+    /// Yaw rate, rad/s.
+    pub yaw_rate_radps: f64,
+    /// Velocity of the rear's middle relative to the ego's bumper, in the ego's axes, m/s.
+    pub velocity_mps: (f64, f64),
+}
+
+/// A place of the road before the ego.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place {
+    /// In the ego's axes, m.
+    pub(super) at_m: (f64, f64),
+    /// Cosine and sine of the road's heading there, in the ego's axes.
+    pub(super) cosine: f64,
+    pub(super) sine: f64,
+}
+
+impl Plane {
+    /// Vehicles on a road, before an ego.
+    #[must_use]
+    pub fn new(road: &Axis, ego: PlaneEgo, vehicles: &[Vehicle; MAX_TRACKS]) -> Self {
+        let (sine, cosine) = libm::sincos(ego.pose.heading_rad);
+        let mut plane = Self { ego, heading: (cosine, sine), ..Self::default() };
+        let mut is_line = ego.pose.heading_rad == 0.0 && ego.pose.y_m == 0.0;
+        for (place, vehicle) in plane.bodies.iter_mut().zip(vehicles) {
+            *place = standing(&ego, (cosine, sine), road, vehicle);
+            is_line &= !vehicle.present || place.sine == 0.0 && place.yaw_rate_radps == 0.0;
+        }
+        plane.is_line = is_line;
+        plane
+    }
+
+    /// A place of the road in the ego's axes.
+    pub(super) fn pose(&self, road: &Axis, p_m: f64, l_m: f64) -> Place {
+        let there = road.point(p_m, l_m);
+        let (sine, cosine) = libm::sincos(there.heading_rad - self.ego.pose.heading_rad);
+        Place { at_m: seen(&self.ego.pose, self.heading, (there.x_m, there.y_m)), cosine, sine }
+    }
+}
+
+/// A point of the plane in the ego's axes, m.
+fn seen(ego: &Pose, (cosine, sine): (f64, f64), (x_m, y_m): (f64, f64)) -> (f64, f64) {
+    let (dx, dy) = (x_m - ego.x_m, y_m - ego.y_m);
+    (cosine * dx + sine * dy, cosine * dy - sine * dx)
+}
+
+/// A body is a rectangle whose middle lies on its offset from the axis, with the heading of the axis there.
+fn standing(ego: &PlaneEgo, heading: (f64, f64), road: &Axis, vehicle: &Vehicle) -> Standing {
+    if !vehicle.present {
+        return Standing::default();
+    }
+    let half_m = 0.5 * vehicle.length_m;
+    let (rear_m, lateral_m) = (vehicle.rear_position_m, vehicle.lateral_m);
+    let (rear, middle) = (road.point(rear_m, lateral_m), road.point(rear_m + half_m, lateral_m));
+    let (sine, cosine) = libm::sincos(middle.heading_rad - ego.pose.heading_rad);
+    let curvature = road.curvature_perm(rear_m + half_m);
+    let yaw_rate_radps = curvature * vehicle.speed_mps / (1.0 - curvature * lateral_m);
+    let is_straight = rear.heading_rad == middle.heading_rad;
+    let rear_m = if is_straight {
+        seen(&ego.pose, heading, (rear.x_m, rear.y_m))
+    } else {
+        let (x, y) = seen(&ego.pose, heading, (middle.x_m, middle.y_m));
+        (x - half_m * cosine, y - half_m * sine)
+    };
+    let across_mps = vehicle.lateral_speed_mps - yaw_rate_radps * half_m;
+    Standing {
+        rear_m,
+        cosine,
+        sine,
+        yaw_rate_radps,
+        velocity_mps: (
+            vehicle.speed_mps * cosine - across_mps * sine - ego.velocity_mps.0,
+            vehicle.speed_mps * sine + across_mps * cosine - ego.velocity_mps.1,
+        ),
+    }
 }
 
 impl Scene {
@@ -39,9 +153,16 @@ impl Scene {
         scene
     }
 
-    /// The scene `back_ns` earlier, if until then all had kept the present speed.
+    /// The same on a road in the plane.
     #[must_use]
-    pub fn earlier(&self, back_ns: i64) -> Self {
+    pub fn on(self, road: &Axis, ego: PlaneEgo) -> Self {
+        Self { plane: Some(Plane::new(road, ego, &self.vehicles)), ..self }
+    }
+
+    /// The scene `back_ns` earlier, if until then all had kept the present speed and their distance from the axis of
+    /// `road`.
+    #[must_use]
+    pub fn earlier(&self, back_ns: i64, road: Option<&Axis>) -> Self {
         let back_s = back_ns as f64 * 1e-9;
         let earlier = |ego: Ego| Ego {
             position_m: ego.position_m - ego.speed_mps * back_s,
@@ -55,6 +176,100 @@ impl Scene {
             lateral_speed_mps: 0.0,
             ..vehicle
         });
-        Self { time_ns: self.time_ns - back_ns, ego, told, vehicles }
+        let scene = Self { time_ns: self.time_ns - back_ns, ego, told, vehicles, plane: None };
+        let (Some(plane), Some(road)) = (&self.plane, road) else { return scene };
+        let (_, lateral_m) =
+            road.project(plane.ego.pose.x_m, plane.ego.pose.y_m, self.ego.position_m);
+        let yaw_rate_radps = road.curvature_perm(ego.position_m) * ego.speed_mps;
+        let before = PlaneEgo {
+            pose: road.point(ego.position_m, lateral_m),
+            velocity_mps: (ego.speed_mps, 0.0),
+            yaw_rate_radps,
+            told_yaw_rate_radps: plane.ego.told_yaw_rate_radps.map(|_| yaw_rate_radps),
+        };
+        scene.on(road, before)
+    }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use road::Piece;
+
+    /// A car `gap_m` ahead of an ego, both at 20 m/s, `lateral_m` left of the middle of a circle's lane.
+    pub(in super::super) fn on_circle(radius_m: f64, gap_m: f64, lateral_m: f64) -> (Scene, Axis) {
+        let arc = Piece::Arc { length_m: 200.0, curvature_perm: 1.0 / radius_m };
+        let road = Axis::new(&[arc]).expect("a road");
+        let ego = Ego { position_m: 10.0, speed_mps: 20.0, acceleration_mps2: 0.0 };
+        let car = Vehicle {
+            present: true,
+            rear_position_m: 10.0 + gap_m,
+            speed_mps: 20.0,
+            lateral_m,
+            length_m: 4.5,
+            width_m: 1.8,
+            ..Vehicle::default()
+        };
+        let in_plane = PlaneEgo {
+            pose: road.point(10.0, 0.0),
+            velocity_mps: (20.0, 0.0),
+            yaw_rate_radps: 20.0 / radius_m,
+            told_yaw_rate_radps: Some(20.0 / radius_m),
+        };
+        (Scene::new(0, ego, &[car]).on(&road, in_plane), road)
+    }
+
+    #[test]
+    fn on_a_circle_the_lead_stands_where_the_chord_ends() {
+        let (scene, _) = on_circle(200.0, 40.0, 0.0);
+        let lead = scene.plane.expect("a plane").bodies[0];
+        let angle = 42.25 / 200.0;
+        let (sine, cosine) = libm::sincos(angle);
+        let x = 200.0 * sine - 2.25 * cosine;
+        let y = 200.0 * (1.0 - cosine) - 2.25 * sine;
+        assert!((lead.rear_m.0 - x).abs() < 1e-6 && (lead.rear_m.1 - y).abs() < 1e-6, "{lead:?}");
+        assert!((lead.sine - sine).abs() < 1e-9 && (lead.yaw_rate_radps - 0.1).abs() < 1e-12);
+        // Seen from the ego it keeps its distance: only its direction turns.
+        let (vx, vy) = lead.velocity_mps;
+        let (x, y) = (200.0 * sine, 200.0 * (1.0 - cosine));
+        let (mx, my) = (vx - 0.1 * 2.25 * sine, vy + 0.1 * 2.25 * cosine);
+        assert!((mx * x + my * y).abs() / x.hypot(y) < 1e-6);
+    }
+
+    #[test]
+    fn a_plan_of_one_line_gives_the_bits_of_the_straight_road() {
+        let road = Axis::new(&[Piece::Line { length_m: 500.0 }]).expect("a road");
+        let ego = Ego { position_m: 33.3, speed_mps: 21.7, acceleration_mps2: 0.0 };
+        let car = Vehicle {
+            present: true,
+            rear_position_m: 97.123,
+            speed_mps: 19.37,
+            lateral_m: 3.47,
+            lateral_speed_mps: -0.3,
+            length_m: 16.5,
+            width_m: 2.5,
+            ..Vehicle::default()
+        };
+        let in_plane = PlaneEgo {
+            pose: road.point(33.3, 0.0),
+            velocity_mps: (21.7, 0.0),
+            ..PlaneEgo::default()
+        };
+        let plane = Scene::new(0, ego, &[car]).on(&road, in_plane).plane.expect("a plane");
+        let body = plane.bodies[0];
+        assert!(plane.is_line);
+        assert_eq!(body.rear_m, (97.123 - 33.3, 3.47));
+        assert_eq!(body.velocity_mps, (19.37 - 21.7, -0.3));
+        assert_eq!((body.cosine, body.sine, body.yaw_rate_radps), (1.0, 0.0, 0.0));
+    }
+
+    #[test]
+    fn earlier_all_were_farther_back_on_the_road() {
+        let (scene, road) = on_circle(-300.0, 50.0, 3.0);
+        let earlier = scene.earlier(500_000_000, Some(&road));
+        assert_eq!(earlier.ego.position_m, 0.0);
+        let (now, then) = (scene.plane.expect("a plane"), earlier.plane.expect("a plane"));
+        assert!((now.bodies[0].rear_m.0 - then.bodies[0].rear_m.0).abs() < 1e-6);
+        assert!((now.bodies[0].rear_m.1 - then.bodies[0].rear_m.1).abs() < 1e-6);
     }
 }

@@ -89,6 +89,12 @@ impl Abreast {
         }
     }
 
+    /// Moves the outermost places by `by_m`, with the axis from which they are measured.
+    pub fn shift(&mut self, by_m: f64) {
+        self.right_m += by_m;
+        self.left_m += by_m;
+    }
+
     /// It is known to be one body.
     #[must_use]
     pub fn is_one(&self) -> bool {

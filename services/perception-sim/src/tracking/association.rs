@@ -6,21 +6,28 @@
 //!
 //! Distance is measured from the outline that the track predicts. Its units are the standard deviations of range,
 //! lateral position and range rate.
+//!
+//! Places are those of the straight road that [`super::course`] makes of the one ahead: arc length σ and distance d
+//! from the course. The range rate is the one that the same motion would have there.
 
 use messages::Detection;
 
+use super::course::Course;
 use super::numbers::Numbers;
+use super::trail::Motion;
 use crate::radar::receiver::{Receiver, snr_of};
 
-/// A detection in the ego's coordinates.
+/// A detection on the course.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// Distance ahead, m.
+    /// Distance ahead, along the course, m.
     pub x_m: f64,
-    /// Distance to the left, m.
+    /// Distance to the left of the course, m.
     pub y_m: f64,
-    /// Cosine and sine of the azimuth.
+    /// Cosine and sine of the line of sight in the axes of the course there; on a straight road of the azimuth.
     pub direction: (f64, f64),
+    /// Distance to the left of the radar in those axes, m: a vehicle there shows its right side where it is positive.
+    pub aspect_m: f64,
     /// Range rate, m/s.
     pub range_rate_mps: f64,
     /// Variance of the range, m².
@@ -40,14 +47,23 @@ pub struct Point {
 impl Point {
     /// A detection, with the accuracy that the receiver has at its signal-to-noise ratio.
     #[must_use]
-    pub fn new(index: usize, detection: &Detection, ego_mps: f64, receiver: &Receiver) -> Self {
+    pub fn new(
+        index: usize,
+        detection: &Detection,
+        ego: &Motion,
+        receiver: &Receiver,
+        course: &Course,
+    ) -> Self {
+        let ego_mps = ego.speed_mps;
         let (sine, cosine) = libm::sincos(detection.azimuth_rad);
         let snr = snr_of(detection);
         let cross_m = detection.range_m / cosine.max(0.1);
-        Self {
-            x_m: detection.range_m * cosine,
-            y_m: detection.range_m * sine,
+        let (ahead_m, left_m) = (detection.range_m * cosine, detection.range_m * sine);
+        let straight = Self {
+            x_m: ahead_m,
+            y_m: left_m,
             direction: (cosine, sine),
+            aspect_m: left_m,
             range_rate_mps: detection.range_rate_mps,
             range_variance: receiver.range.variance(snr).max(1e-6),
             range_rate_variance: receiver.range_rate.variance(snr).max(1e-6),
@@ -55,6 +71,24 @@ impl Point {
             ground_speed_mps: detection.range_rate_mps + ego_mps * cosine,
             detection: index,
             owner: None,
+        };
+        if course.is_straight() {
+            return straight;
+        }
+        let there = course.locate(ahead_m, left_m);
+        let (along, across) = there.tangent;
+        let direction = (cosine * along + sine * across, sine * along - cosine * across);
+        let ground_mps = detection.range_rate_mps + ego_mps * (cosine + ego.slip_rad * sine);
+        // On the inside of a curve less way makes the same progress along the course.
+        let stretch = (1.0 - there.curvature_perm * there.d_m).clamp(0.5, 2.0);
+        Self {
+            x_m: there.sigma_m,
+            y_m: there.d_m,
+            direction,
+            aspect_m: detection.range_m * direction.1,
+            range_rate_mps: ground_mps / stretch - ego_mps * direction.0,
+            ground_speed_mps: ground_mps,
+            ..straight
         }
     }
 
@@ -77,6 +111,8 @@ pub struct Outline {
     pub rear_m: f64,
     /// Lateral position of its centre, m.
     pub lateral_m: f64,
+    /// The same in the axes of the course there, seen from the radar, m.
+    pub aspect_m: f64,
     /// Length, m.
     pub length_m: f64,
     /// Half of the width, m.
@@ -120,10 +156,10 @@ impl Outline {
 
     /// A point is on the line of the side that the vehicle shows to the ego.
     fn is_on_side(&self, point: &Point, numbers: &Numbers) -> bool {
-        let side_m = self.lateral_m - self.half_width_m * self.lateral_m.signum();
+        let side_m = self.lateral_m - self.half_width_m * self.aspect_m.signum();
         let sigma_m = (self.variances[1] + point.lateral_variance).sqrt();
         let margin_m = numbers.side_line_m + numbers.likely_sigma * sigma_m;
-        self.lateral_m.abs() > numbers.side_shown_m && (point.y_m - side_m).abs() < margin_m
+        self.aspect_m.abs() > numbers.side_shown_m && (point.y_m - side_m).abs() < margin_m
     }
 
     /// A point is on the vehicle or close to it, however fast it moves.
@@ -188,6 +224,7 @@ pub(super) mod tests {
             x_m,
             y_m,
             direction: (1.0, 0.0),
+            aspect_m: y_m,
             range_rate_mps,
             range_variance: 0.01,
             range_rate_variance: 0.01,
@@ -204,6 +241,7 @@ pub(super) mod tests {
             confirmed: true,
             rear_m,
             lateral_m,
+            aspect_m: lateral_m,
             length_m: 4.5,
             half_width_m: 0.9,
             relative_speed_mps: 0.0,

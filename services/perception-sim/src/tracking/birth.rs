@@ -78,7 +78,7 @@ fn together(a: &Point, b: &Point, numbers: &Numbers) -> bool {
 /// Two echoes come from the side of one long vehicle on another lane.
 fn chained(a: &Point, b: &Point, numbers: &Numbers) -> bool {
     let (width_m, rate_mps) = noise(a, b, numbers);
-    a.y_m.abs() > numbers.standing_half_width_m
+    a.aspect_m.abs() > numbers.standing_half_width_m
         && (b.x_m - a.x_m).abs() < numbers.chain_length_m
         && (b.y_m - a.y_m).abs() < numbers.chain_width_m + width_m
         && differ_mps(a, b) < 0.5 * numbers.cluster_rate_mps + rate_mps

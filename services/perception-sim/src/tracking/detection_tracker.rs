@@ -3,6 +3,10 @@
 //! Each scan moves all tracks on and gives every detection to a track ([`super::association`]). Each track takes in
 //! its detections ([`super::track`]), and the rest begins tracks ([`super::birth`]). Then tracks of one vehicle are
 //! united, mirror images end ([`super::mirror`]), and tracks are confirmed or end. A step allocates nothing.
+//!
+//! On a road with a plan all this happens on the course ([`super::course_filter`]), which the scan's standing echoes
+//! and the trails of the tracks correct first. A track stays where it is in the plane while the course is corrected:
+//! it is shifted by as much at its distance, and gains no lateral speed.
 
 use messages::Detection;
 use scenario::Scenario;
@@ -10,16 +14,21 @@ use scenario::perception::TrackingFilter;
 
 use super::association::{Outline, Point, associate, part};
 use super::birth;
-use super::list::{Track, TrackList};
+use super::course_filter::{MapAhead, Sources};
+use super::course_numbers::CourseNumbers;
+use super::entry::entry;
+use super::list::TrackList;
 use super::longitudinal::{Kind, Maneuver, Measured, Model};
 use super::lost::Lost;
 use super::mirror;
 use super::numbers::Numbers;
 use super::path::{Across, PathLimits};
+use super::road_ahead::RoadAhead;
 use super::road_edge::RoadEdge;
 use super::sight::Sight;
 use super::sighting::Sighting;
 use super::track::{DetectedTrack, FieldOfView, Life};
+use super::unite::unite;
 use crate::radar::receiver::Receiver;
 use crate::radar::scene::Ego;
 use scenario::event::VEHICLE_WIDTH_M;
@@ -40,6 +49,7 @@ pub struct DetectionTracker {
     points: Vec<Point>,
     outlines: Vec<Outline>,
     edge: RoadEdge,
+    ahead: RoadAhead,
     sight: Sight,
     last_ns: Option<i64>,
     next_id: u32,
@@ -92,6 +102,7 @@ impl DetectionTracker {
             points: Vec::with_capacity(messages::MAX_DETECTIONS),
             outlines: Vec::with_capacity(MAX_KEPT),
             edge: RoadEdge::default(),
+            ahead: RoadAhead::new(Sources::default(), &CourseNumbers::DEFAULT),
             sight: Sight::new(
                 radar.threshold_db.value(),
                 radar.standing_objects_per_km.value(),
@@ -102,22 +113,70 @@ impl DetectionTracker {
         }
     }
 
-    /// Takes in the scan of `time_ns` and hands out the confirmed tracks.
+    /// From now on the path is the course that these sources show.
+    pub fn follow_course(&mut self, sources: Sources, numbers: &CourseNumbers) {
+        self.ahead = RoadAhead::new(sources, numbers);
+    }
+
+    /// Takes in the scan of `time_ns` on a straight road and hands out the confirmed tracks.
     pub fn step(&mut self, time_ns: i64, ego: &Ego, detections: &[Detection]) -> TrackList {
+        self.step_on_course(time_ns, ego, None, None, detections)
+    }
+
+    /// Takes in the scan of `time_ns` and hands out the confirmed tracks. The course needs the yaw rate, rad/s, and the
+    /// map where they are known.
+    pub fn step_on_course(
+        &mut self,
+        time_ns: i64,
+        ego: &Ego,
+        yaw_rate_radps: Option<f64>,
+        map: Option<&MapAhead>,
+        detections: &[Detection],
+    ) -> TrackList {
         let dt_s = self.last_ns.map_or(0.0, |last| (time_ns - last) as f64 * 1e-9);
         self.last_ns = Some(time_ns);
         self.predict(dt_s, ego.acceleration_mps2);
+        if self.ahead.is_used() {
+            let motion = self.ahead.motion(ego.speed_mps, yaw_rate_radps);
+            let read = (detections, &self.receiver, self.model.numbers());
+            let before = self.ahead.find(dt_s, &motion, map, read);
+            self.tracks.iter_mut().for_each(|track| track.shift(&before, self.ahead.course()));
+        }
         self.read(detections, ego);
-        self.sight.take_scan(dt_s, ego.speed_mps, &self.points, detections, &self.view);
+        self.sight.take_scan(
+            dt_s,
+            ego.speed_mps,
+            &self.points,
+            detections,
+            (&self.view, self.ahead.course()),
+        );
         self.associate();
         self.update(dt_s, ego.acceleration_mps2);
         self.watch();
         self.begin();
-        self.unite();
-        self.end_images();
+        let course = self.ahead.course();
+        unite(&mut self.tracks, course, self.life.coast_s, self.model.numbers());
+        self.end_images(ego.speed_mps);
         self.lose(dt_s, ego);
-        self.confirm(dt_s);
+        self.confirm(dt_s, ego.speed_mps);
+        self.leave_trails();
         self.list(time_ns, ego, detections)
+    }
+
+    /// Confirmed tracks of vehicles leave trails.
+    fn leave_trails(&mut self) {
+        for track in &self.tracks {
+            if track.id != 0 && track.is_seen() && track.moved && track.abreast.is_one() {
+                let place = (track.along.estimate().gap_m, track.across.position_m());
+                self.ahead.leave_trail(track.id, place, track.across.speed_mps());
+            }
+        }
+    }
+
+    /// The course and what is known of it.
+    #[must_use]
+    pub fn ahead(&self) -> &RoadAhead {
+        &self.ahead
     }
 
     fn predict(&mut self, dt_s: f64, ego_acceleration_mps2: f64) {
@@ -128,9 +187,10 @@ impl DetectionTracker {
     }
 
     fn read(&mut self, detections: &[Detection], ego: &Ego) {
+        let (course, motion) = (self.ahead.course(), self.ahead.motion(ego.speed_mps, None));
         self.points.clear();
         for (index, detection) in detections.iter().enumerate() {
-            let point = Point::new(index, detection, ego.speed_mps, &self.receiver);
+            let point = Point::new(index, detection, &motion, &self.receiver, course);
             if !birth::moves(&point, self.model.numbers()) {
                 self.edge.observe(point.y_m, self.model.numbers());
             }
@@ -140,8 +200,11 @@ impl DetectionTracker {
 
     fn associate(&mut self) {
         self.outlines.clear();
-        let outlines =
-            self.tracks.iter().enumerate().map(|(place, track)| track.outline(place, &self.model));
+        let outlines = self
+            .tracks
+            .iter()
+            .enumerate()
+            .map(|(place, track)| track.outline(place, &self.model, self.ahead.course()));
         self.outlines.extend(outlines);
         let numbers = self.model.numbers();
         associate(&mut self.points, &self.outlines, self.gate, numbers);
@@ -157,7 +220,8 @@ impl DetectionTracker {
             let Some(sighting) = Sighting::of(own, track.across.speed_mps(), numbers) else {
                 continue;
             };
-            seen[place] = Some(track.see(&self.model, &step, &sighting, &self.view));
+            seen[place] =
+                Some(track.see(&self.model, &step, &sighting, &self.view, self.ahead.course()));
             let moving = sighting.ground_mps().abs() > numbers.moving_mps;
             track.moved |= moving;
         }
@@ -167,14 +231,19 @@ impl DetectionTracker {
     /// Compares the tracks that should have been seen with those that were.
     fn watch(&mut self) {
         let numbers = self.model.numbers();
-        for track in self.tracks.iter().filter(|track| track.id != 0) {
+        let place = |track: &DetectedTrack| {
             let (gap_m, lateral_m) = (track.along.estimate().gap_m, track.across.position_m());
+            self.ahead.course().place(gap_m, lateral_m)
+        };
+        for track in self.tracks.iter().filter(|track| track.id != 0) {
+            let (gap_m, lateral_m) = place(track);
             let is_near = gap_m < numbers.track_reach_m && self.view.surely_shows(gap_m, lateral_m);
             // A vehicle that another one hides, or that has merged with one, is not expected.
             let is_hidden = self.tracks.iter().any(|other| {
                 let to_m = gap_m + numbers.hides_behind_m;
-                let nearer = other.id != track.id && other.along.estimate().gap_m < to_m;
-                nearer && (other.across.position_m() - lateral_m).abs() < numbers.hides_m
+                let (other_gap_m, other_lateral_m) = place(other);
+                let nearer = other.id != track.id && other_gap_m < to_m;
+                nearer && (other_lateral_m - lateral_m).abs() < numbers.hides_m
             });
             if is_near && !is_hidden {
                 self.sight.observe_track(track.is_seen());
@@ -237,33 +306,15 @@ impl DetectionTracker {
         });
     }
 
-    /// Unites tracks of one vehicle; the older one stays.
-    fn unite(&mut self) {
-        let mut newer = 1;
-        while newer < self.tracks.len() {
-            // One that is lost is not what is found: its place is a guess.
-            let same = (0..newer).find(|&older| {
-                self.tracks[older].unseen_s <= self.life.coast_s
-                    && same(&self.tracks[older], &self.tracks[newer], self.model.numbers())
-            });
-            match same {
-                Some(older) => {
-                    let newer = self.tracks.remove(newer);
-                    self.tracks[older].take_over(&newer, self.model.numbers());
-                }
-                None => newer += 1,
-            }
-        }
-    }
-
     /// Ends what could be the mirror image of another track before it is confirmed.
-    fn end_images(&mut self) {
+    fn end_images(&mut self, ego_mps: f64) {
+        let seen_on = (self.ahead.course(), ego_mps);
         let mut place = 0;
         while place < self.tracks.len() {
             let track = &self.tracks[place];
             let mut others = self.tracks.iter();
             if track.id == 0
-                && others.any(|other| mirror::is_image(track, other, self.model.numbers()))
+                && others.any(|other| mirror::is_image(track, other, seen_on, self.model.numbers()))
             {
                 self.tracks.remove(place);
             } else {
@@ -289,7 +340,7 @@ impl DetectionTracker {
         });
     }
 
-    fn confirm(&mut self, dt_s: f64) {
+    fn confirm(&mut self, dt_s: f64, ego_mps: f64) {
         let life = &self.life.with_sight(self.sight.share());
         let numbers = self.model.numbers();
         self.tracks.retain(|track| !track.is_over(life, numbers));
@@ -308,6 +359,15 @@ impl DetectionTracker {
             } else {
                 Across::resting(nearest_m.unwrap_or(f64::INFINITY))
             };
+            let path_sigma_m = self.ahead.sigma_m(track.along.estimate().gap_m);
+            // A vehicle that follows the road crosses a course whose heading is off.
+            let crossing_mps = if path_sigma_m > 0.0 {
+                let speed_mps = ego_mps + track.along.estimate().relative_speed_mps;
+                speed_mps * self.ahead.heading_sigma_rad(track.along.estimate().gap_m)
+            } else {
+                0.0
+            };
+            let across = across.on_course(path_sigma_m, crossing_mps);
             self.limits.observe(&mut track.membership, &across, dt_s);
         }
     }
@@ -328,56 +388,9 @@ impl DetectionTracker {
     fn list(&self, time_ns: i64, ego: &Ego, detections: &[Detection]) -> TrackList {
         let mut list = TrackList::new(time_ns);
         for track in self.tracks.iter().filter(|track| track.id != 0) {
-            let estimate = track.along.estimate();
-            let mut entry = Track {
-                id: track.id,
-                measured: track.is_seen(),
-                gap_m: estimate.gap_m.max(0.0),
-                relative_speed_mps: estimate.relative_speed_mps,
-                acceleration_mps2: estimate.acceleration_mps2,
-                lateral_m: track.across.position_m(),
-                lateral_speed_mps: track.across.speed_mps(),
-                length_m: track.length_m,
-                width_m: track.width_m,
-                in_path: track.membership.in_path(),
-                ..Track::default()
-            };
-            if let Some(lost) = track.lost(self.model.numbers()) {
-                entry.gap_m = lost.gap_m.max(0.0);
-                entry.relative_speed_mps = lost.speed_mps - ego.speed_mps;
-                entry.acceleration_mps2 = lost.acceleration_mps2;
-            }
-            match detections.get(track.nearest).filter(|_| track.is_seen()) {
-                Some(detection) => {
-                    entry.range_m = detection.range_m;
-                    entry.range_rate_mps = detection.range_rate_mps;
-                    entry.azimuth_rad = detection.azimuth_rad;
-                }
-                None => {
-                    entry.range_m = libm::hypot(entry.gap_m, entry.lateral_m);
-                    entry.range_rate_mps = entry.relative_speed_mps;
-                    entry.azimuth_rad = libm::atan2(entry.lateral_m, entry.gap_m.max(0.1));
-                }
-            }
-            list.add(entry);
+            list.add(entry(track, ego, self.ahead.course(), detections, self.model.numbers()));
         }
         list.finish();
         list
     }
-}
-
-/// Two tracks are of one vehicle: the newer one is on the older one and moves with it. On another lane it may be
-/// before the older one by the length of a lorry: its rear comes into view last.
-fn same(older: &DetectedTrack, newer: &DetectedTrack, numbers: &Numbers) -> bool {
-    let (a, b) = (older.along.estimate(), newer.along.estimate());
-    let along_m = b.gap_m - a.gap_m;
-    let (a_y, b_y) = (older.across.position_m(), newer.across.position_m());
-    let aside = a_y.abs().min(b_y.abs()) > VEHICLE_WIDTH_M;
-    let before_m = if aside { numbers.lorry_m } else { numbers.same_before_m };
-    let is_far_before = along_m <= -numbers.same_before_m && aside;
-    let rate_mps = if is_far_before { numbers.same_lorry_mps } else { numbers.same_mps };
-    (-before_m..older.length_m).contains(&along_m)
-        && (a_y - b_y).abs() < numbers.same_across_m
-        && (a.relative_speed_mps - b.relative_speed_mps).abs() < rate_mps
-        && (older.unseen_s <= newer.unseen_s || newer.id == 0)
 }

@@ -9,6 +9,7 @@
 //! estimation using Doppler radar, ITSC 2013: the velocity profile of standing targets, without its search
 //! for inliers, which the last estimate replaces, and without yaw rate.
 
+use super::course::Course;
 use super::numbers::Numbers;
 use crate::radar::scene::Ego;
 use messages::{Detection, MAX_DETECTIONS};
@@ -48,11 +49,22 @@ impl EgoSpeed {
     /// Takes the scan of `time_ns`; `told` is the motion by odometry. Returns the motion for the tracker to work
     /// with: odometry's, or the measured one where odometry is missing or contradicts it. Allocates nothing.
     pub fn take_scan(&mut self, time_ns: i64, told: Option<Ego>, detections: &[Detection]) -> Ego {
+        self.take_scan_on(&Course::STRAIGHT, time_ns, told, detections)
+    }
+
+    /// The same on a course: off the lane is what is off the course.
+    pub fn take_scan_on(
+        &mut self,
+        course: &Course,
+        time_ns: i64,
+        told: Option<Ego>,
+        detections: &[Detection],
+    ) -> Ego {
         let numbers = self.numbers;
         let reach_mps =
             |elapsed_s: f64| numbers.stand_noise_mps + numbers.ego_change_mps2 * elapsed_s;
         let known = self.last.or_else(|| told.map(|told| (told.speed_mps, time_ns)));
-        self.vote(detections);
+        self.vote(course, detections);
         let elapsed_s = known.map_or(0.0, |(_, then_ns)| (time_ns - then_ns) as f64 * 1e-9);
         let speed_mps = match known {
             Some((last_mps, _)) if elapsed_s <= numbers.forgotten_s => {
@@ -84,13 +96,14 @@ impl EgoSpeed {
     }
 
     /// Lists what each detection off the lane would say of the ego's speed if it stood, in order.
-    fn vote(&mut self, detections: &[Detection]) {
+    fn vote(&mut self, course: &Course, detections: &[Detection]) {
         self.votes_mps.clear();
         for detection in detections {
             let (sine, cosine) = libm::sincos(detection.azimuth_rad);
             let Numbers { off_lane_m, off_lane_rad, .. } = self.numbers;
             let lane_m = off_lane_m + off_lane_rad * detection.range_m;
-            let is_beside = (detection.range_m * sine).abs() > lane_m && cosine > 0.5;
+            let off_m = course.locate(detection.range_m * cosine, detection.range_m * sine).d_m;
+            let is_beside = off_m.abs() > lane_m && cosine > 0.5;
             if is_beside && detection.ambiguity_group == 0 {
                 self.votes_mps.push(-detection.range_rate_mps / cosine);
             }

@@ -40,8 +40,8 @@ impl ExactTracker {
         let dt_s = self.last_ns.map_or(0.0, |last| (scene.time_ns - last) as f64 * 1e-9);
         self.last_ns = Some(scene.time_ns);
         let mut list = TrackList::new(scene.time_ns);
-        for (place, vehicle) in self.tracks.iter_mut().zip(&scene.vehicles) {
-            let Some(measurement) = self.view.measure(&scene.ego, vehicle) else {
+        for (index, (place, vehicle)) in self.tracks.iter_mut().zip(&scene.vehicles).enumerate() {
+            let Some(measurement) = self.view.measure(scene, index) else {
                 *place = None;
                 continue;
             };
@@ -49,7 +49,10 @@ impl ExactTracker {
                 let id = self.next_id;
                 self.next_id = self.next_id.wrapping_add(1).max(1);
                 // Its measured place selects it first, its true place afterwards.
-                let lateral_m = measurement.range_m * libm::sin(measurement.azimuth_rad);
+                let lateral_m = match &scene.plane {
+                    Some(plane) if !plane.is_line => vehicle.lateral_m,
+                    _ => measurement.range_m * libm::sin(measurement.azimuth_rad),
+                };
                 (id, self.limits.long_known(lateral_m))
             });
             self.limits.observe(&mut membership, &Across::resting(vehicle.lateral_m), dt_s);

@@ -68,6 +68,11 @@ impl<const N: usize, const M: usize> Bank<N, M> {
         }
     }
 
+    /// Changes the state of each filter in the same way.
+    pub fn change(&mut self, change: impl FnMut(&mut Gaussian<N>)) {
+        self.filters.iter_mut().for_each(change);
+    }
+
     /// The bank's expectation and its covariance, the models' disagreement included.
     #[must_use]
     pub fn combined(&self) -> Gaussian<N> {

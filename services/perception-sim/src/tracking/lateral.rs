@@ -54,6 +54,12 @@ impl Filter {
         }
     }
 
+    /// Moves the position by `by_m`: the axis from which it is measured has moved the other way.
+    pub fn shift(&mut self, by_m: f64) {
+        self.bank.change(|state| state.mean[0] += by_m);
+        self.combined.mean[0] += by_m;
+    }
+
     /// Lateral position, m.
     #[must_use]
     pub fn position_m(&self) -> f64 {
@@ -137,6 +143,21 @@ mod tests {
             },
         );
         assert!(seen_s < 0.36, "{seen_s} s");
+    }
+
+    #[test]
+    fn a_shift_moves_the_position_and_nothing_else() {
+        let mut filter = Filter::start(Measured::new(1.0, 0.2), &Numbers::DEFAULT);
+        filter.predict(DT_S, &Numbers::DEFAULT);
+        filter.update(Measured::new(1.3, 0.2), &Numbers::DEFAULT);
+        let mut shifted = filter;
+        shifted.shift(0.5);
+        assert!((shifted.position_m() - filter.position_m() - 0.5).abs() < 1e-12);
+        assert_eq!(shifted.speed_mps(), filter.speed_mps());
+        // What follows is the same, shifted.
+        filter.update(Measured::new(1.2, 0.2), &Numbers::DEFAULT);
+        shifted.update(Measured::new(1.7, 0.2), &Numbers::DEFAULT);
+        assert!((shifted.position_m() - filter.position_m() - 0.5).abs() < 1e-12);
     }
 
     #[test]

@@ -2,14 +2,19 @@
 //!
 //! [`interacting`] is a bank of Kalman filters. [`longitudinal`] and [`lateral`] are the vehicles' models, and
 //! [`path`] selects those in the ego's way. [`association`], [`birth`], [`mirror`] and [`track`] are the parts of
-//! [`detection_tracker`], which works on detections; [`object_tracker`] works on measurements whose vehicle is known.
+//! [`detection_tracker`], which works on detections on the [`course`] that [`course_filter`] finds; [`object_tracker`] works on measurements whose vehicle is known.
 //! Both hand out a [`TrackList`].
 
 pub mod abreast;
 pub mod association;
 pub mod birth;
+pub mod course;
+pub mod course_filter;
+pub mod course_numbers;
+pub mod curvature_knots;
 pub mod detection_tracker;
 pub mod ego_speed;
+mod entry;
 pub mod exact_tracker;
 pub mod interacting;
 pub mod lateral;
@@ -20,9 +25,13 @@ pub mod mirror;
 pub mod numbers;
 pub mod object_tracker;
 pub mod path;
+pub mod road_ahead;
 pub mod road_edge;
 pub mod sight;
 pub mod sighting;
+pub mod slip;
 pub mod track;
+pub mod trail;
+mod unite;
 
 pub use list::{Track, TrackList};

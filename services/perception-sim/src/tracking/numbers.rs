@@ -189,6 +189,15 @@ parameters! {
         /// Time until its braking acts: confirmation, control cycle and actuator.
         braking_late_s: f64 = 0.5, "s", 0.0..=1.5, "Chosen. At 0.25 and 1 nothing changes.";
 
+        /// Standard deviation of the path's place from which probabilities decide.
+        doubtful_path_m: f64 = 0.3, "m", 0.05..=2.0, "Chosen. Only roads with a plan have such a path.";
+        /// Half of the lane in which a vehicle is then to be.
+        half_lane_m: f64 = 1.75, "m", 1.25..=2.0, "Source: lanes of 3.5 m.";
+        /// Probability of being in it from which a track enters the path.
+        enter_probability: f64 = 0.5, "1", 0.1..=0.95, "Chosen.";
+        /// Probability below which it leaves the path.
+        leave_probability: f64 = 0.2, "1", 0.01..=0.5, "Chosen.";
+
         // Vehicles that are lost in the path.
 
         /// Time for which a lost vehicle is carried on.

@@ -1,14 +1,21 @@
 //! The tracker of the object list, in which every measurement names its vehicle.
+//!
+//! On a road with a plan it works on the course ([`super::course`]) by yaw rate, trails and map: an object list has no
+//! standing objects.
 
 use messages::MAX_TRACKS;
 use scenario::Scenario;
 
+use super::course::Course;
+use super::course_filter::{MapAhead, Sources};
+use super::course_numbers::CourseNumbers;
 use super::detection_tracker::model_of;
 use super::lateral;
 use super::list::{Track, TrackList};
 use super::longitudinal::{Filter, Measured, Model, Step};
 use super::numbers::Numbers;
 use super::path::{Across, Approach, Membership, PathLimits};
+use super::road_ahead::RoadAhead;
 use super::sight::Share;
 use super::track::FieldOfView;
 use crate::radar::object_list::{Measurement, Scan};
@@ -26,6 +33,7 @@ pub struct ObjectTracker {
     view: FieldOfView,
     tracks: [Option<ObjectTrack>; MAX_TRACKS],
     share: Share,
+    ahead: RoadAhead,
     last_ns: Option<i64>,
     next_id: u32,
 }
@@ -64,39 +72,77 @@ impl ObjectTracker {
             },
             tracks: [None; MAX_TRACKS],
             share: Share::new(&numbers),
+            ahead: RoadAhead::new(Sources::default(), &CourseNumbers::DEFAULT),
             last_ns: None,
             next_id: 1,
         }
     }
 
-    /// Takes in the scan of `time_ns` and hands out the tracks.
+    /// From now on the path is the course that these sources show.
+    pub fn follow_course(&mut self, sources: Sources, numbers: &CourseNumbers) {
+        self.ahead = RoadAhead::new(Sources { standing: false, ..sources }, numbers);
+    }
+
+    /// The road ahead.
+    #[must_use]
+    pub fn ahead(&self) -> &RoadAhead {
+        &self.ahead
+    }
+
+    /// Takes in the scan of `time_ns` on a straight road and hands out the tracks.
     pub fn step(&mut self, time_ns: i64, ego: &Ego, scan: &Scan) -> TrackList {
+        self.step_on_course(time_ns, ego, None, None, scan)
+    }
+
+    /// Takes in the scan of `time_ns` and hands out the tracks. The course needs the yaw rate, rad/s, and the map where
+    /// they are known.
+    pub fn step_on_course(
+        &mut self,
+        time_ns: i64,
+        ego: &Ego,
+        yaw_rate_radps: Option<f64>,
+        map: Option<&MapAhead>,
+        scan: &Scan,
+    ) -> TrackList {
         let first = self.last_ns.is_none();
         let dt_s = self.last_ns.map_or(0.0, |last| (time_ns - last) as f64 * 1e-9);
         self.last_ns = Some(time_ns);
         self.share.forget(dt_s);
         let step = self.model.step(dt_s, ego.acceleration_mps2);
         let mut list = TrackList::new(time_ns);
+        let motion = self.ahead.motion(ego.speed_mps, yaw_rate_radps);
+        let before = match self.ahead.is_used() {
+            true => self.ahead.find_blind(dt_s, &motion, map),
+            false => Course::STRAIGHT,
+        };
         for (index, measurement) in scan.iter().enumerate() {
             let mut track = self.tracks[index].take();
             if let Some(known) = &mut track {
                 known.along.predict(&self.model, &step);
                 known.across.predict(dt_s, self.model.numbers());
+                if self.ahead.is_used() {
+                    known.shift(&before, self.ahead.course());
+                }
                 known.unseen_s += dt_s;
                 known.measured = false;
-                if self.view.surely_shows(known.along.estimate().gap_m, known.across.position_m()) {
+                let (x_m, y_m) = known.place(self.ahead.course());
+                if self.view.surely_shows(x_m, y_m) {
                     self.share.observe(1.0, measurement.is_some());
                 }
             }
             if let Some(measurement) = *measurement {
                 track = Some(match track {
-                    Some(known) => self.correct(known, measurement, &step),
-                    None => self.begin(measurement, first),
+                    Some(known) => self.correct(known, measurement, ego.speed_mps, &step),
+                    None => self.begin(measurement, ego.speed_mps, first),
                 });
             }
             self.tracks[index] = track.filter(|known| known.unseen_s <= self.coast_s + 1e-9);
             if let Some(known) = &self.tracks[index] {
                 list.add(known.entry());
+                if known.measured {
+                    let place = (known.along.estimate().gap_m, known.across.position_m());
+                    self.ahead.leave_trail(known.id, place, known.across.speed_mps());
+                }
             }
         }
         list.finish();
@@ -110,19 +156,32 @@ impl ObjectTracker {
     }
 
     fn range(&self, measurement: &Measurement) -> Measured {
-        Measured::new(along_and_across(measurement).0, self.range_sigma_m)
+        Measured::new(self.along_and_across(measurement).0, self.range_sigma_m)
     }
 
-    fn range_rate(&self, measurement: &Measurement) -> Measured {
-        Measured::new(measurement.range_rate_mps, self.range_rate_sigma_mps)
+    fn range_rate(&self, measurement: &Measurement, ego_mps: f64) -> Measured {
+        let course = self.ahead.course();
+        let rate_mps = match course.is_straight() {
+            true => measurement.range_rate_mps,
+            false => along_course(course, measurement, ego_mps),
+        };
+        Measured::new(rate_mps, self.range_rate_sigma_mps)
+    }
+
+    /// Gap and lateral position of a measurement, m.
+    fn along_and_across(&self, measurement: &Measurement) -> (f64, f64) {
+        let (range, azimuth) = (measurement.range_m, measurement.azimuth_rad);
+        let (x_m, y_m) = (range * libm::cos(azimuth), range * libm::sin(azimuth));
+        let there = self.ahead.course().locate(x_m, y_m);
+        (there.sigma_m, there.d_m)
     }
 
     fn lateral(&self, measurement: &Measurement) -> Measured {
-        let (along_m, across_m) = along_and_across(measurement);
+        let (along_m, across_m) = self.along_and_across(measurement);
         Measured::new(across_m, self.azimuth_sigma_rad * along_m)
     }
 
-    fn begin(&mut self, measurement: Measurement, long_known: bool) -> ObjectTrack {
+    fn begin(&mut self, measurement: Measurement, ego_mps: f64, long_known: bool) -> ObjectTrack {
         let lateral = self.lateral(&measurement);
         let mut membership = Membership::default();
         if long_known {
@@ -134,7 +193,9 @@ impl ObjectTracker {
         self.next_id = self.next_id.wrapping_add(1).max(1);
         ObjectTrack {
             id,
-            along: self.model.start(self.range(&measurement), self.range_rate(&measurement)),
+            along: self
+                .model
+                .start(self.range(&measurement), self.range_rate(&measurement, ego_mps)),
             across: lateral::Filter::start(lateral, self.model.numbers()),
             membership,
             measurement,
@@ -150,16 +211,18 @@ impl ObjectTracker {
         &mut self,
         mut known: ObjectTrack,
         measurement: Measurement,
+        ego_mps: f64,
         step: &Step,
     ) -> ObjectTrack {
-        let (range, range_rate) = (self.range(&measurement), self.range_rate(&measurement));
+        let (range, range_rate) =
+            (self.range(&measurement), self.range_rate(&measurement, ego_mps));
         let believed = known.along.update(&self.model, step, range, range_rate);
         if believed.range && believed.range_rate {
             known.misfits = 0;
         } else {
             known.misfits += 1;
             if known.misfits >= self.model.numbers().misfits {
-                return self.begin(measurement, false);
+                return self.begin(measurement, ego_mps, false);
             }
         }
         known.across.update(self.lateral(&measurement), self.model.numbers());
@@ -167,6 +230,7 @@ impl ObjectTracker {
             lateral_m: known.across.position_m(),
             speed_mps: known.across.speed_mps(),
             speed_sigma_mps: known.across.speed_sigma_mps(),
+            path_sigma_m: self.ahead.sigma_m(known.along.estimate().gap_m),
             approach: Approach {
                 gap_m: known.along.estimate().gap_m,
                 relative_speed_mps: known.along.estimate().relative_speed_mps,
@@ -179,6 +243,18 @@ impl ObjectTracker {
 }
 
 impl ObjectTrack {
+    /// Its place in the body's axes, m.
+    fn place(&self, course: &Course) -> (f64, f64) {
+        course.place(self.along.estimate().gap_m, self.across.position_m())
+    }
+
+    /// Stays where it is in the plane while the course under it is corrected.
+    fn shift(&mut self, before: &Course, after: &Course) {
+        let (x_m, y_m) = self.place(before);
+        let by_m = after.locate(x_m, y_m).d_m - self.across.position_m();
+        self.across.shift(by_m);
+    }
+
     fn entry(&self) -> Track {
         let estimate = self.along.estimate();
         Track {
@@ -198,8 +274,13 @@ impl ObjectTrack {
     }
 }
 
-/// Gap and lateral position of a measurement, m.
-fn along_and_across(measurement: &Measurement) -> (f64, f64) {
-    let (range, azimuth) = (measurement.range_m, measurement.azimuth_rad);
-    (range * libm::cos(azimuth), range * libm::sin(azimuth))
+/// Range rate that the motion behind a measurement would have on a straight road, ahead of the ego, m/s: an object list
+/// leaves lateral speeds out.
+fn along_course(course: &Course, measurement: &Measurement, ego_mps: f64) -> f64 {
+    let (sine, cosine) = libm::sincos(measurement.azimuth_rad);
+    let range_m = measurement.range_m;
+    let there = course.locate(range_m * cosine, range_m * sine);
+    let along = (cosine * there.tangent.0 + sine * there.tangent.1).max(0.1);
+    let stretch = (1.0 - there.curvature_perm * there.d_m).clamp(0.5, 2.0);
+    (measurement.range_rate_mps + ego_mps * cosine) / (along * stretch) - ego_mps
 }

@@ -2,7 +2,8 @@
 //!
 //! A track enters the path when it has been within `enter_half_width_m` of the lane's centre for `confirm_s`. It
 //! leaves the path beyond `leave_half_width_m`: a vehicle on the line between two lanes does not flicker, and one
-//! noisy scan makes no target. A track also counts as within the entry limit when its lateral motion will take its
+//! noisy scan makes no target. Where the course ahead is not known well ([`Numbers::doubtful_path_m`]) probabilities
+//! of its being within the lane take the place of these limits. A track also counts as within the entry limit when its lateral motion will take its
 //! body before the ego's in less than `predict_s`: a cut-in is recognised before the bodies overlap. A track that the
 //! ego will have passed by then stays out. So does a track that it will be beside by then, even with a cruise
 //! control's hardest braking: braking only makes the time beside it longer.
@@ -32,6 +33,8 @@ pub struct Across {
     pub speed_mps: f64,
     /// Standard deviation of the lateral speed, m/s.
     pub speed_sigma_mps: f64,
+    /// Standard deviation of the path's own place there, m; 0 where it is known.
+    pub path_sigma_m: f64,
     /// Approach of the ego to it.
     pub approach: Approach,
 }
@@ -52,7 +55,19 @@ impl Across {
     #[must_use]
     pub fn resting(lateral_m: f64) -> Self {
         let approach = Approach { gap_m: f64::INFINITY, relative_speed_mps: 0.0, length_m: 0.0 };
-        Self { lateral_m, speed_mps: 0.0, speed_sigma_mps: 0.0, approach }
+        Self { lateral_m, speed_mps: 0.0, speed_sigma_mps: 0.0, path_sigma_m: 0.0, approach }
+    }
+}
+
+impl Across {
+    /// The same beside a path whose place, m, and whose heading, as a lateral speed, m/s, have these standard deviations.
+    #[must_use]
+    pub fn on_course(self, path_sigma_m: f64, crossing_mps: f64) -> Self {
+        if path_sigma_m == 0.0 {
+            return self;
+        }
+        let speed_sigma_mps = libm::hypot(self.speed_sigma_mps, crossing_mps);
+        Self { path_sigma_m, speed_sigma_mps, ..self }
     }
 }
 
@@ -100,15 +115,31 @@ impl PathLimits {
 
     /// Takes note of the track's lateral motion, `dt_s` after the time before.
     pub fn observe(&self, membership: &mut Membership, across: &Across, dt_s: f64) {
-        let offset = across.lateral_m.abs();
-        if offset <= self.enter_m || self.cuts_in(across) {
+        let (enters, stays) = self.within(across);
+        if enters || self.cuts_in(across) {
             membership.within_s += dt_s;
             // Sums of periods miss their total by a rounding.
             membership.in_path |= membership.within_s >= self.confirm_s - 1e-9;
         } else {
             membership.within_s = 0.0;
-            membership.in_path &= offset <= self.leave_m || self.still_comes(across);
+            membership.in_path &= stays || self.still_comes(across);
         }
+    }
+
+    /// It is within the limits to enter and to stay.
+    fn within(&self, across: &Across) -> (bool, bool) {
+        let (offset, sigma_m) = (across.lateral_m.abs(), across.path_sigma_m);
+        let Numbers { doubtful_path_m, half_lane_m, enter_probability, leave_probability, .. } =
+            self.numbers;
+        if sigma_m <= doubtful_path_m {
+            return (offset <= self.enter_m, offset <= self.leave_m);
+        }
+        let below = |limit_m: f64| {
+            let deviations = (limit_m - across.lateral_m) / sigma_m;
+            0.5 * libm::erfc(-deviations * std::f64::consts::FRAC_1_SQRT_2)
+        };
+        let probability = below(half_lane_m) - below(-half_lane_m);
+        (probability > enter_probability, probability >= leave_probability)
     }
 
     /// The lateral motion will take the body before the ego's in less than `predict_s`.
@@ -213,7 +244,13 @@ mod tests {
     fn what_braking_does_not_help_against_stays_out() {
         let within = |gap_m: f64, relative_speed_mps: f64, lateral_m: f64| {
             let approach = Approach { gap_m, relative_speed_mps, length_m: 4.5 };
-            let across = Across { lateral_m, speed_mps: -1.0, speed_sigma_mps: 0.1, approach };
+            let across = Across {
+                lateral_m,
+                speed_mps: -1.0,
+                speed_sigma_mps: 0.1,
+                path_sigma_m: 0.0,
+                approach,
+            };
             let mut membership = Membership::default();
             for _ in 0..2 {
                 limits().observe(&mut membership, &across, 0.05);
@@ -226,6 +263,21 @@ mod tests {
         assert!(within(8.8, -10.0, 2.7), "the ego stays behind it if it brakes");
         assert!(within(-1.0, -10.0, 1.5), "it is in the way already");
         assert!(within(1.0, 0.5, 2.7), "it goes away");
+    }
+
+    #[test]
+    fn where_the_path_is_doubtful_probabilities_decide() {
+        let within = |lateral_m: f64, path_sigma_m: f64| {
+            limits().within(&Across { path_sigma_m, ..Across::resting(lateral_m) })
+        };
+        assert_eq!(within(1.9, 0.2), (false, true), "the limits of a known path");
+        assert_eq!(within(2.3, 0.2), (false, false));
+        assert_eq!(within(2.3, 1.0), (false, true), "it may be the lead");
+        assert_eq!(within(3.5, 1.0), (false, false));
+        assert_eq!(within(1.5, 1.0), (true, true));
+        // Where nothing is known nothing enters.
+        assert_eq!(within(0.0, 5.0), (false, true));
+        assert_eq!(within(0.0, 20.0), (false, false));
     }
 
     #[test]

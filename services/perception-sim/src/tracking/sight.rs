@@ -27,6 +27,7 @@ use messages::Detection;
 
 use super::association::Point;
 use super::birth;
+use super::course::Course;
 use super::numbers::Numbers;
 use super::track::FieldOfView;
 
@@ -127,7 +128,7 @@ impl Sight {
         ego_mps: f64,
         points: &[Point],
         detections: &[Detection],
-        view: &FieldOfView,
+        (view, course): (&FieldOfView, &Course),
     ) {
         let numbers = &self.numbers;
         self.share.forget(dt_s);
@@ -138,8 +139,9 @@ impl Sight {
         };
         for post in &self.posts {
             let (x_m, y_m) = (post.x_m - ego_mps * dt_s, post.y_m);
+            let (ahead_m, left_m) = course.place(x_m, y_m);
             let is_in_view =
-                x_m > 0.0 && libm::atan2(y_m.abs(), x_m) < view.half_rad - view.edge_rad;
+                ahead_m > 0.0 && libm::atan2(left_m.abs(), ahead_m) < view.half_rad - view.edge_rad;
             if is_in_view {
                 let again = points.iter().filter(stands).any(|point| {
                     (point.x_m - x_m).abs() < numbers.post_along_m
@@ -192,7 +194,7 @@ mod tests {
                 ..point(20.0 + 10.0 * f64::from(k) - moved_m, 8.0, -20.0)
             });
             let points: Vec<Point> = if sees(scan) { posts.collect() } else { Vec::new() };
-            sight.take_scan(0.05, 20.0, &points, &strong, &VIEW);
+            sight.take_scan(0.05, 20.0, &points, &strong, (&VIEW, &Course::STRAIGHT));
         }
         sight.share()
     }
@@ -213,7 +215,7 @@ mod tests {
         assert_eq!(drive(|_| false), 0.0);
         let mut nowhere = Sight::new(12.0, 0.0, &Numbers::DEFAULT);
         for _ in 0..80 {
-            nowhere.take_scan(0.05, 20.0, &[], &[], &VIEW);
+            nowhere.take_scan(0.05, 20.0, &[], &[], (&VIEW, &Course::STRAIGHT));
         }
         assert_eq!(nowhere.share(), 1.0, "no posts are promised");
     }
@@ -223,7 +225,7 @@ mod tests {
         let mut sight = Sight::new(12.0, 0.0, &Numbers::DEFAULT);
         let mut see = |seen: bool, scans: u32| {
             for _ in 0..scans {
-                sight.take_scan(0.05, 20.0, &[], &[], &VIEW);
+                sight.take_scan(0.05, 20.0, &[], &[], (&VIEW, &Course::STRAIGHT));
                 sight.observe_track(seen);
             }
             sight.share()

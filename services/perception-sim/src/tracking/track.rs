@@ -2,6 +2,7 @@
 
 use super::abreast::Abreast;
 use super::association::Outline;
+use super::course::Course;
 use super::lateral;
 use super::longitudinal::{Filter, Measured, Model, Step};
 use super::lost::Lost;
@@ -132,6 +133,7 @@ impl DetectedTrack {
         step: &Step,
         sighting: &Sighting,
         view: &FieldOfView,
+        course: &Course,
     ) -> Measured {
         let numbers = model.numbers();
         let seen = sighting.lateral(self.width_m, numbers);
@@ -142,14 +144,15 @@ impl DetectedTrack {
         let range = sighting.range(numbers);
         let range_rate = sighting.relative_speed(numbers);
         let ahead_m = range.value - estimate.gap_m;
-        let rear_azimuth = libm::atan2(self.across.position_m().abs(), estimate.gap_m);
+        let (rear_x_m, rear_y_m) = course.place(estimate.gap_m, self.across.position_m());
+        let rear_azimuth = libm::atan2(rear_y_m.abs(), rear_x_m);
         let rear_in_view = rear_azimuth < view.half_rad - view.edge_rad;
         let sigma_m = (range.variance + estimate.covariance[0][0]).sqrt();
         let depth_m = numbers.rear_depth_m + numbers.surely_sigma * sigma_m;
         if ahead_m > depth_m && ahead_m < self.length_m + 1.0 {
             // The side is seen, not the rear: it measures the speed alone.
             self.along.see_range_rate(model, step, range_rate);
-            let side = self.across.position_m().signum();
+            let side = self.aspect_m(course).signum();
             self.across.update(sighting.lateral_by_side(self.width_m, side, numbers), numbers);
             self.misfits += u32::from(rear_in_view);
         } else {
@@ -158,7 +161,7 @@ impl DetectedTrack {
             self.misfits = if fits { 0 } else { self.misfits + 1 };
             let cell_m = range.value * view.resolution_rad;
             self.abreast.observe(seen, self.across.position(), cell_m, numbers);
-            if let Some(lateral) = self.lateral(sighting, range.value, view, numbers) {
+            if let Some(lateral) = self.lateral(sighting, range.value, (view, course), numbers) {
                 self.across.update(lateral, numbers);
             }
             self.extend(sighting, range.value, numbers);
@@ -175,13 +178,15 @@ impl DetectedTrack {
         &self,
         sighting: &Sighting,
         rear_m: f64,
-        view: &FieldOfView,
+        (view, course): (&FieldOfView, &Course),
         numbers: &Numbers,
     ) -> Option<Measured> {
         let lateral_m = self.across.position_m();
-        let outer_rad = libm::atan2(lateral_m.abs() + 0.5 * self.width_m, rear_m);
+        let (x_m, y_m) = course.place(rear_m, lateral_m);
+        let outer_rad = libm::atan2(y_m.abs() + 0.5 * self.width_m, x_m);
         if outer_rad > view.half_rad - view.edge_rad {
-            return Some(sighting.lateral_by_side(self.width_m, lateral_m.signum(), numbers));
+            // The edge of the field of view cuts off the side that is farther out.
+            return Some(sighting.lateral_by_side(self.width_m, y_m.signum(), numbers));
         }
         if rear_m * view.resolution_rad < 0.5 * self.width_m {
             return sighting.lateral_of_part(self.width_m, lateral_m, numbers);
@@ -217,9 +222,30 @@ impl DetectedTrack {
         }
     }
 
+    /// Lateral position in the axes of the course at its rear, seen from the radar, m: its sign says which side shows.
+    #[must_use]
+    pub fn aspect_m(&self, course: &Course) -> f64 {
+        let lateral_m = self.across.position_m();
+        if course.is_straight() {
+            return lateral_m;
+        }
+        let gap_m = self.along.estimate().gap_m;
+        let ((x_m, y_m), (cosine, sine)) = (course.place(gap_m, lateral_m), course.tangent(gap_m));
+        y_m * cosine - x_m * sine
+    }
+
+    /// Stays where it is in the plane while the course under it is corrected.
+    pub fn shift(&mut self, before: &Course, after: &Course) {
+        let lateral_m = self.across.position_m();
+        let (x_m, y_m) = before.place(self.along.estimate().gap_m, lateral_m);
+        let by_m = after.locate(x_m, y_m).d_m - lateral_m;
+        self.across.shift(by_m);
+        self.abreast.shift(by_m);
+    }
+
     /// The outline for association.
     #[must_use]
-    pub fn outline(&self, place: usize, model: &Model) -> Outline {
+    pub fn outline(&self, place: usize, model: &Model, course: &Course) -> Outline {
         let estimate = self.along.estimate();
         let (lateral, speed) = (self.across.position_sigma_m(), self.across.speed_sigma_mps());
         Outline {
@@ -227,6 +253,7 @@ impl DetectedTrack {
             confirmed: self.id != 0,
             rear_m: estimate.gap_m,
             lateral_m: self.across.position_m(),
+            aspect_m: self.aspect_m(course),
             length_m: self.length_m,
             half_width_m: 0.5 * self.width_m,
             relative_speed_mps: estimate.relative_speed_mps,
@@ -247,6 +274,7 @@ impl DetectedTrack {
             lateral_m: self.across.position_m(),
             speed_mps: self.across.speed_mps(),
             speed_sigma_mps: self.across.speed_sigma_mps(),
+            path_sigma_m: 0.0,
             approach: Approach {
                 gap_m: self.along.estimate().gap_m,
                 relative_speed_mps: self.along.estimate().relative_speed_mps,

@@ -1,0 +1,240 @@
+//! Target selection on random roads: by the straight path, and by a course from more and more sources.
+//!
+//! ```sh
+//! cargo run --release -p perception-sim --example course -- [ROADS [KILOMETRES]]
+//! ```
+//!
+//! A lead drives at a constant gap in the ego's lane, and one vehicle in each neighbouring lane at 0.5 to 1.3 of that
+//! gap. All have the same speed and wander in their lanes. The radar has all of its imperfections. Module `ego` is the
+//! ego. Every figure is of seeded roads and the same on every machine.
+//!
+//! A lead is lost while no track on it is in the path. A neighbour is taken while a track on it is in the path. Both
+//! count from 8 s on. "Unseen" is the share of time in which the lead has no track at all, so that no selection helps.
+//! The third table is a straight road: what the radar's imperfections alone cost.
+
+use bytemuck::Zeroable;
+use messages::{Detection, MAX_DETECTIONS};
+use perception_sim::perception::Perception;
+use perception_sim::random::Random;
+use perception_sim::tracking::Track;
+use perception_sim::tracking::course_filter::{MapAhead, Sources};
+use perception_sim::tracking::course_numbers::CourseNumbers;
+use road::random::{Recipe, pieces};
+use road::{Axis, Piece};
+use scenario::Scenario;
+use std::sync::Arc;
+
+mod ego;
+
+use ego::Driven;
+
+/// Time that does not count, s.
+const SETTLES_S: f64 = 8.0;
+/// Distance within which a track is on a vehicle, m.
+const NEAR_M: f64 = 6.0;
+/// Length of a cell of the map, m.
+const CELL_M: f64 = 25.0;
+
+/// A row: its name and the sources.
+const ROWS: [(&str, Sources); 5] = [
+    ("straight", Sources { yaw_rate: false, standing: false, trails: false, map: false }),
+    ("yaw rate", Sources { yaw_rate: true, standing: false, trails: false, map: false }),
+    ("+ standing", Sources { yaw_rate: true, standing: true, trails: false, map: false }),
+    ("+ trails", Sources { yaw_rate: true, standing: true, trails: true, map: false }),
+    ("+ map", Sources { yaw_rate: true, standing: true, trails: true, map: true }),
+];
+
+/// Radii, m, and speed, m/s. The last one is a straight road, for comparison.
+const ROADS: [(f64, f64, f64); 3] =
+    [(250.0, 2000.0, 22.4), (500.0, 2000.0, 30.0), (f64::INFINITY, f64::INFINITY, 30.0)];
+
+/// What happened over some way.
+#[derive(Default)]
+struct Sums {
+    scans: f64,
+    km: f64,
+    lost: f64,
+    losses: f64,
+    unseen: f64,
+    taken: f64,
+    takes: f64,
+    squares: f64,
+    seen: f64,
+}
+
+impl Sums {
+    fn print(&self, name: &str, gap_m: f64) {
+        let share = |count: f64| 100.0 * count / self.scans;
+        println!(
+            "| {name:10} | {gap_m:4} | {:6.2} | {:6.2} | {:6.2} | {:6.2} | {:6.2} | {:6.2} |",
+            share(self.lost),
+            self.losses / self.km,
+            share(self.unseen),
+            share(self.taken),
+            self.takes / self.km,
+            (self.squares / self.seen.max(1.0)).sqrt(),
+        );
+    }
+}
+
+/// The scenario of a seeded scene.
+fn scene(seed: u64, gap_m: f64, speed_mps: f64, duration_s: f64) -> Scenario {
+    let mut random = Random::of_run(seed, 5);
+    let mut text = format!(
+        "schema_version = 1\nname = \"scene\"\nseed = {seed}\n\
+         [plant]\ninitial_speed_mps = {speed_mps}\n"
+    );
+    for (name, gap_m, lane_m) in [
+        ("lead", gap_m, 0.0),
+        ("left", gap_m * random.between(0.5, 1.3), 3.5),
+        ("right", gap_m * random.between(0.5, 1.3), -3.5),
+    ] {
+        // Each goes to another place in its lane every few seconds.
+        let (mut at_s, mut wander) = (random.between(0.5, 3.0), Vec::new());
+        while at_s < duration_s {
+            let to_m = lane_m + 0.2 * random.normal().clamp(-2.5, 2.5);
+            let takes_s = random.between(2.0, 4.0);
+            wander.push(format!(
+                "{{ time_s = {at_s:.2}, to_m = {to_m:.3}, duration_s = {takes_s:.2} }}"
+            ));
+            at_s += takes_s + random.between(0.0, 2.0);
+        }
+        text += &format!(
+            "[[actors]]\nname = \"{name}\"\ngap_m = {gap_m:.2}\ninitial_speed_mps = {speed_mps}\n\
+             lateral_offset_m = {lane_m}\nlateral = [{}]\n",
+            wander.join(", ")
+        );
+    }
+    Scenario::parse("course", &text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Where a track is, in the ego's axes.
+fn place(track: &Track) -> (f64, f64) {
+    let (sine, cosine) = track.azimuth_rad.sin_cos();
+    (track.range_m * cosine, track.range_m * sine)
+}
+
+/// The vehicle on which a track is.
+fn owner(perception: &Perception, track: &Track) -> Option<usize> {
+    let scene = perception.scanned();
+    let plane = scene.plane?;
+    let (x, y) = place(track);
+    let off_m = |index: &usize| {
+        let body = &plane.bodies[*index];
+        let (dx, dy) = (x - body.rear_m.0, y - body.rear_m.1);
+        // Along the body an echo may come from any place of it.
+        let (along, across) =
+            (dx * body.cosine + dy * body.sine, dy * body.cosine - dx * body.sine);
+        let beyond = (-along).max(along - scene.vehicles[*index].length_m).max(0.0);
+        beyond.hypot(2.0 * across)
+    };
+    let nearest = (0..3).min_by(|a, b| off_m(a).total_cmp(&off_m(b)))?;
+    (off_m(&nearest) < NEAR_M).then_some(nearest)
+}
+
+fn drive(
+    road: &Arc<Axis>,
+    sources: Sources,
+    (seed, gap_m, speed_mps): (u64, f64, f64),
+    detections: &mut [Detection; MAX_DETECTIONS],
+    sums: &mut Sums,
+) {
+    let duration_s = (road.length_m() - 1.6 * gap_m - 200.0) / speed_mps;
+    let scenario = scene(seed, gap_m, speed_mps, duration_s);
+    let mut perception =
+        Perception::new(&scenario).on_road(Arc::clone(road), sources, &CourseNumbers::DEFAULT);
+    let cells: Vec<f64> = (0..(road.length_m() / CELL_M) as usize)
+        .map(|cell| road.curvature_perm((cell as f64 + 0.5) * CELL_M))
+        .collect();
+    let mut ego = Driven::new(seed, speed_mps);
+    let (mut was_lost, mut was_taken, mut last_way_m) = (true, [false; 3], 0.0);
+    while ego.time_s() < duration_s {
+        let (here, in_plane) = ego.now(road);
+        let map = MapAhead {
+            curvatures_perm: &cells,
+            first_m: 0.5 * CELL_M - here.position_m,
+            cell_m: CELL_M,
+        };
+        let list = *perception.step_in_plane(
+            ego.time_ns(),
+            &here,
+            Some(here),
+            Some(in_plane),
+            Some(&map),
+            detections,
+        );
+        ego.advance(road);
+        if ego.time_s() < SETTLES_S {
+            last_way_m = here.position_m;
+            continue;
+        }
+        let (mut seen, mut in_path) = (false, [false; 3]);
+        for track in list.tracks() {
+            let Some(vehicle) = owner(&perception, track) else { continue };
+            in_path[vehicle] |= track.in_path;
+            if vehicle == 0 {
+                seen = true;
+                let off_m = track.lateral_m - perception.scanned().vehicles[0].lateral_m;
+                sums.squares += off_m * off_m;
+                sums.seen += 1.0;
+            }
+        }
+        sums.scans += 1.0;
+        sums.km += (here.position_m - last_way_m) * 1e-3;
+        last_way_m = here.position_m;
+        sums.lost += f64::from(u8::from(!in_path[0]));
+        sums.losses += f64::from(u8::from(!in_path[0] && !was_lost));
+        was_lost = !in_path[0];
+        sums.unseen += f64::from(u8::from(!seen));
+        for vehicle in 1..3 {
+            sums.taken += f64::from(u8::from(in_path[vehicle]));
+            sums.takes += f64::from(u8::from(in_path[vehicle] && !was_taken[vehicle]));
+            was_taken[vehicle] = in_path[vehicle];
+        }
+    }
+}
+
+fn main() {
+    let mut words = std::env::args().skip(1);
+    let mut number = |default: f64| {
+        words.next().map_or(default, |word| {
+            word.parse().unwrap_or_else(|_| panic!("`{word}` is not a number"))
+        })
+    };
+    let (roads, kilometres) = (number(100.0) as u64, number(5.0));
+    let only = words.next();
+    let mut detections = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
+    for (min_radius_m, max_radius_m, speed_mps) in ROADS {
+        println!(
+            "\n{roads} roads of {kilometres} km, radii {min_radius_m} to {max_radius_m} m, {speed_mps} m/s\n"
+        );
+        println!(
+            "| sources | gap, m | lead lost, % | per km | unseen, % | neighbour taken, % | per km \
+             | lead's offset, rms m |"
+        );
+        println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
+        let recipe = Recipe {
+            length_m: 1e3 * kilometres,
+            min_radius_m,
+            max_radius_m,
+            spiral_m: [30.0, 200.0],
+        };
+        for (name, sources) in ROWS {
+            if only.as_ref().is_some_and(|only| !name.contains(only.as_str())) {
+                continue;
+            }
+            for gap_m in [40.0, 60.0, 80.0, 100.0] {
+                let mut sums = Sums::default();
+                for seed in 0..roads {
+                    let pieces = match min_radius_m.is_finite() {
+                        true => pieces(&recipe, seed),
+                        false => vec![Piece::Line { length_m: recipe.length_m }],
+                    };
+                    let road = Arc::new(Axis::new(&pieces).expect("a road"));
+                    drive(&road, sources, (seed, gap_m, speed_mps), &mut detections, &mut sums);
+                }
+                sums.print(name, gap_m);
+            }
+        }
+    }
+}

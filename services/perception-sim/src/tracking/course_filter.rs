@@ -1,0 +1,391 @@
+//! Estimate of the course ([`super::course`]): a Kalman filter of the heading at the ego and the curvatures of the
+//! knots ahead ([`super::curvature_knots`]).
+//!
+//! The road stands: on the way only the heading changes, by the curvature of the way minus the ego's own turn, and
+//! knots that are passed give way to new ones at the far end. Then the state takes in:
+//!
+//! | source | measurement | variance |
+//! |---|---|---|
+//! | yaw rate | curvature at the ego = yaw rate / speed | the ego's own steering within the lane |
+//! | yaw rate | heading = slip angle of the bumper | the angle of its way to the lane |
+//! | standing objects | each is as far from the course as the edge of its side | the strip's depth; one object is met many times |
+//! | trails | two places of one trail are equally far from the course | the wander of their vehicle; likewise |
+//! | map | curvature ahead | an error of its place |
+//!
+//! What the ego says of itself is limited to a number of standard deviations; the rest counts only within them. So
+//! wrong echoes do not bend the course, and a course that has gone astray comes back to the ego's own way.
+//!
+//! Only objects near the known edge count, and only trails of confirmed tracks: a mirror image or a queue must not
+//! bend the course.
+//!
+//! Sources: Zomotor and Franke, Sensor fusion for improved vision based lane recognition and object tracking with
+//! range-finders (IV 1997); Lundquist and Schön, Joint ego-motion and road geometry estimation, Information Fusion 12
+//! (2011) 253: clothoid, guard rails and the motion of others.
+
+use std::array::from_fn;
+
+use kalman::Gaussian;
+
+use super::course::Course;
+use super::course_numbers::CourseNumbers;
+use super::curvature_knots::{self as knots, APART_M, KNOTS, STATES};
+pub use super::trail::Motion;
+use super::trail::Trails;
+
+/// Updates by standing objects in a scan at most.
+const MOST_POSTS: usize = 16;
+
+/// Sources of the course that are in use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sources {
+    /// Yaw rate and slip angle of the ego.
+    pub yaw_rate: bool,
+    /// Standing objects beside the road.
+    pub standing: bool,
+    /// Trails of other vehicles.
+    pub trails: bool,
+    /// Curvatures of the map.
+    pub map: bool,
+}
+
+impl Sources {
+    /// Any is in use; otherwise the path is straight ahead.
+    #[must_use]
+    pub fn any(&self) -> bool {
+        self.yaw_rate || self.standing || self.trails || self.map
+    }
+}
+
+/// Curvatures of the map ahead.
+#[derive(Clone, Copy, Debug)]
+pub struct MapAhead<'a> {
+    /// Curvatures of cells in a row, 1/m.
+    pub curvatures_perm: &'a [f64],
+    /// Distance of the first cell's middle ahead of the bumper, m; it may be behind.
+    pub first_m: f64,
+    /// Length of a cell, m.
+    pub cell_m: f64,
+}
+
+/// The edge of one side as standing objects show it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Edge {
+    d_m: f64,
+    objects: u32,
+}
+
+/// The estimate.
+#[derive(Clone, Copy, Debug)]
+pub struct CourseFilter {
+    sources: Sources,
+    numbers: CourseNumbers,
+    state: Gaussian<STATES>,
+    /// Way since the first knot, m.
+    passed_m: f64,
+    course: Course,
+    edges: [Edge; 2],
+    trails: Trails,
+    posts: u32,
+    trail_points: u32,
+}
+
+impl CourseFilter {
+    /// The straight course, before the first scan.
+    #[must_use]
+    pub fn new(sources: Sources, numbers: &CourseNumbers) -> Self {
+        let mut state = Gaussian::independent([0.0; STATES], [0.0; STATES]);
+        state.covariance[0][0] = square(numbers.first_heading_rad);
+        for a in 0..KNOTS {
+            for b in 0..KNOTS {
+                let kept = libm::pow(numbers.kept, a.abs_diff(b) as f64);
+                state.covariance[1 + a][1 + b] = square(numbers.first_curvature_perm) * kept;
+            }
+        }
+        Self {
+            sources,
+            numbers: *numbers,
+            state,
+            passed_m: 0.0,
+            course: Course::STRAIGHT,
+            edges: [Edge::default(); 2],
+            trails: Trails::default(),
+            posts: 0,
+            trail_points: 0,
+        }
+    }
+
+    /// Moves the course on to the next scan.
+    pub fn advance(&mut self, dt_s: f64, motion: &Motion) {
+        if !self.sources.any() {
+            return;
+        }
+        let way_m = (motion.speed_mps * dt_s).max(0.0);
+        let turn = knots::heading(way_m, self.passed_m);
+        let road_rad: f64 = (1..STATES).map(|i| turn[i] * self.state.mean[i]).sum();
+        // Without a yaw rate of use the ego keeps to the course.
+        let told = motion.yaw_rate_radps.filter(|_| motion.speed_mps >= self.numbers.slow_mps);
+        let turn_rad = told.map_or(road_rad, |radps| radps * dt_s);
+        self.state.mean[0] += road_rad - turn_rad;
+        self.turn_covariance(&turn);
+        if way_m > 0.0 {
+            self.state.covariance[0][0] += square(self.numbers.heading_rad);
+            let fading = square(self.numbers.curvature_perm) * way_m;
+            (1..STATES).for_each(|i| self.state.covariance[i][i] += fading);
+        }
+        self.passed_m += way_m;
+        while self.passed_m >= APART_M {
+            self.pass_knot();
+        }
+        self.trails.advance(dt_s, turn_rad, motion);
+        self.course = self.bent();
+    }
+
+    /// The heading becomes the sum of the state by these weights, of which its own is 1.
+    fn turn_covariance(&mut self, weights: &[f64; STATES]) {
+        let p = &self.state.covariance;
+        let row: [f64; STATES] = from_fn(|j| (0..STATES).map(|i| weights[i] * p[i][j]).sum());
+        let corner = (0..STATES).map(|j| weights[j] * row[j]).sum();
+        for j in 1..STATES {
+            self.state.covariance[0][j] = row[j];
+            self.state.covariance[j][0] = row[j];
+        }
+        self.state.covariance[0][0] = corner;
+    }
+
+    /// The first knot gives way to one beyond the last.
+    fn pass_knot(&mut self) {
+        self.passed_m -= APART_M;
+        let numbers = &self.numbers;
+        let before = self.state;
+        // Place before: a knot's own, or the last one's for the new knot.
+        let from = |i: usize| if i == 0 { 0 } else { (i + 1).min(KNOTS) };
+        let share = |i: usize| if i == KNOTS { numbers.kept } else { 1.0 };
+        self.state.mean = from_fn(|i| share(i) * before.mean[from(i)]);
+        self.state.covariance =
+            from_fn(|i| from_fn(|j| share(i) * share(j) * before.covariance[from(i)][from(j)]));
+        self.state.covariance[KNOTS][KNOTS] += square(numbers.change_perm);
+    }
+
+    /// The course of the state.
+    fn bent(&self) -> Course {
+        let (state, passed_m) = (&self.state.mean, self.passed_m);
+        Course::bent(state[0], |sigma_m| sum(&knots::curvature(sigma_m, passed_m), state))
+    }
+
+    /// Takes in a scan: the ego's motion, the map, and the standing echoes in the body's axes, in the order of their
+    /// ranges. The course before it was that of [`Self::advance`]. Allocates nothing.
+    pub fn take(&mut self, motion: &Motion, map: Option<&MapAhead>, standing: &[(f64, f64)]) {
+        if !self.sources.any() {
+            return;
+        }
+        (self.posts, self.trail_points) = (0, 0);
+        let numbers = self.numbers;
+        if self.sources.yaw_rate
+            && motion.speed_mps >= numbers.slow_mps
+            && let Some(radps) = motion.yaw_rate_radps
+        {
+            let curvature_perm = radps / motion.speed_mps;
+            let weights = knots::curvature(0.0, self.passed_m);
+            let off_perm = curvature_perm - sum(&weights, &self.state.mean);
+            self.see_limited(weights, off_perm, numbers.own_way_perm);
+            let off_rad = motion.slip_rad - self.state.mean[0];
+            self.see_limited(knots::heading(0.0, 0.0), off_rad, numbers.own_angle_rad);
+        }
+        if let Some(map) = map.filter(|_| self.sources.map) {
+            self.take_map(map);
+        }
+        // All places are compared with one course: that of now.
+        self.course = self.bent();
+        let before = self.state.mean;
+        if self.sources.standing {
+            self.take_standing(&before, standing);
+        }
+        if self.sources.trails {
+            self.take_trails(&before);
+        }
+        self.course = self.bent();
+    }
+
+    /// Takes in `residual` of the sum `h · state`, at most as much as the gate.
+    fn see_limited(&mut self, h: [f64; STATES], residual: f64, sigma: f64) {
+        let mut innovation = self.state.innovation_along(&h, residual, sigma * sigma);
+        let limit = self.numbers.gate * innovation.variance.sqrt();
+        innovation.residual = residual.clamp(-limit, limit);
+        if innovation.residual.is_finite() {
+            self.state.correct_along(&h, &innovation);
+        }
+    }
+
+    /// Takes in `residual` of the sum `h · state`, if it is within the gate.
+    fn see(&mut self, h: [f64; STATES], residual: f64, sigma: f64) -> bool {
+        let innovation = self.state.innovation_along(&h, residual, sigma * sigma);
+        let passes = innovation.passes(self.numbers.gate);
+        if passes {
+            self.state.correct_along(&h, &innovation);
+        }
+        passes
+    }
+
+    /// The same of a residual against the course of the state `before`.
+    fn see_from(
+        &mut self,
+        before: &[f64; STATES],
+        h: [f64; STATES],
+        residual: f64,
+        sigma: f64,
+    ) -> bool {
+        let moved: f64 = (0..STATES).map(|i| h[i] * (self.state.mean[i] - before[i])).sum();
+        self.see(h, residual - moved, sigma)
+    }
+
+    fn take_map(&mut self, map: &MapAhead) {
+        let at = |sigma_m: f64| {
+            let place = (sigma_m - map.first_m) / map.cell_m;
+            let below = place.floor().clamp(0.0, (map.curvatures_perm.len().max(1) - 1) as f64);
+            let share = (place - below).clamp(0.0, 1.0);
+            let get = |index: usize| map.curvatures_perm.get(index).copied();
+            let low = get(below as usize)?;
+            Some(low + share * (get(below as usize + 1).unwrap_or(low) - low))
+        };
+        // One value for each knot ahead.
+        for knot in 0..KNOTS {
+            let sigma_m = (knot as f64 * APART_M - self.passed_m).max(0.0);
+            let Some(curvature_perm) = at(sigma_m) else { return };
+            let weights = knots::curvature(sigma_m, self.passed_m);
+            let off_perm = curvature_perm - sum(&weights, &self.state.mean);
+            self.see(weights, off_perm, self.numbers.map_perm);
+        }
+    }
+
+    fn take_standing(&mut self, before: &[f64; STATES], standing: &[(f64, f64)]) {
+        let numbers = self.numbers;
+        let course = self.course;
+        let mut taken = 0;
+        for place in 0..standing.len() {
+            // The nearest, the farthest, the second nearest and so on.
+            let index = if place % 2 == 0 { place / 2 } else { standing.len() - 1 - place / 2 };
+            let (x_m, y_m) = standing[index];
+            let there = course.locate(x_m, y_m);
+            let edge = &mut self.edges[usize::from(there.d_m < 0.0)];
+            let is_near = there.sigma_m < numbers.edge_near_m;
+            let off_m = there.d_m - edge.d_m;
+            let doubt_m = 3.0
+                * self
+                    .state
+                    .variance_along(&knots::place(there.sigma_m, self.passed_m))
+                    .max(0.0)
+                    .sqrt();
+            let reach_m = (numbers.post_reach_m + doubt_m).min(numbers.post_reach_most_m);
+            let could_be = (numbers.edge_from_m..numbers.edge_to_m).contains(&there.d_m.abs());
+            if edge.objects > 0 && off_m.abs() > reach_m || edge.objects == 0 && !could_be {
+                continue;
+            }
+            if is_near {
+                edge.objects = edge.objects.saturating_add(1);
+                let weight = numbers.edge_weight.max(1.0 / f64::from(edge.objects));
+                edge.d_m += weight * off_m;
+            }
+            // A few objects do not show where the edge is.
+            if f64::from(edge.objects) < numbers.post_scans || taken >= MOST_POSTS {
+                continue;
+            }
+            let sigma_m = (square(numbers.post_sigma_m) * numbers.post_scans
+                + square(numbers.post_azimuth_rad * there.sigma_m))
+            .sqrt();
+            if self.see_from(before, knots::place(there.sigma_m, self.passed_m), off_m, sigma_m) {
+                taken += 1;
+            }
+        }
+        self.posts = taken as u32;
+    }
+
+    fn take_trails(&mut self, before: &[f64; STATES]) {
+        let (trails, course, numbers) = (self.trails, self.course, self.numbers);
+        trails.pairs(|near, far| {
+            let (near, far) = (course.locate(near.0, near.1), course.locate(far.0, far.1));
+            let a = knots::place(near.sigma_m, self.passed_m);
+            let b = knots::place(far.sigma_m, self.passed_m);
+            let h = from_fn(|i| b[i] - a[i]);
+            let growth = 1.0 + square(far.sigma_m / numbers.trail_grows_m);
+            let sigma_m = numbers.trail_sigma_m * (numbers.trail_scans * growth).sqrt();
+            if self.see_from(before, h, far.d_m - near.d_m, sigma_m) {
+                self.trail_points += 1;
+            }
+        });
+    }
+
+    /// A confirmed track is at a place of the course, and moves across it with `lateral_mps`.
+    pub fn leave_trail(&mut self, id: u32, (sigma_m, d_m): (f64, f64), lateral_mps: f64) {
+        if !self.sources.trails {
+        } else if lateral_mps.abs() > self.numbers.trail_lateral_mps {
+            self.trails.forget(id);
+        } else {
+            self.trails.leave(id, self.course.place(sigma_m, d_m));
+        }
+    }
+
+    /// The course.
+    #[must_use]
+    pub fn course(&self) -> &Course {
+        &self.course
+    }
+
+    /// Any source is in use.
+    #[must_use]
+    pub fn is_used(&self) -> bool {
+        self.sources.any()
+    }
+
+    /// Standard deviation of the course's place across the road at an arc length, m; 0 of the straight path.
+    #[must_use]
+    pub fn sigma_m(&self, sigma_m: f64) -> f64 {
+        if !self.sources.any() {
+            return 0.0;
+        }
+        let weights = knots::place(sigma_m.max(0.0), self.passed_m);
+        self.state.variance_along(&weights).max(0.0).sqrt()
+    }
+
+    /// Standard deviation of the course's heading at an arc length, rad; 0 of the straight path.
+    #[must_use]
+    pub fn heading_sigma_rad(&self, sigma_m: f64) -> f64 {
+        if !self.sources.any() {
+            return 0.0;
+        }
+        let weights = knots::heading(sigma_m.max(0.0), self.passed_m);
+        self.state.variance_along(&weights).max(0.0).sqrt()
+    }
+
+    /// Heading, rad, curvature, 1/m, and its rate, 1/m², of a clothoid that begins as the course does and is at the same
+    /// place across the road 100 m ahead.
+    #[must_use]
+    pub fn clothoid(&self) -> [f64; 3] {
+        const FAR_M: f64 = 100.0;
+        if !self.sources.any() {
+            return [0.0; 3];
+        }
+        let state = &self.state.mean;
+        let curvature_perm = sum(&knots::curvature(0.0, self.passed_m), state);
+        let bent_m = sum(&knots::place(FAR_M, self.passed_m), state) - state[0] * FAR_M;
+        let rate_perm2 =
+            (bent_m - 0.5 * curvature_perm * FAR_M * FAR_M) * 6.0 / (FAR_M * FAR_M * FAR_M);
+        [state[0], curvature_perm, rate_perm2]
+    }
+
+    /// Standing objects and pairs of trail points that the last scan used.
+    #[must_use]
+    pub fn used(&self) -> (u32, u32) {
+        (self.posts, self.trail_points)
+    }
+}
+
+fn sum(weights: &[f64; STATES], state: &[f64; STATES]) -> f64 {
+    (0..STATES).map(|i| weights[i] * state[i]).sum()
+}
+
+fn square(value: f64) -> f64 {
+    value * value
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,78 @@
+//! Numbers of the course, each with its origin. `cargo run --release -p perception-sim --example course` shows their
+//! effect.
+
+use parameters::parameters;
+
+parameters! {
+    /// Numbers of the course.
+    pub struct CourseNumbers {
+        // What is known before any measurement.
+
+        /// Standard deviation of the first heading.
+        first_heading_rad: f64 = 0.01, "rad", 0.001..=0.1, "Chosen.";
+        /// Standard deviation of the curvature.
+        first_curvature_perm: f64 = 1e-3, "1/m", 1e-5..=1e-2, "Chosen: an arc of 1,000 m.";
+        /// Share of the curvature that is there one knot farther.
+        kept: f64 = 0.8, "1", 0.0..=1.0, "Chosen: curves are some 100 m long.";
+        /// Standard deviation of the rest.
+        change_perm: f64 = 6e-4, "1/m", 1e-5..=1e-2, "Chosen: what keeps the deviation of all.";
+
+        // How the estimate fades on the way.
+
+        /// Change of the heading in a scan beside the yaw rate.
+        heading_rad: f64 = 1.4e-4, "rad", 1e-5..=1e-2, "Chosen.";
+        /// Change of the curvature over the square root of a metre.
+        curvature_perm: f64 = 3e-5, "1/m", 1e-6..=1e-3, "Chosen.";
+
+        // The ego's own motion.
+
+        /// Curvature of the ego's way beside the road's: its driver steers.
+        own_way_perm: f64 = 3e-4, "1/m", 1e-5..=1e-2, "Chosen: a wander of 0.2 m within the lane.";
+        /// Angle between the ego's way and the lane.
+        own_angle_rad: f64 = 0.012, "rad", 0.001..=0.1, "Chosen: the same wander.";
+        /// Speed below which the yaw rate says nothing of the curvature.
+        slow_mps: f64 = 3.0, "m/s", 0.5..=10.0, "Chosen: the sensor's offset of 0.1 °/s makes 6e-4 1/m there.";
+
+        // Standing objects beside the road.
+
+        /// Standard deviation of a standing object's distance from the road's edge.
+        post_sigma_m: f64 = 0.9, "m", 0.1..=5.0, "Source: a strip of 3 m has 0.87 m.";
+        /// Scans in which one object is met, so that a scan counts less.
+        post_scans: f64 = 25.0, "scans", 1.0..=200.0, "Chosen: an object is in view for 60 scans, half of which show it.";
+        /// Error of its azimuth.
+        post_azimuth_rad: f64 = 0.0044, "rad", 0.0005..=0.05, "Chosen: 0.25°.";
+        /// Distance from the edge within which an object belongs to it, where the course is known exactly.
+        post_reach_m: f64 = 2.0, "m", 0.5..=6.0, "Chosen: the strip's half and an error.";
+        /// The same at most, where it is not.
+        post_reach_most_m: f64 = 5.0, "m", 1.0..=10.0, "Chosen: less than the distance of the edge from the next lane.";
+        /// Distance from the course beyond which a standing object may be of the edge.
+        edge_from_m: f64 = 5.0, "m", 3.0..=8.0, "Chosen: the next lane is nearer.";
+        /// Distance from the course up to which it may be.
+        edge_to_m: f64 = 20.0, "m", 8.0..=50.0, "Chosen.";
+        /// Distance ahead up to which objects teach the edge's place.
+        edge_near_m: f64 = 60.0, "m", 20.0..=150.0, "Chosen: the course is exact there.";
+        /// Weight of an object in the edge's place.
+        edge_weight: f64 = 0.02, "1", 0.001..=0.5, "Chosen.";
+
+        // Trails of other vehicles.
+
+        /// Standard deviation of the distance between two places of a trail across the road.
+        trail_sigma_m: f64 = 0.35, "m", 0.05..=2.0, "Chosen: a wander of 0.2 m of each.";
+        /// Scans in which one place is met, so that a scan counts less.
+        trail_scans: f64 = 10.0, "scans", 1.0..=200.0, "Chosen.";
+        /// Distance over which it grows by a factor of the square root of 2.
+        trail_grows_m: f64 = 60.0, "m", 10.0..=500.0, "Chosen: dead reckoning by the yaw rate.";
+        /// Lateral speed from which a vehicle changes lanes and its trail is not the road's.
+        trail_lateral_mps: f64 = 0.6, "m/s", 0.1..=3.0, "Chosen.";
+
+        // The map.
+
+        /// Error of the map's curvature in a scan.
+        map_perm: f64 = 1e-3, "1/m", 1e-5..=1e-2, "Chosen: curvatures of cells, at a place known to some metres.";
+
+        // All.
+
+        /// Gate of each measurement.
+        gate: f64 = 4.0, "σ", 2.0..=8.0, "Chosen.";
+    }
+}

@@ -1,0 +1,118 @@
+//! What a scan says of the road ahead: the slip angle and the course, from what stands beside the road.
+
+use messages::{Detection, MAX_DETECTIONS};
+
+use super::association::Point;
+use super::birth;
+use super::course::Course;
+use super::course_filter::{CourseFilter, MapAhead, Motion, Sources};
+use super::course_numbers::CourseNumbers;
+use super::numbers::Numbers;
+use super::slip::Slip;
+use crate::radar::receiver::Receiver;
+
+/// The road ahead.
+#[derive(Clone, Debug)]
+pub struct RoadAhead {
+    filter: CourseFilter,
+    slip: Slip,
+    /// What stands: cosine and sine of the azimuth, and range rate, m/s.
+    rates: Vec<(f64, f64, f64)>,
+    /// What stands: places in the body's axes, m.
+    places: Vec<(f64, f64)>,
+}
+
+impl RoadAhead {
+    /// Straight on, before the first scan.
+    #[must_use]
+    pub fn new(sources: Sources, numbers: &CourseNumbers) -> Self {
+        Self {
+            filter: CourseFilter::new(sources, numbers),
+            slip: Slip::default(),
+            rates: Vec::with_capacity(MAX_DETECTIONS),
+            places: Vec::with_capacity(MAX_DETECTIONS),
+        }
+    }
+
+    /// The ego's motion as it is known.
+    #[must_use]
+    pub fn motion(&self, speed_mps: f64, yaw_rate_radps: Option<f64>) -> Motion {
+        Motion { speed_mps, yaw_rate_radps, slip_rad: self.slip.slip_rad() }
+    }
+
+    /// Moves the course on to this scan and corrects it. Returns it as it was before the correction. Allocates nothing.
+    pub fn find(
+        &mut self,
+        dt_s: f64,
+        motion: &Motion,
+        map: Option<&MapAhead>,
+        (detections, receiver, numbers): (&[Detection], &Receiver, &Numbers),
+    ) -> Course {
+        self.filter.advance(dt_s, motion);
+        let before = *self.filter.course();
+        self.rates.clear();
+        self.places.clear();
+        for (index, detection) in detections.iter().enumerate() {
+            let point = Point::new(index, detection, motion, receiver, &before);
+            if birth::moves(&point, numbers) || point.y_m.abs() < numbers.off_lane_m {
+                continue;
+            }
+            let (sine, cosine) = libm::sincos(detection.azimuth_rad);
+            self.rates.push((cosine, sine, detection.range_rate_mps));
+            self.places.push((detection.range_m * cosine, detection.range_m * sine));
+        }
+        self.slip.take_scan(dt_s, motion.speed_mps, &self.rates);
+        let motion = Motion { slip_rad: self.slip.slip_rad(), ..*motion };
+        self.filter.take(&motion, map, &self.places);
+        before
+    }
+
+    /// The same without detections: by the ego's motion, the map and the trails.
+    pub fn find_blind(&mut self, dt_s: f64, motion: &Motion, map: Option<&MapAhead>) -> Course {
+        self.filter.advance(dt_s, motion);
+        let before = *self.filter.course();
+        self.filter.take(motion, map, &[]);
+        before
+    }
+
+    /// A vehicle is at a place of the course; see [`CourseFilter::leave_trail`].
+    pub fn leave_trail(&mut self, id: u32, place: (f64, f64), lateral_mps: f64) {
+        self.filter.leave_trail(id, place, lateral_mps);
+    }
+
+    /// The road ahead is estimated at all; otherwise it is straight.
+    #[must_use]
+    pub fn is_used(&self) -> bool {
+        self.filter.is_used()
+    }
+
+    /// The course.
+    #[must_use]
+    pub fn course(&self) -> &Course {
+        self.filter.course()
+    }
+
+    /// Standard deviation of the course's place across the road at an arc length, m.
+    #[must_use]
+    pub fn sigma_m(&self, sigma_m: f64) -> f64 {
+        self.filter.sigma_m(sigma_m)
+    }
+
+    /// Standard deviation of the course's heading at an arc length, rad.
+    #[must_use]
+    pub fn heading_sigma_rad(&self, sigma_m: f64) -> f64 {
+        self.filter.heading_sigma_rad(sigma_m)
+    }
+
+    /// The course as one clothoid; see [`CourseFilter::clothoid`].
+    #[must_use]
+    pub fn clothoid(&self) -> [f64; 3] {
+        self.filter.clothoid()
+    }
+
+    /// Standing objects and pairs of trail points that the last scan used.
+    #[must_use]
+    pub fn used(&self) -> (u32, u32) {
+        self.filter.used()
+    }
+}
