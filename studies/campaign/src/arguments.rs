@@ -31,6 +31,9 @@ pub struct CampaignArguments {
     /// Hours of random drives without faults (`plausibility`) [default: 3]
     #[arg(long, value_name = "H", conflicts_with = "merge")]
     pub hours: Option<Hours>,
+    /// Judge every run by a requirement as well: a formula or a name (repeatable; docs/requirements.md)
+    #[arg(long = "require", value_name = "FORMULA", conflicts_with = "merge")]
+    pub require: Vec<String>,
     /// Laws of the user's own. They drive where the campaign names no controllers; in `signals` beside the two laws of
     /// the campaign, in `radio` and `plausibility` one in the place of its laws.
     #[command(flatten)]

@@ -60,6 +60,10 @@ impl<'a> Blame<'a> {
         if reasons.is_empty() {
             return;
         }
+        let broken = record.requirements.iter().filter(|verdict| !verdict.met);
+        reasons.extend(broken.map(|verdict| {
+            format!("{}: {}", verdict.requirement, report::print::requirement(verdict))
+        }));
         let measured = &record.measured;
         reasons.extend(record.aborted_because.clone());
         reasons.extend(measured.leaks.iter().chain(&measured.degraded).cloned());

@@ -8,6 +8,7 @@
 //! controllers = ["cacc-mpc", "acc-mpc"]  # without the key: each scenario's own
 //! seeds = 20                             # runs of every combination
 //! set = ["duration_s=10"]                # keys set in all runs
+//! formulas = ["min-gap:1"]               # requirements of all runs (docs/requirements.md)
 //! faults_per_run = [2, 4]                # number of faults in each run, drawn from all below
 //! variation = "./cut_in_variation.xosc"  # instead of scenarios: OpenSCENARIO parameter values
 //! sample = 200                           # number of runs that are done, drawn by the first seed
@@ -87,6 +88,9 @@ pub struct Campaign {
     /// Keys set in all runs, as for `--set`.
     #[serde(default)]
     pub set: Vec<String>,
+    /// Requirements of all runs beside those of their scenarios.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub formulas: Vec<String>,
     /// Keys set in the runs of one scenario, by its name in `scenarios`. A value is drawn for each run, as for faults.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub settings: BTreeMap<String, toml::Table>,
@@ -135,6 +139,14 @@ impl Campaign {
             *limit = Limit::of(key, *limit).for_share(share).value;
         }
         self.seeds = seeds;
+    }
+
+    /// More requirements of all runs; none of them may be broken, unless the file sets another limit.
+    pub fn judge_by(&mut self, formulas: &[String]) {
+        if !formulas.is_empty() {
+            self.formulas.extend(formulas.iter().cloned());
+            self.require.entry("max_requirements_broken".to_owned()).or_insert(0.0);
+        }
     }
 
     /// Reads a campaign file as it is.

@@ -25,6 +25,7 @@ pub fn job(campaign: &Campaign, planned: &Planned) -> Result<Job, Error> {
         controller: planned.controller.clone(),
         seed: Some(planned.seed.to_string()),
         parameters: planned.parameters.clone(),
+        require: planned.formulas.clone(),
         ..ScenarioOptions::default()
     };
     let scenario = group::open_with(&planned.scenario, &options, "set", &planned.keys)?;

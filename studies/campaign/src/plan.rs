@@ -94,6 +94,7 @@ impl Plan {
                     fault: "none".into(),
                     seed: self.campaign.first_seed,
                     keys: self.keys(scenario, self.campaign.first_seed),
+                    formulas: self.campaign.formulas.clone(),
                     parameters: self.variants.as_ref().map_or_else(Vec::new, |all| all.get(0)),
                 });
             }
@@ -135,6 +136,7 @@ impl Plan {
             fault: fault.label().into(),
             seed,
             keys,
+            formulas: campaign.formulas.clone(),
             parameters: variants.as_ref().map_or_else(Vec::new, |all| all.get(place % values)),
         }
     }

@@ -15,6 +15,8 @@ pub struct Planned {
     pub seed: u32,
     /// Keys set, as for `--set`.
     pub keys: Vec<String>,
+    /// Requirements beside the scenario's, as for `--require`.
+    pub formulas: Vec<String>,
     /// Parameters of an OpenSCENARIO file, as for `--param`.
     pub parameters: Vec<String>,
 }
@@ -30,6 +32,7 @@ impl Planned {
         words.extend(["--mode", mode, "--seed", &seed]);
         words.extend(self.keys.iter().flat_map(|key| ["--set", key]));
         words.extend(self.parameters.iter().flat_map(|parameter| ["--param", parameter]));
+        words.extend(self.formulas.iter().flat_map(|formula| ["--require", formula]));
         runtime::command_line(&words)
     }
 

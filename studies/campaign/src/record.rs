@@ -4,7 +4,7 @@ use super::exposure::Struck;
 use super::planned::Planned;
 use frame::batch::{Done, Growth, Repetition};
 use group::report::Outcome;
-use group::{Error, Evidence, FaultRecord, Recovery, is_avoidable_collision};
+use group::{Error, Evidence, FaultRecord, Recovery, RequirementVerdict, is_avoidable_collision};
 use messages::level::{Level, LevelChange};
 use scenario::Scenario;
 use scenario::faults::{Helper, Kind};
@@ -30,6 +30,9 @@ pub struct Record {
     pub outcome: Outcome,
     /// Why the outcome is `aborted`.
     pub aborted_because: Option<String>,
+    /// Verdicts on the requirements.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub requirements: Vec<RequirementVerdict>,
     /// Whether its repetition in a process group gave the same bytes; none: it was not repeated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub same_in_processes: Option<bool>,
@@ -100,6 +103,7 @@ impl Record {
             Ok(done) => Self {
                 outcome: done.summary.outcome,
                 aborted_because: done.summary.aborted_because.clone(),
+                requirements: done.summary.requirements.clone(),
                 same_in_processes: (done.repetition.as_ref())
                     .map(|repetition| *repetition == Repetition::Same),
                 measured: Measured::of(scenario, done),
@@ -120,6 +124,7 @@ impl Record {
             parameters: planned.parameters.clone(),
             outcome: Outcome::Aborted,
             aborted_because: None,
+            requirements: Vec::new(),
             same_in_processes: None,
             measured: Measured::default(),
         }

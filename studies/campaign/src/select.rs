@@ -55,8 +55,14 @@ pub const WITHOUT_FILE: [Own; 4] = [
 ];
 
 /// The options that the campaigns of files take.
-const OF_FILES: &[&str] =
-    &["--sample N", "--seeds N", "--law NAME=COMMAND", "--shard I/N", "--resume DIR"];
+const OF_FILES: &[&str] = &[
+    "--sample N",
+    "--seeds N",
+    "--law NAME=COMMAND",
+    "--require FORMULA",
+    "--shard I/N",
+    "--resume DIR",
+];
 
 /// Why no campaign is chosen.
 #[derive(Debug, thiserror::Error)]
@@ -138,6 +144,7 @@ fn refuse_options(
         ("--hours H", arguments.hours.is_some()),
         ("--seed S", arguments.seed.is_some()),
         ("--law NAME=COMMAND", !arguments.laws.laws.is_empty()),
+        ("--require FORMULA", !arguments.require.is_empty()),
         ("--shard I/N", arguments.parts.shard.is_some()),
         ("--resume DIR", arguments.parts.resume.is_some()),
     ];

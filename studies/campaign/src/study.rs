@@ -90,6 +90,7 @@ impl Study for FileCampaign {
             campaign.limit_seeds(seeds);
         }
         campaign.sample = arguments.sample.or(campaign.sample);
+        campaign.judge_by(&arguments.require);
         arguments.laws.check()?;
         campaign.set.extend(arguments.laws.keys());
         if campaign.controllers.is_empty() {

@@ -141,6 +141,7 @@ pub mod tests {
             parameters: Vec::new(),
             outcome,
             aborted_because: None,
+            requirements: Vec::new(),
             same_in_processes: None,
             measured: Measured {
                 duration_s: 1.0,

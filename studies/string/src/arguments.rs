@@ -7,6 +7,7 @@ use group::{Error, Failure, GroupOptions, ScenarioOptions};
 use report::results::ResultOptions;
 use runtime::Mode;
 
+use super::results::STABILITY;
 use super::scene::Plan;
 use frame::batch;
 use frame::keep::Keep;
@@ -135,6 +136,8 @@ pub struct Task {
     pub sweep: Option<(Param, Vec<Swept>)>,
     /// Frequencies of the sweep of a key, Hz.
     pub sweep_frequencies: Vec<f64>,
+    /// `string-stable` is required.
+    pub requires_stability: bool,
 }
 
 /// A law with a string of one car for each value of the swept key.
@@ -164,9 +167,11 @@ impl Task {
         if laws.len() > vehicles && arguments.param.is_none() {
             return Err(StringError::Laws { laws: laws.len(), vehicles }.into());
         }
+        let mut shared = arguments.scenario_options.clone();
+        shared.require.retain(|requirement| requirement.trim() != STABILITY);
+        let requires_stability = shared.require.len() < arguments.scenario_options.require.len();
         let open = |law: &Option<String>, keys: &[String]| {
-            let options =
-                ScenarioOptions { controller: law.clone(), ..arguments.scenario_options.clone() };
+            let options = ScenarioOptions { controller: law.clone(), ..shared.clone() };
             let scenario = group::open_with(&arguments.scenario, &options, "--param", keys)?;
             batch::check(&scenario, Mode::Lockstep, &arguments.group)?;
             Ok::<_, Error>(scenario)
@@ -213,7 +218,7 @@ impl Task {
                 Some((param, swept))
             }
         };
-        let task = Self { plan, frequencies, sweep, sweep_frequencies };
+        let task = Self { plan, frequencies, sweep, sweep_frequencies, requires_stability };
         if task.runs() > MAX_RUNS {
             return Err(StringError::TooManyRuns.into());
         }

@@ -31,6 +31,7 @@ const FIELDS: &[Column<Results>] = &[
     number("head_to_tail_gain_max", "", "", 3, "The same of the largest deviations"),
     number("min_gap_m", "", "m", 2, "Smallest gap of all cars"),
     flag("string_stable", "", ("stable", "unstable"), "No car amplifies the disturbance"),
+    nested("stability", Kind::Object, "Verdict on string-stable; null where it is not required"),
     nested("peak", Kind::Object, "Highest point of the gain curve"),
 ];
 
@@ -39,6 +40,7 @@ const CARS: &[Column<Vehicle>] = &[
     count("index", "car", "Place in the string, from 1"),
     word("controller", "law", "Control law"),
     outcome("outcome").hidden(),
+    nested("requirements", Kind::List, "Verdicts on the requirements, as in summary.json"),
     fact("behind_collision", "", "A car ahead of it collided").hidden(),
     number("speed_gain_l2", "speed L2", "", 3, "Norm of its speed over that of the vehicle ahead")
         .limit(STABLE_GAIN),
@@ -66,6 +68,8 @@ const CARS: &[Column<Vehicle>] = &[
         let text = format!("{}{after}", outcome_word(car.outcome));
         json!({"text": text, "ok": car.outcome == Outcome::Completed})
     }),
+    word("", "requirements", "Margins of the requirements")
+        .of(|car| json!(report::verdicts::words(&car.requirements))),
 ];
 
 /// Columns of the gain curve.

@@ -136,6 +136,7 @@ impl Study for Strings {
             }
         }
         let results = Results::new(&task.plan, &cars, own, limits, found.sample);
+        let results = if task.requires_stability { results.judged_by_stability() } else { results };
         Ok(page::document(&results, &cars))
     }
 }

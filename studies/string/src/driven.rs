@@ -1,6 +1,7 @@
 //! The drive of one car of a string, reduced to figures and a trace.
 
 use frame::batch::Done;
+use group::RequirementVerdict;
 use group::report::{ControlFigures, Outcome};
 use scenario::Scenario;
 
@@ -20,6 +21,8 @@ pub struct Driven {
     pub controller: String,
     /// How its drive ended.
     pub outcome: Outcome,
+    /// Verdicts on the requirements.
+    pub requirements: Vec<RequirementVerdict>,
     /// Figures of the referee.
     pub figures: ControlFigures,
     /// Norms of its speeds and gaps.
@@ -51,6 +54,7 @@ impl Driven {
             place,
             controller: done.summary.controller.clone(),
             outcome: done.summary.outcome,
+            requirements: done.summary.requirements.clone(),
             figures: done.summary.control.figures.clone(),
             measured: measure(scenario, &done.drive),
             amplitudes: plan.wave.and_then(|wave| wave.amplitudes(&done.drive)),

@@ -1,5 +1,6 @@
 //! The result of a string of cars.
 
+use group::RequirementVerdict;
 use group::report::{ControlFigures, Outcome};
 use serde::Serialize;
 
@@ -9,6 +10,9 @@ use super::limits::Limits;
 use super::response::{Response, peak};
 use super::scene::Plan;
 use frame::batch::ProcessesSample;
+
+/// Name of the requirement that the string as a whole is judged by.
+pub const STABILITY: &str = "string-stable";
 
 /// The results of the command.
 #[derive(Debug, Serialize)]
@@ -32,6 +36,8 @@ pub struct Results {
     pub min_gap_m: Option<f64>,
     /// No car amplifies: no frequency where there are some, else not the scenario's disturbance.
     pub string_stable: bool,
+    /// Verdict on `string-stable`, if it is required.
+    pub stability: Option<RequirementVerdict>,
     /// The highest point of the gain curve.
     pub peak: Option<Peak>,
     /// The string behind a sine of each frequency.
@@ -60,6 +66,8 @@ pub struct Vehicle {
     pub controller: String,
     /// How its drive ended.
     pub outcome: Outcome,
+    /// Verdicts on the requirements.
+    pub requirements: Vec<RequirementVerdict>,
     /// A car ahead of it collided: the vehicle before it braked to a stand.
     pub behind_collision: bool,
     /// Norm of its speed over that of the vehicle ahead.
@@ -80,7 +88,38 @@ pub struct Vehicle {
     pub rms_jerk_mps3: Option<f64>,
 }
 
+impl Vehicle {
+    /// The drive was not cut short; a requirement is judged after it.
+    pub fn reached_the_end(&self) -> bool {
+        matches!(self.outcome, Outcome::Completed | Outcome::RequirementBroken)
+    }
+}
+
 impl Results {
+    /// The results judged by `string-stable` as well: the limit of the gain minus the largest one.
+    pub fn judged_by_stability(self) -> Self {
+        let of_cars = self.vehicles.iter().filter_map(|car| car.speed_gain_l2).reduce(f64::max);
+        let largest = match self.frequencies.as_slice() {
+            [] => of_cars,
+            _ => self.peak.map(|peak| peak.gain),
+        };
+        let verdict = RequirementVerdict {
+            requirement: STABILITY.to_owned(),
+            formula: format!("{STABLE_GAIN} minus the largest gain of a car"),
+            margin: largest.map(|gain| STABLE_GAIN - gain),
+            unit: "1".to_owned(),
+            at_s: 0.0,
+            met: self.string_stable,
+        };
+        Self { stability: Some(verdict), ..self }
+    }
+
+    /// Every requirement holds, of each car and of the string.
+    pub fn meets_requirements(&self) -> bool {
+        let of_cars = self.vehicles.iter().flat_map(|vehicle| &vehicle.requirements);
+        of_cars.chain(&self.stability).all(|verdict| verdict.met)
+    }
+
     /// Makes the result of the driven cars.
     pub fn new(
         plan: &Plan,
@@ -90,7 +129,7 @@ impl Results {
         processes_sample: ProcessesSample,
     ) -> Self {
         let vehicles = vehicles(cars);
-        let whole = vehicles.iter().all(|vehicle| vehicle.outcome == Outcome::Completed);
+        let whole = vehicles.iter().all(Vehicle::reached_the_end);
         let ends = cars.first().zip(cars.last()).filter(|_| whole);
         let (head_to_tail_gain, head_to_tail_gain_max) = ends
             .and_then(|(first, last)| Some(last.measured.speed?.over(first.measured.ahead)))
@@ -118,6 +157,7 @@ impl Results {
             head_to_tail_gain,
             head_to_tail_gain_max,
             string_stable,
+            stability: None,
             peak,
             frequencies,
             limits,
@@ -127,7 +167,7 @@ impl Results {
 
     /// Every car of the string reached the scenario's end.
     pub fn all_completed(&self) -> bool {
-        self.vehicles.iter().all(|vehicle| vehicle.outcome == Outcome::Completed)
+        self.vehicles.iter().all(Vehicle::reached_the_end)
     }
 
     /// The string in a sentence.
@@ -150,7 +190,8 @@ impl Results {
         let head_to_tail = self
             .head_to_tail_gain
             .map_or_else(String::new, |gain| format!(", head-to-tail gain {gain:.3}"));
-        format!("{stable}{peak}{head_to_tail}{collisions}")
+        let broken = if self.meets_requirements() { "" } else { ", a requirement is BROKEN" };
+        format!("{stable}{peak}{head_to_tail}{collisions}{broken}")
     }
 }
 
@@ -173,6 +214,7 @@ fn vehicles(cars: &[Driven]) -> Vec<Vehicle> {
             index: car.place.index + 1,
             controller: car.controller.clone(),
             outcome: car.outcome,
+            requirements: car.requirements.clone(),
             behind_collision,
             speed_gain_l2: speed.0,
             speed_gain_max: speed.1,

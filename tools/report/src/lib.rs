@@ -45,6 +45,7 @@ pub mod targets;
 mod timing;
 pub mod trajectory;
 mod trip;
+pub mod verdicts;
 
 pub use compare::overlay;
 pub use following::Following;

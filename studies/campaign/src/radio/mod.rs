@@ -117,6 +117,7 @@ fn planned(number: usize) -> Planned {
         fault: String::new(),
         seed: u32::try_from(number).unwrap_or(u32::MAX),
         keys: draw::keys(number as u64),
+        formulas: Vec::new(),
         parameters: Vec::new(),
     }
 }

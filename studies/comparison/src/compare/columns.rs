@@ -88,6 +88,8 @@ const ROWS: &[Column<Row>] = &[
         "Control cycles that ended late; null in lockstep",
     )
     .less(),
+    word("", "requirements", "Margins of the requirements")
+        .of(|row| json!(report::verdicts::words(&row.requirements))),
 ];
 
 /// The rest of a row, which programs see.
@@ -95,6 +97,7 @@ const NESTED: &[Column<Row>] = &[
     word("mode", "", "Clock of the run"),
     nested("control", Kind::Object, "Figures of the drive, as in summary.json"),
     nested("timing", Kind::Object, "Latencies and deadlines, as in summary.json"),
+    nested("requirements", Kind::List, "Verdicts on the requirements, as in summary.json"),
     nested("law", Kind::Object, "Cycles by who commanded, as in summary.json"),
     nested("aebs", Kind::Object, "Interventions of the emergency brake, as in summary.json"),
 ];

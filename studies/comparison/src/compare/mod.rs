@@ -32,8 +32,8 @@ use std::path::Path;
 use std::process::ExitCode;
 
 /// Options that a merge takes from the parts.
-const WITHOUT_MERGE: [&str; 7] =
-    ["scenarios", "controllers", "laws", "seeds", "mode", "set", "jobs"];
+const WITHOUT_MERGE: [&str; 8] =
+    ["scenarios", "controllers", "laws", "seeds", "mode", "set", "require", "jobs"];
 
 /// Arguments of `compare`.
 #[derive(Debug, Args)]
@@ -57,6 +57,9 @@ pub struct CompareArguments {
     /// Change any key of every scenario, by its dotted path (repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
+    /// Judge every drive by a requirement as well: a formula or a name (repeatable; docs/requirements.md)
+    #[arg(long = "require", value_name = "FORMULA")]
+    pub require: Vec<String>,
     /// Runs at once [default: one per core; 1 in realtime]
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
@@ -204,6 +207,7 @@ impl Study for Laws {
                     controller: Some(law.clone()),
                     set: arguments.set.clone(),
                     laws: arguments.laws.clone(),
+                    require: arguments.require.clone(),
                     ..ScenarioOptions::default()
                 };
                 if arguments.seeds.is_some() {

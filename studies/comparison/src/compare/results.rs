@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use frame::batch::ProcessesSample;
+use group::RequirementVerdict;
 use group::report::Outcome;
 use report::results::Document;
 use report::summary::{Aebs, Control, LawAccount, Summary, Timing, braked};
@@ -43,6 +44,8 @@ pub struct Row {
     pub aebs: Braking,
     #[serde(default)]
     pub law: Option<LawAccount>,
+    #[serde(default)]
+    pub requirements: Vec<RequirementVerdict>,
 }
 
 impl Row {
@@ -58,6 +61,7 @@ impl Row {
             timing: summary.timing,
             aebs: Braking::of(&summary.aebs),
             law: summary.law,
+            requirements: summary.requirements,
         }
     }
 }
@@ -206,6 +210,7 @@ pub mod tests {
             timing: Timing::default(),
             aebs: Braking { interventions: Some(2), ..Braking::default() },
             law: None,
+            requirements: Vec::new(),
         }
     }
 

@@ -3,8 +3,8 @@
 use crate::figure::{self, ALL, COUNT, Folded, Values};
 use frame::batch::ProcessesSample;
 use frame::param::Param;
-use group::Error;
 use group::report::Outcome;
+use group::{Error, RequirementVerdict};
 use report::print;
 use report::results::{
     Column, Format, Kind, Schema, Table, count, judged, nested, number, outcome, word,
@@ -72,6 +72,9 @@ pub struct Run {
     pub outcome: Outcome,
     /// Why the outcome is `aborted`.
     aborted_because: Option<String>,
+    /// Verdicts on the requirements.
+    #[serde(default)]
+    requirements: Vec<RequirementVerdict>,
     figures: Figures,
 }
 
@@ -125,6 +128,7 @@ pub fn schema() -> Schema {
         count("seed", "", "Seed of the run"),
         outcome("outcome"),
         word("aborted_because", "", "Why the run was aborted"),
+        nested("requirements", Kind::List, "Verdicts on the requirements, as in summary.json"),
     ];
     frame::schema("sweep", "Figures as functions of keys")
         .fields(&fields)
@@ -149,14 +153,25 @@ impl Run {
     pub fn new(keys: &[String], seed: u64, result: Result<Summary, Error>) -> Self {
         let values = keys.iter().filter_map(|key| key.split_once('='));
         let values = values.filter(|(key, _)| *key != "seed").map(|(_, value)| value.to_owned());
-        let (outcome, aborted_because, figures) = match result {
-            Ok(summary) => {
-                let figures = Figures(figure::values(&summary));
-                (summary.outcome, summary.aborted_because, figures)
-            }
-            Err(error) => (Outcome::Aborted, Some(error.to_string()), Figures::default()),
-        };
-        Self { values: values.collect(), seed, outcome, aborted_because, figures }
+        let values = values.collect();
+        match result {
+            Ok(summary) => Self {
+                values,
+                seed,
+                figures: Figures(figure::values(&summary)),
+                outcome: summary.outcome,
+                aborted_because: summary.aborted_because,
+                requirements: summary.requirements,
+            },
+            Err(error) => Self {
+                values,
+                seed,
+                figures: Figures::default(),
+                outcome: Outcome::Aborted,
+                aborted_because: Some(error.to_string()),
+                requirements: Vec::new(),
+            },
+        }
     }
 }
 
@@ -281,7 +296,8 @@ mod tests {
         figures.0[0] = Some(2.0);
         figures.0[4] = gap_m;
         let aborted_because = (outcome == Outcome::Aborted).then(|| "the law ended".to_owned());
-        Run { values: vec![value.into()], seed, outcome, aborted_because, figures }
+        let requirements = Vec::new();
+        Run { values: vec![value.into()], seed, outcome, aborted_because, requirements, figures }
     }
 
     fn sweep() -> (Sweep, Vec<Param>) {

@@ -2,7 +2,7 @@
 
 use super::judged::Judged;
 use super::pictures;
-use super::results::{Figures, LawResult, Results};
+use super::results::{Figures, LawResult, MatrixResult, Results};
 use report::results::{
     Column, Document, Format, Kind, Schema, Table, column, count, fact, nested, number, word,
 };
@@ -48,6 +48,7 @@ const LAWS: &[Column<()>] = &[
     count("from_its_gap.collisions", "", "Its collisions"),
     count("from_its_gap.mastered", "", "Cases that it ends without one"),
     count("from_its_gap.avoidable", "", "Collisions of the law in these cases"),
+    count("requirements_broken", "", "Cases with a broken requirement; null without one"),
     number("mean_impact_mps", "", "m/s", 2, "Mean speed difference at the contact"),
     number("model_impact_mps", "", "m/s", 2, "The model's over the same cases"),
 ];
@@ -65,6 +66,7 @@ struct Line {
     from_its_gap: Option<u32>,
     avoidable_from: Option<u32>,
     avoidable_from_percent: Option<f64>,
+    requirements_broken: Option<u32>,
     impact_mps: Option<f64>,
     model_impact_mps: Option<f64>,
     verdict: Option<&'static str>,
@@ -83,6 +85,7 @@ const LINES: &[Column<Line>] = &[
         .weight(2),
     count("avoidable_from", "avoidable from it", "Collisions in cases that it masters").weight(1),
     number("avoidable_from_percent", "avoidable from it", "%", 2, "Their share of those cases"),
+    count("requirements_broken", "requirements broken", "Cases with a broken requirement"),
     number("impact_mps", "impact", "m/s", 1, "Mean speed difference at the contact").weight(3),
     number("model_impact_mps", "model's impact", "m/s", 1, "The model's over the same cases")
         .weight(4),
@@ -166,6 +169,7 @@ fn add(lines: &mut Vec<Line>, name: &str, figures: &Figures) {
             from_its_gap: from.map(|model| model.collisions),
             avoidable_from: from.map(|model| model.avoidable),
             avoidable_from_percent: from.and_then(|model| percent(model.avoidable, model.mastered)),
+            requirements_broken: law.requirements_broken,
             impact_mps: law.mean_impact_mps,
             model_impact_mps: law.model_impact_mps,
             verdict: (!figures.limits.is_empty()).then_some(verdict),
@@ -187,6 +191,7 @@ impl Line {
             from_its_gap: None,
             avoidable_from: None,
             avoidable_from_percent: None,
+            requirements_broken: None,
             impact_mps: None,
             model_impact_mps: None,
             verdict: None,
@@ -210,10 +215,15 @@ fn verdict(results: &Results) -> String {
         (all.len() - beyond.len(), all.len())
     };
     let ((with, braked), (alone, all)) = (of(true), of(false));
+    let broken: u32 = results.matrices.iter().map(MatrixResult::requirements_broken).sum();
+    let broken = match broken {
+        0 => String::new(),
+        _ => format!("; requirements BROKEN in {broken} drives"),
+    };
     match all {
         0 => "the models alone".to_owned(),
         _ => format!(
-            "with the emergency brake {with} of {braked} laws are within the criteria, alone {alone} of {all}"
+            "with the emergency brake {with} of {braked} laws are within the criteria, alone {alone} of {all}{broken}"
         ),
     }
 }
@@ -256,7 +266,7 @@ mod tests {
         for (aebs, verdict) in [(false, hit), (true, Verdict::NONE)] {
             let driver = Driver { law: "acc-mpc".into(), aebs };
             let verdicts = vec![verdict; judged.cases.len()];
-            judged.laws.push(Driven { driver, verdicts, from_its_gap: None });
+            judged.laws.push(Driven { driver, verdicts, from_its_gap: None, broken: None });
         }
         let matrices = vec![judged.result()];
         let ok = matrices.iter().all(super::super::results::MatrixResult::holds);

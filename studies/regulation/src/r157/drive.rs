@@ -29,6 +29,8 @@ pub struct Conditions {
     pub seed: u64,
     /// Laws of the user's own.
     pub laws: LawOptions,
+    /// Requirements that every drive is judged by.
+    pub formulas: Vec<String>,
 }
 
 /// The ego behind a lead that keeps its speed.
@@ -69,7 +71,7 @@ pub(super) fn parse(
 ) -> Result<Scenario, Error> {
     let Scene { scripted_s, duration_s, actors } = scene;
     let Driver { law, aebs } = driver;
-    let Conditions { seed, laws: own } = conditions;
+    let Conditions { seed, laws: own, formulas } = conditions;
     let text = format!(
         "schema_version = 1\nname = \"r157\"\nduration_s = {duration_s}\nseed = {seed}\n\
          set_speed_mps = {speed_mps}\n\
@@ -82,7 +84,10 @@ pub(super) fn parse(
     );
     let mut overrides = Overrides::new();
     own.lay_over(&mut overrides)?;
-    Ok(Scenario::parse_with("a case of UN R157", &text, &overrides, &laws::check)?)
+    let mut scenario = Scenario::parse_with("a case of UN R157", &text, &overrides, &laws::check)?;
+    scenario.require.formulas.clone_from(formulas);
+    group::requirements(&scenario)?;
+    Ok(scenario)
 }
 
 /// A vehicle `gap_m` ahead of the ego, with these keys, as TOML.

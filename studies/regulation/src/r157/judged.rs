@@ -29,6 +29,8 @@ pub struct Driven {
     pub verdicts: Vec<Verdict>,
     /// Verdicts of `careful-driver` from the law's gap; `None` without cut-outs.
     pub from_its_gap: Option<Vec<Verdict>>,
+    /// Whether it broke a requirement, case by case; `None` without requirements.
+    pub broken: Option<Vec<bool>>,
 }
 
 impl Judged {
@@ -74,7 +76,7 @@ impl Judged {
     }
 
     fn law(&self, driven: &Driven, chosen: &[usize]) -> LawResult {
-        let Driven { driver, verdicts, from_its_gap } = driven;
+        let Driven { driver, verdicts, from_its_gap, broken } = driven;
         let collided: Vec<usize> = (chosen.iter().copied())
             .filter(|&index| verdicts[index].outcome.is_collision())
             .collect();
@@ -112,6 +114,10 @@ impl Judged {
                 let cases = u32::try_from(chosen.len()).expect("a matrix has few cases");
                 FromItsGap { collisions: cases - mastered, mastered, avoidable: count(&masters) }
             }),
+            requirements_broken: broken.as_ref().map(|broken| {
+                let broken = chosen.iter().filter(|&&index| broken[index]).count();
+                u32::try_from(broken).expect("a matrix has few cases")
+            }),
             mean_impact_mps: mean(collided.iter().map(|&index| verdicts[index].impact_speed_mps)),
             model_impact_mps: mean(
                 (collided.iter())
@@ -139,7 +145,7 @@ mod tests {
             judged.models.iter().map(|models| if hit(models) { HIT } else { Verdict::NONE });
         let driver = Driver { law: "acc-mpc".into(), aebs: true };
         let verdicts = verdicts.collect();
-        judged.laws = vec![Driven { driver, verdicts, from_its_gap: None }];
+        judged.laws = vec![Driven { driver, verdicts, from_its_gap: None, broken: None }];
         judged.result()
     }
 
@@ -181,7 +187,7 @@ mod tests {
         let verdicts = all.clone().map(|index| if is_hit(index) { HIT } else { Verdict::NONE });
         let verdicts = verdicts.collect();
         let from_its_gap = from.map(|verdict| all.map(|_| verdict).collect());
-        judged.laws = vec![Driven { driver, verdicts, from_its_gap }];
+        judged.laws = vec![Driven { driver, verdicts, from_its_gap, broken: None }];
         judged
     }
 

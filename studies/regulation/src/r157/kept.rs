@@ -14,6 +14,9 @@ pub struct End {
     outcome: u8,
     /// Speed difference at the contact, m/s.
     impact_mps: f64,
+    /// A requirement is broken.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    is_broken: bool,
 }
 
 /// End of a case with a law.
@@ -53,7 +56,16 @@ impl End {
     /// The end of a drive.
     pub fn of(done: &Done) -> Self {
         let verdict = judge::verdict(&done.drive);
-        Self { outcome: verdict.outcome.digit(), impact_mps: verdict.impact_speed_mps }
+        Self {
+            outcome: verdict.outcome.digit(),
+            impact_mps: verdict.impact_speed_mps,
+            is_broken: done.summary.requirements.iter().any(|verdict| !verdict.met),
+        }
+    }
+
+    /// True if a requirement is broken.
+    pub fn is_broken(self) -> bool {
+        self.is_broken
     }
 
     /// The end as a verdict.

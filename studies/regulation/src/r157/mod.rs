@@ -40,7 +40,7 @@ use results::{MatrixResult, Results};
 use scenario::Scenario;
 
 /// Options that a merge takes from the parts.
-const WITHOUT_MERGE: [&str; 5] = ["matrix", "controllers", "laws", "sample", "seed"];
+const WITHOUT_MERGE: [&str; 6] = ["matrix", "controllers", "laws", "sample", "seed", "require"];
 
 /// Arguments of `r157`.
 #[derive(Debug, Args)]
@@ -58,7 +58,7 @@ pub struct R157Arguments {
     /// Drive the regulation's models alone, no controller and no process
     #[arg(
         long,
-        conflicts_with_all = ["laws", "processes", "programs", "ready_timeout", "shard", "resume", "merge"]
+        conflicts_with_all = ["laws", "require", "processes", "programs", "ready_timeout", "shard", "resume", "merge"]
     )]
     pub models_only: bool,
     /// Draw this many cases of each matrix [default: all]
@@ -67,6 +67,9 @@ pub struct R157Arguments {
     /// Seed of the drawn cases and of the sensors' noise [default: 1]
     #[arg(long, value_name = "S")]
     pub seed: Option<u32>,
+    /// Judge every drive by a requirement as well: a formula or a name (repeatable; docs/requirements.md)
+    #[arg(long = "require", value_name = "FORMULA")]
+    pub require: Vec<String>,
     /// Write the models' outcomes of the cut-ins as a table
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
@@ -155,7 +158,7 @@ impl Study for Plan {
         }
         let judged = self.judged(&kept)?.expect("the frame judges whole studies alone");
         let matrices: Vec<MatrixResult> = judged.iter().map(Judged::result).collect();
-        let ok = matrices.iter().all(MatrixResult::holds);
+        let ok = matrices.iter().all(|matrix| matrix.holds() && matrix.requirements_broken() == 0);
         let results = Results { schema_version: 1, ok, matrices, processes_sample: found.sample };
         Ok(columns::document(&results, &judged))
     }

@@ -71,6 +71,7 @@ impl Plan {
         let settled = Settled::under(Conditions {
             seed: seed(arguments).into(),
             laws: arguments.laws.clone(),
+            formulas: arguments.require.clone(),
         });
         let names = names(arguments)?;
         let laws = laws_of(&names, &settled)?;
@@ -180,11 +181,13 @@ impl Plan {
                 let place = found.expect("every driver's law is one of the plan's");
                 let begin = first + place * cases.len();
                 let of_laws = kept[begin..begin + cases.len()].iter();
-                let verdicts = of_laws.map(|kept| kept.as_ref()?.end(driver.aebs));
-                let verdicts = verdicts.map(|end| end.map(End::verdict));
-                let Some(verdicts) = verdicts.collect() else { return Ok(None) };
+                let ends = of_laws.map(|kept| kept.as_ref()?.end(driver.aebs));
+                let Some(ends) = ends.collect::<Option<Vec<End>>>() else { return Ok(None) };
+                let verdicts = ends.iter().map(|end| end.verdict()).collect();
+                let is_judged = !self.settled.conditions().formulas.is_empty();
+                let broken = is_judged.then(|| ends.iter().map(|end| end.is_broken()).collect());
                 let from_its_gap = self.yardstick(&self.laws[place], cases)?;
-                judged.laws.push(Driven { driver: driver.clone(), verdicts, from_its_gap });
+                judged.laws.push(Driven { driver: driver.clone(), verdicts, from_its_gap, broken });
             }
             first += cases.len() * self.laws.len();
             all.push(judged);
@@ -372,7 +375,7 @@ mod tests {
             let expected: Vec<_> =
                 laws.iter().flat_map(|&law| [(law, false), (law, true)]).collect();
             assert_eq!(drivers, expected);
-            for Driven { driver, verdicts, from_its_gap } in &judged.laws {
+            for Driven { driver, verdicts, from_its_gap, .. } in &judged.laws {
                 assert_eq!(from_its_gap.is_some(), judged.matrix == Matrix::CutOut);
                 for (case, verdict) in judged.cases.iter().zip(verdicts) {
                     let scenario = scene::scenario(case, driver, &plan.settled).expect("a law");

@@ -66,6 +66,8 @@ pub struct LawResult {
     pub avoidable: Avoidable,
     /// Figures of `careful-driver` from the law's gap; null without cut-outs.
     pub from_its_gap: Option<FromItsGap>,
+    /// Cases in which it broke a requirement of the command; null without one.
+    pub requirements_broken: Option<u32>,
     /// Mean speed difference at the contact over the collisions, m/s; null without one.
     pub mean_impact_mps: Option<f64>,
     /// The same figure of `regulation`, else of `careful-driver`, over the same cases.
@@ -119,6 +121,11 @@ impl MatrixResult {
     pub fn holds(&self) -> bool {
         let mut all = self.parts.values().chain([&self.all]);
         all.all(|figures| figures.laws.iter().all(|law| figures.holds(law)))
+    }
+
+    /// Cases with a requirement of the command that a law broke, over all laws.
+    pub fn requirements_broken(&self) -> u32 {
+        self.all.laws.iter().filter_map(|law| law.requirements_broken).sum()
     }
 }
 
