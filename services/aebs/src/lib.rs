@@ -35,4 +35,4 @@ mod service;
 pub mod sight;
 mod sighting;
 
-pub use service::{last_known, objects, run, settings, sight};
+pub use service::{last_known, objects, own_way, run, settings, sight};

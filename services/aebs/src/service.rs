@@ -1,12 +1,14 @@
 //! The emergency brake's loop: released by the radar's detections, or by its timer when they are late.
 
+use crate::circle::{Body, OwnWay};
 use crate::decision::{Decision, Demand, Path, Settings};
 use crate::objects::Objects;
 use crate::prediction::{Authority, Ego};
 use crate::report::AebsReport;
 use crate::sight::Sight;
 use messages::{
-    Brake, BrakeState, Header, Odometry, Origins, RadarDetections, Service, ServiceState,
+    Brake, BrakeState, Header, LateralMotion, Odometry, Origins, RadarDetections, Service,
+    ServiceState,
 };
 use runtime::statistics::Latencies;
 use runtime::{
@@ -14,6 +16,7 @@ use runtime::{
     monotonic_ns,
 };
 use scenario::Scenario;
+use scenario::lateral::LateralModel;
 
 /// Half of the ego's width, m.
 const HALF_WIDTH_M: f64 = 0.95;
@@ -92,8 +95,47 @@ pub fn sight(scenario: &Scenario) -> Sight {
     Sight::new(half_rad, radar.detections.standing_objects_per_km.value() >= POSTS_PER_KM)
 }
 
+/// The ego's own way on a scenario's road, before its first yaw rate; `None` where the road goes straight on.
+#[must_use]
+pub fn own_way(scenario: &Scenario) -> Option<OwnWay> {
+    let is_curved =
+        scenario.road.plan().is_some() && !scenario.perception.course.sources.is_empty();
+    let keys = &scenario.plant.lateral;
+    let body = match keys.model {
+        LateralModel::SingleTrack => Body {
+            // The axles stand in the middle of the body.
+            bumper_m: 0.5 * (keys.wheelbase_m.value() + scenario.plant.length_m.value()),
+            slip_rad_per_mps2: keys.slip_rad_per_mps2.value(),
+        },
+        LateralModel::OnAxis => Body::default(),
+    };
+    is_curved.then(|| OwnWay::new(body))
+}
+
+/// The own way with the topic that it is made of.
+struct Steering {
+    lateral: Subscriber<LateralMotion>,
+    way: OwnWay,
+}
+
+impl Steering {
+    fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Option<Self>, RuntimeError> {
+        let Some(way) = own_way(scenario) else { return Ok(None) };
+        Ok(Some(Self { lateral: runtime.subscriber()?, way }))
+    }
+
+    /// Takes the newest yaw rate of an ego of `speed_mps`.
+    fn take(&mut self, speed_mps: f64) {
+        if let Some(sample) = self.lateral.newest() {
+            self.way.take(sample.header.acquisition_ns, sample.yaw_rate_radps, speed_mps);
+        }
+    }
+}
+
 struct Aebs {
     odometry: Subscriber<Odometry>,
+    /// On a road with a plan.
+    steering: Option<Steering>,
     detections: Subscriber<RadarDetections>,
     brake: Publisher<Brake>,
     objects: Objects,
@@ -113,6 +155,7 @@ impl Aebs {
         let latency_ns = i64::from(scenario.perception.radar.latency_ms.value()) * 1_000_000;
         Ok(Self {
             odometry: runtime.subscriber()?,
+            steering: Steering::open(runtime, scenario)?,
             detections: runtime.releasing_subscriber()?,
             brake: runtime.publisher()?,
             objects: objects(scenario),
@@ -134,6 +177,9 @@ impl Aebs {
         // The detections come last of all that a step makes wait for.
         runtime.update(&mut self.detections)?;
         runtime.update(&mut self.odometry)?;
+        if let Some(steering) = &mut self.steering {
+            runtime.update(&mut steering.lateral)?;
+        }
         let begun = monotonic_ns();
         let demand = self.demand(&release);
         self.decide.record_ns(monotonic_ns() - begun);
@@ -169,7 +215,11 @@ impl Aebs {
             .unwrap_or(Ego { speed_mps: scan.ego_speed_mps, acceleration_mps2: 0.0 });
         let speed_mps = ego.speed_mps;
         self.sight.take_scan(scanned_ns, scan.detections());
-        self.objects.take_scan(scanned_ns, scan.ego_speed_mps, scan.detections());
+        if let Some(steering) = &mut self.steering {
+            steering.take(scan.ego_speed_mps);
+        }
+        let way = self.steering.as_ref().map(|steering| &steering.way);
+        self.objects.take_scan_along(way, scanned_ns, scan.ego_speed_mps, scan.detections());
         let mean_mps = 0.5 * (scan.ego_speed_mps + speed_mps);
         let threats = self.objects.threats(self.decision.path());
         let now = threats.map(|object| object.moved_on(age_s, mean_mps));

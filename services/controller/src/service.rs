@@ -1,9 +1,11 @@
 //! The control loop: sample, decide, publish.
 
 mod account;
+mod curves;
 mod publication;
 
 use self::account::Account;
+use self::curves::CurveTopics;
 use crate::ladder::{Admission, Ages, Ladder};
 use crate::law::{
     Descriptor, Formulation, Input, Law, MAX_FIGURES, MAX_PLAN, Output, TargetSource,
@@ -124,6 +126,8 @@ struct Loop {
     map: Subscriber<Map>,
     /// What a truck alone has.
     truck: Option<TruckTopics>,
+    /// What a road with a plan alone has.
+    curves: Option<CurveTopics>,
     command: Publisher<Command>,
     diagnostics: Publisher<Diagnostics>,
     output: Output,
@@ -184,6 +188,7 @@ impl Loop {
             } else {
                 None
             },
+            curves: CurveTopics::open(runtime, scenario)?,
             command: runtime.publisher()?,
             diagnostics: runtime.publisher()?,
             output,
@@ -214,6 +219,9 @@ impl Loop {
             runtime.update(&mut truck.powertrain)?;
             runtime.update(&mut truck.preview)?;
         }
+        if let Some(curves) = &mut self.curves {
+            curves.update(runtime)?;
+        }
 
         let origins = Origins {
             odometry: self.odometry.origin(),
@@ -221,7 +229,10 @@ impl Loop {
             spat: self.spat.origin(),
             map: self.map.origin(),
             powertrain: self.truck.as_ref().map_or(Origin::NONE, |truck| truck.powertrain.origin()),
-            preview: self.truck.as_ref().map_or(Origin::NONE, |truck| truck.preview.origin()),
+            preview: self.truck.as_ref().map_or_else(
+                || self.curves.as_ref().map_or(Origin::NONE, CurveTopics::map_origin),
+                |truck| truck.preview.origin(),
+            ),
         };
         let header = Header::new(release.step, release.scheduled_ns, origins);
         let commanded_mps2 = self.output.request_mps2();
@@ -266,6 +277,9 @@ impl Loop {
         };
         let trust = self.ladder.look(&ages, release.time_s);
         let mut input = input(&self.setting, &samples, trust, release.time_s);
+        if let Some(curves) = &mut self.curves {
+            curves.cap(&mut input, commanded_mps2);
+        }
         let admission = self.ladder.admit(&mut input, radar);
         match admission {
             Admission::Law => {
@@ -279,6 +293,9 @@ impl Loop {
                 let begun = monotonic_ns();
                 self.step(runtime, &release, &input)?;
                 self.ladder.restrain(&mut self.output);
+                if let Some(curves) = &self.curves {
+                    curves.restrain(&mut self.output);
+                }
                 self.solve.record_ns(monotonic_ns() - begun);
             }
             Admission::Brake => {

@@ -5,8 +5,8 @@ use crate::Recording;
 use crate::link::{orders, say};
 use crate::takes::{INPUTS, Take, inputs};
 use messages::{
-    Course, Curves, Diagnostics, Map, Odometry, Origin, Powertrain, Preview, RadarTracks, Spat,
-    Topic,
+    Course, Curves, Diagnostics, LateralMotion, Map, Odometry, Origin, Powertrain, Preview,
+    RadarTracks, Spat, Topic,
 };
 use runtime::{Group, Played, Player, RuntimeError, Tap, Tapped, log_warnings};
 use serde::{Deserialize, Serialize};
@@ -135,6 +135,7 @@ struct Ports {
     preview: Played<Preview>,
     course: Played<Course>,
     curves: Played<Curves>,
+    lateral: Played<LateralMotion>,
     // Ports before the node that owns them.
     _player: Player,
 }
@@ -150,6 +151,7 @@ impl Ports {
             preview: player.on()?,
             course: player.on()?,
             curves: player.on()?,
+            lateral: player.on()?,
             _player: player,
         })
     }
@@ -164,6 +166,7 @@ impl Ports {
             Topic::Preview => self.preview.send(message),
             Topic::Course => self.course.send(message),
             Topic::Curves => self.curves.send(message),
+            Topic::LateralMotion => self.lateral.send(message),
             _ => unreachable!("`INPUTS` has no other"),
         }
     }

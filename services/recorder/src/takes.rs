@@ -39,7 +39,7 @@ pub struct Cycle {
 }
 
 /// The controller's inputs, in the order in which it takes them.
-pub const INPUTS: [Topic; 8] = [
+pub const INPUTS: [Topic; 9] = [
     Topic::RadarTracks,
     Topic::Odometry,
     Topic::Spat,
@@ -48,13 +48,26 @@ pub const INPUTS: [Topic; 8] = [
     Topic::Preview,
     Topic::Course,
     Topic::Curves,
+    Topic::LateralMotion,
 ];
 
 /// The samples that a message was computed from, by the topics of [`INPUTS`].
 #[must_use]
 pub fn inputs(origins: &Origins) -> [Origin; INPUTS.len()] {
     let o = origins;
-    [o.radar, o.odometry, o.spat, o.map, o.powertrain, o.preview, o.radar, o.preview]
+    [o.radar, o.odometry, o.spat, o.map, o.powertrain, o.preview, o.radar, o.preview, o.odometry]
+}
+
+/// True if the sample at `index` of [`INPUTS`] was used and is not there.
+fn is_missing(index: usize, origin: Origin, samples: &[Option<Arc<[u8]>>; INPUTS.len()]) -> bool {
+    // One that rides exists on a road with a plan alone. Where nothing but it is sent, as the map of curves for a car,
+    // it has the place of what it rides with.
+    let rides_here = |other: usize| INPUTS[other].rides_with() == Some(INPUTS[index]);
+    let stands_for = (0..INPUTS.len()).any(|other| rides_here(other) && samples[other].is_some());
+    origin.is_some()
+        && samples[index].is_none()
+        && INPUTS[index].rides_with().is_none()
+        && !(INPUTS[index] == Topic::Preview && stands_for)
 }
 
 impl Cycle {
@@ -80,11 +93,10 @@ impl Cycle {
             return Some(format!("the command of its cycle {number} was not recorded"));
         }
         let origins = inputs(&cycle.header.origins);
-        let mut used = INPUTS.into_iter().zip(origins).zip(&self.samples);
-        let ((topic, origin), _) = used.find(|((topic, origin), sample)| {
-            // One that rides exists on a road with a plan alone.
-            origin.is_some() && sample.is_none() && topic.rides_with().is_none()
-        })?;
+        let (topic, origin) =
+            INPUTS.into_iter().zip(origins).enumerate().find_map(|(index, (topic, origin))| {
+                is_missing(index, origin, &self.samples).then_some((topic, origin))
+            })?;
         let (sample, topic) = (origin.sequence, topic.name());
         Some(format!(
             "message {sample} of `{topic}`, which its cycle {number} used, was not recorded"
@@ -131,6 +143,7 @@ const RECORDED: [Topic; INPUTS.len() + 2] = [
     INPUTS[5],
     INPUTS[6],
     INPUTS[7],
+    INPUTS[8],
     Topic::Command,
     Topic::Diagnostics,
 ];
@@ -180,10 +193,10 @@ impl Cycles {
         let mut samples = [const { None }; INPUTS.len()];
         let windows = self.samples.iter_mut().zip(INPUTS);
         for (((window, topic), origin), sample) in windows.zip(origins).zip(&mut samples) {
-            let rides = topic.rides_with().is_some();
-            *sample = window.find(origin, rides);
-            is_whole &= sample.is_some() || rides || !origin.is_some();
+            *sample = window.find(origin, topic.rides_with().is_some());
         }
+        let mut all = origins.into_iter().enumerate();
+        is_whole &= !all.any(|(index, origin)| is_missing(index, origin, &samples));
         Some((Cycle { diagnostics, command, samples }, is_whole))
     }
 }

@@ -4,6 +4,7 @@
 //! programs ─┬─ structs ──────────────────────────────► v2x/spat, v2x/map      (radio = "direct")
 //!           ├─ frames ─► air: loss, delay, bit flips ─► radio/frames           (radio = "frames")
 //!           └─ all signals, without a range ──────────► truth/signals
+//! plan of the road ─────► map of curves ───────────► v2x/curves
 //! frames of another host or a capture ─► link ────────► radio/frames           (radio = "udp://…")
 //! ```
 //!
@@ -23,6 +24,7 @@
 //! ```
 
 pub mod air;
+pub mod curve_map;
 pub mod frames;
 mod link;
 pub mod numbers;

@@ -26,7 +26,9 @@ parameters! {
         lane_width_m: f64 = 3.5, "m", 2.5..=5.0, "Chosen: the lane of the simulated road.";
         /// Length of the green that a contradicting unit announces.
         false_green_s: f64 = 30.0, "s", 1.0..=120.0, "Chosen: longer than the way of a car through the range of a unit.";
-        /// Length of a cell of the map of the road ahead.
+        /// Length of a cell of the map of curves.
+        curve_cell_m: f64 = 25.0, "m", 5.0..=100.0, "Chosen: the 80 cells of a message cover 2 km; a cell is as long as the shortest clothoids of public roads.";
+        /// Length of a cell of the map of grades.
         cell_m: f64 = 50.0, "m", 10.0..=200.0, "Chosen: the 48 cells of a message cover 2.4 km, more than a plan of 2 km.";
     }
 }

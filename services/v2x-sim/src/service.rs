@@ -1,6 +1,7 @@
 //! The roadside unit's loop: present and coming phases, by radio and as ground truth.
 
 use crate::air::Air;
+use crate::curve_map::{self, CurveMap};
 use crate::frames::Frames;
 use crate::link::Link;
 use crate::report::LinkReport;
@@ -8,8 +9,8 @@ use crate::road_map::{CELL_M, RoadMap};
 use crate::roadside_unit::{Event, Lane, Movement, RoadsideUnit, Signals};
 use its::EncodeError;
 use messages::{
-    self, EgoTruth, Header, Interval, Map, Origins, PhaseState, Preview, RadioFrames, ServiceState,
-    Signal, SignalTruth, Spat,
+    self, Curves, EgoTruth, Header, Interval, Map, Origins, PhaseState, Preview, RadioFrames,
+    ServiceState, Signal, SignalTruth, Spat,
 };
 use runtime::{Cycle, Overrun, Publisher, Runtime, RuntimeError};
 use scenario::v2x::Phase;
@@ -26,6 +27,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let mut voice = Voice::open(&mut runtime, &scenario)?;
     let mut truth = runtime.publisher::<SignalTruth>()?;
     let mut preview = Previews::open(&mut runtime, &scenario)?;
+    let mut bends = Bends::open(&mut runtime, &scenario)?;
     runtime.begin(&scenario)?;
     voice.begin(&runtime);
     runtime.run_cycles(|runtime| {
@@ -45,6 +47,9 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
         voice.send(runtime, header, &unit, ego_m)?;
         if let Some(preview) = &mut preview {
             preview.send(header, ego_m)?;
+        }
+        if let Some(bends) = &mut bends {
+            bends.send(header, ego_m)?;
         }
 
         let seen = ego.newest().is_some();
@@ -207,6 +212,31 @@ impl Previews {
             message.first_cell_m = ahead.first_cell_m;
             message.cell_m = CELL_M;
             message.speed_limit_mps = speed_limit_mps;
+        })?;
+        Ok(())
+    }
+}
+
+/// The map of the road's curves, on a road with a plan.
+struct Bends {
+    map: CurveMap,
+    publisher: Publisher<Curves>,
+}
+
+impl Bends {
+    fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Option<Self>, RuntimeError> {
+        let Some(map) = CurveMap::new(scenario) else { return Ok(None) };
+        Ok(Some(Self { map, publisher: runtime.publisher()? }))
+    }
+
+    fn send(&mut self, header: Header, ego_m: f64) -> Result<(), RuntimeError> {
+        let map = &self.map;
+        self.publisher.send_with(|message: &mut Curves| {
+            message.header = header;
+            let ahead = map.ahead(ego_m, &mut message.curvatures);
+            message.count = ahead.count as u64;
+            message.first_cell_m = ahead.first_cell_m;
+            message.cell_m = curve_map::CELL_M;
         })?;
         Ok(())
     }

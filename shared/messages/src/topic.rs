@@ -156,7 +156,7 @@ topics! { $
     9 SignalTruth "truth/signals" Truth, [V2xSim] to [Plant] shows V2xSim;
     10 Heartbeat "health/heartbeat" Report, [] to [];
     /// Sent on a road with a plan, as all below.
-    16 LateralMotion "vehicle/lateral" Function, [Plant] to [PerceptionSim, Aebs];
+    16 LateralMotion "vehicle/lateral" Function, [Plant] to [PerceptionSim, Controller, Aebs];
     17 EgoPose "truth/pose" Truth, [Plant] to [PerceptionSim, V2xSim];
     18 VehiclePoses "truth/poses" Truth, [PerceptionSim] to [Plant];
     19 Course "radar/course" Function, [PerceptionSim] to [Controller];
@@ -226,6 +226,7 @@ impl Topic {
     #[must_use]
     pub const fn rides_with(self) -> Option<Self> {
         match self {
+            Self::LateralMotion => Some(Self::Odometry),
             Self::Course => Some(Self::RadarTracks),
             Self::Curves => Some(Self::Preview),
             _ => None,

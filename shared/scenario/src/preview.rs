@@ -1,20 +1,20 @@
-//! `[v2x.preview]`: the map of the road ahead, and what is wrong with it.
+//! `[v2x.preview]`: the maps of the road ahead, of grades and of curves, and what is wrong with them.
 
 use serde::{Deserialize, Serialize};
 
 use super::quantity::{Distance, MapShift, Percent};
 use super::schema::Schema;
 
-/// Faults of the map. Without any it is exact.
+/// Faults of the maps. Without any they are exact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Preview {
-    /// By how much everything on the map is too far ahead, m.
+    /// By how much everything on the maps is too far ahead, m.
     pub shift_m: MapShift,
-    /// Standard deviation of an error of each cell's grade, percentage points; the seed of the run
-    /// makes it.
+    /// Standard deviation of an error of each cell, made from the run's seed: of a grade in percentage points, of a
+    /// curvature in percent of it.
     pub noise_percent: Percent,
-    /// End of the map, m; absent: it has no end.
+    /// End of the maps, m; absent: they have no end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ends_at_m: Option<Distance>,
 }

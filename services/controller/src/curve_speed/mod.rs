@@ -31,8 +31,10 @@
 //! assert_eq!(comfort.comfortable_mps(0.0), f64::INFINITY);
 //! ```
 
+mod own_way;
 mod road;
 
+pub use own_way::OwnWay;
 pub use road::{Cells, Clothoid, RoadAhead};
 
 use crate::law::{Input, Output};

@@ -100,7 +100,7 @@ impl Schedule {
     pub(crate) fn input(&self, topic: Topic) -> Origin {
         let Some(release) = &self.present else { return Origin::NONE };
         match topic {
-            Topic::Odometry => release.inputs.odometry,
+            Topic::Odometry | Topic::LateralMotion => release.inputs.odometry,
             Topic::RadarTracks | Topic::Course => release.inputs.radar,
             // The on-board unit's place for what the signals come from.
             Topic::Spat | Topic::RadioFrames => release.inputs.spat,

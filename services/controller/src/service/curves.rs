@@ -1,0 +1,72 @@
+//! The topics of a road with a plan, and the speed in its curves.
+
+use crate::curve_speed::{Cells, CurveSpeed, OwnWay, RoadAhead, Settings};
+use crate::law::{Input, Output};
+use messages::{Curves, LateralMotion, MAX_CURVE_CELLS, Origin};
+use runtime::{Runtime, RuntimeError, Subscriber};
+use scenario::Scenario;
+
+/// Topics about the road ahead.
+pub(super) struct CurveTopics {
+    lateral: Subscriber<LateralMotion>,
+    map: Subscriber<Curves>,
+    own: OwnWay,
+    speed: CurveSpeed,
+}
+
+impl CurveTopics {
+    /// Opens the topics; `None` where nothing caps the speed in curves.
+    pub(super) fn open(
+        runtime: &mut Runtime,
+        scenario: &Scenario,
+    ) -> Result<Option<Self>, RuntimeError> {
+        let keys = &scenario.controller.curve_speed;
+        if scenario.road.plan().is_none() || !keys.enabled {
+            return Ok(None);
+        }
+        let settings = Settings {
+            slow_mps2: keys.comfort_mps2.slow.value(),
+            fast_mps2: keys.comfort_mps2.fast.value(),
+            braking_mps2: keys.braking_mps2.value(),
+        };
+        Ok(Some(Self {
+            lateral: runtime.subscriber()?,
+            map: runtime.subscriber()?,
+            own: OwnWay::default(),
+            speed: CurveSpeed::new(settings),
+        }))
+    }
+
+    /// Takes the newest samples.
+    pub(super) fn update(&mut self, runtime: &Runtime) -> Result<(), RuntimeError> {
+        runtime.update(&mut self.lateral)?;
+        runtime.update(&mut self.map)
+    }
+
+    /// Origin of the newest map.
+    pub(super) fn map_origin(&self) -> Origin {
+        self.map.origin()
+    }
+
+    /// Caps the set speed of `input`. `requested_mps2` is what the last command asked for.
+    pub(super) fn cap(&mut self, input: &mut Input, requested_mps2: f64) {
+        let own_perm = self.lateral.newest().and_then(|sample| {
+            self.own.take(sample.yaw_rate_radps, input.ego.speed_mps, input.period_s)
+        });
+        let map = self.map.newest().map(|map| Cells {
+            first_m: map.first_cell_m - input.ego.position_m,
+            cell_m: map.cell_m,
+            curvatures_perm: {
+                let count = usize::try_from(map.count).unwrap_or(MAX_CURVE_CELLS);
+                &map.curvatures[..count.min(MAX_CURVE_CELLS)]
+            },
+        });
+        let road = RoadAhead { own_perm, course: None, map };
+        self.speed.cap(input, &road, requested_mps2);
+    }
+
+    /// Bounds what the law asks for in a curve.
+    pub(super) fn restrain(&self, output: &mut Output) {
+        self.speed.restrain(output);
+    }
+}
