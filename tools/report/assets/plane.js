@@ -35,8 +35,9 @@
     return pieces.join("");
   };
 
-  const findings = (view) => view.findings.map(({ tone, spans }) => spans.map(([from, to]) =>
-    path(line(view.way.x.slice(from, to + 1), view.way.y.slice(from, to + 1)), tone, 13, 'stroke-linecap="round" opacity="0.55"')).join("")).join("");
+  // Each kind is narrower than the one before, so that all show where they have the same span.
+  const findings = (view) => view.findings.map(({ tone, spans }, kind) => spans.map(([from, to]) =>
+    path(line(view.way.x.slice(from, to + 1), view.way.y.slice(from, to + 1)), tone, 18 - 4 * kind, 'stroke-linecap="round" opacity="0.8"')).join("")).join("");
 
   // The whole way, turned so that its ends lie beside each other.
   const whole = (view, width) => {
@@ -91,7 +92,7 @@
     const shades = Array.from({ length: SHADES }, (_, shade) =>
       `<i style="background: var(--q${shade})" title="from ${number(view.low + shade * step, 1)} m/s"></i>`).join("");
     const found = view.findings.map(({ tone, name, spans }) =>
-      key(`<i style="background: var(--${tone}); opacity: 0.55"></i>`, `${name}: ${spans.length}`)).join("");
+      key(`<i style="background: var(--${tone}); opacity: 0.8"></i>`, `${name}: ${spans.length}`)).join("");
     const cars = [["t0", "ego"], ["t1", "in the lane"], ["t5", "beside it"]]
       .map(([tone, name]) => key(`<i style="background: var(--${tone})"></i>`, name)).join("");
     return `<p class="keys"><span>${number(view.low, 1)} ${shades} ${number(view.high, 1)} m/s</span>${found}${cars}</p>`;

@@ -22,7 +22,7 @@ const AROUND_M: (f64, f64) = (60.0, 160.0);
 /// Least range of the speed's colours, m/s.
 const LEAST_RANGE_MPS: f64 = 2.0;
 /// Most findings in the table.
-const MOST_FINDINGS: usize = 20;
+const MOST_FINDINGS: usize = 12;
 
 /// The bird's-eye view of a drive.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -154,18 +154,27 @@ impl PlaneView {
     }
 
     fn findings(&self) -> String {
-        let mut all: Vec<(f64, f64, &str)> = (self.findings.iter())
-            .flat_map(|finding| finding.times_s.iter().map(|(a, b)| (*a, *b, finding.name)))
-            .collect();
+        let spans = self.findings.iter().flat_map(|finding| {
+            finding.times_s.iter().map(|(from_s, to_s)| (*from_s, *to_s, finding.name.to_owned()))
+        });
+        let mut all: Vec<(f64, f64, String)> = spans.collect();
         if all.is_empty() {
             return "<p>The target was the vehicle ahead whenever one was within 100 m.</p>\n"
                 .into();
         }
-        all.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // The kinds keep their order where they have the same span.
+        all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        all.dedup_by(|later, kept| {
+            let same = (later.0, later.1) == (kept.0, kept.1);
+            if same {
+                kept.2 += &format!(", {}", later.2);
+            }
+            same
+        });
         let more = all.len().saturating_sub(MOST_FINDINGS);
         let rows: Vec<_> = (all.iter().take(MOST_FINDINGS))
             .map(|(from_s, to_s, name)| {
-                vec![format!("{from_s:.2}"), format!("{:.2}", to_s - from_s), (*name).to_owned()]
+                vec![format!("{from_s:.2}"), format!("{:.2}", to_s - from_s), name.clone()]
             })
             .collect();
         let head = [

@@ -2,10 +2,10 @@
 
 use group::report::Outcome;
 use report::results::{Column, count, number, word};
-use report::targets::Place;
+use report::targets::{Place, Sums};
 use serde::Serialize;
 
-use super::judge::{Kept, Sums};
+use super::judge::Kept;
 use super::scene::Scene;
 
 /// How much of a drive, and how often.

@@ -10,48 +10,13 @@
 use frame::batch::Done;
 use group::PlaneScene;
 use group::report::Outcome;
-use report::targets::{JudgedScan, Owner, Place, REACH_M, judge, spans};
+use report::targets::{JudgedScan, Owner, Sums, by_place, judge};
 use scenario::Scenario;
 use scenario::perception::Radar;
 use serde::{Deserialize, Serialize};
 
 use super::limits::{BRAKED_MPS2, FROM_SIGHT_MPS2, SEEN_WITHIN_S};
 use super::scene::Scene;
-
-/// Sums of the scans in one part of a curve.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Sums {
-    /// Time, s.
-    pub time_s: f64,
-    /// Way, km.
-    pub km: f64,
-    /// Time with a lead within reach, s.
-    pub lead_s: f64,
-    /// Time of these in which it was lost, s.
-    pub lost_s: f64,
-    /// Number of times that it was lost.
-    pub losses: u64,
-    /// Time with a neighbour as the target, s.
-    pub taken_s: f64,
-    /// Number of times that a neighbour became the target.
-    pub takings: u64,
-    /// Time with a target that is no vehicle, s.
-    pub nothing_s: f64,
-}
-
-impl Sums {
-    /// Adds other sums.
-    pub fn add(&mut self, other: &Self) {
-        self.time_s += other.time_s;
-        self.km += other.km;
-        self.lead_s += other.lead_s;
-        self.lost_s += other.lost_s;
-        self.losses += other.losses;
-        self.taken_s += other.taken_s;
-        self.takings += other.takings;
-        self.nothing_s += other.nothing_s;
-    }
-}
 
 /// How a queue in the lane came into sight and became the target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -183,34 +148,6 @@ impl Kept {
     }
 }
 
-/// Sums of the scans by part of a curve. A loss counts in the part in which it begins.
-fn by_place(scans: &[JudgedScan]) -> [Sums; 4] {
-    Place::ALL.map(|place| {
-        let mut sums = Sums::default();
-        for pair in scans.windows(2).filter(|pair| pair[0].place == place) {
-            let [scan, next] = [&pair[0], &pair[1]];
-            let dt_s = next.time_s - scan.time_s;
-            let while_true = |is: bool| if is { dt_s } else { 0.0 };
-            sums.time_s += dt_s;
-            sums.km += (next.position_m - scan.position_m) / 1e3;
-            sums.lead_s += while_true(scan.lead_within(REACH_M).is_some());
-            sums.lost_s += while_true(scan.is_lead_lost());
-            sums.taken_s += while_true(scan.is_neighbour_taken());
-            sums.nothing_s += while_true(scan.is_nothing_taken());
-        }
-        let begins_here = |finding: fn(&JudgedScan) -> bool| {
-            let begins = spans(scans, finding).into_iter().filter(|(from_s, _)| {
-                let scan = scans.iter().find(|scan| scan.time_s >= *from_s);
-                scan.is_some_and(|scan| scan.place == place)
-            });
-            begins.count() as u64
-        };
-        sums.losses = begins_here(JudgedScan::is_lead_lost);
-        sums.takings = begins_here(JudgedScan::is_neighbour_taken);
-        sums
-    })
-}
-
 /// Sight of the last vehicle of a queue in the lane; none if it never came into sight.
 fn sight(
     scenes: &[PlaneScene],
@@ -244,7 +181,7 @@ fn sight(
 pub(super) mod tests {
     use super::*;
     use group::{Body, EgoPlace, Seen};
-    use report::targets::Lead;
+    use report::targets::{Lead, Place};
 
     /// A drive without a finding.
     pub fn example(scene: Scene, sources: &str) -> Kept {
@@ -267,23 +204,6 @@ pub(super) mod tests {
         let lead = Some(Lead { vehicle: 0, gap_m: 60.0 });
         let is_beside = owner == Some(Owner::Vehicle(1));
         JudgedScan { time_s, position_m: 20.0 * time_s, place, lead, owner, is_beside }
-    }
-
-    #[test]
-    fn a_loss_counts_where_it_begins_and_its_time_where_it_passes() {
-        let (right, beside) = (Some(Owner::Vehicle(0)), Some(Owner::Vehicle(1)));
-        let scans = [
-            scan(0.0, Place::Straight, right),
-            scan(1.0, Place::Entry, None),
-            scan(2.0, Place::Arc, beside),
-            scan(3.0, Place::Arc, right),
-            scan(4.0, Place::Exit, right),
-        ];
-        let [straight, entry, arc, exit] = by_place(&scans);
-        assert_eq!((straight.lost_s, straight.losses), (0.0, 0));
-        assert_eq!((entry.lost_s, entry.losses), (1.0, 1));
-        assert_eq!((arc.lost_s, arc.losses, arc.taken_s, arc.takings), (1.0, 0, 1.0, 1));
-        assert_eq!((exit.time_s, arc.time_s, entry.km), (0.0, 2.0, 0.02));
     }
 
     #[test]

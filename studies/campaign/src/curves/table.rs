@@ -265,10 +265,10 @@ impl Limit {
 
 #[cfg(test)]
 mod tests {
-    use super::super::judge::Sums;
     use super::super::judge::tests::example;
     use super::*;
     use group::report::Outcome;
+    use report::targets::Sums;
 
     fn all(sources: &'static str) -> Vec<Kept> {
         Scene::ALL.map(|scene| example(scene, sources)).to_vec()

@@ -12,6 +12,7 @@ pub use law::LawAccount;
 pub use topics::TopicCounts;
 
 use crate::following::{Following, GapErrors};
+use crate::targets::PlaceSums;
 use crate::trip::Trip;
 use group::report::{
     CheckReport, ControlFigures, ControllerReport, Details, Hops, LinkReport, ModeChange,
@@ -76,6 +77,9 @@ pub struct Summary {
     pub aebs: Aebs,
     /// Match of the radar's tracks with the traffic.
     pub perception: Option<PerceptionReport>,
+    /// Lost and false targets by part of a curve, by ground truth; on a road with a plan.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub targets: Option<Vec<PlaceSums>>,
     /// Counts of the on-board unit; null where signals come as structs.
     pub radio: Option<ObuReport>,
     /// Counts of the frames between the vehicle and other hosts; null where all units were simulated.
@@ -272,6 +276,7 @@ impl Summary {
             },
             aebs: Aebs::of(scenario, plant, report(Service::Aebs)),
             perception: report(Service::PerceptionSim).and_then(perception_details),
+            targets: PlaceSums::of(scenario, &group.drive),
             radio: radio::unit(group),
             link: radio::link(group),
             messages: topics::of(&group.reports, &group.drive),

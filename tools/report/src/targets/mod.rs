@@ -12,6 +12,10 @@
 //! A place on the road is an entry, an arc, an exit or straight by the curvatures of the axis at the ego and at the
 //! vehicle that matters: the lead, else the target's owner, else a point [`AHEAD_M`] ahead.
 
+mod sums;
+
+pub use sums::{PlaceSums, Sums, by_place};
+
 use group::{Drive, PlaneScene};
 use serde::{Deserialize, Serialize};
 
