@@ -107,6 +107,12 @@ impl Study for Curves {
         Ok((Kept::of((number, scene, sources.name), &job.scenario, &result?), ()))
     }
 
+    fn keys(&self, run: usize) -> Vec<(String, String)> {
+        let (number, scene, sources) = self.run(run);
+        let keys = [("number", number.to_string()), ("scene", scene.name().to_owned()), ("sources", sources.name.to_owned())];
+        keys.map(|(key, value)| (key.to_owned(), value)).to_vec()
+    }
+
     fn describe(&self, run: usize) -> String {
         let (number, scene, sources) = self.run(run);
         format!(" ({} {number}, {})", scene.name(), sources.name)
