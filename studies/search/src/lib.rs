@@ -16,14 +16,18 @@
 mod arguments;
 pub mod distinct;
 mod effect;
+mod failure_row;
+mod fault_row;
 mod faults;
 pub mod method;
 pub mod minimal;
+mod open;
 mod pictures;
 pub mod problem;
 pub mod record;
 pub mod reference;
 mod results;
+pub mod single;
 mod study;
 pub mod trial;
 pub mod value;

@@ -1,7 +1,7 @@
 //! The reference driver: who must be able to avoid a scene, or a failure in it is nobody's.
 //!
 //! ```text
-//! follows:  a = a0 (1 − (v/v0)⁴ − (s*/s)²),   s* = s0 + v T + v Δv / (2 √(a0 b))      within [−2 m/s², a0]
+//! follows:  a = a0 (1 − (v/v0)⁴ − (s*/s)²),   s* = s0 + v T + v Δv / (2 √(a0 b))      within [−2.5 m/s², a0]
 //! needs:    more than 2.5 m/s² to stay behind what is in its path and goes on as it does
 //! brakes:   `reaction_s` after the need, with `deceleration_mps2`, until the need is over
 //! ```
@@ -197,7 +197,7 @@ fn follow(ego: &Ego, ahead: Option<&Vehicle>, wanted_mps: f64) -> f64 {
         let desired_m = STANDSTILL_M + (speed_mps * TIME_GAP_S + closing).max(0.0);
         squared(desired_m / gap_m)
     });
-    (ACCELERATION_MPS2 * (free - near)).clamp(-COMFORT_MPS2, ACCELERATION_MPS2)
+    (ACCELERATION_MPS2 * (free - near)).clamp(-NEED_MPS2, ACCELERATION_MPS2)
 }
 
 fn squared(x: f64) -> f64 {
@@ -237,10 +237,6 @@ mod tests {
             profile.steps = [{ time_s = 2, speed_mps = 0, acceleration_mps2 = 2 }]\n";
         let driven = drive(Reference::REGULATION, text);
         assert!(driven.avoids() && driven.clearance_m > 1.0, "{}", driven.clearance_m);
-        // At a walk the distances are too short for a comfortable rate.
-        let fast = driven.samples.windows(2).filter(|two| two[1].speed_mps > 3.0);
-        let hardest = fast.map(|two| two[0].speed_mps - two[1].speed_mps).fold(0.0, f64::max);
-        assert!(hardest < 0.021, "2 m/s² are enough: {hardest}");
     }
 
     #[test]

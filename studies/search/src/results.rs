@@ -2,20 +2,17 @@
 
 use frame::batch::ProcessesSample;
 use report::html::{Tile, figure};
-use report::results::{
-    Column, Document, Format, Kind, Schema, Table, column, count, judged, nested, number, word,
-};
+use report::results::{Column, Document, Kind, Schema, Table, count, nested, number, word};
 use serde::Serialize;
 use serde_json::{Value as Json, json};
 
 use crate::effect::effects;
-use crate::faults::{self, FaultRow};
+use crate::failure_row::{self, FailureRow};
+use crate::fault_row::{self, FaultRow};
 use crate::method::MethodName;
-use crate::minimal::Held;
 use crate::pictures::{self, Drives};
 use crate::problem::{Problem, Value};
 use crate::record::Record;
-use crate::value::Judged;
 
 /// The whole search.
 #[derive(Debug, Serialize)]
@@ -66,71 +63,6 @@ struct VariableRow {
     effect: Option<f64>,
 }
 
-/// A minimal case.
-#[derive(Clone, Debug, Serialize)]
-pub struct FailureRow {
-    /// Its file.
-    pub file: String,
-    /// Value in tolerances.
-    pub robustness: f64,
-    /// The requirement that it breaks.
-    pub requirement: String,
-    /// Margin in its unit.
-    pub margin: Option<f64>,
-    /// The unit.
-    pub unit: String,
-    /// Seeds on which it fails, and seeds that were tried.
-    pub holds_on: [usize; 2],
-    /// Values that differ from the nominal ones, in words.
-    pub differs: String,
-    /// All values by the names of the variables.
-    pub values: serde_json::Map<String, Json>,
-    /// Failing runs of the search in its group.
-    pub runs: usize,
-    /// The run that it was reduced from, from 1.
-    pub from_run: usize,
-    /// The command that repeats it.
-    pub repeat: String,
-    /// Contents of the file.
-    #[serde(skip)]
-    pub text: String,
-}
-
-const FAILURES: &[Column<FailureRow>] = &[
-    word("file", "failure", "Scenario file that repeats it"),
-    word("requirement", "requirement", "Requirement that it breaks"),
-    number("margin", "margin", "", 2, "Margin of the requirement, in its unit"),
-    word("unit", "unit", "Unit of the margin"),
-    number("robustness", "robustness", "tolerances", 1, "Margin in tolerances of its unit")
-        .less()
-        .weight(3),
-    column(
-        "holds_on",
-        "fails on",
-        "",
-        Format::Nested(Kind::List),
-        "Seeds on which it fails, and seeds that were tried",
-    )
-    .hidden(),
-    judged("", "fails on", "").of(held),
-    count("runs", "runs like it", "Failing runs of the search in its group").weight(2),
-    count("from_run", "from run", "Run that it was reduced from").weight(3),
-    nested("values", Kind::Object, "All values, by the names of the variables"),
-    column(
-        "differs",
-        "departs from the nominal values by",
-        "",
-        Format::Sentence,
-        "Values that differ from the nominal ones",
-    ),
-    column("repeat", "repeat", "", Format::Command, "Command that repeats it"),
-];
-
-fn held(row: &FailureRow) -> Json {
-    let [failed, tried] = row.holds_on;
-    json!({"text": format!("{failed} of {tried}"), "ok": null})
-}
-
 const VARIABLES: &[Column<VariableRow>] = &[
     word("name", "variable", "Name of the variable"),
     word("values", "values", "Its values"),
@@ -168,42 +100,9 @@ const FIELDS: &[Column<()>] = &[
 pub fn schema() -> Schema {
     frame::schema("search", "Scenes and faults that break a requirement")
         .fields(FIELDS)
-        .rows("failures", "Minimal cases, the worst first", FAILURES)
+        .rows("failures", "Minimal cases, the worst first", failure_row::COLUMNS)
         .rows("variables", "The variables", VARIABLES)
-        .rows("faults", "Faults by what they break, with --faults", faults::COLUMNS)
-}
-
-impl FailureRow {
-    /// A case with these values.
-    pub fn new(
-        problem: &Problem,
-        values: &[Value],
-        held: &Held,
-        (group, from_run): (usize, usize),
-    ) -> Self {
-        let nothing =
-            || Judged { value: 0.0, requirement: String::new(), margin: None, unit: String::new() };
-        let judged = held.first.as_ref().map_or_else(nothing, |(_, judged)| judged.clone());
-        let named = problem.variables.iter().zip(values);
-        let differs = named.clone().filter(|(variable, value)| variable.nominal != **value);
-        let differs: Vec<String> =
-            differs.map(|(variable, value)| format!("{} = {value}", variable.name)).collect();
-        let values = named.map(|(variable, value)| (variable.name.clone(), json!(value)));
-        Self {
-            file: String::new(),
-            robustness: judged.value,
-            requirement: judged.requirement,
-            margin: judged.margin,
-            unit: judged.unit,
-            holds_on: [held.failed, held.tried],
-            differs: if differs.is_empty() { "nothing".to_owned() } else { differs.join(", ") },
-            values: values.collect(),
-            runs: group,
-            from_run: from_run + 1,
-            repeat: String::new(),
-            text: String::new(),
-        }
-    }
+        .rows("faults", "Faults by what they break, with --faults", fault_row::COLUMNS)
 }
 
 impl Search {
@@ -321,7 +220,7 @@ impl Search {
                 format!("BROKEN: {broken} of {} faults break a requirement", self.faults.len())
             }
         };
-        let table = Table::new("What hurts most", faults::COLUMNS, &self.faults).most_rows(25);
+        let table = Table::new("What hurts most", fault_row::COLUMNS, &self.faults).most_rows(25);
         let document = Document::new("search", &format!("Faults in {place}"), self)
             .about(about)
             .table(table)
@@ -355,7 +254,7 @@ impl Search {
         let mut document = Document::new("search", &format!("Search in {place}"), self)
             .about(about)
             .tiles(self.tiles())
-            .table(Table::new("Minimal cases", FAILURES, &self.failures))
+            .table(Table::new("Minimal cases", failure_row::COLUMNS, &self.failures))
             .table(Table::new("Variables", VARIABLES, &self.variables).without_cases())
             .figures("Runs", pictures)
             .file("search.csv", csv(problem, records))

@@ -16,13 +16,15 @@ use thiserror::Error;
 
 use crate::arguments::SearchArguments;
 use crate::distinct::{self, Group};
+use crate::failure_row::FailureRow;
 use crate::faults::Faults;
-use crate::method::{Admission, Chooser, MethodName, Proposal, independent, seed_of};
-use crate::minimal::{self, Case, Trial};
+use crate::method::{Chooser, MethodName, Proposal, independent, seed_of};
+use crate::minimal::{self, Case, Held, Trial};
 use crate::pictures::Drives;
 use crate::problem::Problem;
 use crate::record::Record;
-use crate::results::{FailureRow, Search};
+use crate::results::Search;
+use crate::single::admit;
 use crate::trial::Seeds;
 use crate::value::judge;
 
@@ -84,17 +86,9 @@ struct Runs {
 }
 
 impl Runs {
-    fn admit(&self, point: &[f64]) -> Result<Admission, Error> {
-        let scenario = self.problem.scenario(&self.problem.values(point), self.seed)?;
-        let reference = self.problem.reference.as_ref();
-        let value =
-            reference.map_or(-f64::INFINITY, |driver| driver.drive(&scenario, false).value());
-        Ok(Admission { value: value.max(-200.0) })
-    }
-
     /// The point of a run, when the results that its choice needs are there.
     fn proposal(&self, run: usize, going_on: &dyn Fn() -> bool) -> Result<Proposal, Error> {
-        let admit = |point: &[f64]| self.admit(point);
+        let admit = |point: &[f64]| admit(&self.problem, point);
         if self.method == MethodName::Random {
             return independent(self.problem.dimensions(), self.seed, run, &admit);
         }
@@ -240,9 +234,11 @@ impl Study for Runs {
 
 /// Failures of a group that are tried until one holds on enough seeds.
 const MOST_STARTS: usize = 4;
+/// Groups that are tried, for each case that is wanted.
+const GROUPS_PER_CASE: usize = 3;
 
 impl Runs {
-    /// The minimal cases of the worst groups.
+    /// Minimal cases of the worst groups: those that hold on enough seeds, then others.
     fn reduce(
         &self,
         groups: &[Group],
@@ -257,42 +253,64 @@ impl Runs {
             count: self.seeds,
             bar,
         };
-        let mut rows: Vec<(FailureRow, Drives)> = Vec::new();
-        for group in groups.iter().take(self.cases) {
-            let mut place = group.members[0];
-            let mut case = None;
-            for member in group.members.iter().take(MOST_STARTS) {
-                let values = &records[*member].1.values;
-                if trial.holds(values)? {
-                    (place, case) =
-                        (*member, Some(minimal::reduce(&self.problem, values, &trial)?));
-                    break;
-                }
+        let mut sure: Vec<(FailureRow, Drives)> = Vec::new();
+        let mut unsure = Vec::new();
+        for group in groups.iter().take(GROUPS_PER_CASE * self.cases) {
+            if sure.len() == self.cases {
+                break;
             }
-            // A failure of few seeds stays as it was found.
-            let values = &records[place].1.values;
-            let case = match case {
-                Some(case) => case,
-                None => Case { values: values.clone(), held: trial.drive(values, true)? },
-            };
-            let (run, record) = &records[place];
-            // Its own seed fails in any case.
-            let (seed, judged) =
-                case.held.first.clone().unwrap_or((record.seed, record.judged.clone()));
-            let held = minimal::Held { first: Some((seed, judged)), ..case.held };
-            let scenario = self.problem.scenario(&case.values, seed)?;
-            let mut row =
-                FailureRow::new(&self.problem, &case.values, &held, (group.members.len(), *run));
-            // Two groups may have one cause.
-            if rows.iter().any(|(known, _)| known.values == row.values) {
-                continue;
+            match self.case(group, records, &trial)? {
+                // Two groups may have one cause.
+                Some((row, _)) if sure.iter().any(|(known, _)| known.values == row.values) => {}
+                Some(case) => sure.push(case),
+                None => unsure.push(group),
             }
-            row.text = scenario.to_toml();
-            let steps = trial.repeat(&case.values, seed)?.steps;
-            let reference = self.problem.reference.as_ref();
-            let reference = reference.map(|driver| driver.drive(&scenario, true).samples);
-            rows.push((row, Drives::new(&steps, reference.unwrap_or_default())));
         }
-        Ok(rows)
+        // A failure of few seeds stays as it was found.
+        for group in unsure.into_iter().take(self.cases - sure.len()) {
+            let (_, record) = &records[group.members[0]];
+            let held = trial.drive(&record.values, true)?;
+            // Its own seed fails in any case.
+            let first = held.first.clone().unwrap_or((record.seed, record.judged.clone()));
+            let held = Held { first: Some(first), ..held };
+            let case = Case { values: record.values.clone(), held };
+            sure.push(self.row(&case, (group, records[group.members[0]].0), &trial)?);
+        }
+        Ok(sure)
+    }
+
+    /// The minimal case of a group; none if its worst failures hold on too few seeds.
+    fn case(
+        &self,
+        group: &Group,
+        records: &[(usize, Record)],
+        trial: &Seeds<'_>,
+    ) -> Result<Option<(FailureRow, Drives)>, Error> {
+        for member in group.members.iter().take(MOST_STARTS) {
+            let (run, record) = &records[*member];
+            if trial.holds(&record.values)? {
+                let case = minimal::reduce(&self.problem, &record.values, trial)?;
+                return Ok(Some(self.row(&case, (group, *run), trial)?));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The row of a case, with its file and its drives.
+    fn row(
+        &self,
+        case: &Case,
+        (group, run): (&Group, usize),
+        trial: &Seeds<'_>,
+    ) -> Result<(FailureRow, Drives), Error> {
+        let seed = case.held.first.as_ref().map_or(self.seed, |(seed, _)| *seed);
+        let scenario = self.problem.scenario(&case.values, seed)?;
+        let from = (group.members.len(), run);
+        let mut row = FailureRow::new(&self.problem, &case.values, &case.held, from);
+        row.text = scenario.to_toml();
+        let steps = trial.repeat(&case.values, seed)?.steps;
+        let reference = self.problem.reference.as_ref();
+        let reference = reference.map(|driver| driver.drive(&scenario, true).samples);
+        Ok((row, Drives::new(&steps, reference.unwrap_or_default())))
     }
 }

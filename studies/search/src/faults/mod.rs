@@ -9,7 +9,6 @@
 //! are spread over all faults.
 
 mod candidates;
-mod row;
 
 use std::num::NonZeroUsize;
 
@@ -22,6 +21,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::arguments::SearchArguments;
+use crate::fault_row::FaultRow;
 use crate::method::{Sobol, seed_of};
 use crate::minimal::{self, Case, Trial};
 use crate::problem::{Draft, Value, scenario_name};
@@ -29,8 +29,7 @@ use crate::reference::Reference;
 use crate::results::Search;
 use crate::trial::Seeds;
 use crate::value::{Judged, judge};
-use candidates::{Candidate, candidates};
-pub use row::{COLUMNS, FaultRow};
+use candidates::{BEGIN, Candidate, LASTS, SIZE, candidates};
 
 /// Faults that are reduced at most, the worst first.
 const MOST_REDUCED: usize = 20;
@@ -171,11 +170,9 @@ impl Study for Faults {
         let worst = self.candidates.iter().zip(worst).zip(tried);
         for ((candidate, worst), (runs, broken)) in worst {
             let Some((_, record)) = worst else { continue };
-            rows.push((
-                candidate,
-                record.clone(),
-                FaultRow::new(candidate, &record.judged, runs, broken),
-            ));
+            let named = (candidate.name.as_str(), candidate.unit);
+            let row = FaultRow::new(named, &record.judged, (runs, broken));
+            rows.push((candidate, record, row));
         }
         rows.sort_by(|a, b| a.1.judged.value.total_cmp(&b.1.judged.value));
         let bar = report::progress::count_bar(0, self.is_quiet);
@@ -184,7 +181,11 @@ impl Study for Faults {
             let broken = rows.iter_mut().filter(|(_, record, _)| record.judged.value < 0.0);
             for (candidate, record, row) in broken.take(MOST_REDUCED) {
                 let case = self.smallest(candidate, &record.values, &bar)?;
-                row.reduced(candidate, &case);
+                let value = |name: &str| candidate.value(name, &case.values);
+                (row.size, row.for_s, row.at_s) = (value(SIZE), value(LASTS), value(BEGIN));
+                row.holds_on = Some([case.held.failed, case.held.tried]);
+                let place = |name: &str| candidate.severity(name, &case.values).unwrap_or(1.0);
+                row.severity = place(SIZE) + place(LASTS);
                 let seed = case.held.first.as_ref().map_or(self.seed, |(seed, _)| *seed);
                 row.text = candidate.problem.scenario(&case.values, seed)?.to_toml();
             }

@@ -64,8 +64,10 @@ struct Replica {
     told: BTreeMap<usize, Told>,
     chosen: BTreeMap<usize, Proposal>,
     start: usize,
-    /// Data of the told runs as far as they follow each other from 0, and where those of each run end.
+    /// Data of the told runs as far as they follow each other from 0.
     data: Vec<Datum>,
+    /// Points that were refused before these runs, and how many before the end of each.
+    refused: Vec<Vec<f64>>,
     ends: Vec<usize>,
 }
 
@@ -89,6 +91,7 @@ impl Chooser {
                 chosen: BTreeMap::new(),
                 start,
                 data: Vec::new(),
+                refused: Vec::new(),
                 ends: Vec::new(),
             }
         };
@@ -145,10 +148,9 @@ impl Replica {
     fn tell(&mut self, place: usize, told: Told) {
         self.told.insert(place, told);
         while let Some(told) = self.told.get(&self.ends.len()) {
-            let refused = told.refused.iter().map(|refused| (&refused.point, refused.value));
-            let all = refused.chain([(&told.point, told.value)]);
-            self.data.extend(all.map(|(point, value)| Datum { point: point.clone(), value }));
-            self.ends.push(self.data.len());
+            self.data.push(Datum { point: told.point.clone(), value: told.value });
+            self.refused.extend(told.refused.iter().map(|refused| refused.point.clone()));
+            self.ends.push(self.refused.len());
         }
     }
 
@@ -183,10 +185,11 @@ impl Replica {
             let proposal = self.scan.get(number, admit)?;
             self.chosen.insert(place, proposal);
         }
-        let fit_to = self.ends[self.fitted_at(known) - 1];
-        let data = &self.data[..self.ends[known - 1]];
+        let fit_to = self.fitted_at(known);
+        let (data, refused) = (&self.data[..known], &self.refused[..self.ends[known - 1]]);
         self.model.know(data, fit_to);
-        let chosen = self.model.choose(data, &pending, (led.len(), half), admit)?;
+        let count = (led.len(), half);
+        let chosen = self.model.choose((data, refused), &pending, count, admit)?;
         self.chosen.extend(led.into_iter().zip(chosen));
         Ok(())
     }
@@ -238,7 +241,6 @@ mod tests {
             let Proposal { point, refused, .. } = chooser.propose(run, &admit).expect("admissible");
             let value = value(&point);
             values.push(value);
-            eprintln!("{run} {value:.3} {point:.3?} {}", refused.len());
             chooser.tell(run, Told { point, value, refused });
         }
         values

@@ -6,7 +6,8 @@
 //! score(x) = EI(x) · Π over violations v (1 − exp(−|x − v|² / (2 (0.1 √d)²)))      words: |x − v| infinite if they differ
 //! ```
 //!
-//! Values enter as `asinh`: margins far from 0 say little about where it is.
+//! Values enter as `asinh`: margins far from 0 say little about where it is. A point whose nearest known one is not
+//! admissible is hardly tried: its score counts a twentieth.
 
 use gaussian_process::{Hyperparameters, Kind, Process, expected_improvement, fit};
 use group::Error;
@@ -31,7 +32,10 @@ const CREDIT_RADIUS: f64 = 0.1;
 /// Points of one choice that may turn out not to be admissible.
 const MOST_REFUSED: usize = 12;
 
-/// A value of a run, or of a point that the reference does not avoid.
+/// Share of the score that is left to a point beside one that is not admissible.
+const BESIDE_REFUSED: f64 = 0.05;
+
+/// A value of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Datum {
     pub point: Vec<f64>,
@@ -109,10 +113,10 @@ impl Model {
         Fitted { parameters: fit(&self.kinds, &points, &values), mean, deviation }
     }
 
-    /// Chooses `count` points. `pending` are driven now: they count as they are expected.
+    /// Chooses `count` points. `pending` are driven now: they count as they are expected. `refused` are not admissible.
     pub fn choose(
         &mut self,
-        data: &[Datum],
+        (data, refused): (&[Datum], &[Vec<f64>]),
         pending: &[Vec<f64>],
         (count, batch): (usize, usize),
         admit: &Admit<'_>,
@@ -125,6 +129,8 @@ impl Model {
             kinds: &self.kinds,
             process: self.process.as_mut().expect("it knows the data"),
             target,
+            admitted: data.iter().map(|one| &one.point).collect(),
+            refused: refused.iter().collect(),
             violations: data.iter().filter(|one| one.value < 0.0).map(|one| &one.point).collect(),
             random: Pcg64::seed_from_u64(seed_of(self.seed, 3, batch as u64)),
         };
@@ -158,6 +164,8 @@ struct Choice<'a> {
     kinds: &'a [Kind],
     process: &'a mut Process,
     target: f64,
+    admitted: Vec<&'a Vec<f64>>,
+    refused: Vec<&'a Vec<f64>>,
     violations: Vec<&'a Vec<f64>>,
     random: Pcg64,
 }
@@ -170,7 +178,18 @@ impl Choice<'_> {
     }
 
     fn score(&self, point: &[f64], prediction: (f64, f64)) -> f64 {
-        expected_improvement(prediction, self.target) * self.credit(point)
+        let share = if self.is_beside_refused(point) { BESIDE_REFUSED } else { 1.0 };
+        expected_improvement(prediction, self.target) * self.credit(point) * share
+    }
+
+    /// The nearest known point is not admissible.
+    fn is_beside_refused(&self, point: &[f64]) -> bool {
+        let squared = |other: &&Vec<f64>| {
+            let parts = point.iter().zip(other.iter()).map(|(a, b)| (a - b) * (a - b));
+            parts.sum::<f64>()
+        };
+        let nearest = |all: &[&Vec<f64>]| all.iter().map(squared).fold(f64::INFINITY, f64::min);
+        !self.refused.is_empty() && nearest(&self.refused) < nearest(&self.admitted)
     }
 
     fn credit(&self, point: &[f64]) -> f64 {

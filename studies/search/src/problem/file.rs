@@ -122,7 +122,7 @@ struct Require {
 }
 
 /// A search file that was read.
-pub(super) struct Read {
+pub(crate) struct Read {
     path: PathBuf,
     file: File,
 }
@@ -131,7 +131,7 @@ pub(super) struct Read {
 ///
 /// # Errors
 /// [`FileError`], or the file cannot be read.
-pub(super) fn read(argument: &str) -> Result<Option<Read>, Error> {
+pub(crate) fn read(argument: &str) -> Result<Option<Read>, Error> {
     let path = Path::new(argument);
     if !argument.ends_with(".toml") || !path.exists() {
         return Ok(None);

@@ -14,6 +14,7 @@ mod variable;
 
 pub use arithmetic::{Arithmetic, ArithmeticError};
 pub use file::FileError;
+pub(crate) use file::read;
 pub use keys::is_whole;
 pub use setting::{Setting, Term};
 pub use variable::{Domain, DomainError, Value, Variable, rounded};
@@ -23,7 +24,6 @@ use runtime::Mode;
 use scenario::Scenario;
 use thiserror::Error;
 
-use crate::arguments::SearchArguments;
 use crate::reference::Reference;
 pub(crate) use setting::FaultChoice;
 
@@ -118,29 +118,6 @@ pub fn is_refusal(error: &Error) -> bool {
 }
 
 impl Problem {
-    /// The problem of a command: a search file, or a scenario with `--vary`.
-    ///
-    /// # Errors
-    /// [`ProblemError`], [`FileError`], or mistakes in the scenario.
-    pub fn open(arguments: &SearchArguments) -> Result<Self, Error> {
-        let name = arguments.scenario.as_deref().unwrap_or_default();
-        let mut draft = match file::read(name)? {
-            Some(file) => file.draft()?,
-            None => {
-                Draft { name: scenario_name(name), scenario: name.to_owned(), ..Draft::default() }
-            }
-        };
-        for argument in &arguments.vary {
-            draft.vary(argument)?;
-        }
-        if let Some(reference) = arguments.reference {
-            draft.reference = Some(Reference::named(reference));
-        }
-        let problem = draft.finish(arguments.scenario_options.clone())?;
-        problem.check(&arguments.group)?;
-        Ok(problem)
-    }
-
     /// Number of variables.
     #[must_use]
     pub fn dimensions(&self) -> usize {
@@ -174,7 +151,7 @@ impl Problem {
             let mut all = setting::faults_of(&self.nominal);
             let mut pairs = Vec::with_capacity(fault.keys.len());
             for setting in &fault.keys {
-                let value = self.text(&format!("faults.{}", setting.key), setting, values)?;
+                let value = self.text(&format!("faults.0.{}", setting.key), setting, values)?;
                 pairs.push(format!("{} = {value}", setting.key));
             }
             all.push(format!("{{ {} }}", pairs.join(", ")));
@@ -237,7 +214,7 @@ impl Problem {
     }
 
     /// Tries the nominal values, and each variable at its ends.
-    fn check(&self, group: &GroupOptions) -> Result<(), Error> {
+    pub(crate) fn check(&self, group: &GroupOptions) -> Result<(), Error> {
         let nominal = self.nominal_values();
         frame::batch::check(&self.scenario(&nominal, 1)?, Mode::Lockstep, group)?;
         for (place, variable) in self.variables.iter().enumerate() {
@@ -272,7 +249,7 @@ pub(crate) struct Draft {
 }
 
 impl Draft {
-    fn vary(&mut self, argument: &str) -> Result<(), ProblemError> {
+    pub(crate) fn vary(&mut self, argument: &str) -> Result<(), ProblemError> {
         let refuse = |reason| ProblemError::Vary { argument: argument.to_owned(), reason };
         let (key, list) = argument.split_once('=').ok_or_else(|| refuse(VaryError::NoKey))?;
         let key = key.trim();

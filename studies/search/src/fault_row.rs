@@ -6,8 +6,6 @@ use report::results::{Column, Format, Kind, column, count, judged, number, word}
 use serde::Serialize;
 use serde_json::{Value as Json, json};
 
-use super::candidates::{BEGIN, Candidate, LASTS, SIZE};
-use crate::minimal::Case;
 use crate::value::Judged;
 
 /// A fault and what it breaks.
@@ -46,7 +44,7 @@ pub struct FaultRow {
     pub text: String,
     /// Places of size and duration in their ranges, summed: a small one hurts more.
     #[serde(skip)]
-    severity: f64,
+    pub severity: f64,
 }
 
 /// Columns of the table.
@@ -92,14 +90,19 @@ fn breaks(row: &FaultRow) -> Json {
 }
 
 impl FaultRow {
-    /// A fault whose worst run was judged so.
-    pub fn new(candidate: &Candidate, worst: &Judged, runs: usize, broken: usize) -> Self {
+    /// A fault whose worst run was judged so: its name, the unit of its size, its runs and those that broke a
+    /// requirement.
+    pub fn new(
+        (fault, size_unit): (&str, &'static str),
+        worst: &Judged,
+        (runs, broken): (usize, usize),
+    ) -> Self {
         Self {
-            fault: candidate.name.clone(),
+            fault: fault.to_owned(),
             runs,
             broken,
             size: None,
-            size_unit: candidate.unit,
+            size_unit,
             for_s: None,
             at_s: None,
             holds_on: None,
@@ -112,15 +115,6 @@ impl FaultRow {
             text: String::new(),
             severity: 2.0,
         }
-    }
-
-    /// Takes the smallest case.
-    pub fn reduced(&mut self, candidate: &Candidate, case: &Case) {
-        let value = |name: &str| candidate.value(name, &case.values);
-        (self.size, self.for_s, self.at_s) = (value(SIZE), value(LASTS), value(BEGIN));
-        self.holds_on = Some([case.held.failed, case.held.tried]);
-        let place = |name: &str| candidate.severity(name, &case.values).unwrap_or(1.0);
-        self.severity = place(SIZE) + place(LASTS);
     }
 
     /// The order of the table: what breaks with the least, then what comes nearest to it.

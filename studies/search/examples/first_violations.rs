@@ -1,0 +1,67 @@
+//! The first violation of each method, over repetitions: the table of docs/search.md.
+//!
+//!     cargo run --release -p search --example first_violations -- 10 400 studies/search/problems/cut-in-5.toml …
+//!
+//! Arguments: repetitions, budget of a search, files. A search without a violation counts as its budget.
+
+use std::time::Instant;
+
+use clap::{Args, FromArgMatches};
+use frame::batch::share;
+use group::Error;
+use indicatif::ProgressBar;
+use search::SearchArguments;
+use search::method::MethodName;
+use search::problem::Problem;
+use search::single::first_violation;
+
+const METHODS: [MethodName; 3] = [MethodName::Random, MethodName::Sobol, MethodName::Gp];
+
+fn arguments(file: &str) -> SearchArguments {
+    let command = SearchArguments::augment_args(clap::Command::new("search"));
+    let matches = command.get_matches_from(["search", file]);
+    SearchArguments::from_arg_matches(&matches).expect("clap has read them")
+}
+
+fn main() -> Result<(), Error> {
+    let words: Vec<String> = std::env::args().skip(1).collect();
+    let number =
+        |place: usize, usual| words.get(place).and_then(|word| word.parse().ok()).unwrap_or(usual);
+    let (repetitions, budget) = (number(0, 10), number(1, 400));
+    println!(
+        "problem, method: first violation at run (a dash: none in {budget}), median, runs a second"
+    );
+    for file in words.iter().skip(2) {
+        let arguments = arguments(file);
+        let problem = Problem::open(&arguments)?;
+        for method in METHODS {
+            let begun = Instant::now();
+            let work = |place: usize, going_on: &dyn Fn() -> bool| {
+                let which = (method, 1_000 + place as u64);
+                first_violation(&problem, which, budget, &arguments.group, going_on)
+            };
+            let mut found: Vec<Option<usize>> = vec![None; repetitions];
+            let mut each = |place: usize, first: Result<Option<usize>, Error>| {
+                found[place] = first?;
+                Ok(())
+            };
+            let cores = std::thread::available_parallelism().map_or(1, usize::from);
+            share(repetitions, cores, &ProgressBar::hidden(), &work, &mut each)?;
+            let mut counted: Vec<usize> =
+                found.iter().map(|first| first.unwrap_or(budget)).collect();
+            let runs: usize = counted.iter().sum();
+            counted.sort_unstable();
+            let median = counted[(repetitions - 1) / 2].midpoint(counted[repetitions / 2]);
+            let all =
+                found.iter().map(|one| one.map_or_else(|| "-".to_owned(), |run| run.to_string()));
+            println!(
+                "{}, {}: {}; median {median}; {:.0}/s",
+                problem.name,
+                method.name(),
+                all.collect::<Vec<_>>().join(" "),
+                runs as f64 / begun.elapsed().as_secs_f64()
+            );
+        }
+    }
+    Ok(())
+}
