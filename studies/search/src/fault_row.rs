@@ -6,6 +6,7 @@ use report::results::{Column, Format, Kind, column, count, judged, number, word}
 use serde::Serialize;
 use serde_json::{Value as Json, json};
 
+use crate::problem::rounded;
 use crate::value::Judged;
 
 /// A fault and what it breaks.
@@ -51,10 +52,11 @@ pub struct FaultRow {
 pub const COLUMNS: &[Column<FaultRow>] = &[
     word("fault", "fault", "Kind and target of the fault"),
     judged("", "breaks", "").of(breaks),
-    number("size", "smallest size", "", 2, "Smallest size that breaks a requirement"),
-    word("size_unit", "unit", "Unit of the size; empty for a share"),
-    number("for_s", "shortest", "s", 2, "Shortest duration that breaks a requirement"),
-    number("at_s", "begins at", "s", 2, "Its begin").weight(2),
+    judged("", "smallest that breaks", "").of(smallest),
+    number("size", "", "", 3, "Smallest size that breaks a requirement").hidden(),
+    word("size_unit", "", "Unit of the size; empty for a share").hidden(),
+    number("for_s", "", "s", 2, "Shortest duration that breaks a requirement").hidden(),
+    number("at_s", "", "s", 2, "Its begin").hidden(),
     column(
         "holds_on",
         "",
@@ -69,8 +71,7 @@ pub const COLUMNS: &[Column<FaultRow>] = &[
         "tolerances",
         1,
         "Least margin of its runs, in tolerances",
-    )
-    .more(),
+    ),
     word("requirement", "of", "Requirement with this margin").weight(3),
     number("margin", "", "", 3, "The same in the requirement's unit").hidden(),
     word("unit", "", "Unit of the margin").hidden(),
@@ -87,6 +88,17 @@ fn breaks(row: &FaultRow) -> Json {
         (_, Some([failed, tried])) => format!("on {failed} of {tried} seeds"),
     };
     json!({"text": text, "ok": row.broken == 0})
+}
+
+fn smallest(row: &FaultRow) -> Json {
+    let size = row.size.map(|size| match row.size_unit {
+        "" => format!("{:.0} %", size * 100.0),
+        unit => format!("{} {unit}", rounded(size, 3)),
+    });
+    let lasts = row.for_s.map(|for_s| format!("for {} s", rounded(for_s, 3)));
+    let begins = row.at_s.map(|at_s| format!("from {} s", rounded(at_s, 3)));
+    let words: Vec<String> = [size, lasts, begins].into_iter().flatten().collect();
+    json!({"text": words.join(" "), "ok": null})
 }
 
 impl FaultRow {
