@@ -1,5 +1,5 @@
-//! What the end-to-end protection costs a message, and the copy that a reader makes of a small one before
-//! it checks it: `cargo bench -p messages`.
+//! Cost of the end-to-end protection of a message, and of the copy that a reader makes of a small one first:
+//! `cargo bench -p messages`.
 //!
 //! Each figure is the median of many batches of protecting, checking or copying one message of a topic: whole, and, of those
 //! of which only the elements in use are protected, with [`ELEMENTS`] of them.

@@ -9,8 +9,8 @@ pub const PLAN_LEN: usize = 128;
 pub const FIGURES: usize = 8;
 
 layout! {
-    /// The controller's request with its whole plan, so that the plant has a valid future to follow
-    /// when the controller dies.
+    /// The controller's request with its whole plan: the plant has a valid future to follow when the
+    /// controller dies.
     #[type_name("timegap_msgs/msg/Command")]
     pub struct Command {
         /// Common header; its acquisition time is that of the release.
@@ -40,8 +40,8 @@ layout! {
         pub plan_len: u64,
         /// Requested accelerations, m/s²; the first is for now. Unused entries are 0.
         pub plan_mps2: [f64; PLAN_LEN],
-        /// 1: `engine_torque_nm` acts now in place of the plan's first request, and the rest of the
-        /// plan is for the time without a newer command. 0: there is no torque.
+        /// 1: `engine_torque_nm` acts now in place of the plan's first request. The rest of the plan is for
+        /// the time without a newer command. 0: there is no torque.
         pub has_torque: u32,
         /// Gear that the torque is for, counted from 1; 0 leaves it to the gearbox.
         pub gear: u32,

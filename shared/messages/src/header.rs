@@ -51,8 +51,8 @@ impl Origin {
 }
 
 layout! {
-    /// Stamps of the inputs of a message, one place per sensor topic, so that the whole cause-effect
-    /// chain of any command can be rebuilt from the command alone.
+    /// Stamps of the inputs of a message, one place per sensor topic. So a command alone shows its whole
+    /// cause-effect chain.
     #[derive(Eq)]
     #[type_name("timegap_msgs/msg/Origins")]
     pub struct Origins {

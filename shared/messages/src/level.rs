@@ -16,8 +16,8 @@
 //! | [`Level::Emergency`] | plant | the emergency brake brakes, or holds the brakes | it has let go |
 //! | [`Level::AebsLost`] | plant | no valid `safety/brake` for three of its periods, or one that says that it sees nothing | a valid one that sees |
 //!
-//! Each service is on one level at a time: the lowest one (furthest down this table) that applies, but
-//! for the loss of the emergency brake, which shows only where nothing else does.
+//! Each service is on one level at a time: the lowest one (furthest down this table) that applies. The loss
+//! of the emergency brake is an exception: it shows only where nothing else does.
 
 use crate::numbered::numbered;
 use serde::{Deserialize, Serialize};

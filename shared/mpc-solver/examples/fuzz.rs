@@ -5,11 +5,11 @@
 //! cargo run --release -p mpc-solver --example fuzz -- [--seconds 60] [--seed 0]
 //! ```
 //!
-//! `--seconds` counts CPU time where the system provides it. For every problem the solver must not
-//! panic, must end within a bounded number of iterations, and must return finite inputs within
-//! their bounds. `Solved` requires that the optimality conditions, evaluated here, hold.
-//! `Infeasible` must not occur for a problem that is feasible by construction or that the oracle
-//! solves. The first violation ends the run with its seed.
+//! `--seconds` counts CPU time where the system provides it. For every problem the solver must not panic and
+//! must end within a bounded number of iterations. It must return finite inputs within their bounds. `Solved`
+//! requires that the optimality conditions, evaluated here, hold. `Infeasible` must not occur for a problem
+//! that is feasible by construction or that the oracle solves. The first violation ends the run with its
+//! seed.
 
 #[path = "../tests/common/random.rs"]
 mod random;

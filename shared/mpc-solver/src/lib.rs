@@ -20,8 +20,7 @@
 //! semidefinite and `r > 0`, so that the problem is convex and its inputs are unique. The cost of the
 //! first state is part of the objective although no input can change it.
 //!
-//! A *row* (at most [`MAX_ROWS`]) bounds one linear function of the state, from the first stage it
-//! names to the last:
+//! A *row* (at most [`MAX_ROWS`]) bounds one linear function of the state, from its first stage to its last:
 //!
 //! ```text
 //! hard:  ψ(z) = 0 for z ≤ 0, infinite for z > 0
@@ -29,10 +28,10 @@
 //! ```
 //!
 //! The soft form is an exact penalty: a penalty weight `λ` above the multiplier of the hard row gives the
-//! hard row's solution wherever there is one, and a least violation where there is none.
+//! hard row's solution wherever it exists. Elsewhere it gives a least violation.
 //!
-//! The *light* is the convex form of the barrier of He, Xi, Huang, Chen and Huang (2024,
-//! doi 10.3969/j.issn.2095-1469.2024.06.06) on the predicted margin `D` before the switch:
+//! The *light* is the convex form of a barrier on the predicted margin `D` before the switch (He, Xi, Huang,
+//! Chen and Huang 2024, doi 10.3969/j.issn.2095-1469.2024.06.06):
 //!
 //! ```text
 //! hard:  φ(D) = w (1/min(D, d_th) − 1/d_th) for D > 0, infinite for D ≤ 0

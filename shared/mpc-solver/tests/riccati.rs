@@ -132,8 +132,7 @@ fn a_stalled_interior_point_goes_on_with_a_common_length() {
     assert!(report.interior_iterations < 60, "{report:?}");
 }
 
-/// A row tangent as steep for multipliers of 1 as for those of 1e5 would leave residuals of 1e-8 to
-/// 3e-8 here.
+/// A row tangent as steep for multipliers of 1 as for 1e5 would leave residuals of 1e-8 to 3e-8 here.
 #[test]
 fn row_tangents_leave_the_digits_that_the_multipliers_need() {
     let mut solver = Riccati::new(150);

@@ -1,7 +1,7 @@
 //! Report of a service to the launcher at its end.
 //!
-//! The counts of ports, cycles and faults are the same for all services. What only one service has is defined by
-//! its own crate, and travels as a [`Payload`], which this crate does not look into.
+//! The counts of ports, cycles and faults are the same for all services. A figure that only one service has
+//! is defined by its own crate. It travels as a [`Payload`], which this crate does not look into.
 
 mod payload;
 

@@ -10,8 +10,8 @@
 //! counter before it. [`StateMachine`] judges the channel over its last messages. A [`Channel`] does all of
 //! this for one sender on one topic; a consumer uses a message only if its channel accepts it.
 //!
-//! The CRC-64 detects every corruption of up to 3 bits and every burst of up to 64 bits in a message of this
-//! size. It misses one in 2⁶⁴ of all others.
+//! In a message of this size the CRC-64 detects every corruption of up to 3 bits. It detects every burst of
+//! up to 64 bits. It misses one in 2⁶⁴ of all others.
 
 mod check;
 pub mod profile7;

@@ -7,8 +7,8 @@
 //! | 12..16 | counter |
 //! | 16..20 | data ID |
 //!
-//! The bytes in use are protected ([`Layout::bytes_in_use`](crate::Layout::bytes_in_use)). A large message that ends with
-//! a counted array is not protected behind its last valid element, which no reader uses.
+//! The bytes in use are protected ([`Layout::bytes_in_use`](crate::Layout::bytes_in_use)). A large message
+//! that ends with a counted array is not protected behind its last valid element. No reader uses that part.
 //!
 //! The CRC is computed by carry-less multiplications if the processor has them, else from tables. It is exact,
 //! so that its bits do not depend on the method.

@@ -6,9 +6,10 @@
 //! measured around the call, those of the wheels are the solvers' own. It is the median of some repeats; percentiles
 //! go over the problems.
 //!
-//! All are judged alike. The inputs of a strictly convex problem are unique, so the error of a solver is the largest
-//! distance of its inputs from the optimum, as a share of the inputs' range. The optimum is ours where the conditions of
-//! optimality hold to 1e-8, evaluated from the problem alone. Solved means an error of at most 1e-5.
+//! All are judged alike. The inputs of a strictly convex problem are unique. So the error of a solver is the
+//! largest distance of its inputs from the optimum, as a share of their range. The optimum is ours where the
+//! conditions of optimality hold to 1e-8, evaluated from the problem alone. Solved means an error of at most
+//! 1e-5.
 //!
 //! HPIPM and qpOASES are not among them: no package of either installs without a compiler and their sources.
 

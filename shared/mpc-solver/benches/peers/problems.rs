@@ -9,8 +9,9 @@
 //! * *FiOrdOs*: its example of an input- and state-constrained system, 2012; variants 1 to 3
 //! * *FORCES*: its simple unstable example, 2012; variants 1 and 2, and 1 with the horizon of variant 4
 //!
-//! Each has two states, so that the third one here is zero, an upper triangular matrix, one input, bounds on it and
-//! on the states. A set is the sequence of problems of the closed loop from the benchmark's initial state.
+//! Each has two states (the third one here is zero), an upper triangular matrix, and one input. The input and
+//! the states have bounds. A set is the sequence of problems of the closed loop from the benchmark's initial
+//! state.
 
 use mpc_solver::{Problem, Riccati, Row, Softness, Solver, Start, Status};
 use serde::Serialize;

@@ -1,8 +1,8 @@
 //! OSQP on the drives without the light: operator splitting on the sparse quadratic program, polished at the end.
 //!
-//! Variables `u_0 … u_{N-1}`, `x_1 … x_N`. Rows of its constraint matrix: the dynamics, `x_N = x_f`, the bounds of the
-//! inputs, the buffer. Between two instances only the first three right-hand sides change, so that the setup with
-//! its factorisation counts once and is not timed.
+//! Variables `u_0 … u_{N-1}`, `x_1 … x_N`. Rows of its constraint matrix: the dynamics, `x_N = x_f`, the
+//! bounds of the inputs, the buffer. Between two instances only the first three right-hand sides change. So
+//! the setup with its factorisation is done once and is not timed.
 
 use std::time::Instant;
 

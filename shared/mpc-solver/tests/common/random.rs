@@ -1,8 +1,7 @@
 //! Random problems over the whole operating range, feasible by construction.
 //!
-//! A random input within its bounds is rolled out. Hard limits, the margins of a hard light and the
-//! terminal equality are then placed such that this trajectory satisfies them. Soft limits may be
-//! anywhere.
+//! A random input within its bounds is rolled out. Hard limits, a hard light's margins and the terminal
+//! equality are then placed such that this trajectory satisfies them. Soft limits may be anywhere.
 
 #![allow(dead_code, reason = "each test file uses its part")]
 

@@ -1,8 +1,8 @@
 //! Faults of messages: on the channel and in the sender.
 //!
-//! Faults come from the scenario or, during the run, from the launcher. Whether a fault acts on a
-//! message is decided by the run's seed, the fault and the message's own number alone. So it is
-//! the same for every receiver, on either clock.
+//! Faults come from the scenario or, during the run, from the launcher. The run's seed, the fault and the
+//! message's own number alone decide whether a fault acts on it. So it is the same for every receiver, on
+//! either clock.
 //!
 //! ```text
 //! Falsified ─► protection ─► topic ─► senders, losses ─► Disturbed ─► end-to-end check

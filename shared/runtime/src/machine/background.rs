@@ -1,10 +1,10 @@
 //! Work beside a loop: what takes longer than a cycle may, in a thread that is not real-time.
 //!
-//! A loop asks at a release, and the answer takes effect a fixed time later, at the release that is
-//! due then: in lockstep that release waits for it, so that the same run gives the same bytes; in
-//! realtime it takes what is there, and an answer that is not is late. The loop only ever *tries* the
-//! two locks of the handover, which the thread holds for a copy, and allocates nothing. Where all
-//! services share one thread the work is done when it is asked for: its time does not count there.
+//! A loop asks at a release. The answer takes effect a fixed time later, at the release that is due then: in
+//! lockstep that release waits for it, so that the same run gives the same bytes; in realtime it takes what
+//! is there, and an answer that is not is late. The thread holds the two locks of the handover for a copy.
+//! The loop only ever *tries* them, and allocates nothing. Where all services share one thread the work is
+//! done when it is asked for: its time does not count there.
 
 use crate::counts::statistics::{Latencies, Percentiles};
 use crate::{Carrier, Count, Mode, Release, Runtime, RuntimeError, monotonic_ns};

@@ -141,8 +141,8 @@ impl LawLibrary {
 
     /// One step of the law.
     pub fn step(&mut self, question: &LawInput, answer: &mut LawAnswer) {
-        // SAFETY: the law is the one that the library made, both records live through the call, and each bit pattern
-        // of an answer is one.
+        // SAFETY: the library made this law, both records live through the call, and each bit pattern is an
+        // answer.
         unsafe { (self.step)(self.law.as_ptr(), question, answer) }
     }
 }

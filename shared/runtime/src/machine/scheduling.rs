@@ -46,8 +46,8 @@ pub struct Request {
 }
 
 impl Request {
-    /// The scenario's request for `service`. Without a core of its choice it shares the last core that
-    /// this process may use with the others ([`scenario::runtime`] says why).
+    /// The scenario's request for `service`. Without a core of its choice it shares the last core that this
+    /// process may use ([`scenario::runtime`] says why).
     #[must_use]
     pub fn of(scenario: &Scenario, service: Service) -> Self {
         let runtime = &scenario.runtime;

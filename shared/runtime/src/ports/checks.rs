@@ -90,8 +90,8 @@ impl Checks {
         true
     }
 
-    /// Counts a silence of more than a period of the topic's source as the standard's "no new data",
-    /// once in a period.
+    /// Counts a silence of more than a period of the topic's source, once in a period. The standard calls it
+    /// "no new data".
     pub(crate) fn note_silence(&mut self, now_ns: i64) {
         let Some(Expected { source, period_ns, .. }) = self.expected else { return };
         if now_ns - self.heard_ns > (SILENCE * period_ns as f64) as i64 {

@@ -113,9 +113,9 @@ impl<T: Message> Publisher<T> {
         self.send(message)
     }
 
-    /// Completes the header of `message` (sequence, source, publish stamp, protection), which was loaned
-    /// here, where it is, and hands it over. Returns the publish stamp, ns of run time. Neither copies
-    /// nor allocates. A standby keeps it and releases the previous one.
+    /// Completes the header of `message`, which was loaned here, in its place: sequence, source, publish
+    /// stamp, protection. Then hands it over. Returns the publish stamp, ns of run time. Neither copies nor
+    /// allocates. A standby keeps it and releases the previous one.
     ///
     /// # Errors
     /// [`RuntimeError::Send`] if the transport refuses it, [`RuntimeError::Replaced`] if this process may

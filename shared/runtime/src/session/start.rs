@@ -82,8 +82,8 @@ impl Runtime {
         Ok(())
     }
 
-    /// Joins a run that goes on: the first release is that of the present step, at once, as soon as
-    /// every input has brought its last message, or shows that it has none.
+    /// Joins a run that goes on: the first release is the present step's, at once. It waits until every input
+    /// has brought its last message or shows that it is empty.
     fn catch_up(&mut self) {
         let begun = Instant::now();
         while begun.elapsed() < INPUT_PATIENCE && !self.ports.have_input() {

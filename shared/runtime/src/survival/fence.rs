@@ -1,7 +1,7 @@
 //! Which process may speak for a service: one word in shared memory, its epoch.
 //!
 //! The word holds the incarnation of the one process of a service whose messages count. A standby takes the
-//! service over by a compare-and-swap from the epoch it stands by for to its own, a later one:
+//! service over by a compare-and-swap from the present epoch to its own, a later one:
 //!
 //! ```text
 //! sender:    word == own incarnation ─► send          else: it was replaced, and leaves
@@ -10,9 +10,9 @@
 //! ```
 //!
 //! The sender's look alone is not enough: a process can be stopped between the look and the message, and
-//! continue after it was replaced. The consumer's look comes after the message has arrived. So from the
-//! instant of the compare-and-swap on, no message of an earlier epoch is used by any consumer, and at no
-//! instant are two senders accepted. The tests at the end check that over all interleavings (`loom`).
+//! continue after it was replaced. The consumer's look comes after the message has arrived. So after the
+//! compare-and-swap, consumers use no message of an earlier epoch. At no instant are two senders accepted.
+//! The tests at the end check that over all interleavings (`loom`).
 
 use crate::words::SharedWords;
 use crate::{Group, RuntimeError};

@@ -18,8 +18,8 @@ pub enum Sealing {
     Unsealed,
 }
 
-/// Messages that a subscriber can lag behind: twice what the plant publishes between two releases
-/// of the slowest service, and enough for half a second without the processor at the usual rates.
+/// Messages that a subscriber can lag behind. They are twice what the plant publishes between two releases of
+/// the slowest service. At the usual rates they last for half a second without the processor.
 pub(super) fn buffer(timetable: &Timetable) -> usize {
     let slowest = timetable.strides.into_iter().max().unwrap_or(1);
     usize::try_from((2 * slowest + 8).max(50)).expect("strides are small")

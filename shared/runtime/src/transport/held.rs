@@ -1,9 +1,9 @@
 //! A message after it arrived: a small one copied, a large one where its sender wrote it.
 //!
-//! A message of up to [`SMALL_BYTES`] bytes is copied before it is checked, so that a faulty sender cannot
-//! write into it after the check. A larger one is borrowed: copying the radar's detections would cost
-//! more than carrying them. In the memory of one process a message that was sent can be read only, and
-//! every one is borrowed.
+//! A message of up to [`SMALL_BYTES`] bytes is copied before it is checked. So a faulty sender cannot write
+//! into it after the check. A larger one is borrowed: copying the radar's detections would cost more than
+//! carrying them. In the memory of one process a message that was sent can be read only, and every one is
+//! borrowed.
 
 use super::pooled::PooledIpc as Ipc;
 use iceoryx2::sample::Sample;

@@ -1,8 +1,8 @@
 //! Topics in the memory of one process, whose only thread all members of the run share.
 //!
-//! Each receiver of a topic has a queue; a sender puts a handle of its message into every one of them, and
-//! writes the next message into one that no receiver has any more. A sender whose receiver lags waits for
-//! its next turn, as it would wait for room in shared memory.
+//! Each receiver of a topic has a queue; a sender puts a handle of its message into every one of them. It
+//! writes the next message into one that receivers no longer have. A sender whose receiver lags waits for its
+//! next turn, as it would wait for room in shared memory.
 
 use super::ends::{
     Arrival, Connect, Input, Receiver, Sealing, Sender, SenderId, buffer, buffer_of,
@@ -128,7 +128,7 @@ impl Seat {
 
 /// The turns of one service in a run in one process.
 ///
-/// Code of the service that needs something from the caller of the run leaves word for it and waits for a turn:
+/// Code of the service that needs something from the run's caller leaves word for it and waits for a turn:
 /// the caller looks between two calls of [`InProcess::take_turns`](crate::InProcess::take_turns).
 #[derive(Clone, Debug)]
 pub struct Turns {

@@ -2,9 +2,9 @@
 //! pool.
 //!
 //! iceoryx2 0.10 makes a reference count on the heap for every loan (`ChunkMutSharedState::new`), whatever
-//! the variant. The type that counts is a part of the variant, though, and here it takes its memory from
-//! blocks that it has used before: no loop allocates. Nothing in shared memory differs, so that programs
-//! that use iceoryx2's own variant, such as Python's, meet on the same topics.
+//! the variant. The type that counts is a part of the variant, though. Here it takes its memory from blocks
+//! that it has used before: no loop allocates. Nothing in shared memory differs. So programs that use
+//! iceoryx2's own variant, such as Python's, meet on the same topics.
 
 #![allow(unsafe_code, reason = "a reference count in memory that is used again")]
 

@@ -1,7 +1,7 @@
 //! Waking of processes that wait for a topic: a futex beside iceoryx2.
 //!
-//! Each topic has a word in shared memory that counts its notifications. A process that waits reads the
-//! word *before* it looks for a sample, and sleeps only as long as the word has not moved since:
+//! Each topic has a word in shared memory that counts its notifications. A process that waits reads the word
+//! *before* it looks for a sample. It sleeps only as long as the word has not moved since:
 //!
 //! ```text
 //! publisher:  send ─► word += 1 ─► FUTEX_WAKE (all)
@@ -12,7 +12,7 @@
 //! there is; a process that dies leaves nothing to clean up, and one that is started again needs no
 //! connection.
 //!
-//! iceoryx2's own event service (a datagram socket for each listener and a set of bits) does the same
+//! iceoryx2's own event service has a datagram socket for each listener and a set of bits. It does the same
 //! at more than twice the cost; `timegap bench` measures both beside the bare futex.
 
 use crate::in_process::coroutine::Pause;

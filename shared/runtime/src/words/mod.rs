@@ -72,8 +72,8 @@ impl SharedWords {
     #[must_use]
     pub fn word(&self, index: usize) -> &AtomicU32 {
         assert!(index < self.pages * WORDS, "a page has {WORDS} words");
-        // SAFETY: the word is within the mapping, which is page-aligned, lives as long as `self`
-        // and is only ever accessed as atomic words, by all processes.
+        // SAFETY: the word is within the mapping, which is page-aligned and lives as long as `self`. All
+        // processes access it as atomic words only.
         unsafe { self.first.add(index).as_ref() }
     }
 }

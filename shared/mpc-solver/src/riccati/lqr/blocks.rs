@@ -1,10 +1,10 @@
 //! Backward sweep of the interior point, in blocks of stages.
 //!
-//! It is the recursion at the head of [`super`] for the change of a trajectory (no disturbance)
-//! with all inputs free. For each block the caller first computes the models of its stages, lane by
-//! lane. Then follow the matrix recursion and the vector recursion. `P` waits for one division per
-//! stage and for nothing else. Models and vectors wait for `P` only from block to block, so the
-//! machine works on them in parallel. Merged stage by stage, they would not fit into the registers.
+//! It is the recursion at the head of [`super`] for a trajectory's change (no disturbance) with all inputs
+//! free. For each block the caller first computes the models of its stages, lane by lane. Then follow the
+//! matrix recursion and the vector recursion. `P` waits for one division per stage and for nothing else.
+//! Models and vectors wait for `P` only from block to block, so the machine works on them in parallel. Merged
+//! stage by stage, they would not fit into the registers.
 
 use multiversion::multiversion;
 
