@@ -1,7 +1,7 @@
 //! The controller's part of the degradation ladder: what its inputs still allow.
 //!
-//! In each cycle [`Ladder::look`] takes the ages of the newest *valid* samples and says how far signal
-//! timing may be believed, [`Ladder::admit`] settles what else the law may be told, and after the step
+//! In each cycle [`Ladder::look`] takes the ages of the newest *valid* samples, and says how far signal
+//! timing can be trusted. [`Ladder::admit`] decides on the law's other inputs. After the step
 //! [`Ladder::settle`] names the level. The table of entries and ways back is at [`messages::level`].
 //!
 //! No law receives a target or a light from a sample that is older than the level's bound. Each level has a way back

@@ -1,8 +1,8 @@
 //! Planning in the background, in a thread of its own.
 //!
-//! A plan takes longer than a cycle may. The law asks for one after a step; a background thread
-//! makes it; [`DELAY_CYCLES`] releases later it takes effect. Until then, and when it is late, the law
-//! drives by the plan it has, and knows how old that is.
+//! A plan takes longer than a cycle may. The law asks for one after a step; a background thread makes it;
+//! [`DELAY_CYCLES`] releases later it takes effect. Until then, and when it is late, the law drives by its
+//! present plan. It knows how old that is.
 
 use crate::law::{Law, Plan, PlanRequest};
 use crate::report::PlanningReport;

@@ -30,8 +30,8 @@
 //! a_driver = a_acc + clamp(-a_lead / (1 m/s²) - 1, 0, 1) min(0, a_cah - a_acc)
 //! ```
 //!
-//! It is explicit and always has an answer. The road controller rolls it out as its reference, and
-//! both laws fall back to it when no solution of a convex program is at hand.
+//! It is explicit and always has an answer. The road controller rolls it out as its reference. Both laws fall
+//! back to it when a convex program has no solution in time.
 //!
 //! | symbol | field | unit |
 //! |---|---|---|

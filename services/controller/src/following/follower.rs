@@ -1,7 +1,7 @@
 //! An explicit car follower: a comfortable driver, kept at a safe gap, that stops softly.
 //!
-//! It needs no solver and no certificate and has an answer for every state, so a law that leaves the
-//! range that it is made for can hand over to it.
+//! It needs no solver and no certificate, and has an answer for every state. So a law that leaves its own
+//! range can hand over to it.
 
 use super::driver::{Driver, Obstacle};
 use super::kinematics::{Lag, Motion};

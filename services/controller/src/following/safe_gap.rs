@@ -1,19 +1,19 @@
 //! The gap from which braking is still enough, whatever the vehicle ahead does.
 //!
-//! A request acts for one period and is then followed by full braking, with a deceleration that the
-//! vehicle surely reaches. The margin of a request is the least gap on the way to standstill, less the
-//! smallest gap that is accepted, while the vehicle ahead brakes to standstill at a constant rate:
+//! A request acts for one period. Full braking follows it, with a deceleration that the vehicle surely
+//! reaches. The margin of a request is the least gap on the way to standstill, less the smallest accepted
+//! gap. The vehicle ahead brakes to standstill at a constant rate:
 //!
 //! ```text
 //! margin(u) = min over t of x_lead(t) - x_ego(t; u) - gap_min
 //! x_lead(t) = gap + v_l t - b t²/2 until v_l / b,   b = max(b_worst, what it does now and may add)
 //! ```
 //!
-//! A request with a margin of 0 or more is safe. From a safe state full braking is safe, so a safe
-//! request always exists and the state stays safe, as long as the vehicle ahead brakes with no more than
-//! `b`. A state can be unsafe through no choice of ours (a vehicle cuts in, a lead brakes harder than is
-//! reckoned with). Behind a lead that brakes, the request is then the full braking; behind one that does
-//! not, the gap is opened comfortably, the more firmly the more is missing.
+//! A request with a margin of 0 or more is safe. From a safe state full braking is safe, so a safe request
+//! always exists. The state stays safe while the vehicle ahead brakes with at most `b`. A state can be unsafe
+//! without our doing: a vehicle cuts in, or a lead brakes harder than is reckoned with. Behind a lead that
+//! brakes, the request is then the full braking; behind one that does not, the gap is opened comfortably, the
+//! more firmly the more is missing.
 //!
 //! A worst case is no reason for hard braking while gentle braking is enough for what the lead does. Let `e` be the
 //! smallest constant braking that keeps `gap_min`, or most of a gap that is already smaller, while the lead goes on as it does, and may add to its braking. While `e`
@@ -207,8 +207,8 @@ impl SafeGap {
         move |_| request
     }
 
-    /// Least gap beyond the smallest accepted one for an ego in state `ego` after `time_s`, with a
-    /// request that depends on its place, m. Stops looking once the gap is used up by far.
+    /// Least gap beyond the smallest accepted one, m, for an ego in state `ego` after `time_s`. The request
+    /// depends on its place. Stops looking once the gap is used up by far.
     pub(crate) fn margin_m(
         &self,
         mut ego: Motion,

@@ -1,6 +1,6 @@
 //! Braking while it is not known what is ahead.
 //!
-//! A vehicle whose rear was last seen at `p` with the speed `v_l`, and which brakes with `b` since then, comes to
+//! A vehicle's rear was last seen at `p` with the speed `v_l`. If it brakes with `b` since then, it comes to
 //! stand at `p + v_l²/(2 b)`. To stand `MARGIN_M` behind it the ego, at `x` with the speed `v`, needs
 //!
 //! ```text

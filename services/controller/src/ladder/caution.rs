@@ -11,8 +11,8 @@
 //! A radar that sees less than it should bounds the set speed: to what stops within the distance at which it still finds
 //! a vehicle in time.
 //!
-//! A radar that is blind half of the time is so never accelerated on. While blind, the set speed is at most the speed at
-//! which the ego became blind, so that no law works against the bound.
+//! A radar that is blind half of the time is so never accelerated on. While blind, the set speed is at most
+//! the speed at which the ego became blind. So the laws do not work against the bound.
 
 use crate::law::Input;
 use messages::Sight;

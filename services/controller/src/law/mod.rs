@@ -25,9 +25,9 @@ pub use reader::Reader;
 
 /// A cruise controller.
 ///
-/// Every law passes one conformance suite: its output is finite and within bounds for any input, it
-/// copes with a lost target and lost signals, `reset` brings back the initial behaviour exactly,
-/// the same inputs give the same bits, and `step` allocates nothing.
+/// Every law passes one conformance suite: its output is finite and within bounds for any input. It copes
+/// with a lost target and lost signals. `reset` brings back the initial behaviour exactly. The same inputs
+/// give the same bits, and `step` allocates nothing.
 ///
 /// # Example
 /// A law that keeps a time headway of two seconds:

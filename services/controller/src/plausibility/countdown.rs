@@ -1,9 +1,9 @@
 //! Whether signal timing can be believed.
 //!
-//! What a roadside unit announced as certain stays so: a later announcement with another end contradicts
-//! it. Which of the two is wrong cannot be told from them. So the phase is green only where both say so,
-//! until one is refuted by what the signal shows. A signal that is met for the first time in messages which
-//! contradict what is known of others is taken to be off by as much.
+//! What a roadside unit announced as certain stays so: a later announcement with another end contradicts it.
+//! Which of the two is wrong cannot be told from them. So the phase is green only where both say so, until
+//! one is refuted by what the signal shows. New messages can contradict what is known of other signals. A
+//! signal that they name for the first time is taken to be off by as much.
 
 use super::{Check, Findings};
 use messages::{Interval, MAX_INTERVALS, PhaseState, Signal, Spat};

@@ -31,7 +31,7 @@ impl EgoEstimate {
         (self.believed_s, self.measured_s) = (time_s, time_s);
     }
 
-    /// The motion at `time_s` without odometry, with the radar's scan if it is believed and the request
+    /// The motion at `time_s` without odometry. It takes the radar's scan if it is trusted, and the request
     /// of the last command, m/s². `None` when too much time has passed.
     pub fn advance(
         &mut self,

@@ -1,8 +1,8 @@
 //! Whether what the inputs say can be believed.
 //!
-//! The end-to-end protection finds what was changed on the way, not what its sender made up. A sender that
-//! repeats itself under fresh stamps, or whose figures are off, contradicts itself, another sensor or what
-//! it said before:
+//! The end-to-end protection finds what was changed on the way, not what its sender made up. A sender may
+//! repeat itself under fresh stamps, or its figures may be off. It then contradicts itself, another sensor or
+//! its earlier messages:
 //!
 //! | check | compares | consequence |
 //! |---|---|---|

@@ -147,7 +147,8 @@ impl Motion {
     }
 }
 
-/// True if a tracked vehicle has the speed that the radar took for that of standing objects, while odometry is faster.
+/// True if a tracked vehicle has the speed that the radar took for standing objects, while odometry is
+/// faster.
 ///
 /// A queue that crawls beside the ego fills the scan with detections of one speed: the measurement is then the ego's speed
 /// less the queue's. No vehicle makes it greater, since a queue does not drive backwards.

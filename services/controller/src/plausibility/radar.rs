@@ -6,8 +6,9 @@
 //! | rate | a range that moves other than its rate for a second | one measurement of another part of the vehicle |
 //! | target | a gap or speed far from a track that moves on evenly | a new target, or a measurement that jumped |
 //!
-//! A measurement jumps where the radar sees another part of a vehicle (a lorry's front axle through its under-body, a
-//! flank) or the echo of another object. The filter behind the target rejects that, so the two differ for one scan.
+//! A measurement jumps where the radar sees another object, or another part of a vehicle (a flank, a lorry's
+//! front axle through its under-body). The filter behind the target rejects that, so the two differ for one
+//! scan.
 
 use super::{Check, Findings};
 use messages::{Header, Odometry, RadarTracks, Track};
@@ -96,8 +97,8 @@ impl Radar {
         }
     }
 
-    /// Takes the newest scan and the newest odometry. Returns the scan, with the more careful figures of its target where
-    /// they contradict its track, or `None` if it cannot be believed.
+    /// Takes the newest scan and the newest odometry. Returns the scan, or `None` if it cannot be trusted. A
+    /// target that contradicts its track gets its more careful figures.
     pub fn look(
         &mut self,
         sample: &RadarTracks,

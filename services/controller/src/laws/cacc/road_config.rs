@@ -35,7 +35,7 @@ pub struct RoadConfig {
     /// Reaction time in a stop for yellow, s. The line may be crossed in yellow where a stop with it and the comfort
     /// deceleration, begun at the end of green, would end beyond the line; 0: only where a stop begun at once would.
     pub yellow_reaction_s: f64,
-    /// Weight `w` of the light's penalty `w/D`, with `D` how far the line is passed at the end of green, m.
+    /// Weight `w` of the light's penalty `w/D`, m. `D` is how far the line is passed at the end of green.
     pub light_weight_m: f64,
     /// Margin `D` beyond which the light costs nothing, m.
     pub light_threshold_m: f64,

@@ -36,19 +36,18 @@
 //!
 //! # Use
 //!
-//! Cruise is following a virtual lead with Dd = 0 and Dv = v_set - v_h. The smaller of the two
-//! increments acts, and xc is reset to the value with the least V whenever the lead changes. Before
-//! the law the gap error is cut off above, at `gap_error_limit_m` and at the largest value with
-//! V <= `envelope_limit`; the virtual lead's Dv likewise, on both sides. Outside the ellipsoid
-//! (V > 1: a stopped car ahead at speed, say) and outside the speeds and the lead's accelerations that
-//! the design is made for, nothing is proven: the law says so and hands over to its fall-back, an
-//! explicit follower with brakes of its own (`envelope`); the output's quality is then
-//! [`FallBack`](crate::law::Quality::FallBack), the degradation level `outside-envelope`.
+//! Cruise is following a virtual lead with Dd = 0 and Dv = v_set - v_h. The smaller of the two increments
+//! acts. Whenever the lead changes, xc is reset to the value with the least V. Before the law the gap error
+//! is cut off above, at `gap_error_limit_m` and at the largest value with V <= `envelope_limit`; the virtual
+//! lead's Dv likewise, on both sides. Outside the ellipsoid (V > 1: a stopped car ahead at speed, say) and
+//! outside the speeds and the lead's accelerations that the design is made for, nothing is proven: the law
+//! says so and hands over to its fall-back, an explicit follower with brakes of its own (`envelope`); the
+//! output's quality is then [`FallBack`](crate::law::Quality::FallBack), the degradation level
+//! `outside-envelope`.
 //!
-//! The increments are computed every Ts, whatever the control period: shorter periods hold the
-//! request in between, a period that does not divide Ts delays single updates but keeps their mean
-//! rate, and a longer one runs one update per release and is reported as `Relaxed`, because the
-//! certificate speaks of Ts only.
+//! The increments are computed every Ts, whatever the control period: shorter periods hold the request in
+//! between. A period that does not divide Ts delays single updates but keeps their mean rate. A longer one
+//! runs one update per release and is reported as `Relaxed`: the certificate speaks of Ts only.
 //!
 //! # Design
 //!

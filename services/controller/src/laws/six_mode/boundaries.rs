@@ -34,8 +34,8 @@ impl Boundaries {
         }
     }
 
-    /// The boundaries of the robust law: R_b never below R0 (trap 2), R_w always above R_b
-    /// (trap 1), R_j without its pole and its drop at small relative speeds (trap 4).
+    /// The boundaries of the robust law: R_b is never below R0 (trap 2), R_w always above R_b (trap 1). R_j
+    /// is without its pole and its drop at small relative speeds (trap 4).
     #[must_use]
     pub fn robust(p: &Parameters, speed: f64, relative: f64) -> Self {
         let desired_m = match p.spacing {
@@ -153,8 +153,8 @@ mod tests {
             prop_assert!(b.following_m.is_finite());
         }
 
-        /// The point of R_b: at that gap, if the target brakes at a_p and the ego answers with a_h
-        /// after t1, they do not touch.
+        /// The point of R_b: at that gap the target brakes at a_p, the ego answers with a_h after t1, and
+        /// they do not touch.
         #[test]
         fn braking_at_the_boundary_avoids_contact(v_h in 0.0..40.0f64, v_p in 0.0..40.0f64) {
             let p = Parameters::default();

@@ -1,7 +1,8 @@
 //! A car under the truck's law: the plan sets the speed, a comfortable driver keeps the distance.
 //!
-//! A truck's accelerations are no car's: 0.3 m/s² behind a target leaves a car 9 s behind in town. So the driver model
-//! of [`Driver`] follows with the time headway and the gap at standstill of `[controller]`, and [`SafeGap`] has the last word.
+//! A truck's accelerations are no car's: 0.3 m/s² behind a target leaves a car 9 s behind in town. So the
+//! driver model of [`Driver`] follows with the time headway and the gap at standstill of `[controller]`.
+//! [`SafeGap`] has the last word.
 
 use super::settings::{CAR_MOST_MPS2, CarGap, REQUESTS_MPS2};
 use super::target_filter::Estimate;

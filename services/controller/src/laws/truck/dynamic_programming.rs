@@ -5,7 +5,7 @@
 //! ```
 //!
 //! K_end is that of the road's guessed continuation (`beyond`), in the values alone: the plan ends at the
-//! horizon. A change of torque against the one that acts costs a little, lest the torque chatters between
+//! horizon. A change of torque against the present one costs a little. So the torque does not chatter between
 //! levels of the grid.
 
 use super::beyond::{self, Beyond};

@@ -51,8 +51,8 @@ impl Reference {
     }
 }
 
-/// Tractive force with the injection cut, in the highest gear that turns the engine, and the most that any
-/// gear gives, N.
+/// Tractive force with the injection cut, in the highest gear that turns the engine, N. The second is the
+/// most that any gear gives.
 fn forces_n(truck: &Truck, speed_mps: f64) -> (f64, f64) {
     let gears = (0..GEARS).filter(|&gear| truck.gear_allowed(speed_mps, gear));
     gears.fold((0.0, 0.0), |(_, most_n): (f64, f64), gear| {

@@ -1,9 +1,9 @@
 //! The road ahead as segments: steps 1 and 2 of the published planner.
 //!
-//! The limit grades are those that full load and drag hold at the set speed. Cells of 50 m are classed
-//! by them; equal neighbours merge at their length-weighted slope, which keeps the height; what is
-//! shorter than 150 m joins the neighbour with the nearer slope. Then the last stretch before a change
-//! of class becomes a segment of its own, the lead-in, and long bodies are divided.
+//! The limit grades are those that full load and drag hold at the set speed. Cells of 50 m are classed by
+//! them; equal neighbours merge at their length-weighted slope, which keeps the height; what is shorter than
+//! 150 m joins the neighbour with the nearer slope. Then the last stretch before a change of class becomes a
+//! segment of its own, the lead-in. Long bodies are divided.
 //!
 //! Before neighbours merge, a cell takes the median class of the five cells around it. An error of 0.3 m in one
 //! height changes the grades of two cells by 0.6 %; single cells of a wrong class, joined in turn, would move

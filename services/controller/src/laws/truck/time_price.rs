@@ -5,10 +5,10 @@
 //! ```
 //!
 //! v_ref is the speed, on the same metre, of a truck that keeps m times the set speed wherever its engine can
-//! (`reference`): no price makes up for a climb that full load cannot hold, and a lag counted from the set
-//! speed itself would swing the price with every long wave of the road. What is left is the planner's own,
-//! and the servo is slow on purpose: the lag that a hill makes and the dip after it takes back is no reason
-//! to hurry. A mean speed m that is asked for moves the price at once, not by a lag that builds up.
+//! (`reference`): no price makes up for a climb that full load cannot hold. A lag counted from the set speed
+//! itself would swing the price with every long wave of the road. What is left is the planner's own, and the
+//! servo is slow on purpose: the lag that a hill makes and the dip after it takes back is no reason to hurry.
+//! A mean speed m that is asked for moves the price at once, not by a lag that builds up.
 
 /// k_p, 1/s.
 const PROPORTIONAL_PER_S: f64 = 0.008;
@@ -29,8 +29,8 @@ pub struct TimePrice {
 }
 
 impl TimePrice {
-    /// A servo whose truck is in time at the price p_0, relative to beta_0, when it shall keep its set speed;
-    /// here it shall keep `mean_speed` times it.
+    /// A servo whose truck is in time at the price p_0, relative to beta_0, at its set speed; here it shall
+    /// keep `mean_speed` times it.
     #[must_use]
     pub fn new(usual: f64, mean_speed: f64) -> Self {
         let initial = usual + PRICE_PER_MEAN * (mean_speed - 1.0);

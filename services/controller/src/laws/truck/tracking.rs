@@ -1,8 +1,9 @@
 //! The plan in hand: where the truck is in it, when it must be made anew, when it is stale.
 //!
-//! The torque of the first segment is held to its end. A new plan is asked for there, at a gear change,
-//! when the speed is too far off (0.6 m/s, if nothing else is set), and when the set speed changes. Until it arrives the plan in hand goes
-//! on, into its later segments if need be; beyond its end, or far off it, there is no plan.
+//! The torque of the first segment is held to its end. A new plan is asked for there, at a gear change, and
+//! when the set speed changes. It is asked for when the speed is too far off (0.6 m/s, if nothing else is
+//! set). Until it arrives the plan in hand goes on, into its later segments if need be; beyond its end, or
+//! far off it, there is no plan.
 
 use crate::law::{Input, Plan, PlanRequest, Powertrain, Preview};
 

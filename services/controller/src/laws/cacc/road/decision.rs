@@ -1,13 +1,13 @@
 //! Pass or stop.
 //!
-//! Both programs are solved; a pass counts when its plan reaches the line before green ends. Their
-//! plans are then judged by one cost. What was decided for a line stays until the other is better
-//! by the hysteresis. A line that can neither be passed in green nor be stopped at comfortably is a
-//! dilemma: it is crossed in yellow if that is possible, and only else braked for hard. Yellow counts as green for a
-//! vehicle that a driver, with a reaction time, could not stop comfortably when it begins: yellow is as long as
-//! such a driver needs (ITE 2020). A line whose phase is
-//! not known is taken for red as long as the hardest braking stops before it. A vehicle that stands at the line starts
-//! when green is shown, whatever is announced, if it clears the line before red.
+//! Both programs are solved; a pass counts when its plan reaches the line before green ends. Their plans are
+//! then judged by one cost. What was decided for a line stays until the other is better by the hysteresis. A
+//! line that can neither be passed in green nor be stopped at comfortably is a dilemma: it is crossed in
+//! yellow if that is possible, and only else braked for hard. Yellow counts as green for a vehicle that a
+//! driver with a reaction time could not stop comfortably: yellow is as long as such a driver needs (ITE
+//! 2020). A line whose phase is not known is taken for red as long as the hardest braking stops before it. A
+//! vehicle that stands at the line starts when green is shown, if it clears the line before red. The
+//! announcement has no part in it.
 
 /// What is done about the nearest line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

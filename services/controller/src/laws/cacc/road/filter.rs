@@ -1,15 +1,15 @@
 //! The last word on every request: pure kinematics with the actuator's lag.
 //!
-//! A request acts for one period and is then followed by emergency braking with a deceleration that
-//! the vehicle surely reaches. The request is safe when the vehicle then stops
+//! A request acts for one period. Emergency braking follows it, with a deceleration that the vehicle surely
+//! reaches. The request is safe when the vehicle then stops
 //!
 //! * before each closed line, and
 //! * behind the lead at all times: see [`safe_gap`](crate::following::safe_gap).
 //!
-//! From a safe state emergency braking is safe, so a safe request always exists, and the state
-//! stays safe: neither a line nor the lead is reached, whatever the law above wants. At a line that is
-//! to be passed, the request must leave the vehicle able to stop, or fast enough to cross before red at
-//! the speed it has.
+//! From a safe state emergency braking is safe, so a safe request always exists, and the state stays safe:
+//! neither a line nor the lead is reached, whatever the law above wants. At a line that is to be passed, the
+//! request must leave one way open. The vehicle can still stop, or it crosses before red at its present
+//! speed.
 
 use crate::following::kinematics::{Lag, LagStep, Motion};
 use crate::following::safe_gap::{LeadNow, SURE, SafeGap};

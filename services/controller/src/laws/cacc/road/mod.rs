@@ -1,8 +1,8 @@
 //! The formulation for the road.
 //!
-//! In each cycle the signals ahead are remembered and the lead is predicted. For the nearest stop
-//! line there are two candidates, to pass and to stop. Each has a reference, a comfortable driver
-//! rolled out over the horizon, and a convex program that smooths it and enforces the limits:
+//! In each cycle the signals ahead are remembered and the lead is predicted. For the nearest stop line there
+//! are two candidates, to pass and to stop. Each has a reference, which is a comfortable driver rolled out
+//! over the horizon. A convex program smooths it and enforces the limits:
 //!
 //! ```text
 //! x = (e, ed, a),   e = t_h v + s0 - gap,   ed = v - v_lead
@@ -17,10 +17,10 @@
 //! both:  position <= lead - gap_min,  0 <= v <= v_max
 //! ```
 //!
-//! One of the two is chosen by feasibility and by one cost for both plans, with hysteresis. The
-//! first request then goes through a filter of pure kinematics, which has the last word: after it
-//! the vehicle can still stop before each line that is not to be passed, can still stop behind a
-//! lead that brakes as hard as is reckoned with, and crosses a line that is passed before red.
+//! One of the two is chosen by feasibility and by one cost for both plans, with hysteresis. The first request
+//! then goes through a filter of pure kinematics, which has the last word: after it the vehicle can still
+//! stop before each line that is not to be passed. It can still stop behind a lead that brakes as hard as is
+//! reckoned with. It crosses a line that is passed before red.
 //!
 //! A pass is not only to reach the line: the paper's penalty `w/D` on the margin `D`, by which the line is passed at the
 //! end of green, pulls it ahead. Its slope at the reference's margin is a linear cost of the position there:
@@ -33,12 +33,12 @@
 //! anew, and the program stays quadratic. A red that ends is glided to (see the reference), so that the line is
 //! crossed rolling.
 //!
-//! The lines behind the nearest are in the references and in the filter, and become the nearest in turn. Programs
-//! of their own would gain a green that this drive misses, and there is none: from a standstill, a glide or a
-//! running start, in front of two later lines 40 to 250 m apart, each green that the drive without them reaches is
-//! driven through (`later_signals` among the tests, 60 scenes).
+//! The lines behind the nearest are in the references and in the filter, and become the nearest in turn.
+//! Programs of their own would gain a green that this drive misses, and there is none: each green that the
+//! drive without later lines reaches is driven through. The 60 scenes begin with a standstill, a glide or a
+//! running start, before two later lines 40 to 250 m apart (`later_signals` among the tests).
 //!
-//! When a program is not solved, what is left of the previous plan is followed, and after it the
+//! When a program is not solved, the law follows the rest of the previous plan. After it the law follows the
 //! driver's own requests. The filter judges these like any other.
 //!
 //! | symbol | field | unit |

@@ -1,8 +1,9 @@
 //! The acceleration that the law's own requests explain.
 //!
-//! Plans begin at the vehicle's acceleration, and smooth what follows. What the vehicle brakes beyond the law's own
-//! requests, another system does, as an emergency brake: its end is not the law's to smooth. A plan that began there
-//! would ask for braking of its own, and keep the ego slow beside what it passes long after the other has let go.
+//! Plans begin at the vehicle's acceleration, and smooth what follows. What the vehicle brakes beyond the
+//! law's own requests, another system does, as an emergency brake: its end is not the law's to smooth. A plan
+//! that began there would ask for braking of its own. It would keep the ego slow long after the other has let
+//! go.
 
 use crate::following::kinematics::Lag;
 

@@ -26,8 +26,8 @@
 //! | 2 | `v >= -0.1 m/s` | the same |
 //! | 3 | `p >= line` at the last stage of green | `a >= -comfort` |
 //!
-//! All rows are soft with an exact linear price: a measured state, a cut-in or a jumping countdown
-//! can make any of them impossible, and then the least violation is wanted, not a failed solve.
+//! All rows are soft with an exact linear price: a measured state, a cut-in or a jumping countdown can make
+//! any of them impossible. Then the least violation is wanted, not a failed solve.
 
 use mpc_solver::{Problem, ProblemError, Row, Softness};
 

@@ -71,9 +71,9 @@ pub(super) struct Scene<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reference {
     pub(super) motion: [Motion; MAX_PLAN + 1],
-    /// What the driver asks for, and zero while it stands: that is what keeps the programs' linear model where
-    /// the reference is. Braking would move the model backwards, so each stage of the horizon would press on its
-    /// row `v >= 0`, for the same plan at forty times the solver's time.
+    /// What the driver asks for, and zero while it stands: that is what keeps the programs' linear model
+    /// where the reference is. Braking would move the model backwards, so each stage of the horizon would
+    /// press on its row `v >= 0`. The plan would be the same, at forty times the solver's time.
     pub(super) request_mps2: [f64; MAX_PLAN],
     /// Farthest position allowed at each stage by lead and closed lines, never behind the driver,
     /// m.
@@ -230,7 +230,8 @@ impl Scene<'_> {
         let room = (distance - self.stop_margin_m).max(0.0);
         let glide = b * ((wait * wait + 2.0 * room / b).sqrt() - wait);
         let gliding = self.driver.free_mps2(v, glide.min(self.desired_mps));
-        // Above the glide speed the line is to be braked for as if it stayed closed, and at least as for the glide.
+        // Above the glide speed the braking is for a line that stays closed, and at least as hard as for the
+        // glide.
         let share = (1.0 + (glide - v) / GLIDE_BAND_MPS).clamp(0.0, 1.0);
         let request = stop + share * (gliding - stop).max(0.0);
         if glides { request.min(gliding) } else { request }
