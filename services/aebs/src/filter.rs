@@ -7,7 +7,7 @@
 //!
 //! | between two scans | rate, 1/s |
 //! |---|---|
-//! | it begins to change its lane, with each of the speeds alike | [`BEGINS`] |
+//! | it begins to change its lane, with each of the speeds alike | [`BEGINS`], less below [`BEGINS_FROM_MPS`] |
 //! | it ends the change | [`ENDS`] |
 //! | its speed becomes the next one, up or down | [`VARIES`] each |
 //!
@@ -29,6 +29,9 @@ const STATES: usize = 2 * SIDE + 1;
 const BEGINS: f64 = 0.45;
 const ENDS: f64 = 0.3;
 const VARIES: f64 = 4.0;
+/// Speed from which it begins at the full rate, m/s. Chosen: lane changes come by the way that is driven. A queue at
+/// walking pace has little way.
+const BEGINS_FROM_MPS: f64 = 10.0;
 /// Growth of the position's variance, m²/s: a vehicle that keeps its lane wanders in it.
 const WANDER_M2PS: f64 = 0.01;
 /// Probability of an outlier, and its density over 1 m or 1 m/s.
@@ -177,7 +180,7 @@ impl Lateral {
 
     /// Moves on by `period_s`, in which it may change its rate up to `fastest_mps`.
     pub fn predict(&mut self, period_s: f64, fastest_mps: f64) {
-        let begins = (BEGINS * period_s).min(MOST_VARY);
+        let begins = (BEGINS * (fastest_mps / BEGINS_FROM_MPS).min(1.0) * period_s).min(MOST_VARY);
         let ends = (ENDS * period_s).min(MOST_VARY);
         let varies = (VARIES * period_s).min(MOST_VARY);
         let mut sums = [[0.0; 3]; STATES];
