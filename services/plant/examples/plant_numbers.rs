@@ -5,16 +5,17 @@
 //! ```
 //!
 //! Each number is halved and doubled, within its range, while all others keep their values. A car drives a stop-and-go
-//! cycle behind a lead, a truck stops on slopes and moves off, and a vehicle cuts in.
+//! cycle behind a lead, a truck stops on slopes and moves off, a vehicle cuts in, and a car drives through curves.
 
 use bytemuck::Zeroable;
 use messages::VehicleTruth;
 use parameters::{Row, Table};
 use plant::ahead::{Ahead, required_with};
 use plant::gateway::{Actuation, Source};
+use plant::lateral::Lateral;
 use plant::longitudinal::{State, Vehicle};
 use plant::numbers::Numbers;
-use plant::referee::Referee;
+use plant::referee::{InPlane, Referee};
 use plant::surroundings::Surroundings;
 use plant::truck::Truck;
 use scenario::Scenario;
@@ -24,7 +25,7 @@ const PERIOD_NS: u64 = 10_000_000;
 const PERIOD_S: f64 = 0.01;
 
 /// Names of the figures, with their units, in the order of [`figures`].
-const FIGURES: [&str; 9] = [
+const FIGURES: [&str; 12] = [
     "car's time to 20 m/s, s",
     "energy, kWh/100 km",
     "stops",
@@ -34,6 +35,9 @@ const FIGURES: [&str; 9] = [
     "truck's jerk at a stop, m/s³",
     "cut-in begins, s",
     "cut-in lasts, s",
+    "largest offset in curves, m",
+    "largest lateral jerk in curves, m/s³",
+    "largest offset before a stand in a curve, m",
 ];
 
 fn main() {
@@ -66,7 +70,21 @@ fn figures(numbers: &Numbers) -> [f64; FIGURES.len()] {
     let (to_20_s, energy, stops, ttc_s, required_mps2) = car(numbers);
     let (rolls_mps, jerk_mps3) = truck(numbers);
     let (begins_s, lasts_s) = cut_in(numbers);
-    [to_20_s, energy, stops, ttc_s, required_mps2, rolls_mps, jerk_mps3, begins_s, lasts_s]
+    let [offset_m, across_mps3, slow_m] = curves(numbers);
+    [
+        to_20_s,
+        energy,
+        stops,
+        ttc_s,
+        required_mps2,
+        rolls_mps,
+        jerk_mps3,
+        begins_s,
+        lasts_s,
+        offset_m,
+        across_mps3,
+        slow_m,
+    ]
 }
 
 fn scenario(keys: &str) -> Scenario {
@@ -171,4 +189,35 @@ fn cut_in(numbers: &Numbers) -> (f64, f64) {
         }
     }
     (begins_s, lasts_s)
+}
+
+/// A car drives through narrow curves at 14 m/s for 60 s, then brakes to a stand in one. Largest offset from the axis in
+/// both parts, and the largest lateral jerk.
+fn curves(numbers: &Numbers) -> [f64; 3] {
+    let scenario = scenario(
+        "plant.initial_speed_mps = 14\n[road.plan]\n\
+         generated = { seed = 5, length_km = 2, min_radius_m = 100, max_radius_m = 400 }",
+    );
+    let mut car = Vehicle::with(&scenario.plant, numbers);
+    let mut lateral = Lateral::of(&scenario, numbers).expect("it has a plan");
+    let mut referee = Referee::with(&scenario, numbers);
+    let (mut fast_m, mut slow_m) = (0.0f64, 0.0f64);
+    for k in 0..8000u64 {
+        let before = car.state();
+        let request = if k < 6000 { 0.0 } else { -2.0 };
+        car.step(request);
+        if let Some(position_m) = lateral.step(&before, &car.state()) {
+            car.place(position_m);
+        }
+        let state = lateral.state();
+        let largest = if k < 6000 { &mut fast_m } else { &mut slow_m };
+        *largest = largest.max(state.lateral_m.abs());
+        let shown = InPlane {
+            lateral_m: state.lateral_m,
+            lateral_acceleration_mps2: state.lateral_acceleration_mps2,
+            closing_at_contact_mps: None,
+        };
+        referee.observe_in_plane(k * PERIOD_NS, &car.state(), None, &[], Some(&shown));
+    }
+    [fast_m, referee.figures().max_abs_lateral_jerk_mps3.unwrap_or(f64::NAN), slow_m]
 }
