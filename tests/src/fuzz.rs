@@ -22,7 +22,7 @@ pub struct Target {
 }
 
 /// All readers.
-pub const TARGETS: [Target; 12] = [
+pub const TARGETS: [Target; 14] = [
     Target { name: "scenario", read: scenario },
     Target { name: "speed_table", read: speed_table },
     Target { name: "bag", read: bag },
@@ -35,6 +35,8 @@ pub const TARGETS: [Target; 12] = [
     Target { name: "capture", read: capture },
     Target { name: "frame", read: frame },
     Target { name: "storyboard", read: storyboard },
+    Target { name: "opendrive", read: opendrive },
+    Target { name: "plan", read: plan },
 ];
 
 /// Scenario files. An accepted one can be written and read again, and its law can be built.
@@ -131,6 +133,51 @@ pub fn openscenario(bytes: &[u8]) {
         assert!(!variation.is_empty() && !variation.get(variation.len() - 1).is_empty());
     }
     drive(&files);
+}
+
+/// OpenDRIVE files. Every lane of an accepted road has a finite middle, and its axis finite poses.
+pub fn opendrive(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let Ok(document) = openscenario::xml::parse("fuzz.xodr", text) else { return };
+    let Ok(found) = openscenario::road::read(&document, None) else { return };
+    let road = found.road;
+    assert!(road.lanes.is_sound());
+    let axis = road.axis().expect("it was read");
+    let part = &road.parts[0];
+    for k in 0..8 {
+        let s_m = road.lanes.length_m * f64::from(k) / 7.0;
+        assert!(road.heights.at(s_m).is_finite());
+        for strip in road.lanes.strips(s_m).collect::<Vec<_>>() {
+            let at = axis.point(s_m, strip.center_m);
+            assert!(at.x_m.is_finite() && at.y_m.is_finite() && at.heading_rad.is_finite());
+            assert!(road.drift(0.0, strip.center_m, s_m).is_finite());
+            let file = Path::new("fuzz.xodr");
+            let lane = openscenario::road::driven_lane(file, text, &part.id, strip.id, s_m);
+            if let Ok(lane) = lane {
+                let (axis, _) = lane.line.axis().expect("it was read");
+                assert!(axis.pose(0.5 * axis.length_m()).x_m.is_finite());
+                let _ = lane.road.heights_along(&lane.line);
+            }
+        }
+    }
+}
+
+/// Plans of a road, the keys of `[road.plan]`. The axis of an accepted one has finite poses.
+pub fn plan(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let head = "schema_version = 1\nname = \"fuzz\"\n[[actors]]\nname = \"lead\"\ngap_m = 40\n\
+                initial_speed_mps = 20\n[road.plan]\n";
+    if let Ok(scenario) = Scenario::parse("fuzz.toml", &format!("{head}{text}"))
+        && let Some(plan) = scenario.road.plan()
+    {
+        let axis = plan.axis();
+        for k in 0..20 {
+            let p_m = axis.length_m() * (f64::from(k) - 2.0) / 16.0;
+            let at = axis.point(p_m, 3.5);
+            let (back_m, left_m) = axis.project(at.x_m, at.y_m, p_m);
+            assert!((back_m - p_m).abs() < 1e-3 && (left_m - 3.5).abs() < 1e-3, "{p_m}");
+        }
+    }
 }
 
 /// Storyboards that the bytes choose. A drive of 20 s stays finite, and goes on the same way from a

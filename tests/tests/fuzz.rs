@@ -36,6 +36,20 @@ fn examples(name: &str) -> Vec<Vec<u8>> {
                 example("crossing_pedestrian"),
             ]
         }
+        "opendrive" => vec![
+            file("shared/openscenario/tests/roads/own.xodr"),
+            file("examples/openscenario/straight.xodr"),
+        ],
+        "plan" => vec![
+            text(
+                "pieces = [{ line_m = 3000 }, { spiral_m = 80 }, { arc_m = 400, radius_m = 500, turn = \"left\" }, \
+                 { spiral_m = 80 }, { line_m = 9000 }]\n",
+            ),
+            text(
+                "generated = { seed = 1, length_km = 20, min_radius_m = 250, max_radius_m = 2000, spiral_m = [30, 200] }\n\
+                 start = { x_m = 5, y_m = 7, heading_deg = 30 }\nlanes = { left = 1, right = 2, width_m = 3.5 }\n",
+            ),
+        ],
         "design" => vec![file("services/controller/designs/quadratic-bounded.json")],
         "link" => vec![
             text(r#"{"start":{"start_ns":12}}"#),

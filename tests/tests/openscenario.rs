@@ -56,6 +56,44 @@ fn a_cut_in_happens_at_its_gap_and_ends_the_run() {
     assert!(corner.roots().is_empty());
 }
 
+/// The same on a road of curves and grades: the ego drives the curve, and so does the storyboard's car.
+#[test]
+fn a_cut_in_happens_in_a_curve() {
+    let corner = corner();
+    let road = corner.path().join("examples/straight.xodr");
+    let straight = std::fs::read_to_string(&road).expect("it is there");
+    let heights = "<elevationProfile><elevation s=\"0\" a=\"10\" b=\"0.01\" c=\"0\" d=\"0\"/></elevationProfile>";
+    let curved = straight
+        .replace("<line/>", "<arc curvature=\"0.001\"/>")
+        .replace("<lanes>", &format!("{heights}<lanes>"));
+    std::fs::write(&road, curved).expect("our own directory");
+    let summary = lockstep(&corner, "examples/cut_in.xosc", &["--out", "a"]);
+    assert_eq!(summary["outcome"], "completed");
+    let gap_m = summary["control"]["min_gap_m"].as_f64().expect("a gap");
+    assert!((5.0..30.0).contains(&gap_m), "{gap_m}");
+    let kept = std::fs::read_to_string(corner.path().join("a/scenario.toml")).expect("it is kept");
+    assert!(kept.contains("[road.plan") && kept.contains("of_storyboard = true"), "{kept}");
+    let again = lockstep(&corner, "a/scenario.toml", &["--out", "b"]);
+    assert_eq!(again["messages"], summary["messages"]);
+    // The same file as a plan, for a scenario of one's own.
+    let own = "schema_version = 1\nname = \"own\"\nduration_s = 10\nset_speed_mps = 20\n\
+               [plant]\ninitial_speed_mps = 20\n\
+               [road.plan]\nopendrive = { file = \"straight.xodr\", road = \"1\", lane = -2, s_m = 50 }\n";
+    std::fs::write(corner.path().join("examples/own.toml"), own).expect("our own directory");
+    let summary = lockstep(&corner, "examples/own.toml", &["--out", "c"]);
+    assert_eq!(summary["outcome"], "completed");
+    let kept = std::fs::read_to_string(corner.path().join("c/scenario.toml")).expect("it is kept");
+    // Lane -2 of three: one to the left, one to the right.
+    assert!(kept.contains("left = 1") && kept.contains("right = 1"), "{kept}");
+    assert!(kept.contains("points = ["), "its heights: {kept}");
+    let wrong = own.replace("lane = -2", "lane = 4");
+    std::fs::write(corner.path().join("examples/wrong.toml"), wrong).expect("our own directory");
+    let output = corner.run(&["run", "examples/wrong.toml"]);
+    assert_eq!(output.status.code(), Some(2));
+    let said = text(&output);
+    assert!(said.contains("straight.xodr:5:3: road `1` has no lane `4` at s = 50 m"), "{said}");
+}
+
 /// The same in TOML: an actor beside the ego cuts in when the ego is 30 m behind.
 #[test]
 fn an_actor_of_a_toml_scenario_cuts_in_at_30_m() {
@@ -177,13 +215,13 @@ fn what_is_wrong_is_one_error_with_its_place() {
     std::fs::write(&path, good).expect("our own directory");
     let road = corner.path().join("examples/straight.xodr");
     let bent =
-        std::fs::read_to_string(&road).expect("it is there").replacen("b=\"0\"", "b=\"0.1\"", 1);
+        std::fs::read_to_string(&road).expect("it is there").replacen("b=\"0\"", "b=\"nan\"", 1);
     std::fs::write(&road, bent).expect("our own directory");
     let output = corner.run(&["run", "examples/cut_in.xosc"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(
         text(&output)
-            .contains("straight.xodr:13:40: element `width` in `lane` changes along the road"),
+            .contains("straight.xodr:13:65: attribute `b` of `width`: `nan` is not a number"),
         "{}",
         text(&output)
     );

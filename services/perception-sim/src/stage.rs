@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use openscenario::model::Drive;
-use openscenario::world::{Bend, State};
+use openscenario::world::{Bend, Extent, State, Way};
 use openscenario::{Motion, World};
 use scenario::Scenario;
 use scenario::actor::Profile;
@@ -28,6 +28,8 @@ pub(crate) struct Stage {
     front_s_m: f64,
     middle_t_m: f64,
     ego_width_m: f64,
+    /// The ego's axis, where the storyboard's road has curves. Places count along it then.
+    way: Option<Way>,
 }
 
 impl Stage {
@@ -49,22 +51,21 @@ impl Stage {
         let direction = start.direction();
         let front_s_m = if direction > 0.0 { extent.to_s_m } else { extent.from_s_m };
         let middle_t_m = 0.5 * (extent.from_t_m + extent.to_t_m);
-        if let Some(axis) = axis {
+        let line = scenario.road.plan().and_then(|plan| plan.opendrive.as_ref()?.line.as_ref());
+        let way = line.filter(|_| scenario.storyboard.is_some()).map(|line| {
+            let (axis, start) = line.0.axis().expect("the scenario has been checked");
+            Way { axis: Arc::new(axis), start }
+        });
+        if let Some(axis) = axis.filter(|_| way.is_none()) {
             world.bend(Bend { axis, direction, at_s_m: front_s_m, at_t_m: middle_t_m });
         }
-        Some(Self { entities, direction, front_s_m, middle_t_m, ego_width_m, world, start })
+        Some(Self { entities, direction, front_s_m, middle_t_m, ego_width_m, way, world, start })
     }
 
     /// Brings the world to `time_ns`. `actors` are the scenario's; those that the storyboard moves are
     /// filled in, the others are taken from it.
     pub(crate) fn advance(&mut self, time_ns: u64, ego: &Ego, actors: &mut [Vehicle]) {
-        let here = Motion {
-            s_m: self.start.s_m + self.direction * ego.position_m,
-            speed_mps: ego.speed_mps,
-            acceleration_mps2: ego.acceleration_mps2,
-            ..self.start
-        };
-        self.world.observe(self.world.script().ego, here);
+        self.world.observe(self.world.script().ego, self.motion_of_ego(ego));
         for (&entity, vehicle) in self.entities.iter().zip(&*actors) {
             if self.world.script().entities[entity].drive == Drive::External {
                 self.world.observe(entity, self.motion_of(entity, vehicle));
@@ -73,7 +74,7 @@ impl Stage {
         self.world.step(time_ns);
         for (&entity, vehicle) in self.entities.iter().zip(actors) {
             if self.world.script().entities[entity].drive == Drive::Scripted {
-                *vehicle = self.vehicle(entity);
+                *vehicle = self.vehicle(entity, ego.position_m);
             }
         }
     }
@@ -96,23 +97,54 @@ impl Stage {
         self.world.restore(state);
     }
 
-    fn vehicle(&self, entity: usize) -> Vehicle {
+    fn motion_of_ego(&self, ego: &Ego) -> Motion {
+        let Ego { position_m, speed_mps, acceleration_mps2, .. } = *ego;
+        let moved = Motion { speed_mps, acceleration_mps2, ..self.start };
+        let script = self.world.script();
+        let Some(way) = &self.way else {
+            return Motion { s_m: self.start.s_m + self.direction * position_m, ..moved };
+        };
+        let body = &script.entities[script.ego].body;
+        let front_m = body.center_ahead_m + 0.5 * body.length_m;
+        let (s_m, t_m) = (position_m - front_m, -body.center_left_m);
+        let near_s_m = self.world.motion(script.ego).s_m;
+        way.on_road(&self.world, &Motion { s_m, t_m, heading_rad: 0.0, ..moved }, near_s_m)
+    }
+
+    /// A vehicle on the simulation's axis. `ego_m` is the ego's place there.
+    fn vehicle(&self, entity: usize, ego_m: f64) -> Vehicle {
         let motion = self.world.motion(entity);
         if !motion.present {
             return Vehicle::default();
         }
-        let extent = self.world.extent(entity);
-        let rear_s_m = if self.direction > 0.0 { extent.from_s_m } else { extent.to_s_m };
-        let middle_t_m = 0.5 * (extent.from_t_m + extent.to_t_m);
+        let Some(way) = &self.way else {
+            let origin = (self.direction, self.front_s_m, self.middle_t_m);
+            return self.seen(entity, motion, origin);
+        };
+        let ego_s_m = self.world.motion(self.world.script().ego).s_m;
+        let near_m = ego_m + self.direction * (motion.s_m - ego_s_m);
+        self.seen(entity, way.along(&self.world, entity, near_m), (1.0, 0.0, 0.0))
+    }
+
+    /// A vehicle from its motion in coordinates in which the axis has a direction and an origin.
+    fn seen(
+        &self,
+        entity: usize,
+        motion: Motion,
+        (direction, front_s_m, middle_t_m): (f64, f64, f64),
+    ) -> Vehicle {
+        let extent = Extent::of(&self.world.script().entities[entity].body, &motion);
+        let rear_s_m = if direction > 0.0 { extent.from_s_m } else { extent.to_s_m };
+        let own_t_m = 0.5 * (extent.from_t_m + extent.to_t_m);
         let width_m = extent.to_t_m - extent.from_t_m;
-        let along = self.direction * libm::cos(motion.heading_rad);
+        let along = direction * libm::cos(motion.heading_rad);
         Vehicle {
             present: true,
-            rear_position_m: self.direction * (rear_s_m - self.front_s_m),
+            rear_position_m: direction * (rear_s_m - front_s_m),
             speed_mps: along * motion.speed_mps,
             acceleration_mps2: along * motion.acceleration_mps2,
-            lateral_m: self.direction * (middle_t_m - self.middle_t_m),
-            lateral_speed_mps: self.direction
+            lateral_m: direction * (own_t_m - middle_t_m),
+            lateral_speed_mps: direction
                 * (motion.lateral_mps + motion.speed_mps * libm::sin(motion.heading_rad)),
             length_m: extent.to_s_m - extent.from_s_m,
             width_m,

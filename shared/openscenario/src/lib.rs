@@ -45,6 +45,7 @@ mod comparison;
 mod declare;
 mod error;
 mod expression;
+mod ground;
 mod library;
 pub mod model;
 mod parameter;
@@ -56,7 +57,7 @@ mod scope;
 mod subset;
 pub mod variation;
 pub mod world;
-mod xml;
+pub mod xml;
 
 pub use comparison::Rule;
 pub use error::{Place, ReadError, Spot};

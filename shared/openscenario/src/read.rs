@@ -74,7 +74,7 @@ pub fn scenario(
             let (place, stop) = board.stop.unzip();
             let spots = Spots { entities, starts, stop: place.map(|place| place.spot) };
             let script = Script {
-                road: (*scene.road(None)?).clone(),
+                road: scene.road(None)?.road.clone(),
                 ego: scene.ego.get(),
                 entities: scene.entities.take(),
                 values: scene.values.take(),
@@ -91,7 +91,7 @@ pub fn scenario(
     }
 }
 
-/// Looks up what refers to parts of the storyboard, and notes what of the road has no effect.
+/// Looks up what refers to parts of the storyboard.
 fn finish(scene: &Scene<'_>, script: &Script) -> Result<(), ReadError> {
     for reference in scene.references.take() {
         script.find(reference.kind, &reference.name).map_err(|fault| ReadError::Meaning {
@@ -99,20 +99,6 @@ fn finish(scene: &Scene<'_>, script: &Script) -> Result<(), ReadError> {
             reason: fault.reason,
             expected: fault.expected,
         })?;
-    }
-    let road = &script.road;
-    if road.straight.is_none() {
-        scene.notice(format!(
-            "road `{}` is curved: it is unrolled along its reference line, its curvature has no effect",
-            road.id
-        ));
-    }
-    if road.steepest_slope > 0.0 {
-        scene.notice(format!(
-            "road `{}` has grades of up to {:.1} %: they have no effect",
-            road.id,
-            100.0 * road.steepest_slope
-        ));
     }
     Ok(())
 }

@@ -6,7 +6,8 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use crate::error::{Place, ReadError};
+use crate::error::{Place, ReadError, Spot};
+use crate::ground::Ground;
 use crate::library::Source;
 use crate::model::element::ElementKind;
 use crate::model::{Entity, Named};
@@ -23,7 +24,7 @@ pub(crate) struct Scene<'a> {
     /// The directories of catalogs, each with the name of its location.
     pub locations: RefCell<Vec<Location>>,
     road_file: OnceCell<Document>,
-    road: OnceCell<Rc<Road>>,
+    road: OnceCell<Rc<Scenery>>,
     pub entities: RefCell<Vec<Entity>>,
     /// Names that stand for several entities.
     pub selections: RefCell<Vec<(String, Vec<usize>)>>,
@@ -34,6 +35,12 @@ pub(crate) struct Scene<'a> {
     /// References to parts of the storyboard, to be looked up once all of it has been read.
     pub references: RefCell<Vec<Reference>>,
     pub notices: RefCell<Vec<String>>,
+}
+
+/// The road with its place in the plane.
+pub(crate) struct Scenery {
+    pub road: Road,
+    pub ground: Ground,
 }
 
 /// A directory of catalogs.
@@ -126,15 +133,24 @@ impl<'a> Scene<'a> {
     }
 
     /// The road. The first position that names one chooses it; `None` asks for the only one.
-    pub(crate) fn road(&self, id: Option<&str>) -> Result<Rc<Road>, ReadError> {
+    pub(crate) fn road(&self, id: Option<&str>) -> Result<Rc<Scenery>, ReadError> {
         if let Some(road) = self.road.get() {
             return Ok(Rc::clone(road));
         }
-        let road = match self.road_file.get() {
-            Some(document) => road::read(document, id)?,
-            None => Road::assumed(),
+        let (road, place) = match self.road_file.get() {
+            Some(document) => {
+                let found = road::read(document, id)?;
+                found.notices.into_iter().for_each(|notice| self.notice(notice));
+                (found.road, Place { file: document.file.clone(), spot: document.root.spot })
+            }
+            None => (Road::assumed(), Place { file: String::new(), spot: Spot::default() }),
         };
-        Ok(Rc::clone(self.road.get_or_init(|| Rc::new(road))))
+        let ground = Ground::of(&road).map_err(|error| ReadError::Meaning {
+            place,
+            reason: error.to_string(),
+            expected: error.expected(),
+        })?;
+        Ok(Rc::clone(self.road.get_or_init(|| Rc::new(Scenery { road, ground }))))
     }
 
     /// Whether positions may name any road, since none is there.

@@ -78,11 +78,11 @@ fn places_that_are_not_there() {
         &["2000 m are beyond the road's end, expected at most 1000"],
     );
     refused(&lead("<LanePosition roadId=\"5\" laneId=\"-1\" s=\"1\"/>"), &["`5` is a second road"]);
-    let mut curved = lead("<WorldPosition x=\"1\" y=\"0\"/>");
-    curved
+    let mut narrow = lead("<WorldPosition x=\"1\" y=\"0\"/>");
+    narrow
         .files
-        .push(("dir/road.xodr".into(), ROAD.replace("<line/>", "<arc curvature=\"0.01\"/>")));
-    refused(&curved, &["`WorldPosition` needs coordinates of the plane, and the road is curved"]);
+        .push(("dir/road.xodr".into(), ROAD.replace("<line/>", "<arc curvature=\"0.1\"/>")));
+    refused(&narrow, &["dir/road.xodr:1:49: a radius of 10.0 m, expected at least 20 m"]);
 }
 
 #[test]

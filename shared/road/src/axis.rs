@@ -8,6 +8,8 @@ use crate::{AxisError, Laid, MAX_GAP_M, MAX_KINK_RAD, MAX_LENGTH_M, Piece, Pose}
 const MAX_STEPS: u32 = 40;
 /// Longest step of a projection, m.
 const LONGEST_STEP_M: f64 = 20.0;
+/// Distances that differ by less than this are the same, m.
+const SAME_M: f64 = 1e-6;
 /// A step that ends a projection, m.
 const LAST_STEP_M: f64 = 1e-9;
 /// Least rate at which the foot of a point moves: beyond the centre of a curve there is no foot.
@@ -267,15 +269,29 @@ impl Axis {
     }
 
     /// The coordinates (p, l) of the point of the axis nearest to a point of the plane, without a place to begin from.
+    /// Where several branches are equally near, it is the first.
     #[must_use]
     pub fn nearest(&self, x_m: f64, y_m: f64) -> (f64, f64) {
-        let way_m = |p_m: f64| {
-            let place = self.place(p_m);
+        let count = self.bins.len();
+        let start_m = |i: usize| (CELL_M * i as f64).min(self.length_m);
+        let way_m = |i: usize| {
+            let place = self.place(start_m(i));
             libm::hypot(x_m - place.x_m, y_m - place.y_m)
         };
-        let starts = (0..self.bins.len()).map(|bin| CELL_M * bin as f64).chain([self.length_m]);
-        let near_m = starts.min_by(|a, b| way_m(*a).total_cmp(&way_m(*b))).unwrap_or(0.0);
-        self.project(x_m, y_m, near_m)
+        let least_m = (0..=count).map(way_m).fold(f64::INFINITY, f64::min);
+        let (mut best, mut before_m) = (None::<(f64, f64)>, f64::INFINITY);
+        for i in 0..=count {
+            let here_m = way_m(i);
+            let is_low = here_m <= before_m && (i == count || here_m <= way_m(i + 1));
+            before_m = here_m;
+            if is_low && here_m <= least_m + CELL_M {
+                let found = self.project(x_m, y_m, start_m(i));
+                if best.is_none_or(|best| found.1.abs() < best.1.abs() - SAME_M) {
+                    best = Some(found);
+                }
+            }
+        }
+        best.unwrap_or_else(|| self.project(x_m, y_m, 0.0))
     }
 }
 

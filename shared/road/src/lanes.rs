@@ -155,6 +155,24 @@ impl Lanes {
         Profile::sum(&parts, from_m, self.end_m(section))
     }
 
+    /// True if the sections are in order, and each link leads to a lane.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        let lanes = |section: Option<usize>| {
+            section.and_then(|section| self.sections.get(section)).map_or(0, |s| s.lanes.len())
+        };
+        let fits = |(number, section): (usize, &Section)| {
+            let (before, after) = (lanes(number.checked_sub(1)), lanes(Some(number + 1)));
+            section.from_m < self.end_m(number)
+                && section.left <= section.lanes.len()
+                && section.lanes.iter().all(|lane| {
+                    lane.before.is_none_or(|index| index < before)
+                        && lane.after.is_none_or(|index| index < after)
+                })
+        };
+        self.length_m > 0.0 && self.sections.iter().enumerate().all(fits)
+    }
+
     /// True if the lanes are the same, with the same widths, all along.
     #[must_use]
     pub fn is_uniform(&self) -> bool {

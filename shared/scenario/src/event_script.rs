@@ -10,7 +10,7 @@ use openscenario::model::storyboard::{
     Act, Event, Maneuver, ManeuverGroup, NamedAction, Priority, Story,
 };
 use openscenario::model::{Body, Category, Drive, Entity, InitAction};
-use openscenario::road::{Lane, Road};
+use openscenario::road::Road;
 use openscenario::{Rule, Script};
 
 use super::Scenario;
@@ -78,8 +78,7 @@ fn of_events(scenario: &Scenario) -> Script {
             stories.push(story(scenario, index, actor));
         }
     }
-    let lane = Lane { id: -1, center_m: 0.0, width_m: openscenario::road::ASSUMED_LANE_WIDTH_M };
-    let road = Road { lanes: vec![lane], ..Road::assumed() };
+    let road = Road::one_lane();
     Script { road, ego: 0, entities, values: Vec::new(), init, stories, stop: None }
 }
 

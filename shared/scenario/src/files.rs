@@ -9,6 +9,7 @@ use super::Scenario;
 use super::actor::Profile;
 use super::document::{Document, MAX_TEXT_BYTES};
 use super::error::ScenarioError;
+use super::plan::{DrivenLine, Lanes, Start};
 use super::problem::Problem;
 use super::recorded::{self, READING, RecordedError};
 use super::road::{self, Heights};
@@ -107,7 +108,43 @@ pub(super) fn load(
         let profile = road::parse_csv(&path.display().to_string(), &text)?;
         *points = road::points_of(&profile);
     }
+    notes.extend(load_plan(scenario, document, own)?);
     Ok(notes)
+}
+
+/// Reads the OpenDRIVE file of a plan: the line that the ego drives along, its lanes and its heights. Returns notes on it.
+fn load_plan(
+    scenario: &mut Scenario,
+    document: &Document<'_>,
+    own: Option<&Path>,
+) -> Result<Vec<String>, ScenarioError> {
+    const FILE: &str = "road.plan.opendrive.file";
+    let Some(plan) = &mut scenario.road.plan else { return Ok(Vec::new()) };
+    let Some(opendrive) = &mut plan.opendrive else { return Ok(Vec::new()) };
+    let is_set = is_set(document, FILE, "road.plan.opendrive.line");
+    let Some(path) = to_read(&opendrive.file, own, is_set, opendrive.line.is_none()) else {
+        return Ok(Vec::new());
+    };
+    let text = read(&path, MAX_TEXT_BYTES).map_err(|reason| {
+        let message = format!("{} {reason}", path.display());
+        document.problem(&Problem::new(FILE, message, "an OpenDRIVE file"))
+    })?;
+    let lane = opendrive.read(&path, &text).map_err(|problem| document.problem(&problem))?;
+    let heights = lane.road.heights_along(&lane.line).map_err(|error| {
+        document.problem(&Problem::new(FILE, error.to_string(), error.expected()))
+    })?;
+    opendrive.line = Some(DrivenLine(lane.line));
+    if !document.has("road.plan.start") {
+        plan.start = Start::of_pose(&lane.start);
+    }
+    if !document.has("road.plan.lanes") {
+        plan.lanes = Lanes::beside(lane.beside, lane.width_m);
+    }
+    if scenario.road.is_level() && !heights.is_empty() {
+        let points = road::points(&heights).map_err(|problem| document.problem(&problem))?;
+        scenario.road.heights = Heights::Points(points);
+    }
+    Ok(lane.notices)
 }
 
 /// True if a file was set on the command line without its points: the points in the scenario are another file's.

@@ -237,6 +237,18 @@ impl Generated {
     }
 }
 
+/// Heights of a file, way and height in m, as a scenario keeps them.
+pub(super) fn points(heights: &[[f64; 2]]) -> Result<Vec<RoadPoint>, Problem> {
+    let point = |[distance_m, height_m]: &[f64; 2]| {
+        let refuse = |message: String| Problem::new("road", message, "heights that are in range");
+        let distance =
+            Distance::try_from(*distance_m).map_err(|error| refuse(error.to_string()))?;
+        let height = Height::try_from(*height_m).map_err(|error| refuse(error.to_string()))?;
+        Ok(RoadPoint(distance, height))
+    };
+    heights.iter().map(point).collect()
+}
+
 /// The points of a profile as a scenario keeps them.
 pub(super) fn points_of(profile: &GradeProfile) -> Vec<RoadPoint> {
     let point = |point: &Point| {

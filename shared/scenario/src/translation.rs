@@ -3,17 +3,20 @@
 //! The ego is this program's own: its place, its speed and its extent come from the file, its control from
 //! `[controller]`. Every other entity is an actor with the profile `storyboard`.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use openscenario::model::condition::{Condition, Test, Trigger};
 use openscenario::model::{Category, Drive, Script};
 use openscenario::read;
-use openscenario::{Assignment, Disk, ReadError, Rule, Spot, World, WorldError};
+use openscenario::{Assignment, Disk, Motion, ReadError, Rule, Spot, World, WorldError};
+use road::AxisError;
 
 use super::SCHEMA_VERSION;
 use super::actor::MAX_ACTORS;
 use super::error::ScenarioError;
 use super::foreign::ForeignKeys;
+use super::plan::{DrivenLine, Lanes, OpendriveRoad, Start};
+use super::quantity::{Distance, LaneId};
 use super::storyboard::Storyboard;
 
 /// Duration of a run whose storyboard has no end in time, s.
@@ -36,6 +39,14 @@ pub enum OpenError {
         place: String,
         /// What is wrong.
         cause: WorldError,
+    },
+    /// The line along which the ego drives is no road.
+    #[error("error: {place}: the ego's way: {cause}, expected {}", cause.expected())]
+    Road {
+        /// The file, with the place where it says how the ego begins.
+        place: String,
+        /// What is wrong.
+        cause: AxisError,
     },
     /// It has more actors than a scenario takes.
     #[error("error: {file}: {count} entities beside the ego, expected at most {MAX_ACTORS}")]
@@ -104,6 +115,11 @@ pub(super) fn keys_of(path: &Path, parameters: &[Assignment]) -> Result<ForeignK
         set_own("length_m", length_m.into());
         set_own("profile", "storyboard".into());
     }
+    let plan = plan_of(&script, &world)
+        .map_err(|cause| OpenError::Road { place: place_of(spots.starts[script.ego]), cause })?;
+    for (key, value) in plan {
+        set(&mut keys, script.ego, key, value);
+    }
     keys.set_storyboard(Storyboard {
         source: file,
         notices: read.notices.into_iter().chain(against_its_lane(&script, &world)).collect(),
@@ -113,18 +129,60 @@ pub(super) fn keys_of(path: &Path, parameters: &[Assignment]) -> Result<ForeignK
     Ok(keys)
 }
 
+/// The keys of the road: its course, if it has curves, and its heights, along the line on which the ego begins.
+fn plan_of(script: &Script, world: &World) -> Result<Vec<(&'static str, toml::Value)>, AxisError> {
+    let (road, start, extent) = (&script.road, world.motion(script.ego), world.extent(script.ego));
+    let is_curved = !road.axis()?.is_straight();
+    let mut keys = Vec::new();
+    if !start.present || (!is_curved && road.steepest_slope() == 0.0) {
+        return Ok(keys);
+    }
+    let direction = start.direction();
+    let front_s_m = if direction > 0.0 { extent.to_s_m } else { extent.from_s_m };
+    let middle_t_m = 0.5 * (extent.from_t_m + extent.to_t_m);
+    let Some(lane) = road.lane_at(front_s_m, middle_t_m) else { return Ok(keys) };
+    let line = road.driven(&lane, front_s_m, middle_t_m - lane.center_m, direction);
+    let heights = road.heights_along(&line)?;
+    let (_, begin) = line.axis()?;
+    if is_curved {
+        let part = road.parts.iter().rev().find(|part| part.from_m <= front_s_m);
+        let plan = OpendriveRoad {
+            file: PathBuf::from("the storyboard's road"),
+            road: part.map_or(String::new(), |part| part.id.clone()),
+            lane: LaneId::try_from(i64::from(lane.id)).unwrap_or(LaneId::of(0)),
+            s_m: Distance::try_from(front_s_m).unwrap_or(Distance::of(0.0)),
+            line: Some(DrivenLine(line)),
+            of_storyboard: true,
+        };
+        let place = Start::of_pose(&begin.placed(&road.start()));
+        let lanes = Lanes::beside(road.neighbours(&lane, front_s_m), lane.width_m);
+        keys.push(("road.plan.opendrive", value_of(&plan)));
+        keys.push(("road.plan.start", value_of(&place)));
+        keys.push(("road.plan.lanes", value_of(&lanes)));
+    }
+    if !heights.is_empty() {
+        let point = |point: &[f64; 2]| toml::Value::from(point.to_vec());
+        keys.push(("road.points", toml::Value::Array(heights.iter().map(point).collect())));
+    }
+    Ok(keys)
+}
+
+fn value_of(value: &impl serde::Serialize) -> toml::Value {
+    toml::Value::try_from(value).expect("keys of a scenario are values")
+}
+
 /// Notices of vehicles that begin against the direction of their lane. The standard counts an
 /// orientation from the road's reference line, in every lane, and some files count it from the lane.
 fn against_its_lane(script: &Script, world: &World) -> Vec<String> {
     let mut notices = Vec::new();
     for (index, entity) in script.entities.iter().enumerate() {
         let motion = world.motion(index);
-        let lane = script.road.lanes.get(script.road.index_at(motion.t_m));
-        let Some(lane) = lane.filter(|_| motion.present && script.road.holds(motion.t_m)) else {
+        let (road, Motion { s_m, t_m, .. }) = (&script.road, motion);
+        let lane = road.lane_at(s_m, t_m);
+        let Some(lane) = lane.filter(|_| motion.present && road.holds(s_m, t_m)) else {
             continue;
         };
-        if entity.category == Category::Vehicle && motion.direction() != script.road.direction(lane)
-        {
+        if entity.category == Category::Vehicle && motion.direction() != road.direction(&lane) {
             let (name, id) = (&entity.name, lane.id);
             let h = if motion.direction() > 0.0 { "3.14159" } else { "0" };
             notices.push(format!(

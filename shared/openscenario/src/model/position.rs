@@ -33,6 +33,15 @@ pub enum From {
         /// Across it, m.
         dt_m: f64,
     },
+    /// From an entity, in the plane whose x axis is the direction of the reference line at its start.
+    EntityInPlane {
+        /// The entity.
+        entity: usize,
+        /// Along x, m.
+        dx_m: f64,
+        /// Along y, m.
+        dy_m: f64,
+    },
     /// In an entity's own axes.
     Entity {
         /// The entity.
@@ -61,6 +70,8 @@ pub enum From {
 pub enum Heading {
     /// From the direction of the reference line, rad.
     Road(f64),
+    /// From the direction of the reference line at its start, rad.
+    Plane(f64),
     /// From the other entity's heading, rad.
     Entity(f64),
 }

@@ -1,79 +1,94 @@
-//! The road: its lanes and its length, from an OpenDRIVE file.
+//! The road: its course, lanes and heights, from an OpenDRIVE file.
 //!
 //! Everything moves in the road's own coordinates: `s` along the reference line, `t` across it, positive
-//! to the left. The reader takes one road with one lane section of constant widths. It unrolls a curved
-//! reference line: the curvature has no effect, and the reader refuses coordinates of the plane (world positions,
-//! absolute headings).
+//! to the left. Roads that follow each other by their links are one road here. Its `s` counts from the start of the
+//! first; a road of the file that runs the other way is turned around.
 
+mod driven;
 mod opendrive;
 
+use road::{Axis, AxisError, Laid, Lane, Lanes, Pose, Profile, Section, Strip};
 use serde::{Deserialize, Serialize};
 
 use crate::error::one_of;
-pub use opendrive::read;
+pub use driven::{Driven, DrivenLane, driven_lane};
+pub use opendrive::{Found, read};
 
 /// Width of the lanes of an assumed road, m.
 pub const ASSUMED_LANE_WIDTH_M: f64 = 3.5;
 /// Lanes on each side of an assumed road.
 const ASSUMED_LANES: i32 = 8;
+/// A place at the very end of a part belongs to it, not to the next one, m.
+const INSIDE_M: f64 = 1e-6;
 
 /// A road.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Road {
-    /// Its id in the file.
-    pub id: String,
     /// Its length, m; a road without one has no end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_m: Option<f64>,
-    /// Start and heading of its reference line, if it is straight.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub straight: Option<Line>,
-    /// Its steepest slope, up or down, as height over distance; it has no effect.
-    #[serde(default, skip_serializing_if = "is_level")]
-    pub steepest_slope: f64,
-    /// Traffic keeps to the left: lanes with positive ids lead along the reference line.
+    /// The roads of the file that it is made of, in order.
+    pub parts: Vec<Part>,
+    /// The pieces of its reference line; none for a straight line along the x axis.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub pieces: Vec<Laid>,
+    /// Traffic keeps to the left.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub left_hand: bool,
-    /// Its lanes from right to left, without the centre lane.
-    pub lanes: Vec<Lane>,
+    /// Its lanes.
+    pub lanes: Lanes,
+    /// Height of the reference line, m.
+    #[serde(default, skip_serializing_if = "is_level")]
+    pub heights: Profile,
 }
 
-#[allow(clippy::trivially_copy_pass_by_ref, reason = "the form that serde asks for")]
-fn is_level(slope: &f64) -> bool {
-    *slope == 0.0
+fn is_level(heights: &Profile) -> bool {
+    *heights == Profile::default()
 }
 
-/// A straight reference line.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+/// A road of the file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Line {
-    /// Start, m.
-    pub x_m: f64,
-    /// Start, m.
-    pub y_m: f64,
-    /// Heading, rad.
-    pub heading_rad: f64,
+pub struct Part {
+    /// Its id in the file.
+    pub id: String,
+    /// Where it begins, m.
+    pub from_m: f64,
+    /// Its length, m.
+    pub length_m: f64,
+    /// Its own reference line runs the other way.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub reversed: bool,
 }
 
-impl Line {
-    /// A vector of the plane in the road's coordinates, along and across, m.
-    pub(crate) fn turned(&self, dx_m: f64, dy_m: f64) -> (f64, f64) {
-        let (sin, cos) = (libm::sin(self.heading_rad), libm::cos(self.heading_rad));
-        (cos * dx_m + sin * dy_m, cos * dy_m - sin * dx_m)
+impl Part {
+    /// A place on the file's road, `s` and `t`, m, on the road that it is a part of.
+    ///
+    /// ```
+    /// use openscenario::road::Part;
+    /// let part = Part { id: "7".to_owned(), from_m: 300.0, length_m: 100.0, reversed: true };
+    /// assert_eq!(part.place(30.0, 2.0), (370.0, -2.0));
+    /// ```
+    #[must_use]
+    pub fn place(&self, s_m: f64, t_m: f64) -> (f64, f64) {
+        match self.reversed {
+            false => (self.from_m + s_m, t_m),
+            true => (self.from_m + (self.length_m - s_m), 0.0 - t_m),
+        }
     }
-}
 
-/// A lane.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Lane {
-    /// Id: negative to the right of the reference line.
-    pub id: i32,
-    /// Centre, m from the reference line, positive to the left.
-    pub center_m: f64,
-    /// Width, m.
-    pub width_m: f64,
+    /// The direction of its own reference line from the road's, rad.
+    #[must_use]
+    pub fn heading_rad(&self) -> f64 {
+        if self.reversed { std::f64::consts::PI } else { 0.0 }
+    }
+
+    /// A place of the road that is surely on this part, m.
+    #[must_use]
+    pub fn inside(&self, s_m: f64) -> f64 {
+        s_m.clamp(self.from_m, self.from_m.max(self.from_m + self.length_m - INSIDE_M))
+    }
 }
 
 impl Road {
@@ -81,69 +96,163 @@ impl Road {
     ///
     /// ```
     /// let road = openscenario::road::Road::assumed();
-    /// assert_eq!(road.lane(-2).map(|lane| lane.center_m), Some(-5.25));
+    /// assert_eq!(road.lane(100.0, -2).map(|lane| lane.center_m), Some(-5.25));
     /// ```
     #[must_use]
     pub fn assumed() -> Self {
-        let lane = |id: i32| Lane {
-            id,
-            center_m: f64::from(id.signum()) * (f64::from(id.abs()) - 0.5) * ASSUMED_LANE_WIDTH_M,
-            width_m: ASSUMED_LANE_WIDTH_M,
-        };
         let ids = (-ASSUMED_LANES..=ASSUMED_LANES).filter(|id| *id != 0);
-        let straight = Line { x_m: 0.0, y_m: 0.0, heading_rad: 0.0 };
+        Self::straight(ids, ASSUMED_LANES as usize, 0.0)
+    }
+
+    /// A straight road without end, with one lane around the reference line.
+    #[must_use]
+    pub fn one_lane() -> Self {
+        Self::straight(std::iter::once(-1), 0, 0.5 * ASSUMED_LANE_WIDTH_M)
+    }
+
+    fn straight(ids: impl Iterator<Item = i32>, left: usize, offset_m: f64) -> Self {
+        let lane = |id| Lane {
+            id,
+            drivable: true,
+            width: Profile::constant(ASSUMED_LANE_WIDTH_M),
+            before: None,
+            after: None,
+        };
+        let section = Section { from_m: 0.0, lanes: ids.map(lane).collect(), left };
+        let part =
+            Part { id: "0".to_owned(), from_m: 0.0, length_m: f64::INFINITY, reversed: false };
         Self {
-            id: "0".to_owned(),
             length_m: None,
-            straight: Some(straight),
-            steepest_slope: 0.0,
+            parts: vec![part],
+            pieces: Vec::new(),
             left_hand: false,
-            lanes: ids.map(lane).collect(),
+            lanes: Lanes {
+                offset: Profile::constant(offset_m),
+                sections: vec![section],
+                length_m: f64::INFINITY,
+            },
+            heights: Profile::default(),
         }
     }
 
-    /// The lane of an id.
-    #[must_use]
-    pub fn lane(&self, id: i32) -> Option<&Lane> {
-        self.lanes.iter().find(|lane| lane.id == id)
+    /// Its reference line as an axis that begins at (0, 0, 0).
+    ///
+    /// # Errors
+    /// When its pieces make no axis.
+    pub fn axis(&self) -> Result<Axis, AxisError> {
+        match self.pieces.is_empty() {
+            true => Axis::new(&[road::Piece::Line { length_m: 1.0 }]),
+            false => Axis::laid(&self.pieces),
+        }
     }
 
-    /// The ids of its lanes, for errors.
-    pub(crate) fn lane_names(&self) -> String {
-        let names: Vec<String> = self.lanes.iter().map(|lane| lane.id.to_string()).collect();
+    /// Start of its reference line in the plane.
+    #[must_use]
+    pub fn start(&self) -> Pose {
+        self.pieces.first().map_or(Pose::default(), |laid| laid.start)
+    }
+
+    /// The file's road of an id.
+    #[must_use]
+    pub fn part(&self, id: &str) -> Option<&Part> {
+        self.parts.iter().find(|part| part.id == id)
+    }
+
+    /// The ids of its parts, for errors.
+    pub(crate) fn names(&self) -> String {
+        one_of(self.parts.iter().map(|part| part.id.as_str()))
+    }
+
+    /// The lane of an id at a place, m.
+    #[must_use]
+    pub fn lane(&self, s_m: f64, id: i32) -> Option<Strip> {
+        self.lanes.strip(s_m, id)
+    }
+
+    /// The ids of the lanes at a place, for errors.
+    pub(crate) fn lane_names(&self, s_m: f64) -> String {
+        let mut lanes: Vec<Strip> = self.lanes.strips(s_m).collect();
+        lanes.sort_by_key(|lane| lane.index);
+        let names: Vec<String> = lanes.iter().map(|lane| lane.id.to_string()).collect();
         one_of(names.iter().map(String::as_str))
     }
 
     /// The direction in which traffic drives on a lane: 1 along the reference line, -1 against it.
     #[must_use]
-    pub fn direction(&self, lane: &Lane) -> f64 {
-        if (lane.id < 0) == self.left_hand { -1.0 } else { 1.0 }
+    pub fn direction(&self, lane: &Strip) -> f64 {
+        if lane.is_left == self.left_hand { 1.0 } else { -1.0 }
     }
 
-    /// The place in `lanes` of the lane nearest to a lateral position, m.
+    /// The lane nearest to a place, m.
     #[must_use]
-    pub fn index_at(&self, t_m: f64) -> usize {
-        let distance = |lane: &Lane| ((t_m - lane.center_m).abs() - 0.5 * lane.width_m).max(0.0);
-        let mut best = 0;
-        for (i, lane) in self.lanes.iter().enumerate() {
-            if distance(lane) < distance(&self.lanes[best]) {
-                best = i;
+    pub fn lane_at(&self, s_m: f64, t_m: f64) -> Option<Strip> {
+        let distance = |lane: &Strip| ((t_m - lane.center_m).abs() - 0.5 * lane.width_m).max(0.0);
+        let nearest =
+            |a: &Strip, b: &Strip| distance(a).total_cmp(&distance(b)).then(a.index.cmp(&b.index));
+        self.lanes.strips(s_m).min_by(nearest)
+    }
+
+    /// The lane some lanes to the left (in the direction of `s`) of the one at a place.
+    #[must_use]
+    pub fn lane_beside(&self, s_m: f64, t_m: f64, lanes_left: i32) -> Option<Strip> {
+        let index = i64::try_from(self.lane_at(s_m, t_m)?.index).ok()? + i64::from(lanes_left);
+        let index = usize::try_from(index).ok()?;
+        self.lanes.strips(s_m).find(|lane| lane.index == index)
+    }
+
+    /// Whether a place, m, is on one of the lanes.
+    #[must_use]
+    pub fn holds(&self, s_m: f64, t_m: f64) -> bool {
+        self.lanes.strips(s_m).any(|lane| (t_m - lane.center_m).abs() <= 0.5 * lane.width_m)
+    }
+
+    /// How far the middle of the lane at a place moves to the left until another place, m. A lane that ends stays.
+    #[must_use]
+    pub fn drift(&self, from_s_m: f64, t_m: f64, to_s_m: f64) -> f64 {
+        let Some(lane) = self.lane_at(from_s_m, t_m) else { return 0.0 };
+        let (from, to) = (self.lanes.section(from_s_m), self.lanes.section(to_s_m));
+        let (mut section, mut index, mut at_m) = (from, lane.index, lane.center_m);
+        let mut moved_m = 0.0;
+        let center = |section: usize, index: usize, s_m: f64| {
+            let sections = &self.lanes.sections;
+            let end_m =
+                sections.get(section + 1).map_or(f64::INFINITY, |next| next.from_m - INSIDE_M);
+            let s_m = s_m.clamp(sections[section].from_m, end_m.max(sections[section].from_m));
+            self.lanes
+                .strips(s_m)
+                .find(|lane| lane.index == index)
+                .map_or(0.0, |lane| lane.center_m)
+        };
+        while section != to {
+            let lane = &self.lanes.sections[section].lanes[index];
+            let forward = section < to;
+            let joint_m = self.lanes.sections[if forward { section + 1 } else { section }].from_m;
+            moved_m += center(section, index, joint_m) - at_m;
+            let next = if forward { lane.after } else { lane.before };
+            let Some(next) = next else { return moved_m };
+            section = if forward { section + 1 } else { section - 1 };
+            index = next;
+            at_m = center(section, index, joint_m);
+        }
+        moved_m + center(section, index, to_s_m) - at_m
+    }
+
+    /// The steepest slope, up or down, as height over distance.
+    #[must_use]
+    pub fn steepest_slope(&self) -> f64 {
+        let stretches = self.heights.stretches();
+        let mut steepest: f64 = 0.0;
+        for (i, stretch) in stretches.iter().enumerate() {
+            let end_m = stretches.get(i + 1).map_or(self.lanes.length_m, |next| next.from_m);
+            let [_, b, c, d] = stretch.factors;
+            let length_m = (end_m - stretch.from_m).max(0.0);
+            // The extremes are at the ends, or at the turning point of a cubic's slope.
+            let turn_m = if d == 0.0 { 0.0 } else { (-c / (3.0 * d)).clamp(0.0, length_m) };
+            for x in [0.0, turn_m, length_m] {
+                steepest = steepest.max((b + (2.0 * c + 3.0 * d * x) * x).abs());
             }
         }
-        best
-    }
-
-    /// The lane some lanes to the left (in the direction of `s`) of the one at a lateral position.
-    #[must_use]
-    pub fn lane_beside(&self, t_m: f64, lanes_left: i32) -> Option<&Lane> {
-        let index = i64::try_from(self.index_at(t_m)).ok()? + i64::from(lanes_left);
-        self.lanes.get(usize::try_from(index).ok()?)
-    }
-
-    /// Whether a lateral position, m, is on one of the lanes.
-    #[must_use]
-    pub fn holds(&self, t_m: f64) -> bool {
-        self.lanes.iter().any(|lane| (t_m - lane.center_m).abs() <= 0.5 * lane.width_m)
+        steepest
     }
 }
 
@@ -154,8 +263,17 @@ mod tests {
     #[test]
     fn an_assumed_road_has_lanes_of_both_signs() {
         let road = Road::assumed();
-        assert_eq!(road.lane(-4).map(|lane| lane.center_m), Some(-12.25));
-        assert_eq!(road.lane(1).map(|lane| lane.center_m), Some(1.75));
-        assert_eq!(road.lane_beside(-1.75, 1).map(|lane| lane.id), Some(1));
+        assert_eq!(road.lane(1e6, -4).map(|lane| lane.center_m), Some(-12.25));
+        assert_eq!(road.lane(-5.0, 1).map(|lane| lane.center_m), Some(1.75));
+        assert_eq!(road.lane_beside(0.0, -1.75, 1).map(|lane| lane.id), Some(1));
+        assert_eq!(road.drift(0.0, -1.75, 5e3), 0.0);
+        assert!(road.axis().expect("a line").is_straight());
+    }
+
+    #[test]
+    fn one_lane_lies_around_the_reference_line() {
+        let road = Road::one_lane();
+        let lane = road.lane_at(7.0, 0.3).expect("one");
+        assert_eq!((lane.id, lane.center_m, road.direction(&lane)), (-1, 0.0, 1.0));
     }
 }

@@ -21,10 +21,12 @@ elements! { "Actions";
     /// a lane's id
     AbsoluteTargetLane -> LaneTarget ["value" id: Whole] {}
     |node| {
-        let road = node.scene.road(None)?;
-        if road.lane(id).is_none() {
-            let reason = format!("road `{}` has no lane `{id}`", road.id);
-            return Err(node.wrong("value", reason, road.lane_names()));
+        let scenery = node.scene.road(None)?;
+        let (road, lanes) = (&scenery.road, &scenery.road.lanes);
+        let is_there = lanes.sections.iter().any(|s| s.lanes.iter().any(|lane| lane.id == id));
+        if !is_there {
+            let reason = format!("road {} has no lane `{id}`", road.names());
+            return Err(node.wrong("value", reason, road.lane_names(0.0)));
         }
         Ok(LaneTarget::Lane(id))
     }

@@ -8,27 +8,44 @@ use crate::declare::{
 };
 use crate::error::ReadError;
 use crate::model::position::{self, From, Heading};
-use crate::road::{Line, Road};
+use crate::road::Part;
+use crate::scene::Scenery;
 
-/// A road by its id: the same one for all positions.
+/// A road by its id: all positions are on one row of roads.
 struct RoadId;
 
+/// A road of the row.
+struct OnRoad {
+    scenery: Rc<Scenery>,
+    part: usize,
+}
+
+impl OnRoad {
+    fn part(&self) -> &Part {
+        &self.scenery.road.parts[self.part]
+    }
+}
+
 impl Scalar for RoadId {
-    type Value = Rc<Road>;
+    type Value = OnRoad;
 
     fn kind() -> String {
         "a road's id".to_owned()
     }
 
-    fn take(given: &Given<'_>) -> Result<Rc<Road>, ReadError> {
+    fn take(given: &Given<'_>) -> Result<OnRoad, ReadError> {
         let (id, scene) = (given.text()?, given.node.scene);
-        let road = scene.road(Some(&id))?;
-        if scene.assumes_a_road() || road.id == id {
-            return Ok(road);
+        let scenery = scene.road(Some(&id))?;
+        let part = match scene.assumes_a_road() {
+            true => Some(0),
+            false => scenery.road.parts.iter().position(|part| part.id == id),
+        };
+        if let Some(part) = part {
+            return Ok(OnRoad { scenery, part });
         }
         Err(given.wrong(
             format!("`{id}` is a second road"),
-            format!("`{}`, since all that happens is on one road", road.id),
+            format!("{}, since all that happens is on one road", scenery.road.names()),
         ))
     }
 }
@@ -42,8 +59,8 @@ words! {
 pub(crate) enum Turn {
     /// From what the position counts its heading from, rad.
     Relative(f64),
-    /// From the road's reference line, rad.
-    Road(f64),
+    /// In the plane, rad.
+    Plane(Heading),
 }
 
 elements! { "Positions";
@@ -60,25 +77,31 @@ elements! { "Positions";
         )>,
     } { Ok(position) }
 
-    /// straight roads only
+    /// the point of the road nearest to it; a missing h is along the reference line
     WorldPosition -> position::Position
     ["x" x_m: Number as "m", "y" y_m: Number as "m", "h" h_rad: Option<Number> as "rad"] {}
     unused ["z?" "p?" "r?"]
     |node| {
-        let line = straight(node)?;
-        let (s_m, t_m) = line.turned(x_m - line.x_m, y_m - line.y_m);
-        let heading = Heading::Road(h_rad.unwrap_or(line.heading_rad) - line.heading_rad);
+        let ground = &node.scene.road(None)?.ground;
+        let (s_m, t_m) = ground.locate(x_m, y_m);
+        let from_road = |h_rad| ground.heading_rad(h_rad) - ground.direction_rad(s_m);
+        let heading = Heading::Road(h_rad.map_or(0.0, from_road));
         Ok(position::Position { from: From::Road { s_m, t_m }, heading })
     }
 
-    /// straight roads only
+    /// along the axes of the plane
     RelativeWorldPosition -> position::Position
     ["entityRef" entity: EntityName, "dx" dx_m: Number as "m", "dy" dy_m: Number as "m"]
     {turn: Option<Orientation>}
     unused ["dz?"]
     |node| {
-        let (ds_m, dt_m) = straight(node)?.turned(dx_m, dy_m);
-        Ok(oriented(From::EntityOnRoad { entity, ds_m, dt_m }, turn, Heading::Entity))
+        let ground = &node.scene.road(None)?.ground;
+        let (x_m, y_m) = ground.turned(dx_m, dy_m);
+        let from = match ground.is_straight() {
+            true => From::EntityOnRoad { entity, ds_m: x_m, dt_m: y_m },
+            false => From::EntityInPlane { entity, dx_m: x_m, dy_m: y_m },
+        };
+        Ok(oriented(from, turn, Heading::Entity))
     }
 
     /// in the other entity's own axes
@@ -93,8 +116,10 @@ elements! { "Positions";
     ["roadId" road: RoadId, "s" s_m: AtLeastZero as "m", "t" t_m: Number as "m"]
     {turn: Option<Orientation>}
     |node| {
-        let s_m = on_road(node, &road, s_m)?;
-        Ok(oriented(From::Road { s_m, t_m }, turn, Heading::Road))
+        let part = on_road(node, &road, s_m)?;
+        let (s_m, t_m) = part.place(s_m, t_m);
+        let from = From::Road { s_m, t_m };
+        Ok(oriented(from, turn, |h_rad| Heading::Road(h_rad + part.heading_rad())))
     }
 
     /// along and across the reference line, from another entity
@@ -109,13 +134,15 @@ elements! { "Positions";
         "offset" offset_m: Option<Number> as "m"]
     {turn: Option<Orientation>}
     |node| {
-        let Some(found) = lane.trim().parse().ok().and_then(|id| road.lane(id)) else {
-            let reason = format!("road `{}` has no lane `{lane}`", road.id);
-            return Err(node.wrong("laneId", reason, road.lane_names()));
+        let part = on_road(node, &road, s_m)?;
+        let (s_m, offset_m) = part.place(s_m, offset_m.unwrap_or(0.0));
+        let (row, at_m) = (&road.scenery.road, part.inside(s_m));
+        let Some(found) = lane.trim().parse().ok().and_then(|id| row.lane(at_m, id)) else {
+            let reason = format!("road `{}` has no lane `{lane}`", part.id);
+            return Err(node.wrong("laneId", reason, row.lane_names(at_m)));
         };
-        let t_m = found.center_m + offset_m.unwrap_or(0.0);
-        let s_m = on_road(node, &road, s_m)?;
-        Ok(oriented(From::Road { s_m, t_m }, turn, Heading::Road))
+        let from = From::Road { s_m, t_m: found.center_m + offset_m };
+        Ok(oriented(from, turn, |h_rad| Heading::Road(h_rad + part.heading_rad())))
     }
 
     /// dLane counts lanes to the left of the other entity, without lane 0; ds or dsLane, not both
@@ -132,44 +159,44 @@ elements! { "Positions";
         Ok(oriented(From::EntityLane { entity, lanes_left, ds_m, offset_m }, turn, Heading::Road))
     }
 
-    /// absolute only on straight roads; a missing one is along the reference line, in every lane
+    /// absolute in the plane; a missing one is along the reference line, in every lane
     Orientation -> Turn
     ["h" h_rad: Option<Number> as "rad", "type" in_plane: Option<OrientationType>] {}
     unused ["p?" "r?"]
     |node| {
         let h_rad = h_rad.unwrap_or(0.0);
         match in_plane {
-            Some(true) => Ok(Turn::Road(h_rad - straight(node)?.heading_rad)),
+            Some(true) => {
+                let ground = &node.scene.road(None)?.ground;
+                let h_rad = ground.heading_rad(h_rad);
+                Ok(Turn::Plane(match ground.is_straight() {
+                    true => Heading::Road(h_rad),
+                    false => Heading::Plane(h_rad),
+                }))
+            }
             _ => Ok(Turn::Relative(h_rad)),
         }
     }
 }
 
-fn oriented(from: From, turn: Option<Turn>, relative: fn(f64) -> Heading) -> position::Position {
+fn oriented(
+    from: From,
+    turn: Option<Turn>,
+    relative: impl Fn(f64) -> Heading,
+) -> position::Position {
     let heading = match turn.unwrap_or(Turn::Relative(0.0)) {
         Turn::Relative(heading_rad) => relative(heading_rad),
-        Turn::Road(heading_rad) => Heading::Road(heading_rad),
+        Turn::Plane(heading) => heading,
     };
     position::Position { from, heading }
 }
 
-/// The straight reference line that coordinates of the plane need.
-fn straight(node: Node<'_>) -> Result<Line, ReadError> {
-    node.scene.road(None)?.straight.ok_or_else(|| {
-        node.refuse(
-            format!("`{}` needs coordinates of the plane, and the road is curved", node.name()),
-            "a straight road, or a lane or road position",
-        )
-    })
-}
-
-/// Checks the attribute `s`: the road ends at its length.
-fn on_road(node: Node<'_>, road: &Road, s_m: f64) -> Result<f64, ReadError> {
-    match road.length_m {
-        Some(length_m) if s_m > length_m => {
-            let reason = format!("{s_m} m are beyond the road's end");
-            Err(node.wrong("s", reason, format!("at most {length_m}")))
-        }
-        _ => Ok(s_m),
+/// The road of a position, whose attribute `s` must be on it.
+fn on_road<'a>(node: Node<'_>, road: &'a OnRoad, s_m: f64) -> Result<&'a Part, ReadError> {
+    let part = road.part();
+    if s_m > part.length_m {
+        let reason = format!("{s_m} m are beyond the road's end");
+        return Err(node.wrong("s", reason, format!("at most {}", part.length_m)));
     }
+    Ok(part)
 }

@@ -35,8 +35,13 @@ impl World {
         self.bend = Some(bend);
     }
 
-    /// Way of an entity by the way on the axis: 1 without one.
+    /// Way of an entity by the way on the axis, or on the reference line: 1 where it is straight.
     pub(super) fn stretch(&self, entity: usize) -> f64 {
-        self.bend.as_ref().map_or(1.0, |bend| bend.stretch(&self.state.movers[entity].motion))
+        let motion = &self.state.movers[entity].motion;
+        match &self.bend {
+            Some(bend) => bend.stretch(motion),
+            None if self.ground.is_straight() => 1.0,
+            None => self.ground.stretch(motion.s_m, motion.t_m),
+        }
     }
 }

@@ -65,10 +65,15 @@ pub(super) fn index(what: &'static str, index: usize, count: usize) -> Result<()
 }
 
 /// Checks that a vehicle that is placed on a lane is not wider than that.
-pub(super) fn fits_its_lane(script: &Script, actor: usize, t_m: f64) -> Result<(), WorldError> {
+pub(super) fn fits_its_lane(
+    script: &Script,
+    actor: usize,
+    s_m: f64,
+    t_m: f64,
+) -> Result<(), WorldError> {
     let (entity, road) = (&script.entities[actor], &script.road);
     let width_m = entity.body.width_m;
-    let Some(lane) = road.lanes.get(road.index_at(t_m)).filter(|_| road.holds(t_m)) else {
+    let Some(lane) = road.lane_at(s_m, t_m).filter(|_| road.holds(s_m, t_m)) else {
         return Ok(());
     };
     if entity.category == Category::Vehicle && width_m > lane.width_m {

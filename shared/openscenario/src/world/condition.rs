@@ -10,7 +10,7 @@ use crate::model::condition::{
 };
 use crate::model::position::From;
 use crate::world::check::index;
-use crate::world::geometry::distance;
+use crate::world::geometry::{distance, overlap};
 use crate::world::shape::seconds;
 use crate::world::state::Motion;
 use crate::world::{World, WorldError};
@@ -124,11 +124,9 @@ impl World {
                 rule.holds(motion.speed_mps - self.motion(*entity).speed_mps, *value)
             }
             EntityTest::Collision(with) => self.collides(entity, *with),
-            EntityTest::ReachPosition { position, tolerance_m } => {
-                self.resolve(position).is_some_and(|(s_m, t_m, _)| {
-                    libm::hypot(s_m - motion.s_m, t_m - motion.t_m) <= *tolerance_m
-                })
-            }
+            EntityTest::ReachPosition { position, tolerance_m } => self
+                .resolve(position)
+                .is_some_and(|(s_m, t_m, _)| self.way(motion, s_m, t_m) <= *tolerance_m),
             EntityTest::Distance { to, rule, value } => {
                 self.measure(entity, to).is_some_and(|it| rule.holds(it.metres, *value))
             }
@@ -143,15 +141,40 @@ impl World {
     }
 
     fn collides(&self, entity: usize, with: CollisionWith) -> bool {
-        let own = self.extent(entity);
         let touches = |other: usize| {
-            other != entity && self.motion(other).present && own.overlaps(&self.extent(other))
+            other != entity && self.motion(other).present && self.touch(entity, other)
         };
         match with {
             CollisionWith::Entity(other) => touches(other),
             CollisionWith::Category(category) => (0..self.script.entities.len())
                 .any(|other| self.script.entities[other].category == category && touches(other)),
         }
+    }
+
+    /// Whether a distance is one of the plane: on a curved road it is not that along and across the road.
+    fn is_plane(&self, to: &Measured) -> bool {
+        !self.ground.is_straight() && (to.entity_axes || to.along == Along::Euclidean)
+    }
+
+    /// The distance from an entity to a point of the road, m.
+    fn way(&self, motion: &Motion, s_m: f64, t_m: f64) -> f64 {
+        if self.ground.is_straight() {
+            return libm::hypot(s_m - motion.s_m, t_m - motion.t_m);
+        }
+        let (here, there) = (self.ground.pose(motion), self.ground.point(s_m, t_m));
+        libm::hypot(there.0 - here.x_m, there.1 - here.y_m)
+    }
+
+    /// Whether two bodies overlap.
+    fn touch(&self, entity: usize, other: usize) -> bool {
+        if self.ground.is_straight() {
+            return self.extent(entity).overlaps(&self.extent(other));
+        }
+        let body = |entity: usize| {
+            let motion = self.ground.in_plane(&self.motion(entity));
+            (&self.script.entities[entity].body, motion)
+        };
+        overlap(body(entity), body(other))
     }
 
     /// The distance from an entity to a target, if the target is on the road.
@@ -169,6 +192,10 @@ impl World {
         if !far.present {
             return None;
         }
+        let (own, far) = match self.is_plane(to) {
+            true => (self.ground.in_plane(&own), self.ground.in_plane(&far)),
+            false => (own, far),
+        };
         let ends = ((&self.script.entities[entity].body, &own), (body, &far));
         let measure = |along| distance(ends.0, ends.1, along, to.entity_axes, to.freespace);
         let base = if to.entity_axes { own.heading_rad } else { 0.0 };
@@ -222,6 +249,7 @@ pub(super) fn check(script: &Script, test: &Test) -> Result<(), WorldError> {
     let at = |from: &From| match from {
         From::Road { .. } => Ok(()),
         From::EntityOnRoad { entity, .. }
+        | From::EntityInPlane { entity, .. }
         | From::Entity { entity, .. }
         | From::EntityLane { entity, .. } => index("entity", *entity, entities),
     };

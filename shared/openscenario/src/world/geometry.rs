@@ -66,6 +66,15 @@ impl Interval {
     }
 }
 
+/// Whether two rectangles overlap: no side of either separates them.
+pub(super) fn overlap(a: (&Body, Motion), b: (&Body, Motion)) -> bool {
+    let angles = [a.1.heading_rad, b.1.heading_rad];
+    angles.into_iter().flat_map(|angle| [angle, angle + std::f64::consts::FRAC_PI_2]).all(|angle| {
+        let (a, b) = (Interval::of(a.0, &a.1, angle), Interval::of(b.0, &b.1, angle));
+        a.from < b.to && b.from < a.to
+    })
+}
+
 /// The distance from a body, or from its origin, to another body or a point, m.
 pub(super) fn distance(
     (body, motion): (&Body, &Motion),

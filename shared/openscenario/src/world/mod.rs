@@ -17,12 +17,14 @@ mod start;
 mod state;
 mod storyboard;
 mod targets;
+mod way;
 
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use crate::expression::Value;
+use crate::ground::Ground;
 use crate::model::action::{Action, SpeedTarget, Transition};
 use crate::model::{Drive, Script};
 pub use bend::Bend;
@@ -33,6 +35,7 @@ pub use plan::NotFound;
 use plan::Plan;
 pub use state::Motion;
 use storyboard::Progress;
+pub use way::Way;
 
 /// A script that cannot start.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -47,6 +50,14 @@ pub enum WorldError {
         /// How many there are.
         count: usize,
     },
+    /// The pieces of the road make no axis.
+    #[error("the road: {0}")]
+    Road(#[from] road::AxisError),
+    /// The lanes of the road do not fit together.
+    #[error(
+        "the lanes of the road do not fit together, expected sections in order whose links lead to lanes"
+    )]
+    Lanes,
     /// A condition names a part of the storyboard that is not there.
     #[error("{0}")]
     Element(#[from] NotFound),
@@ -83,7 +94,7 @@ impl WorldError {
     #[must_use]
     pub fn entity(&self) -> Option<&str> {
         match self {
-            Self::Index { .. } | Self::Element(_) => None,
+            Self::Index { .. } | Self::Road(_) | Self::Lanes | Self::Element(_) => None,
             Self::Placement { entity, .. }
             | Self::Width { entity, .. }
             | Self::Speed { entity } => Some(entity),
@@ -143,6 +154,9 @@ pub struct State {
 #[derive(Clone, Debug)]
 pub struct World {
     script: Arc<Script>,
+    ground: Arc<Ground>,
+    /// The lanes are the same all along.
+    is_uniform: bool,
     plan: Arc<Plan>,
     /// On a road with a plan.
     bend: Option<Bend>,
@@ -166,8 +180,13 @@ impl World {
             conditions: vec![ConditionMemory::default(); plan.conditions],
             values: script.values.iter().map(|named| named.value.clone()).collect(),
         };
+        if !script.road.lanes.is_sound() {
+            return Err(WorldError::Lanes);
+        }
+        let ground = Arc::new(Ground::of(&script.road)?);
+        let is_uniform = script.road.lanes.is_uniform();
         let (script, plan) = (Arc::new(script), Arc::new(plan));
-        let mut world = Self { script, plan, bend: None, state };
+        let mut world = Self { script, ground, is_uniform, plan, bend: None, state };
         world.place()?;
         world.first_speeds()?;
         let script = Arc::clone(&world.script);

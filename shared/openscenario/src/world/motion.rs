@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::Drive;
 use crate::model::action::{Distance, Gap, Shape, Side};
+use crate::model::{Category, Drive, MAX_ENTITIES};
 use crate::world::World;
 use crate::world::geometry::Extent;
 use crate::world::shape::{SpeedShape, seconds};
@@ -92,6 +92,10 @@ impl World {
     /// Moves every entity to `time_ns`; actions that end on the way end.
     pub(super) fn advance(&mut self, time_ns: u64) {
         let from_ns = self.state.time_ns;
+        let mut before_s_m = [0.0; MAX_ENTITIES + 1];
+        for (before_m, mover) in before_s_m.iter_mut().zip(&self.state.movers) {
+            *before_m = mover.motion.s_m;
+        }
         for entity in 0..self.state.movers.len() {
             if self.is_external(entity) {
                 self.take_observed(entity, time_ns);
@@ -107,6 +111,9 @@ impl World {
             }
         }
         for entity in 0..self.state.movers.len() {
+            if !self.is_uniform {
+                self.keep_lane(entity, before_s_m[entity], seconds(time_ns - from_ns));
+            }
             self.steer(entity, from_ns, time_ns);
             self.follow(entity, time_ns);
             self.note_standing(entity, time_ns);
@@ -237,6 +244,29 @@ impl World {
         })
     }
 
+    /// Moves a vehicle across with its lane, or with the lane that it changes to.
+    fn keep_lane(&mut self, entity: usize, from_s_m: f64, elapsed_s: f64) {
+        let moves =
+            !self.is_external(entity) && self.script.entities[entity].category == Category::Vehicle;
+        let mover = &mut self.state.movers[entity];
+        if !moves || !mover.motion.present || mover.path.is_some() {
+            return;
+        }
+        let (road, to_s_m) = (&self.script.road, mover.motion.s_m);
+        match &mut mover.steer {
+            Steer::Hold => {
+                let drift_m = road.drift(from_s_m, mover.motion.t_m, to_s_m);
+                mover.motion.t_m += drift_m;
+                mover.motion.lateral_mps = rate(0.0, drift_m, elapsed_s);
+            }
+            Steer::Shape(shape) => {
+                let drift_m = road.drift(from_s_m, shape.to_t_m, to_s_m);
+                shape.from_t_m += drift_m;
+                shape.to_t_m += drift_m;
+            }
+        }
+    }
+
     fn steer(&mut self, entity: usize, from_ns: u64, time_ns: u64) {
         let Steer::Shape(shape) = self.state.movers[entity].steer else { return };
         let odometer_m = self.state.movers[entity].odometer_m;
@@ -277,7 +307,13 @@ impl World {
             corners.partition_point(|corner| corner.0 <= at).clamp(1, corners.len() - 1) - 1;
         let (a, b) = (corners[before], corners[before + 1]);
         let share = ((at - a.0) / (b.0 - a.0)).clamp(0.0, 1.0);
+        let ground = &self.ground;
+        let stretch = match ground.is_straight() {
+            true => 1.0,
+            false => ground.stretch(0.5 * (a.1 + b.1), 0.5 * (a.2 + b.2)),
+        };
         let (ds, dt) = (b.1 - a.1, b.2 - a.2);
+        let way_m = |ds_m: f64, dt_m: f64| libm::hypot(stretch * ds_m, dt_m);
         let timed = path.by_way_from_m.is_none();
         let over = at >= last.0;
         if self.script.entities[entity].drive == Drive::Scripted {
@@ -285,9 +321,9 @@ impl World {
             let s_m = a.1 + share * ds;
             let t_m = a.2 + share * dt;
             if timed && at >= corners[0].0 {
-                motion.speed_mps = (libm::hypot(ds, dt) / (b.0 - a.0)).min(MAX_SPEED_MPS);
+                motion.speed_mps = (way_m(ds, dt) / (b.0 - a.0)).min(MAX_SPEED_MPS);
                 motion.acceleration_mps2 = 0.0;
-                mover.odometer_m += libm::hypot(s_m - motion.s_m, t_m - motion.t_m);
+                mover.odometer_m += way_m(s_m - motion.s_m, t_m - motion.t_m);
             } else if timed {
                 motion.speed_mps = 0.0;
             }
@@ -295,7 +331,7 @@ impl World {
             motion.t_m = t_m;
             motion.lateral_mps = 0.0;
             if ds != 0.0 || dt != 0.0 {
-                motion.heading_rad = libm::atan2(dt, ds);
+                motion.heading_rad = libm::atan2(dt, stretch * ds);
             }
         }
         if over {
@@ -313,7 +349,7 @@ impl World {
         for (since, holds) in [
             (&mut mover.stands_since, motion.speed_mps == 0.0),
             (&mut mover.at_end_since, at_end),
-            (&mut mover.off_since, !road.holds(motion.t_m)),
+            (&mut mover.off_since, !road.holds(motion.s_m, motion.t_m)),
         ] {
             *since = if motion.present && holds { since.or(Some(time_ns)) } else { None };
         }

@@ -18,6 +18,11 @@ use crate::world::{World, WorldError};
 /// divided by it may overflow.
 const SHORTEST_S: f64 = 1e-9;
 
+/// Length of the chords that a line is cut into on a curved road, m.
+const CHORD_M: f64 = 1.0;
+/// Most corners of a line that is cut into chords.
+const MAX_CORNERS: usize = 20_000;
+
 impl World {
     /// Places the entities of Init's teleports, each after the one that it is placed from.
     pub(super) fn place(&mut self) -> Result<(), WorldError> {
@@ -46,7 +51,7 @@ impl World {
                 let reason = "the lane or the entity that it is placed from is not there";
                 return Err(WorldError::Placement { entity, reason });
             };
-            fits_its_lane(&script, actor, t_m)?;
+            fits_its_lane(&script, actor, s_m, t_m)?;
             let motion = &mut self.state.movers[actor].motion;
             *motion = Motion { present: true, s_m, t_m, heading_rad, ..*motion };
         }
@@ -126,10 +131,9 @@ impl World {
             Action::LaneOffset { target, shape, max_lateral_mps2, continuous } => {
                 let (to_t_m, follow) = match target {
                     OffsetTarget::Lane(offset_m) => {
-                        let t_m = self.motion(actor).t_m;
-                        let lane = self.script.road.index_at(t_m);
-                        let center = self.script.road.lanes.get(lane).map_or(0.0, |l| l.center_m);
-                        (center + offset_m, None)
+                        let Motion { s_m, t_m, .. } = self.motion(actor);
+                        let lane = self.script.road.lane_at(s_m, t_m);
+                        (lane.map_or(0.0, |lane| lane.center_m) + offset_m, None)
                     }
                     OffsetTarget::Entity { entity, offset_m } => {
                         (self.motion(*entity).t_m + offset_m, Some((*entity, *offset_m)))
@@ -235,7 +239,7 @@ impl World {
                 }
                 None => {
                     if let Some(&(_, s, t)) = corners.last() {
-                        way_m += libm::hypot(s_m - s, t_m - t);
+                        way_m += self.apart(s, t, s_m, t_m);
                     }
                     way_m
                 }
@@ -246,6 +250,9 @@ impl World {
         }
         if corners.len() < 2 {
             return;
+        }
+        if !self.ground.is_straight() {
+            corners = self.in_chords(&corners);
         }
         let timed = trajectory.timing.is_some();
         if timed {
@@ -258,6 +265,37 @@ impl World {
         mover.path = Some(Path { corners, by_way_from_m });
         mover.path_owner = element;
         self.hold(element);
+    }
+
+    /// The distance between two points of the road, m.
+    fn apart(&self, s_m: f64, t_m: f64, to_s_m: f64, to_t_m: f64) -> f64 {
+        if self.ground.is_straight() {
+            return libm::hypot(to_s_m - s_m, to_t_m - t_m);
+        }
+        let (from, to) = (self.ground.point(s_m, t_m), self.ground.point(to_s_m, to_t_m));
+        libm::hypot(to.0 - from.0, to.1 - from.1)
+    }
+
+    /// A line that is straight between its corners in the plane, with corners of its own on a curved road.
+    fn in_chords(&self, corners: &[(f64, f64, f64)]) -> Vec<(f64, f64, f64)> {
+        let most = (MAX_CORNERS / corners.len()).max(1) as f64;
+        let mut all = vec![corners[0]];
+        for pair in corners.windows(2) {
+            let (a, b) = (pair[0], pair[1]);
+            let (from, to) = (self.ground.point(a.1, a.2), self.ground.point(b.1, b.2));
+            let chords = libm::ceil(self.apart(a.1, a.2, b.1, b.2) / CHORD_M).clamp(1.0, most);
+            let mut near_s_m = a.1;
+            for i in 1..chords as u64 {
+                let share = i as f64 / chords;
+                let at = |from: f64, to: f64| from + share * (to - from);
+                let point = (at(from.0, to.0), at(from.1, to.1));
+                let (s_m, t_m) = self.ground.project(point, near_s_m);
+                near_s_m = s_m;
+                all.push((at(a.0, b.0), s_m, t_m));
+            }
+            all.push(b);
+        }
+        all
     }
 
     fn set_pace(&mut self, actor: usize, pace: Pace, element: Option<usize>) {

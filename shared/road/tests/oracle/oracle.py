@@ -137,4 +137,5 @@ def main():
                 pose, start = part.at(part.length), start + part.length
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -22,7 +22,8 @@ pub(crate) fn check(scenario: &Scenario) -> Result<(), Problem> {
     let axis = plan.built()?;
     lanes(plan)?;
     heights(scenario, axis.length_m())?;
-    if plan.opendrive.is_some() && scenario.storyboard.is_some() {
+    let own_road = plan.opendrive.as_ref().is_some_and(|road| !road.of_storyboard);
+    if own_road && scenario.storyboard.is_some() {
         return Err(Problem::new(
             "road.plan.opendrive",
             "the storyboard brings a road of its own",
@@ -179,7 +180,10 @@ fn reach(scenario: &Scenario, length_m: f64) -> Result<(), Problem> {
             }
         }
     }
-    let is_free = scenario.actors.is_empty() && scenario.v2x.signals.is_empty();
+    // A storyboard may end the drive before its duration.
+    let is_free = scenario.actors.is_empty()
+        && scenario.v2x.signals.is_empty()
+        && scenario.storyboard.is_none();
     let slowest_mps = scenario.set_speed_mps.value().min(scenario.plant.initial_speed_mps.value());
     let curve_speed = scenario.controller.curve_speed.enabled;
     let way_m = slowest_mps * duration_s;

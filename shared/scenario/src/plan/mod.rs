@@ -15,7 +15,7 @@ mod check;
 mod opendrive;
 mod piece;
 
-pub use opendrive::OpendriveRoad;
+pub use opendrive::{DrivenLine, OpendriveRoad};
 pub use piece::{PlanPiece, Turn};
 
 pub(super) use check::check;
@@ -163,7 +163,7 @@ impl Plan {
         self.axis.get_or_init(|| self.built().expect("the scenario has been checked"))
     }
 
-    /// The pieces as the road's geometry takes them.
+    /// The pieces as the road's geometry takes them; none for a lane of a file, which has none of its own.
     ///
     /// # Errors
     /// The place of what is no road.
@@ -171,13 +171,13 @@ impl Plan {
         if let Some(generated) = &self.generated {
             return generated.geometry();
         }
-        if let Some(opendrive) = &self.opendrive {
-            return opendrive.geometry();
-        }
         piece::geometry(&self.pieces)
     }
 
     fn built(&self) -> Result<road::Axis, Problem> {
+        if let Some(opendrive) = &self.opendrive {
+            return opendrive.axis();
+        }
         road::Axis::new(&self.geometry()?).map_err(|error| {
             let path = match self.pieces.is_empty() {
                 true => "road.plan".to_owned(),

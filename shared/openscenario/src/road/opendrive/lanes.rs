@@ -1,0 +1,180 @@
+//! `lanes`: offsets, sections, widths, and the links of lanes.
+
+use road::{Lane, Lanes, Profile, Section};
+
+use super::text::{Text, children};
+use crate::error::ReadError;
+use crate::xml::Element;
+
+/// Lane types that no vehicle drives on.
+const NOT_DRIVABLE: [&str; 15] = [
+    "shoulder",
+    "border",
+    "none",
+    "restricted",
+    "parking",
+    "median",
+    "biking",
+    "sidewalk",
+    "curb",
+    "walking",
+    "tram",
+    "rail",
+    "stop",
+    "roadWorks",
+    "slipLane",
+];
+
+/// The lanes of one road, with the links of its outer ends.
+pub struct Side {
+    pub lanes: Lanes,
+    /// For each lane of the first section the id of the lane that it continues.
+    pub first: Vec<Link>,
+    /// For each lane of the last section the id of the lane that continues it.
+    pub last: Vec<Link>,
+}
+
+/// A lane's link to a lane of another road or section.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Link {
+    /// The lane's own id.
+    pub id: i32,
+    /// The other's.
+    pub to: Option<i32>,
+}
+
+/// Links of the lanes of a section to both sides.
+struct Links {
+    before: Vec<Link>,
+    after: Vec<Link>,
+}
+
+/// Reads the lanes of a road of `length_m`.
+pub fn read(text: Text<'_>, road: &Element, length_m: f64) -> Result<Side, ReadError> {
+    let Some(group) = road.child("lanes") else {
+        return Err(text.element(road, "OpenDRIVE", "has no lanes", "`lanes`"));
+    };
+    let offsets = children(group, "laneOffset").map(|offset| text.stretch(offset, "s", 0.0));
+    let offset = Profile::new(offsets.collect::<Result<_, _>>()?);
+    let mut starts: Vec<(f64, &Element)> = Vec::new();
+    for section in children(group, "laneSection") {
+        let from_m = text.number(section, "s")?;
+        if let Some((before_m, _)) = starts.last()
+            && !(from_m > *before_m)
+        {
+            let reason = format!("the lane section begins at s = {from_m} m");
+            return Err(text.meaning(section, reason, format!("more than {before_m}")));
+        }
+        if from_m >= length_m {
+            let reason = format!("the lane section begins at s = {from_m} m");
+            return Err(text.meaning(
+                section,
+                reason,
+                format!("less than the road's {length_m} m"),
+            ));
+        }
+        starts.push((from_m, section));
+    }
+    let Some((first_m, first)) = starts.first() else {
+        return Err(text.element(group, "road", "has no lane section", "a `laneSection`"));
+    };
+    if *first_m != 0.0 {
+        let reason = format!("the first lane section begins at s = {first_m} m");
+        return Err(text.meaning(first, reason, "0".to_owned()));
+    }
+    let (mut sections, mut links) = (Vec::new(), Vec::new());
+    for (from_m, element) in starts {
+        let (section, link) = read_section(text, element, from_m)?;
+        sections.push(section);
+        links.push(link);
+    }
+    for number in 1..sections.len() {
+        for (from, to) in pairs(&links[number - 1].after, &links[number].before, false) {
+            sections[number - 1].lanes[from].after = Some(to);
+            sections[number].lanes[to].before = Some(from);
+        }
+    }
+    let first = links.first().map(|links| links.before.clone()).unwrap_or_default();
+    let last = links.pop().map(|links| links.after).unwrap_or_default();
+    Ok(Side { lanes: Lanes { offset, sections, length_m }, first, last })
+}
+
+/// The pairs of places of lanes that continue each other, by the links of either side. Where no lane has a link, equal
+/// ids belong together, or opposite ones if one of the roads is `turned`.
+pub fn pairs(before: &[Link], after: &[Link], turned: bool) -> Vec<(usize, usize)> {
+    let none = before.iter().chain(after).all(|link| link.to.is_none());
+    let sign = if turned { -1 } else { 1 };
+    let mut pairs = Vec::new();
+    for (from, link) in before.iter().enumerate() {
+        let is_next = |other: &&Link| match none {
+            true => other.id == sign * link.id,
+            false => link.to == Some(other.id),
+        };
+        let named = after.iter().position(|other| is_next(&other));
+        let naming =
+            || after.iter().position(|other| other.to == Some(link.id) && link.to.is_none());
+        if let Some(to) = named.or_else(naming)
+            && pairs.iter().all(|(_, other)| *other != to)
+        {
+            pairs.push((from, to));
+        }
+    }
+    pairs
+}
+
+fn read_section(
+    text: Text<'_>,
+    element: &Element,
+    from_m: f64,
+) -> Result<(Section, Links), ReadError> {
+    let right = read_side(text, element, "right", from_m)?;
+    let left = read_side(text, element, "left", from_m)?;
+    let left_count = left.len();
+    let mut links = Links { before: Vec::new(), after: Vec::new() };
+    let mut lanes = Vec::with_capacity(right.len() + left_count);
+    for (lane, before, after) in right.into_iter().rev().chain(left) {
+        links.before.push(Link { id: lane.id, to: before });
+        links.after.push(Link { id: lane.id, to: after });
+        lanes.push(lane);
+    }
+    if lanes.is_empty() {
+        return Err(text.element(element, "lanes", "has no lanes", "at least one lane"));
+    }
+    Ok((Section { from_m, lanes, left: left_count }, links))
+}
+
+/// The lanes of one side from the middle outwards, each with its links to both sides.
+fn read_side(
+    text: Text<'_>,
+    section: &Element,
+    side: &'static str,
+    from_m: f64,
+) -> Result<Vec<(Lane, Option<i32>, Option<i32>)>, ReadError> {
+    let mut lanes: Vec<(Lane, Option<i32>, Option<i32>)> = Vec::new();
+    for element in children(section, side).flat_map(|group| children(group, "lane")) {
+        let id = text.whole(element, "id")?;
+        if id == 0 || (id > 0) != (side == "left") {
+            let expected = "positive ids on the left, negative ones on the right";
+            return Err(text.element(element, side, "has an id of the other side", expected));
+        }
+        if lanes.iter().any(|(lane, ..)| lane.id == id) {
+            return Err(text.element(element, side, "is there twice", "lanes with different ids"));
+        }
+        let widths = children(element, "width").map(|width| text.stretch(width, "sOffset", from_m));
+        let widths: Vec<_> = widths.collect::<Result<_, _>>()?;
+        if widths.is_empty() {
+            return Err(text.element(element, side, "has no width", "a `width`"));
+        }
+        let link = |name: &str| {
+            let to = element.child("link").and_then(|link| link.child(name));
+            to.map(|to| text.whole(to, "id")).transpose()
+        };
+        let kind = element.attribute("type").unwrap_or("driving");
+        let drivable = !NOT_DRIVABLE.contains(&kind);
+        let width = Profile::new(widths);
+        let lane = Lane { id, drivable, width, before: None, after: None };
+        lanes.push((lane, link("predecessor")?, link("successor")?));
+    }
+    lanes.sort_by_key(|(lane, ..)| lane.id.abs());
+    Ok(lanes)
+}

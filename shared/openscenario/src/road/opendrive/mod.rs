@@ -1,0 +1,79 @@
+//! Reader of OpenDRIVE files.
+
+mod geometry;
+mod lanes;
+mod row;
+mod text;
+
+#[cfg(test)]
+mod tests;
+
+use super::Road;
+use crate::error::{ReadError, one_of};
+use crate::xml::{Document, Element};
+use row::{Row, outside_junctions};
+use text::{Text, children};
+
+/// Most roads that an error lists.
+const MOST_LISTED: usize = 8;
+
+/// A road as it was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// The road.
+    pub road: Road,
+    /// Notes for a person on how the file was understood, a sentence each.
+    pub notices: Vec<String>,
+}
+
+/// Reads the road `id` of an OpenDRIVE file with the roads that follow and precede it by their links. Without an id it
+/// is the only road or row of roads.
+///
+/// # Errors
+/// When there is no such road, or it cannot be driven.
+pub fn read(document: &Document, id: Option<&str>) -> Result<Found, ReadError> {
+    let text = Text { file: &document.file };
+    let root = &document.root;
+    if root.name != "OpenDRIVE" {
+        return Err(text.element(root, "the file", "is not supported", "`OpenDRIVE`"));
+    }
+    let roads: Vec<&Element> = children(root, "road").collect();
+    let open: Vec<&Element> =
+        roads.iter().copied().filter(|road| outside_junctions(road)).collect();
+    let row = match (id, open.first()) {
+        (Some(id), _) => {
+            let road = roads.iter().find(|road| road.attribute("id") == Some(id));
+            road.map(|road| Row::around(&roads, road))
+        }
+        (None, Some(road)) => Some(Row::around(&roads, road)).filter(|row| row.len() == open.len()),
+        (None, None) => {
+            let reason = match roads.len() {
+                0 => "this file has no road".to_owned(),
+                count => format!("each of the {count} roads in this file belongs to a junction"),
+            };
+            return Err(text.meaning(root, reason, "a road outside of junctions".to_owned()));
+        }
+    };
+    match row {
+        Some(row) => row.read(text),
+        None => Err(unnamed(text, root, id, if id.is_some() { &roads } else { &open })),
+    }
+}
+
+/// The error where no road, or no single one, is named.
+fn unnamed(text: Text<'_>, root: &Element, id: Option<&str>, roads: &[&Element]) -> ReadError {
+    let ids = roads.iter().filter_map(|road| road.attribute("id"));
+    let first = one_of(ids.take(MOST_LISTED));
+    let rest = match roads.len().saturating_sub(MOST_LISTED) {
+        0 => String::new(),
+        rest => format!(" (and {rest} more)"),
+    };
+    let (reason, wanted) = match id {
+        Some(id) => (format!("there is no road `{id}` in this file"), first + &rest),
+        None => (
+            format!("this file has {} roads and no position names the ego's", roads.len()),
+            format!("a lane or road position of the ego with the `roadId` {first}{rest}"),
+        ),
+    };
+    text.meaning(root, reason, wanted)
+}

@@ -1,0 +1,201 @@
+//! Roads in a row, by their links.
+
+use road::{Axis, Laid, Lanes, MAX_GAP_M, MAX_KINK_RAD, Pose, Profile};
+
+use super::Found;
+use super::geometry::Line;
+use super::lanes::{self, Link, Side};
+use super::text::{Text, children};
+use crate::error::ReadError;
+use crate::road::{Part, Road};
+use crate::xml::Element;
+
+/// Roads that follow each other.
+pub struct Row<'a> {
+    members: Vec<Member<'a>>,
+    /// The place of the road that was asked for.
+    asked: usize,
+}
+
+/// A road of the file in a row.
+#[derive(Clone, Copy)]
+struct Member<'a> {
+    road: &'a Element,
+    /// It is driven from its end to its start.
+    reversed: bool,
+}
+
+/// A member as it was read, in the direction of the row.
+struct Read {
+    pieces: Vec<Laid>,
+    length_m: f64,
+    /// Where its last piece ends.
+    end: Pose,
+    lanes: Lanes,
+    first: Vec<Link>,
+    last: Vec<Link>,
+    heights: Profile,
+}
+
+/// Whether a road is not a way through a junction.
+pub fn outside_junctions(road: &Element) -> bool {
+    road.attribute("junction").is_none_or(|junction| junction.trim() == "-1")
+}
+
+impl<'a> Member<'a> {
+    /// The road that the row goes on with, if it is one of `roads`: behind the end, or before the start.
+    fn neighbour(&self, roads: &[&'a Element], behind: bool) -> Option<Self> {
+        if !outside_junctions(self.road) {
+            return None;
+        }
+        let at_end = behind != self.reversed;
+        let link =
+            self.road.child("link")?.child(if at_end { "successor" } else { "predecessor" })?;
+        if link.attribute("elementType").is_some_and(|kind| kind != "road") {
+            return None;
+        }
+        let id = link.attribute("elementId")?;
+        let is_next = |road: &&Element| road.attribute("id") == Some(id) && outside_junctions(road);
+        let road = roads.iter().copied().find(is_next)?;
+        // It is met at its start if it is driven forwards behind the end, or backwards before the start.
+        let at_start = match link.attribute("contactPoint") {
+            Some(point) => point == "start",
+            None => names(road, "predecessor", self.road) || !names(road, "successor", self.road),
+        };
+        Some(Self { road, reversed: at_start != behind })
+    }
+
+    fn read(&self, text: Text<'_>, notices: &mut Vec<String>) -> Result<Read, ReadError> {
+        let line = Line::read(text, self.road)?;
+        let length_m = line.length_m;
+        let profile = self.road.child("elevationProfile");
+        let heights = profile.into_iter().flat_map(|profile| children(profile, "elevation"));
+        let heights = heights.map(|height| text.stretch(height, "s", 0.0));
+        let heights = Profile::new(heights.collect::<Result<_, _>>()?);
+        let Side { lanes, first, last } = lanes::read(text, self.road, length_m)?;
+        // Only now: a number that is none is a clearer error than what it makes of the line.
+        let end = line.axis(text)?.pose(length_m).placed(&line.pieces[0].start);
+        notices.extend(line.notices.iter().cloned());
+        Ok(match self.reversed {
+            false => Read { pieces: line.pieces, length_m, end, lanes, first, last, heights },
+            true => {
+                let start = line.pieces[0].start;
+                let heading_rad = start.heading_rad + std::f64::consts::PI;
+                Read {
+                    pieces: line.reversed(),
+                    length_m,
+                    end: Pose { heading_rad, ..start },
+                    lanes: lanes.reversed(),
+                    first: last.into_iter().rev().collect(),
+                    last: first.into_iter().rev().collect(),
+                    heights: heights.reversed(length_m),
+                }
+            }
+        })
+    }
+}
+
+/// Whether a link of `road` names the other road.
+fn names(road: &Element, link: &str, other: &Element) -> bool {
+    let to = road.child("link").and_then(|links| links.child(link));
+    to.is_some_and(|to| to.attribute("elementId") == other.attribute("id"))
+}
+
+impl<'a> Row<'a> {
+    /// The road with all that follow and precede it by their links, up to a junction. A ring ends where it began.
+    pub fn around(roads: &[&'a Element], road: &'a Element) -> Self {
+        let mut members = vec![Member { road, reversed: false }];
+        let is_new = |members: &[Member<'a>], next: &Member<'a>| {
+            members.iter().all(|member| !std::ptr::eq(member.road, next.road))
+        };
+        while let Some(next) = members[members.len() - 1].neighbour(roads, true)
+            && is_new(&members, &next)
+        {
+            members.push(next);
+        }
+        let mut before = Vec::new();
+        let mut first = members[0];
+        while let Some(next) = first.neighbour(roads, false)
+            && is_new(&members, &next)
+            && is_new(&before, &next)
+        {
+            before.push(next);
+            first = next;
+        }
+        before.reverse();
+        let asked = before.len();
+        before.append(&mut members);
+        Self { members: before, asked }
+    }
+
+    /// How many roads it has.
+    pub fn len(&self) -> usize {
+        self.members.len()
+    }
+
+    /// Reads its roads as one.
+    pub fn read(&self, text: Text<'_>) -> Result<Found, ReadError> {
+        let mut notices = Vec::new();
+        let mut whole: Option<(Road, Read)> = None;
+        for (number, member) in self.members.iter().enumerate() {
+            let next = member.read(text, &mut notices)?;
+            let id = member.road.attribute("id").unwrap_or_default().to_owned();
+            let (length_m, reversed) = (next.length_m, member.reversed);
+            let part = |from_m| Part { id: id.clone(), from_m, length_m, reversed };
+            let Some((road, last)) = &mut whole else {
+                whole = Some((alone(part(0.0), member, &next), next));
+                continue;
+            };
+            if !is_joined(&last.end, &next.pieces[0].start) {
+                notices.push(format!(
+                    "{}: road `{id}` is linked to the one before, and their reference lines do not meet: the row of roads \
+                     ends between them",
+                    text.place(member.road)
+                ));
+                if number > self.asked {
+                    break;
+                }
+                *road = alone(part(0.0), member, &next);
+                *last = next;
+                continue;
+            }
+            let turned = road.parts.last().is_some_and(|part| part.reversed) != member.reversed;
+            road.parts.push(part(road.lanes.length_m));
+            road.pieces.extend_from_slice(&next.pieces);
+            next.heights.append_to(&mut road.heights, road.lanes.length_m, next.length_m);
+            let links = lanes::pairs(&last.last, &next.first, turned);
+            road.lanes.append(&next.lanes, &links);
+            road.length_m = Some(road.lanes.length_m);
+            *last = next;
+        }
+        let Some((road, _)) = whole else { unreachable!("a row has a road") };
+        let axis = Axis::laid(&road.pieces);
+        axis.map_err(|error| {
+            text.meaning(
+                self.members[0].road,
+                format!("the roads in a row: {error}"),
+                error.expected(),
+            )
+        })?;
+        Ok(Found { road, notices })
+    }
+}
+
+/// A row of one member.
+fn alone(part: Part, member: &Member<'_>, read: &Read) -> Road {
+    Road {
+        length_m: Some(read.length_m),
+        parts: vec![part],
+        pieces: read.pieces.clone(),
+        left_hand: member.road.attribute("rule") == Some("LHT"),
+        lanes: read.lanes.clone(),
+        heights: read.heights.clone(),
+    }
+}
+
+/// Whether a road begins where the one before ends.
+fn is_joined(end: &Pose, start: &Pose) -> bool {
+    let gap_m = libm::hypot(start.x_m - end.x_m, start.y_m - end.y_m);
+    let kink_rad = libm::remainder(start.heading_rad - end.heading_rad, std::f64::consts::TAU);
+    gap_m <= MAX_GAP_M && kink_rad.abs() <= MAX_KINK_RAD
+}

@@ -1,0 +1,97 @@
+//! Numbers and errors of an OpenDRIVE file.
+
+use road::Stretch;
+
+use crate::error::{Place, ReadError};
+use crate::xml::Element;
+
+/// The file that is read.
+#[derive(Clone, Copy)]
+pub struct Text<'a> {
+    pub file: &'a str,
+}
+
+impl Text<'_> {
+    pub fn number(&self, element: &Element, attribute: &str) -> Result<f64, ReadError> {
+        let text = element.attribute(attribute).unwrap_or_default();
+        text.trim().parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| {
+            let place = match element.given(attribute) {
+                Some(given) => Place { file: self.file.to_owned(), spot: given.spot },
+                None => self.place(element),
+            };
+            let reason = match element.attribute(attribute) {
+                Some(text) => format!("`{text}` is not a number"),
+                None => "it is missing".to_owned(),
+            };
+            let (attribute, element) = (attribute.to_owned(), element.name.clone());
+            ReadError::Attribute { place, attribute, element, reason, expected: "a number".into() }
+        })
+    }
+
+    pub fn numbers<const N: usize>(
+        &self,
+        element: &Element,
+        attributes: [&str; N],
+    ) -> Result<[f64; N], ReadError> {
+        let mut numbers = [0.0; N];
+        for (number, attribute) in numbers.iter_mut().zip(attributes) {
+            *number = self.number(element, attribute)?;
+        }
+        Ok(numbers)
+    }
+
+    /// A whole number, such as a lane's id.
+    pub fn whole(&self, element: &Element, attribute: &str) -> Result<i32, ReadError> {
+        let number = self.number(element, attribute)?;
+        if number != number.trunc() || number.abs() > f64::from(i32::MAX) {
+            let reason = format!("`{attribute}` of `{}` is {number}", element.name);
+            return Err(self.meaning(element, reason, "a whole number".to_owned()));
+        }
+        Ok(number as i32)
+    }
+
+    /// The cubic of an element with `a`, `b`, `c` and `d`, from `start` on of the part that begins at `from_m`.
+    pub fn stretch(
+        &self,
+        element: &Element,
+        start: &str,
+        from_m: f64,
+    ) -> Result<Stretch, ReadError> {
+        let at_m = self.number(element, start)?;
+        if at_m < 0.0 {
+            let reason = format!("`{start}` of `{}` is {at_m}", element.name);
+            return Err(self.meaning(element, reason, "at least 0".to_owned()));
+        }
+        let factors = self.numbers(element, ["a", "b", "c", "d"])?;
+        Ok(Stretch { from_m: from_m + at_m, factors })
+    }
+
+    pub fn place(&self, element: &Element) -> Place {
+        Place { file: self.file.to_owned(), spot: element.spot }
+    }
+
+    pub fn element(
+        &self,
+        element: &Element,
+        parent: &str,
+        fault: &'static str,
+        expected: &str,
+    ) -> ReadError {
+        ReadError::Element {
+            place: self.place(element),
+            element: element.name.clone(),
+            parent: parent.to_owned(),
+            fault,
+            expected: expected.to_owned(),
+        }
+    }
+
+    pub fn meaning(&self, element: &Element, reason: String, expected: String) -> ReadError {
+        ReadError::Meaning { place: self.place(element), reason, expected }
+    }
+}
+
+/// The children of a name.
+pub fn children<'a>(element: &'a Element, name: &'a str) -> impl Iterator<Item = &'a Element> {
+    element.children.iter().filter(move |child| child.name == name)
+}
