@@ -101,6 +101,36 @@ fn a_page_fits_a_telephone_and_the_dark() {
     browser.close();
 }
 
+fn a_curved_road_is_drawn_from_above() {
+    let corner = Corner::new(PROGRAM);
+    let words =
+        ["run", "curved-following", "--mode", "lockstep", "--duration", "30", "--out", "out"];
+    let output = corner.run(&words);
+    assert!(output.status.success(), "{}", text(&output));
+    let mut browser = open(&corner, 0);
+    // The whole way and the close-up, with ego and three others.
+    let bodies = "document.querySelectorAll('.plane svg')[1]?.querySelectorAll('rect').length";
+    assert!(browser.becomes(&format!("{bodies} === 4")), "{}", browser.evaluate(bodies));
+    let said = "document.querySelector('.plane output').textContent";
+    let worst = browser.evaluate(said);
+    assert!(worst.as_str().is_some_and(|said| said.contains("the least")), "{worst}");
+    let move_to_start = "(() => { const slider = document.querySelector('.plane .instant');
+        slider.value = 0; slider.dispatchEvent(new Event('input')); })()";
+    browser.evaluate(move_to_start);
+    assert!(browser.becomes(&format!("{said}.startsWith('0.0')")), "{}", browser.evaluate(said));
+    let telephone = json!({ "width": 400, "height": 800, "deviceScaleFactor": 2, "mobile": true });
+    browser.call("Emulation.setDeviceMetricsOverride", telephone);
+    let narrow = "document.documentElement.scrollWidth <= 400 &&
+        [...document.querySelectorAll('.plane svg')].every((svg) => svg.getBoundingClientRect().width < 400)";
+    assert!(
+        browser.becomes(narrow),
+        "{}",
+        browser.evaluate("document.documentElement.scrollWidth")
+    );
+    assert_eq!(browser.errors(), [""; 0]);
+    browser.close();
+}
+
 fn a_page_without_scripts_shows_verdict_and_tables() {
     let corner = Corner::new(PROGRAM);
     run(&corner);
@@ -133,6 +163,7 @@ fn main() -> ExitCode {
             "a_page_fits_a_telephone_and_the_dark",
             a_page_fits_a_telephone_and_the_dark,
         ),
+        needing(chromium, "a_curved_road_is_drawn_from_above", a_curved_road_is_drawn_from_above),
         needing(
             chromium,
             "a_page_without_scripts_shows_verdict_and_tables",

@@ -33,6 +33,7 @@ builtins! {
     "following": "plain following behind a lead of varying speed, seen by a noisy radar";
     "stop-and-go": "a lead in congested traffic, down to standstill and off again";
     "cut-in": "a slower car cuts in close ahead and later out again before a slow lorry";
+    "curved-following": "an S-curve behind a lead, with a vehicle on either side";
     "corridor": "three signals in sequence behind a lead";
     "udds": "following a lead that drives UDDS: 23 minutes of urban traffic";
     "hwfet": "following a lead that drives HWFET: 13 minutes of rural road";

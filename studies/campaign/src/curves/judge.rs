@@ -42,6 +42,8 @@ pub struct Kept {
     pub sources: String,
     /// How the run ended.
     pub outcome: Outcome,
+    /// Why it was aborted, if it was.
+    pub aborted_because: Option<String>,
     /// Sums by part of a curve, in the order of [`Place::ALL`].
     pub places: [Sums; 4],
     /// Times that the emergency brake braked.
@@ -77,6 +79,7 @@ impl Kept {
             scene,
             sources: sources.to_owned(),
             outcome: done.summary.outcome,
+            aborted_because: done.summary.aborted_because.clone(),
             places: by_place(&scans),
             interventions: done.summary.aebs.interventions.unwrap_or(0),
             lowest_request_mps2: drive
@@ -136,7 +139,9 @@ impl Kept {
     pub fn finding(&self) -> String {
         let mut findings = Vec::new();
         if self.outcome != Outcome::Completed {
-            findings.push(report::print::outcome_word(self.outcome).to_lowercase());
+            let word = report::print::outcome_word(self.outcome).to_lowercase();
+            let why = self.aborted_because.as_ref().map_or_else(String::new, |why| format!(": {why}"));
+            findings.push(word + &why);
         }
         if self.phantom_interventions() > 0 {
             findings.push("the emergency brake braked for nothing in the lane".to_owned());
@@ -192,6 +197,7 @@ pub(super) mod tests {
             scene,
             sources: sources.to_owned(),
             outcome: Outcome::Completed,
+            aborted_because: None,
             places: [road, Sums::default(), Sums::default(), Sums::default()],
             interventions: 0,
             lowest_request_mps2: Some(-0.4),

@@ -109,7 +109,11 @@ impl Study for Curves {
 
     fn keys(&self, run: usize) -> Vec<(String, String)> {
         let (number, scene, sources) = self.run(run);
-        let keys = [("number", number.to_string()), ("scene", scene.name().to_owned()), ("sources", sources.name.to_owned())];
+        let keys = [
+            ("number", number.to_string()),
+            ("scene", scene.name().to_owned()),
+            ("sources", sources.name.to_owned()),
+        ];
         keys.map(|(key, value)| (key.to_owned(), value)).to_vec()
     }
 
