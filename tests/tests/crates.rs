@@ -22,11 +22,12 @@ const LAYERS: [&[&str]; 9] = [
 ];
 
 /// Crates of one layer that depend on each other in this order.
-const WITHIN: [(&str, &str); 5] = [
+const WITHIN: [(&str, &str); 6] = [
     ("report", "group"),
     ("openscenario", "random"),
     ("openscenario", "road"),
     ("road", "random"),
+    ("rare-events", "random"),
     ("bench", "doctor"),
 ];
 

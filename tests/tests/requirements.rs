@@ -42,6 +42,76 @@ fn requirements_that_hold_are_shown_and_leave_the_run_completed() {
     assert!(printed.contains("requirements") && printed.contains("met, margin"), "{printed}");
 }
 
+/// A standing car 40 m ahead of 20 m/s: 33.3 m of braking and 7 m of reaction are more.
+#[test]
+fn a_collision_has_an_impact_speed_and_the_reference_has_one_too() {
+    let corner = Corner::new(PROGRAM);
+    let wall = corner.path().join("wall.toml");
+    let scene = "schema_version = 1\nname = \"wall\"\nduration_s = 10\nset_speed_mps = 20\n\
+        [plant]\ninitial_speed_mps = 20\n[[actors]]\nname = \"wall\"\ngap_m = 40\ninitial_speed_mps = 0\n";
+    std::fs::write(&wall, scene).expect("writable");
+    let name = wall.to_string_lossy();
+    let requirements = [
+        "--require",
+        "no-collision",
+        "--require",
+        "no-avoidable-collision",
+        "--require",
+        "no-red-light",
+    ];
+    let common = ["run", &name, "--mode", "lockstep", "--in-process", "--json"];
+    let output = corner.run(&[&common[..], &requirements].concat());
+    assert_eq!(output.status.code(), Some(1), "{}", text(&output));
+    let summary: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(summary["outcome"], "collision");
+    let impact_mps = summary["control"]["impact_speed_mps"].as_f64().expect("a contact");
+    assert!((1.0..20.0).contains(&impact_mps), "{impact_mps}");
+    let [hit, avoidable, red] = &summary["requirements"].as_array().expect("a list")[..] else {
+        panic!("{summary}")
+    };
+    assert_eq!((hit["margin"].as_f64(), &hit["unit"]), (Some(-impact_mps), &"m/s".into()));
+    assert_eq!((&hit["met"], &avoidable["met"]), (&false.into(), &true.into()), "{avoidable}");
+    assert_eq!((&red["margin"], &red["met"]), (&Value::Null, &true.into()));
+}
+
+#[test]
+fn studies_judge_by_requirements() {
+    let corner = Corner::new(PROGRAM);
+    let far = ["--require", "min-gap:1000", "--json"];
+    let judged = |command: &[&str], pointer: &str, expected: Value| {
+        let output = corner.run(&[command, &far].concat());
+        assert_eq!(output.status.code(), Some(1), "{command:?}: {}", text(&output));
+        let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!(found.pointer(pointer), Some(&expected), "{command:?}: {found}");
+    };
+    let following = ["compare", "following", "--controllers", "acc-mpc", "--set", "duration_s=5"];
+    judged(&following, "/rows/0/requirements/0/met", false.into());
+    let sweep = ["sweep", "following", "--param", "set_speed_mps=25", "--duration", "5"];
+    judged(&sweep, "/runs/0/requirements/0/met", false.into());
+    let cases = ["r157", "--matrix", "following", "--sample", "1", "--controllers", "six-mode"];
+    judged(&cases, "/matrices/0/laws/0/requirements_broken", 1.into());
+    let string = ["string", "following", "--vehicles", "2", "--duration", "5"];
+    judged(&string, "/vehicles/1/requirements/0/met", false.into());
+    let file = corner.path().join("campaign.toml");
+    let campaign =
+        "schema_version = 1\nname = \"x\"\nscenarios = [\"following\"]\nset = [\"duration_s=5\"]\n";
+    std::fs::write(&file, campaign).expect("writable");
+    judged(&["campaign", &file.to_string_lossy()], "/requirements/0/ok", false.into());
+}
+
+#[test]
+fn a_string_is_judged_by_its_stability() {
+    let corner = Corner::new(PROGRAM);
+    let common = ["string", "following", "--vehicles", "2", "--duration", "5", "--json"];
+    let output = corner.run(&[&common[..], &["--require", "string-stable"]].concat());
+    let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(found["stability"]["met"], found["string_stable"], "{found}");
+    assert_eq!(output.status.success(), found["string_stable"] == true);
+    let alone = run(&corner, &["--require", "string-stable"]);
+    assert_eq!(alone.status.code(), Some(2));
+    assert!(text(&alone).contains("expected it in `timegap string`"), "{}", text(&alone));
+}
+
 #[test]
 fn a_wrong_requirement_is_refused_at_its_place_before_the_run() {
     let corner = Corner::new(PROGRAM);

@@ -20,6 +20,7 @@ const WITHOUT_MERGE: [&str; 16] = [
     "replicas",
     "seeds",
     "cases",
+    "probability",
     "reference",
     "controller",
     "laws",
@@ -65,6 +66,9 @@ pub struct SearchArguments {
     /// Failures that are reduced to minimal cases, 0 to 5
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(0..=5))]
     pub cases: u8,
+    /// Estimate how often the requirements are broken under the distributions of the file's [probability]
+    #[arg(long, conflicts_with_all = ["method", "replicas"])]
+    pub probability: bool,
     /// Driver who must be able to avoid a scene that counts [default: regulation]
     #[arg(long, value_enum)]
     pub reference: Option<ReferenceName>,

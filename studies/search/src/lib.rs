@@ -23,6 +23,7 @@ pub mod method;
 pub mod minimal;
 mod open;
 mod pictures;
+pub mod probability;
 pub mod problem;
 pub mod record;
 pub mod reference;

@@ -74,7 +74,7 @@ const FIELDS: &[Column<()>] = &[
     frame::ok("No run broke a requirement in a scene that the reference avoids"),
     word("problem", "", "Name of the problem"),
     word("controller", "", "Control law"),
-    word("method", "", "Choice of the points: gp, sobol or random"),
+    word("method", "", "Choice of the points: gp, sobol or random; probability with --probability"),
     nested("requirements", Kind::List, "Requirements"),
     count("runs", "", "Runs of the search"),
     count("planned", "", "Runs that were planned"),
@@ -155,6 +155,17 @@ impl Search {
             processes_sample,
             drives: Vec::new(),
         }
+    }
+
+    /// The result of `--probability`, which has no runs of a search.
+    pub fn of_probability(
+        problem: &Problem,
+        (found, ok): (Json, bool),
+        runs: usize,
+        processes_sample: ProcessesSample,
+    ) -> Self {
+        let none = Self::new(problem, (MethodName::Random, runs), &[], 0, processes_sample);
+        Self { ok, method: "probability", runs, probability: Some(found), ..none }
     }
 
     /// The same with its minimal cases; the files are numbered in their order.

@@ -21,6 +21,7 @@ use crate::faults::Faults;
 use crate::method::{Chooser, MethodName, Proposal, independent, seed_of};
 use crate::minimal::{self, Case, Held, Trial};
 use crate::pictures::Drives;
+use crate::probability;
 use crate::problem::Problem;
 use crate::record::Record;
 use crate::results::Search;
@@ -58,9 +59,14 @@ impl Failure for PlanError {}
 pub fn run(arguments: &SearchArguments) -> Result<ExitCode, Error> {
     // A part that is continued or joined knows what it is a part of.
     let held = parts::held(&arguments.parts)?;
-    let has_faults =
-        |study: parts::Study| study.words.iter().any(|word| word.starts_with("--faults"));
-    if arguments.faults.is_some() || held.is_some_and(has_faults) {
+    let has = |option: &str| {
+        let words = held.iter().flat_map(|study| &study.words);
+        words.into_iter().any(|word| word.starts_with(option))
+    };
+    if arguments.probability || has("--probability") {
+        return probability::run(arguments);
+    }
+    if arguments.faults.is_some() || has("--faults") {
         return frame::study::run::<Faults>(arguments);
     }
     frame::study::run::<Runs>(arguments)

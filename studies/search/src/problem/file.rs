@@ -43,6 +43,7 @@ use super::arithmetic::{Arithmetic, ArithmeticError};
 use super::setting::{FaultChoice, Setting, Term};
 use super::variable::{Domain, DomainError, Value};
 use super::{Draft, FAULT, NO_FAULT};
+use crate::probability::Stated;
 use crate::reference::{Reference, ReferenceName};
 
 /// Longest search file, bytes.
@@ -112,6 +113,7 @@ struct File {
     faults: Vec<Table>,
     #[serde(default)]
     require: Require,
+    probability: Option<Stated>,
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -166,6 +168,7 @@ impl Read {
 }
 
 fn draft(path: &Path, file: File) -> Result<Draft, Fault> {
+    let folder = path.parent().map(Path::to_owned).unwrap_or_default();
     let mut variables = Vec::with_capacity(file.vary.len());
     for (name, value) in &file.vary {
         let refuse = |reason| Fault::Vary { name: name.clone(), reason };
@@ -219,6 +222,7 @@ fn draft(path: &Path, file: File) -> Result<Draft, Fault> {
         faults,
         require: file.require.formulas,
         reference: Some(Reference::named(file.reference)),
+        stated: file.probability.map(|stated| (stated, folder)),
     })
 }
 

@@ -26,6 +26,7 @@ use thiserror::Error;
 
 use crate::reference::Reference;
 pub(crate) use setting::FaultChoice;
+use std::path::{Path, PathBuf};
 
 /// Most variables: the dimensions of the Sobol sequence.
 pub const MOST_VARIABLES: usize = 21;
@@ -51,6 +52,8 @@ pub struct Problem {
     options: ScenarioOptions,
     settings: Vec<Setting>,
     faults: Vec<FaultChoice>,
+    /// `[probability]` of the file, and the file's folder.
+    stated: Option<(Stated, PathBuf)>,
 }
 
 /// Why there is no problem.
@@ -118,6 +121,11 @@ pub fn is_refusal(error: &Error) -> bool {
 }
 
 impl Problem {
+    /// `[probability]` of the search file, and the file's folder.
+    pub(crate) fn stated(&self) -> Option<(&Stated, &Path)> {
+        self.stated.as_ref().map(|(stated, folder)| (stated, folder.as_path()))
+    }
+
     /// Number of variables.
     #[must_use]
     pub fn dimensions(&self) -> usize {
@@ -246,6 +254,7 @@ pub(crate) struct Draft {
     pub require: Vec<String>,
     /// The driver; none: the default one, `Some(None)`: nobody.
     pub reference: Option<Option<Reference>>,
+    pub stated: Option<(Stated, PathBuf)>,
 }
 
 impl Draft {
@@ -265,7 +274,8 @@ impl Draft {
 
     /// Opens the scenario. The ends of the variables are not tried.
     pub(crate) fn finish(self, mut options: ScenarioOptions) -> Result<Problem, Error> {
-        let Self { name, scenario, mut variables, settings, faults, require, reference } = self;
+        let Self { name, scenario, mut variables, settings, faults, require, reference, stated } =
+            self;
         if !faults.is_empty() {
             let none = std::iter::once(NO_FAULT.to_owned());
             let names = none.chain(faults.iter().map(|fault| fault.name.clone())).collect();
@@ -299,6 +309,7 @@ impl Draft {
             options,
             settings,
             faults,
+            stated,
         })
     }
 }

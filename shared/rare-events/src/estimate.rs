@@ -1,0 +1,81 @@
+//! Results of an estimator.
+
+use crate::cross_entropy::{Replica, interval};
+use crate::monte_carlo::wilson;
+
+/// Runs that an estimator may use, and its random numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Budget {
+    /// Evaluations of the caller's function.
+    pub runs: usize,
+    /// Seed of the points.
+    pub seed: u64,
+}
+
+/// A probability with its interval.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// Probability of the event.
+    pub probability: f64,
+    /// 95 % interval.
+    pub interval: [f64; 2],
+    /// Evaluations that it took.
+    pub runs: usize,
+    /// Points in the event.
+    pub events: usize,
+    /// Share of each coordinate in the event's direction: the squares of the event's mean point, which sum to 1. Empty
+    /// without an event.
+    pub importance: Vec<f64>,
+    /// Estimates of the replicas; empty without replicas.
+    pub replicas: Vec<f64>,
+    /// Replicas whose density did not settle on the event: their estimates may miss a part of it.
+    pub unsettled: usize,
+}
+
+impl Estimate {
+    /// The estimate of `runs` nominal points, of which these are in the event.
+    #[must_use]
+    pub fn of_points(events: &[Vec<f64>], runs: usize) -> Self {
+        Self {
+            probability: if runs > 0 { events.len() as f64 / runs as f64 } else { 0.0 },
+            interval: wilson(events.len(), runs),
+            runs,
+            events: events.len(),
+            importance: importance(&events.iter().map(|u| (u, 1.0)).collect::<Vec<_>>()),
+            replicas: Vec::new(),
+            unsettled: 0,
+        }
+    }
+
+    /// The mean of replicas, with the interval of their scatter.
+    #[must_use]
+    pub fn of_replicas(all: &[Replica]) -> Self {
+        let replicas: Vec<f64> = all.iter().map(|replica| replica.probability).collect();
+        let weighed = all.iter().flat_map(|one| one.events.iter().zip(one.weights.iter().copied()));
+        let weighed: Vec<(&Vec<f64>, f64)> = weighed.collect();
+        Self {
+            probability: replicas.iter().sum::<f64>() / replicas.len().max(1) as f64,
+            interval: interval(&replicas),
+            runs: all.iter().map(|replica| replica.runs).sum(),
+            events: weighed.len(),
+            importance: importance(&weighed),
+            unsettled: all.iter().filter(|replica| !replica.is_settled).count(),
+            replicas,
+        }
+    }
+}
+
+/// True if two results contradict each other: their intervals have nothing in common.
+#[must_use]
+pub fn disagree(one: &Estimate, other: &Estimate) -> bool {
+    one.interval[1] < other.interval[0] || other.interval[1] < one.interval[0]
+}
+
+/// The shares of the coordinates in the event's direction, from its points with their weights.
+fn importance(points: &[(&Vec<f64>, f64)]) -> Vec<f64> {
+    let Some((first, _)) = points.first() else { return Vec::new() };
+    let mean = |place: usize| points.iter().map(|(u, w)| w * u[place]).sum::<f64>();
+    let squares: Vec<f64> = (0..first.len()).map(|place| mean(place).powi(2)).collect();
+    let whole: f64 = squares.iter().sum();
+    if whole > 0.0 { squares.iter().map(|square| square / whole).collect() } else { Vec::new() }
+}

@@ -1,0 +1,191 @@
+//! `--probability`: how often a requirement is broken when the variables follow given distributions.
+//!
+//! ```text
+//! unit 0 … 4       a replica of cross-entropy importance sampling each   half the budget
+//! unit 5 … m       50 points of Monte Carlo each                         the other half
+//! unit m + 1 …     5 rows of Sobol's indices each                        beside the budget, if asked for
+//! ```
+//!
+//! A unit is what the frame calls a run: it is driven in one thread and kept in one line of the journal. A point that
+//! the reference driver does not avoid is no failure and costs no drive. Every drive has a seed of its own, so that
+//! noise is a part of the probability.
+
+mod model;
+mod results;
+mod stated;
+mod unit;
+
+pub use model::ModelError;
+pub(crate) use stated::Stated;
+pub use unit::Unit;
+
+use std::collections::BTreeMap;
+use std::process::ExitCode;
+use std::sync::Mutex;
+
+use frame::batch::{self, Repetition};
+use frame::{Crew, Found, Gave, Needs, Options, Study};
+use group::Error;
+use rare_events::{Budget, ENOUGH_EVENTS, REPLICAS, replica, sobol};
+use report::results::Document;
+
+use crate::arguments::SearchArguments;
+use crate::method::seed_of;
+use crate::problem::{Problem, Value};
+use crate::value::judge;
+use model::Model;
+use unit::{Kind, Units};
+
+/// Runs the command.
+///
+/// # Errors
+/// Mistakes in the arguments or the file, else as [`frame::study::run`].
+pub fn run(arguments: &SearchArguments) -> Result<ExitCode, Error> {
+    frame::study::run::<Probability>(arguments)
+}
+
+/// The study.
+struct Probability {
+    problem: Problem,
+    model: Model,
+    units: Units,
+    seed: u64,
+    /// Events of the units of Monte Carlo that ended.
+    events: Mutex<BTreeMap<usize, usize>>,
+}
+
+impl Study for Probability {
+    type Arguments = SearchArguments;
+    type Record = Unit;
+    type Seen = ();
+
+    const NAME: &'static str = "search";
+    const NEEDS: Needs = Needs::All;
+    const KEEPS_TRAJECTORIES: bool = false;
+
+    fn options(arguments: &SearchArguments) -> Options<'_> {
+        let SearchArguments { parts, jobs, group, results, .. } = arguments;
+        Options { parts: Some(parts), jobs: *jobs, group, results }
+    }
+
+    fn plan(arguments: &SearchArguments) -> Result<Self, Error> {
+        let problem = Problem::open(arguments)?;
+        let model = Model::of(&problem)?;
+        let units = Units::new(arguments.budget.get(), model.rows());
+        let seed = arguments.seed()?;
+        Ok(Self { problem, model, units, seed, events: Mutex::default() })
+    }
+
+    fn runs(&self) -> usize {
+        self.units.count()
+    }
+
+    fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    fn label(&self) -> String {
+        format!("probability-{}", self.problem.name)
+    }
+
+    fn subject(&self) -> Result<String, Error> {
+        Ok(format!("{}\n{:?}", self.problem.subject(), self.model))
+    }
+
+    fn recall(&self, run: usize, unit: &Unit) {
+        self.tell(run, unit);
+    }
+
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<Unit, ()>, Error> {
+        let mut points = Points { study: self, run, crew, unit: Unit::default(), repetition: None };
+        match self.units.kind(run) {
+            Kind::Replica { number, runs } => {
+                let budget = Budget { runs, seed: seed_of(self.seed, 8, 0) };
+                let dimensions = self.problem.dimensions();
+                let found = replica(dimensions, budget, number, &mut |u| points.value(u))?;
+                points.unit.take(found);
+            }
+            Kind::MonteCarlo { .. } if self.has_enough(run) => {}
+            Kind::MonteCarlo { first, count } => {
+                for number in first..first + count {
+                    let seed = seed_of(self.seed, 9, 0);
+                    let point = rare_events::point(self.problem.dimensions(), seed, number as u64);
+                    if points.value(&point)? < 0.0 {
+                        points.unit.events.push(point);
+                    }
+                }
+            }
+            Kind::Rows { first, count } => {
+                for number in first..first + count {
+                    let seed = seed_of(self.seed, 10, 0);
+                    let row = sobol::row(self.problem.dimensions(), seed, number as u64);
+                    let values = row.iter().map(|point| points.value(point));
+                    let values = values.collect::<Result<_, _>>()?;
+                    points.unit.rows.push(values);
+                }
+            }
+        }
+        let Points { unit, repetition, .. } = points;
+        self.tell(run, &unit);
+        Ok(Gave { record: unit, seen: (), repetition })
+    }
+
+    fn describe(&self, run: usize) -> String {
+        format!(" (unit {run} of the probability in {})", self.problem.name)
+    }
+
+    fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
+        let units: Vec<Unit> = found.records.all()?.into_iter().map(|(_, unit)| unit).collect();
+        let answer = results::Answer::of(&self.units, &self.model, &units);
+        Ok(answer.document(&self.problem, &self.model, found.sample))
+    }
+}
+
+impl Probability {
+    fn tell(&self, run: usize, unit: &Unit) {
+        if matches!(self.units.kind(run), Kind::MonteCarlo { .. }) {
+            self.events.lock().expect("no worker panics here").insert(run, unit.events.len());
+        }
+    }
+
+    /// The units of Monte Carlo before this one have all ended, with enough events: the answer does not need it.
+    fn has_enough(&self, run: usize) -> bool {
+        let events = self.events.lock().expect("no worker panics here");
+        let before = REPLICAS..run;
+        let is_known = before.clone().all(|unit| events.contains_key(&unit));
+        is_known && events.range(before).map(|(_, count)| count).sum::<usize>() >= ENOUGH_EVENTS
+    }
+}
+
+/// Evaluates the points of a unit.
+struct Points<'a> {
+    study: &'a Probability,
+    run: usize,
+    crew: &'a Crew<'a>,
+    unit: Unit,
+    repetition: Option<Repetition>,
+}
+
+impl Points<'_> {
+    /// The value of a point, as a search has it.
+    fn value(&mut self, point: &[f64]) -> Result<f64, Error> {
+        let Probability { problem, model, seed, .. } = self.study;
+        let (values, is_clipped): (Vec<Value>, bool) = model.values(problem, point);
+        self.unit.clipped += usize::from(is_clipped);
+        let number = self.unit.points as u64;
+        self.unit.points += 1;
+        let scenario = problem.scenario(&values, seed_of(*seed, 11 + self.run as u64, number))?;
+        let reference = problem.reference.as_ref();
+        let reference = reference.map_or(f64::NEG_INFINITY, |d| d.drive(&scenario, false).value());
+        if reference >= 0.0 {
+            return Ok(reference);
+        }
+        // The first drive stands for the unit in the sample.
+        let repeats = self.crew.repeats(self.run) && self.repetition.is_none();
+        let crew = self.crew;
+        let done = batch::lockstep(&scenario, crew.group(), repeats, crew.going_on())?;
+        self.unit.driven += 1;
+        self.repetition = self.repetition.take().or(done.repetition);
+        Ok(judge(&done.summary).value.max(reference))
+    }
+}

@@ -1,0 +1,62 @@
+//! `[probability]` of a search file, as it is written.
+//!
+//! ```toml
+//! [probability.distributions]
+//! v0 = "normal(24, 4)"
+//! thw = "lognormal(1.3, 0.3)"            # median, standard deviation of the logarithm
+//! lateral = "csv(cut-ins.csv, lateral_mps)"
+//!
+//! [[probability.correlations]]
+//! variables = ["v0", "thw"]
+//! rank = -0.3                            # Spearman's
+//!
+//! [probability.exposure]
+//! per = "hour"
+//! events = 0.4                           # scenes of this kind per hour
+//! source = "own fleet, 2025, motorways"
+//!
+//! [probability]
+//! indices = 100                          # rows for Sobol's indices
+//! ```
+
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+/// The table.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Stated {
+    /// Distribution of each variable.
+    #[serde(default)]
+    pub(super) distributions: BTreeMap<String, String>,
+    /// Correlations of pairs.
+    #[serde(default)]
+    pub(super) correlations: Vec<Correlation>,
+    /// How often such scenes are met.
+    pub(super) exposure: Option<Exposure>,
+    /// Rows for Sobol's indices.
+    #[serde(default)]
+    pub(super) indices: u16,
+}
+
+/// A correlation of two variables.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Correlation {
+    /// Their names.
+    pub variables: [String; 2],
+    /// Spearman's correlation of their ranks.
+    pub rank: f64,
+}
+
+/// How often scenes of the problem are met, by the user's account.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Exposure {
+    /// The unit: hour, km, year.
+    pub per: String,
+    /// Scenes in one of it.
+    pub events: f64,
+    /// Where the number comes from.
+    pub source: String,
+}

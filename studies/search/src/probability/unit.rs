@@ -1,0 +1,119 @@
+//! Units of the study: what each of them computes, and what the journal keeps of it.
+
+use rare_events::{REPLICAS, Replica};
+use serde::{Deserialize, Serialize};
+
+/// Points of a unit of Monte Carlo.
+const POINTS: usize = 50;
+/// Rows of a unit of Sobol's indices.
+const ROWS: usize = 5;
+
+/// The units of a study.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Units {
+    /// Runs of a replica.
+    replica: usize,
+    /// Points of Monte Carlo.
+    points: usize,
+    /// Rows of Sobol's indices.
+    rows: usize,
+}
+
+/// What a unit computes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Replica { number: usize, runs: usize },
+    MonteCarlo { first: usize, count: usize },
+    Rows { first: usize, count: usize },
+}
+
+impl Units {
+    /// Half the budget for the replicas, half for Monte Carlo; the rows come beside it.
+    pub(super) fn new(budget: usize, rows: usize) -> Self {
+        let replica = (budget / 2 / REPLICAS).max(1);
+        Self { replica, points: budget.saturating_sub(replica * REPLICAS).max(1), rows }
+    }
+
+    /// Number of units.
+    pub(super) fn count(&self) -> usize {
+        REPLICAS + self.points.div_ceil(POINTS) + self.rows.div_ceil(ROWS)
+    }
+
+    /// The unit of a number.
+    pub(super) fn kind(&self, unit: usize) -> Kind {
+        let Some(after) = unit.checked_sub(REPLICAS) else {
+            return Kind::Replica { number: unit, runs: self.replica };
+        };
+        let first = after * POINTS;
+        if first < self.points {
+            return Kind::MonteCarlo { first, count: POINTS.min(self.points - first) };
+        }
+        let first = (after - self.points.div_ceil(POINTS)) * ROWS;
+        Kind::Rows { first, count: ROWS.min(self.rows - first) }
+    }
+}
+
+/// The record of a unit.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Unit {
+    /// Points that were evaluated.
+    pub points: usize,
+    /// Points that were driven.
+    pub driven: usize,
+    /// Points with a value beyond its variable's range.
+    pub clipped: usize,
+    /// Points in the event.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub events: Vec<Vec<f64>>,
+    /// Their weights in a replica.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub weights: Vec<f64>,
+    /// Estimate of a replica.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub probability: Option<f64>,
+    /// The replica's density settled on the event.
+    #[serde(default)]
+    pub is_settled: bool,
+    /// Values of rows.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub rows: Vec<Vec<f64>>,
+}
+
+impl Unit {
+    /// Keeps a replica.
+    pub(super) fn take(&mut self, found: Replica) {
+        self.probability = Some(found.probability);
+        self.is_settled = found.is_settled;
+        (self.events, self.weights) = (found.events, found.weights);
+    }
+
+    /// The replica that it kept.
+    pub(super) fn replica(&self) -> Option<Replica> {
+        Some(Replica {
+            probability: self.probability?,
+            runs: self.points,
+            is_settled: self.is_settled,
+            events: self.events.clone(),
+            weights: self.weights.clone(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_units_use_the_budget_and_each_number_once() {
+        let units = Units::new(1_000, 7);
+        let kinds: Vec<Kind> = (0..units.count()).map(|unit| units.kind(unit)).collect();
+        assert_eq!(kinds.len(), 5 + 10 + 2);
+        assert_eq!(kinds[4], Kind::Replica { number: 4, runs: 100 });
+        assert_eq!(kinds[5], Kind::MonteCarlo { first: 0, count: 50 });
+        assert_eq!(kinds[14], Kind::MonteCarlo { first: 450, count: 50 });
+        assert_eq!(
+            kinds[15..],
+            [Kind::Rows { first: 0, count: 5 }, Kind::Rows { first: 5, count: 2 }]
+        );
+    }
+}
