@@ -184,6 +184,7 @@ impl Points<'_> {
         let repeats = self.crew.repeats(self.run) && self.repetition.is_none();
         let crew = self.crew;
         let done = batch::lockstep(&scenario, crew.group(), repeats, crew.going_on())?;
+        crew.observe(self.run, &[], &scenario, &done);
         self.unit.driven += 1;
         self.repetition = self.repetition.take().or(done.repetition);
         Ok(judge(&done.summary).value.max(reference))

@@ -1,0 +1,87 @@
+//! `timegap search --probability`: two estimates beside each other.
+
+use serde_json::Value;
+use system_tests::{Corner, text};
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
+
+/// A following with a gap at the start below a limit: the probability is that of the gap, known in closed form.
+const GAP: &str = r#"
+schema_version = 1
+name = "gap"
+scenario = "./scene.toml"
+reference = "none"
+[vary]
+gap = "15..80"
+other = "0..1"
+[set]
+"actors.0.gap_m" = "gap + 0*other"
+[require]
+formulas = ["always[0,0] gap_m >= 31.6"]
+[probability]
+indices = 20
+[probability.distributions]
+gap = "normal(40, 5)"
+other = "uniform(0, 1)"
+[probability.exposure]
+per = "hour"
+events = 2
+source = "a log"
+"#;
+
+const SCENE: &str = "schema_version = 1\nname = \"scene\"\nduration_s = 0.5\nset_speed_mps = 20\n[plant]\n\
+    initial_speed_mps = 20\n[[actors]]\nname = \"lead\"\ngap_m = 40\ninitial_speed_mps = 20\n";
+
+fn search(corner: &Corner, file: &str, more: &[&str]) -> std::process::Output {
+    std::fs::write(corner.path().join("scene.toml"), SCENE).expect("writable");
+    let path = corner.path().join("gap.toml");
+    std::fs::write(&path, file).expect("writable");
+    let name = path.to_string_lossy().into_owned();
+    corner.run(&[&["search", &name, "--probability"], more].concat())
+}
+
+#[test]
+fn both_estimates_hold_the_known_probability() {
+    let corner = Corner::new(PROGRAM);
+    let output = search(&corner, GAP, &["--budget", "600", "--json"]);
+    assert!(output.status.success(), "{}", text(&output));
+    let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let probability = &found["probability"];
+    // P(gap < 31.6) = Φ(−1.68).
+    let exact = 0.046_479;
+    for method in ["monte_carlo", "cross_entropy"] {
+        let ends = &probability[method]["ci95"];
+        let (low, high) = (ends[0].as_f64().expect("low"), ends[1].as_f64().expect("high"));
+        assert!((low..=high).contains(&exact), "{method}: {probability}");
+    }
+    assert_eq!((&found["ok"], &probability["disagreement"]), (&true.into(), &false.into()));
+    let rate = probability["exposure"]["rate"].as_f64().expect("a rate");
+    assert!((rate - 2.0 * probability["estimate"].as_f64().expect("one")).abs() < 1e-12);
+    assert_eq!(probability["exposure"]["source"], "a log");
+    let [gap, other] = &probability["variables"].as_array().expect("two")[..] else {
+        panic!("{probability}")
+    };
+    let of = |one: &Value, name: &str| one[name].as_f64().expect("a number");
+    assert!(of(gap, "importance") > 0.9 && of(other, "importance") < 0.1, "{probability}");
+    assert!(of(gap, "total") > 0.8 && of(other, "total").abs() < 0.05, "{probability}");
+}
+
+#[test]
+fn a_variable_without_a_distribution_is_refused() {
+    let corner = Corner::new(PROGRAM);
+    let output = search(&corner, &GAP.replace("other = \"uniform(0, 1)\"\n", ""), &[]);
+    assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+    assert!(text(&output).contains("`other` has none"), "{}", text(&output));
+}
+
+/// The cut-in, until Monte Carlo has 100 failures or 100,000 points.
+#[test]
+#[ignore = "an hour on two cores"]
+fn the_cut_in_agrees_with_monte_carlo() {
+    let corner = Corner::new(PROGRAM);
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../studies/search/problems/cut-in-probability.toml");
+    let output = corner.run(&["search", file, "--probability", "--budget", "200000", "--json"]);
+    assert!(output.status.success(), "{}", text(&output));
+    let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(found["probability"]["disagreement"], false);
+}
