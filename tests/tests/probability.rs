@@ -79,7 +79,8 @@ fn a_variable_without_a_distribution_is_refused() {
 #[ignore = "an hour on two cores"]
 fn the_cut_in_agrees_with_monte_carlo() {
     let corner = Corner::new(PROGRAM);
-    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../studies/search/problems/cut-in-probability.toml");
+    let file =
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../studies/search/problems/cut-in-probability.toml");
     let output = corner.run(&["search", file, "--probability", "--budget", "200000", "--json"]);
     assert!(output.status.success(), "{}", text(&output));
     let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");

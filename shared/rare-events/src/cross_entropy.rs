@@ -10,35 +10,17 @@
 //! factor. Source of the levels: Papaioannou, Geyer, Straub 2019.
 
 use crate::Limit;
-use crate::estimate::{Budget, Estimate};
+use crate::estimate::{Budget, Estimate, Replica};
 use crate::gaussian::Gaussian;
+use crate::interval::REPLICAS;
 use crate::smoothing::Smoothing;
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 
-/// Independent replicas.
-pub const REPLICAS: usize = 5;
-/// Student's quantile at 97.5 % for one less than the replicas.
-const STUDENT: f64 = 2.776445105;
 /// Most levels of a replica.
 const MOST_LEVELS: usize = 9;
 /// A replica's runs over those of a level.
 const LEVELS_IN_RUNS: usize = 14;
-
-/// An independent estimate.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Replica {
-    /// Probability of the event.
-    pub probability: f64,
-    /// Evaluations that it took.
-    pub runs: usize,
-    /// The density settled on the event.
-    pub is_settled: bool,
-    /// Points in the event.
-    pub events: Vec<Vec<f64>>,
-    /// Their weights: nominal density over the one that they were drawn from.
-    pub weights: Vec<f64>,
-}
 
 /// Estimates the probability of the event in `dimensions` variables. The replicas share the budget.
 ///
@@ -97,16 +79,4 @@ pub fn replica<E>(
     let weights: Vec<f64> = events.iter().map(|point| density.ratio(point)).collect();
     let probability = weights.iter().sum::<f64>() / count as f64;
     Ok(Replica { probability, runs: used + count, is_settled, events, weights })
-}
-
-/// The 95 % interval of the mean of the replicas' estimates.
-pub(crate) fn interval(replicas: &[f64]) -> [f64; 2] {
-    let count = replicas.len() as f64;
-    let mean = replicas.iter().sum::<f64>() / count;
-    if replicas.len() < REPLICAS || mean <= 0.0 {
-        return [0.0, 1.0];
-    }
-    let variance = replicas.iter().map(|p| (p - mean) * (p - mean)).sum::<f64>() / (count - 1.0);
-    let factor = libm::exp(STUDENT * libm::sqrt(variance / count) / mean);
-    [mean / factor, (mean * factor).min(1.0)]
 }

@@ -1,7 +1,6 @@
 //! Results of an estimator.
 
-use crate::cross_entropy::{Replica, interval};
-use crate::monte_carlo::wilson;
+use crate::interval::{of_replicas, wilson};
 
 /// Runs that an estimator may use, and its random numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +31,21 @@ pub struct Estimate {
     pub unsettled: usize,
 }
 
+/// An independent estimate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Replica {
+    /// Probability of the event.
+    pub probability: f64,
+    /// Evaluations that it took.
+    pub runs: usize,
+    /// The density settled on the event.
+    pub is_settled: bool,
+    /// Points in the event.
+    pub events: Vec<Vec<f64>>,
+    /// Their weights: nominal density over the one that they were drawn from.
+    pub weights: Vec<f64>,
+}
+
 impl Estimate {
     /// The estimate of `runs` nominal points, of which these are in the event.
     #[must_use]
@@ -55,7 +69,7 @@ impl Estimate {
         let weighed: Vec<(&Vec<f64>, f64)> = weighed.collect();
         Self {
             probability: replicas.iter().sum::<f64>() / replicas.len().max(1) as f64,
-            interval: interval(&replicas),
+            interval: of_replicas(&replicas),
             runs: all.iter().map(|replica| replica.runs).sum(),
             events: weighed.len(),
             importance: importance(&weighed),

@@ -37,25 +37,3 @@ pub fn monte_carlo<E>(
     }
     Ok(Estimate::of_points(&events, runs))
 }
-
-/// The 95 % interval of a share (Wilson 1927).
-///
-/// ```
-/// let [low, high] = rare_events::wilson(0, 100);
-/// assert!(low == 0.0 && (high - 0.0370).abs() < 1e-4);
-/// ```
-#[must_use]
-pub fn wilson(events: usize, runs: usize) -> [f64; 2] {
-    /// Quantile of the normal distribution at 97.5 %.
-    const Z: f64 = 1.959963984540054;
-    if runs == 0 {
-        return [0.0, 1.0];
-    }
-    let (n, p) = (runs as f64, events as f64 / runs as f64);
-    let whole = 1.0 + Z * Z / n;
-    let middle = p + Z * Z / (2.0 * n);
-    let half = Z * libm::sqrt(p * (1.0 - p) / n + Z * Z / (4.0 * n * n));
-    let low = if events == 0 { 0.0 } else { (middle - half) / whole };
-    let high = if events == runs { 1.0 } else { (middle + half) / whole };
-    [low.max(0.0), high.min(1.0)]
-}

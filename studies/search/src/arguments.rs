@@ -11,7 +11,7 @@ use crate::method::MethodName;
 use crate::reference::ReferenceName;
 
 /// Options that a merge takes from the parts.
-const WITHOUT_MERGE: [&str; 16] = [
+const WITHOUT_MERGE: [&str; 17] = [
     "scenario",
     "vary",
     "faults",

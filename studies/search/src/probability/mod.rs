@@ -12,11 +12,9 @@
 
 mod model;
 mod results;
-mod stated;
 mod unit;
 
 pub use model::ModelError;
-pub(crate) use stated::Stated;
 pub use unit::Unit;
 
 use std::collections::BTreeMap;

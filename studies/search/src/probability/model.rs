@@ -5,8 +5,7 @@ use rare_events::{Copula, CopulaError, Distribution, DistributionError};
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
-use super::stated::{Exposure, Stated};
-use crate::problem::{Domain, Problem, Value, Variable};
+use crate::problem::{Domain, Exposure, Problem, Stated, Value, Variable};
 
 /// Largest CSV file, bytes.
 const MAX_BYTES: u64 = 64 << 20;

@@ -41,9 +41,9 @@ use toml::{Table, Value as Toml};
 
 use super::arithmetic::{Arithmetic, ArithmeticError};
 use super::setting::{FaultChoice, Setting, Term};
+use super::stated::Stated;
 use super::variable::{Domain, DomainError, Value};
 use super::{Draft, FAULT, NO_FAULT};
-use crate::probability::Stated;
 use crate::reference::{Reference, ReferenceName};
 
 /// Longest search file, bytes.

@@ -10,6 +10,7 @@ mod arithmetic;
 mod file;
 mod keys;
 mod setting;
+mod stated;
 mod variable;
 
 pub use arithmetic::{Arithmetic, ArithmeticError};
@@ -26,6 +27,7 @@ use thiserror::Error;
 
 use crate::reference::Reference;
 pub(crate) use setting::FaultChoice;
+pub(crate) use stated::{Exposure, Stated};
 use std::path::{Path, PathBuf};
 
 /// Most variables: the dimensions of the Sobol sequence.

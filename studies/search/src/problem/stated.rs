@@ -28,21 +28,21 @@ use std::collections::BTreeMap;
 pub(crate) struct Stated {
     /// Distribution of each variable.
     #[serde(default)]
-    pub(super) distributions: BTreeMap<String, String>,
+    pub(crate) distributions: BTreeMap<String, String>,
     /// Correlations of pairs.
     #[serde(default)]
-    pub(super) correlations: Vec<Correlation>,
+    pub(crate) correlations: Vec<Correlation>,
     /// How often such scenes are met.
-    pub(super) exposure: Option<Exposure>,
+    pub(crate) exposure: Option<Exposure>,
     /// Rows for Sobol's indices.
     #[serde(default)]
-    pub(super) indices: u16,
+    pub(crate) indices: u16,
 }
 
 /// A correlation of two variables.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Correlation {
+pub(crate) struct Correlation {
     /// Their names.
     pub variables: [String; 2],
     /// Spearman's correlation of their ranks.
@@ -52,7 +52,7 @@ pub(super) struct Correlation {
 /// How often scenes of the problem are met, by the user's account.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Exposure {
+pub(crate) struct Exposure {
     /// The unit: hour, km, year.
     pub per: String,
     /// Scenes in one of it.
