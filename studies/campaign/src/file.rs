@@ -235,7 +235,10 @@ mod tests {
             (&format!("{head}colour = 1\n"), ["c.toml:4:1", "colour"]),
             (&format!("{head}mode = \"fast\"\n"), ["c.toml:4:8", "realtime"]),
             (&format!("{head}seeds = 0\n"), ["c.toml:4:9", "expected a whole number of 1 or more"]),
-            (&format!("{head}[require]\nmax_fun = 1\n"), ["c.toml:5:11", "one of collisions"]),
+            (
+                &format!("{head}[require]\nmax_fun = 1\n"),
+                ["c.toml:5:11", "one of safe_stops, collisions"],
+            ),
             (&format!("{head}[require]\ncollisions = 1\n"), ["c.toml:5:14", "max_ or min_"]),
             (&format!("{head}[require]\nmax_collisions = nan\n"), ["c.toml:5:18", "a number"]),
             (&format!("{head}[require]\nmax_collisions = -1\n"), ["c.toml:5:18", "0 or more"]),

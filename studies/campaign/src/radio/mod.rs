@@ -230,6 +230,6 @@ mod tests {
             said.contains("timegap run corridor --mode lockstep --seed 7 --set 'v2x."),
             "{said}"
         );
-        assert!(said.ends_with(" --law mine=./law"), "{said}");
+        assert!(said.ends_with(" --law 'mine=./law'"), "{said}");
     }
 }

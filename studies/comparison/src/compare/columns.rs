@@ -2,7 +2,7 @@
 
 use super::differences::Difference;
 use super::means::Means;
-use super::results::{Comparison, Row};
+use super::row::Row;
 use crate::figure::{ALL, Figure};
 use report::results::{
     Column, Format, Kind, Schema, Table, count, fact, judged, micros, nested, number, outcome, word,
@@ -10,7 +10,7 @@ use report::results::{
 use serde_json::{Value, json};
 
 /// Fields beside the rows.
-const FIELDS: &[Column<Comparison>] = &[
+const FIELDS: &[Column<()>] = &[
     frame::ok("Every run reached its end without a collision or a red light"),
     word("rule", "", "When a difference is called real; null for one seed"),
 ];

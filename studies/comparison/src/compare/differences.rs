@@ -11,7 +11,7 @@ use serde::Serialize;
 use statistics::{Interval, interval, least_pairs};
 use std::collections::BTreeMap;
 
-use super::results::Row;
+use super::row::Row;
 use crate::figure::{self, ALL};
 
 /// Probability that an interval of a scenario misses its difference.
@@ -163,7 +163,7 @@ impl Paired<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::results::tests::row;
+    use super::super::row::tests::row;
     use super::*;
 
     /// Two laws over seeds, the second with a gap that is smaller by `less_m` in each.

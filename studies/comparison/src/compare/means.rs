@@ -7,7 +7,7 @@ use serde::ser::{SerializeMap, Serializer};
 use serde_json::{Map, Value, json};
 use statistics::Spread;
 
-use super::results::Row;
+use super::row::Row;
 use crate::figure::{self, ALL, COUNT};
 
 /// A law in a scenario, over its seeds.

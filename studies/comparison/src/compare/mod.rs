@@ -10,6 +10,7 @@ mod columns;
 mod differences;
 mod means;
 mod results;
+mod row;
 
 pub use columns::schema;
 pub use results::over_seeds;
@@ -23,7 +24,8 @@ use group::{Error, Failure, GroupOptions, LawOptions, ModeName, ScenarioOptions}
 use messages::Service;
 use report::RunPicture;
 use report::results::{Document, ResultOptions};
-use results::{Row, document, drives};
+use results::{document, drives};
+use row::Row;
 use runtime::Mode;
 use scenario::Scenario;
 use scenario::quantity::Seed;

@@ -21,7 +21,6 @@ use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use crate::parts::Records;
 use figures::FIGURES;
 use report::summary::Summary;
 
@@ -75,17 +74,20 @@ fn head(keys: &[(String, String)]) -> Vec<u8> {
     csv_row(names.chain(["outcome", "duration_s"]).chain(figures))
 }
 
-/// Writes the table of all drives; no file without any.
+/// Takes a drive of the run with this number.
+pub(crate) type Take<'a> = &'a mut dyn FnMut(usize, &Drive) -> Result<(), Error>;
+
+/// Writes the table of all drives, which `each` hands over; no file without any.
 ///
 /// # Errors
 /// If a journal cannot be read, or the file cannot be written.
-pub(crate) fn write<T: serde::de::DeserializeOwned>(
-    records: &Records<T>,
+pub(crate) fn write(
+    each: &dyn Fn(Take<'_>) -> Result<(), Error>,
     keys: &[(String, String)],
     output: &OutputDirectory,
 ) -> Result<(), Error> {
     let mut is_empty = true;
-    records.each_drive(&mut |_, _| {
+    each(&mut |_, _| {
         is_empty = false;
         Ok(())
     })?;
@@ -94,7 +96,7 @@ pub(crate) fn write<T: serde::de::DeserializeOwned>(
     }
     output.write_by(FILE, |file| {
         file.add(&head(keys))?;
-        records.each_drive(&mut |run, drive| file.add(&drive.line(run)))
+        each(&mut |run, drive| file.add(&drive.line(run)))
     })
 }
 

@@ -46,20 +46,36 @@ pub(super) struct Key {
     pub(super) is_number: bool,
 }
 
-/// The keys of a study by those of its runs.
+/// The keys of a study by those of its runs. A key need not apply in every run.
 pub(super) fn keys(runs: impl Iterator<Item = Vec<(String, String)>>) -> Vec<Key> {
-    let mut keys: Vec<Key> = Vec::new();
+    /// A key with the kinds of values that it was seen with.
+    struct Seen {
+        name: String,
+        number: bool,
+        word: bool,
+    }
+
+    let mut keys: Vec<Seen> = Vec::new();
     for run in runs {
         if keys.is_empty() {
-            let key = |(name, _): &(String, String)| Key { name: name.clone(), is_number: true };
+            let key = |(name, _): &(String, String)| Seen {
+                name: name.clone(),
+                number: false,
+                word: false,
+            };
             keys = run.iter().map(key).collect();
         }
-        for (key, (_, value)) in keys.iter_mut().zip(&run) {
-            // A key need not apply in every run.
-            key.is_number &= value.is_empty() || value.parse::<f64>().is_ok();
+        for (key, (_, value)) in
+            keys.iter_mut().zip(&run).filter(|(_, (_, value))| !value.is_empty())
+        {
+            let is_number = value.parse::<f64>().is_ok();
+            key.number |= is_number;
+            key.word |= !is_number;
         }
     }
-    keys
+    keys.into_iter()
+        .map(|Seen { name, number, word }| Key { name, is_number: number && !word })
+        .collect()
 }
 
 /// The cells of a run, in the order of the columns.
@@ -85,6 +101,7 @@ pub(super) fn cells(
     ];
     cells.extend(keys.iter().zip(values).map(|(key, (_, value))| match key.is_number {
         true => number(&|_| value.parse().ok()),
+        false if value.is_empty() => Cells::Text(vec![None; steps.len()]),
         false => text(value),
     }));
     cells.extend([

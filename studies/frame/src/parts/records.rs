@@ -11,7 +11,7 @@ use serde::de::{DeserializeOwned, IgnoredAny};
 
 use super::Line;
 use super::journal::{JournalError, Place};
-use crate::drives::Drive;
+use crate::drives::Take;
 
 /// The records of a study, by the numbers of their runs.
 #[derive(Debug)]
@@ -117,10 +117,7 @@ impl<T: DeserializeOwned> Records<T> {
     ///
     /// # Errors
     /// If a journal cannot be read, or what `take` returns.
-    pub(crate) fn each_drive(
-        &self,
-        take: &mut dyn FnMut(usize, &Drive) -> Result<(), Error>,
-    ) -> Result<(), Error> {
+    pub(crate) fn each_drive(&self, take: Take<'_>) -> Result<(), Error> {
         let mut reader = Reader { journals: &self.journals, opened: None, bytes: Vec::new() };
         for (run, entry) in self.runs.iter().enumerate() {
             match entry {
