@@ -1,7 +1,7 @@
 //! Target selection on random roads: by the straight path, and by a course from more and more sources.
 //!
 //! ```sh
-//! cargo run --release -p perception-sim --example course -- [ROADS [KILOMETRES]]
+//! cargo run --release -p perception-sim --example course -- [ROADS [KILOMETRES [ROW]]] [NUMBER=VALUE]...
 //! ```
 //!
 //! A lead drives at a constant gap in the ego's lane, and one vehicle in each neighbouring lane at 0.5 to 1.3 of that
@@ -10,7 +10,7 @@
 //!
 //! A lead is lost while no track on it is in the path. A neighbour is taken while a track on it is in the path. Both
 //! count from 8 s on. "Unseen" is the share of time in which the lead has no track at all, so that no selection helps.
-//! The third table is a straight road: what the radar's imperfections alone cost.
+//! `ROW` is a part of a row's name; a number is one of `CourseNumbers`. The third table is a straight road: what the radar's imperfections alone cost.
 
 use bytemuck::Zeroable;
 use messages::{Detection, MAX_DETECTIONS};
@@ -19,6 +19,7 @@ use perception_sim::random::Random;
 use perception_sim::tracking::Track;
 use perception_sim::tracking::course_filter::{MapAhead, Sources};
 use perception_sim::tracking::course_numbers::CourseNumbers;
+use parameters::Table;
 use road::random::{Recipe, pieces};
 use road::{Axis, Piece};
 use scenario::Scenario;
@@ -135,6 +136,7 @@ fn owner(perception: &Perception, track: &Track) -> Option<usize> {
 fn drive(
     road: &Arc<Axis>,
     sources: Sources,
+    numbers: &CourseNumbers,
     (seed, gap_m, speed_mps): (u64, f64, f64),
     detections: &mut [Detection; MAX_DETECTIONS],
     sums: &mut Sums,
@@ -194,15 +196,22 @@ fn drive(
     }
 }
 
+fn number(word: &str) -> f64 {
+    word.parse().unwrap_or_else(|_| panic!("`{word}` is not a number"))
+}
+
 fn main() {
-    let mut words = std::env::args().skip(1);
-    let mut number = |default: f64| {
-        words.next().map_or(default, |word| {
-            word.parse().unwrap_or_else(|_| panic!("`{word}` is not a number"))
-        })
-    };
-    let (roads, kilometres) = (number(100.0) as u64, number(5.0));
-    let only = words.next();
+    let (changes, words): (Vec<String>, Vec<String>) =
+        std::env::args().skip(1).partition(|word| word.contains('='));
+    let numbers = changes.iter().fold(CourseNumbers::DEFAULT, |numbers, change| {
+        let (name, value) = change.split_once('=').expect("it has one");
+        let row = CourseNumbers::ROWS.iter().position(|row| row.name == name);
+        let row = row.unwrap_or_else(|| panic!("`{name}` is no number of the course"));
+        numbers.with(row, number(value))
+    });
+    let roads = words.first().map_or(100.0, |word| number(word)) as u64;
+    let kilometres = words.get(1).map_or(5.0, |word| number(word));
+    let only = words.get(2);
     let mut detections = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
     for (min_radius_m, max_radius_m, speed_mps) in ROADS {
         println!(
@@ -220,7 +229,7 @@ fn main() {
             spiral_m: [30.0, 200.0],
         };
         for (name, sources) in ROWS {
-            if only.as_ref().is_some_and(|only| !name.contains(only.as_str())) {
+            if only.is_some_and(|only| !name.contains(only.as_str())) {
                 continue;
             }
             for gap_m in [40.0, 60.0, 80.0, 100.0] {
@@ -231,7 +240,7 @@ fn main() {
                         false => vec![Piece::Line { length_m: recipe.length_m }],
                     };
                     let road = Arc::new(Axis::new(&pieces).expect("a road"));
-                    drive(&road, sources, (seed, gap_m, speed_mps), &mut detections, &mut sums);
+                    drive(&road, sources, &numbers, (seed, gap_m, speed_mps), &mut detections, &mut sums);
                 }
                 sums.print(name, gap_m);
             }
