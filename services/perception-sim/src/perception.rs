@@ -24,6 +24,7 @@ use crate::tracking::course_numbers::CourseNumbers;
 use crate::tracking::detection_tracker::DetectionTracker;
 use crate::tracking::ego_speed::EgoSpeed;
 use crate::tracking::exact_tracker::ExactTracker;
+use crate::tracking::numbers::Numbers;
 use crate::tracking::object_tracker::ObjectTracker;
 use crate::tracking::road_ahead::RoadAhead;
 use crate::traffic::Traffic;
@@ -68,6 +69,12 @@ impl Perception {
     /// The perception of a scenario, before the start.
     #[must_use]
     pub fn new(scenario: &Scenario) -> Self {
+        Self::with(scenario, &Numbers::DEFAULT)
+    }
+
+    /// The same with other numbers of a tracker of detections, for studies of their effect.
+    #[must_use]
+    pub fn with(scenario: &Scenario, numbers: &Numbers) -> Self {
         let perception = &scenario.perception;
         let latency = perception.radar.latency_ms.value() / perception.period_ms.value();
         let mut latency_scans = latency.min(MAX_LATENCY_SCANS) as usize;
@@ -82,7 +89,7 @@ impl Perception {
             ))),
             RadarModel::Detections => {
                 let radar = DetectionRadar::new(scenario);
-                let tracker = DetectionTracker::new(scenario, radar.receiver());
+                let tracker = DetectionTracker::with(scenario, radar.receiver(), numbers);
                 Sensor::Detections(Box::new((radar, tracker)))
             }
         };

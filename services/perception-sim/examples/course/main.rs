@@ -10,16 +10,17 @@
 //!
 //! A lead is lost while no track on it is in the path. A neighbour is taken while a track on it is in the path. Both
 //! count from 8 s on. "Unseen" is the share of time in which the lead has no track at all, so that no selection helps.
-//! `ROW` is a part of a row's name; a number is one of `CourseNumbers`. The third table is a straight road: what the radar's imperfections alone cost.
+//! `ROW` is a part of a row's name; a number is one of `CourseNumbers` or the tracker's `Numbers`. The third table is a straight road: what the radar's imperfections alone cost.
 
 use bytemuck::Zeroable;
 use messages::{Detection, MAX_DETECTIONS};
+use parameters::Table;
 use perception_sim::perception::Perception;
 use perception_sim::random::Random;
 use perception_sim::tracking::Track;
 use perception_sim::tracking::course_filter::{MapAhead, Sources};
 use perception_sim::tracking::course_numbers::CourseNumbers;
-use parameters::Table;
+use perception_sim::tracking::numbers::Numbers;
 use road::random::{Recipe, pieces};
 use road::{Axis, Piece};
 use scenario::Scenario;
@@ -61,19 +62,22 @@ struct Sums {
     takes: f64,
     squares: f64,
     seen: f64,
+    /// What the seen share lacked at most.
+    missing_share: f64,
 }
 
 impl Sums {
     fn print(&self, name: &str, gap_m: f64) {
         let share = |count: f64| 100.0 * count / self.scans;
         println!(
-            "| {name:10} | {gap_m:4} | {:6.2} | {:6.2} | {:6.2} | {:6.2} | {:6.2} | {:6.2} |",
+            "| {name:10} | {gap_m:4} | {:6.2} | {:6.2} | {:6.2} | {:6.2} | {:6.2} | {:6.2} | {:6.2} |",
             share(self.lost),
             self.losses / self.km,
             share(self.unseen),
             share(self.taken),
             self.takes / self.km,
             (self.squares / self.seen.max(1.0)).sqrt(),
+            1.0 - self.missing_share,
         );
     }
 }
@@ -136,7 +140,7 @@ fn owner(perception: &Perception, track: &Track) -> Option<usize> {
 fn drive(
     road: &Arc<Axis>,
     sources: Sources,
-    numbers: &CourseNumbers,
+    (course, tracker): (&CourseNumbers, &Numbers),
     (seed, gap_m, speed_mps): (u64, f64, f64),
     detections: &mut [Detection; MAX_DETECTIONS],
     sums: &mut Sums,
@@ -144,7 +148,7 @@ fn drive(
     let duration_s = (road.length_m() - 1.6 * gap_m - 200.0) / speed_mps;
     let scenario = scene(seed, gap_m, speed_mps, duration_s);
     let mut perception =
-        Perception::new(&scenario).on_road(Arc::clone(road), sources, &CourseNumbers::DEFAULT);
+        Perception::with(&scenario, tracker).on_road(Arc::clone(road), sources, course);
     let cells: Vec<f64> = (0..(road.length_m() / CELL_M) as usize)
         .map(|cell| road.curvature_perm((cell as f64 + 0.5) * CELL_M))
         .collect();
@@ -182,18 +186,25 @@ fn drive(
             }
         }
         sums.scans += 1.0;
+        sums.missing_share = sums.missing_share.max(1.0 - perception.seen_share());
         sums.km += (here.position_m - last_way_m) * 1e-3;
         last_way_m = here.position_m;
         sums.lost += f64::from(u8::from(!in_path[0]));
         sums.losses += f64::from(u8::from(!in_path[0] && !was_lost));
         was_lost = !in_path[0];
         sums.unseen += f64::from(u8::from(!seen));
-        for vehicle in 1..3 {
-            sums.taken += f64::from(u8::from(in_path[vehicle]));
-            sums.takes += f64::from(u8::from(in_path[vehicle] && !was_taken[vehicle]));
-            was_taken[vehicle] = in_path[vehicle];
+        for (taken, was) in in_path.iter().zip(&mut was_taken).skip(1) {
+            sums.taken += f64::from(u8::from(*taken));
+            sums.takes += f64::from(u8::from(*taken && !*was));
+            *was = *taken;
         }
     }
+}
+
+/// Sets a number of a table, if it has one of the name.
+fn set<T: Table>(table: &mut T, name: &str, value: &str) -> bool {
+    let row = T::ROWS.iter().position(|row| row.name == name);
+    row.inspect(|row| *table = table.with(*row, number(value))).is_some()
 }
 
 fn number(word: &str) -> f64 {
@@ -203,12 +214,12 @@ fn number(word: &str) -> f64 {
 fn main() {
     let (changes, words): (Vec<String>, Vec<String>) =
         std::env::args().skip(1).partition(|word| word.contains('='));
-    let numbers = changes.iter().fold(CourseNumbers::DEFAULT, |numbers, change| {
+    let (mut course, mut tracker) = (CourseNumbers::DEFAULT, Numbers::DEFAULT);
+    for change in &changes {
         let (name, value) = change.split_once('=').expect("it has one");
-        let row = CourseNumbers::ROWS.iter().position(|row| row.name == name);
-        let row = row.unwrap_or_else(|| panic!("`{name}` is no number of the course"));
-        numbers.with(row, number(value))
-    });
+        let is_known = set(&mut course, name, value) | set(&mut tracker, name, value);
+        assert!(is_known, "`{name}` is no number of course or tracker");
+    }
     let roads = words.first().map_or(100.0, |word| number(word)) as u64;
     let kilometres = words.get(1).map_or(5.0, |word| number(word));
     let only = words.get(2);
@@ -219,9 +230,9 @@ fn main() {
         );
         println!(
             "| sources | gap, m | lead lost, % | per km | unseen, % | neighbour taken, % | per km \
-             | lead's offset, rms m |"
+             | lead's offset, rms m | least seen share |"
         );
-        println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
+        println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
         let recipe = Recipe {
             length_m: 1e3 * kilometres,
             min_radius_m,
@@ -240,7 +251,14 @@ fn main() {
                         false => vec![Piece::Line { length_m: recipe.length_m }],
                     };
                     let road = Arc::new(Axis::new(&pieces).expect("a road"));
-                    drive(&road, sources, &numbers, (seed, gap_m, speed_mps), &mut detections, &mut sums);
+                    drive(
+                        &road,
+                        sources,
+                        (&course, &tracker),
+                        (seed, gap_m, speed_mps),
+                        &mut detections,
+                        &mut sums,
+                    );
                 }
                 sums.print(name, gap_m);
             }

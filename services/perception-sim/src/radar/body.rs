@@ -34,7 +34,7 @@ impl Turn {
         (self.cosine * along - self.sine * across, self.sine * along + self.cosine * across)
     }
 
-    fn from_ego(self, (x, y): (f64, f64)) -> (f64, f64) {
+    fn to_body(self, (x, y): (f64, f64)) -> (f64, f64) {
         (self.cosine * x + self.sine * y, self.cosine * y - self.sine * x)
     }
 }
@@ -66,7 +66,7 @@ impl Body {
         }
         let turn =
             Turn { cosine: pose.cosine, sine: pose.sine, yaw_rate_radps: pose.yaw_rate_radps };
-        let (rear_m, middle_m) = turn.from_ego(pose.rear_m);
+        let (rear_m, middle_m) = turn.to_body(pose.rear_m);
         Self { turn: Some(turn), ..straight(rear_m, middle_m, pose.velocity_mps) }
     }
 
@@ -96,7 +96,7 @@ impl Body {
     /// The straight line from the radar to a point of the ego's axes passes through the body before it reaches it.
     pub(super) fn hides(&self, (x_m, y_m): (f64, f64)) -> bool {
         match self.turn {
-            Some(turn) => self.hides_askew(turn.from_ego((x_m, y_m))),
+            Some(turn) => self.hides_askew(turn.to_body((x_m, y_m))),
             None => self.hides_ahead(x_m, y_m),
         }
     }

@@ -194,7 +194,7 @@ parameters! {
         /// Half of the lane in which a vehicle is then to be.
         half_lane_m: f64 = 1.75, "m", 1.25..=2.0, "Source: lanes of 3.5 m.";
         /// Probability of being in it from which a track enters the path.
-        enter_probability: f64 = 0.5, "1", 0.1..=0.95, "Chosen.";
+        enter_probability: f64 = 0.8, "1", 0.1..=0.95, "Chosen: errors of the course last for seconds, so that a neighbour at one half comes in too often.";
         /// Probability below which it leaves the path.
         leave_probability: f64 = 0.2, "1", 0.01..=0.5, "Chosen.";
 
