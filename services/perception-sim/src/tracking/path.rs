@@ -144,7 +144,10 @@ impl PathLimits {
 
     /// The lateral motion will take the body before the ego's in less than `predict_s`.
     fn cuts_in(&self, across: &Across) -> bool {
-        let Numbers { wandering_mps, inward_sigma, .. } = self.numbers;
+        let Numbers { wandering_mps, inward_sigma, course_inward_sigma, .. } = self.numbers;
+        // Corrections of an estimated course last for some scans, and look like a motion across it.
+        let on_course = across.path_sigma_m > 0.0;
+        let inward_sigma = if on_course { course_inward_sigma } else { inward_sigma };
         let inward_mps = -across.speed_mps * across.lateral_m.signum();
         inward_mps > wandering_mps.max(inward_sigma * across.speed_sigma_mps)
             && across.lateral_m.abs() - inward_mps * self.predict_s < VEHICLE_WIDTH_M
@@ -238,6 +241,8 @@ mod tests {
         assert!(!within(&moving(2.0, -0.25)), "it wanders in its lane");
         let vague = Across { speed_sigma_mps: 0.6, ..moving(2.7, -1.0) };
         assert!(!within(&vague), "the motion is not certain");
+        let on_course = |speed_mps: f64| moving(2.7, speed_mps).on_course(0.2, 0.24);
+        assert!(within(&on_course(-1.2)) && !within(&on_course(-1.0)), "the course is not certain");
     }
 
     #[test]
