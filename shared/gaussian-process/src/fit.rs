@@ -13,9 +13,9 @@ use crate::factor::Factor;
 use crate::kernel::{Hyperparameters, Kind, matern, slope};
 
 /// Lengths at which the search begins.
-const STARTS: [f64; 3] = [0.25, 0.7, 2.0];
+const STARTS: [f64; 2] = [0.3, 1.0];
 /// Steps from each start.
-const STEPS: usize = 45;
+const STEPS: usize = 30;
 /// Bounds of a length, the signal and the noise.
 const BOUNDS: [(f64, f64); 3] = [(0.02, 20.0), (0.05, 20.0), (0.003, 1.0)];
 

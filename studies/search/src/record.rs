@@ -32,10 +32,11 @@ pub struct Record {
 }
 
 impl Record {
-    /// The value that the search makes small; below 0 the run is a failure.
+    /// The value that the search makes small; below 0 the run is a failure: the reference avoids each point that is
+    /// driven.
     #[must_use]
     pub fn value(&self) -> f64 {
-        self.judged.value.max(self.reference)
+        self.judged.value
     }
 
     /// The run broke a requirement in a scene that the reference avoids.

@@ -34,7 +34,7 @@ pub fn first_violation(
         let values = problem.values(&proposal.point);
         let scenario = problem.scenario(&values, seed_of(seed, 6, run as u64))?;
         let summary = batch::lockstep(&scenario, group, false, going_on)?.summary;
-        let value = judge(&summary).value.max(proposal.reference);
+        let value = judge(&summary).value;
         if value < 0.0 {
             return Ok(Some(run + 1));
         }

@@ -1,7 +1,8 @@
 //! The value that a search makes small: the least margin of the requirements, in tolerances.
 //!
 //! ```text
-//! value = max( min over requirements of margin / tolerance, −(reference's clearance − 0.5 m) / 0.5 m )
+//! value = min over requirements of margin / tolerance       where the reference keeps more than 0.5 m
+//!         (0.5 m − the reference's clearance) / 0.5 m       elsewhere, above 0 and without a run
 //! ```
 //!
 //! A negative value is a failure: a requirement is broken in a scene that the reference driver avoids. Tolerances are

@@ -18,7 +18,7 @@ use super::scan::{Admit, Proposal, Refused};
 use super::{Sobol, seed_of};
 
 /// Points that hyperparameters are fitted to at most: the cost grows with the cube.
-const MOST_FITTED: usize = 120;
+const MOST_FITTED: usize = 90;
 /// Points of the whole box that are looked at for a choice.
 const EVEN: usize = 256;
 /// Best points whose surroundings are looked at, and points looked at around each.
