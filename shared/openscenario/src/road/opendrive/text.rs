@@ -5,6 +5,9 @@ use road::Stretch;
 use crate::error::{Place, ReadError};
 use crate::xml::Element;
 
+/// Largest factor of a cubic: with a larger one a height or a width might not be finite.
+const MAX_FACTOR: f64 = 1e6;
+
 /// The file that is read.
 #[derive(Clone, Copy)]
 pub struct Text<'a> {
@@ -63,6 +66,10 @@ impl Text<'_> {
             return Err(self.meaning(element, reason, "at least 0".to_owned()));
         }
         let factors = self.numbers(element, ["a", "b", "c", "d"])?;
+        if let Some(factor) = factors.iter().find(|factor| factor.abs() > MAX_FACTOR) {
+            let reason = format!("`{}` has the factor {factor}", element.name);
+            return Err(self.meaning(element, reason, format!("at most {MAX_FACTOR}")));
+        }
         Ok(Stretch { from_m: from_m + at_m, factors })
     }
 
