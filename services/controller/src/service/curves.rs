@@ -1,15 +1,20 @@
 //! The topics of a road with a plan, and the speed in its curves.
 
-use crate::curve_speed::{Cells, CurveSpeed, OwnWay, RoadAhead, Settings};
+use crate::curve_speed::{Cells, Clothoid, CurveSpeed, OwnWay, RoadAhead, Settings};
 use crate::law::{Input, Output};
-use messages::{Curves, LateralMotion, MAX_CURVE_CELLS, Origin};
+use messages::{Course, Curves, LateralMotion, MAX_CURVE_CELLS, Origin};
 use runtime::{Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
+
+/// Periods of the radar after which a course is of no use.
+const STALE_PERIODS: f64 = 4.0;
 
 /// Topics about the road ahead.
 pub(super) struct CurveTopics {
     lateral: Subscriber<LateralMotion>,
+    course: Subscriber<Course>,
     map: Subscriber<Curves>,
+    stale_s: f64,
     own: OwnWay,
     speed: CurveSpeed,
 }
@@ -31,7 +36,10 @@ impl CurveTopics {
         };
         Ok(Some(Self {
             lateral: runtime.subscriber()?,
+            course: runtime.subscriber()?,
             map: runtime.subscriber()?,
+            stale_s: STALE_PERIODS * f64::from(scenario.perception.period_ms.value()) / 1e3
+                + f64::from(scenario.perception.radar.latency_ms.value()) / 1e3,
             own: OwnWay::default(),
             speed: CurveSpeed::new(settings),
         }))
@@ -40,6 +48,7 @@ impl CurveTopics {
     /// Takes the newest samples.
     pub(super) fn update(&mut self, runtime: &Runtime) -> Result<(), RuntimeError> {
         runtime.update(&mut self.lateral)?;
+        runtime.update(&mut self.course)?;
         runtime.update(&mut self.map)
     }
 
@@ -61,7 +70,16 @@ impl CurveTopics {
                 &map.curvatures[..count.min(MAX_CURVE_CELLS)]
             },
         });
-        let road = RoadAhead { own_perm, course: None, map };
+        let course = self.course.newest().filter(|course| {
+            let age_s = input.time_s - course.header.acquisition_ns as f64 / 1e9;
+            course.valid_m > 0.0 && age_s <= self.stale_s
+        });
+        let course = course.map(|course| Clothoid {
+            curvature_perm: course.curvature_perm,
+            rate_perm2: course.curvature_rate_perm2,
+            valid_m: course.valid_m,
+        });
+        let road = RoadAhead { own_perm, course, map };
         self.speed.cap(input, &road, requested_mps2);
     }
 
