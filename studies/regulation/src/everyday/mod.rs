@@ -22,6 +22,8 @@
 //! | [`Kind::FalseDetections`] | a steady lead among 10 to 60 false detections in each scan |
 //! | [`Kind::LostTracks`] | a lead brakes while no tracks arrive for 1 to 3 s |
 //! | [`Kind::ClockAhead`] | a lead brakes while the controller's clock is ahead by 0.1 to 2 ms |
+//! | [`Kind::CurveQueue`] | vehicles that stand beside an empty lane where a curve begins or ends |
+//! | [`Kind::CurveQueueAhead`] | the same in the ego's lane |
 //!
 //! A scene is a function of its kind and its number alone.
 //!
@@ -32,6 +34,7 @@
 //! assert!(text.contains("name = \"standing\""));
 //! ```
 
+mod curves;
 mod draw;
 pub mod limits;
 pub mod oracle;
@@ -91,6 +94,10 @@ pub enum Kind {
     LostTracks,
     /// A controller whose clock is ahead.
     ClockAhead,
+    /// A queue beside the ego's lane where a curve begins or ends.
+    CurveQueue,
+    /// A queue in the ego's lane where a curve begins or ends.
+    CurveQueueAhead,
 }
 
 /// Result of a drive.
@@ -155,6 +162,8 @@ impl Kind {
             Self::FalseDetections => draw::false_detections(draws),
             Self::LostTracks => draw::lost_tracks(draws),
             Self::ClockAhead => draw::clock_ahead(draws),
+            Self::CurveQueue => curves::queue(draws, false),
+            Self::CurveQueueAhead => curves::queue(draws, true),
         }
     }
 

@@ -162,6 +162,8 @@ pub struct Scene {
     pub actors: Vec<Actor>,
     /// Lines of `[perception.radar]` and its tables.
     pub radar: String,
+    /// The road's plan, as TOML; empty: a straight road.
+    pub road: String,
     /// Faults, as TOML.
     pub faults: String,
 }
@@ -170,14 +172,14 @@ impl Scene {
     /// A scene without other vehicles.
     #[must_use]
     pub fn new(speed_mps: f64, set_mps: f64, duration_s: f64) -> Self {
-        let (radar, faults) = (String::new(), String::new());
-        Self { speed_mps, set_mps, duration_s, actors: Vec::new(), radar, faults }
+        let [radar, road, faults] = [const { String::new() }; 3];
+        Self { speed_mps, set_mps, duration_s, actors: Vec::new(), radar, road, faults }
     }
 
     /// The scenario file of it, for `law` with or without the emergency brake.
     #[must_use]
     pub fn text(&self, seed: u32, law: &str, aebs: bool) -> String {
-        let Self { speed_mps, set_mps, duration_s, actors, radar, faults } = self;
+        let Self { speed_mps, set_mps, duration_s, actors, radar, road, faults } = self;
         let mut text = format!(
             "schema_version = 1\nname = \"everyday\"\nduration_s = {duration_s}\nseed = {seed}\n\
              set_speed_mps = {set_mps}\n\
@@ -188,7 +190,7 @@ impl Scene {
         for actor in actors {
             actor.write(&mut text).expect("a string takes all");
         }
-        text + faults
+        text + road + faults
     }
 }
 

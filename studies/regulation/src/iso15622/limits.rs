@@ -1,7 +1,7 @@
 //! Limits of the study, and the worst window of a drive against a limit over speed. A changed limit is an entry of
 //! its own in CHANGELOG.md.
 //!
-//! All stand since 2026-11-21. Source: ISO 15622:2018, as secondary sources give it. "Chosen" marks a value without
+//! All stand since 2026-11-21 unless they say another date. Source: ISO 15622:2018, as secondary sources give it. "Chosen" marks a value without
 //! that source.
 
 use group::DriveStep;
@@ -24,6 +24,22 @@ pub const CREEP_MPS: f64 = 2.0 * STANDING_MPS;
 pub const HOLD_S: f64 = 3.0;
 /// Time in which the ego has to follow a lead that moves off, s. Chosen.
 pub const MOVE_OFF_S: f64 = 3.0;
+
+/// Design values of the lateral acceleration in curves of 500, 250 and 125 m, m/s². Since 2026-11-26; ISO 15622:2010, as
+/// secondary sources give it.
+pub const DESIGN_LATERAL_MPS2: [f64; 3] = [2.0, 2.3, 2.3];
+/// What the ego's lateral acceleration may be above that, m/s². Since 2026-11-26. Chosen: 1 m/s more, and the driver's
+/// steering.
+pub const CURVE_LATERAL_MARGIN_MPS2: f64 = 0.3;
+/// Least time gap at which the ego must have begun to slow down, as a share of the one that it kept. Since 2026-11-26;
+/// ISO 15622:2010, as secondary sources give it.
+pub const LEAST_SHARE_OF_TIME_GAP: f64 = 2.0 / 3.0;
+/// Time for which the ego follows in the curve before the target slows down, s. Since 2026-11-26; the same source.
+pub const STEADY_S: f64 = 10.0;
+/// Deceleration from which the ego slows down, m/s². Since 2026-11-26. Chosen: more than following asks for.
+pub const BEGINS_TO_SLOW_MPS2: f64 = 0.3;
+/// Time for which the target may be lost, or the neighbour followed, s. Since 2026-11-26. Chosen.
+pub const MAX_TARGET_LOST_S: f64 = 0.0;
 
 /// Speeds between which the limits fall linearly, m/s.
 const SLOW_MPS: f64 = 5.0;

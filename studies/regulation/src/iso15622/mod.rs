@@ -1,11 +1,13 @@
-//! `timegap iso15622`: the tests of ISO 15622 on a straight road (adaptive cruise control).
+//! `timegap iso15622`: tests after ISO 15622 (adaptive cruise control), from secondary sources.
 //!
 //! ```text
 //! law ─┬─ target acquisition ──┐
-//!      ├─ target discrimination ├─► rows: figure, value, limit
-//!      └─ stop and go ──────────┘
+//!      ├─ target discrimination ┼─► rows: figure, value, limit
+//!      ├─ stop and go ─────────┤
+//!      └─ six curves ──────────┘
 //! ```
 
+mod curves;
 mod limits;
 mod rows;
 mod scenes;
@@ -108,7 +110,7 @@ impl Study for Tests {
 
     fn plan(arguments: &Iso15622Arguments) -> Result<Self, Error> {
         let laws = batch::laws::own_named(&arguments.controllers, &arguments.laws.names())?;
-        let tests = laws.iter().flat_map(|law| Test::ALL.map(|test| (law.clone(), test)));
+        let tests = laws.iter().flat_map(|law| Test::all().map(|test| (law.clone(), test)));
         Ok(Self { tests: tests.collect(), own: arguments.laws.clone(), seed: arguments.seed })
     }
 
@@ -128,13 +130,13 @@ impl Study for Tests {
     fn record(
         &self,
         run: usize,
-        _: &Job,
+        job: &Job,
         result: Result<Done, Error>,
     ) -> Result<(Vec<Row>, ()), Error> {
         let done = result?;
         batch::whole(&done.summary)?;
         let (law, test) = &self.tests[run];
-        Ok((rows::rows(*test, law, &done.drive), ()))
+        Ok((rows::rows(*test, law, &job.scenario, &done.drive), ()))
     }
 
     fn keys(&self, run: usize) -> Vec<(String, String)> {
@@ -159,7 +161,7 @@ fn document(rows: Vec<Row>, processes_sample: ProcessesSample) -> Document {
     let results = Results { schema_version: 1, ok, rows, processes_sample };
     let table = Table::new("Figures", ROWS, &results.rows).blocks("law");
     Document::new("iso15622", "ISO 15622", &results)
-        .about("tests on a straight road, lockstep")
+        .about("tests on a straight road and in curves, lockstep; the curves after ISO 15622, from secondary sources")
         .verdict(ok, format!("{inside} of {all} figures inside their limits"))
         .table(table)
 }

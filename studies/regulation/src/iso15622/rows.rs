@@ -1,6 +1,7 @@
 //! Figures of a test's drive, each with its limit.
 
 use group::{Drive, DriveStep};
+use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -31,25 +32,27 @@ pub struct Row {
     pub ok: bool,
 }
 
-/// The rows of one test with one law.
-pub fn rows(test: Test, law: &str, drive: &Drive) -> Vec<Row> {
+/// The rows of one test with one law, by the drive in its scenario.
+pub fn rows(test: Test, law: &str, scenario: &Scenario, drive: &Drive) -> Vec<Row> {
     let steps = &drive.steps;
     let mut sheet = Sheet { law, rows: Vec::new() };
     match test {
         Test::Acquisition => acquisition(&mut sheet, steps),
         Test::Discrimination => discrimination(&mut sheet, drive),
         Test::StopAndGo => stop_and_go(&mut sheet, steps),
+        Test::Curve(curve) => curve.judge(&mut sheet, scenario, drive),
     }
     sheet.rows
 }
 
-struct Sheet<'a> {
+/// The rows of a test as they are found.
+pub(super) struct Sheet<'a> {
     law: &'a str,
     rows: Vec<Row>,
 }
 
 impl Sheet<'_> {
-    fn at_least(
+    pub(super) fn at_least(
         &mut self,
         (test, figure, unit): (&'static str, &'static str, &'static str),
         value: Option<f64>,
@@ -59,7 +62,7 @@ impl Sheet<'_> {
         self.push(Row { value, least: Some(least), ok, ..self.row(test, figure, unit) });
     }
 
-    fn at_most(
+    pub(super) fn at_most(
         &mut self,
         (test, figure, unit): (&'static str, &'static str, &'static str),
         value: Option<f64>,
@@ -167,6 +170,12 @@ fn brakes_within_limits(sheet: &mut Sheet<'_>, test: &'static str, steps: &[Driv
 #[cfg(test)]
 mod tests {
     use super::*;
+    use group::LawOptions;
+
+    fn scenario() -> Scenario {
+        let scenario = Test::StopAndGo.scenario("acc-mpc", &LawOptions::default(), 1);
+        scenario.expect("it is a scenario")
+    }
 
     #[test]
     fn a_drive_that_stops_holds_and_goes_is_inside() {
@@ -183,7 +192,7 @@ mod tests {
             DriveStep { time_s, speed_mps, gap_m, ..DriveStep::default() }
         };
         let drive = Drive { steps: (0..7000).map(step).collect(), ..Drive::default() };
-        let rows = rows(Test::StopAndGo, "x", &drive);
+        let rows = rows(Test::StopAndGo, "x", &scenario(), &drive);
         assert_eq!(rows.len(), 7);
         assert!(rows.iter().all(|row| row.ok), "{rows:#?}");
         let value = |figure| rows.iter().find(|row| row.figure == figure).and_then(|r| r.value);
@@ -200,7 +209,7 @@ mod tests {
             ..DriveStep::default()
         };
         let drive = Drive { steps: (0..7000).map(step).collect(), ..Drive::default() };
-        let rows = rows(Test::StopAndGo, "x", &drive);
+        let rows = rows(Test::StopAndGo, "x", &scenario(), &drive);
         let failed: Vec<_> = rows.iter().filter(|row| !row.ok).map(|row| &*row.figure).collect();
         assert_eq!(failed, ["standing_s", "largest_speed_while_standing_mps", "moves_off_after_s"]);
     }

@@ -1,5 +1,6 @@
-//! The tests of ISO 15622 on a straight road, as scenarios.
+//! The tests of ISO 15622 as scenarios.
 
+use super::curves::Curve;
 use controller::laws;
 use group::{Error, LawOptions};
 use scenario::{Overrides, Scenario};
@@ -22,11 +23,16 @@ pub enum Test {
     Discrimination,
     /// A lead brakes to standstill, waits and moves off.
     StopAndGo,
+    /// The ego follows through a curve.
+    Curve(Curve),
 }
 
 impl Test {
     /// All tests.
-    pub const ALL: [Self; 3] = [Self::Acquisition, Self::Discrimination, Self::StopAndGo];
+    pub fn all() -> impl Iterator<Item = Self> + Clone {
+        let straight = [Self::Acquisition, Self::Discrimination, Self::StopAndGo];
+        straight.into_iter().chain(Curve::ALL.into_iter().map(Self::Curve))
+    }
 
     /// Its scenario for `law`, which may be one of the user's `own`.
     ///
@@ -34,9 +40,15 @@ impl Test {
     /// [`Error::Scenario`] if there is no such law.
     pub fn scenario(self, law: &str, own: &LawOptions, seed: u32) -> Result<Scenario, Error> {
         let (duration_s, set_mps, initial_mps, actors) = match self {
-            Self::Acquisition => (60.0, APPROACH_MPS, APPROACH_MPS, ACQUISITION),
-            Self::Discrimination => (90.0, APPROACH_MPS, SIDE_BY_SIDE_MPS, DISCRIMINATION),
-            Self::StopAndGo => (70.0, 25.0, 20.0, STOP_AND_GO),
+            Self::Acquisition => (60.0, APPROACH_MPS, APPROACH_MPS, ACQUISITION.to_owned()),
+            Self::Discrimination => {
+                (90.0, APPROACH_MPS, SIDE_BY_SIDE_MPS, DISCRIMINATION.to_owned())
+            }
+            Self::StopAndGo => (70.0, 25.0, 20.0, STOP_AND_GO.to_owned()),
+            Self::Curve(curve) => {
+                let (set_mps, initial_mps) = curve.speeds_mps();
+                (curve.duration_s(), set_mps, initial_mps, curve.tables())
+            }
         };
         let text = format!(
             "schema_version = 1\nname = \"iso15622\"\nduration_s = {duration_s}\nseed = {seed}\n\
@@ -92,7 +104,7 @@ mod tests {
 
     #[test]
     fn every_test_is_a_scenario_and_its_times_are_those_named() {
-        for test in Test::ALL {
+        for test in Test::all() {
             test.scenario("acc-mpc", &LawOptions::default(), 1)
                 .unwrap_or_else(|error| panic!("{error}"));
         }
