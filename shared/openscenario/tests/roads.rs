@@ -11,8 +11,8 @@ const TOLERANCE_M: f64 = 1e-3;
 /// Steps along a lane's own axis, m.
 const STEP_M: f64 = 7.3;
 
-fn row(file: &str, text: &str, road: &str) -> Result<Found, openscenario::ReadError> {
-    read(&xml::parse(file, text)?, Some(road))
+fn row(file: &str, text: &str, road: &str) -> Result<Found, Box<openscenario::ReadError>> {
+    Ok(read(&xml::parse(file, text)?, Some(road))?)
 }
 
 /// Distances of lane middles from a table, m, by file.

@@ -60,10 +60,10 @@ mod tests {
     fn a_factor_times_its_transpose_is_the_matrix() {
         let matrix = vec![vec![4.0, 2.0, -1.0], vec![2.0, 5.0, 0.5], vec![-1.0, 0.5, 3.0]];
         let factor = Factor::of(&matrix).expect("positive definite");
-        for i in 0..3 {
-            for j in 0..3 {
+        for (i, row) in matrix.iter().enumerate() {
+            for (j, entry) in row.iter().enumerate() {
                 let product: f64 = (0..=i.min(j)).map(|k| factor.0[i][k] * factor.0[j][k]).sum();
-                assert!((product - matrix[i][j]).abs() < 1e-12);
+                assert!((product - entry).abs() < 1e-12);
             }
         }
         let v = [1.0, -2.0, 0.5];

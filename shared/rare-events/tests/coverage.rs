@@ -4,11 +4,14 @@ use rare_events::{
     Budget, Copula, Distribution, Estimate, cross_entropy, disagree, monte_carlo, normal,
 };
 
+/// A limit state: below 0 is a failure.
+type Value = Box<dyn Fn(&[f64]) -> f64>;
+
 /// A limit state with its probability.
 struct Known {
     name: &'static str,
     dimensions: usize,
-    value: Box<dyn Fn(&[f64]) -> f64>,
+    value: Value,
     probability: f64,
 }
 

@@ -110,9 +110,10 @@ impl World {
                 self.keep(entity, &distance, from_ns, time_ns);
             }
         }
-        for entity in 0..self.state.movers.len() {
+        let count = self.state.movers.len();
+        for (entity, &before_m) in before_s_m.iter().enumerate().take(count) {
             if !self.is_uniform {
-                self.keep_lane(entity, before_s_m[entity], seconds(time_ns - from_ns));
+                self.keep_lane(entity, before_m, seconds(time_ns - from_ns));
             }
             self.steer(entity, from_ns, time_ns);
             self.follow(entity, time_ns);

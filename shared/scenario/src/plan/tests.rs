@@ -45,7 +45,11 @@ fn a_plan_survives_the_way_through_text_and_bytes() {
     let again = Scenario::parse("again.toml", &scenario.to_toml()).expect("what took effect");
     assert_eq!(again, scenario);
     assert_eq!(again.controller.curve_speed.comfort_mps2.fast.value(), 2.0);
-    assert!((again.road.plan().expect("kept").start.pose().heading_rad - 0.523_598_8).abs() < 1e-6);
+    assert!(
+        (again.road.plan().expect("kept").start.pose().heading_rad - std::f64::consts::FRAC_PI_6)
+            .abs()
+            < 1e-6
+    );
 }
 
 #[test]

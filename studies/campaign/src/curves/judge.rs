@@ -140,7 +140,8 @@ impl Kept {
         let mut findings = Vec::new();
         if self.outcome != Outcome::Completed {
             let word = report::print::outcome_word(self.outcome).to_lowercase();
-            let why = self.aborted_because.as_ref().map_or_else(String::new, |why| format!(": {why}"));
+            let why =
+                self.aborted_because.as_ref().map_or_else(String::new, |why| format!(": {why}"));
             findings.push(word + &why);
         }
         if self.phantom_interventions() > 0 {

@@ -224,15 +224,13 @@ mod tests {
             ("[exposure]\nper = \"hour\"\nevents = 0\nsource = \"x\"", "events = 0, expected"),
             ("[exposure]\nper = \"hour\"\nevents = 1", "missing field `source`"),
         ] {
-            let said = model(&format!("{BOTH}{rest}")).err().expect(rest);
+            let said = model(&format!("{BOTH}{rest}")).expect_err(rest);
             assert!(said.contains(what), "{rest}: {said}");
         }
-        let said = model("[distributions]\nv0 = \"normal(24, 4)\"").err().expect("one is missing");
+        let said = model("[distributions]\nv0 = \"normal(24, 4)\"").expect_err("one is missing");
         assert!(said.contains("`thw` has none"), "{said}");
         let said = model("[distributions]\nv0 = \"normal(24)\"\nthw = \"uniform(1, 2)\"");
-        assert!(
-            said.err().expect("no form").contains("probability.distributions.v0: `normal(24)`")
-        );
+        assert!(said.expect_err("no form").contains("probability.distributions.v0: `normal(24)`"));
     }
 
     #[test]
@@ -247,7 +245,7 @@ mod tests {
             ))
         };
         let measured = of("thw_s").expect("a column");
-        let missing = of("thw").err().expect("no such column");
+        let missing = of("thw").expect_err("no such column");
         std::fs::remove_file(&path).expect("it was written");
         assert_eq!(measured.distributions[1], "20 measured values from 0.1 to 2");
         assert!(missing.contains("no column `thw`, expected one of id, thw_s"), "{missing}");

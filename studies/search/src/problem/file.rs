@@ -76,7 +76,7 @@ enum Fault {
     )]
     Vary { name: String, reason: VaryFault },
     #[error("{key}: {reason}")]
-    Set { key: String, reason: ArithmeticError },
+    Set { key: String, reason: Box<ArithmeticError> },
     #[error("{key}: {found}, expected a number or arithmetic in a text")]
     Term { key: String, found: String },
     #[error("faults: {0}")]
@@ -301,8 +301,10 @@ impl Terms<'_> {
                 let numbers: Vec<Option<&str>> =
                     self.numbers.iter().map(Option::as_deref).collect();
                 let formula = Arithmetic::parse(text, &numbers);
-                let formula =
-                    formula.map_err(|reason| Fault::Set { key: key.to_owned(), reason })?;
+                let formula = formula.map_err(|reason| Fault::Set {
+                    key: key.to_owned(),
+                    reason: Box::new(reason),
+                })?;
                 Ok(Term::Formula(formula))
             }
             other => Err(Fault::Term { key: key.to_owned(), found: other.to_string() }),

@@ -132,9 +132,9 @@ impl Requirement {
                 Finding { value: f64::NEG_INFINITY, met: false, ..Finding::UNDECIDED }
             }
             Judge::Formula(formula) => by_formula(formula, evidence),
-            Judge::Rule(Rule::NoCollision) => contact::no_collision(evidence),
-            Judge::Rule(Rule::NoAvoidableCollision) => reference::no_avoidable_collision(evidence),
-            Judge::Rule(Rule::NoRedLight) => red_light::no_red_light(evidence),
+            Judge::Rule(Rule::Collision) => contact::no_collision(evidence),
+            Judge::Rule(Rule::AvoidableCollision) => reference::no_avoidable_collision(evidence),
+            Judge::Rule(Rule::RedLight) => red_light::no_red_light(evidence),
         };
         RequirementVerdict {
             requirement: self.text.clone(),

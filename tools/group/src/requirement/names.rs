@@ -27,23 +27,23 @@ pub(super) enum Named {
     Rule(Rule),
 }
 
-/// A rule that no formula over the signals expresses.
+/// A rule that a formula over the signals cannot express: the event that must not happen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Rule {
-    NoCollision,
-    NoAvoidableCollision,
-    NoRedLight,
+    Collision,
+    AvoidableCollision,
+    RedLight,
 }
 
 impl Rule {
     /// The rule in words.
     pub(super) const fn words(self) -> &'static str {
         match self {
-            Self::NoCollision => "least gap, or minus the impact speed",
-            Self::NoAvoidableCollision => {
+            Self::Collision => "least gap, or minus the impact speed",
+            Self::AvoidableCollision => {
                 "least gap, or minus the impact speed, where the reference avoids"
             }
-            Self::NoRedLight => "way to a stop line when its signal turned red",
+            Self::RedLight => "way to a stop line when its signal turned red",
         }
     }
 }
@@ -60,9 +60,9 @@ pub(super) fn named(text: &str) -> Option<Result<Named, &'static str>> {
         Some(_) => Err("the name without a value"),
     };
     let formula = match name {
-        "no-collision" => return Some(rule(Rule::NoCollision)),
-        "no-avoidable-collision" => return Some(rule(Rule::NoAvoidableCollision)),
-        "no-red-light" => return Some(rule(Rule::NoRedLight)),
+        "no-collision" => return Some(rule(Rule::Collision)),
+        "no-avoidable-collision" => return Some(rule(Rule::AvoidableCollision)),
+        "no-red-light" => return Some(rule(Rule::RedLight)),
         "string-stable" => Err("it in `timegap string`, which drives strings of cars"),
         "min-gap" => number().map(|m| format!("always gap_m >= {m}")).ok_or("min-gap:METRES"),
         "ttc" => number().map(|s| format!("always ttc_s >= {s}")).ok_or("ttc:SECONDS"),

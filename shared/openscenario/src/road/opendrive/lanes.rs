@@ -143,14 +143,17 @@ fn read_section(
     Ok((Section { from_m, lanes, left: left_count }, links))
 }
 
+/// A lane with its links to the sections before and after.
+type Linked = (Lane, Option<i32>, Option<i32>);
+
 /// The lanes of one side from the middle outwards, each with its links to both sides.
 fn read_side(
     text: Text<'_>,
     section: &Element,
     side: &'static str,
     from_m: f64,
-) -> Result<Vec<(Lane, Option<i32>, Option<i32>)>, ReadError> {
-    let mut lanes: Vec<(Lane, Option<i32>, Option<i32>)> = Vec::new();
+) -> Result<Vec<Linked>, ReadError> {
+    let mut lanes: Vec<Linked> = Vec::new();
     for element in children(section, side).flat_map(|group| children(group, "lane")) {
         let id = text.whole(element, "id")?;
         if id == 0 || (id > 0) != (side == "left") {
