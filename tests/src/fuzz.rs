@@ -44,7 +44,8 @@ pub fn scenario(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     if let Ok(scenario) = Scenario::parse("fuzz.toml", text) {
         let again = Scenario::parse("again.toml", &scenario.to_toml()).expect("it was written");
-        assert_eq!(scenario, again);
+        // As text: a law's table may hold a NaN, which the law refuses.
+        assert_eq!(scenario.to_toml(), again.to_toml());
         let _ = controller::laws::build(&scenario);
     }
 }

@@ -221,7 +221,7 @@ fn what_is_wrong_is_one_error_with_its_place() {
     assert_eq!(output.status.code(), Some(2));
     assert!(
         text(&output)
-            .contains("straight.xodr:13:65: attribute `b` of `width`: `nan` is not a number"),
+            .contains("straight.xodr:13:67: attribute `b` of `width`: `nan` is not a number"),
         "{}",
         text(&output)
     );

@@ -15,7 +15,8 @@ const OF_THE_PLANE: [&str; 5] =
 
 /// A straight road on which nothing acts that a scenario without the plane lacks.
 const STRAIGHT: &str = "\n[road.plan]\npieces = [{ line_m = 5000 }]\n[plant.lateral]\nmodel = \
-    \"on-axis\"\n[perception.course]\nsources = []\n";
+    \"on-axis\"\n[perception.course]\nsources = []\n[controller.curve_speed]\n\
+    enabled = false\n";
 
 /// Digests of 12 s in one process, by topic.
 fn digests(name: &str, toml: &str) -> BTreeMap<String, Value> {

@@ -42,13 +42,13 @@ fn requirements_that_hold_are_shown_and_leave_the_run_completed() {
     assert!(printed.contains("requirements") && printed.contains("met, margin"), "{printed}");
 }
 
-/// A standing car 40 m ahead of 20 m/s: 33.3 m of braking and 7 m of reaction are more.
+/// A standing car 20 m ahead of 20 m/s: 33.3 m of braking and 7 m of reaction are more.
 #[test]
 fn a_collision_has_an_impact_speed_and_the_reference_has_one_too() {
     let corner = Corner::new(PROGRAM);
     let wall = corner.path().join("wall.toml");
     let scene = "schema_version = 1\nname = \"wall\"\nduration_s = 10\nset_speed_mps = 20\n\
-        [plant]\ninitial_speed_mps = 20\n[[actors]]\nname = \"wall\"\ngap_m = 40\ninitial_speed_mps = 0\n";
+        [plant]\ninitial_speed_mps = 20\n[[actors]]\nname = \"wall\"\ngap_m = 20\ninitial_speed_mps = 0\n";
     std::fs::write(&wall, scene).expect("writable");
     let name = wall.to_string_lossy();
     let requirements = [

@@ -20,6 +20,9 @@ const USEFUL_M: f64 = 0.9;
 const FARTHEST_M: u32 = 150;
 const STEP_M: u32 = 10;
 
+/// Step of the ego's heading to the road, rad: far above rounding errors, far below all that a radar shows.
+const HEADING_STEP_RAD: f64 = 1e-9;
+
 /// The ports, and what stays the same over the drive.
 pub(crate) struct PlanePorts {
     axis: Arc<Axis>,
@@ -89,7 +92,9 @@ impl PlanePorts {
             };
         };
         let before = self.axis.pose(truth.position_m);
+        // Where the road lies has rounding errors of its own; a drive does not depend on them.
         let askew_rad = pose.heading_rad - self.start.heading_rad - before.heading_rad;
+        let askew_rad = (askew_rad / HEADING_STEP_RAD).round() * HEADING_STEP_RAD;
         let age_s = (release.time_s - pose.header.acquisition_ns as f64 * 1e-9).max(0.0);
         let sideways_mps =
             ego.speed_mps * libm::tan(pose.side_slip_rad) + self.to_bumper_m * pose.yaw_rate_radps;

@@ -9,8 +9,9 @@
 
 use crate::axis::{goes_on, joined};
 use crate::build::Builder;
-use crate::piece::{Piece, Smooth, State};
+use crate::piece::Piece;
 use crate::quadrature::integrate;
+use crate::smooth::{Smooth, State};
 use crate::{Axis, AxisError, MAX_SHIFT_RAD, Pose, Profile};
 
 /// Most steps of Newton's method.
@@ -41,7 +42,7 @@ impl<'a> Beside<'a> {
     fn new(reference: &'a Axis, offset: &'a Profile, from_m: f64, to_m: f64) -> Self {
         let mut beside =
             Self { reference, offset, from_m, to_m, length_m: 0.0, start: Pose::default() };
-        let parts = libm::ceil((to_m - from_m).abs() / crate::build::CELL_M).max(1.0);
+        let parts = libm::ceil((to_m - from_m).abs() / crate::cell::CELL_M).max(1.0);
         let step_m = (to_m - from_m) / parts;
         let length = |i: u64| {
             let begin_m = from_m + step_m * i as f64;

@@ -1,11 +1,9 @@
 //! The cells of an axis.
 
-use crate::axis::{Cell, after};
-use crate::piece::{Smooth, State};
+use crate::cell::{CELL_M, Cell, after};
+use crate::smooth::{Smooth, State};
 use crate::{AxisError, MIN_RADIUS_M, Pose};
 
-/// Longest cell, m.
-pub const CELL_M: f64 = 5.0;
 /// How often a cell of a cubic may be halved: 5 m / 2^8 is 2 cm.
 const MAX_HALVINGS: u32 = 8;
 /// Most cells of an axis.

@@ -1,19 +1,19 @@
 //! Whether an axis crosses itself.
 
-use crate::axis::Axis;
-use crate::{AxisError, CROSSING_WITHIN_M};
+use crate::{AxisError, CROSSING_WITHIN_M, Pose};
 
 /// Length of the chords that stand for the axis, m.
 const CHORD_M: f64 = 5.0;
 
-/// Checks that branches near each other along the axis do not cross.
-pub fn uncrossed(axis: &Axis) -> Result<(), AxisError> {
-    if axis.is_straight() {
-        return Ok(());
-    }
-    let chords = libm::ceil(axis.length_m() / CHORD_M) as usize;
+/// Checks that branches near each other along an axis of `length_m` do not cross. Its pieces begin at `starts`.
+pub fn uncrossed(
+    length_m: f64,
+    starts: &[f64],
+    pose: impl Fn(f64) -> Pose,
+) -> Result<(), AxisError> {
+    let chords = libm::ceil(length_m / CHORD_M) as usize;
     let window = (CROSSING_WITHIN_M / CHORD_M) as usize;
-    let at = |i: usize| axis.pose((CHORD_M * i as f64).min(axis.length_m()));
+    let at = |i: usize| pose((CHORD_M * i as f64).min(length_m));
     let poses: Vec<_> = (0..=chords).map(at).collect();
     for i in 0..chords {
         let (mut least, mut most) = (poses[i].heading_rad, poses[i].heading_rad);
@@ -29,7 +29,7 @@ pub fn uncrossed(axis: &Axis) -> Result<(), AxisError> {
             let ends = [&poses[i], &poses[i + 1], &poses[j], &poses[j + 1]].map(|p| (p.x_m, p.y_m));
             if cross(ends) {
                 let (first_m, second_m) = (CHORD_M * i as f64, CHORD_M * j as f64);
-                let begun = axis.starts.partition_point(|start| *start <= second_m);
+                let begun = starts.partition_point(|start| *start <= second_m);
                 let piece = begun.saturating_sub(1);
                 return Err(AxisError::Crossing { piece, first_m, second_m });
             }

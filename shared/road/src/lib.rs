@@ -34,6 +34,7 @@
 mod axis;
 mod beside;
 mod build;
+mod cell;
 mod check;
 mod cubic;
 mod element;
@@ -44,6 +45,7 @@ mod pose;
 mod profile;
 mod quadrature;
 pub mod random;
+mod smooth;
 
 pub use axis::Axis;
 pub use element::{Element, joined};

@@ -138,8 +138,9 @@ struct Arcs(Vec<(f64, f64)>);
 impl Arcs {
     /// Nodes (place, curvature), linear between.
     fn new(bends: &[(f64, f64, f64, f64)]) -> Self {
-        let mut nodes = vec![(0.0, 0.0), (600.0, 0.0)];
-        let mut place_m = 600.0;
+        // From 42 m/s to 17 m/s with 1 m/s² it takes 738 m.
+        let mut nodes = vec![(0.0, 0.0), (900.0, 0.0)];
+        let mut place_m = 900.0;
         for (curvature_perm, spiral_m, arc_m, line_m) in bends {
             for (length_m, to_perm) in [
                 (*spiral_m, *curvature_perm),

@@ -60,7 +60,9 @@ fn keys() -> Vec<(String, Key)> {
     for table in laws::tables() {
         collect(&format!("{}.", table.name), (table.keys)(), &mut all);
     }
-    all.retain(|(path, _)| !OUTSIDE.contains(&path.as_str()) && !path.starts_with("external."));
+    // The speed in curves acts before every law, on roads with a plan.
+    let is_before = |path: &str| path.starts_with("external.") || path.starts_with("curve_speed.");
+    all.retain(|(path, _)| !OUTSIDE.contains(&path.as_str()) && !is_before(path));
     all
 }
 

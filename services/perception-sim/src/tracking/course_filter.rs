@@ -120,6 +120,7 @@ impl CourseFilter {
             return;
         }
         let way_m = (motion.speed_mps * dt_s).max(0.0);
+        let sharper = self.numbers.sharper(motion.speed_mps);
         let turn = knots::heading(way_m, self.passed_m);
         let road_rad: f64 = (1..STATES).map(|i| turn[i] * self.state.mean[i]).sum();
         // Without a yaw rate of use the ego keeps to the course.
@@ -129,12 +130,12 @@ impl CourseFilter {
         self.turn_covariance(&turn);
         if way_m > 0.0 {
             self.state.covariance[0][0] += square(self.numbers.heading_rad);
-            let fading = square(self.numbers.curvature_perm) * way_m;
+            let fading = square(self.numbers.curvature_perm * sharper) * way_m;
             (1..STATES).for_each(|i| self.state.covariance[i][i] += fading);
         }
         self.passed_m += way_m;
         while self.passed_m >= APART_M {
-            self.pass_knot();
+            self.pass_knot(sharper);
         }
         self.trails.advance(dt_s, turn_rad, motion);
         self.course = self.bent();
@@ -152,8 +153,8 @@ impl CourseFilter {
         self.state.covariance[0][0] = corner;
     }
 
-    /// The first knot gives way to one beyond the last.
-    fn pass_knot(&mut self) {
+    /// The first knot gives way to one beyond the last. Curves are `sharper` than at high speed.
+    fn pass_knot(&mut self, sharper: f64) {
         self.passed_m -= APART_M;
         let numbers = &self.numbers;
         let before = self.state;
@@ -163,7 +164,7 @@ impl CourseFilter {
         self.state.mean = from_fn(|i| share(i) * before.mean[from(i)]);
         self.state.covariance =
             from_fn(|i| from_fn(|j| share(i) * share(j) * before.covariance[from(i)][from(j)]));
-        self.state.covariance[KNOTS][KNOTS] += square(numbers.change_perm);
+        self.state.covariance[KNOTS][KNOTS] += square(numbers.change_perm * sharper);
     }
 
     /// The course of the state.

@@ -17,6 +17,9 @@ parameters! {
         /// Standard deviation of the rest.
         change_perm: f64 = 6e-4, "1/m", 1e-5..=1e-2, "Chosen: what keeps the deviation of all.";
 
+        /// Lateral acceleration of an ordinary curve: the slower a road is driven, the sharper its curves are.
+        ordinary_mps2: f64 = 1.0, "m/s²", 0.1..=5.0, "Chosen: half of the design value of ISO 15622's curve test. At 31.6 m/s it makes the deviation above.";
+
         // How the estimate fades on the way.
 
         /// Change of the heading in a scan beside the yaw rate.
@@ -74,5 +77,17 @@ parameters! {
 
         /// Gate of each measurement.
         gate: f64 = 4.0, "σ", 2.0..=8.0, "Chosen.";
+    }
+}
+
+/// Largest factor of [`CourseNumbers::sharper`]: the curvature of an arc of 100 m, for a slow ego.
+const SHARPEST: f64 = 10.0;
+
+impl CourseNumbers {
+    /// Factor by which curves are sharper at this speed, m/s, than those of `first_curvature_perm`.
+    #[must_use]
+    pub fn sharper(&self, speed_mps: f64) -> f64 {
+        let ordinary_perm = self.ordinary_mps2 / (speed_mps * speed_mps).max(f64::MIN_POSITIVE);
+        (ordinary_perm / self.first_curvature_perm).clamp(1.0, SHARPEST)
     }
 }

@@ -103,7 +103,7 @@ fn what_is_no_road_is_refused_at_its_place() {
         ),
         (
             "[road.plan]\nopendrive = { file = \"a.xodr\", road = \"1\", lane = -1 }",
-            "OpenDRIVE files are not read as plans yet",
+            "the file has not been read, for this scenario is not a file itself",
         ),
         (
             "[road]\npoints = [[0, 0], [50, 1]]\n[road.plan]\npieces = [{ line_m = 90 }]",

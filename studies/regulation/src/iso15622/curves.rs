@@ -20,7 +20,7 @@ use super::limits::{
     BEGINS_TO_SLOW_MPS2, CURVE_LATERAL_MARGIN_MPS2, DESIGN_LATERAL_MPS2, LEAST_SHARE_OF_TIME_GAP,
     MAX_TARGET_LOST_S, STEADY_S,
 };
-use super::rows::Sheet;
+use super::sheet::Sheet;
 use group::{Drive, DriveStep};
 use report::targets;
 use scenario::Scenario;
@@ -166,7 +166,8 @@ impl Curve {
         let answer = drive
             .steps
             .iter()
-            .filter(|step| step.time_s >= slows_s)
+            // The truth about vehicles comes with some steps only.
+            .filter(|step| step.time_s >= slows_s && step.gap_m.is_some())
             .find(|step| step.acceleration_mps2 <= -BEGINS_TO_SLOW_MPS2);
         let share = answer
             .and_then(DriveStep::time_gap_s)

@@ -11,6 +11,7 @@ mod curves;
 mod limits;
 mod rows;
 mod scenes;
+mod sheet;
 
 use clap::Args;
 use frame::batch::{self, Done, Job, ProcessesSample};
@@ -18,9 +19,9 @@ use frame::parts::{self, PartOptions};
 use frame::{Found, Options, Study};
 use group::{Error, GroupOptions, LawOptions};
 use report::results::{Column, Document, ResultOptions, Schema, Table, flag, number, word};
-use rows::Row;
 use scenes::Test;
 use serde::Serialize;
+use sheet::Row;
 use std::process::ExitCode;
 
 /// Options that a merge takes from the parts.

@@ -164,7 +164,7 @@ fn what_cannot_be_driven_is_refused_with_its_line() {
         (with_shape(&arc("nan")), "a.xodr:2:67: attribute `curvature` of `arc`: `nan` is not a number, expected a number"),
         (with_shape(&arc("0.1")), "a.xodr:2:11: a radius of 10.0 m, expected at least 20 m"),
         (with_shape(&arc("-0.06")), "a.xodr:2:11: a radius of 16.7 m"),
-        (with_shape("<clothoid/>"), "a.xodr:2:64: element `clothoid` in `geometry` is not supported"),
+        (with_shape("<clothoid/>"), "a.xodr:2:62: element `clothoid` in `geometry` is not supported"),
         (with_shape(""), "a.xodr:2:11: element `geometry` in `planView` has no shape"),
         (twice(51.5, 0.0, 50.0), "a.xodr:3:1: a gap of 0.500 m to the end of the piece before"),
         (twice(51.0, 0.2, 50.0), "a.xodr:3:1: a kink of 0.2000 rad"),
