@@ -148,13 +148,13 @@ pub struct ControlFigures {
     /// Time with the service brakes applied, s.
     pub service_brake_s: Option<f64>,
     /// Largest magnitude of the lateral acceleration, m/s²; on a road with a plan, as what follows.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub max_abs_lateral_accel_mps2: Option<f64>,
     /// Largest magnitude of the lateral jerk, as a mean of 0.5 s, m/s³.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub max_abs_lateral_jerk_mps3: Option<f64>,
     /// Time with a part of the front bumper outside the lane, s.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(default)]
     pub outside_lane_s: Option<f64>,
 }
 
