@@ -66,7 +66,7 @@ pub struct SearchArguments {
     /// Failures that are reduced to minimal cases, 0 to 5
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u8).range(0..=5))]
     pub cases: u8,
-    /// Estimate how often the requirements are broken under the distributions of the file's [probability]
+    /// Estimate how often the requirements are broken under the distributions of the file's `[probability]`
     #[arg(long, conflicts_with_all = ["faults", "method", "replicas"])]
     pub probability: bool,
     /// Driver who must be able to avoid a scene that counts [default: regulation]

@@ -141,12 +141,12 @@ impl Study for Tests {
     }
 
     fn keys(&self, run: usize) -> Vec<(String, String)> {
-        vec![("test".to_owned(), format!("{:?}", self.tests[run].1))]
+        vec![("test".to_owned(), self.tests[run].1.name().to_owned())]
     }
 
     fn describe(&self, run: usize) -> String {
         let (law, test) = &self.tests[run];
-        format!(" ({test:?} with {law})")
+        format!(" ({} with {law})", test.name())
     }
 
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {

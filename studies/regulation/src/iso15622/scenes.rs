@@ -34,6 +34,17 @@ impl Test {
         straight.into_iter().chain(Curve::ALL.into_iter().map(Self::Curve))
     }
 
+    /// Its name in results.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Acquisition => "acquisition",
+            Self::Discrimination => "discrimination",
+            Self::StopAndGo => "stop-and-go",
+            Self::Curve(curve) => curve.name(),
+        }
+    }
+
     /// Its scenario for `law`, which may be one of the user's `own`.
     ///
     /// # Errors
