@@ -10,7 +10,7 @@ const MY_CONTROLLER: &str = env!("CARGO_BIN_EXE_my-controller");
 
 const TUTORIAL: &str = include_str!("../../docs/tutorial.md");
 
-/// What the tutorial asks for, in its order.
+/// Steps of the tutorial, in its order.
 #[derive(Debug, PartialEq)]
 enum Step {
     /// Type this line.

@@ -260,7 +260,7 @@ mod tests {
             way.take(0, speed_mps / radius_m, speed_mps);
             way.circle().heading_rad.to_degrees()
         };
-        // Of the design: 0.2° inwards at 500 m and 31.6 m/s, 0.9° outwards at 125 m and 17 m/s.
+        // The design's figures: 0.2° inwards at 500 m and 31.6 m/s, 0.9° outwards at 125 m and 17 m/s.
         assert!((heading_deg(500.0, 31.6) + 0.2).abs() < 0.03, "{}", heading_deg(500.0, 31.6));
         assert!((heading_deg(125.0, 17.0) - 0.9).abs() < 0.05, "{}", heading_deg(125.0, 17.0));
     }

@@ -42,7 +42,7 @@ pub(crate) fn where_it_stands(first: &Object, second: &Object, path: Path) -> Op
         acceleration_mps2: second.acceleration_mps2,
         lateral: Lateral::known(moment_m / probability, 0.0),
         probability,
-        // What the first hits may stand beside a curve ahead, through which the first drives.
+        // The first may hit something beside a curve ahead, and drive through that curve.
         is_on_row: second.is_on_row,
         ..*first
     })

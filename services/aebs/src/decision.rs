@@ -19,7 +19,7 @@
 //! Letting go is safe if two things hold. Without brakes the ego comes no nearer than the margin and `clear_m`. And if
 //! the other vehicle brakes on, as hard as it did during the intervention, braking anew leaves the margin.
 //!
-//! What stands on a row that crosses the ego's way may stand beside a curve ahead. It neither warns nor brakes before the
+//! An object on a row that crosses the ego's way may stand beside a curve ahead. It neither warns nor brakes before the
 //! last point to steer (`steer_s`): the road would have bent by then.
 //!
 //! A contact is likely if it is with the ego's present acceleration. Cruise control and driver brake long

@@ -32,7 +32,7 @@ pub(crate) struct Place {
     pub(crate) y_m: f64,
     /// Speed over ground of what moves along the road.
     speed_mps: f64,
-    /// Of the angle between the line of sight and the road there.
+    /// Sine and cosine of the angle between the line of sight and the road there.
     sine: f64,
     cosine: f64,
     /// Distance along the body, and the cosine of the azimuth.
@@ -65,7 +65,7 @@ impl Place {
         if road_cosine < LEAST_COSINE {
             return None;
         }
-        // What stands comes nearer with the ego's own speed along the line of sight.
+        // A standing object comes nearer with the ego's own speed along the line of sight.
         let own_mps = ego_mps * libm::cos(detection.azimuth_rad - way.heading_rad);
         Some(Self {
             x_m,

@@ -126,7 +126,7 @@ struct Loop {
     map: Subscriber<Map>,
     /// What a truck alone has.
     truck: Option<TruckTopics>,
-    /// What a road with a plan alone has.
+    /// Parts that only a road with a plan has.
     curves: Option<CurveTopics>,
     command: Publisher<Command>,
     diagnostics: Publisher<Diagnostics>,

@@ -92,7 +92,7 @@ impl PlanePorts {
             };
         };
         let before = self.axis.pose(truth.position_m);
-        // Where the road lies has rounding errors of its own; a drive does not depend on them.
+        // The road's place in the plane adds rounding errors; a drive does not depend on them.
         let askew_rad = pose.heading_rad - self.start.heading_rad - before.heading_rad;
         let askew_rad = (askew_rad / HEADING_STEP_RAD).round() * HEADING_STEP_RAD;
         let age_s = (release.time_s - pose.header.acquisition_ns as f64 * 1e-9).max(0.0);

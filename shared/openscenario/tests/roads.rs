@@ -95,11 +95,9 @@ fn roads_in_a_row_are_one_road() {
 }
 
 #[test]
+#[ignore = "reads public files: OPENDRIVE_FILES names their folder"]
 fn public_files_agree_with_another_reader() {
-    let Ok(folder) = std::env::var("OPENDRIVE_FILES") else {
-        println!("[SKIPPED: OPENDRIVE_FILES names no folder with OpenDRIVE files]");
-        return;
-    };
+    let folder = std::env::var("OPENDRIVE_FILES").expect("OPENDRIVE_FILES names a folder");
     let mut files = 0;
     for entry in std::fs::read_dir(&folder).expect("a folder") {
         let path = entry.expect("an entry").path();

@@ -32,11 +32,11 @@ pub struct Axis {
     bins: Vec<u32>,
     cells: Vec<Cell>,
     length_m: f64,
-    /// Where its pieces begin, m.
+    /// Beginnings of its pieces, m.
     pub(crate) starts: Vec<f64>,
     /// Up to here `p` is `x`.
     straight_m: f64,
-    /// What follows the end.
+    /// The straight behind the end.
     beyond: Cell,
 }
 
@@ -217,7 +217,7 @@ impl Axis {
     }
 
     /// The coordinates (p, l) of the point of the axis nearest to a point of the plane, without a place to begin from.
-    /// Where several branches are equally near, it is the first.
+    /// It is the first of several branches that are equally near.
     #[must_use]
     pub fn nearest(&self, x_m: f64, y_m: f64) -> (f64, f64) {
         let count = self.bins.len();

@@ -14,7 +14,7 @@ const ROUNDING: f64 = 1.0 + 1e-9;
 /// Adds cells, piece after piece.
 pub struct Builder {
     pub cells: Vec<Cell>,
-    /// Where the pieces end so far, m.
+    /// End of the pieces so far, m.
     pub length_m: f64,
 }
 
@@ -22,7 +22,7 @@ pub struct Builder {
 struct Piece<'a> {
     smooth: &'a dyn Smooth,
     number: usize,
-    /// Where it begins.
+    /// Its beginning.
     start: Pose,
     from_m: f64,
 }

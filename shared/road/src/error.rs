@@ -98,7 +98,7 @@ impl AxisError {
         }
     }
 
-    /// What would have been right.
+    /// The right form.
     ///
     /// ```
     /// use road::{Axis, Piece};

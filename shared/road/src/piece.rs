@@ -190,7 +190,7 @@ impl Piece {
         Ok(())
     }
 
-    /// What goes along it.
+    /// The curve to go along.
     pub(crate) fn smooth(&self) -> Box<dyn Smooth> {
         let clothoid = |length_m, start_perm, rate_perm2| {
             Box::new(Clothoid { length_m, start_perm, rate_perm2 })

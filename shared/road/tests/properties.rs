@@ -1,4 +1,4 @@
-//! What holds for every road.
+//! Properties of every road.
 
 use proptest::prelude::*;
 use road::random::{Recipe, pieces};

@@ -37,7 +37,7 @@ pub enum OpenError {
     Start {
         /// The file, with the place where it says how the entity begins.
         place: String,
-        /// What is wrong.
+        /// The fault.
         cause: WorldError,
     },
     /// The line along which the ego drives is no road.
@@ -45,7 +45,7 @@ pub enum OpenError {
     Road {
         /// The file, with the place where it says how the ego begins.
         place: String,
-        /// What is wrong.
+        /// The fault.
         cause: AxisError,
     },
     /// It has more actors than a scenario takes.

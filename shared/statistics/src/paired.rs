@@ -21,7 +21,7 @@ const DRAWN: usize = 1 << MOST_LISTED;
 /// Random sequence of the draw: the same differences give the same interval.
 const STREAM: u128 = 0x7a11;
 
-/// Where the centre of differences lies.
+/// Place of the centre of differences.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
     /// Lower end.

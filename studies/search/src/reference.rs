@@ -1,4 +1,4 @@
-//! The reference driver: who must be able to avoid a scene, or a failure in it is nobody's.
+//! The reference driver. A scene that it cannot avoid holds no failure of the law.
 //!
 //! ```text
 //! follows:  a = a0 (1 − (v/v0)⁴ − (s*/s)²),   s* = s0 + v T + v Δv / (2 √(a0 b))      within [−2.5 m/s², a0]

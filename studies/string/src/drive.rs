@@ -30,7 +30,7 @@ use super::{page, response};
 pub struct Strings {
     task: Task,
     strings: Vec<Plan>,
-    /// Of each string: the frequency of its sine, Hz, and the value of the swept key.
+    /// Frequency of each string's sine, Hz, and the value of its swept key.
     labels: Vec<[String; 2]>,
     cars: Vec<Car>,
 }

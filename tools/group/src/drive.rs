@@ -12,7 +12,7 @@ pub struct Drive {
     pub steps: Vec<DriveStep>,
     /// Ground truth of the other vehicles, in order of time.
     pub vehicles: Vec<VehicleTruth>,
-    /// What is seen from above, in order of time; empty where the road has no plan.
+    /// The view from above, in order of time; empty where the road has no plan.
     pub plane: Vec<PlaneScene>,
     /// Times at which the emergency brake began to brake, s.
     pub interventions_s: Vec<f64>,

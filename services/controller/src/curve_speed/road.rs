@@ -1,4 +1,4 @@
-//! What the controller knows of the curvature ahead.
+//! The curvature ahead, as the controller knows it.
 
 /// No road bends more, 1/m: what says so is wrong.
 const SHARPEST_PERM: f64 = 1.0 / 15.0;
@@ -29,7 +29,7 @@ pub struct Cells<'a> {
     pub curvatures_perm: &'a [f64],
 }
 
-/// What is known of the road ahead.
+/// Knowledge of the road ahead.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RoadAhead<'a> {
     /// Curvature of the ego's own way, 1/m. It counts where nothing else is known.
@@ -44,7 +44,7 @@ impl RoadAhead<'_> {
     /// Calls `see` with the places of the road, m ahead, and their curvatures, 1/m. What no road can be is left out.
     pub(super) fn each(&self, mut see: impl FnMut(f64, f64)) {
         let mut sound = |ahead_m: f64, curvature_perm: f64| {
-            // What is no number is not below either.
+            // NaN is not below either.
             if curvature_perm.abs() <= SHARPEST_PERM {
                 see(ahead_m, curvature_perm);
             }

@@ -173,7 +173,7 @@ impl Arcs {
     }
 }
 
-/// What the controller knows in a drive.
+/// Knowledge of the controller in a drive.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Knows {
     Map(f64),

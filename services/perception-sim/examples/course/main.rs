@@ -50,7 +50,7 @@ const ROWS: [(&str, Sources); 5] = [
 const ROADS: [(f64, f64, f64); 3] =
     [(250.0, 2000.0, 22.4), (500.0, 2000.0, 30.0), (f64::INFINITY, f64::INFINITY, 30.0)];
 
-/// What happened over some way.
+/// Counts over some way.
 #[derive(Default)]
 struct Sums {
     scans: f64,
@@ -62,7 +62,7 @@ struct Sums {
     takes: f64,
     squares: f64,
     seen: f64,
-    /// What the seen share lacked at most.
+    /// Largest lack of the seen share.
     missing_share: f64,
 }
 
@@ -113,7 +113,7 @@ fn scene(seed: u64, gap_m: f64, speed_mps: f64, duration_s: f64) -> Scenario {
     Scenario::parse("course", &text).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// Where a track is, in the ego's axes.
+/// Place of a track in the ego's axes.
 fn place(track: &Track) -> (f64, f64) {
     let (sine, cosine) = track.azimuth_rad.sin_cos();
     (track.range_m * cosine, track.range_m * sine)

@@ -12,7 +12,7 @@
 //! | trails | two places of one trail are equally far from the course | the wander of their vehicle; likewise |
 //! | map | curvature ahead | an error of its place |
 //!
-//! What the ego says of itself is limited to a number of standard deviations; the rest counts only within them. So
+//! The ego's own measurements are limited to a number of standard deviations; the rest counts only within them. So
 //! wrong echoes do not bend the course, and a course that has gone astray comes back to the ego's own way.
 //!
 //! Only objects near the known edge count, and only trails of confirmed tracks: a mirror image or a queue must not

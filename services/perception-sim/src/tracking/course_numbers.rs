@@ -6,7 +6,7 @@ use parameters::parameters;
 parameters! {
     /// Numbers of the course.
     pub struct CourseNumbers {
-        // What is known before any measurement.
+        // Knowledge before any measurement.
 
         /// Standard deviation of the first heading.
         first_heading_rad: f64 = 0.01, "rad", 0.001..=0.1, "Chosen.";

@@ -1,4 +1,4 @@
-//! What is handed out of one track.
+//! The part of a track that is handed out.
 
 use messages::Detection;
 

@@ -154,7 +154,7 @@ mod tests {
         shifted.shift(0.5);
         assert!((shifted.position_m() - filter.position_m() - 0.5).abs() < 1e-12);
         assert_eq!(shifted.speed_mps(), filter.speed_mps());
-        // What follows is the same, shifted.
+        // The rest is the same, shifted.
         filter.update(Measured::new(1.2, 0.2), &Numbers::DEFAULT);
         shifted.update(Measured::new(1.7, 0.2), &Numbers::DEFAULT);
         assert!((shifted.position_m() - filter.position_m() - 0.5).abs() < 1e-12);

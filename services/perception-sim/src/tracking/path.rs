@@ -281,7 +281,7 @@ mod tests {
         assert_eq!(within(3.5, 1.0), (false, false));
         assert_eq!(within(0.5, 1.0), (true, true));
         assert_eq!(within(1.5, 1.0), (false, true), "it may be the neighbour");
-        // Where nothing is known nothing enters.
+        // Without knowledge nothing enters.
         assert_eq!(within(0.0, 5.0), (false, true));
         assert_eq!(within(0.0, 20.0), (false, false));
     }

@@ -1,4 +1,4 @@
-//! What a scan says of the road ahead: the slip angle and the course, from what stands beside the road.
+//! The road ahead by a scan: the slip angle and the course, from objects that stand beside the road.
 
 use messages::{Detection, MAX_DETECTIONS};
 
@@ -16,9 +16,9 @@ use crate::radar::receiver::Receiver;
 pub struct RoadAhead {
     filter: CourseFilter,
     slip: Slip,
-    /// What stands: cosine and sine of the azimuth, and range rate, m/s.
+    /// Standing objects: cosine and sine of the azimuth, and range rate, m/s.
     rates: Vec<(f64, f64, f64)>,
-    /// What stands: places in the body's axes, m.
+    /// Standing objects: places in the body's axes, m.
     places: Vec<(f64, f64)>,
 }
 

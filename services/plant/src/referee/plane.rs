@@ -22,7 +22,7 @@ pub struct InPlane {
 /// Most samples of the window of the jerk.
 const WINDOW: usize = 50;
 
-/// What the figures across the road are made of.
+/// Sums behind the figures across the road.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct PlaneFigures {
     /// Offset from which a part of the bumper is outside the lane, m.

@@ -22,9 +22,9 @@ pub struct Driven {
     pub pieces: Vec<Laid>,
     /// The line's distance to the left of the reference line, m.
     pub offset: Profile,
-    /// Where it begins along the reference line, m.
+    /// Its beginning along the reference line, m.
     pub from_m: f64,
-    /// Where it ends; less than its beginning if it leads against the reference line, m.
+    /// Its end; less than its beginning if it leads against the reference line, m.
     pub to_m: f64,
 }
 
@@ -33,7 +33,7 @@ pub struct Driven {
 pub struct DrivenLane {
     /// The line in the middle of the lane.
     pub line: Driven,
-    /// Where the line begins in the coordinates of the file.
+    /// Beginning of the line in the coordinates of the file.
     pub start: Pose,
     /// The road.
     pub road: Road,
@@ -202,7 +202,7 @@ mod tests {
         let left = lane(1, 100.0).expect("a lane");
         let (axis, _) = left.line.axis().expect("an axis");
         assert!((axis.length_m() - 100.0 * (1.0 - 0.002 * 1.5)).abs() < 1e-6);
-        // What was a left curve of the reference line is a right curve now.
+        // A left curve of the reference line is a right curve now.
         assert!((axis.curvature_perm(50.0) + 1.0 / 498.5).abs() < 1e-9);
         let turned = left.start.heading_rad - 0.2 - std::f64::consts::PI;
         assert!(libm::remainder(turned, std::f64::consts::TAU).abs() < 1e-9);

@@ -53,7 +53,7 @@ fn is_level(heights: &Profile) -> bool {
 pub struct Part {
     /// Its id in the file.
     pub id: String,
-    /// Where it begins, m.
+    /// Its beginning, m.
     pub from_m: f64,
     /// Its length, m.
     pub length_m: f64,

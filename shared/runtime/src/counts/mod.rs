@@ -1,4 +1,4 @@
-//! What a service has counted and timed, in memory that outlives its processes.
+//! Counts and times of a service, in memory that outlives its processes.
 //!
 //! ```text
 //! Account:   counts of one process, a page of its own      ─┐

@@ -35,7 +35,7 @@ pub(crate) fn check(scenario: &Scenario) -> Result<(), Problem> {
     scenario.perception.course.check()
 }
 
-/// What acts on a road with a plan alone must not be set without one.
+/// Refuses keys that act on a road with a plan alone, where there is no plan.
 fn unused(scenario: &Scenario) -> Result<(), Problem> {
     let tables = [
         ("plant.lateral", scenario.plant.lateral == Lateral::default()),

@@ -23,7 +23,7 @@ pub struct OpendriveRoad {
     /// Place of the ego's front bumper at the start along the road, m.
     #[serde(default = "beginning")]
     pub s_m: Distance,
-    /// What the file held when the scenario was opened: the line that the ego drives along.
+    /// Content of the file when the scenario was opened: the line that the ego drives along.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub line: Option<DrivenLine>,
     /// The storyboard's road: a translation sets it.

@@ -30,7 +30,7 @@ pub struct Comparison {
     pub processes_sample: ProcessesSample,
 }
 
-/// `means`, `differences` and `rule` of the JSON, of runs that somebody else drove: `rows` is the list of the same name.
+/// `means`, `differences` and `rule` of the JSON, of runs that the caller drove: `rows` is the list of the same name.
 /// The runs of a scenario stand together, and those of a law in it, with the same seeds in the same order.
 ///
 /// # Errors

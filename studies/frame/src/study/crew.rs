@@ -19,7 +19,7 @@ pub struct Crew<'a> {
     observed: &'a Observed<'a>,
 }
 
-/// What is taken of drives as they end, beside their records.
+/// Values taken of drives as they end, beside their records.
 #[derive(Default)]
 pub(super) struct Observed<'a> {
     /// Keeps trajectories.

@@ -33,7 +33,7 @@ const SPIRAL_M: f64 = 80.0;
 const ON_ARC_S: f64 = STEADY_S + 2.0;
 /// Time after that, s.
 const ANSWERS_S: f64 = 8.0;
-/// What the target's speed loses, m/s, and for how long, s.
+/// Loss of the target's speed, m/s, and its time, s.
 const LOSES: (f64, f64) = (3.5, 2.0);
 /// The target is slower than the speed of the design value by this, m/s.
 const SLOWER_MPS: f64 = 1.0;
@@ -112,7 +112,7 @@ impl Curve {
         2.0 * self.speed_mps() + 6.0
     }
 
-    /// Where the arc begins, m.
+    /// Beginning of the arc, m.
     fn arc_m(self) -> f64 {
         SETTLES_S * self.speed_mps() + SPIRAL_M
     }

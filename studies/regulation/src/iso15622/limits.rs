@@ -28,7 +28,7 @@ pub const MOVE_OFF_S: f64 = 3.0;
 /// Design values of the lateral acceleration in curves of 500, 250 and 125 m, m/s². Since 2026-11-26; ISO 15622:2010, as
 /// secondary sources give it.
 pub const DESIGN_LATERAL_MPS2: [f64; 3] = [2.0, 2.3, 2.3];
-/// What the ego's lateral acceleration may be above that, m/s². Since 2026-11-26. Chosen: 1 m/s more, and the driver's
+/// Allowed excess of the ego's lateral acceleration, m/s². Since 2026-11-26. Chosen: 1 m/s more, and the driver's
 /// steering.
 pub const CURVE_LATERAL_MARGIN_MPS2: f64 = 0.3;
 /// Least time gap at which the ego must have begun to slow down, as a share of the one that it kept. Since 2026-11-26;

@@ -259,7 +259,7 @@ impl Choice<'_> {
         Ok(Proposal { is_even: false, tried: found.tried + refused.len(), refused, ..found })
     }
 
-    /// Of many points those whose variance is worth its cost: the lowest means, and some others.
+    /// Points whose variance is worth its cost: the lowest means, and some others.
     fn promising(&self, points: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         if self.process.len() < LARGE || points.len() <= WITH_VARIANCE {
             return points;

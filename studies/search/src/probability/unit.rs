@@ -19,7 +19,7 @@ pub(super) struct Units {
     rows: usize,
 }
 
-/// What a unit computes.
+/// Work of a unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
     Replica { number: usize, runs: usize },

@@ -39,7 +39,7 @@ pub const FAULT: &str = "fault";
 /// The value of [`FAULT`] without a fault.
 pub const NO_FAULT: &str = "none";
 
-/// What is driven, what may be chosen, and what is to hold.
+/// The scene, the choices, and the requirements.
 #[derive(Clone, Debug)]
 pub struct Problem {
     /// Its name: that of the file, or of the scenario.
@@ -254,7 +254,7 @@ pub(crate) struct Draft {
     pub settings: Vec<Setting>,
     pub faults: Vec<FaultChoice>,
     pub require: Vec<String>,
-    /// The driver; none: the default one, `Some(None)`: nobody.
+    /// The driver; none: the default one, `Some(None)`: no driver.
     pub reference: Option<Option<Reference>>,
     pub stated: Option<(Stated, PathBuf)>,
 }

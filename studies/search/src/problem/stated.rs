@@ -57,6 +57,6 @@ pub(crate) struct Exposure {
     pub per: String,
     /// Scenes in one of it.
     pub events: f64,
-    /// Where the number comes from.
+    /// Source of the number.
     pub source: String,
 }

@@ -29,7 +29,7 @@ struct Member<'a> {
 struct Read {
     pieces: Vec<Laid>,
     length_m: f64,
-    /// Where its last piece ends.
+    /// End of its last piece.
     end: Pose,
     lanes: Lanes,
     first: Vec<Link>,
