@@ -251,4 +251,6 @@ impl Ladder {
 }
 
 #[cfg(test)]
+mod bounds_tests;
+#[cfg(test)]
 mod tests;

@@ -194,3 +194,6 @@ impl Plausibility {
         &self.findings
     }
 }
+
+#[cfg(test)]
+mod shares_tests;
