@@ -6,6 +6,30 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 
+/// Packages with their features in the build of `arguments`, development dependencies only where `edges` has them.
+fn features(edges: &str, arguments: &[&str]) -> BTreeSet<String> {
+    let output = Command::new(env!("CARGO"))
+        .args(["tree", "--locked", "--offline", "--prefix", "none", "--no-dedupe"])
+        .args(["--format", "{p} [{f}]", "--edges", edges])
+        .args(arguments)
+        .current_dir(root())
+        .output()
+        .expect("cargo runs tests, so it is there");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    String::from_utf8_lossy(&output.stdout).lines().map(str::to_owned).collect()
+}
+
+/// A development dependency that adds a feature to a package makes cargo compile again all that stands above it.
+#[test]
+fn the_tests_use_what_the_first_command_has_compiled() {
+    let first = features("normal,build", &["-p", "timegap"]);
+    let tests = features("normal,build,dev", &["--workspace"]);
+    let again: Vec<_> = first.difference(&tests).collect();
+    assert!(first.len() > 100, "{first:?}");
+    assert!(again.is_empty(), "compiled a second time by `cargo test --workspace`: {again:#?}");
+}
+
 /// The root of the workspace.
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the tests are a folder of the workspace")

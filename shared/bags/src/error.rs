@@ -11,12 +11,15 @@ pub enum BagError {
     /// The file begins like no bag that is known.
     #[error("{}, expected {}", self.message(), self.expected().unwrap_or_default())]
     NoBag,
-    /// A bag of ROS 2 that is an SQLite database.
+    /// A bag of ROS 2 that is an SQLite database, in a build without feature `sqlite`.
     #[error("{}, expected {}", self.message(), self.expected().unwrap_or_default())]
     Sqlite,
     /// A record is shorter than its lengths say.
     #[error("a record in it is not whole")]
     Malformed,
+    /// An SQLite database is damaged or is no bag.
+    #[error("its database cannot be read: {0}")]
+    Database(String),
     /// A chunk cannot be unpacked.
     #[error("a chunk in it cannot be read: {0}")]
     Chunk(String),
@@ -89,8 +92,10 @@ impl BagError {
     #[must_use]
     pub fn expected(&self) -> Option<String> {
         Some(match self {
-            Self::NoBag => "an MCAP file or a ROS 1 bag of version 2.0".to_owned(),
-            Self::Sqlite => "an MCAP file; `ros2 bag convert` makes one of it".to_owned(),
+            Self::NoBag => "an MCAP file, a ROS 1 bag of version 2.0 or a ROS 2 bag".to_owned(),
+            Self::Sqlite => "an MCAP file (`ros2 bag convert` makes one of it), or a build with \
+                             `--features sqlite-bags`"
+                .to_owned(),
             Self::NoTopic { topics, .. } => format!("one of {}", listed(topics)),
             Self::Encoding { .. } => "CDR (ros2msg), ROS 1 or JSON".to_owned(),
             Self::NoField { fields, .. } => format!("one of {}", listed(fields)),

@@ -53,7 +53,7 @@ pub struct Series {
     pub rows: Vec<Row>,
 }
 
-/// True if the file at `path` begins like a bag, also like one that is not read (SQLite).
+/// True if the file at `path` begins like a bag. A bag of SQLite counts in every build.
 #[must_use]
 pub fn is_bag(path: &Path) -> bool {
     let mut first = [0; 16];
@@ -70,7 +70,7 @@ pub fn is_bag(path: &Path) -> bool {
 /// If the file cannot be read.
 pub fn topics(path: &Path) -> Result<Vec<Topic>, BagError> {
     let mut listing = Listing::default();
-    read(&mut open(path)?, &mut listing)?;
+    read_path(path, &mut listing)?;
     let mut topics: Vec<Topic> = listing.0.into_values().collect();
     topics.sort_by(|a, b| a.name.cmp(&b.name));
     Ok(topics)
@@ -81,10 +81,10 @@ pub fn topics(path: &Path) -> Result<Vec<Topic>, BagError> {
 /// # Errors
 /// If the file cannot be read, or has no such topic or field.
 pub fn series(path: &Path, topic: &str, fields: &[String]) -> Result<Series, BagError> {
-    series_from(&mut open(path)?, topic, fields)
+    collect(topic, fields, |choice| read_path(path, choice))
 }
 
-/// Reads the same from a file in memory or elsewhere.
+/// Reads the same from a file in memory or elsewhere. SQLite reads files by their path alone.
 ///
 /// # Errors
 /// As [`series`].
@@ -92,6 +92,15 @@ pub fn series_from(
     file: &mut (impl Read + Seek),
     topic: &str,
     fields: &[String],
+) -> Result<Series, BagError> {
+    collect(topic, fields, |choice| read(file, choice))
+}
+
+/// Collects the rows of `topic` from what `read` hands over.
+fn collect(
+    topic: &str,
+    fields: &[String],
+    read: impl FnOnce(&mut Choice<'_>) -> Result<(), BagError>,
 ) -> Result<Series, BagError> {
     let mut choice = Choice {
         topic,
@@ -101,7 +110,7 @@ pub fn series_from(
         rows: Vec::new(),
         topics: Vec::new(),
     };
-    read(file, &mut choice)?;
+    read(&mut choice)?;
     let Choice { sources, type_name, mut rows, mut topics, .. } = choice;
     if sources.is_empty() {
         topics.sort_unstable();
@@ -121,6 +130,15 @@ fn open(path: &Path) -> Result<BufReader<File>, BagError> {
         return Err(BagError::NoBag);
     }
     Ok(BufReader::with_capacity(1 << 16, File::open(path)?))
+}
+
+fn read_path(path: &Path, sink: &mut dyn Sink) -> Result<(), BagError> {
+    let mut file = open(path)?;
+    match read(&mut file, sink) {
+        #[cfg(feature = "sqlite")]
+        Err(BagError::Sqlite) => crate::sqlite::read(path, sink),
+        done => done,
+    }
 }
 
 fn read(file: &mut (impl Read + Seek), sink: &mut dyn Sink) -> Result<(), BagError> {

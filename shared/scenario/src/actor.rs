@@ -73,7 +73,7 @@ pub enum Profile {
     Piecewise(Vec<AccelerationPiece>),
     /// Speed interpolated between points of (time in s, speed in m/s); constant after the last.
     Speeds(Vec<SpeedPoint>),
-    /// The same from a recorded motion: a CSV file, an MCAP file or a ROS 1 bag.
+    /// The same from a recorded motion: a CSV file, an MCAP file or a ROS bag.
     Csv(CsvFile),
     /// As the scenario's storyboard says: the n-th such actor is the n-th entity that it moves.
     Storyboard,

@@ -76,7 +76,7 @@ pub(super) fn load(
             return Err(document.problem(&Problem::new(
                 key("file"),
                 format!("{} {reason}", path.display()),
-                "a CSV file, an MCAP file or a ROS 1 bag",
+                "a CSV file, an MCAP file or a ROS bag",
             )));
         }
         let record = recorded::read(&path, csv).map_err(|error| match error {

@@ -21,7 +21,7 @@ use std::process::ExitCode;
 a scenario refuses this record because of its gaps."
 )]
 pub struct LeadArguments {
-    /// A CSV file, an MCAP file or a ROS 1 bag
+    /// A CSV file, an MCAP file or a ROS bag
     pub file: PathBuf,
     /// Columns by what they hold, with units: `t=stamp, v=speed:km/h` [default: time_s and speed_mps]
     #[arg(long, value_name = "LIST")]
@@ -141,7 +141,7 @@ fn list(path: &Path, is_json: bool) -> Result<ExitCode, Error> {
     let topics = bags::topics(path).map_err(|error| LeadError {
         key: "topic",
         message: format!("{}: {error}", path.display()),
-        expected: "an MCAP file or a ROS 1 bag".into(),
+        expected: "an MCAP file or a ROS bag".into(),
     })?;
     let mut text = String::new();
     if is_json {

@@ -12,7 +12,7 @@
 //! The sender's look alone is not enough: a process can be stopped between the look and the message, and
 //! continue after it was replaced. The consumer's look comes after the message has arrived. So after the
 //! compare-and-swap, consumers use no message of an earlier epoch. At no instant are two senders accepted.
-//! The tests at the end check that over all interleavings (`loom`).
+//! The tests at the end check that over all interleavings (feature `loom`).
 
 use crate::words::SharedWords;
 use crate::{Group, RuntimeError};
@@ -105,10 +105,10 @@ pub(crate) fn word(page: &SharedWords, service: Service) -> &AtomicU32 {
     page.word(service.index() * WORDS_APART)
 }
 
-#[cfg(test)]
-pub(super) mod tests {
+/// The epochs over all interleavings of their processes.
+#[cfg(all(test, feature = "loom"))]
+mod interleavings {
     use super::*;
-    use crate::{Mode, Timetable};
     use loom::sync::atomic::AtomicU32 as ModelWord;
     use loom::sync::{Arc, Mutex};
     use loom::thread;
@@ -216,6 +216,12 @@ pub(super) mod tests {
             assert!(used.is_sorted(), "{used:?}");
         });
     }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::{Mode, Timetable};
 
     /// A run with standbys, whose page is removed with it.
     pub(in crate::survival) struct Run(pub(in crate::survival) Group);
