@@ -64,3 +64,6 @@ impl Survival {
         (cycles - self.silent.0, skipped - self.silent.1)
     }
 }
+
+#[cfg(test)]
+mod process_tests;

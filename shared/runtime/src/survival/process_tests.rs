@@ -1,0 +1,135 @@
+//! A standby beside a real process: its end, its silence, and the wait for either.
+
+use super::fence::tests::Run;
+use super::standby::{ActiveProcess, Cause, OrderSlot, Standby};
+use crate::counts::account::Account;
+use crate::machine::scheduling::Granted;
+use crate::transport::waking::WakeWords;
+use messages::{Service, Topic};
+use scenario::Scenario;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+const SERVICE: Service = Service::Controller;
+/// A watchdog, not a limit.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A process that lives until it is killed.
+fn process() -> Child {
+    let mut command = Command::new("cat");
+    command.stdin(Stdio::piped()).stdout(Stdio::null()).spawn().expect("`cat` is everywhere")
+}
+
+fn begin(run: &Run, active: ActiveProcess, slot: &OrderSlot, keys: &str) -> Standby {
+    // What was asked for is not what is in force: no priority is to be given.
+    let granted = Granted {
+        requested: "fifo".to_owned(),
+        granted: "other".to_owned(),
+        core: None,
+        memory_locked: false,
+        refused: Vec::new(),
+    };
+    let text = format!("schema_version = 1\nname = \"standby\"\n{keys}");
+    let scenario = Scenario::parse("standby", &text).expect("a scenario");
+    Standby::begin(&run.0, &scenario, (SERVICE, 1), active, &granted, slot).expect("it begins")
+}
+
+fn wait_until(mut is_so: impl FnMut() -> bool) -> bool {
+    let end = Instant::now() + PATIENCE;
+    while !is_so() {
+        if Instant::now() > end {
+            return false;
+        }
+        std::thread::yield_now();
+    }
+    true
+}
+
+/// How often those who wait for the topics that can release a loop were woken.
+fn woken(run: &Run) -> [String; 3] {
+    let words = WakeWords::map(&run.0.prefix).expect("shared memory");
+    [Topic::RadarTracks, Topic::RadarDetections, Topic::Odometry]
+        .map(|topic| format!("{:?}", words.waiter(topic).ticket()))
+}
+
+#[test]
+fn the_end_of_the_process_is_a_take_over_that_wakes_the_loop() {
+    let run = Run::new("ends", &[SERVICE]);
+    let mut active = process();
+    let pid = active.id().cast_signed();
+    let standby = begin(&run, ActiveProcess { incarnation: 0, pid }, &OrderSlot::default(), "");
+    let before = woken(&run);
+    standby.wait(Duration::from_millis(1));
+    assert!(standby.stands_by() && standby.taken_over().is_none(), "the process lives");
+    active.kill().expect("it is ours");
+    active.wait().expect("it is ours");
+    let end = Instant::now() + PATIENCE;
+    while standby.stands_by() && Instant::now() < end {
+        standby.wait(PATIENCE);
+    }
+    assert!(matches!(standby.taken_over(), Some((Cause::Gone, noticed_ns)) if noticed_ns > 0));
+    assert!(
+        run.fences().accept(SERVICE.to_wire(), 1) && !run.fences().accept(SERVICE.to_wire(), 0)
+    );
+    // What can release the loop is woken, and nothing else.
+    assert!(wait_until(|| woken(&run)[..2].iter().zip(&before).all(|(now, then)| now != then)));
+    assert_eq!(woken(&run)[2], before[2]);
+}
+
+#[test]
+fn a_process_that_is_gone_already_is_taken_over_from_at_once() {
+    let run = Run::new("gone", &[SERVICE]);
+    let mut active = process();
+    let pid = active.id().cast_signed();
+    active.kill().expect("it is ours");
+    active.wait().expect("it is ours");
+    let standby = begin(&run, ActiveProcess { incarnation: 0, pid }, &OrderSlot::default(), "");
+    assert!(wait_until(|| !standby.stands_by()));
+    assert!(matches!(standby.taken_over(), Some((Cause::Gone, _))));
+}
+
+#[test]
+fn an_order_of_the_launcher_is_one_too_and_wakes_the_loop() {
+    let run = Run::new("ordered", &[SERVICE]);
+    let mut active = process();
+    let pid = active.id().cast_signed();
+    let slot = OrderSlot::default();
+    let standby = begin(&run, ActiveProcess { incarnation: 0, pid }, &slot, "");
+    let before = woken(&run);
+    assert!(standby.stands_by());
+    slot.take_over();
+    assert!(matches!(standby.taken_over(), Some((Cause::Gone, _))));
+    assert!(woken(&run)[..2].iter().zip(&before).all(|(now, then)| now != then));
+    // A wait after it ends at once.
+    standby.wait(PATIENCE);
+    active.kill().expect("it is ours");
+    active.wait().expect("it is ours");
+}
+
+#[test]
+fn a_process_that_lives_and_does_nothing_is_silent() {
+    let run = Run::new("silent", &[SERVICE]);
+    let account = Account::open(&run.0, SERVICE, 0).expect("shared memory");
+    let mut active = process();
+    let pid = active.id().cast_signed();
+    let keys = "[supervision]\nstandby_timeout_ms = 20";
+    let mut standby =
+        begin(&run, ActiveProcess { incarnation: 0, pid }, &OrderSlot::default(), keys);
+    // As long as it works, nothing happens.
+    let end = Instant::now() + Duration::from_millis(60);
+    let mut cycles = 0;
+    while Instant::now() < end {
+        cycles += 1;
+        account.show_progress(cycles);
+        standby.look_at_active();
+        assert!(standby.stands_by(), "cycle {cycles}");
+    }
+    assert!(wait_until(|| {
+        standby.look_at_active();
+        !standby.stands_by()
+    }));
+    assert!(matches!(standby.taken_over(), Some((Cause::Silent, _))));
+    active.kill().expect("it is ours");
+    active.wait().expect("it is ours");
+    let _ = std::fs::remove_file(format!("/dev/shm/{}{SERVICE}.0.account", run.0.prefix));
+}
