@@ -34,6 +34,14 @@ fn begin(run: &Run, active: ActiveProcess, slot: &OrderSlot, keys: &str) -> Stan
     Standby::begin(&run.0, &scenario, (SERVICE, 1), active, &granted, slot).expect("it begins")
 }
 
+/// Ends the process, and waits for the thread that watches it: its last act is to wake the loop.
+fn end(mut active: Child, run: &Run) {
+    let before = woken(run);
+    active.kill().expect("it is ours");
+    active.wait().expect("it is ours");
+    assert!(wait_until(|| woken(run)[1] != before[1]));
+}
+
 fn wait_until(mut is_so: impl FnMut() -> bool) -> bool {
     let end = Instant::now() + PATIENCE;
     while !is_so() {
@@ -63,8 +71,8 @@ fn the_end_of_the_process_is_a_take_over_that_wakes_the_loop() {
     assert!(standby.stands_by() && standby.taken_over().is_none(), "the process lives");
     active.kill().expect("it is ours");
     active.wait().expect("it is ours");
-    let end = Instant::now() + PATIENCE;
-    while standby.stands_by() && Instant::now() < end {
+    let limit = Instant::now() + PATIENCE;
+    while standby.stands_by() && Instant::now() < limit {
         standby.wait(PATIENCE);
     }
     assert!(matches!(standby.taken_over(), Some((Cause::Gone, noticed_ns)) if noticed_ns > 0));
@@ -83,15 +91,17 @@ fn a_process_that_is_gone_already_is_taken_over_from_at_once() {
     let pid = active.id().cast_signed();
     active.kill().expect("it is ours");
     active.wait().expect("it is ours");
+    let before = woken(&run);
     let standby = begin(&run, ActiveProcess { incarnation: 0, pid }, &OrderSlot::default(), "");
     assert!(wait_until(|| !standby.stands_by()));
     assert!(matches!(standby.taken_over(), Some((Cause::Gone, _))));
+    assert!(wait_until(|| woken(&run)[1] != before[1]));
 }
 
 #[test]
 fn an_order_of_the_launcher_is_one_too_and_wakes_the_loop() {
     let run = Run::new("ordered", &[SERVICE]);
-    let mut active = process();
+    let active = process();
     let pid = active.id().cast_signed();
     let slot = OrderSlot::default();
     let standby = begin(&run, ActiveProcess { incarnation: 0, pid }, &slot, "");
@@ -102,23 +112,22 @@ fn an_order_of_the_launcher_is_one_too_and_wakes_the_loop() {
     assert!(woken(&run)[..2].iter().zip(&before).all(|(now, then)| now != then));
     // A wait after it ends at once.
     standby.wait(PATIENCE);
-    active.kill().expect("it is ours");
-    active.wait().expect("it is ours");
+    end(active, &run);
 }
 
 #[test]
 fn a_process_that_lives_and_does_nothing_is_silent() {
     let run = Run::new("silent", &[SERVICE]);
     let account = Account::open(&run.0, SERVICE, 0).expect("shared memory");
-    let mut active = process();
+    let active = process();
     let pid = active.id().cast_signed();
     let keys = "[supervision]\nstandby_timeout_ms = 20";
     let mut standby =
         begin(&run, ActiveProcess { incarnation: 0, pid }, &OrderSlot::default(), keys);
     // As long as it works, nothing happens.
-    let end = Instant::now() + Duration::from_millis(60);
+    let until = Instant::now() + Duration::from_millis(60);
     let mut cycles = 0;
-    while Instant::now() < end {
+    while Instant::now() < until {
         cycles += 1;
         account.show_progress(cycles);
         standby.look_at_active();
@@ -129,7 +138,6 @@ fn a_process_that_lives_and_does_nothing_is_silent() {
         !standby.stands_by()
     }));
     assert!(matches!(standby.taken_over(), Some((Cause::Silent, _))));
-    active.kill().expect("it is ours");
-    active.wait().expect("it is ours");
+    end(active, &run);
     let _ = std::fs::remove_file(format!("/dev/shm/{}{SERVICE}.0.account", run.0.prefix));
 }
