@@ -210,19 +210,40 @@ fn a_controller_whose_clock_is_behind_stops_at_a_red_light() {
 }
 
 #[test]
-fn a_controller_whose_clock_is_a_little_ahead_drives_as_without_a_fault() {
+fn a_clock_that_is_ahead_is_counted_and_changes_nothing() {
     let corner = Corner::new(PROGRAM);
     let run = ["run", "cacc-a", "--mode", "lockstep", "--in-process", "--duration", "6"];
     let whole = corner.json(&run);
-    // Up to the tolerance of a receiver, 5 ms.
-    for ahead_s in [0.0001, 0.002, 0.0049] {
+    for ahead_s in [0.0001, 0.0049, 0.09, 3.0] {
         let fault = format!(
             "faults=[{{ kind = \"clock-step\", service = \"controller\", amount = {ahead_s}, at_s = 1 }}]"
         );
         let summary = corner.json(&[&run[..], &["--set", &fault]].concat());
-        assert!(summary["faults"][0]["messages"].as_u64() > Some(50), "{}", summary["faults"]);
+        let disturbed = summary["faults"][0]["messages"].as_u64();
+        assert!(disturbed > Some(50), "{}", summary["faults"]);
+        let ahead = &summary["messages"]["control/command"]["e2e"]["from_the_future"];
+        assert!(ahead.as_u64() > Some(40), "{ahead_s}: {ahead}");
         assert_eq!(summary["rungs"]["plant"]["time_s"], whole["rungs"]["plant"]["time_s"]);
         assert_eq!(summary["control"], whole["control"], "{ahead_s}");
+    }
+}
+
+#[test]
+fn no_service_whose_clock_is_ahead_leaves_the_others_blind() {
+    let corner = Corner::new(PROGRAM);
+    let run = ["run", "tight-brake", "--mode", "lockstep", "--in-process"];
+    let whole = corner.json(&run);
+    let least_m = |summary: &Value| summary["control"]["min_gap_m"].as_f64().expect("a gap");
+    for service in ["perception-sim", "aebs", "controller", "plant"] {
+        let fault = format!(
+            "faults=[{{ kind = \"clock-step\", service = \"{service}\", amount = 0.11, at_s = 0.5 }}]"
+        );
+        let summary = corner.json(&[&run[..], &["--set", &fault]].concat());
+        assert_eq!(summary["outcome"], "completed", "{service}: {summary}");
+        let levels = &summary["rungs"]["plant"]["time_s"];
+        assert_eq!(levels, &whole["rungs"]["plant"]["time_s"], "{service}");
+        let apart_m = least_m(&summary) - least_m(&whole);
+        assert!(apart_m.abs() < 0.2, "{service}: {apart_m}");
     }
 }
 

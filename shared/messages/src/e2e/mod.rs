@@ -40,7 +40,7 @@ pub struct Outcomes {
     /// Sent by a process that is not a member of the group; `stranger` in results.
     #[serde(rename = "stranger")]
     pub unknown_sender: u64,
-    /// Stamped later than the receiver's present.
+    /// Accepted, and stamped later than the receiver's present: the stamps were moved back to it.
     pub from_the_future: u64,
     /// Intact, but its channel is invalid: not used.
     pub distrusted: u64,
@@ -50,12 +50,7 @@ impl Outcomes {
     /// Messages that were received and refused.
     #[must_use]
     pub fn refused(&self) -> u64 {
-        self.repeated
-            + self.wrong_sequence
-            + self.error
-            + self.unknown_sender
-            + self.from_the_future
-            + self.distrusted
+        self.repeated + self.wrong_sequence + self.error + self.unknown_sender + self.distrusted
     }
 
     fn count(&mut self, status: Status) {
@@ -273,7 +268,7 @@ mod tests {
             from_the_future: 128,
             distrusted: 256,
         };
-        assert_eq!(sum.refused(), 4 + 8 + 16 + 64 + 128 + 256);
+        assert_eq!(sum.refused(), 4 + 8 + 16 + 64 + 256);
         sum.add(&Outcomes {
             ok: 1000,
             ok_some_lost: 2000,

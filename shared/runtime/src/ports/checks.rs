@@ -5,13 +5,10 @@ use crate::Clock;
 use crate::survival::fence::Fences;
 use crate::transport::Held;
 use messages::e2e::{Channel, profile7};
-use messages::{Message, Service};
+use messages::{Header, Message, Service};
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// Longest time by which a stamp may be ahead of the reader's clock, ns. Sender and reader read one clock of one
-/// host, one after the other.
-const FUTURE_TOLERANCE_NS: i64 = 5_000_000;
 /// Periods of its source after which a topic without a message counts as silent.
 const SILENCE: f64 = 1.5;
 
@@ -51,8 +48,8 @@ impl Checks {
         Self { channels: Default::default(), fences, clock, expected, heard_ns: 0, tally }
     }
 
-    /// True if the message may be used; counts the outcome.
-    pub(crate) fn pass<T: Message>(&mut self, incoming: &Held<T>) -> bool {
+    /// True if the message may be used; counts the outcome. Stamps ahead of the reader's clock are moved back to it.
+    pub(crate) fn pass<T: Message>(&mut self, incoming: &mut Held<T>) -> bool {
         let Some(sample) = incoming.get() else { return false };
         let header = sample.header();
         let source = match T::TOPIC.sources() {
@@ -79,13 +76,28 @@ impl Checks {
         if !accepted {
             return false;
         }
+        drop(tally);
         if let Some(clock) = &self.clock {
-            let now_ns = clock.now_ns();
-            if header.acquisition_ns > now_ns.saturating_add(FUTURE_TOLERANCE_NS) {
-                tally.e2e.from_the_future += 1;
-                return false;
-            }
-            self.heard_ns = now_ns;
+            self.heard_ns = clock.now_ns();
+        }
+        if self.move_back(incoming) {
+            self.tally.borrow_mut().e2e.from_the_future += 1;
+        }
+        true
+    }
+
+    /// Moves stamps that are ahead of the reader's clock back to it; true if there were any.
+    pub(crate) fn move_back<T: Message>(&self, incoming: &mut Held<T>) -> bool {
+        let now_ns = self.clock.as_ref().map(|clock| clock.now_ns());
+        let header = incoming.get().map(Message::header);
+        let Some((acquisition_ns, publish_ns)) =
+            header.zip(now_ns).and_then(|(header, now_ns)| moved_back(header, now_ns))
+        else {
+            return false;
+        };
+        if let Some(message) = incoming.own() {
+            let header = message.header_mut();
+            (header.acquisition_ns, header.publish_ns) = (acquisition_ns, publish_ns);
         }
         true
     }
@@ -97,6 +109,45 @@ impl Checks {
         if now_ns - self.heard_ns > (SILENCE * period_ns as f64) as i64 {
             self.heard_ns += period_ns;
             self.channels[source.to_wire() as usize].nothing_new(&mut self.tally.borrow_mut().e2e);
+        }
+    }
+}
+
+/// Acquisition and publication of a message whose stamps are later than its arrival at `now_ns`.
+///
+/// No message was sent after it arrived. So the sender's clock is ahead, at least by the time from the arrival to the
+/// publication. Both stamps move back by that: the sample keeps its age at the publication. A sample is never newer than
+/// its publication.
+fn moved_back(header: &Header, now_ns: i64) -> Option<(i64, i64)> {
+    let Header { acquisition_ns, publish_ns, .. } = *header;
+    let ahead_ns = publish_ns.saturating_sub(now_ns).max(0);
+    let moved_ns = (acquisition_ns - ahead_ns).min(now_ns);
+    (ahead_ns > 0 || moved_ns < acquisition_ns).then_some((moved_ns, publish_ns - ahead_ns))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use bytemuck::Zeroable;
+
+    #[test]
+    fn stamps_ahead_of_the_arrival_move_back_and_keep_the_samples_age() {
+        for (acquisition_ms, publish_ms, expected_ms) in [
+            (4_950, 5_000, None),
+            (4_000, 4_000, None),
+            (5_000, 5_000, None),
+            (5_060, 5_110, Some((4_950, 5_000))),
+            (4_951, 5_001, Some((4_950, 5_000))),
+            (3_604_950, 3_605_000, Some((4_950, 5_000))),
+            (5_090, 5_000, Some((5_000, 5_000))),
+            (5_200, 5_110, Some((5_000, 5_000))),
+        ] {
+            let mut header = Header::zeroed();
+            header.acquisition_ns = acquisition_ms * 1_000_000;
+            header.publish_ns = publish_ms * 1_000_000;
+            let moved = moved_back(&header, 5_000_000_000);
+            let moved_ms = moved.map(|(acquired, sent)| (acquired / 1_000_000, sent / 1_000_000));
+            assert_eq!(moved_ms, expected_ms, "{acquisition_ms} {publish_ms}");
         }
     }
 }

@@ -20,6 +20,8 @@ pub struct Subscriber<T: Message> {
     intake: Box<dyn Intake<T>>,
     /// The newest sample, the one that is looked at, and one of a later step than the reader's.
     rooms: Rooms<T>,
+    /// Stamps of the newest sample as its sender made them.
+    origin: Origin,
     checks: Checks,
     tally: Rc<RefCell<Tally>>,
 }
@@ -33,10 +35,12 @@ impl<T: Message> Subscriber<T> {
         checks: Checks,
         tally: Rc<RefCell<Tally>>,
     ) -> Self {
-        Self { rooms: Rooms::new(|| port.room()), port, waiter, intake, checks, tally }
+        let rooms = Rooms::new(|| port.room());
+        Self { port, waiter, intake, rooms, origin: Origin::NONE, checks, tally }
     }
 
-    /// The newest sample of the last update. A large one is borrowed from its sender.
+    /// The newest sample of the last update. A large one is borrowed from its sender. Its stamps are not later than its
+    /// arrival: those of a sender whose clock is ahead are moved back.
     #[must_use]
     pub fn newest(&self) -> Option<&T> {
         self.rooms.newest()
@@ -48,10 +52,10 @@ impl<T: Message> Subscriber<T> {
         self.tally.borrow().copied_bytes
     }
 
-    /// Stamps of the newest sample, for the header of what is computed from it.
+    /// Stamps of the newest sample as its sender made them, for the header of what is computed from it.
     #[must_use]
     pub fn origin(&self) -> Origin {
-        self.newest().map_or(Origin::NONE, |sample| Origin::of(sample.header()))
+        self.newest().map_or(Origin::NONE, |_| self.origin)
     }
 
     /// Takes all samples up to `step`, calling `each` on every one that may be used, in order.
@@ -60,11 +64,13 @@ impl<T: Message> Subscriber<T> {
         step: u64,
         mut each: impl FnMut(&T),
     ) -> Result<(), RuntimeError> {
-        let Self { intake, rooms, checks, .. } = self;
+        let Self { intake, rooms, origin, checks, .. } = self;
         intake.drain(step, rooms, &mut |rooms| {
-            let passed = checks.pass(rooms.incoming());
-            if let Some(sample) = rooms.incoming().get().filter(|_| passed) {
+            let sent = rooms.incoming().get().map(|sample| Origin::of(sample.header()));
+            let passed = checks.pass(rooms.incoming_mut());
+            if let Some((sample, sent)) = rooms.incoming().get().zip(sent).filter(|_| passed) {
                 each(sample);
+                *origin = sent;
                 rooms.keep();
             }
             passed
@@ -139,8 +145,8 @@ impl<T: Message> Subscriber<T> {
         patience: Duration,
     ) -> Result<(), RuntimeError> {
         let rides = T::TOPIC.rides_with().is_some();
-        let named = |sample: &T| origin.means(&Origin::of(sample.header()), rides);
-        if !origin.is_some() || self.newest().is_some_and(named) {
+        let named = |sent: Origin| origin.means(&sent, rides);
+        if !origin.is_some() || named(self.origin()) {
             return Ok(());
         }
         let since = Instant::now();
@@ -148,7 +154,10 @@ impl<T: Message> Subscriber<T> {
             let ticket = self.ticket();
             let error = |reason| RuntimeError::Receive { topic: T::TOPIC, reason };
             while self.port.receive(self.rooms.incoming_mut()).map_err(error)?.is_some() {
-                if self.rooms.incoming().get().is_some_and(named) {
+                let sent = self.rooms.incoming().get().map(|sample| Origin::of(sample.header()));
+                if let Some(sent) = sent.filter(|sent| named(*sent)) {
+                    self.checks.move_back(self.rooms.incoming_mut());
+                    self.origin = sent;
                     self.rooms.keep();
                     return Ok(());
                 }

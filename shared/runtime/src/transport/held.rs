@@ -58,6 +58,20 @@ impl<T: Message> Held<T> {
         self.state = State::Copied;
     }
 
+    /// The message as a copy of the reader's own, which it may change.
+    pub(crate) fn own(&mut self) -> Option<&mut T> {
+        let Self { copy, state } = self;
+        let copy = copy.get_or_insert_with(|| Box::new(T::zeroed()));
+        match state {
+            State::Empty => return None,
+            State::Copied => {}
+            State::Sample(sample) => **copy = *sample.payload(),
+            State::Memory(message) => **copy = **message,
+        }
+        *state = State::Copied;
+        Some(copy)
+    }
+
     /// Keeps what arrived through shared memory; returns the bytes that were copied for it.
     pub(super) fn take_sample(&mut self, sample: Sample<Ipc, T, ()>) -> usize {
         if is_copied::<T>() {

@@ -58,6 +58,13 @@ pub(super) fn faults(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
         let refused = refused - unknown;
         line("refused", format!("{refused} messages, by the end-to-end check"));
     }
+    let ahead: u64 = summary.messages.values().map(|topic| topic.e2e.from_the_future).sum();
+    if ahead > 0 {
+        line(
+            "clocks",
+            format!("{ahead} messages of a clock that is ahead, their stamps moved back"),
+        );
+    }
     for (topic, counts) in &summary.messages {
         if counts.e2e.unknown_sender > 0 {
             let count = counts.e2e.unknown_sender;
