@@ -23,8 +23,8 @@ use messages::{
 };
 use runtime::statistics::{Latencies, Percentiles};
 use runtime::{
-    Cycle, Figures, Group, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber,
-    monotonic_ns,
+    CountsReader, Cycle, Group, Mode, Overrun, Publisher, Release, Runtime, RuntimeError,
+    Subscriber, monotonic_ns,
 };
 use scenario::perception::RadarModel;
 use scenario::{Scenario, controller};
@@ -91,7 +91,8 @@ fn run_built(
 /// Time inside the law over all processes of a run's controller; none if that was not kept.
 #[must_use]
 pub fn last_law_times(group: &Group) -> Option<Percentiles> {
-    let figures = Figures::last(group, Service::Controller);
+    let counts = CountsReader::of(group, Service::Controller);
+    let figures = counts.figures();
     figures.latencies(LAW).ok()?.percentiles_us()
 }
 

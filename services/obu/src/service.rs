@@ -12,8 +12,8 @@ use messages::{
 };
 use runtime::statistics::Latencies;
 use runtime::{
-    Count, Cycle, Figures, Group, Publisher, Release, Runtime, RuntimeError, Subscriber, Timetable,
-    monotonic_ns,
+    Count, CountsReader, Cycle, Figures, Group, Publisher, Release, Runtime, RuntimeError,
+    Subscriber, Timetable, monotonic_ns,
 };
 use scenario::Scenario;
 
@@ -88,9 +88,10 @@ impl Counts {
 /// Report of a unit whose processes have ended, from the counts that they kept; `None` without them.
 #[must_use]
 pub fn last_known(group: &Group) -> Option<ObuReport> {
-    let figures = Figures::last(group, Service::Obu);
-    let verdicts = Verdicts::open(&figures).ok()?;
-    Some(Counts::open(&figures).ok()?.report(&verdicts))
+    let counts = CountsReader::of(group, Service::Obu);
+    let figures = counts.figures();
+    let verdicts = Verdicts::open(figures).ok()?;
+    Some(Counts::open(figures).ok()?.report(&verdicts))
 }
 
 impl Unit {

@@ -41,8 +41,9 @@ mod survival;
 mod transport;
 mod words;
 
-pub use counts::account::{LastAccount, Progress, take_account};
+pub use counts::account::{LastAccount, Progress};
 pub use counts::figures::{Count, Figures, RELEASE_JITTER};
+pub use counts::reader::CountsReader;
 pub use counts::statistics;
 pub use counts::statistics::histogram_log;
 pub use error::RuntimeError;

@@ -4,7 +4,7 @@ use super::exits::Exit;
 use super::processes::Process;
 use super::silence::{Meaning, Silence};
 use super::starvation::Share;
-use runtime::{Group, Progress};
+use runtime::{CountsReader, Group, Progress};
 use serde::Serialize;
 use std::time::Duration;
 
@@ -68,7 +68,7 @@ impl Attached {
     pub fn stand_by(&mut self, group: &Group, service: messages::Service, now_ns: i64) {
         self.begin(now_ns);
         // Without its page it looks hung, and is replaced.
-        self.progress = Progress::of(group, service, self.incarnation);
+        self.progress = CountsReader::of(group, service).progress(self.incarnation);
         self.stands_by_since = Used::of(self.process.pid()).map(|used| (used, now_ns));
     }
 

@@ -1,7 +1,7 @@
 //! A service's whole life: what all its processes counted, as one report.
 //!
-//! A process that dies leaves its account in shared memory ([`runtime::take_account`]). Its histograms go on over all
-//! processes of a service ([`runtime::Figures`]). The launcher has received its messages on the topics.
+//! A process that dies leaves its account in shared memory ([`CountsReader::take_account`]). Its histograms go on over all
+//! processes of a service ([`CountsReader::figures`]). The launcher has received its messages on the topics.
 
 use super::cycles::CycleHistory;
 use super::drive_log::DriveLog;
@@ -13,7 +13,7 @@ use controller::laws;
 use messages::Service;
 use runtime::scheduling::Granted;
 use runtime::statistics::Percentiles;
-use runtime::{Figures, Group, RELEASE_JITTER, take_account};
+use runtime::{CountsReader, Group, RELEASE_JITTER};
 use scenario::Scenario;
 use std::collections::BTreeMap;
 
@@ -24,7 +24,7 @@ pub fn left_by(
     incarnation: u32,
     scheduling: Granted,
 ) -> ServiceReport {
-    let account = take_account(group, service, incarnation).unwrap_or_default();
+    let account = CountsReader::of(group, service).take_account(incarnation).unwrap_or_default();
     ServiceReport {
         service,
         cycles: account.cycles,
@@ -80,7 +80,7 @@ fn add_received(topics: &mut Vec<ReceivedTopic>, earlier: ReceivedTopic) {
 
 /// Lateness of the releases over all processes of `service`; none if they kept none.
 pub fn release_jitter_us(group: &Group, service: Service) -> Option<Percentiles> {
-    Figures::last(group, service).latencies(RELEASE_JITTER).ok()?.percentiles_us()
+    CountsReader::of(group, service).figures().latencies(RELEASE_JITTER).ok()?.percentiles_us()
 }
 
 /// Work of all the controller's processes, as the launcher received it on `control/diagnostics` and

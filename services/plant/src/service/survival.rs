@@ -3,7 +3,7 @@
 
 use messages::Service;
 use messages::level::LevelLog;
-use runtime::{Checkpoint, Figures, Group, Runtime, RuntimeError};
+use runtime::{Checkpoint, CountsReader, Group, Runtime, RuntimeError};
 use serde::{Deserialize, Serialize};
 
 use super::Plant;
@@ -62,8 +62,9 @@ pub fn last_known(group: &Group) -> Option<PlantReport> {
         None => Outcome::Aborted,
     };
     let counted = kept.counted;
-    let figures = Figures::last(group, Service::Plant);
-    let times = times::last(outcome, &figures).unwrap_or_else(|_| PlantReport::empty(outcome));
+    let counts = CountsReader::of(group, Service::Plant);
+    let figures = counts.figures();
+    let times = times::last(outcome, figures).unwrap_or_else(|_| PlantReport::empty(outcome));
     Some(PlantReport {
         outcome,
         duration_s: counted.time_s,

@@ -1,23 +1,28 @@
-//! What a service has counted so far, in a page of shared memory that outlives it: a process that dies
+//! The account of one process: its counts so far, on a page of shared memory that outlives it. A process that dies
 //! cannot report, and its messages were sent all the same.
 //!
-//! The service writes the page at the end of each cycle (some hundred stores, no system call), the
-//! launcher reads it when the process is gone without a report.
+//! The service writes the page at the end of each cycle (some hundred stores, no system call). The launcher reads it
+//! when the process is gone without a report.
 
+use super::file::CountsFile;
+use crate::RuntimeError;
 use crate::faults::{FaultStatistics, Faults};
 use crate::ports::Counted;
 use crate::report::{ReceivedTopic, SentTopic};
 use crate::words::SharedWords;
-use crate::{Group, RuntimeError};
 use messages::e2e::Outcomes;
-use messages::{Service, TOPICS, Topic};
-use std::path::Path;
+use messages::{TOPICS, Topic};
 use std::sync::atomic::Ordering;
 
-/// Words for the cycles, the skipped releases and the progress, before those of the topics.
+/// Words before those of the topics.
 const HEAD: usize = 16;
-/// The word that counts all cycles, also those of a standby.
+/// Cycles run, and releases left out.
+const CYCLES: usize = 0;
+const SKIPPED: usize = 1;
+/// All cycles, also those of a standby.
 const PROGRESS: usize = 2;
+/// Incarnation of the page's process, counted from 1; 0: the page is free.
+const OWNER: usize = 3;
 /// Words of a topic.
 const STRIDE: usize = 16;
 /// Bits of a topic's first word.
@@ -35,6 +40,11 @@ const _: () = assert!(MOST_FAULTS >= 2 * scenario::faults::MAX_FAULTS);
 #[derive(Debug)]
 pub(crate) struct Account(SharedWords);
 
+/// The word by which process `incarnation` owns its page.
+fn owner(incarnation: u32) -> u32 {
+    incarnation.wrapping_add(1)
+}
+
 /// Counts of a process when it died. They wrap at 2³².
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LastAccount {
@@ -50,20 +60,30 @@ pub struct LastAccount {
     pub faults: Vec<FaultStatistics>,
 }
 
-fn name(prefix: &str, service: Service, incarnation: u32) -> String {
-    format!("{prefix}{service}.{incarnation}.account")
-}
-
 impl Account {
-    /// Opens the page of a process.
-    pub(crate) fn open(
-        group: &Group,
-        service: Service,
-        incarnation: u32,
-    ) -> Result<Self, RuntimeError> {
-        SharedWords::map(&name(&group.prefix, service, incarnation))
-            .map(Self)
-            .map_err(RuntimeError::setup("the account in shared memory"))
+    /// Begins the account of process `incarnation`. Its page may have been another process's, long ago.
+    pub(super) fn begin(file: &CountsFile, incarnation: u32) -> Result<Self, RuntimeError> {
+        let setup = RuntimeError::setup("the account in shared memory");
+        let page = file.account(incarnation).map_err(setup)?;
+        for index in 0..crate::words::WORDS {
+            page.word(index).store(0, Ordering::Relaxed);
+        }
+        page.word(OWNER).store(owner(incarnation), Ordering::Release);
+        Ok(Self(page))
+    }
+
+    /// The account of process `incarnation`; `None` if it has none.
+    pub(super) fn of(file: &CountsFile, incarnation: u32) -> Option<Self> {
+        let page = file.account(incarnation).ok()?;
+        let owns = page.word(OWNER).load(Ordering::Acquire) == owner(incarnation);
+        owns.then_some(Self(page))
+    }
+
+    /// Reads the account and frees its page.
+    pub(super) fn take(self) -> LastAccount {
+        let last = self.read();
+        self.0.word(OWNER).store(0, Ordering::Release);
+        last
     }
 
     /// Shows that another cycle is done: the `cycles`th of this process.
@@ -73,8 +93,8 @@ impl Account {
 
     /// Writes what was counted so far.
     pub(crate) fn write(&self, cycles: u64, skipped: u64, sent: &[Counted], received: &[Counted]) {
-        self.put(0, cycles);
-        self.put(1, skipped);
+        self.put(CYCLES, cycles);
+        self.put(SKIPPED, skipped);
         for (topic, tally) in sent {
             let place = place(*topic);
             self.0.word(place).fetch_or(SENDS, Ordering::Relaxed);
@@ -163,22 +183,12 @@ impl Account {
         };
         LastAccount {
             faults: (0..MOST_FAULTS).map_while(|i| fault(FAULTS + i * FAULT_STRIDE)).collect(),
-            cycles: count(0),
-            skipped: count(1),
+            cycles: count(CYCLES),
+            skipped: count(SKIPPED),
             sent: with(SENDS).map(sent).collect(),
             received: with(RECEIVES).map(received).collect(),
         }
     }
-}
-
-/// The page of another process; `None` if it is gone: the page of an ended process is not made again.
-pub(crate) fn page(group: &Group, service: Service, incarnation: u32) -> Option<SharedWords> {
-    SharedWords::map_existing(&name(&group.prefix, service, incarnation)).ok()
-}
-
-/// Cycles that the process with this page has done, silent ones included; they wrap at 2³².
-pub(crate) fn progress(page: &SharedWords) -> u32 {
-    page.word(PROGRESS).load(Ordering::Relaxed)
 }
 
 /// The progress of a process, as another one sees it.
@@ -186,16 +196,15 @@ pub(crate) fn progress(page: &SharedWords) -> u32 {
 pub struct Progress(SharedWords);
 
 impl Progress {
-    /// The progress of process `incarnation` of `service`; `None` if it keeps no account.
-    #[must_use]
-    pub fn of(group: &Group, service: Service, incarnation: u32) -> Option<Self> {
-        page(group, service, incarnation).map(Self)
+    /// The progress that `account` shows.
+    pub(super) fn of(account: Account) -> Self {
+        Self(account.0)
     }
 
     /// Cycles that it has done, silent ones included; they wrap at 2³².
     #[must_use]
     pub fn cycles(&self) -> u32 {
-        progress(&self.0)
+        self.0.word(PROGRESS).load(Ordering::Relaxed)
     }
 }
 
@@ -204,51 +213,68 @@ fn place(topic: Topic) -> usize {
     HEAD + topic as usize * STRIDE
 }
 
-/// The counts of process `incarnation` of `service`, which is gone; `None` if it kept no account.
-/// The page is removed.
-#[must_use]
-pub fn take_account(group: &Group, service: Service, incarnation: u32) -> Option<LastAccount> {
-    let name = name(&group.prefix, service, incarnation);
-    let path = Path::new("/dev/shm").join(&name);
-    if !path.exists() {
-        return None;
-    }
-    let account = SharedWords::map(&name).ok().map(|words| Account(words).read());
-    // The run's clean-up takes what is left here.
-    let _ = std::fs::remove_file(path);
-    account
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::counts::file::tests::Run;
+    use crate::counts::own::Counts;
+    use crate::counts::reader::CountsReader;
     use crate::ports::Tally;
-    use crate::{Mode, Timetable};
+    use messages::Service;
+
+    fn begin(run: &Run, incarnation: u32) -> Counts {
+        let mut counts = Counts::open(&run.0, Service::Plant).expect("shared memory");
+        counts.begin_account(incarnation).expect("shared memory");
+        counts
+    }
 
     #[test]
     fn an_account_outlives_its_process_and_is_taken_once() {
-        let group = Group {
-            root: "/tmp".into(),
-            prefix: format!("timegap_account-{}_", std::process::id()),
-            mode: Mode::Realtime,
-            standby: Vec::new(),
-            timetable: Timetable { step_ns: 1, strides: [1; Service::ALL.len()], last_step: 1 },
-            patience_ns: 1,
-            scenario: Vec::new(),
-        };
+        let run = Run::new("account");
         let tally = || {
             let tally = Tally::of_receiver();
             tally.borrow_mut().messages = 7;
             tally.borrow_mut().e2e.unknown_sender = 3;
             tally
         };
-        let account = Account::open(&group, Service::Plant, 2).expect("shared memory");
+        let counts = begin(&run, 2);
+        let account = counts.account().expect("it has begun");
         account.write(5, 1, &[(Topic::Odometry, tally())], &[(Topic::Command, tally())]);
-        drop(account);
-        let last = take_account(&group, Service::Plant, 2).expect("it is there");
+        drop(counts);
+        let reader = CountsReader::of(&run.0, Service::Plant);
+        let last = reader.take_account(2).expect("it is there");
         assert_eq!((last.cycles, last.skipped, last.faults), (5, 1, Vec::new()));
         assert_eq!((last.sent.len(), last.sent[0].sent), (1, 7));
         assert_eq!((last.received[0].received, last.received[0].e2e.unknown_sender), (7, 3));
-        assert_eq!(take_account(&group, Service::Plant, 2), None);
+        assert_eq!(reader.take_account(2), None);
+    }
+
+    #[test]
+    fn the_active_process_and_its_standby_have_accounts_of_their_own() {
+        let run = Run::new("two-accounts");
+        let (active, standby) = (begin(&run, 0), begin(&run, 1));
+        active.account().expect("it has begun").write(5, 0, &[], &[]);
+        standby.account().expect("it has begun").show_progress(4);
+        let reader = CountsReader::of(&run.0, Service::Plant);
+        assert_eq!(reader.progress(1).map(|progress| progress.cycles()), Some(4));
+        assert!(reader.progress(2).is_none(), "no such process");
+        assert_eq!(reader.take_account(0).map(|last| last.cycles), Some(5));
+        assert_eq!(reader.take_account(1).map(|last| last.cycles), Some(0));
+    }
+
+    #[test]
+    fn a_page_that_a_later_process_takes_begins_anew() {
+        let run = Run::new("account-again");
+        for incarnation in 0..40 {
+            let counts = begin(&run, incarnation);
+            let reader = CountsReader::of(&run.0, Service::Plant);
+            let progress = reader.progress(incarnation).expect("it has begun");
+            assert_eq!(progress.cycles(), 0);
+            counts.account().expect("it has begun").show_progress(9);
+            assert_eq!(progress.cycles(), 9);
+        }
+        let reader = CountsReader::of(&run.0, Service::Plant);
+        assert!(reader.take_account(3).is_none(), "another process has its page");
+        assert!(CountsReader::of(&run.0, Service::Controller).take_account(0).is_none());
     }
 }

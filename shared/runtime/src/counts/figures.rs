@@ -1,63 +1,38 @@
 //! Counts and histograms of a service that go on over all its processes.
 //!
 //! A process that is killed cannot report, and percentiles of two processes cannot be added. So the processes of a
-//! service share a file in shared memory, one after the other:
+//! service record in one file, one after the other, and nowhere else: whatever ends a process, at most the cycle that was
+//! running is missing. A standby records nothing until it takes over.
 //!
-//! ```text
-//! page 0: names of histograms | names of counts | counts    pages 1 to 4: buckets of the first histogram    ...
-//! ```
-//!
-//! A process records there and nowhere else: whatever ends it, at most the cycle that was running is missing. A standby
-//! records nothing until it takes over. A name is a hash, 0 for a free place. It takes its place by compare-and-swap,
-//! because the active process and its standby open the file at the same time. A histogram gets memory when it is opened.
+//! A name is a hash, 0 for a free place. It takes its place by compare-and-swap, because the active process and its
+//! standby open the file at the same time. A histogram gets memory when it is opened.
 
 use super::Counters;
-use super::statistics::{BUCKETS, Latencies};
-use crate::words::{PAGE_BYTES, SharedWords, WORDS, open_existing_own, open_own};
-use crate::{Group, RuntimeError};
-use messages::Service;
-use std::fs::File;
+use super::file::{CountsFile, SLOTS};
+use super::statistics::Latencies;
+use crate::RuntimeError;
+use crate::words::{SharedWords, WORDS};
 use std::io;
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use xxhash_rust::xxh3::xxh3_64;
 
 /// Name of the histogram that every service has: actual minus scheduled begin of its cycles.
 pub const RELEASE_JITTER: &str = "release_jitter";
-/// Most histograms, and most counts, of a service: a plant with an emergency brake has 32 histograms.
-const SLOTS: usize = 40;
 /// Beginning of the names of counts and of the counts, words.
 const COUNT_NAMES: usize = SLOTS;
 const COUNTS: usize = 2 * SLOTS;
-/// Pages of a histogram.
-const HISTOGRAM_PAGES: usize = BUCKETS.div_ceil(WORDS);
-/// Largest size of a service's file, bytes.
-pub(crate) const MOST_BYTES: usize = (1 + SLOTS * HISTOGRAM_PAGES) * PAGE_BYTES;
-
 const _: () = assert!(COUNTS + SLOTS <= WORDS);
-
-fn path(prefix: &str, service: Service) -> PathBuf {
-    Path::new("/dev/shm").join(format!("{prefix}{service}.kept"))
-}
 
 /// The counts and histograms of a service: in realtime those of all its processes, else this process's own.
 #[derive(Debug, Default)]
 pub struct Figures(Option<Kept>);
 
 impl Figures {
-    /// Opens those of a process of `service`.
-    pub(crate) fn open(group: &Group, service: Service) -> Result<Self, RuntimeError> {
-        let path = path(&group.prefix, service);
-        let error = RuntimeError::setup(path.display().to_string());
-        open_own(&path).and_then(Kept::of).map(Some).map(Self).map_err(error)
-    }
-
-    /// Opens those of the processes of `service`, which may all be gone; empty figures if there is no file.
-    #[must_use]
-    pub fn last(group: &Group, service: Service) -> Self {
-        let file = open_existing_own(&path(&group.prefix, service));
-        Self(file.and_then(Kept::of).ok())
+    /// Those in `file`.
+    pub(super) fn of(file: CountsFile) -> Result<Self, RuntimeError> {
+        let kept = Kept::of(file).map_err(RuntimeError::setup("the figures in shared memory"))?;
+        Ok(Self(Some(kept)))
     }
 
     /// Sets whether this process records: a standby does not.
@@ -84,29 +59,25 @@ impl Figures {
     /// As [`Self::count`].
     pub fn latencies(&self, name: &str) -> Result<Latencies, RuntimeError> {
         let Some(kept) = &self.0 else { return Ok(Latencies::with_room()) };
-        let words = kept.slot(0, name).and_then(|slot| kept.buckets(slot));
+        let words = kept.slot(0, name).and_then(|slot| kept.file.histogram(slot));
         let words = words.map_err(RuntimeError::setup(name.to_owned()))?;
         Ok(Latencies::kept(Counters::new(Arc::new(words), 0, Arc::clone(&kept.records))))
     }
 }
 
-/// The file of a service.
+/// Figures in the file of a service.
 #[derive(Debug)]
 struct Kept {
-    file: File,
+    file: CountsFile,
     names: Arc<SharedWords>,
     /// False while the process stands by.
     records: Arc<AtomicBool>,
 }
 
 impl Kept {
-    fn of(file: File) -> io::Result<Self> {
-        let names = Arc::new(SharedWords::of(&file, 0, 1)?);
+    fn of(file: CountsFile) -> io::Result<Self> {
+        let names = Arc::new(file.names()?);
         Ok(Self { file, names, records: Arc::new(AtomicBool::new(true)) })
-    }
-
-    fn buckets(&self, slot: usize) -> io::Result<SharedWords> {
-        SharedWords::of(&self.file, 1 + slot * HISTOGRAM_PAGES, HISTOGRAM_PAGES)
     }
 
     /// The place of `name` among the names that begin at this word.
@@ -166,46 +137,28 @@ impl Count {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Mode, Timetable};
+    use crate::counts::file::tests::Run;
+    use crate::counts::own::Counts;
+    use crate::counts::reader::CountsReader;
+    use messages::Service;
 
-    /// A run whose files are removed with it.
-    struct Run(Group);
-
-    impl Run {
-        fn new(name: &str) -> Self {
-            Self(Group {
-                root: "/tmp".into(),
-                prefix: format!("timegap_kept-{name}-{}_", std::process::id()),
-                mode: Mode::Realtime,
-                standby: Vec::new(),
-                timetable: Timetable { step_ns: 1, strides: [1; Service::ALL.len()], last_step: 1 },
-                patience_ns: 1,
-                scenario: Vec::new(),
-            })
-        }
-
-        fn open(&self) -> Figures {
-            Figures::open(&self.0, Service::Plant).expect("shared memory")
-        }
-
-        fn last(&self, name: &str) -> (Latencies, u64) {
-            let last = Figures::last(&self.0, Service::Plant);
-            (last.latencies(name).expect("room"), last.count(name).expect("room").get())
-        }
+    fn open(run: &Run) -> Counts {
+        Counts::open(&run.0, Service::Plant).expect("shared memory")
     }
 
-    impl Drop for Run {
-        fn drop(&mut self) {
-            let _ = std::fs::remove_file(path(&self.0.prefix, Service::Plant));
-        }
+    fn last(run: &Run, name: &str) -> (Latencies, u64) {
+        let last = CountsReader::of(&run.0, Service::Plant);
+        let count = last.figures().count(name).expect("room").get();
+        (last.figures().latencies(name).expect("room"), count)
     }
 
     #[test]
-    fn what_three_processes_recorded_is_one_distribution() {
+    fn the_records_of_three_processes_are_one_distribution() {
         let run = Run::new("three");
         let mut alone = Latencies::default();
         for process in 0..3_i64 {
-            let kept = run.open();
+            let counts = open(&run);
+            let kept = counts.figures();
             // Each opens its histograms in an order of its own.
             let names = if process == 1 { ["law", "jitter"] } else { ["jitter", "law"] };
             let mut opened = names.map(|name| kept.latencies(name).expect("room"));
@@ -219,17 +172,18 @@ mod tests {
             late.add(7);
             assert_eq!(law.percentiles_us(), alone.percentiles_us(), "those before it too");
         }
-        assert_eq!(run.last("law"), (alone, 0));
-        assert_eq!((run.last("late").1, run.last("jitter").0.count()), (21, 0));
+        assert_eq!(last(&run, "law"), (alone, 0));
+        assert_eq!((last(&run, "late").1, last(&run, "jitter").0.count()), (21, 0));
     }
 
     #[test]
     fn a_standby_records_nothing_before_it_takes_over() {
         let run = Run::new("standby");
-        let (active, standby) = (run.open(), run.open());
+        let (active, standby) = (open(&run), open(&run));
+        let (active, standby) = (active.figures(), standby.figures());
         standby.set_recording(false);
-        let open = |kept: &Figures| (kept.latencies("law").expect("room"), kept.count("late"));
-        let ((mut law, late), (mut silent, silent_late)) = (open(&active), open(&standby));
+        let figures = |kept: &Figures| (kept.latencies("law").expect("room"), kept.count("late"));
+        let ((mut law, late), (mut silent, silent_late)) = (figures(active), figures(standby));
         let (mut late, mut silent_late) = (late.expect("room"), silent_late.expect("room"));
         law.record_ns(1_000);
         late.add(1);
@@ -244,10 +198,11 @@ mod tests {
     }
 
     #[test]
-    fn of_a_service_that_kept_nothing_there_is_nothing() {
-        assert_eq!(Run::new("none").last("law"), (Latencies::default(), 0));
+    fn a_service_that_recorded_nothing_has_no_figures() {
+        assert_eq!(last(&Run::new("none"), "law"), (Latencies::default(), 0));
         let run = Run::new("full");
-        let kept = run.open();
+        let counts = open(&run);
+        let kept = counts.figures();
         for name in 0..SLOTS {
             kept.count(&name.to_string()).expect("room");
         }

@@ -1,14 +1,18 @@
-//! Counts and times of a service, in memory that outlives its processes.
+//! Counts and times of a service, in one file of shared memory that outlives its processes.
 //!
 //! ```text
-//! Account:   counts of one process, a page of its own      ─┐
-//! Figures:   counts and histograms of all its processes     ├─► read by the launcher
-//! Counters:  words of that memory that count, or stand still┘   while the process is a standby
+//! process ──► Counts ─┬─ Account: counts of this process ──────────────┐
+//!                     └─ Figures: counts and histograms of all of them ┴─► file ──► CountsReader: launcher, standby
 //! ```
+//!
+//! Words of the file that count ([`Counters`]) stand still while a process is a standby.
 
 pub mod account;
 mod counters;
 pub mod figures;
+pub(crate) mod file;
+pub(crate) mod own;
+pub mod reader;
 pub mod statistics;
 
 use counters::Counters;

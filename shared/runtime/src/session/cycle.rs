@@ -97,7 +97,7 @@ impl Runtime {
                 message.state = state as u64;
             })?;
         }
-        if let Some(account) = &self.survival.account {
+        if let Some(account) = self.survival.counts.account() {
             account.show_progress(cycles);
             if !self.is_standby() {
                 let (cycles, skipped) = self.survival.counted(cycles, self.skipped());

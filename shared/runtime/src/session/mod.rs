@@ -9,6 +9,7 @@ mod start;
 pub use cycle::{Cycle, count_allocations_by};
 
 use crate::counts::figures::{Figures, RELEASE_JITTER};
+use crate::counts::own::Counts;
 use crate::faults::Faults;
 use crate::life::link::Link;
 use crate::machine::scheduling::Granted;
@@ -91,12 +92,12 @@ impl Runtime {
         let transport = Transport::SharedMemory(SharedMemory::join(&group, service.name())?);
         let members = Members::of(&group.root);
         let fences = Fences::of(&group)?;
-        let figures = match group.mode {
-            Mode::Realtime => Figures::open(&group, service)?,
-            Mode::Lockstep => Figures::default(),
+        let counts = match group.mode {
+            Mode::Realtime => Counts::open(&group, service)?,
+            Mode::Lockstep => Counts::default(),
         };
-        let jitter = figures.latencies(RELEASE_JITTER)?;
-        let survival = Survival::new(figures, fences.clone(), service, incarnation);
+        let jitter = counts.figures().latencies(RELEASE_JITTER)?;
+        let survival = Survival::new(counts, fences.clone(), service, incarnation);
         let ports = Ports::new(transport, members, fences);
         let mut this = Self::of(service, incarnation, group, scenario, ports, survival, link);
         this.cycles.follow(schedule);
@@ -112,7 +113,7 @@ impl Runtime {
         seat: Seat,
         link: Link,
     ) -> Self {
-        let survival = Survival::new(Figures::default(), None, service, 0);
+        let survival = Survival::new(Counts::default(), None, service, 0);
         let ports = Ports::new(Transport::Memory(seat), Members::InProcess, None);
         Self::of(service, 0, group, scenario, ports, survival, link)
     }
@@ -176,7 +177,7 @@ impl Runtime {
     /// Counts and histograms that go on over all processes of this service. A standby records nothing.
     #[must_use]
     pub fn figures(&self) -> &Figures {
-        &self.survival.figures
+        self.survival.counts.figures()
     }
 
     /// Goes on with the step after `step`, whatever time it is.

@@ -1,7 +1,6 @@
 //! From the open ports to the first release.
 
 use super::Runtime;
-use crate::counts::account::Account;
 use crate::machine::scheduling::{Granted, Request, above, apply, in_force};
 use crate::survival::end_word;
 use crate::survival::standby::{ActiveProcess, Standby};
@@ -33,8 +32,7 @@ impl Runtime {
             self.life.link.raise_thread();
         }
         if carrier == Carrier::SharedMemory && mode == Mode::Realtime {
-            let account = Account::open(&self.group, self.service, self.incarnation)?;
-            self.survival.account = Some(account);
+            self.survival.counts.begin_account(self.incarnation)?;
             if self.group.standby.contains(&self.service) {
                 // Above the loops: it only ever ends.
                 let priority = above(granted.priority(&Request::of(scenario, self.service)));

@@ -1,8 +1,8 @@
 //! Survival of a process's end: state that outlives it, epochs and standbys that replace it.
 //!
 //! ```text
-//! process ──► counts: its account, the figures of all ─► read by the launcher after its end
-//!         ──► Checkpoint: state ───────────────────────► read by the next process
+//! process ──► Counts: one file a service ──► read by the launcher and by a standby
+//!         ──► Checkpoint: state ───────────► read by the next process
 //!
 //! Gate: may this process speak?  ◄── Fences: one epoch a service  ◄── Standby: takes the epoch over
 //! ```
@@ -14,8 +14,7 @@ pub mod fence;
 pub mod gate;
 pub mod standby;
 
-use crate::counts::account::Account;
-use crate::counts::figures::Figures;
+use crate::counts::own::Counts;
 use fence::Fences;
 use gate::Gate;
 use messages::Service;
@@ -25,9 +24,7 @@ use std::rc::Rc;
 /// Parts by which a service survives the end of a process.
 #[derive(Debug)]
 pub(crate) struct Survival {
-    /// In realtime, where a process may die and the run goes on.
-    pub(crate) account: Option<Account>,
-    pub(crate) figures: Figures,
+    pub(crate) counts: Counts,
     pub(crate) gate: Rc<Gate>,
     pub(crate) standby: Option<Standby>,
     /// Cycles and skipped releases of the time as a standby.
@@ -35,28 +32,28 @@ pub(crate) struct Survival {
 }
 
 impl Survival {
-    /// The survival of process `incarnation` of `service`, which counts in `figures`.
+    /// The survival of process `incarnation` of `service`, which counts in `counts`.
     pub(crate) fn new(
-        figures: Figures,
+        counts: Counts,
         fences: Option<Fences>,
         service: Service,
         incarnation: u32,
     ) -> Self {
         let gate = Rc::new(Gate::of(fences, service, incarnation));
-        Self { account: None, figures, gate, standby: None, silent: (0, 0) }
+        Self { counts, gate, standby: None, silent: (0, 0) }
     }
 
     /// Makes this process silent: it sends and records nothing.
     pub(crate) fn be_silent(&self) {
         self.gate.set_standby(true);
-        self.figures.set_recording(false);
+        self.counts.figures().set_recording(false);
     }
 
     /// Ends the time as a standby, in which `cycles` were run and `skipped` releases left out.
     pub(crate) fn become_active(&mut self, cycles: u64, skipped: u64) {
         self.standby = None;
         self.silent = (cycles, skipped);
-        self.figures.set_recording(true);
+        self.counts.figures().set_recording(true);
     }
 
     /// The cycles and skipped releases of the active process, without those of the standby.

@@ -8,7 +8,8 @@
 //!
 //! The end of the active process is known by [`end_word`], or by its pidfd.
 
-use crate::counts::account::progress;
+use crate::counts::account::Progress;
+use crate::counts::reader::CountsReader;
 use crate::machine::scheduling::{Granted, Request, above, set_below_services, set_fifo_of};
 use crate::survival::cycle_watch::CycleWatch;
 use crate::survival::end_word;
@@ -143,8 +144,8 @@ impl OrderSlot {
 #[derive(Debug)]
 pub(crate) struct Standby {
     order: Arc<Order>,
-    /// The active process's account; `None` if the process is gone or keeps no account.
-    account: Option<SharedWords>,
+    /// The active process's progress; `None` if the process is gone or keeps no account.
+    progress: Option<Progress>,
     watch: CycleWatch,
 }
 
@@ -190,8 +191,8 @@ impl Standby {
         let timeout_ns = scenario.supervision.standby_timeout_ms.nanoseconds();
         let timeout_ns = i64::try_from(timeout_ns).unwrap_or(i64::MAX);
         let period_ns = group.timetable.period_ns(service);
-        let account = crate::counts::account::page(group, service, active.incarnation);
-        Ok(Self { order, account, watch: CycleWatch::new(monotonic_ns(), period_ns, timeout_ns) })
+        let progress = CountsReader::of(group, service).progress(active.incarnation);
+        Ok(Self { order, progress, watch: CycleWatch::new(monotonic_ns(), period_ns, timeout_ns) })
     }
 
     /// True while nothing has happened to the active process.
@@ -221,9 +222,9 @@ impl Standby {
 
     /// Looks, once in a cycle, whether the active process makes progress, and takes over if it does not.
     pub(crate) fn look_at_active(&mut self) {
-        let Some(account) = &self.account else { return };
+        let Some(progress) = &self.progress else { return };
         let now_ns = monotonic_ns();
-        if self.watch.is_silent(now_ns, progress(account)) {
+        if self.watch.is_silent(now_ns, progress.cycles()) {
             self.order.take_over(Cause::Silent, now_ns);
         }
     }
@@ -268,7 +269,7 @@ mod tests {
 
     fn standby(order: &Arc<Order>) -> Standby {
         let watch = CycleWatch::new(0, 100, 30);
-        Standby { order: Arc::clone(order), account: None, watch }
+        Standby { order: Arc::clone(order), progress: None, watch }
     }
 
     fn run(name: &str) -> Run {

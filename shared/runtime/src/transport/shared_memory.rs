@@ -4,7 +4,7 @@ use super::ends::{Arrival, Connect, Input, Receiver, Sender, SenderId, buffer, b
 use super::error::TransportError;
 use super::held::Held;
 use super::loan::{Loan, Place};
-use crate::counts::figures::MOST_BYTES as MOST_KEPT_BYTES;
+use crate::counts::file::MOST_BYTES as MOST_COUNTS_BYTES;
 use crate::life::link::End;
 use crate::ports::members::Members;
 use crate::survival::checkpoint::MOST_BYTES as MOST_STATE_BYTES;
@@ -58,7 +58,7 @@ pub fn shared_memory_bytes(timetable: &Timetable, standby: &[Service]) -> u64 {
     let publishers = |topic: Topic| topic.sources().iter().map(|&s| of(s)).max().unwrap_or(all);
     let bytes = |topic: Topic| publishers(topic) * messages(topic) * topic.message_bytes();
     let payload: usize = TOPICS.into_iter().map(bytes).sum();
-    (payload + MANAGEMENT + Service::ALL.len() * (MOST_KEPT_BYTES + MOST_STATE_BYTES)) as u64
+    (payload + MANAGEMENT + Service::ALL.len() * (MOST_COUNTS_BYTES + MOST_STATE_BYTES)) as u64
 }
 
 impl<T: Message> Sender<T> for iceoryx2::port::publisher::Publisher<Ipc, T, ()> {

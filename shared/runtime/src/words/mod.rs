@@ -43,14 +43,6 @@ impl SharedWords {
         Self::of(&open_own(&Path::new("/dev/shm").join(name))?, 0, 1)
     }
 
-    /// Maps the page called `name` that another process made.
-    ///
-    /// # Errors
-    /// If there is none, or it is another user's.
-    pub(crate) fn map_existing(name: &str) -> io::Result<Self> {
-        Self::of(&open_existing_own(&Path::new("/dev/shm").join(name))?, 0, 1)
-    }
-
     /// Maps `pages` pages of `file` from page `first` on, which get memory if they have none.
     pub(crate) fn of(file: &File, first: usize, pages: usize) -> io::Result<Self> {
         let (offset, bytes) = ((first * PAGE_BYTES) as u64, pages * PAGE_BYTES);
