@@ -3,6 +3,7 @@
 use super::blame::{Broken, Failure};
 use super::counts;
 use super::exposure::Exposure;
+use super::measured::{self, LEFT_OUT};
 use super::record::Record;
 use super::sums::Combination;
 use super::tally::Tally;
@@ -12,9 +13,6 @@ use report::results::{
 };
 use serde::Serialize;
 use serde_json::{Value, json};
-
-/// Weight of the columns of runs that are also among the totals.
-pub const LEFT_OUT: u8 = 4;
 
 /// Fields of the verdict beside its lists and sums.
 const FIELDS: &[Column<Verdict>] = &[
@@ -29,55 +27,13 @@ const FIELDS: &[Column<Verdict>] = &[
 
 /// The sums over some runs. The shown ones make a table of runs; `totals` has the others of all runs.
 pub fn sums<R>() -> Vec<Column<R>> {
-    let measured = [
-        number("min_gap_m", "min gap", "m", 1, "Smallest gap to the vehicle ahead").weight(1),
-        number("min_ttc_s", "min TTC", "s", 1, "Least time to collision").weight(1),
-        micros("recovery_us.p50", "recovery p50", "Median time of a recovery").weight(LEFT_OUT),
-        micros("recovery_us.max", "recovery max", "Longest time of a recovery").weight(LEFT_OUT),
-    ];
-    // An object follows its parts: it is null where nothing was timed.
-    let timed = [
-        total("recovery_us.count", "recoveries", "Timed recoveries"),
-        nested("recovery_us", Kind::Object, "From a fault to the next process's first message, µs"),
-        micros("detection_us.p50", "detection p50", "Median time until it was noticed").hidden(),
-        micros("detection_us.max", "detection max", "Longest time until it was noticed").hidden(),
-        nested("detection_us", Kind::Object, "From a fault until the launcher noticed it, µs"),
-        micros("take_over_us.p50", "take-over p50", "Median time of a take-over").hidden(),
-        micros("take_over_us.max", "take-over max", "Longest time of a take-over").hidden(),
-        total("take_over_us.count", "take-overs", "Timed take-overs"),
-        nested("take_over_us", Kind::Object, "Recoveries by a standby that was ready, µs"),
+    let named = [
         nested("phases", Kind::Object, "Faults that acted in each phase"),
         nested("rungs_s", Kind::Object, "Time of each service on each degradation level, s"),
-    ];
-    counts::columns().into_iter().chain(measured).chain(timed).chain(amounts()).collect()
-}
-
-/// Amounts over all runs, which are printed unless they are zero.
-fn amounts<R>() -> [Column<R>; 9] {
-    [
-        amount("command_overdue_ms", "plant without a due command", "ms", "Longest time"),
-        amount("all_memory_kib", "memory of all services", "KiB", "Largest of all runs"),
-        amount("all_descriptors", "descriptors of all services", "", "Largest of all runs"),
-        amount("all_shared_memory_kib", "shared memory", "KiB", "Largest of all runs"),
-        amount("memory_growth_kib", "growth of memory", "KiB", "Largest of a service in a run"),
         word("memory_growth_of", "memory grew in", "The service that grew most").hidden(),
-        amount("descriptor_growth", "growth of descriptors", "", "Largest of a service in a run"),
-        amount("shared_memory_growth_kib", "growth of shared memory", "KiB", "Largest in a run"),
-        amount("shared_memory_object_growth", "growth of its objects", "", "Largest in a run"),
-    ]
-}
-
-const fn total<R>(name: &'static str, heading: &'static str, meaning: &'static str) -> Column<R> {
-    count(name, heading, meaning).hidden()
-}
-
-const fn amount<R>(
-    name: &'static str,
-    heading: &'static str,
-    unit: &'static str,
-    meaning: &'static str,
-) -> Column<R> {
-    number(name, heading, unit, 0, meaning).hidden()
+    ];
+    let measured = measured::extreme_columns().into_iter().chain(measured::time_columns());
+    counts::columns().into_iter().chain(measured).chain(named).collect()
 }
 
 /// Columns of the requirements.
@@ -144,9 +100,9 @@ pub struct Line<'a> {
 /// Columns of these lines.
 pub fn lines<'a>() -> Vec<Column<Line<'a>>> {
     let names = [word("by", "", ""), word("of", "runs of", "Scenario, controller and fault")];
-    let p99 = micros("", "recovery p99", "")
-        .weight(LEFT_OUT)
-        .of(|line: &Line<'_>| json!(line.tally.recovery_us.as_ref().and_then(report::print::p99)));
+    let p99 = micros("", "recovery p99", "").weight(LEFT_OUT).of(|line: &Line<'_>| {
+        json!(line.tally.measures.times.recovery_us.as_ref().and_then(report::print::p99))
+    });
     names.into_iter().chain(sums()).chain([p99]).collect()
 }
 

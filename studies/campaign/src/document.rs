@@ -1,6 +1,7 @@
 //! A verdict as a document: tables, pictures and sentences.
 
-use super::columns::{BROKEN, EXPOSURE, FAILURES, LEFT_OUT, Line, REQUIREMENTS, RUNS, lines, sums};
+use super::columns::{BROKEN, EXPOSURE, FAILURES, Line, REQUIREMENTS, RUNS, lines, sums};
+use super::measured::LEFT_OUT;
 use super::record::Record;
 use super::tally::{Sum, Tally};
 use super::verdict::Verdict;
@@ -146,8 +147,10 @@ fn tiles(all: &Tally) -> Vec<Tile> {
         tile("Aborted", all.counts.aborted.to_string()),
         tile("Objects left behind", all.counts.leaks.to_string()),
     ];
-    let least =
-        [("Smallest gap", all.min_gap_m, "m"), ("Smallest time to collision", all.min_ttc_s, "s")];
+    let least = [
+        ("Smallest gap", all.measures.extremes.min_gap_m, "m"),
+        ("Smallest time to collision", all.measures.extremes.min_ttc_s, "s"),
+    ];
     tiles.extend(least.into_iter().filter_map(|(label, value, unit)| {
         Some(tile(label, format!("{} {unit}", number(value?.max(0.0), 1))))
     }));
@@ -157,8 +160,8 @@ fn tiles(all: &Tally) -> Vec<Tile> {
 /// How long detection and recovery took; empty if no process fault was timed.
 fn pictures(runs: &Sum) -> String {
     let timed = [
-        ("detected by the supervisor", &runs.detection),
-        ("first message of the restarted process", &runs.recovery),
+        ("detected by the supervisor", &runs.histograms.detection_us),
+        ("first message of the restarted process", &runs.histograms.recovery_us),
     ];
     // In lockstep all times are zero.
     let is_timed = |latencies: &&Latencies| latencies.percentiles_us().is_some_and(|p| p.max > 1.0);

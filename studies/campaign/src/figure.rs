@@ -1,6 +1,7 @@
 //! Figures that a campaign can require something of.
 
-use super::counts::{Counts, limited};
+use super::counts::{self, Counts};
+use super::measured::{self, MeasuredFigure};
 use super::record::Record;
 use super::tally::{Sum, Tally};
 
@@ -16,44 +17,16 @@ pub struct Figure {
 enum Kind {
     /// A number of runs or events. Each run that has one is to blame.
     Count(fn(&Counts) -> u64),
-    /// A measured value; none if no run measured it.
-    Measure(fn(&Tally) -> Option<f64>),
-    /// The median of a measured value. A single run cannot be to blame for it.
-    Median(fn(&Tally) -> Option<f64>),
+    /// A measured value.
+    Measure(MeasuredFigure),
 }
-
-/// The measured figures. The counts are in [`counts`](super::counts).
-const MEASURED: [Figure; 16] = [
-    measure("gap_m", |t| t.min_gap_m),
-    measure("ttc_s", |t| t.min_ttc_s),
-    median("detection_p50_ms", |t| t.detection_us.map(|p| p.p50 / 1e3)),
-    measure("detection_p99_ms", |t| t.detection_us.map(|p| p.p99 / 1e3)),
-    measure("detection_max_ms", |t| t.detection_us.map(|p| p.max / 1e3)),
-    median("recovery_p50_ms", |t| t.recovery_us.map(|p| p.p50 / 1e3)),
-    measure("recovery_p99_ms", |t| t.recovery_us.map(|p| p.p99 / 1e3)),
-    measure("recovery_max_ms", |t| t.recovery_us.map(|p| p.max / 1e3)),
-    median("take_over_p50_ms", |t| t.take_over_us.map(|p| p.p50 / 1e3)),
-    measure("take_over_p99_ms", |t| t.take_over_us.map(|p| p.p99 / 1e3)),
-    measure("take_over_max_ms", |t| t.take_over_us.map(|p| p.max / 1e3)),
-    measure("command_overdue_ms", |t| t.command_overdue_ms),
-    measure("memory_growth_kib", |t| t.memory_growth_kib),
-    measure("descriptor_growth", |t| t.descriptor_growth),
-    measure("shared_memory_growth_kib", |t| t.shared_memory_growth_kib),
-    measure("shared_memory_object_growth", |t| t.shared_memory_object_growth),
-];
 
 /// All figures.
 pub fn figures() -> impl Iterator<Item = Figure> {
-    let counts = limited().map(|(name, of)| Figure { name, of: Kind::Count(of) });
-    counts.chain(MEASURED)
-}
-
-const fn measure(name: &'static str, of: fn(&Tally) -> Option<f64>) -> Figure {
-    Figure { name, of: Kind::Measure(of) }
-}
-
-const fn median(name: &'static str, of: fn(&Tally) -> Option<f64>) -> Figure {
-    Figure { name, of: Kind::Median(of) }
+    let counts = counts::limited().map(|(name, of)| Figure { name, of: Kind::Count(of) });
+    let measured =
+        measured::limited().map(|figure| Figure { name: figure.name, of: Kind::Measure(figure) });
+    counts.chain(measured)
 }
 
 impl Figure {
@@ -71,7 +44,7 @@ impl Figure {
     pub fn value(&self, tally: &Tally) -> Option<f64> {
         match self.of {
             Kind::Count(of) => Some(of(&tally.counts) as f64),
-            Kind::Measure(of) | Kind::Median(of) => of(tally),
+            Kind::Measure(figure) => (figure.of)(&tally.measures),
         }
     }
 }
@@ -120,8 +93,10 @@ impl Limit {
             Kind::Count(of) => {
                 Some(of(&alone.counts) as f64).filter(|count| *count > 0.0 && !self.is_least)
             }
-            Kind::Measure(of) => of(&alone).filter(|value| !self.holds(*value)),
-            Kind::Median(_) => None,
+            Kind::Measure(figure) if figure.is_median => None,
+            Kind::Measure(figure) => {
+                (figure.of)(&alone.measures).filter(|value| !self.holds(*value))
+            }
         }
     }
 }

@@ -45,6 +45,7 @@ mod figure;
 mod file;
 mod jobs;
 mod launcher_death;
+mod measured;
 mod open;
 mod plan;
 mod planned;

@@ -194,7 +194,7 @@ pub mod tests {
             (verdict.all.counts.runs, verdict.all.counts.kills, verdict.all.counts.messages_lost),
             (4, 4, 4)
         );
-        assert_eq!(verdict.all.min_gap_m, Some(7.0));
+        assert_eq!(verdict.all.measures.extremes.min_gap_m, Some(7.0));
         assert_eq!(verdict.combinations.len(), 2);
         assert_eq!(verdict.all.rungs_s["plant full"], 4.0);
         let json = serde_json::to_value(&verdict).expect("plain data");
