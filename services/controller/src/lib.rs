@@ -16,5 +16,7 @@ pub mod report;
 pub mod sampling;
 mod service;
 pub mod settings;
+mod varied;
 
 pub use service::{last_law_times, run, run_asked, run_law, serve};
+pub use varied::Varied;

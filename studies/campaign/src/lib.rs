@@ -64,4 +64,5 @@ mod verdict;
 
 pub use arguments::CampaignArguments;
 pub use builtin::BUILTIN;
+pub use plausibility::radar_figures;
 pub use select::{WITHOUT_FILE, run, schemas};

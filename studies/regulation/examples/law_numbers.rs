@@ -1,19 +1,23 @@
-//! Effect of each number in a law's table.
+//! Effect of each number in a law's table, or of the numbers that all laws share (`following`).
 //!
 //! ```sh
 //! cargo run --release -p regulation --example law_numbers -- six-mode six_mode
 //! cargo run --release -p regulation --example law_numbers -- predictive predictive --built-in truck-traffic,truck-hills
+//! cargo run --release -p regulation --example law_numbers -- acc-mpc following
 //! ```
 //!
 //! Each number is halved and doubled while all others keep their values. A value that the law refuses is replaced by
 //! the nearest of 0.8 and 1.25 times the number that it accepts. The law drives everyday scenes without the emergency
-//! brake, or the built-in scenarios that are named.
+//! brake, or the built-in scenarios that are named. A process can replace shared numbers once, so each value of them is
+//! driven by a process of its own.
 
-use std::process::ExitCode;
+use std::process::{Command, ExitCode};
 
 use clap::Parser;
+use controller::following::parameters::{FOLLOWING, Following};
 use controller::laws;
 use group::report::Outcome;
+use parameters::{Row, Table};
 use regulation::everyday::Kind;
 use report::summary::Summary;
 use runtime::Mode;
@@ -24,7 +28,7 @@ use scenario::{Overrides, Scenario, builtin};
 struct Arguments {
     /// Name of the law
     law: String,
-    /// Name of its table
+    /// Name of its table, or `following`
     table: String,
     /// Everyday scenes of each kind
     #[arg(long, default_value_t = 4)]
@@ -35,7 +39,13 @@ struct Arguments {
     /// Duration of a built-in scenario, s
     #[arg(long, default_value_t = 120.0)]
     duration: f64,
+    /// Replace this row of `following` and print the figures alone: the example calls itself so
+    #[arg(long, hide = true)]
+    replace: Option<String>,
 }
+
+/// Name of the table of shared numbers.
+const SHARED: &str = "following";
 
 /// Kinds of scenes in which a law has to act.
 const KINDS: [Kind; 4] = [Kind::CutIn, Kind::Stop, Kind::BrakingLead, Kind::CutOut];
@@ -54,6 +64,14 @@ type Figures = [f64; FIGURES.len()];
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
+    if let Some((row, value)) = arguments.replace.as_deref().and_then(|text| text.split_once('=')) {
+        let found = row.parse().ok().zip(value.parse().ok()).and_then(|(row, value)| {
+            FOLLOWING.replace(Following::DEFAULT.with(row, value)).ok()?;
+            figures(&arguments, &[])
+        });
+        println!("{}", serde_json::to_string(&found).expect("plain numbers"));
+        return ExitCode::SUCCESS;
+    }
     let Some(base) = figures(&arguments, &[]) else {
         eprintln!("error: {} does not drive these scenes", arguments.law);
         return ExitCode::from(2);
@@ -64,7 +82,11 @@ fn main() -> ExitCode {
         let words = tries.into_iter().filter_map(|factors| {
             let changed = |factor: f64| {
                 let typed = (value * factor * 1e6).round() / 1e6;
-                let found = figures(&arguments, &[format!("controller.{path}={typed:?}")])?;
+                let found = if arguments.table == SHARED {
+                    figures_with_shared(&path, typed)?
+                } else {
+                    figures(&arguments, &[format!("controller.{path}={typed:?}")])?
+                };
                 Some(format!("at {typed} {}", effect(&base, &found)))
             };
             factors.into_iter().find_map(changed)
@@ -76,6 +98,12 @@ fn main() -> ExitCode {
 
 /// The numbers of a law's table that have a default other than 0.
 fn numbers(table: &str) -> Vec<(String, f64)> {
+    if table == SHARED {
+        let rows = Following::ROWS.iter().enumerate();
+        return rows
+            .map(|(row, Row { name, .. })| ((*name).into(), Following::DEFAULT.value(row)))
+            .collect();
+    }
     let mut all = Vec::new();
     for found in laws::tables().into_iter().filter(|found| found.name == table) {
         collect(&format!("{table}."), (found.keys)(), &mut all);
@@ -95,6 +123,20 @@ fn collect(prefix: &str, keys: Vec<Key>, into: &mut Vec<(String, f64)>) {
             _ => {}
         }
     }
+}
+
+/// The figures with another value of a shared number, from a process of its own; `None` outside of its range.
+fn figures_with_shared(name: &str, value: f64) -> Option<Figures> {
+    let row = Following::ROWS.iter().position(|row| row.name == name)?;
+    let (least, most) = Following::ROWS[row].range;
+    if !(least..=most).contains(&value) {
+        return None;
+    }
+    let program = std::env::current_exe().ok()?;
+    let own = std::env::args().skip(1);
+    let answer =
+        Command::new(program).args(own).arg(format!("--replace={row}={value:?}")).output().ok()?;
+    serde_json::from_slice(&answer.stdout).ok()?
 }
 
 /// The figures of all scenes with other values of some keys; `None` if the law refuses one.

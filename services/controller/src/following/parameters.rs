@@ -1,5 +1,6 @@
 //! Numbers of the car-following parts, each with its unit, range and origin.
 
+use crate::varied::Varied;
 use parameters::parameters;
 
 parameters! {
@@ -36,7 +37,7 @@ parameters! {
 }
 
 /// The values that the laws use.
-pub const FOLLOWING: Following = Following::DEFAULT;
+pub static FOLLOWING: Varied<Following> = Varied::new(Following::DEFAULT);
 
 #[cfg(test)]
 mod tests {

@@ -32,26 +32,14 @@
 use super::kinematics::{Lag, LagStep, Motion};
 use super::parameters::FOLLOWING;
 
-/// Share of the hardest request that the vehicle surely reaches.
-pub(crate) const SURE: f64 = FOLLOWING.sure_share;
 /// Step in which ego and lead are compared, s.
 const CHECK_S: f64 = 0.1;
 /// Longest comparison, steps: well over the stop from 70 m/s.
 const CHECKS: usize = 250;
 /// Halvings of the interval of requests: to a thousandth of a m/s².
 const HALVINGS: usize = 13;
-/// From here on a lead counts as braking, m/s².
-const BRAKES_MPS2: f64 = FOLLOWING.brakes_mps2;
-/// A lead that brakes may still add this share to its deceleration: the estimate is late.
-pub(crate) const MAY_ADD: f64 = FOLLOWING.may_add_share;
-/// Constant braking that is gentle, m/s²: while it is enough, braking stays below twice this.
-const GENTLE_MPS2: f64 = FOLLOWING.gentle_mps2;
-/// Share of a gap below the smallest one that gentle braking must keep.
-const KEPT_SHARE: f64 = FOLLOWING.kept_share;
 /// Halvings of the interval of gentle braking: to a hundredth of a m/s².
 const GENTLE_HALVINGS: usize = 7;
-/// Missing gap at which the comfortable deceleration is asked for in full, m.
-const MISSING_M: f64 = FOLLOWING.missing_m;
 
 /// The vehicle ahead, in the ego's frame: position 0 is the ego's front bumper now.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -135,13 +123,13 @@ impl SafeGap {
     pub(crate) fn enough_mps2(&self, ego: Motion, lead: &LeadNow) -> Option<f64> {
         let ego = Motion { position_m: 0.0, ..ego };
         let expected = expected_mps2(lead);
-        let least_m = (KEPT_SHARE * lead.gap_m - self.min_gap_m).min(0.0);
+        let least_m = (FOLLOWING.kept_share * lead.gap_m - self.min_gap_m).min(0.0);
         let is_enough =
             |braking: f64| self.margin_m(ego, 0.0, |_| -braking, lead, expected) >= least_m;
-        if !is_enough(GENTLE_MPS2) {
+        if !is_enough(FOLLOWING.gentle_mps2) {
             return None;
         }
-        let (mut low, mut high) = (0.0, GENTLE_MPS2);
+        let (mut low, mut high) = (0.0, FOLLOWING.gentle_mps2);
         for _ in 0..GENTLE_HALVINGS {
             let middle = 0.5 * (low + high);
             if is_enough(middle) { high = middle } else { low = middle }
@@ -157,7 +145,7 @@ impl SafeGap {
         }
         let next = self.after_period(self.min_mps2, ego);
         let missing_m = -self.margin_m(next, self.period.step_s, self.full(), lead, worst);
-        let share = (missing_m / MISSING_M).clamp(0.0, 1.0);
+        let share = (missing_m / FOLLOWING.missing_m).clamp(0.0, 1.0);
         let opening = request.min(share * self.comfort_mps2);
         self.lower(opening, |u| self.stays_behind(u, ego, lead, expected))
     }
@@ -203,7 +191,7 @@ impl SafeGap {
 
     /// Full braking, wherever the ego is.
     fn full(&self) -> impl Fn(f64) -> f64 + use<> {
-        let request = SURE * self.min_mps2;
+        let request = FOLLOWING.sure_share * self.min_mps2;
         move |_| request
     }
 
@@ -221,7 +209,9 @@ impl SafeGap {
         for _ in 0..CHECKS {
             let gap_m = lead.position_m(deceleration, time_s) - ego.position_m;
             least_m = least_m.min(gap_m - self.min_gap_m);
-            if least_m < -MISSING_M || (ego.speed_mps <= 0.0 && ego.acceleration_mps2 <= 0.0) {
+            if least_m < -FOLLOWING.missing_m
+                || (ego.speed_mps <= 0.0 && ego.acceleration_mps2 <= 0.0)
+            {
                 break;
             }
             // Opening from here on: a lead that does not brake is only ever approached less.
@@ -240,7 +230,8 @@ impl SafeGap {
     pub(crate) fn steady_gap_m(&self, speed_mps: f64) -> f64 {
         let ego = Motion { position_m: 0.0, speed_mps, acceleration_mps2: 0.0 };
         let next = self.after_period(0.0, ego);
-        let own_m = next.position_m + self.lag.stop(next, SURE * self.min_mps2).distance_m;
+        let own_m =
+            next.position_m + self.lag.stop(next, FOLLOWING.sure_share * self.min_mps2).distance_m;
         let lead_m = 0.5 * speed_mps * speed_mps / self.lead_deceleration_mps2;
         self.min_gap_m + (own_m - lead_m).max(0.0)
     }
@@ -249,7 +240,7 @@ impl SafeGap {
 /// The deceleration that the vehicle ahead has now, with what it may still add, m/s².
 fn expected_mps2(lead: &LeadNow) -> f64 {
     let now = lead.braking_mps2();
-    if now > BRAKES_MPS2 { (1.0 + MAY_ADD) * now } else { now }
+    if now > FOLLOWING.brakes_mps2 { (1.0 + FOLLOWING.may_add_share) * now } else { now }
 }
 
 #[cfg(test)]

@@ -14,22 +14,10 @@
 //! | `tau` | lag of the actuator | s |
 
 use super::kinematics::Motion;
-use super::parameters::FOLLOWING;
+use super::parameters::{FOLLOWING, Following};
 
 /// Rates, the gentlest first, 1/s.
 const RATES_PER_S: [f64; 5] = [1.0, 1.3, 1.7, 2.2, 2.8];
-/// Fastest speed at which a stop is softened, m/s.
-const FASTEST_MPS: f64 = FOLLOWING.fastest_soft_mps;
-/// Deceleration with which the last of the speed is lost, m/s².
-const LAST_MPS2: f64 = FOLLOWING.last_mps2;
-/// Request that holds a vehicle that stands, m/s².
-const HOLD_MPS2: f64 = FOLLOWING.hold_mps2;
-/// Requests below this mean to stop or to stay, m/s².
-const STAYS_MPS2: f64 = FOLLOWING.stays_mps2;
-/// Speed below which such a request ends in standstill, m/s.
-const CREEPS_MPS: f64 = FOLLOWING.creeps_mps;
-/// Speed below which the gentlest rate is taken whatever the room, m/s: a tenth of a second's motion.
-const LAST_MPS: f64 = FOLLOWING.last_mps;
 
 /// The way that a vehicle has to come to rest, m.
 #[derive(Clone, Copy, Debug)]
@@ -53,22 +41,25 @@ pub(crate) fn within_set_speed(request_mps2: f64, set_speed_mps: f64) -> f64 {
 /// The request with a soft end of the stop, if there is one within `room`.
 pub(crate) fn soften(request_mps2: f64, ego: Motion, tau_s: f64, room: Room) -> f64 {
     let (v, a) = (ego.speed_mps, ego.acceleration_mps2);
-    if v > FASTEST_MPS || request_mps2 >= STAYS_MPS2 {
+    let numbers: &Following = &FOLLOWING;
+    if v > numbers.fastest_soft_mps || request_mps2 >= numbers.stays_mps2 {
         return request_mps2;
     }
     if v <= 0.0 {
-        return HOLD_MPS2;
+        return numbers.hold_mps2;
     }
-    let needed_m = |k: f64| if v < LAST_MPS { 0.0 } else { (v + tau_s * (a + k * v)) / k };
+    let needed_m = |k: f64| if v < numbers.last_mps { 0.0 } else { (v + tau_s * (a + k * v)) / k };
     let firmest = RATES_PER_S[RATES_PER_S.len() - 1];
     let k = match RATES_PER_S.into_iter().find(|k| needed_m(*k) <= room.wanted_m) {
         Some(k) => k,
-        None if needed_m(firmest) <= room.wanted_m + room.spare_m || v < LAST_MPS => firmest,
+        None if needed_m(firmest) <= room.wanted_m + room.spare_m || v < numbers.last_mps => {
+            firmest
+        }
         None => return request_mps2,
     };
-    let k = if v < LAST_MPS { RATES_PER_S[0] } else { k };
-    let soft = (-k * v - tau_s * k * a - LAST_MPS2).min(0.0);
-    if v < CREEPS_MPS { soft } else { request_mps2.max(soft) }
+    let k = if v < numbers.last_mps { RATES_PER_S[0] } else { k };
+    let soft = (-k * v - tau_s * k * a - numbers.last_mps2).min(0.0);
+    if v < numbers.creeps_mps { soft } else { request_mps2.max(soft) }
 }
 
 #[cfg(test)]
@@ -121,7 +112,7 @@ mod tests {
     #[test]
     fn a_vehicle_that_stands_is_held_until_it_shall_go() {
         let ego = Motion::default();
-        assert_eq!(soften(0.0, ego, 0.5, room(10.0)), HOLD_MPS2);
+        assert_eq!(soften(0.0, ego, 0.5, room(10.0)), FOLLOWING.hold_mps2);
         assert_eq!(soften(0.8, ego, 0.5, room(10.0)), 0.8);
     }
 }

@@ -14,7 +14,8 @@
 //! * `d(b)` for the braking that was seen, and a share that the lead may still have added.
 
 use super::lead::LastSeen;
-use crate::following::safe_gap::{LeadNow, MAY_ADD};
+use crate::following::parameters::FOLLOWING;
+use crate::following::safe_gap::LeadNow;
 use crate::law::Ego;
 
 /// Comfortable braking, m/s².
@@ -53,8 +54,11 @@ pub(super) fn deceleration_mps2(ego: &Ego, last: Option<&LastSeen>) -> f64 {
     let Some(last) = last else { return COMFORTABLE_MPS2 };
     let worst = needed_mps2(last, ego, WORST_MPS2).min(MINIMUM_RISK_MPS2);
     let seen = last.braking_mps2();
-    let as_seen =
-        if seen > BRAKES_MPS2 { needed_mps2(last, ego, (1.0 + MAY_ADD) * seen) } else { 0.0 };
+    let as_seen = if seen > BRAKES_MPS2 {
+        needed_mps2(last, ego, (1.0 + FOLLOWING.may_add_share) * seen)
+    } else {
+        0.0
+    };
     worst.max(as_seen).max(COMFORTABLE_MPS2)
 }
 

@@ -11,12 +11,13 @@
 //! scan.
 
 use super::{Check, Findings};
+use crate::varied::Varied;
 use messages::{Header, Odometry, RadarTracks, Track};
 use parameters::parameters;
 
 parameters! {
     /// Limits of the radar's checks.
-    struct Limits {
+    pub struct Limits {
         /// Scans in a row with the same figures that no noise makes.
         repeated: u32 = 2, "scans", 1.0..=10.0, "Chosen: one repetition can be a message that came twice.";
         /// The same of a radar without noise.
@@ -44,7 +45,8 @@ parameters! {
     }
 }
 
-const LIMITS: Limits = Limits::DEFAULT;
+/// The limits in use.
+pub static LIMITS: Varied<Limits> = Varied::new(Limits::DEFAULT);
 
 /// Compares each scan with the one before, and the target with its track.
 #[derive(Clone, Debug)]

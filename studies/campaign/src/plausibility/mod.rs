@@ -11,10 +11,12 @@
 
 mod cases;
 mod draw;
+mod radar_figures;
 mod rate;
 mod results;
 mod table;
 
+pub use radar_figures::radar_figures;
 pub use table::schema;
 
 use std::process::ExitCode;

@@ -12,7 +12,8 @@
 //! speed.
 
 use crate::following::kinematics::{Lag, LagStep, Motion};
-use crate::following::safe_gap::{LeadNow, SURE, SafeGap};
+use crate::following::parameters::FOLLOWING;
+use crate::following::safe_gap::{LeadNow, SafeGap};
 use crate::laws::cacc::config::Config;
 
 /// Distance kept to a closed line, m.
@@ -174,7 +175,7 @@ impl Filter {
 
     fn stops_before(&self, u: f64, ego: Motion, distance_m: f64) -> bool {
         let next = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
-        let rest = self.lag.stop(next, SURE * self.min_mps2).distance_m;
+        let rest = self.lag.stop(next, FOLLOWING.sure_share * self.min_mps2).distance_m;
         next.position_m + rest <= distance_m - LINE_MARGIN_M
     }
 
@@ -198,7 +199,7 @@ impl Filter {
     ) -> bool {
         let Some(lead) = lead else { return self.crosses(u, ego, distance_m, red_in_s) };
         let next = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
-        let hardest = SURE * self.min_mps2;
+        let hardest = FOLLOWING.sure_share * self.min_mps2;
         let now = lead.braking_mps2();
         let after = |at: f64| if at < distance_m { 0.0 } else { hardest };
         if self.crosses(u, ego, distance_m, red_in_s)
