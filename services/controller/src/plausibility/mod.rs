@@ -196,4 +196,6 @@ impl Plausibility {
 }
 
 #[cfg(test)]
+mod countdown_tests;
+#[cfg(test)]
 mod shares_tests;
