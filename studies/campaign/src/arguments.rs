@@ -18,14 +18,14 @@ pub struct CampaignArguments {
     /// A campaign file, an OpenSCENARIO parameter variation (.xosc), or the name of a built-in campaign
     #[arg(conflicts_with = "merge")]
     pub campaign: Option<String>,
-    /// Do only N of the runs, drawn by the first seed; number of runs (`radio`) [default: 2000]
+    /// Do only N of the runs, drawn by the first seed; `radio`: number of runs [default: 2000]
     #[arg(long, value_name = "N", conflicts_with = "merge")]
     pub sample: Option<NonZeroUsize>,
-    /// Begin with run, corridor or scene number N (`radio`, `signals`, `curves`) [default: 1]
+    /// Number of the first run (`radio`), corridor (`signals`) or scene (`curves`) [default: 1]
     #[arg(long, value_name = "N", conflicts_with = "merge")]
     pub first: Option<NonZeroUsize>,
-    /// Runs of every combination [default: as in the file]; number of corridors (`signals`) [default: 500], of roads and
-    /// of each kind of queue (`curves`) [default: 1000]
+    /// Runs of every combination [default: as in the file]; `signals`: corridors [default: 500]; `curves`: roads, and
+    /// queues of each kind [default: 1000]
     #[arg(long, value_name = "N", conflicts_with = "merge")]
     pub seeds: Option<NonZeroU32>,
     /// Hours of random drives without faults (`plausibility`) [default: 3]
@@ -34,11 +34,11 @@ pub struct CampaignArguments {
     /// Judge every run by a requirement as well: a formula or a name (repeatable; docs/requirements.md)
     #[arg(long = "require", value_name = "FORMULA", conflicts_with = "merge")]
     pub require: Vec<String>,
-    /// Laws of the user's own. They drive where the campaign names no controllers; in `signals` beside the two laws of
-    /// the campaign, in `radio` and `plausibility` one in the place of its laws.
+    /// Laws of the user's own. They drive if the campaign names no controllers. In `signals` they drive beside the two
+    /// laws of the campaign. In `radio` and `plausibility` one replaces its laws.
     #[command(flatten)]
     pub laws: LawOptions,
-    /// Seed of these drives (`plausibility`) [default: 1]
+    /// Seed of the random drives (`plausibility`) [default: 1]
     #[arg(long, value_name = "S", conflicts_with = "merge")]
     pub seed: Option<u32>,
     /// Parts of the campaign.

@@ -50,7 +50,7 @@ pub enum ReferenceName {
     Regulation,
     /// The careful driver of UN R157: 0.774 g after 0.75 s
     Careful,
-    /// Nobody: every scene counts
+    /// No driver: every scene counts
     None,
 }
 

@@ -4,10 +4,10 @@
 //! time gap = gap / ego speed          gap error = gap - desired gap
 //! ```
 //!
-//! One desired gap serves all laws, so that their errors can be compared: `referee.desired_gap` of the scenario, else
-//! [`STATED_GAP`]. Errors count while the ego follows: from the instant at which it first has the speed of the vehicle
-//! ahead, at the earliest 2 s after that vehicle came, until it is gone or another one takes its place. The approach
-//! before does not count.
+//! One desired gap serves all laws, so that their errors can be compared: `referee.desired_gap` of the scenario, or
+//! [`STATED_GAP`] without it. Errors count while the ego follows. Following begins when the ego first has the speed of the
+//! vehicle ahead, at the earliest 2 s after that vehicle came. It ends when that vehicle is gone, or when another one takes
+//! its place. The approach before does not count.
 
 use group::DriveStep;
 use group::report::ControlFigures;
@@ -80,7 +80,7 @@ impl GapErrors {
         errors
     }
 
-    /// Puts the errors in the place of the referee's, which has another desired gap for each law.
+    /// Replaces the referee's errors, which have another desired gap for each law.
     pub fn write(self, figures: &mut ControlFigures) {
         figures.rms_gap_error_m = self.rms_m;
         figures.max_abs_gap_error_m = self.largest_m;

@@ -1,9 +1,8 @@
 //! The page around the pictures.
 //!
-//! Written with `format!` and no template engine: a page is a fixed frame around five elements
-//! (section, figure, tiles, table, details), each of which is one function here that escapes what it
-//! is given. A macro crate would check the nesting of tags and add a compiler stage; the test of the
-//! finished page and the conformance of those five functions do the same for less.
+//! A page is a fixed frame around five elements: section, figure, tiles, table, details. Each of them is one function here
+//! that escapes its input. `format!` writes them, not a template engine. A macro crate would check the nesting of tags and
+//! add a compiler stage; the test of the finished page does the same for less.
 
 use super::chart::{Picture, escape, script_json};
 use std::fmt::Write;

@@ -89,7 +89,7 @@ pub struct OutputDirectory {
     made: Vec<PathBuf>,
     /// It was taken without results in it: those that are there now are this command's.
     is_cleared: bool,
-    /// A result was written, or something else that is to be kept.
+    /// A result was written, or another file that is to be kept.
     is_used: Cell<bool>,
 }
 
@@ -301,7 +301,7 @@ impl Drop for OutputDirectory {
             let _ = self.put_back();
         }
         for directory in &self.made {
-            // One that holds something else stays.
+            // A directory that holds another file stays.
             let _ = std::fs::remove_dir(directory);
         }
     }

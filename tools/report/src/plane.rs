@@ -1,8 +1,8 @@
 //! The bird's-eye view of a drive on a road with a plan, as data that the page's script draws (`assets/plane.js`).
 //!
-//! It shows the lanes, the way of the ego coloured by its speed, the spans with a lost lead or a false target, and the
-//! bodies at an instant. The first instant is the worst one: that of the collision, else of the least time to
-//! collision, else of the least gap.
+//! It shows the lanes, the way of the ego coloured by its speed, and the bodies at an instant. It marks the spans with a
+//! lost lead or a false target. The first instant is the worst one: the collision, or without one the least time to
+//! collision, or without that the least gap.
 
 use group::{Drive, DriveStep, PlaneScene};
 use scenario::Scenario;

@@ -53,7 +53,7 @@ pub enum InjectError {
     #[error("{0}, or a topic such as radar/tracks")]
     Target(#[source] UnknownService),
     /// The target is a helper of the group, and the kind of the fault acts on something else.
-    #[error("{0} is no service and no topic, expected `kill-helper {0}`")]
+    #[error("{0} is neither a service nor a topic, expected `kill-helper {0}`")]
     Helper(String),
     /// The options describe no valid fault.
     #[error("{}", in_options(.0))]
@@ -165,7 +165,7 @@ fn key_of(target: &str) -> Result<&'static str, InjectError> {
     }
 }
 
-/// True for the name of a process that is no service.
+/// True for the name of a process that is not a service.
 fn is_helper(target: &str) -> bool {
     Helper::ALL.into_iter().any(|helper| helper.name() == target)
 }

@@ -1,8 +1,8 @@
 //! Pictures as data, which the page's script draws (`assets/charts.js`).
 //!
-//! * [`Plot`]: curves over two axes (linear, logarithmic or by percentiles) with labelled points, marks by
-//!   numbers or letters and strips, such as a signal's phases at its stop line. A curve need not be a function of the
-//!   horizontal value.
+//! * [`Plot`]: curves over two axes (linear, logarithmic or by percentiles). It has labelled points, marks by numbers or
+//!   letters, and strips, such as a signal's phases at its stop line. A curve need not be a function of the horizontal
+//!   value.
 //! * [`Cells`]: filled cells of a grid over two axes, with edges.
 //! * [`Bands`]: rows of labelled spans over one axis: modes over time, the parts of a chain.
 //! * [`Parallel`]: lines through one value a row, such as the variables of many runs.

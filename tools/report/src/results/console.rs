@@ -10,7 +10,7 @@ use super::head::Format;
 use super::table::Table;
 use crate::table::{Align, TextTable};
 
-/// Width where standard output is no terminal.
+/// Width if standard output is not a terminal.
 const USUAL_WIDTH: usize = 80;
 /// Most rows that become columns.
 const MOST_TRANSPOSED: usize = 8;

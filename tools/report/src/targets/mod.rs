@@ -1,16 +1,17 @@
-//! Whose the selected target is, by the ground truth of a drive on a road with a plan.
+//! Owner of the selected target, by the ground truth of a drive on a road with a plan.
 //!
-//! Perception's verdict on itself does not count here: the selected track is a place in the plane, and the nearest body
+//! Perception's verdict on itself does not count here. The selected track is a place in the plane, and the nearest body
 //! within [`BODY_M`] owns it. The lead is the nearest vehicle ahead whose body reaches into the ego's lane.
 //!
 //! | verdict | when |
 //! | --- | --- |
 //! | lead lost | the lead is within [`REACH_M`], and the target is not the lead |
 //! | neighbour taken | the target is a vehicle whose body does not reach into the ego's lane |
-//! | nothing taken | the target is no vehicle |
+//! | nothing taken | the target is not a vehicle |
 //!
-//! A place on the road is an entry, an arc, an exit or straight by the curvatures of the axis at the ego and at the
-//! vehicle that matters: the lead, else the target's owner, else a point [`AHEAD_M`] ahead.
+//! A place on the road is an entry, an arc, an exit or straight. The curvatures of the axis at the ego and at the vehicle
+//! that matters decide it. That vehicle is the lead, or without one the target's owner, or without that a point
+//! [`AHEAD_M`] ahead.
 
 mod sums;
 
@@ -21,7 +22,7 @@ use serde::{Deserialize, Serialize};
 
 /// Gap up to which a lead counts, m.
 pub const REACH_M: f64 = 100.0;
-/// A target farther than this from every body is of no vehicle, m: more than the error of an azimuth at 100 m, less
+/// A target farther than this from every body belongs to no vehicle, m: more than the error of an azimuth at 100 m, less
 /// than the distance of the next lane's middle.
 pub const BODY_M: f64 = 3.0;
 /// Distance at which the road ahead is looked at without a vehicle, m.
@@ -130,7 +131,7 @@ impl JudgedScan {
         self.is_beside
     }
 
-    /// The target is no vehicle.
+    /// The target is not a vehicle.
     #[must_use]
     pub fn is_nothing_taken(&self) -> bool {
         self.owner == Some(Owner::Nothing)

@@ -23,7 +23,7 @@ pub struct Sums {
     pub taken_s: f64,
     /// Number of times that a neighbour became the target.
     pub takings: u64,
-    /// Time with a target that is no vehicle, s.
+    /// Time with a target that is not a vehicle, s.
     pub nothing_s: f64,
 }
 

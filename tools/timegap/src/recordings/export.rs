@@ -38,12 +38,16 @@ pub struct ExportArguments {
 }
 
 const PANDAS: &str = "\
-The first column, `log_time_ns`, is when the message was published, ns of run time; the others are the \
-message's own, by their dotted path. Nested arrays count from 0: `tracks.0.range_m`; the radar's \
-detections, up to 1,024 in a message, have a table of their own with a row for each, \
-`radar_detections.detections.csv`, and so have frames on air, `radio_frames.frames.csv`. Behind a number \
-that has a name stands the name: `rung` and `rung.name`; figures of the law have theirs in place of \
-their number. Parquet files have the same columns with their types. Of a damaged recording what can be read is exported, with a note and status 1. In Python:
+The first column, `log_time_ns`, is the message's time of publication, ns of run time. The other columns are \
+the message's values, named by their dotted path. Nested arrays count from 0: `tracks.0.range_m`.
+
+Two kinds of elements have tables of their own, with a row for each: the radar's detections \
+(`radar_detections.detections.csv`) and frames on air (`radio_frames.frames.csv`).
+
+A number with a name has a second column for the name: `rung` and `rung.name`. Figures of the law have their \
+names in their columns' headings. Parquet files have the same columns with their types.
+
+A damaged recording is exported as far as it can be read, with a note and status 1. In Python:
 
     import pandas as pd
     odometry = pd.read_csv(\"runs/mine/csv/vehicle_odometry.csv\")

@@ -1,10 +1,11 @@
 //! `timegap trace`: a recorded run for Perfetto (<https://ui.perfetto.dev>).
 //!
-//! One track per service with a slice per cycle, arrows along the chains from radar over controller to plant,
-//! missed deadlines and faults as instants, and the drive's figures. Times are the messages' own stamps. A
-//! slice extends from the scheduled release of its cycle to the cycle's last publication. It is response time
-//! with waits, not processor time, which messages do not carry. An arrow begins at the publication of the
-//! radar's message.
+//! Each service has a track with a slice per cycle. Arrows follow the chains from radar over controller to plant.
+//! Missed deadlines and faults are instants, and the drive's figures have tracks of their own.
+//!
+//! Times are the messages' own stamps. A slice extends from the scheduled release of its cycle to the cycle's last
+//! publication. It is response time with waits, not processor time, which messages do not carry. An arrow begins at the
+//! publication of the radar's message.
 
 mod encode;
 mod proto;
