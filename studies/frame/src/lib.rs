@@ -16,7 +16,7 @@
 //! 2. A plan: [`Study::plan`] reads and checks everything before the first run. [`Study::job`] makes run `n`.
 //!    The scenarios of all runs do not fit in memory, so a job is made when its turn comes.
 //! 3. A record: the plain data of a run that the verdict needs. [`Study::record`] makes it in the worker's thread.
-//!    What only pictures need is the other half of its result ([`Study::Seen`]).
+//!    The other half of its result ([`Study::Seen`]) is for pictures alone.
 //! 4. Columns: `report::results::Column`, one line each. A column's name is the path of its value in the record's
 //!    JSON. Tables of them make a `Document`, with a verdict that answers the command's question.
 //! 5. A schema: [`schema`] has the fields that all studies have, and the columns add the study's own. It gets a row in

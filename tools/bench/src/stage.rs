@@ -26,7 +26,7 @@ const SINK_PRIORITY: u8 = 80;
 const METRONOME_PRIORITY: u8 = 90;
 /// Time for a process to become ready.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// Time between two looks at a process that ends by itself.
+/// Time between two looks at a process that is ending.
 const LOOK: Duration = Duration::from_millis(2);
 /// Shared memory for the largest payloads, bytes.
 const ROOM: u64 = 64 << 20;

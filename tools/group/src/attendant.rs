@@ -58,7 +58,7 @@ impl Attendant {
         Ok(Self { child, input, lines })
     }
 
-    /// Tells it something. The process may be gone.
+    /// Sends it a message. The process may be gone.
     pub fn send(&mut self, message: &impl Serialize) {
         let line = serde_json::to_string(message).expect("link messages are plain data");
         if let Some(input) = &mut self.input

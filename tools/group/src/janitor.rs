@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 /// Time that services get to end by themselves once the launcher is gone.
 const GRACE: Duration = Duration::from_secs(2);
 
-/// Word of a launcher that has cleaned up by itself.
+/// Word of a launcher that has already cleaned up.
 pub const DONE: &str = "done";
 
 /// Runs the janitor of the run at `root`: reads lines from the launcher, the number of the services'
@@ -31,7 +31,7 @@ pub fn run(root: &Path) -> ExitCode {
         if died.elapsed() > GRACE
             && let Some(group) = group.take()
         {
-            // A stopped or hung service: it cannot end by itself.
+            // A stopped or hung service: it cannot end itself.
             let _ = kill_process_group(group, Signal::KILL);
         }
         std::thread::sleep(Duration::from_millis(5));

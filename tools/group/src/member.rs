@@ -205,7 +205,7 @@ impl Member {
         exit
     }
 
-    /// Notes that the active process leaves by itself, before the run's end, with this report.
+    /// Notes that the active process leaves before the run's end, with this report.
     pub fn leaves_early(&mut self, report: ServiceReport) {
         self.past.push(report);
         self.active().has_told = true;

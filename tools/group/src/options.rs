@@ -53,7 +53,7 @@ pub struct GroupOptions {
     pub processes: bool,
 }
 
-/// Two programs in the place of one service.
+/// Two programs for one service.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 #[error("--service {0}: a program is given twice, expected one in its place")]
 pub struct TwoPrograms(Service);

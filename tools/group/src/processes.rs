@@ -154,7 +154,7 @@ impl Process {
         }
     }
 
-    /// Tells the service something. The process may be gone.
+    /// Sends the service a message. The process may be gone.
     pub fn order(&mut self, order: &ToService) {
         if let Some(orders) = &mut self.orders {
             let line = serde_json::to_string(order).expect("orders are plain data");
@@ -238,7 +238,7 @@ impl Janitor {
         Ok(Self { child, lines })
     }
 
-    /// Tells it which process group the services form.
+    /// Sends it the process group of the services.
     pub fn watch(&mut self, group: i32) {
         self.write_line(&group.to_string());
     }

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 /// It does not cover a program of the user's.
 #[derive(Debug, thiserror::Error)]
 pub enum NoProgram {
-    /// In the place of a service.
+    /// It replaces a service.
     #[error("--service {service}={}: {reason}", path.display())]
     OfService {
         /// The service.
@@ -29,7 +29,7 @@ pub enum NoProgram {
 
 impl Failure for NoProgram {}
 
-/// Who really runs in the place of which service, or computes for it.
+/// Programs that replace services, or compute for them.
 ///
 /// # Errors
 /// [`NoProgram`] if one of them is not a program.
@@ -50,7 +50,7 @@ pub fn programs(
     Ok(programs)
 }
 
-/// The program in the place of `service`.
+/// The program that replaces `service`.
 ///
 /// # Errors
 /// [`NoProgram::OfService`].

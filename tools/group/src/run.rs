@@ -108,7 +108,7 @@ fn assignment(argument: &str) -> Result<Assignment, ParameterError> {
 /// Outputs of a run during and after the drive.
 #[derive(Debug, Default)]
 pub struct Keep {
-    /// Tells others how to join, for as long as the run drives.
+    /// Shows others how to join while the run drives.
     pub live_file: Option<PathBuf>,
     /// The recording.
     pub recording: Option<PathBuf>,

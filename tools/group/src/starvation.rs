@@ -1,4 +1,4 @@
-//! Tells a service that hangs from one that does not get the processor.
+//! Distinguishes a service that hangs from one that does not get the processor.
 //!
 //! Both give no sign of life. The kernel's own account of a process says which it is: A process that hangs sleeps, is
 //! stopped, or has had the processor for longer than any cycle takes. A starved process waits in the run queue and

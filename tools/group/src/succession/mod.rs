@@ -1,4 +1,4 @@
-//! Who follows whom in a service: its active process, its standby, and what is due next.
+//! The order of a service's processes: its active process, its standby, and what is due next.
 //!
 //! A pure state machine: events in, steps out, time an argument. The incarnation identifies a process. One that is
 //! neither active nor standby any more was replaced; its end means nothing.
@@ -11,7 +11,7 @@
 //! standby:  Absent ─ due ─► Starting ─ ready ─► Ready ─ took over, or gone ─► Absent
 //! ```
 //!
-//! The standby decides by itself when it takes over (by a compare-and-swap, `runtime`); what is here follows. So the
+//! The standby alone decides when it takes over (by a compare-and-swap, `runtime`); what is here follows. So the
 //! end of the active process and the take-over arrive in either order. A standby may end in the middle of its
 //! take-over: each of these is a line of [`Succession::on`].
 
@@ -112,7 +112,7 @@ pub enum Step {
         /// The active process.
         active: u32,
     },
-    /// Tell this standby that the active process is gone.
+    /// Report to this standby that the active process is gone.
     OrderTakeOver(u32),
     /// This process has become the active one.
     Replaced {

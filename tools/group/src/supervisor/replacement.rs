@@ -104,7 +104,7 @@ impl Supervisor<'_> {
                     }
                 }
                 Step::Replaced { old, new } => {
-                    // It may be stopped, and then could not leave by itself.
+                    // A stopped process cannot end itself.
                     self.roster.kill(Who { service, incarnation: old }, Exit::Replaced);
                     let member = self.roster.of(service);
                     member.active().begin(now_ns);
