@@ -1,7 +1,7 @@
 //! The search for failures: minimal cases that repeat, an interrupted search that goes on the same way, a table of
 //! faults.
 
-use serde_json::Value;
+use serde_json::{Value, json};
 use system_tests::Corner;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
@@ -83,6 +83,50 @@ fn faults_are_ranked_by_what_they_break() {
         rows.iter().map(|row| row["broken"].as_u64().is_some_and(|runs| runs > 0)).collect();
     assert!(broken.is_sorted_by(|a, b| a >= b), "what breaks comes first");
     corner.expect_nothing_left(&[]);
+}
+
+/// A controller that does not answer for 250 ms beyond its period is ended. Without a restart the group ends with it. A
+/// budget of one tries the first fault, which stops the controller.
+#[test]
+fn a_stop_that_ends_the_group_is_reduced_to_the_shortest_one() {
+    let corner = Corner::new(PROGRAM);
+    let words =
+        ["search", "following", "--faults", "processes", "--budget", "1", "--duration", "6"];
+    let more = ["--set", "supervision.restart=\"never\"", "--seeds", "5", "--json", "--out", "a"];
+    let output = corner.run(&[&words[..], &more].concat());
+    assert_eq!(output.status.code(), Some(1), "{}", system_tests::text(&output));
+    let result: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+    let row = &result["faults"][0];
+    assert_eq!((&row["fault"], &row["broken"]), (&json!("stop controller"), &json!(1)), "{row}");
+    let [failed, tried] = [0, 1].map(|k| row["holds_on"][k].as_u64().expect("a count"));
+    assert!(failed >= 3 && failed >= tried - failed + 3, "violations lead by three: {row}");
+    let for_s = row["for_s"].as_f64().expect("a duration");
+    assert!((0.2..=6.0).contains(&for_s), "a shorter stop is not noticed: {row}");
+    assert_eq!(row["requirement"], "orderly end");
+    let repeat = row["repeat"].as_str().expect("a command");
+    assert!(repeat.contains("--mode realtime"), "{repeat}");
+    assert!(file(&corner, "a/failure-1.toml").contains("kind = \"stop\""));
+    corner.expect_nothing_left(&[]);
+}
+
+#[test]
+fn trajectories_are_kept_with_the_variables() {
+    let corner = Corner::new(PROGRAM);
+    let output =
+        corner.run(&[&PROBLEM[..], &["6", "--cases", "0", "--keep", "all", "--out", "a"]].concat());
+    assert!(matches!(output.status.code(), Some(0 | 1)), "{}", system_tests::text(&output));
+    let kept = std::fs::read(corner.path().join("a/trajectories.parquet")).expect("a file");
+    let names = |name: &[u8]| kept.windows(name.len()).any(|bytes| bytes == name);
+    assert!(kept.ends_with(b"PAR1") && names(b"actors.0.gap_m") && names(b"speed_mps"));
+    let runs = file(&corner, "a/runs.csv");
+    let head = runs.lines().next().expect("names");
+    assert!(head.contains(",actors.0.gap_m,"), "{head}");
+    let place = head.split(',').position(|name| name == "actors.0.gap_m").expect("a column");
+    for line in runs.lines().skip(1) {
+        let gap_m: f64 = line.split(',').nth(place).and_then(|x| x.parse().ok()).expect(line);
+        assert!((24.0..=60.0).contains(&gap_m), "{line}");
+    }
+    assert_eq!(runs.lines().count(), 7);
 }
 
 #[test]

@@ -1,5 +1,8 @@
 //! A Cholesky factor that grows by rows.
 
+/// Right sides that are solved side by side.
+pub(crate) const LANES: usize = 8;
+
 /// The lower factor of a symmetric positive definite matrix, row by row.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Factor {
@@ -31,11 +34,17 @@ impl Factor {
         z
     }
 
-    /// The next component of z, for rows that were added since.
-    pub fn forward_from(&self, z: &mut Vec<f64>, b: &[f64]) {
+    /// The next components of z for several b at once, one in each lane. `z` holds what is solved.
+    pub fn forward_lanes(&self, z: &mut Vec<[f64; LANES]>, b: &[[f64; LANES]]) {
         for (row, b) in self.rows[z.len()..].iter().zip(&b[z.len()..]) {
-            let place = z.len();
-            z.push((b - dot(&row[..place], z)) / row[place]);
+            let mut sums = [0.0; LANES];
+            for (l, z) in row.iter().zip(z.iter()) {
+                for lane in 0..LANES {
+                    sums[lane] += l * z[lane];
+                }
+            }
+            let own = row[z.len()];
+            z.push(std::array::from_fn(|lane| (b[lane] - sums[lane]) / own));
         }
     }
 
@@ -92,11 +101,19 @@ mod tests {
         let b: Vec<f64> = (0..n).map(|i| (0..n).map(|j| m(i, j) * x[j]).sum()).collect();
         let found = factor.backward(factor.forward(&b));
         assert!(found.iter().zip(&x).all(|(found, x)| (found - x).abs() < 1e-9), "{found:?}");
+        // Other right sides beside it change nothing, nor does a solution in two parts.
+        let lanes: Vec<[f64; LANES]> =
+            b.iter().map(|b| std::array::from_fn(|lane| b * (lane as f64 - 2.0))).collect();
         let mut part = factor.clone();
         part.truncate(10);
-        let mut z = part.forward(&b[..10]);
-        factor.forward_from(&mut z, &b);
-        assert_eq!(z, factor.forward(&b));
+        let mut z = Vec::new();
+        part.forward_lanes(&mut z, &lanes);
+        assert_eq!(z.len(), 10);
+        factor.forward_lanes(&mut z, &lanes);
+        let alone = factor.forward(&b);
+        for (z, alone) in z.iter().zip(&alone) {
+            assert!((z[3] - alone).abs() < 1e-12 && z[2] == 0.0, "{z:?} {alone}");
+        }
     }
 
     #[test]

@@ -14,7 +14,8 @@
 //! | `l_d` | [`Hyperparameters::lengths`] | length over which coordinate d matters |
 //!
 //! [`fit`] maximises the marginal likelihood of the values, with a weak prior on the lengths. A [`Process`] grows by
-//! one point in O(n²): its Cholesky factor gains a row. [`expected_improvement`] says how much lower than a target a
+//! one point in O(n²): its Cholesky factor gains a row. [`Watched`] points are asked again and again meanwhile.
+//! [`expected_improvement`] says how much lower than a target a
 //! value is expected to be. The same numbers on every x86-64: transcendental functions are those of `libm`.
 //!
 //! Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2, 4 and 5; Jones, Schonlau,
@@ -43,4 +44,4 @@ mod process;
 pub use fit::fit;
 pub use improvement::expected_improvement;
 pub use kernel::{Hyperparameters, Kind};
-pub use process::{Ahead, Process};
+pub use process::{Process, Watched};

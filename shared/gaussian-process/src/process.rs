@@ -1,6 +1,6 @@
 //! A process over points that may grow.
 
-use crate::factor::{Factor, dot};
+use crate::factor::{Factor, LANES, dot};
 use crate::kernel::{Hyperparameters, Kind, distance, matern};
 
 /// A Gaussian process with its points.
@@ -15,15 +15,9 @@ pub struct Process {
     factor: Factor,
     /// (K + n² I)⁻¹ y.
     weights: Vec<f64>,
-}
-
-/// A point at which a process is asked again while it grows: the solution so far.
-#[derive(Clone, Debug)]
-pub struct Ahead {
-    /// The point.
-    pub point: Vec<f64>,
-    covariances: Vec<f64>,
-    solved: Vec<f64>,
+    /// Points at the end that count as expected, and how often such points were taken away.
+    expected: usize,
+    forgotten: usize,
 }
 
 impl Process {
@@ -44,6 +38,8 @@ impl Process {
             values: Vec::with_capacity(values.len()),
             factor: Factor::default(),
             weights: Vec::new(),
+            expected: 0,
+            forgotten: 0,
         };
         for (point, value) in points.into_iter().zip(values) {
             process.add(point, value);
@@ -65,19 +61,35 @@ impl Process {
     }
 
     /// Adds points with their values.
+    ///
+    /// # Panics
+    /// While points are expected.
     pub fn extend(&mut self, more: impl IntoIterator<Item = (Vec<f64>, f64)>) {
+        assert_eq!(self.expected, 0, "what is expected comes last");
         for (point, value) in more {
             self.add(point, value);
         }
         self.solve();
     }
 
-    /// Keeps the first points alone.
-    pub fn truncate(&mut self, points: usize) {
-        self.points.truncate(points);
-        self.values.truncate(points);
-        self.factor.truncate(points);
-        self.solve();
+    /// Adds a point whose value is not known yet, at its mean. It lowers the variance around it, and leaves all means as
+    /// they are: its weight is 0.
+    pub fn expect(&mut self, point: Vec<f64>) {
+        let mean = self.mean(&point);
+        self.add(point, mean);
+        self.weights.push(0.0);
+        self.expected += 1;
+    }
+
+    /// Takes the expected points away.
+    pub fn forget_expected(&mut self) {
+        let known = self.len() - self.expected;
+        self.points.truncate(known);
+        self.values.truncate(known);
+        self.weights.truncate(known);
+        self.factor.truncate(known);
+        self.expected = 0;
+        self.forgotten += 1;
     }
 
     /// Mean at a point: O(n).
@@ -89,26 +101,43 @@ impl Process {
     /// Mean and variance at a point: O(n²).
     #[must_use]
     pub fn predict(&self, point: &[f64]) -> (f64, f64) {
-        self.predict_again(&mut self.ahead(point.to_vec()))
+        let covariances = self.covariances(point);
+        let solved = self.factor.forward(&covariances);
+        let variance = self.variance() - dot(&solved, &solved);
+        (dot(&covariances, &self.weights), variance.max(0.0))
     }
 
-    /// A point at which the process is asked more than once.
-    #[must_use]
-    pub fn ahead(&self, point: Vec<f64>) -> Ahead {
-        Ahead { point, covariances: Vec::new(), solved: Vec::new() }
-    }
-
-    /// Mean and variance there: O(n²) at first, then O(n) for each point that was added since.
-    pub fn predict_again(&self, ahead: &mut Ahead) -> (f64, f64) {
-        let Ahead { point, covariances, solved } = ahead;
-        covariances.truncate(self.len());
-        solved.truncate(self.len());
-        let new =
-            self.points[covariances.len()..].iter().map(|other| self.covariance(point, other));
-        covariances.extend(new);
-        self.factor.forward_from(solved, covariances);
-        let variance = self.variance() - dot(solved, solved);
-        (dot(covariances, &self.weights), variance.max(0.0))
+    /// Mean and variance at each of the watched points: O(n²) for each of them at first, then O(n) for each point that
+    /// was added since.
+    pub fn predict_watched(&self, watched: &mut Watched) -> Vec<(f64, f64)> {
+        if watched.forgotten != self.forgotten {
+            watched.keep(watched.known);
+            watched.forgotten = self.forgotten;
+        }
+        watched.known = self.len() - self.expected;
+        let mut predictions = Vec::with_capacity(watched.points.len());
+        let blocks = watched.points.chunks(LANES).zip(&mut watched.blocks);
+        for (points, Block { covariances, solved }) in blocks {
+            for other in &self.points[covariances.len()..] {
+                let of = |lane: usize| {
+                    points.get(lane).map_or(0.0, |point| self.covariance(point, other))
+                };
+                covariances.push(std::array::from_fn(of));
+            }
+            self.factor.forward_lanes(solved, covariances);
+            let (mut means, mut explained) = ([0.0; LANES], [0.0; LANES]);
+            for ((covariance, solved), weight) in
+                covariances.iter().zip(&*solved).zip(&self.weights)
+            {
+                for lane in 0..LANES {
+                    means[lane] += covariance[lane] * weight;
+                    explained[lane] += solved[lane] * solved[lane];
+                }
+            }
+            let of = |lane: usize| (means[lane], (self.variance() - explained[lane]).max(0.0));
+            predictions.extend((0..points.len()).map(of));
+        }
+        predictions
     }
 
     fn add(&mut self, point: Vec<f64>, value: f64) {
@@ -136,6 +165,47 @@ impl Process {
     }
 }
 
+/// Points at which a process is asked again and again while it grows, with what was computed for them. They belong to
+/// one process.
+#[derive(Clone, Debug)]
+pub struct Watched {
+    points: Vec<Vec<f64>>,
+    blocks: Vec<Block>,
+    /// Points of the process that were not expected ones, and how often it had forgotten such points.
+    known: usize,
+    forgotten: usize,
+}
+
+/// Points that are computed side by side: for each point of the process one number a lane.
+#[derive(Clone, Debug, Default)]
+struct Block {
+    covariances: Vec<[f64; LANES]>,
+    /// L⁻¹ k(x).
+    solved: Vec<[f64; LANES]>,
+}
+
+impl Watched {
+    /// Points that no process has been asked at.
+    #[must_use]
+    pub fn new(points: Vec<Vec<f64>>) -> Self {
+        let blocks = vec![Block::default(); points.len().div_ceil(LANES)];
+        Self { points, blocks, known: 0, forgotten: 0 }
+    }
+
+    fn keep(&mut self, known: usize) {
+        for Block { covariances, solved } in &mut self.blocks {
+            covariances.truncate(known);
+            solved.truncate(known);
+        }
+    }
+
+    /// The points.
+    #[must_use]
+    pub fn points(&self) -> &[Vec<f64>] {
+        &self.points
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,18 +224,36 @@ mod tests {
         points().iter().map(|x| libm::sin(5.0 * x[0]) + x[1]).collect()
     }
 
+    fn near(a: (f64, f64), b: (f64, f64)) -> bool {
+        (a.0 - b.0).abs() < 1e-12 && (a.1 - b.1).abs() < 1e-12
+    }
+
     #[test]
     fn a_process_that_grew_is_the_one_that_was_made_at_once() {
         let whole = Process::new(&KINDS, parameters(), points(), values());
         let mut grown =
             Process::new(&KINDS, parameters(), points()[..5].to_vec(), values()[..5].to_vec());
-        let mut ahead = grown.ahead(vec![0.4, 0.2]);
-        let first = grown.predict_again(&mut ahead);
+        let asked: Vec<Vec<f64>> = (0..11).map(|k| vec![0.09 * f64::from(k), 0.2]).collect();
+        let mut watched = Watched::new(asked.clone());
+        let first = grown.predict_watched(&mut watched);
+        grown.expect(vec![0.4, 0.2]);
+        grown.expect(vec![0.9, 0.2]);
+        let expecting = grown.predict_watched(&mut watched);
+        for (place, point) in asked.iter().enumerate() {
+            assert!(near(expecting[place], grown.predict(point)), "{point:?}");
+            assert_eq!(expecting[place].0, first[place].0, "the means stay");
+            assert!(expecting[place].1 < first[place].1);
+        }
+        grown.forget_expected();
+        assert_eq!(grown.predict_watched(&mut watched), first);
+        grown.expect(vec![0.1, 0.2]);
+        grown.forget_expected();
         grown.extend(points().into_iter().zip(values()).skip(5));
-        assert_eq!(grown.predict_again(&mut ahead), whole.predict(&[0.4, 0.2]));
-        grown.truncate(5);
-        assert_eq!(grown.predict_again(&mut ahead), first);
-        assert_eq!(whole.mean(&[0.4, 0.2]), whole.predict(&[0.4, 0.2]).0);
+        let all = grown.predict_watched(&mut watched);
+        for (found, point) in all.into_iter().zip(&asked) {
+            assert!(near(found, whole.predict(point)), "{point:?}");
+            assert_eq!(whole.mean(point), whole.predict(point).0);
+        }
     }
 
     /// Two points, by hand: K = s² [[1, c], [c, 1]].

@@ -6,6 +6,7 @@ use clap::{Args, ValueEnum};
 use frame::parts::{self, PartOptions};
 use group::{Failure, GroupOptions, ScenarioOptions};
 use report::results::ResultOptions;
+use runtime::Mode;
 
 use crate::method::MethodName;
 use crate::reference::ReferenceName;
@@ -36,7 +37,38 @@ const WITHOUT_MERGE: [&str; 17] = [
 pub enum FaultsName {
     /// All faults of messages and of timing
     All,
+    /// Kills and stops of the services' processes, in realtime
+    Processes,
 }
+
+impl FaultsName {
+    /// The clock of the runs.
+    pub(crate) const fn mode(self) -> Mode {
+        match self {
+            Self::All => Mode::Lockstep,
+            Self::Processes => Mode::Realtime,
+        }
+    }
+
+    /// Its name on the command line.
+    pub(crate) const fn mode_name(self) -> &'static str {
+        match self {
+            Self::All => "lockstep",
+            Self::Processes => "realtime",
+        }
+    }
+
+    /// What the faults act on.
+    pub(crate) const fn words(self) -> &'static str {
+        match self {
+            Self::All => "messages and timing",
+            Self::Processes => "processes",
+        }
+    }
+}
+
+/// Runs of a search for which no budget is given.
+pub(crate) const DEFAULT_BUDGET: usize = 500;
 
 /// Arguments of `search`.
 #[derive(Clone, Debug, Args)]
@@ -48,19 +80,19 @@ pub struct SearchArguments {
     /// A key that varies: `KEY=A..B`, `KEY=A..B:log` or `KEY=a,b,c` (repeatable)
     #[arg(long, value_name = "KEY=VALUES")]
     pub vary: Vec<String>,
-    /// Instead of varying keys: every fault of messages and of timing that the scenario can have, and what each breaks
+    /// Instead of varying keys: every such fault that the scenario can have, and what each breaks
     #[arg(long, value_enum, value_name = "WHICH", conflicts_with_all = ["vary", "method", "replicas", "cases"])]
     pub faults: Option<FaultsName>,
-    /// Number of runs, without those for minimal cases
-    #[arg(long, value_name = "N", default_value = "500")]
-    pub budget: NonZeroUsize,
+    /// Number of runs, without those for minimal cases [default: 500, or 4 for each fault of processes]
+    #[arg(long, value_name = "N")]
+    pub budget: Option<NonZeroUsize>,
     /// Choice of the points
     #[arg(long, value_enum, default_value_t = MethodName::Gp)]
     pub method: MethodName,
     /// Independent searches that share the budget (`gp`); a part does whole ones
     #[arg(long, value_name = "N", default_value = "1")]
     pub replicas: NonZeroUsize,
-    /// Seeds on which a minimal case is tried; it must fail on 80 % of them
+    /// Seeds on which a minimal case is tried; it must fail on 80 % of them. Of processes: most repetitions of a fault
     #[arg(long, value_name = "N", default_value = "10")]
     pub seeds: NonZeroUsize,
     /// Failures that are reduced to minimal cases, 0 to 5
@@ -97,6 +129,11 @@ pub struct NoSeed(String);
 impl Failure for NoSeed {}
 
 impl SearchArguments {
+    /// Number of runs.
+    pub(crate) fn budget(&self) -> usize {
+        self.budget.map_or(DEFAULT_BUDGET, NonZeroUsize::get)
+    }
+
     /// Seed of the study: the seeds of its runs come from it.
     ///
     /// # Errors

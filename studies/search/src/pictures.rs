@@ -3,7 +3,7 @@
 
 use group::DriveStep;
 use report::chart::{
-    Axis, Cells, Curve, FilledCell, Parallel, Picture, Plot, Polyline, Stroke, Tone,
+    Axis, Cells, Curve, Edges, FilledCell, Parallel, Picture, Plot, Polyline, Stroke, Tone,
 };
 
 use crate::effect::effects;
@@ -13,6 +13,10 @@ use crate::reference::Sample;
 
 /// Most runs in the picture of all runs: the failures, then the least values.
 const MOST_LINES: usize = 300;
+/// Most of them that are not near a failure: more would hide the others.
+const MOST_OTHERS: usize = 40;
+/// Largest value that the picture of values shows, tolerances.
+const MOST_SHOWN: f64 = 20.0;
 /// Size of a point in a scatter, as a share of the axis.
 const POINT: f64 = 0.012;
 /// A value below this is near a failure, tolerances.
@@ -71,7 +75,8 @@ fn kind(value: f64) -> usize {
 fn parallel(problem: &Problem, records: &[(usize, Record)]) -> Parallel {
     let mut order: Vec<&Record> = records.iter().map(|(_, record)| record).collect();
     order.sort_by(|a, b| a.value().total_cmp(&b.value()));
-    order.truncate(MOST_LINES);
+    let near = order.partition_point(|record| record.value() < NEAR);
+    order.truncate(MOST_LINES.min(near + MOST_OTHERS));
     let lines = order
         .iter()
         .map(|record| Polyline { shares: record.point.clone(), kind: kind(record.value()) });
@@ -85,25 +90,53 @@ fn parallel(problem: &Problem, records: &[(usize, Record)]) -> Parallel {
     }
 }
 
-/// The least value of the runs so far.
-fn best_so_far(records: &[(usize, Record)]) -> Plot {
-    let mut best = f64::INFINITY;
-    let least = records.iter().map(|(run, record)| {
-        best = best.min(record.value());
-        ((run + 1) as f64, best)
-    });
-    let least = Curve::new("least value so far", Tone::Series(0), least.collect()).steps();
-    let own = |is_even: bool| {
-        let runs = records.iter().filter(|(_, record)| record.is_even == is_even);
-        runs.map(|(run, record)| ((run + 1) as f64, record.value().min(20.0))).collect::<Vec<_>>()
-    };
+/// The value of each run, and the least one so far.
+fn best_so_far(records: &[(usize, Record)]) -> Cells {
+    let place =
+        |(run, record): &(usize, Record)| ((run + 1) as f64, record.value().min(MOST_SHOWN));
     let last = records.last().map_or(1.0, |(run, _)| (run + 1) as f64);
-    let limit =
-        Curve::new("limit", Tone::Stop, vec![(1.0, 0.0), (last, 0.0)]).stroke(Stroke::Dashed);
-    let even = Curve::new("even points", Tone::Muted, own(true)).thin();
-    let led = Curve::new("points of the process", Tone::Series(2), own(false)).thin();
-    let x = Axis::linear("run", 1.0, last.max(2.0));
-    Plot::over("Value by run (above 20: 20)", x, "tolerances", vec![least, limit, led, even])
+    let worst = records.iter().map(|(_, record)| record.value()).fold(0.0, f64::min);
+    let x = Axis::linear("run", 0.0, last + 1.0);
+    let y = Axis::linear("value, tolerances", worst.floor(), MOST_SHOWN);
+    let (wide, high) = (POINT * (last + 1.0), 2.0 * POINT * (MOST_SHOWN - worst.floor()));
+    let cells = records.iter().map(|one| {
+        let (run, value) = place(one);
+        FilledCell {
+            from: (run - wide / 2.0, value - high / 2.0),
+            to: (run + wide / 2.0, value + high / 2.0),
+            kind: match &one.1 {
+                record if record.is_failure() => 0,
+                record if record.is_even => 2,
+                _ => 1,
+            },
+        }
+    });
+    let mut least: Vec<[(f64, f64); 2]> = Vec::new();
+    let mut from = records.first().map(place);
+    for (run, value) in records.iter().map(place) {
+        let Some(at) = from.filter(|(_, best)| value < *best) else { continue };
+        least.extend([[at, (run, at.1)], [(run, at.1), (run, value)]]);
+        from = Some((run, value));
+    }
+    least.extend(from.map(|at| [at, (last, at.1)]));
+    let edges =
+        |label: &str, tone, stroke, pieces| Edges { label: label.to_owned(), tone, stroke, pieces };
+    let kinds = [
+        ("failure", Tone::Alarm),
+        ("point of the process", Tone::Series(2)),
+        ("even point", Tone::Muted),
+    ];
+    Cells {
+        title: format!("Value by run (above {MOST_SHOWN}: {MOST_SHOWN})"),
+        x,
+        y,
+        kinds: kinds.map(|(name, tone)| (name.to_owned(), tone)).to_vec(),
+        cells: cells.collect(),
+        edges: vec![
+            edges("least value so far", Tone::Series(0), Stroke::Solid, least),
+            edges("limit", Tone::Stop, Stroke::Dashed, vec![[(0.0, 0.0), (last + 1.0, 0.0)]]),
+        ],
+    }
 }
 
 /// The runs over the two variables that matter most; none with fewer than two numbers.

@@ -7,6 +7,7 @@ use std::sync::{Condvar, Mutex};
 use std::time::Duration;
 
 use frame::batch::{Done, Job};
+use frame::keep::Key;
 use frame::parts::{self, ShardChoice};
 use frame::{Crew, Found, Gave, Needs, Options, Study};
 use group::{Error, Failure, GroupOptions};
@@ -122,8 +123,6 @@ impl Study for Runs {
 
     const NAME: &'static str = "search";
     const NEEDS: Needs = Needs::Any;
-    // The points of later runs are not known when the file begins.
-    const KEEPS_TRAJECTORIES: bool = false;
 
     fn options(arguments: &SearchArguments) -> Options<'_> {
         let SearchArguments { parts, jobs, group, results, .. } = arguments;
@@ -146,7 +145,7 @@ impl Study for Runs {
         let chooser = Chooser::new(method, &problem.variables, seed, replicas);
         Ok(Self {
             method,
-            budget: arguments.budget.get(),
+            budget: arguments.budget(),
             seed,
             seeds: arguments.seeds.get(),
             cases: arguments.cases.into(),
@@ -178,6 +177,16 @@ impl Study for Runs {
 
     fn recall(&self, run: usize, record: &Record) {
         self.tell(run, record);
+    }
+
+    fn keys(&self, run: usize) -> Vec<(String, String)> {
+        let under_way = self.under_way.lock().expect("no worker panics here");
+        let values = under_way.get(&run).map(|proposal| self.problem.values(&proposal.point));
+        self.problem.named(&values.unwrap_or_default())
+    }
+
+    fn columns(&self, _: &[usize]) -> Vec<Key> {
+        self.problem.columns()
     }
 
     fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<Record, ()>, Error> {

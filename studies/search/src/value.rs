@@ -17,7 +17,7 @@ use temporal_logic::Unit;
 pub const DEFAULT_REQUIREMENT: &str = "no-collision";
 
 /// Largest magnitude of a value, tolerances. Margins on an empty road are infinite.
-const MOST: f64 = 200.0;
+pub(crate) const MOST: f64 = 200.0;
 
 /// Units whose tolerance is not 1.
 const UNITS: [Unit; 5] = [

@@ -24,6 +24,19 @@ pub fn lockstep(
     drive_and_repeat(&job, group, repeat, going_on)
 }
 
+/// Does one realtime run, in a process group.
+///
+/// # Errors
+/// Reasons why the run does not start, or [`Error::Interrupted`].
+pub fn realtime(
+    scenario: &Scenario,
+    group: &GroupOptions,
+    going_on: &dyn Fn() -> bool,
+) -> Result<Done, Error> {
+    let job = Job { mode: Mode::Realtime, ..Job::lockstep(scenario.clone()) };
+    drive_and_repeat(&job, group, false, going_on)
+}
+
 /// Repeats a lockstep run that was done in memory in a process group, and compares bytes and figures.
 ///
 /// # Errors

@@ -28,7 +28,7 @@ mod usage;
 mod workers;
 
 pub(crate) use drive::drive_and_repeat;
-pub use drive::{lockstep, lockstep_behind, repeat};
+pub use drive::{lockstep, lockstep_behind, realtime, repeat};
 pub use errors::{Aborted, PrepareError, whole};
 pub use interrupt::Interrupt;
 pub use leftovers::leftovers;

@@ -21,6 +21,7 @@ use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use crate::keep::Key;
 use figures::FIGURES;
 use report::summary::Summary;
 
@@ -67,8 +68,8 @@ impl Drive {
 }
 
 /// The line of the names; `keys` are those of the study.
-fn head(keys: &[(String, String)]) -> Vec<u8> {
-    let keys = keys.iter().map(|(name, _)| name.as_str());
+fn head(keys: &[Key]) -> Vec<u8> {
+    let keys = keys.iter().map(|key| key.name.as_str());
     let figures = FIGURES.iter().map(|(name, _)| *name);
     let names = ["run", "scenario", "law", "seed"].into_iter().chain(keys);
     csv_row(names.chain(["outcome", "duration_s"]).chain(figures))
@@ -83,7 +84,7 @@ pub(crate) type Take<'a> = &'a mut dyn FnMut(usize, &Drive) -> Result<(), Error>
 /// If a journal cannot be read, or the file cannot be written.
 pub(crate) fn write(
     each: &dyn Fn(Take<'_>) -> Result<(), Error>,
-    keys: &[(String, String)],
+    keys: &[Key],
     output: &OutputDirectory,
 ) -> Result<(), Error> {
     let mut is_empty = true;
@@ -106,12 +107,12 @@ mod tests {
 
     #[test]
     fn a_line_has_a_field_for_each_name() {
-        let keys = [("controller.time_headway_s".to_owned(), "1,5".to_owned())];
+        let keys = [Key { name: "controller.time_headway_s".to_owned(), is_number: false }];
         let drive = Drive {
             scenario: "cut-in".to_owned(),
             law: "mine".to_owned(),
             seed: 7,
-            keys: vec![keys[0].1.clone()],
+            keys: vec!["1,5".to_owned()],
             outcome: Outcome::RedLight,
             duration_s: 12.5,
             figures: FIGURES

@@ -40,14 +40,15 @@ pub(super) const NAMES: [&[&str]; 2] = [
 
 /// A key that the study varies.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Key {
-    pub(super) name: String,
+pub struct Key {
+    /// Its name.
+    pub name: String,
     /// Its values are numbers in all runs.
-    pub(super) is_number: bool,
+    pub is_number: bool,
 }
 
 /// The keys of a study by those of its runs. A key need not apply in every run.
-pub(super) fn keys(runs: impl Iterator<Item = Vec<(String, String)>>) -> Vec<Key> {
+pub fn keys(runs: impl Iterator<Item = Vec<(String, String)>>) -> Vec<Key> {
     /// A key with the kinds of values that it was seen with.
     struct Seen {
         name: String,

@@ -19,13 +19,14 @@ use std::str::FromStr;
 use std::sync::Mutex;
 
 use group::report::Outcome;
-use group::{Drive, Error, Failure};
+use group::{Drive, Error};
 use parquet_writer::{Cells, Writer};
 use report::output::OutputDirectory;
 use report::summary::Summary;
 use scenario::Scenario;
 
-use columns::{Key, NAMES, cells};
+pub use columns::{Key, keys};
+use columns::{NAMES, cells};
 
 /// Name of the file.
 pub const FILE: &str = "trajectories.parquet";
@@ -52,18 +53,6 @@ pub enum Keep {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("expected all, failures or worst:N with N of 1 or more")]
 pub struct KeepError;
-
-/// The command's drives are not known before they begin.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "--keep: {command} keeps no trajectories, expected another study, or the command that repeats a run"
-)]
-pub struct KeepsNone {
-    /// The command.
-    pub command: String,
-}
-
-impl Failure for KeepsNone {}
 
 impl FromStr for Keep {
     type Err = KeepError;
@@ -113,18 +102,17 @@ struct Book {
 }
 
 impl Keeper {
-    /// Begins for the runs `left`, each with its values of the study's keys. The file begins with the first
-    /// trajectory.
+    /// Begins for the runs `left` of a study with these keys. The file begins with the first trajectory.
     pub(crate) fn new(
         keep: Keep,
         output: &OutputDirectory,
         left: &[usize],
-        values: &dyn Fn(usize) -> Vec<(String, String)>,
+        keys: Vec<Key>,
     ) -> Self {
         Self {
             keep,
             path: output.path().join(FILE),
-            keys: columns::keys(left.iter().map(|run| values(*run))),
+            keys,
             offered: Mutex::default(),
             book: Mutex::new(Book { expected: left.iter().copied().collect(), ..Book::default() }),
         }
@@ -140,6 +128,9 @@ impl Keeper {
         drive: &Drive,
     ) {
         let failed = summary.outcome != Outcome::Completed;
+        if self.keep == Keep::Failures && !failed {
+            return;
+        }
         let law = summary.controller.clone();
         let names = controller::laws::figure_names(scenario);
         let figures = (!names.is_empty()).then(|| (law.clone(), names.join(",")));
@@ -147,7 +138,16 @@ impl Keeper {
         let cells = cells(run, scenario, &law, &self.keys, values, drive);
         let kept = Kept { cells, failed, gap_m, figures };
         let mut offered = self.offered.lock().expect("no worker panics here");
-        offered.entry(run).or_default().push(kept);
+        let drives = offered.entry(run).or_default();
+        drives.push(kept);
+        // A run may be thousands of drives.
+        if let Keep::Worst(most) = self.keep
+            && drives.len() > most.get()
+        {
+            let gap = |place: &usize| drives[*place].gap_m;
+            let best = (0..drives.len()).max_by(|a, b| gap(a).total_cmp(&gap(b)));
+            drives.remove(best.expect("it is not empty"));
+        }
     }
 
     /// Decides on a run that ended.

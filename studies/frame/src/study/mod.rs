@@ -20,7 +20,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::batch::{Done, Job, ProcessesSample, Repetition};
-use crate::keep::Keep;
+use crate::keep::{self, Keep, Key};
 use crate::parts::{PartOptions, Records, Shard};
 
 /// The options that all studies have, where an argument struct keeps them.
@@ -93,8 +93,6 @@ pub trait Study: Sized + Sync {
     const NEEDS: Needs = Needs::Part;
     /// There may be too many records for memory: a journal is kept in any case.
     const KEEPS_JOURNAL: bool = false;
-    /// `--keep` can keep the drives: their keys are known before the first of them.
-    const KEEPS_TRAJECTORIES: bool = true;
     /// A run that gave other bytes in a process group is a finding of the study. Otherwise it ends the study.
     const JUDGES_SAMPLE: bool = false;
 
@@ -204,10 +202,16 @@ pub trait Study: Sized + Sync {
     }
 
     /// The keys that the study varies, with their values in a run: columns of the table of drives, and of the
-    /// trajectories that `--keep` keeps. All runs have the same keys.
+    /// trajectories that `--keep` keeps. All runs have the same keys. It is asked for a run that is under way.
     fn keys(&self, run: usize) -> Vec<(String, String)> {
         let _ = run;
         Vec::new()
+    }
+
+    /// The same keys without values, by those of `runs`, none of which need have begun. A study that chooses values by
+    /// the results of earlier runs has its own.
+    fn columns(&self, runs: &[usize]) -> Vec<Key> {
+        keep::keys(runs.iter().map(|run| self.keys(*run)))
     }
 
     /// A line for standard error when a run has ended.

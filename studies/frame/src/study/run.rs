@@ -11,7 +11,7 @@ use super::crew::Observed;
 use super::{Crew, Found, Gave, Needs, Options, Study};
 use crate::batch::{self, ProcessesSample};
 use crate::drives;
-use crate::keep::{self, Keeper, KeepsNone};
+use crate::keep::{self, Keeper, Key};
 use crate::parts::{self, Merged, Part, PartOptions, ShardChoice, name_incomplete};
 
 /// Runs the command of a study.
@@ -29,9 +29,6 @@ pub fn run<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
 fn drive<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
     let given = S::options(arguments);
     let mut parts = given.parts.cloned().unwrap_or_default();
-    if S::keep(arguments).is_some() && !S::KEEPS_TRAJECTORIES {
-        return Err(KeepsNone { command: S::NAME.to_owned() }.into());
-    }
     let mut group = given.group.clone();
     let (study, subject) = match parts::begun(&parts).transpose()? {
         Some((directory, begun)) => {
@@ -68,7 +65,7 @@ fn drive<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
     bar.set_message(study.label());
     let mut seen = BTreeMap::new();
     let keeper = S::keep(arguments)
-        .map(|keep| Keeper::new(keep, &output, &part.left(), &|run| study.keys(run)));
+        .map(|keep| Keeper::new(keep, &output, &part.left(), study.columns(&part.left())));
     let end = all(&study, options, &mut part, &mut seen, keeper.as_ref(), &bar);
     bar.finish_and_clear();
     if let Some(keeper) = keeper {
@@ -146,7 +143,7 @@ fn merge<S: Study>(arguments: &S::Arguments, parts: &PartOptions) -> Result<Exit
     let Merged { records, sample, .. } = merged;
     let seen = BTreeMap::new();
     let sample = agreed(&study, sample)?;
-    drives::write(&|take| records.each_drive(take), &keys(&study), &output)?;
+    drives::write(&|take| records.each_drive(take), &columns(&study), &output)?;
     let directory = output.path().to_owned();
     let found = Found { records, seen, sample, shard: None, is_whole, directory };
     let document = study.judge(found)?;
@@ -155,8 +152,8 @@ fn merge<S: Study>(arguments: &S::Arguments, parts: &PartOptions) -> Result<Exit
 }
 
 /// The keys of all runs, those of the first.
-fn keys<S: Study>(study: &S) -> Vec<(String, String)> {
-    if study.runs() > 0 { study.keys(0) } else { Vec::new() }
+fn columns<S: Study>(study: &S) -> Vec<Key> {
+    if study.runs() > 0 { study.columns(&[0]) } else { Vec::new() }
 }
 
 /// The sample, unless it ends the study.
@@ -194,7 +191,7 @@ fn conclude<S: Study>(
         }
     }
     let is_whole = records.len() == runs;
-    drives::write(&|take| records.each_drive(take), &keys(study), output)?;
+    drives::write(&|take| records.each_drive(take), &columns(study), output)?;
     let directory = output.path().to_owned();
     let document = study.judge(Found { records, seen, sample, shard, is_whole, directory })?;
     match end {

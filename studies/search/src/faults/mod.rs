@@ -5,10 +5,16 @@
 //!                                                                    └─► smallest size and duration of each
 //! ```
 //!
+//! `--faults processes` does the same with kills and stops, in realtime, one run after the other.
+//!
 //! Run `r` tries fault `r mod n` at a point of the Sobol sequence over begin, duration and size. So the runs of a part
 //! are spread over all faults.
 
 mod candidates;
+mod messages;
+mod processes;
+mod repeats;
+mod sort;
 
 use std::num::NonZeroUsize;
 
@@ -17,10 +23,11 @@ use frame::{Found, Needs, Options, Study};
 use group::report::Outcome;
 use group::{Error, Failure, GroupOptions};
 use report::results::Document;
+use runtime::Mode;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::arguments::SearchArguments;
+use crate::arguments::{DEFAULT_BUDGET, FaultsName, SearchArguments};
 use crate::fault_row::FaultRow;
 use crate::method::{Sobol, seed_of};
 use crate::minimal::{self, Case, Trial};
@@ -29,10 +36,16 @@ use crate::reference::Reference;
 use crate::results::Search;
 use crate::trial::Seeds;
 use crate::value::{Judged, judge};
-use candidates::{BEGIN, Candidate, LASTS, SIZE, candidates};
+use candidates::{Candidate, candidates};
+use repeats::Repeats;
+use sort::{BEGIN, LASTS, SIZE};
 
 /// Faults that are reduced at most, the worst first.
 const MOST_REDUCED: usize = 20;
+/// The same in realtime, where each takes minutes.
+const MOST_REDUCED_IN_REALTIME: usize = 5;
+/// Runs for each fault of processes where no budget is given.
+const RUNS_EACH: usize = 4;
 /// Files that are written at most.
 const MOST_FILES: usize = 5;
 
@@ -55,6 +68,7 @@ pub struct FaultRecord {
 
 /// The study.
 pub struct Faults {
+    which: FaultsName,
     name: String,
     subject: String,
     candidates: Vec<Candidate>,
@@ -74,7 +88,6 @@ impl Study for Faults {
 
     const NAME: &'static str = "search";
     const NEEDS: Needs = Needs::Any;
-    const KEEPS_TRAJECTORIES: bool = false;
 
     fn options(arguments: &SearchArguments) -> Options<'_> {
         let SearchArguments { parts, jobs, group, results, .. } = arguments;
@@ -98,12 +111,18 @@ impl Study for Faults {
             ..Draft::default()
         };
         let open = |draft: Draft| draft.finish(options.clone());
-        let candidates = candidates(&draft, base.duration_s.value(), &open)?;
+        let which = arguments.faults.unwrap_or(FaultsName::All);
+        let candidates = candidates(which, &draft, base.duration_s.value(), &open)?;
+        let usual = match which {
+            FaultsName::All => DEFAULT_BUDGET,
+            FaultsName::Processes => RUNS_EACH * candidates.len(),
+        };
         Ok(Self {
+            which,
             name: scenario_name(&scenario),
             subject: base.to_toml(),
             sobol: Sobol::new(3, Some(seed_of(seed, 8, 0))),
-            budget: arguments.budget.get(),
+            budget: arguments.budget.map_or(usual, NonZeroUsize::get),
             seed,
             seeds: arguments.seeds.get(),
             group: arguments.group.clone(),
@@ -121,6 +140,10 @@ impl Study for Faults {
         self.seed
     }
 
+    fn mode(&self) -> Mode {
+        self.which.mode()
+    }
+
     fn label(&self) -> String {
         format!("search-{}-faults", self.name)
     }
@@ -129,9 +152,20 @@ impl Study for Faults {
         Ok(self.subject.clone())
     }
 
+    fn keys(&self, run: usize) -> Vec<(String, String)> {
+        let (candidate, values) = (self.candidate(run), self.values(run));
+        let number = |name: &str| {
+            let value = candidate.value(name, &values);
+            (name.to_owned(), value.map_or_else(String::new, |value| value.to_string()))
+        };
+        let fault = ("fault".to_owned(), candidate.name.clone());
+        std::iter::once(fault).chain([BEGIN, LASTS, SIZE].map(number)).collect()
+    }
+
     fn job(&self, run: usize) -> Result<Job, Error> {
         let seed = seed_of(self.seed, 9, run as u64);
-        Ok(Job::lockstep(self.candidate(run).problem.scenario(&self.values(run), seed)?))
+        let scenario = self.candidate(run).problem.scenario(&self.values(run), seed)?;
+        Ok(Job { mode: self.mode(), ..Job::lockstep(scenario) })
     }
 
     fn record(
@@ -141,7 +175,11 @@ impl Study for Faults {
         result: Result<Done, Error>,
     ) -> Result<(FaultRecord, ()), Error> {
         let summary = result?.summary;
-        let (outcome, judged) = (summary.outcome, judge(&summary));
+        let judged = match self.which {
+            FaultsName::All => judge(&summary),
+            FaultsName::Processes => repeats::judge_orderly(&summary),
+        };
+        let outcome = summary.outcome;
         Ok((FaultRecord { values: self.values(run), outcome, judged }, ()))
     }
 
@@ -179,12 +217,16 @@ impl Study for Faults {
         bar.set_message("smallest faults");
         if shard.is_none() && is_whole {
             let broken = rows.iter_mut().filter(|(_, record, _)| record.judged.value < 0.0);
-            for (candidate, record, row) in broken.take(MOST_REDUCED) {
+            let most = match self.which {
+                FaultsName::All => MOST_REDUCED,
+                FaultsName::Processes => MOST_REDUCED_IN_REALTIME,
+            };
+            for (candidate, record, row) in broken.take(most) {
                 let case = self.smallest(candidate, &record.values, &bar)?;
                 let value = |name: &str| candidate.value(name, &case.values);
                 (row.size, row.for_s, row.at_s) = (value(SIZE), value(LASTS), value(BEGIN));
                 row.holds_on = Some([case.held.failed, case.held.tried]);
-                let place = |name: &str| candidate.severity(name, &case.values).unwrap_or(1.0);
+                let place = |name: &str| candidate.severity(name, &case.values);
                 row.severity = place(SIZE) + place(LASTS);
                 let seed = case.held.first.as_ref().map_or(self.seed, |(seed, _)| *seed);
                 row.text = candidate.problem.scenario(&case.values, seed)?.to_toml();
@@ -200,8 +242,8 @@ impl Study for Faults {
             row.file = Some(format!("failure-{}.toml", place + 1));
             let path = directory.join(format!("failure-{}.toml", place + 1));
             let path = path.to_string_lossy();
-            row.repeat =
-                Some(runtime::command_line(&["timegap", "run", &path, "--mode", "lockstep"]));
+            let mode = self.which.mode_name();
+            row.repeat = Some(runtime::command_line(&["timegap", "run", &path, "--mode", mode]));
         }
         let problem = &self.candidates[0].problem;
         let values = records.iter().map(|(_, record)| record.judged.value);
@@ -212,7 +254,7 @@ impl Study for Faults {
             rows,
             sample,
         );
-        Ok(search.faults_document())
+        Ok(search.faults_document(self.which.words()))
     }
 }
 
@@ -233,6 +275,12 @@ impl Faults {
         values: &[Value],
         bar: &indicatif::ProgressBar,
     ) -> Result<Case, Error> {
+        if self.which == FaultsName::Processes {
+            let Self { group, seed, seeds, .. } = self;
+            let trial =
+                Repeats { problem: &candidate.problem, group, seed: *seed, most: *seeds, bar };
+            return repeats::smallest(candidate, values, &trial);
+        }
         let trial = Seeds {
             problem: &candidate.problem,
             group: &self.group,

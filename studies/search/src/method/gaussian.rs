@@ -9,7 +9,7 @@
 //! Values enter as `asinh`: margins far from 0 say little about where it is. A point whose nearest known one is not
 //! admissible is hardly tried: its score counts a twentieth.
 
-use gaussian_process::{Hyperparameters, Kind, Process, expected_improvement, fit};
+use gaussian_process::{Hyperparameters, Kind, Process, Watched, expected_improvement, fit};
 use group::Error;
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
@@ -19,14 +19,14 @@ use super::{Sobol, seed_of};
 
 /// Points that hyperparameters are fitted to at most: the cost grows with the cube.
 const MOST_FITTED: usize = 90;
-/// Points of the whole box that are looked at for a choice.
-const EVEN: usize = 256;
+/// Points of the whole box that are looked at for a choice. They stay until the next fit: looking again costs little.
+const EVEN: usize = 1024;
 /// Best points whose surroundings are looked at, and points looked at around each.
 const AROUND: (usize, usize) = (6, 24);
-/// Points whose variance is computed, when the process is large: it costs the square of its points.
-const WITH_VARIANCE: usize = 128;
-/// A process below this size is asked for the variance of all points.
-const LARGE: usize = 250;
+/// Steps to a better point near a chosen one: how far, and points that are looked at in each.
+const CLIMB: ([f64; 3], usize) = ([0.06, 0.03, 0.015], 8);
+/// Points with the best scores whose neighbours are looked at.
+const LOOKED_AT: usize = 64;
 /// Radius of the lost credit around a violation, in diagonals of the cube.
 const CREDIT_RADIUS: f64 = 0.1;
 /// Points of one choice that may turn out not to be admissible.
@@ -50,6 +50,8 @@ pub(super) struct Model {
     /// Number of data that the hyperparameters were fitted to, and what came out.
     fitted: Option<(usize, Fitted)>,
     process: Option<Process>,
+    /// Even points of the whole box.
+    even: Watched,
 }
 
 #[derive(Clone, Debug)]
@@ -67,7 +69,7 @@ impl Fitted {
 
 impl Model {
     pub fn new(kinds: Vec<Kind>, seed: u64) -> Self {
-        Self { kinds, seed, fitted: None, process: None }
+        Self { kinds, seed, fitted: None, process: None, even: Watched::new(Vec::new()) }
     }
 
     /// Takes the data; hyperparameters are those of the first `fit_to`.
@@ -75,6 +77,8 @@ impl Model {
         if self.fitted.as_ref().is_none_or(|(count, _)| *count != fit_to) {
             self.fitted = Some((fit_to, self.fit(&data[..fit_to])));
             self.process = None;
+            let sobol = Sobol::new(self.kinds.len(), Some(seed_of(self.seed, 4, fit_to as u64)));
+            self.even = Watched::new((0..EVEN).map(|k| sobol.point(k as u64)).collect());
         }
         // Never: choices come in the order of the runs. A process that knows more would know too much.
         self.process.take_if(|process| process.len() > data.len());
@@ -121,7 +125,6 @@ impl Model {
         (count, batch): (usize, usize),
         admit: &Admit<'_>,
     ) -> Result<Vec<Proposal>, Error> {
-        let known = data.len();
         let (_, fitted) = self.fitted.as_ref().expect("it knows the data");
         let least = data.iter().map(|one| one.value).fold(f64::INFINITY, f64::min);
         let target = fitted.scaled(least.max(0.0));
@@ -135,28 +138,21 @@ impl Model {
             random: Pcg64::seed_from_u64(seed_of(self.seed, 3, batch as u64)),
         };
         for point in pending {
-            choice.believe(point.clone());
+            choice.process.expect(point.clone());
         }
         let mut best: Vec<&Datum> = data.iter().collect();
         best.sort_by(|a, b| a.value.total_cmp(&b.value));
         best.truncate(AROUND.0);
-        let sobol = Sobol::new(self.kinds.len(), Some(seed_of(self.seed, 4, batch as u64)));
-        let mut chosen = Vec::with_capacity(count);
-        for place in 0..count {
-            let even = (0..EVEN).map(|k| sobol.point((place * EVEN + k) as u64));
-            let mut points: Vec<Vec<f64>> = even.collect();
-            for one in &best {
-                for k in 0..AROUND.1 {
-                    let spread = if k % 2 == 0 { 0.15 } else { 0.04 };
-                    points.push(choice.near(&one.point, spread));
-                }
+        let mut near = Vec::with_capacity(AROUND.0 * AROUND.1);
+        for one in &best {
+            for k in 0..AROUND.1 {
+                let spread = if k % 2 == 0 { 0.15 } else { 0.04 };
+                near.push(choice.near(&one.point, spread));
             }
-            let proposal = choice.best_of(points, admit)?;
-            choice.believe(proposal.point.clone());
-            chosen.push(proposal);
         }
-        choice.process.truncate(known);
-        Ok(chosen)
+        let chosen = choice.of(count, [&mut self.even, &mut Watched::new(near)], admit);
+        choice.process.forget_expected();
+        chosen
     }
 }
 
@@ -171,15 +167,36 @@ struct Choice<'a> {
 }
 
 impl Choice<'_> {
-    /// Counts a point as it is expected.
-    fn believe(&mut self, point: Vec<f64>) {
-        let mean = self.process.mean(&point);
-        self.process.extend([(point, mean)]);
+    /// Chooses among the watched points, one after the other.
+    fn of(
+        &mut self,
+        count: usize,
+        watched: [&mut Watched; 2],
+        admit: &Admit<'_>,
+    ) -> Result<Vec<Proposal>, Error> {
+        let mut chosen = Vec::with_capacity(count);
+        let [even, near] = watched;
+        for _ in 0..count {
+            let mut scored = self.scored(even);
+            scored.extend(self.scored(near));
+            let proposal = self.best_of(scored, admit)?;
+            self.process.expect(proposal.point.clone());
+            chosen.push(proposal);
+        }
+        Ok(chosen)
+    }
+
+    /// Points with their scores.
+    fn scored(&self, watched: &mut Watched) -> Vec<(f64, Vec<f64>)> {
+        let predictions = self.process.predict_watched(watched);
+        let score = |(point, prediction): (&Vec<f64>, (f64, f64))| {
+            (self.score(point, prediction), point.clone())
+        };
+        watched.points().iter().zip(predictions).map(score).collect()
     }
 
     fn score(&self, point: &[f64], prediction: (f64, f64)) -> f64 {
-        let share = if self.is_beside_refused(point) { BESIDE_REFUSED } else { 1.0 };
-        expected_improvement(prediction, self.target) * self.credit(point) * share
+        expected_improvement(prediction, self.target) * self.credit(point)
     }
 
     /// The nearest known point is not admissible.
@@ -225,26 +242,35 @@ impl Choice<'_> {
     }
 
     /// The admissible one of some points with the best score, moved to where it is better still.
-    fn best_of(&mut self, points: Vec<Vec<f64>>, admit: &Admit<'_>) -> Result<Proposal, Error> {
-        let points = self.promising(points);
-        let score = |point: Vec<f64>| {
-            let score = self.score(&point, self.process.predict(&point));
-            (score, point)
-        };
-        let mut scored: Vec<(f64, Vec<f64>)> = points.into_iter().map(score).collect();
+    fn best_of(
+        &mut self,
+        mut scored: Vec<(f64, Vec<f64>)>,
+        admit: &Admit<'_>,
+    ) -> Result<Proposal, Error> {
+        scored.sort_by(|a, b| b.0.total_cmp(&a.0));
+        scored.truncate(LOOKED_AT);
+        for (score, point) in &mut scored {
+            *score *= if self.is_beside_refused(point) { BESIDE_REFUSED } else { 1.0 };
+        }
         scored.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut refused: Vec<Refused> = Vec::new();
-        for (tried, (score, point)) in scored.iter().enumerate() {
-            let climbed = self.climb(*score, point);
-            // The climb may leave the admissible points.
-            for point in [Some(climbed), Some(point.clone())].into_iter().flatten() {
-                let admission = admit(&point)?;
-                if admission.admits() {
-                    let reference = admission.value;
-                    return Ok(Proposal { point, is_even: false, reference, tried, refused });
+        for (score, point) in scored {
+            let admission = admit(&point)?;
+            if admission.admits() {
+                let (mut point, mut reference) = (point, admission.value);
+                if let Some(better) = self.climb(score, &point) {
+                    // The climb may leave the admissible points.
+                    let admission = admit(&better)?;
+                    if admission.admits() {
+                        (point, reference) = (better, admission.value);
+                    } else {
+                        refused.push(Refused { point: better, value: admission.value });
+                    }
                 }
-                refused.push(Refused { point, value: admission.value });
+                let tried = refused.len();
+                return Ok(Proposal { point, is_even: false, reference, tried, refused });
             }
+            refused.push(Refused { point, value: admission.value });
             if refused.len() >= MOST_REFUSED {
                 break;
             }
@@ -259,28 +285,15 @@ impl Choice<'_> {
         Ok(Proposal { is_even: false, tried: found.tried + refused.len(), refused, ..found })
     }
 
-    /// Points whose variance is worth its cost: the lowest means, and some others.
-    fn promising(&self, points: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-        if self.process.len() < LARGE || points.len() <= WITH_VARIANCE {
-            return points;
-        }
-        let rank = |point: Vec<f64>| (self.process.mean(&point), point);
-        let mut ranked: Vec<(f64, Vec<f64>)> = points.into_iter().map(rank).collect();
-        ranked.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let (low, rest) = ranked.split_at(WITH_VARIANCE * 3 / 4);
-        let others = rest.iter().step_by(rest.len() / (WITH_VARIANCE / 4));
-        low.iter().chain(others).map(|(_, point)| point.clone()).collect()
-    }
-
-    /// A better point near this one, by steps that shrink.
-    fn climb(&mut self, score: f64, point: &[f64]) -> Vec<f64> {
-        let (mut best, mut at) = (score, point.to_vec());
-        for spread in [0.06, 0.03, 0.015] {
-            for _ in 0..8 {
-                let near = self.near(&at, spread);
-                let score = self.score(&near, self.process.predict(&near));
+    /// A better point near this one, by steps that shrink; none if there is none.
+    fn climb(&mut self, score: f64, point: &[f64]) -> Option<Vec<f64>> {
+        let (mut best, mut at) = (score, None);
+        for spread in CLIMB.0 {
+            let from = at.clone().unwrap_or_else(|| point.to_vec());
+            let near = (0..CLIMB.1).map(|_| self.near(&from, spread)).collect();
+            for (score, near) in self.scored(&mut Watched::new(near)) {
                 if score > best {
-                    (best, at) = (score, near);
+                    (best, at) = (score, Some(near));
                 }
             }
         }

@@ -3,7 +3,7 @@
 //! ```text
 //! random   each run draws for itself
 //! sobol    run r is the r-th admissible point of a shifted Sobol sequence
-//! gp       6 d points as `sobol`; then half batches of 5 by a Gaussian process, every fourth point as `sobol`
+//! gp       2 (d + 2) points as `sobol`, in whole half batches; then half batches of 5 by a Gaussian process, every fourth point as `sobol`
 //! ```
 //!
 //! A point is *admissible* if the reference driver avoids it. Others cost no run. A choice depends on the seed and on

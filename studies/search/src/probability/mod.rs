@@ -22,10 +22,12 @@ use std::process::ExitCode;
 use std::sync::Mutex;
 
 use frame::batch::{self, Repetition};
+use frame::keep::{Keep, Key};
 use frame::{Crew, Found, Gave, Needs, Options, Study};
-use group::Error;
+use group::{Error, Failure};
 use rare_events::{Budget, ENOUGH_EVENTS, REPLICAS, replica, sobol};
 use report::results::Document;
+use thiserror::Error;
 
 use crate::arguments::SearchArguments;
 use crate::method::seed_of;
@@ -41,6 +43,15 @@ use unit::{Kind, Units};
 pub fn run(arguments: &SearchArguments) -> Result<ExitCode, Error> {
     frame::study::run::<Probability>(arguments)
 }
+
+/// A unit's drives are kept until its end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
+#[error(
+    "--keep all: a unit of --probability holds too many drives for memory, expected failures or worst:N"
+)]
+pub struct KeepsAll;
+
+impl Failure for KeepsAll {}
 
 /// The study.
 struct Probability {
@@ -59,7 +70,6 @@ impl Study for Probability {
 
     const NAME: &'static str = "search";
     const NEEDS: Needs = Needs::All;
-    const KEEPS_TRAJECTORIES: bool = false;
 
     fn options(arguments: &SearchArguments) -> Options<'_> {
         let SearchArguments { parts, jobs, group, results, .. } = arguments;
@@ -67,9 +77,12 @@ impl Study for Probability {
     }
 
     fn plan(arguments: &SearchArguments) -> Result<Self, Error> {
+        if arguments.parts.keep == Some(Keep::All) {
+            return Err(KeepsAll.into());
+        }
         let problem = Problem::open(arguments)?;
         let model = Model::of(&problem)?;
-        let units = Units::new(arguments.budget.get(), model.rows());
+        let units = Units::new(arguments.budget(), model.rows());
         let seed = arguments.seed()?;
         Ok(Self { problem, model, units, seed, events: Mutex::default() })
     }
@@ -92,6 +105,10 @@ impl Study for Probability {
 
     fn recall(&self, run: usize, unit: &Unit) {
         self.tell(run, unit);
+    }
+
+    fn columns(&self, _: &[usize]) -> Vec<Key> {
+        self.problem.columns()
     }
 
     fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<Unit, ()>, Error> {
@@ -182,7 +199,7 @@ impl Points<'_> {
         let repeats = self.crew.repeats(self.run) && self.repetition.is_none();
         let crew = self.crew;
         let done = batch::lockstep(&scenario, crew.group(), repeats, crew.going_on())?;
-        crew.observe(self.run, &[], &scenario, &done);
+        crew.observe(self.run, &problem.named(&values), &scenario, &done);
         self.unit.driven += 1;
         self.repetition = self.repetition.take().or(done.repetition);
         Ok(judge(&done.summary).value.max(reference))

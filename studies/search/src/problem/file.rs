@@ -187,7 +187,7 @@ fn draft(path: &Path, file: File) -> Result<Draft, Fault> {
     let mut settings = Vec::new();
     for (key, value) in &file.set {
         let term = reader.term(&format!("set.\"{key}\""), value)?;
-        settings.push(Setting { key: key.clone(), term });
+        settings.push(Setting::new(key, term));
     }
     let mut faults: Vec<FaultChoice> = Vec::new();
     for table in &file.faults {
@@ -210,9 +210,8 @@ fn draft(path: &Path, file: File) -> Result<Draft, Fault> {
         })
     };
     let keys = (0..names.len()).filter(|place| !is_read(*place));
-    let keys: Vec<_> = keys
-        .map(|place| Setting { key: names[place].to_owned(), term: Term::Variable(place) })
-        .collect();
+    let keys: Vec<_> =
+        keys.map(|place| Setting::new(names[place], Term::Variable(place))).collect();
     settings.extend(keys);
     Ok(Draft {
         name: file.name.as_str().to_owned(),
@@ -276,7 +275,7 @@ fn fault(table: &Table, terms: &Terms<'_>) -> Result<FaultChoice, Fault> {
             Toml::String(_) if WORDS.contains(&key.as_str()) => Term::Constant(value.to_string()),
             value => terms.term(&format!("faults.{key}"), value)?,
         };
-        keys.push(Setting { key: key.clone(), term });
+        keys.push(Setting::of_fault(key, term));
     }
     Ok(FaultChoice { name, keys })
 }

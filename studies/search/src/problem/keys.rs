@@ -1,5 +1,7 @@
 //! Types of scenario keys by their paths.
 
+use std::sync::OnceLock;
+
 use scenario::schema::{Key, Shape};
 
 /// True if the key at a dotted path holds whole numbers.
@@ -12,7 +14,9 @@ use scenario::schema::{Key, Shape};
 pub fn is_whole(path: &str) -> bool {
     let segments: Vec<&str> =
         path.split(['.', '[']).map(|part| part.trim_end_matches(']')).collect();
-    below(&scenario::schema::keys(), &segments)
+    // The schema is made anew at each call, which costs a millisecond.
+    static KEYS: OnceLock<Vec<Key>> = OnceLock::new();
+    below(KEYS.get_or_init(scenario::schema::keys), &segments)
 }
 
 fn below(keys: &[Key], path: &[&str]) -> bool {

@@ -20,6 +20,7 @@ pub use keys::is_whole;
 pub use setting::{Setting, Term};
 pub use variable::{Domain, DomainError, Value, Variable, rounded};
 
+use frame::keep::Key;
 use group::{Error, Failure, GroupOptions, ScenarioOptions};
 use runtime::Mode;
 use scenario::Scenario;
@@ -154,14 +155,14 @@ impl Problem {
     pub fn keys(&self, values: &[Value]) -> Result<Vec<String>, ProblemError> {
         let mut keys = Vec::with_capacity(self.settings.len() + 1);
         for setting in &self.settings {
-            let value = self.text(&setting.key, setting, values)?;
+            let value = self.text(setting, values)?;
             keys.push(format!("{}={value}", setting.key));
         }
         if let Some(fault) = self.fault(values) {
             let mut all = setting::faults_of(&self.nominal);
             let mut pairs = Vec::with_capacity(fault.keys.len());
             for setting in &fault.keys {
-                let value = self.text(&format!("faults.0.{}", setting.key), setting, values)?;
+                let value = self.text(setting, values)?;
                 pairs.push(format!("{} = {value}", setting.key));
             }
             all.push(format!("{{ {} }}", pairs.join(", ")));
@@ -170,9 +171,9 @@ impl Problem {
         Ok(keys)
     }
 
-    fn text(&self, key: &str, setting: &Setting, values: &[Value]) -> Result<String, ProblemError> {
-        setting.term.text(values, is_whole(key)).ok_or_else(|| ProblemError::NoValue {
-            key: key.to_owned(),
+    fn text(&self, setting: &Setting, values: &[Value]) -> Result<String, ProblemError> {
+        setting.text(values).ok_or_else(|| ProblemError::NoValue {
+            key: setting.key.clone(),
             formula: setting.term.formula().to_owned(),
             point: self.words(values),
         })
@@ -208,6 +209,24 @@ impl Problem {
     pub fn words(&self, values: &[Value]) -> String {
         let pair = |(variable, value): (&Variable, &Value)| format!("{} = {value}", variable.name);
         self.variables.iter().zip(values).map(pair).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Values by the names of their variables, for tables.
+    #[must_use]
+    pub fn named(&self, values: &[Value]) -> Vec<(String, String)> {
+        let pair =
+            |(variable, value): (&Variable, &Value)| (variable.name.clone(), value.to_string());
+        self.variables.iter().zip(values).map(pair).collect()
+    }
+
+    /// The variables as columns of tables.
+    #[must_use]
+    pub fn columns(&self) -> Vec<Key> {
+        let key = |variable: &Variable| Key {
+            name: variable.name.clone(),
+            is_number: !variable.domain.is_of_words(),
+        };
+        self.variables.iter().map(key).collect()
     }
 
     /// Text that tells this problem from others.
@@ -270,7 +289,7 @@ impl Draft {
         let domain = Domain::parse(list).map_err(|error| refuse(error.into()))?;
         let place = self.variables.len();
         self.variables.push((key.to_owned(), domain, None));
-        self.settings.push(Setting { key: key.to_owned(), term: Term::Variable(place) });
+        self.settings.push(Setting::new(key, Term::Variable(place)));
         Ok(())
     }
 
@@ -284,13 +303,14 @@ impl Draft {
             let none = Value::Word(NO_FAULT.to_owned());
             variables.push((FAULT.to_owned(), Domain::Words(names), Some(none)));
         }
+        options.require.extend(require);
+        // First the scenario: a file that is neither is shown with its mistake.
+        let base = group::open(&scenario, &options)?;
         match variables.len() {
             0 => return Err(ProblemError::NoVariable.into()),
             1..=MOST_VARIABLES => {}
             many => return Err(ProblemError::TooMany(many).into()),
         }
-        options.require.extend(require);
-        let base = group::open(&scenario, &options)?;
         if base.require.formulas.is_empty() {
             options.require.push(crate::value::DEFAULT_REQUIREMENT.to_owned());
         }

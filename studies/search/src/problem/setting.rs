@@ -3,6 +3,7 @@
 use scenario::Scenario;
 
 use super::arithmetic::Arithmetic;
+use super::keys::is_whole;
 use super::variable::{Value, rounded};
 
 /// A key of the scenario and its value.
@@ -12,6 +13,26 @@ pub struct Setting {
     pub key: String,
     /// Its value.
     pub term: Term,
+    /// The key holds whole numbers.
+    is_whole: bool,
+}
+
+impl Setting {
+    /// A key of the scenario.
+    #[must_use]
+    pub fn new(key: &str, term: Term) -> Self {
+        Self { key: key.to_owned(), term, is_whole: is_whole(key) }
+    }
+
+    /// A key of a fault.
+    pub(crate) fn of_fault(key: &str, term: Term) -> Self {
+        Self { key: key.to_owned(), term, is_whole: is_whole(&format!("faults.0.{key}")) }
+    }
+
+    /// TOML text of the value; none if a formula has no finite value.
+    pub(crate) fn text(&self, values: &[Value]) -> Option<String> {
+        self.term.text(values, self.is_whole)
+    }
 }
 
 /// The right side of a key.
