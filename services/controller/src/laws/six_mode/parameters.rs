@@ -1,4 +1,14 @@
 //! Parameters of the law, as the table `[controller.six_mode]` holds them.
+//!
+//! [`Parameters::published`] names what the paper prints and what is inferred from it. All other defaults are chosen. The
+//! comment beside a number is its effect on 16 everyday scenes without the emergency brake: four cut-ins, stops, braking
+//! leads and cut-outs each. "No change" means less than 2 % of each figure, and no collision.
+//!
+//! ```sh
+//! cargo run --release -p regulation --example law_numbers -- six-mode six_mode
+//! ```
+//!
+//! The base: least gap 19.8 m, hardest braking 2.84 m/s², rms jerk 0.554 m/s³ (means of the scenes), and no collision.
 
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -52,63 +62,91 @@ pub struct Parameters {
     /// Which variant runs.
     pub variant: Variant,
     /// a_h: the ego's full braking, m/s² (positive).
+    // At 3: least gap +5 %, hardest braking -29 %, rms jerk +37 %; at 7.5: hardest braking +10 %, rms jerk -12 %.
     pub braking_mps2: f64,
     /// a_p: the hardest braking expected of a target, m/s² (positive, above a_h).
+    // At 6.4: rms jerk -8 %; at 10: rms jerk +9 %.
     pub lead_braking_mps2: f64,
     /// a: the deceleration behind the warning distance, m/s² (positive).
+    // At 0.5: least gap +2 %; at 2: least gap -2 %, hardest braking -3 %, rms jerk -4 %.
     pub warning_deceleration_mps2: f64,
     /// t1: driver and system reaction time, s.
+    // At 0.55: least gap -4 %, hardest braking -4 %, rms jerk -14 %; at 2.2: least gap +7 %, hardest braking -9 %,
+    // rms jerk +44 %.
     pub reaction_time_s: f64,
     /// R0: gap left after an emergency stop, m.
+    // At 2: least gap -7 %, rms jerk -2 %; at 8: least gap +14 %, rms jerk -3 %.
     pub standstill_gap_m: f64,
     /// Targets beyond this range are not followed, m.
+    // At 90: least gap -3 %, hardest braking +5 %, rms jerk +5 %; at 360: no change.
     pub sensor_range_m: f64,
     /// k: closing speed from which steady driving becomes an approach, m/s.
+    // No change at 0.25 and 1.
     pub approach_threshold_mps: f64,
     /// k_c: relative speeds below this are regulated proportionally, m/s.
+    // No change at 0.075 and 0.3.
     pub steady_band_mps: f64,
     /// k1: gain of the cruise law, 1/s.
+    // No change at 0.5 and 2.
     pub cruise_gain_per_s: f64,
     /// k3: gain of the steady law, 1/s.
+    // No change at 0.01 and 0.04.
     pub steady_gain_per_s: f64,
 
     /// Request of the accelerate mode and largest request of all, m/s² (literal: the paper's 1).
+    // At 0.9: rms jerk -3 %; at 3.6: no change.
     pub acceleration_mps2: f64,
     /// How the decelerate mode is divided into its eight levels.
     pub deceleration_parts: Parts,
     /// Where R_x and R_j are (trap 6).
     pub spacing: Spacing,
     /// Time gap in R_x under `spacing = "time-gap"`, s.
+    // At 0.75: least gap -3 %, rms jerk -3 %; at 3: least gap +16 %, hardest braking -10 %, rms jerk +17 %.
     pub time_gap_s: f64,
     /// Gap kept beyond R_w under `spacing = "time-gap"`, m.
+    // At 0.5: no change; at 2: rms jerk -3 %.
     pub margin_m: f64,
     /// Least width of the decelerate band, R_w - R_b, m (trap 1).
+    // At 1: rms jerk -6 %; at 4: least gap +3 %, hardest braking -3 %, rms jerk +3 %.
     pub least_band_m: f64,
     /// Hardest braking of the approach law, m/s² (positive; trap 3).
+    // At 0.5: least gap -4 %, rms jerk -5 %; at 2: least gap +3 %, hardest braking +6 %, rms jerk +12 %.
     pub approach_limit_mps2: f64,
     /// Floor of the approach law's denominator R - R_w, m (trap 3).
+    // At 1: no change; at 4: rms jerk -3 %.
     pub approach_floor_m: f64,
     /// How far below R_j the gap must fall to end the accelerate mode, m (trap 4).
+    // No change at 1.5 and 6.
     pub following_hysteresis_m: f64,
     /// Relative speed that counts as opening or closing once the other held, m/s (trap 5).
+    // No change at 0.05 and 0.2.
     pub sign_band_mps: f64,
     /// Steady driving accelerates less when the gap is within this of R_w, m (trap 6).
+    // At 5: rms jerk +3 %; at 20: no change.
     pub opening_fade_m: f64,
     /// The avoid mode ends this far above R_b, m (trap 7).
+    // At 1.5: rms jerk +3 %; at 6: no change.
     pub braking_hysteresis_m: f64,
     /// The decelerate mode ends this far above R_w, m (trap 8).
+    // At 0.5: rms jerk -3 %; at 2: no change.
     pub warning_hysteresis_m: f64,
     /// Half width of the hysteresis on k, m/s (trap 8).
+    // No change at 0.075 and 0.3.
     pub threshold_hysteresis_mps: f64,
     /// Least time in a mode before it may end, except into 1, 4 and 5, s (trap 8).
+    // No change at 0.4 and 1.6.
     pub dwell_s: f64,
     /// Time constant of the filter on gap and target speed, s; 0 switches it off (trap 8).
+    // At 0.15: hardest braking -2 %, rms jerk +2 %; at 0.6: least gap -5 %, rms jerk -9 %.
     pub filter_time_s: f64,
     /// A target is taken up only this far inside the sensor range, m (trap 9).
+    // No change at 1 and 4.
     pub range_hysteresis_m: f64,
     /// Limit on the rate of the request outside the avoid mode, m/s³ (trap 9).
+    // At 2.5: rms jerk -17 %; at 10: rms jerk +5 %.
     pub jerk_limit_mps3: f64,
     /// Limit on the rate at which the avoid mode applies the brake, m/s³ (trap 9).
+    // No change at 10 and 40.
     pub emergency_jerk_limit_mps3: f64,
 }
 
