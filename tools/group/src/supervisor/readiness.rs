@@ -55,7 +55,7 @@ impl Supervisor<'_> {
                     return Err(self.not_ready(who.service, format!("failed: {reason}")));
                 }
                 Ok(Event::Flooded(who)) => {
-                    let what = "wrote endless text instead of messages: it is no service".into();
+                    let what = "wrote endless text instead of messages: it is not a service".into();
                     return Err(self.not_ready(who.service, what));
                 }
                 Ok(Event::Gone(Who { service, incarnation })) => {
@@ -101,7 +101,7 @@ impl Supervisor<'_> {
     fn not_ready(&mut self, service: Service, what: String) -> Error {
         let foreign = is_foreign(&self.programs, service);
         let hint = match foreign && service == Service::Controller {
-            true => " (a law's program is no service: give it with --law NAME=COMMAND)",
+            true => " (a law's program is not a service: give it with --law NAME=COMMAND)",
             false => "",
         };
         let what = what + hint;

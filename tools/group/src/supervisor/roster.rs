@@ -68,7 +68,7 @@ impl<'a> Roster<'a> {
         if let Some(member) = self.members.iter_mut().find(|member| member.wants_prepared())
             && let Err(error) = member.prepare(self.root, leader, &self.events)
         {
-            tracing::warn!("no process is started ahead: {error}");
+            tracing::warn!("cannot start a process ahead: {error}");
         }
     }
 

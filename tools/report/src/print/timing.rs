@@ -92,7 +92,7 @@ fn longest(chain: &WorstChain) -> String {
     ];
     let (name, us) = parts.into_iter().max_by(|a, b| a.1.total_cmp(&b.1)).expect("six parts");
     format!(
-        "longest {} at {:.2} s: {name} {}; {} context switches, {} page faults, {} iterations",
+        "longest {} at {:.2} s: {name} {}; context switches {}, page faults {}, iterations {}",
         duration(chain.reaction_time_us),
         chain.t_s,
         duration(us),

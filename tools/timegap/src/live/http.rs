@@ -75,7 +75,7 @@ fn parse(text: &[u8]) -> Option<Parsed> {
     match request.parse(text) {
         Ok(Status::Partial) => return None,
         Ok(Status::Complete(_)) => {}
-        Err(_) => return Some(Err(("400 Bad Request", "this is no HTTP request\n"))),
+        Err(_) => return Some(Err(("400 Bad Request", "this is not an HTTP request\n"))),
     }
     let body = match request.method {
         Some("GET") => true,
