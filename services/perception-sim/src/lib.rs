@@ -41,5 +41,6 @@ mod stage;
 pub mod tracking;
 pub mod traffic;
 pub mod vehicle;
+mod weaving;
 
 pub use service::{Ahead, run, run_behind};

@@ -26,6 +26,7 @@ use serde::{Deserialize, Serialize};
 use crate::radar::scene::Ego;
 use crate::stage::Stage;
 use crate::vehicle::Vehicle;
+use crate::weaving::Weaving;
 
 /// Times of a profile take effect this much early, so that rounding does not lose a step, s.
 const TIME_TOLERANCE_S: f64 = 1e-9;
@@ -60,6 +61,7 @@ struct Mover {
     leaves_ns: u64,
     /// On a road with a plan, for a vehicle that is not always on its axis.
     axis: Option<Arc<road::Axis>>,
+    weaving: Weaving,
     /// Start of the present step, once the vehicle has appeared.
     base: Option<Base>,
 }
@@ -88,6 +90,7 @@ impl Traffic {
                 appears_ns: actor.appears_at_s.nanoseconds(),
                 leaves_ns: actor.leaves_at_s.map_or(u64::MAX, |time| time.nanoseconds()),
                 axis: axis.clone().filter(|_| !on_axis(actor)),
+                weaving: Weaving::new(actor),
                 base: None,
             })
             .collect();
@@ -174,7 +177,7 @@ impl Mover {
         self.base = Some(base);
         let inside_ns = time_ns - base.time_ns;
         let here = if inside_ns > 0 { self.after(&base, inside_ns) } else { base };
-        let (lateral_m, lateral_speed_mps) = lateral_at(&self.actor, seconds(time_ns));
+        let (lateral_m, lateral_speed_mps) = self.weaving.at(seconds(time_ns));
         Vehicle {
             present: true,
             rear_position_m: here.position_m,
@@ -207,7 +210,7 @@ impl Mover {
     /// Way at the vehicle's offset by the way on the axis: 1 without curves.
     fn stretch(&self, base: &Base) -> f64 {
         let Some(axis) = &self.axis else { return 1.0 };
-        let (lateral_m, _) = lateral_at(&self.actor, seconds(base.time_ns));
+        let (lateral_m, _) = self.weaving.at(seconds(base.time_ns));
         1.0 - axis.curvature_perm(base.position_m) * lateral_m
     }
 
@@ -285,16 +288,6 @@ fn first_after(points: &[SpeedPoint], time_s: f64) -> usize {
         }
     }
     points.partition_point(|point| point.0.value() <= time_s)
-}
-
-/// Lateral position, m, and speed, m/s: one motion after the other.
-fn lateral_at(actor: &Actor, time_s: f64) -> (f64, f64) {
-    let start = (actor.lateral_offset_m.value(), 0.0);
-    actor.lateral.iter().fold(start, |(lateral_m, speed_mps), motion| {
-        let (share, share_per_s) = motion.progress(time_s);
-        let way_m = motion.to_m.value() - lateral_m;
-        (lateral_m + share * way_m, share_per_s * way_m + (1.0 - share) * speed_mps)
-    })
 }
 
 fn seconds(time_ns: u64) -> f64 {
