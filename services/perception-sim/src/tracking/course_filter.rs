@@ -15,8 +15,11 @@
 //! The ego's own measurements are limited to a number of standard deviations; the rest counts only within them. So
 //! wrong echoes do not bend the course, and a course that has gone astray comes back to the ego's own way.
 //!
-//! Only objects near the known edge count, and only trails of confirmed tracks: a mirror image or a queue must not
-//! bend the course.
+//! Only weak objects near the known edge count, and only trails of confirmed tracks: a mirror image or a queue must not
+//! bend the course. The course grows from the ego on: an object counts where the nearer ones leave no doubt of its side.
+//!
+//! The yaw rate alone shows nothing of the road ahead. The course is then the circle of its curvature, as a
+//! conventional cruise control has it.
 //!
 //! Sources: Zomotor and Franke, Sensor fusion for improved vision based lane recognition and object tracking with
 //! range-finders (IV 1997); Lundquist and Schön, Joint ego-motion and road geometry estimation, Information Fusion 12
@@ -28,44 +31,13 @@ use kalman::Gaussian;
 
 use super::course::Course;
 use super::course_numbers::CourseNumbers;
+pub use super::course_sources::{MapAhead, Sources};
 use super::curvature_knots::{self as knots, APART_M, KNOTS, STATES};
 pub use super::trail::Motion;
 use super::trail::Trails;
 
 /// Updates by standing objects in a scan at most.
 const MOST_POSTS: usize = 16;
-
-/// Sources of the course that are in use.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Sources {
-    /// Yaw rate and slip angle of the ego.
-    pub yaw_rate: bool,
-    /// Standing objects beside the road.
-    pub standing: bool,
-    /// Trails of other vehicles.
-    pub trails: bool,
-    /// Curvatures of the map.
-    pub map: bool,
-}
-
-impl Sources {
-    /// Any is in use; otherwise the path is straight ahead.
-    #[must_use]
-    pub fn any(&self) -> bool {
-        self.yaw_rate || self.standing || self.trails || self.map
-    }
-}
-
-/// Curvatures of the map ahead.
-#[derive(Clone, Copy, Debug)]
-pub struct MapAhead<'a> {
-    /// Curvatures of cells in a row, 1/m.
-    pub curvatures_perm: &'a [f64],
-    /// Distance of the first cell's middle ahead of the bumper, m; it may be behind.
-    pub first_m: f64,
-    /// Length of a cell, m.
-    pub cell_m: f64,
-}
 
 /// The edge of one side as standing objects show it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -93,6 +65,8 @@ impl CourseFilter {
     /// The straight course, before the first scan.
     #[must_use]
     pub fn new(sources: Sources, numbers: &CourseNumbers) -> Self {
+        let kept = if sources.looks_ahead() { numbers.kept } else { 1.0 };
+        let numbers = &CourseNumbers { kept, ..*numbers };
         let mut state = Gaussian::independent([0.0; STATES], [0.0; STATES]);
         state.covariance[0][0] = square(numbers.first_heading_rad);
         for a in 0..KNOTS {
@@ -130,8 +104,7 @@ impl CourseFilter {
         self.turn_covariance(&turn);
         if way_m > 0.0 {
             self.state.covariance[0][0] += square(self.numbers.heading_rad);
-            let fading = square(self.numbers.curvature_perm * sharper) * way_m;
-            (1..STATES).for_each(|i| self.state.covariance[i][i] += fading);
+            self.fade(way_m, sharper);
         }
         self.passed_m += way_m;
         while self.passed_m >= APART_M {
@@ -139,6 +112,19 @@ impl CourseFilter {
         }
         self.trails.advance(dt_s, turn_rad, motion);
         self.course = self.bent();
+    }
+
+    /// The curvatures become less certain on the way. A circle has one curvature, and changes as a whole.
+    fn fade(&mut self, way_m: f64, sharper: f64) {
+        let numbers = &self.numbers;
+        if self.sources.looks_ahead() {
+            let fading = square(numbers.curvature_perm * sharper) * way_m;
+            (1..STATES).for_each(|i| self.state.covariance[i][i] += fading);
+        } else {
+            let fading = square(numbers.change_perm * sharper) * way_m / APART_M;
+            let curvatures = self.state.covariance[1..].iter_mut();
+            curvatures.flat_map(|row| &mut row[1..]).for_each(|entry| *entry += fading);
+        }
     }
 
     /// The heading becomes the sum of the state by these weights, of which its own is 1.
@@ -164,7 +150,9 @@ impl CourseFilter {
         self.state.mean = from_fn(|i| share(i) * before.mean[from(i)]);
         self.state.covariance =
             from_fn(|i| from_fn(|j| share(i) * share(j) * before.covariance[from(i)][from(j)]));
-        self.state.covariance[KNOTS][KNOTS] += square(numbers.change_perm * sharper);
+        if self.sources.looks_ahead() {
+            self.state.covariance[KNOTS][KNOTS] += square(numbers.change_perm * sharper);
+        }
     }
 
     /// The course of the state.
@@ -262,26 +250,25 @@ impl CourseFilter {
         let numbers = self.numbers;
         let course = self.course;
         let mut taken = 0;
-        for place in 0..standing.len() {
-            // The nearest, the farthest, the second nearest and so on.
-            let index = if place % 2 == 0 { place / 2 } else { standing.len() - 1 - place / 2 };
-            let (x_m, y_m) = standing[index];
+        // The nearest first: each one shows the course to the next.
+        for &(x_m, y_m) in standing {
             let there = course.locate(x_m, y_m);
-            let edge = &mut self.edges[usize::from(there.d_m < 0.0)];
-            let is_near = there.sigma_m < numbers.edge_near_m;
-            let off_m = there.d_m - edge.d_m;
-            let doubt_m = 3.0
-                * self
-                    .state
-                    .variance_along(&knots::place(there.sigma_m, self.passed_m))
-                    .max(0.0)
-                    .sqrt();
-            let reach_m = (numbers.post_reach_m + doubt_m).min(numbers.post_reach_most_m);
-            let could_be = (numbers.edge_from_m..numbers.edge_to_m).contains(&there.d_m.abs());
+            let weights = knots::place(there.sigma_m, self.passed_m);
+            let moved_m = sum(&weights, &self.state.mean) - sum(&weights, before);
+            let d_m = there.d_m - moved_m;
+            let doubt_m = 3.0 * self.state.variance_along(&weights).max(0.0).sqrt();
+            let reach_m = numbers.post_reach_m + doubt_m;
+            // Where the course is that doubtful, the object may be of the other side.
+            if reach_m > numbers.post_reach_most_m {
+                continue;
+            }
+            let edge = &mut self.edges[usize::from(d_m < 0.0)];
+            let off_m = d_m - edge.d_m;
+            let could_be = (numbers.edge_from_m..numbers.edge_to_m).contains(&d_m.abs());
             if edge.objects > 0 && off_m.abs() > reach_m || edge.objects == 0 && !could_be {
                 continue;
             }
-            if is_near {
+            if there.sigma_m < numbers.edge_near_m {
                 edge.objects = edge.objects.saturating_add(1);
                 let weight = numbers.edge_weight.max(1.0 / f64::from(edge.objects));
                 edge.d_m += weight * off_m;
@@ -293,7 +280,7 @@ impl CourseFilter {
             let sigma_m = (square(numbers.post_sigma_m) * numbers.post_scans
                 + square(numbers.post_azimuth_rad * there.sigma_m))
             .sqrt();
-            if self.see_from(before, knots::place(there.sigma_m, self.passed_m), off_m, sigma_m) {
+            if self.see(weights, off_m, sigma_m) {
                 taken += 1;
             }
         }
@@ -325,6 +312,12 @@ impl CourseFilter {
         }
     }
 
+    /// Its numbers.
+    #[must_use]
+    pub fn numbers(&self) -> &CourseNumbers {
+        &self.numbers
+    }
+
     /// The course.
     #[must_use]
     pub fn course(&self) -> &Course {
@@ -345,6 +338,13 @@ impl CourseFilter {
         }
         let weights = knots::place(sigma_m.max(0.0), self.passed_m);
         self.state.variance_along(&weights).max(0.0).sqrt()
+    }
+
+    /// The same for the choice of the target. A circle is followed as it is: nothing is known of how the road leaves it,
+    /// and the limits of a known path decide.
+    #[must_use]
+    pub fn path_sigma_m(&self, sigma_m: f64) -> f64 {
+        if self.sources.looks_ahead() { self.sigma_m(sigma_m) } else { 0.0 }
     }
 
     /// Standard deviation of the course's heading at an arc length, rad; 0 of the straight path.

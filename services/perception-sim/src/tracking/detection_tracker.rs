@@ -23,7 +23,7 @@ use super::lost::Lost;
 use super::mirror;
 use super::numbers::Numbers;
 use super::path::{Across, PathLimits};
-use super::road_ahead::RoadAhead;
+use super::road_ahead::{Radar, RoadAhead};
 use super::road_edge::RoadEdge;
 use super::sight::Sight;
 use super::sighting::Sighting;
@@ -43,7 +43,7 @@ pub struct DetectionTracker {
     limits: PathLimits,
     life: Life,
     gate: f64,
-    receiver: Receiver,
+    radar: Radar,
     view: FieldOfView,
     tracks: Vec<DetectedTrack>,
     points: Vec<Point>,
@@ -92,7 +92,7 @@ impl DetectionTracker {
                 coast_s: keys.coast_s.value(),
             },
             gate: keys.gate_sigma.value(),
-            receiver: *receiver,
+            radar: Radar::new(&perception.radar, receiver),
             view: FieldOfView {
                 half_rad: 0.5 * perception.radar.field_of_view_deg.value().to_radians(),
                 resolution_rad: receiver.azimuth.resolution,
@@ -138,7 +138,7 @@ impl DetectionTracker {
         self.predict(dt_s, ego.acceleration_mps2);
         if self.ahead.is_used() {
             let motion = self.ahead.motion(ego.speed_mps, yaw_rate_radps);
-            let read = (detections, &self.receiver, self.model.numbers());
+            let read = (detections, &self.radar, self.model.numbers());
             let before = self.ahead.find(dt_s, &motion, map, read);
             self.tracks.iter_mut().for_each(|track| track.shift(&before, self.ahead.course()));
         }
@@ -190,7 +190,7 @@ impl DetectionTracker {
         let (course, motion) = (self.ahead.course(), self.ahead.motion(ego.speed_mps, None));
         self.points.clear();
         for (index, detection) in detections.iter().enumerate() {
-            let point = Point::new(index, detection, &motion, &self.receiver, course);
+            let point = Point::new(index, detection, &motion, &self.radar.receiver, course);
             if !birth::moves(&point, self.model.numbers()) {
                 self.edge.observe(point.y_m, self.model.numbers());
             }
@@ -285,10 +285,10 @@ impl DetectionTracker {
             difference.abs() < resolution + surely_sigma * variance.max(0.0).sqrt()
         };
         let cell_m = self.view.resolution_rad * of_a.gap_m;
-        agree(of_a.gap_m - of_b.gap_m, self.receiver.range.resolution, 0)
+        agree(of_a.gap_m - of_b.gap_m, self.radar.receiver.range.resolution, 0)
             && agree(
                 of_a.relative_speed_mps - of_b.relative_speed_mps,
-                self.receiver.range_rate.resolution,
+                self.radar.receiver.range_rate.resolution,
                 1,
             )
             && (a.across.position_m() - b.across.position_m()).abs() < cell_m + VEHICLE_WIDTH_M
@@ -359,7 +359,7 @@ impl DetectionTracker {
             } else {
                 Across::resting(nearest_m.unwrap_or(f64::INFINITY))
             };
-            let path_sigma_m = self.ahead.sigma_m(track.along.estimate().gap_m);
+            let path_sigma_m = self.ahead.path_sigma_m(track.along.estimate().gap_m);
             // A vehicle that follows the road crosses a course whose heading is off.
             let crossing_mps = if path_sigma_m > 0.0 {
                 let speed_mps = ego_mps + track.along.estimate().relative_speed_mps;

@@ -11,6 +11,7 @@ pub mod birth;
 pub mod course;
 pub mod course_filter;
 pub mod course_numbers;
+mod course_sources;
 pub mod curvature_knots;
 pub mod detection_tracker;
 pub mod ego_speed;

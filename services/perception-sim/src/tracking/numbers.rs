@@ -184,6 +184,8 @@ parameters! {
         inward_sigma: f64 = 2.0, "σ", 0.0..=4.0, "Chosen. At 1 cut-in delay -0.18 s, time with a false target +40 %; at 4 cut-in delay +0.33 s.";
         /// The same on an estimated course.
         course_inward_sigma: f64 = 4.0, "σ", 0.0..=8.0, "Chosen: with 2 a neighbour on random roads is taken 0.3 times per km at gaps of 40 to 80 m, with 4 at most 0.04 times (example `course`).";
+        /// Time beyond the path after which a vehicle leaves an estimated one.
+        course_leave_s: f64 = 0.5, "s", 0.0..=2.0, "Chosen: at the begin of a curve the course lags for some scans.";
         /// Length that is assumed of the ego.
         ego_length_m: f64 = 4.5, "m", 3.5..=20.0, "Chosen. At 3.5 and 9 nothing changes.";
         /// Hardest braking of an adaptive cruise control.

@@ -230,7 +230,7 @@ impl ObjectTracker {
             lateral_m: known.across.position_m(),
             speed_mps: known.across.speed_mps(),
             speed_sigma_mps: known.across.speed_sigma_mps(),
-            path_sigma_m: self.ahead.sigma_m(known.along.estimate().gap_m),
+            path_sigma_m: self.ahead.path_sigma_m(known.along.estimate().gap_m),
             approach: Approach {
                 gap_m: known.along.estimate().gap_m,
                 relative_speed_mps: known.along.estimate().relative_speed_mps,

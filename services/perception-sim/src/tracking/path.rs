@@ -2,7 +2,7 @@
 //!
 //! A track enters the path when it has been within `enter_half_width_m` of the lane's centre for `confirm_s`. It
 //! leaves the path beyond `leave_half_width_m`: a vehicle on the line between two lanes does not flicker, and one
-//! noisy scan makes no target. Where the course ahead is not known well ([`Numbers::doubtful_path_m`]) probabilities
+//! noisy scan makes no target. An estimated path is left only after [`Numbers::course_leave_s`]. Where the course ahead is not known well ([`Numbers::doubtful_path_m`]) probabilities
 //! of its being within the lane take the place of these limits. A track also counts as within the entry limit when its lateral motion will take its
 //! body before the ego's in less than `predict_s`: a cut-in is recognised before the bodies overlap. A track that the
 //! ego will have passed by then stays out. So does a track that it will be beside by then, even with a cruise
@@ -91,6 +91,8 @@ pub struct Membership {
     in_path: bool,
     /// Time for which it has been within the entry limit, s.
     within_s: f64,
+    /// Time for which it has been beyond the limit to stay, s.
+    beyond_s: f64,
 }
 
 impl PathLimits {
@@ -110,7 +112,8 @@ impl PathLimits {
     #[must_use]
     pub fn long_known(&self, lateral_m: f64) -> Membership {
         let in_path = lateral_m.abs() <= self.enter_m;
-        Membership { in_path, within_s: if in_path { self.confirm_s } else { 0.0 } }
+        let within_s = if in_path { self.confirm_s } else { 0.0 };
+        Membership { in_path, within_s, beyond_s: 0.0 }
     }
 
     /// Takes note of the track's lateral motion, `dt_s` after the time before.
@@ -120,9 +123,14 @@ impl PathLimits {
             membership.within_s += dt_s;
             // Sums of periods miss their total by a rounding.
             membership.in_path |= membership.within_s >= self.confirm_s - 1e-9;
+            membership.beyond_s = 0.0;
         } else {
             membership.within_s = 0.0;
-            membership.in_path &= stays || self.still_comes(across);
+            let is_beyond = !stays && !self.still_comes(across);
+            membership.beyond_s = if is_beyond { membership.beyond_s + dt_s } else { 0.0 };
+            // The course lags behind a curve's begin, and takes the lead out of the path for some scans.
+            let waits_s = if across.path_sigma_m > 0.0 { self.numbers.course_leave_s } else { 0.0 };
+            membership.in_path &= !is_beyond || membership.beyond_s < waits_s;
         }
     }
 
@@ -284,6 +292,24 @@ mod tests {
         // Without knowledge nothing enters.
         assert_eq!(within(0.0, 5.0), (false, true));
         assert_eq!(within(0.0, 20.0), (false, false));
+    }
+
+    #[test]
+    fn an_estimated_path_is_left_after_a_time() {
+        let (limits, mut membership) = (limits(), limits().long_known(0.0));
+        let mut scans_in_path = |lateral_m: f64, scans: u32| {
+            let across = Across::resting(lateral_m).on_course(0.1, 0.0);
+            (0..scans)
+                .filter(|_| {
+                    limits.observe(&mut membership, &across, 0.05);
+                    membership.in_path()
+                })
+                .count()
+        };
+        assert_eq!(scans_in_path(2.4, 9), 9, "it may come back");
+        assert_eq!(scans_in_path(2.0, 1), 1);
+        let stays = scans_in_path(2.4, 20);
+        assert!((9..=10).contains(&stays), "{stays} scans");
     }
 
     #[test]

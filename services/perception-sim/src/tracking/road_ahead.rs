@@ -9,7 +9,38 @@ use super::course_filter::{CourseFilter, MapAhead, Motion, Sources};
 use super::course_numbers::CourseNumbers;
 use super::numbers::Numbers;
 use super::slip::Slip;
-use crate::radar::receiver::Receiver;
+use crate::radar::echo::Antenna;
+use crate::radar::receiver::{Receiver, snr_of};
+
+/// The radar as perception knows it.
+#[derive(Clone, Copy, Debug)]
+pub struct Radar {
+    /// Its receiver.
+    pub receiver: Receiver,
+    /// Its antenna.
+    pub antenna: Antenna,
+}
+
+impl Radar {
+    /// The radar of these keys.
+    #[must_use]
+    pub fn new(keys: &scenario::perception::Radar, receiver: &Receiver) -> Self {
+        let antenna = Antenna::new(
+            keys.detections.snr_at_100_m_db.value(),
+            keys.detections.edge_loss_db.value(),
+            keys.field_of_view_deg.value(),
+            keys.max_range_m.value(),
+        );
+        Self { receiver: *receiver, antenna }
+    }
+
+    /// Cross section that makes an echo as strong as this one, m².
+    #[must_use]
+    pub fn area_m2(&self, detection: &Detection) -> f64 {
+        let Detection { range_m, azimuth_rad, .. } = *detection;
+        snr_of(detection) / self.antenna.power_of_square_metre(range_m, azimuth_rad)
+    }
+}
 
 /// The road ahead.
 #[derive(Clone, Debug)]
@@ -18,7 +49,7 @@ pub struct RoadAhead {
     slip: Slip,
     /// Standing objects: cosine and sine of the azimuth, and range rate, m/s.
     rates: Vec<(f64, f64, f64)>,
-    /// Standing objects: places in the body's axes, m.
+    /// Weak ones of them: places in the body's axes, m.
     places: Vec<(f64, f64)>,
 }
 
@@ -46,20 +77,22 @@ impl RoadAhead {
         dt_s: f64,
         motion: &Motion,
         map: Option<&MapAhead>,
-        (detections, receiver, numbers): (&[Detection], &Receiver, &Numbers),
+        (detections, radar, numbers): (&[Detection], &Radar, &Numbers),
     ) -> Course {
         self.filter.advance(dt_s, motion);
         let before = *self.filter.course();
         self.rates.clear();
         self.places.clear();
         for (index, detection) in detections.iter().enumerate() {
-            let point = Point::new(index, detection, motion, receiver, &before);
+            let point = Point::new(index, detection, motion, &radar.receiver, &before);
             if birth::moves(&point, numbers) || point.y_m.abs() < numbers.off_lane_m {
                 continue;
             }
             let (sine, cosine) = libm::sincos(detection.azimuth_rad);
             self.rates.push((cosine, sine, detection.range_rate_mps));
-            self.places.push((detection.range_m * cosine, detection.range_m * sine));
+            if radar.area_m2(detection) < self.filter.numbers().post_area_m2 {
+                self.places.push((detection.range_m * cosine, detection.range_m * sine));
+            }
         }
         self.slip.take_scan(dt_s, motion.speed_mps, &self.rates);
         let motion = Motion { slip_rad: self.slip.slip_rad(), ..*motion };
@@ -96,6 +129,12 @@ impl RoadAhead {
     #[must_use]
     pub fn sigma_m(&self, sigma_m: f64) -> f64 {
         self.filter.sigma_m(sigma_m)
+    }
+
+    /// The same for the choice of the target; see [`CourseFilter::path_sigma_m`].
+    #[must_use]
+    pub fn path_sigma_m(&self, sigma_m: f64) -> f64 {
+        self.filter.path_sigma_m(sigma_m)
     }
 
     /// Standard deviation of the course's heading at an arc length, rad.

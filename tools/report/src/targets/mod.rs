@@ -1,7 +1,9 @@
 //! Owner of the selected target, by the ground truth of a drive on a road with a plan.
 //!
 //! Perception's verdict on itself does not count here. The selected track is a place in the plane, and the nearest body
-//! within [`BODY_M`] owns it. The lead is the nearest vehicle ahead whose body reaches into the ego's lane.
+//! within [`BODY_M`] owns it. That place is the track's last echo, and one echo may come from two bodies. So the owner is
+//! the body with most of the track's echoes within [`ECHOES_S`] before and after. The lead is the nearest vehicle ahead
+//! whose body reaches into the ego's lane.
 //!
 //! | verdict | when |
 //! | --- | --- |
@@ -25,6 +27,8 @@ pub const REACH_M: f64 = 100.0;
 /// A target farther than this from every body belongs to no vehicle, m: more than the error of an azimuth at 100 m, less
 /// than the distance of the next lane's middle.
 pub const BODY_M: f64 = 3.0;
+/// Time before and after a scan in which the target's echoes decide whose it is, s.
+pub const ECHOES_S: f64 = 0.25;
 /// Distance at which the road ahead is looked at without a vehicle, m.
 const AHEAD_M: f64 = 50.0;
 /// Curvature below which a road is straight, and difference below which two curvatures are the same, 1/m.
@@ -142,31 +146,56 @@ impl JudgedScan {
 #[must_use]
 pub fn judge(drive: &Drive, curvature: &dyn Fn(f64) -> f64) -> Vec<JudgedScan> {
     let mut steps = drive.steps.iter().peekable();
-    let scenes = drive.plane.iter().filter(|scene| scene.seen.is_some());
-    let judged = scenes.map(|scene| {
+    let scenes: Vec<_> = drive.plane.iter().filter(|scene| scene.seen.is_some()).collect();
+    let owners = owners(&scenes);
+    let judged = scenes.into_iter().zip(owners).map(|(scene, owner)| {
         // The step at the scan's time: both come from the same clock.
         let mut position_m = 0.0;
         while let Some(step) = steps.next_if(|step| step.time_s <= scene.time_s + 1e-9) {
             position_m = step.position_m;
         }
-        judge_scene(scene, position_m, curvature)
+        judge_scene(scene, owner, position_m, curvature)
     });
     judged.collect()
 }
 
-fn judge_scene(scene: &PlaneScene, position_m: f64, curvature: &dyn Fn(f64) -> f64) -> JudgedScan {
+/// Owners of the targets of these scans.
+fn owners(scenes: &[&PlaneScene]) -> Vec<Option<Owner>> {
+    let echoes: Vec<_> = scenes.iter().map(|scene| echo(scene)).collect();
+    let times = || scenes.iter().map(|scene| scene.time_s);
+    let owner = |(index, time_s): (usize, f64)| {
+        let (track, own) = echoes[index]?;
+        let from = times().take(index).rev().take_while(|t| time_s - t <= ECHOES_S + 1e-9).count();
+        let to = times().skip(index).take_while(|t| t - time_s <= ECHOES_S + 1e-9).count();
+        let around = echoes[index - from..index + to].iter().flatten();
+        let votes = |owner: Owner| around.clone().filter(|echo| **echo == (track, owner)).count();
+        let others = around.clone().filter(|echo| echo.0 == track).map(|echo| echo.1);
+        // Where two have the same number, the scan's own echo decides.
+        Some(others.fold(own, |most, other| if votes(other) > votes(most) { other } else { most }))
+    };
+    times().enumerate().map(owner).collect()
+}
+
+/// Track of a scan's target, and the body that its echo is on.
+fn echo(scene: &PlaneScene) -> Option<(u32, Owner)> {
+    let target = scene.seen?.target?;
+    let distances = scene.bodies.iter().map(|body| body.distance_m(target.x_m, target.y_m));
+    let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+    let nearest = nearest.filter(|(_, distance_m)| *distance_m <= BODY_M);
+    Some((target.track_id, nearest.map_or(Owner::Nothing, |(vehicle, _)| Owner::Vehicle(vehicle))))
+}
+
+fn judge_scene(
+    scene: &PlaneScene,
+    owner: Option<Owner>,
+    position_m: f64,
+    curvature: &dyn Fn(f64) -> f64,
+) -> JudgedScan {
     let gaps = scene.bodies.iter().map(|body| body.rear_position_m - position_m);
     let ahead =
         gaps.enumerate().filter(|(index, gap_m)| scene.bodies[*index].in_lane && *gap_m > BEHIND_M);
     let lead =
         ahead.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(vehicle, gap_m)| Lead { vehicle, gap_m });
-    let target = scene.seen.and_then(|seen| seen.target);
-    let owner = target.map(|target| {
-        let distances = scene.bodies.iter().map(|body| body.distance_m(target.x_m, target.y_m));
-        let nearest = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
-        let nearest = nearest.filter(|(_, distance_m)| *distance_m <= BODY_M);
-        nearest.map_or(Owner::Nothing, |(vehicle, _)| Owner::Vehicle(vehicle))
-    });
     let owned = match owner {
         Some(Owner::Vehicle(vehicle)) => Some(&scene.bodies[vehicle]),
         Some(Owner::Nothing) | None => None,
@@ -228,7 +257,13 @@ mod tests {
         let plane = targets.iter().enumerate().map(|(index, target)| {
             let seen = Seen {
                 published_s: 0.0,
-                target: target.map(|(x_m, y_m)| TargetPlace { x_m, y_m, ..TargetPlace::default() }),
+                target: target.map(|(x_m, y_m)| TargetPlace {
+                    x_m,
+                    y_m,
+                    // A track of its own at each place.
+                    track_id: (10.0 * x_m + 1e3 * y_m) as u32,
+                    ..TargetPlace::default()
+                }),
             };
             PlaneScene {
                 time_s: STEP_S * index as f64,
@@ -255,6 +290,26 @@ mod tests {
             [(false, false, false), (true, true, false), (true, false, true), (true, false, false)]
         );
         assert_eq!(scans[0].lead, Some(Lead { vehicle: 1, gap_m: 40.0 }));
+    }
+
+    #[test]
+    fn one_echo_of_two_bodies_does_not_change_the_owner_and_a_switch_does() {
+        let track = |places: &[(f64, f64)]| {
+            let targets: Vec<_> = places.iter().map(|&place| Some(place)).collect();
+            let mut drive = drive(&targets);
+            for target in drive.plane.iter_mut().filter_map(|scene| scene.seen.as_mut()) {
+                target.target.as_mut().expect("each scan has one").track_id = 7;
+            }
+            judge(&drive, &|_| 0.0).iter().map(|scan| scan.owner).collect::<Vec<_>>()
+        };
+        let (lead, beside) = ((40.2, 0.2), (42.2, 3.4));
+        let mut places = [lead; 12];
+        places[5] = beside;
+        assert_eq!(track(&places), [Some(Owner::Vehicle(1)); 12]);
+        places[6..].fill(beside);
+        let owners = track(&places);
+        let switched = owners.iter().filter(|owner| **owner == Some(Owner::Vehicle(0))).count();
+        assert!((6..=7).contains(&switched), "{owners:?}");
     }
 
     #[test]

@@ -1,0 +1,39 @@
+//! Sources of the course ([`super::course_filter`]).
+
+/// Sources of the course that are in use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sources {
+    /// Yaw rate and slip angle of the ego.
+    pub yaw_rate: bool,
+    /// Standing objects beside the road.
+    pub standing: bool,
+    /// Trails of other vehicles.
+    pub trails: bool,
+    /// Curvatures of the map.
+    pub map: bool,
+}
+
+impl Sources {
+    /// Any is in use; otherwise the path is straight ahead.
+    #[must_use]
+    pub fn any(&self) -> bool {
+        self.yaw_rate || self.standing || self.trails || self.map
+    }
+
+    /// One of them shows the road ahead of the ego. The yaw rate alone makes a circle.
+    #[must_use]
+    pub fn looks_ahead(&self) -> bool {
+        self.standing || self.trails || self.map
+    }
+}
+
+/// Curvatures of the map ahead.
+#[derive(Clone, Copy, Debug)]
+pub struct MapAhead<'a> {
+    /// Curvatures of cells in a row, 1/m.
+    pub curvatures_perm: &'a [f64],
+    /// Distance of the first cell's middle ahead of the bumper, m; it may be behind.
+    pub first_m: f64,
+    /// Length of a cell, m.
+    pub cell_m: f64,
+}
