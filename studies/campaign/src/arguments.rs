@@ -35,7 +35,7 @@ pub struct CampaignArguments {
     #[arg(long = "require", value_name = "FORMULA", conflicts_with = "merge")]
     pub require: Vec<String>,
     /// Laws of the user's own. They drive if the campaign names no controllers. In `signals` they drive beside the two
-    /// laws of the campaign. In `radio` and `plausibility` one replaces its laws.
+    /// laws of the campaign. In `radio`, `plausibility` and `curves` one replaces its laws.
     #[command(flatten)]
     pub laws: LawOptions,
     /// Seed of the random drives (`plausibility`) [default: 1]

@@ -81,12 +81,14 @@ pub struct Ego<'a> {
     pub plan: &'a str,
     /// Sources of the course, as TOML.
     pub sources: &'a str,
+    /// Name of the law that drives.
+    pub law: &'a str,
 }
 
 impl Ego<'_> {
     /// Begin of the scenario file. The radar has all of its imperfections.
     pub fn text(&self) -> String {
-        let Self { name, seed, duration_s, speed_mps, plan, sources } = self;
+        let Self { name, seed, duration_s, speed_mps, plan, sources, law } = self;
         format!(
             "schema_version = 1\nname = \"{name}\"\nduration_s = {duration_s:.1}\nseed = {seed}\n\
              set_speed_mps = {speed_mps:.3}\n\
@@ -97,7 +99,7 @@ impl Ego<'_> {
              [plant.lateral]\nmodel = \"single-track\"\n\
              [perception.radar]\ndropout_probability = 0.02\nlatency_ms = 50\n\
              [perception.course]\nsources = {sources}\n\
-             [controller]\nname = \"acc-mpc\"\n"
+             [controller]\nname = \"{law}\"\n"
         )
     }
 }

@@ -15,6 +15,7 @@ use scenario::Scenario;
 use scenario::perception::Radar;
 use serde::{Deserialize, Serialize};
 
+use super::event::Event;
 use super::limits::{BRAKED_MPS2, FROM_SIGHT_MPS2, SEEN_WITHIN_S};
 use super::scene::Scene;
 
@@ -46,6 +47,8 @@ pub struct Kept {
     pub aborted_because: Option<String>,
     /// Sums by part of a curve, in the order of [`Place::ALL`].
     pub places: [Sums; 4],
+    /// Lost leads and taken neighbours one by one.
+    pub events: Vec<Event>,
     /// Times that the emergency brake braked.
     pub interventions: u64,
     /// Lowest request of the law, m/s².
@@ -54,6 +57,8 @@ pub struct Kept {
     pub sight: Option<Sight>,
     /// Largest lateral acceleration, m/s².
     pub largest_lateral_mps2: f64,
+    /// The options that declare a law of the user's own, as words.
+    pub law_options: Vec<String>,
 }
 
 impl Kept {
@@ -81,6 +86,7 @@ impl Kept {
             outcome: done.summary.outcome,
             aborted_because: done.summary.aborted_because.clone(),
             places: by_place(&scans),
+            events: Event::all(&scans),
             interventions: done.summary.aebs.interventions.unwrap_or(0),
             lowest_request_mps2: drive
                 .steps
@@ -89,6 +95,7 @@ impl Kept {
                 .reduce(f64::min),
             sight: if is_in_lane { sight(&drive.plane, &scans, radar, &speeds) } else { None },
             largest_lateral_mps2: lateral.fold(0.0, f64::max),
+            law_options: Vec::new(),
         }
     }
 
@@ -132,7 +139,11 @@ impl Kept {
 
     /// The command that repeats all drives of its number.
     pub fn repeat(&self) -> String {
-        format!("timegap campaign curves --first {} --seeds 1", self.number)
+        let command = format!("timegap campaign curves --first {} --seeds 1", self.number);
+        match self.law_options.as_slice() {
+            [] => command,
+            words => format!("{command} {}", runtime::command_line(words)),
+        }
     }
 
     /// Its finding, in words.
@@ -200,10 +211,12 @@ pub(super) mod tests {
             outcome: Outcome::Completed,
             aborted_because: None,
             places: [road, Sums::default(), Sums::default(), Sums::default()],
+            events: Vec::new(),
             interventions: 0,
             lowest_request_mps2: Some(-0.4),
             sight: (scene == Scene::InLane).then_some(sight),
             largest_lateral_mps2: 1.9,
+            law_options: Vec::new(),
         }
     }
 

@@ -9,6 +9,7 @@
 //! ```
 
 mod draw;
+mod event;
 mod figures;
 mod judge;
 mod limits;
@@ -25,7 +26,7 @@ use std::process::ExitCode;
 
 use frame::batch::{Done, Job};
 use frame::{Found, Options, Study};
-use group::Error;
+use group::{Error, LawOptions};
 use judge::Kept;
 use report::results::Document;
 use scene::Scene;
@@ -54,6 +55,8 @@ pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
 struct Curves {
     first: usize,
     count: usize,
+    /// The law of the user's own, or none.
+    laws: LawOptions,
 }
 
 impl Curves {
@@ -81,6 +84,7 @@ impl Study for Curves {
         Ok(Self {
             first: arguments.first.map_or(1, NonZeroUsize::get),
             count: usize::try_from(count).expect("at least 32 bits"),
+            laws: arguments.one_law(NAME)?.clone(),
         })
     }
 
@@ -94,7 +98,7 @@ impl Study for Curves {
 
     fn job(&self, run: usize) -> Result<Job, Error> {
         let (number, scene, sources) = self.run(run);
-        Ok(Job::lockstep(scene.scenario(number as u64, sources)?))
+        Ok(Job::lockstep(scene.scenario(number as u64, sources, &self.laws)?))
     }
 
     fn record(
@@ -104,7 +108,8 @@ impl Study for Curves {
         result: Result<Done, Error>,
     ) -> Result<(Kept, ()), Error> {
         let (number, scene, sources) = self.run(run);
-        Ok((Kept::of((number, scene, sources.name), &job.scenario, &result?), ()))
+        let kept = Kept::of((number, scene, sources.name), &job.scenario, &result?);
+        Ok((Kept { law_options: self.laws.words(), ..kept }, ()))
     }
 
     fn keys(&self, run: usize) -> Vec<(String, String)> {
@@ -124,7 +129,7 @@ impl Study for Curves {
 
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
         let kept: Vec<Kept> = found.records.all()?.into_iter().map(|(_, kept)| kept).collect();
-        Ok(table::document(&kept, found.sample))
+        Ok(table::document(&kept, &self.laws, found.sample))
     }
 }
 
@@ -134,7 +139,7 @@ mod tests {
 
     #[test]
     fn every_number_has_every_scene_with_every_source() {
-        let study = Curves { first: 3, count: 2 };
+        let study = Curves { first: 3, count: 2, laws: LawOptions::default() };
         assert_eq!(study.runs(), 30);
         let runs: Vec<_> = (0..study.runs()).map(|index| study.run(index)).collect();
         for number in [3, 4] {

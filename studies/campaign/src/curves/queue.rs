@@ -75,7 +75,7 @@ impl Queue {
     }
 
     /// As a scenario file, with the queue in the ego's lane or beside it.
-    pub fn text(&self, number: u64, is_in_lane: bool, sources: &str) -> String {
+    pub fn text(&self, number: u64, is_in_lane: bool, sources: &str, law: &str) -> String {
         let Self { speed_mps, radius_m, arc_m, line_m, .. } = self;
         let turn = if self.turn > 0.0 { "left" } else { "right" };
         let spiral = self
@@ -97,6 +97,7 @@ impl Queue {
             speed_mps: *speed_mps,
             plan: &plan,
             sources,
+            law,
         };
         let mut text = ego.text();
         let lane_m = if is_in_lane { 0.0 } else { self.side * LANE_M };

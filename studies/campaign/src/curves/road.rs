@@ -69,7 +69,7 @@ impl RandomRoad {
     }
 
     /// As a scenario file.
-    pub fn text(&self, number: u64, sources: &str) -> String {
+    pub fn text(&self, number: u64, sources: &str, law: &str) -> String {
         let plan = format!(
             "generated = {{ seed = {number}, length_km = {ROAD_KM}, min_radius_m = 250, \
              max_radius_m = 2000, spiral_m = [30, 200] }}"
@@ -82,6 +82,7 @@ impl RandomRoad {
             speed_mps,
             plan: &plan,
             sources,
+            law,
         };
         let mut text = ego.text();
         for other in &self.others {

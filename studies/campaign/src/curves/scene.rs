@@ -1,7 +1,7 @@
 //! The kinds of scenes, and the scenario of each run.
 
 use controller::laws;
-use group::Error;
+use group::{Error, LawOptions};
 use scenario::{Overrides, Scenario};
 use serde::{Deserialize, Serialize};
 
@@ -9,6 +9,9 @@ use super::NAME;
 use super::queue::Queue;
 use super::road::RandomRoad;
 use super::sources::Sources;
+
+/// The law that drives where the user gives none.
+pub const LAW: &str = "acc-mpc";
 
 /// Kind of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -35,22 +38,29 @@ impl Scene {
         }
     }
 
-    /// Scene `number` of this kind as a scenario file.
-    pub fn text(self, number: u64, sources: &Sources) -> String {
+    /// Scene `number` of this kind, driven by a law, as a scenario file.
+    pub fn text(self, number: u64, sources: &Sources, law: &str) -> String {
         match self {
-            Self::Road => RandomRoad::new(number).text(number, sources.toml),
-            Self::Beside => Queue::new(number).text(number, false, sources.toml),
-            Self::InLane => Queue::new(number).text(number, true, sources.toml),
+            Self::Road => RandomRoad::new(number).text(number, sources.toml, law),
+            Self::Beside => Queue::new(number).text(number, false, sources.toml, law),
+            Self::InLane => Queue::new(number).text(number, true, sources.toml, law),
         }
     }
 
-    /// The scenario of that file.
+    /// The scenario of that file. A law of the user's own drives, if there is one.
     ///
     /// # Errors
     /// If the scenario is refused.
-    pub fn scenario(self, number: u64, sources: &Sources) -> Result<Scenario, Error> {
-        let text = self.text(number, sources);
-        Ok(Scenario::parse_with(NAME, &text, &Overrides::new(), &laws::check)?)
+    pub fn scenario(
+        self,
+        number: u64,
+        sources: &Sources,
+        own: &LawOptions,
+    ) -> Result<Scenario, Error> {
+        let text = self.text(number, sources, own.only().unwrap_or(LAW));
+        let mut overrides = Overrides::new();
+        own.lay_over(&mut overrides)?;
+        Ok(Scenario::parse_with(NAME, &text, &overrides, &laws::check)?)
     }
 }
 
@@ -64,11 +74,22 @@ mod tests {
         for number in 1..=60 {
             for scene in Scene::ALL {
                 let sources = &sources::ALL[number as usize % sources::ALL.len()];
-                let scenario = scene.scenario(number, sources);
+                let scenario = scene.scenario(number, sources, &LawOptions::default());
                 let scenario =
                     scenario.unwrap_or_else(|error| panic!("{scene:?} {number}: {error}"));
                 assert!(scenario.road.plan().is_some());
+                assert_eq!(scenario.controller.name.as_str(), LAW);
             }
+        }
+    }
+
+    #[test]
+    fn a_law_of_the_users_own_drives_every_scene() {
+        let own = LawOptions { laws: vec!["mine=cat".parse().expect("a law")] };
+        for scene in Scene::ALL {
+            let scenario = scene.scenario(1, &sources::JUDGED, &own);
+            let scenario = scenario.unwrap_or_else(|error| panic!("{scene:?}: {error}"));
+            assert_eq!(scenario.controller.name.as_str(), "mine");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The result: all drives added up, and the limits.
 
 use frame::batch::ProcessesSample;
+use group::LawOptions;
 use report::results::{
     Column, Document, Format, Kind, Schema, Table, column, count, fact, flag, nested, number,
     outcome, word,
@@ -8,14 +9,15 @@ use report::results::{
 use serde::Serialize;
 use serde_json::json;
 
+use super::event;
 use super::figures::{self, Figures, Often, PlaceFigures};
 use super::judge::Kept;
 use super::limits;
-use super::scene::Scene;
+use super::scene::{LAW, Scene};
 use super::sources::{self, JUDGED};
 use super::{NAME, queue::Queue};
 
-/// Most scenario files of drives with a finding.
+/// Most scenario files of drives with a finding or an event.
 const MOST_FILES: usize = 50;
 
 /// The sums over all drives. The figures at the top are those of the judged sources.
@@ -31,6 +33,8 @@ struct Results {
     sources: Vec<Figures>,
     places: Vec<PlaceFigures>,
     limits: Vec<Limit>,
+    /// The law of the user's own that drove; null: the study's.
+    law: Option<String>,
     failures: Vec<String>,
     processes_sample: ProcessesSample,
 }
@@ -78,6 +82,7 @@ const FIELDS: &[Column<Results>] = &[
         "Interventions of the emergency brake on random roads and beside queues",
     ),
     count("collisions", "", "Collisions of all scenes"),
+    word("law", "", "Law of the user's own that drove; null: `acc-mpc`"),
     nested(
         "failures",
         Kind::List,
@@ -144,8 +149,9 @@ pub fn schema() -> Schema {
 }
 
 /// The document of all drives.
-pub fn document(runs: &[Kept], processes_sample: ProcessesSample) -> Document {
-    let results = Results::of(runs, processes_sample);
+pub fn document(runs: &[Kept], laws: &LawOptions, processes_sample: ProcessesSample) -> Document {
+    let results = Results::of(runs, laws.only(), processes_sample);
+    let law = laws.only().unwrap_or(LAW);
     let failed: Vec<Kept> = runs.iter().filter(|run| is_failure(run)).cloned().collect();
     let met = results.limits.iter().filter(|limit| limit.met).count();
     let verdict = format!(
@@ -159,7 +165,7 @@ pub fn document(runs: &[Kept], processes_sample: ProcessesSample) -> Document {
     let (roads, queues) = results.sources.first().map_or((0.0, 0), |row| (row.km, row.beside));
     let document = Document::new(NAME, "Curves", &results)
         .about(format!(
-            "{roads:.0} km of random roads, {queues} queues beside and in the lane, lockstep"
+            "{roads:.0} km of random roads, {queues} queues beside and in the lane, driven by {law}, lockstep"
         ))
         .verdict(results.ok, verdict)
         // Other sources than the judged ones are there for comparison.
@@ -174,10 +180,14 @@ pub fn document(runs: &[Kept], processes_sample: ProcessesSample) -> Document {
         )
         .table(Table::new("Limits", LIMITS, &results.limits))
         .table(Table::new("Drives with a finding", FAILURES, &failed).most_rows(20))
-        .file("curves.csv", Table::new("", &drives(), runs).csv());
-    failed.iter().take(MOST_FILES).fold(document, |document, run| {
+        .file("curves.csv", Table::new("", &drives(), runs).csv())
+        .file("events.csv", Table::new("", &event::columns(), &event::Row::all(runs)).csv());
+    // A drive whose lead is lost counts in the figures alone, but is worth a look.
+    let is_eventful = |run: &&Kept| run.sources == JUDGED.name && !run.events.is_empty();
+    let eventful = runs.iter().filter(is_eventful).filter(|run| !is_failure(run));
+    failed.iter().chain(eventful).take(MOST_FILES).fold(document, |document, run| {
         let number = run.number as u64;
-        let text = run.scene.text(number, &JUDGED);
+        let text = run.scene.text(number, &JUDGED, law);
         let scene = serde_json::to_value(run.scene).expect("a word");
         let name = format!("{}-{number}.toml", scene.as_str().unwrap_or_default());
         document.file(&name, text)
@@ -198,7 +208,7 @@ fn with_sources(runs: &[Kept]) -> impl Iterator<Item = (&'static str, Vec<&Kept>
 }
 
 impl Results {
-    fn of(runs: &[Kept], processes_sample: ProcessesSample) -> Self {
+    fn of(runs: &[Kept], law: Option<&str>, processes_sample: ProcessesSample) -> Self {
         let judged: Vec<&Kept> = runs.iter().filter(|run| run.sources == JUDGED.name).collect();
         let figures = Figures::of(JUDGED.name, &judged);
         let limits = Limit::all(&figures);
@@ -226,6 +236,7 @@ impl Results {
             sources: with_sources(runs).map(|(name, runs)| Figures::of(name, &runs)).collect(),
             places: places(runs),
             limits,
+            law: law.map(str::to_owned),
             failures: failures.collect(),
             processes_sample,
         }
@@ -281,15 +292,15 @@ mod tests {
         straight.places[0] = Sums { lost_s: 90.0, losses: 30, ..straight.places[0] };
         straight.outcome = Outcome::Collision;
         runs.push(straight);
-        let results = Results::of(&runs, ProcessesSample::default());
+        let results = Results::of(&runs, None, ProcessesSample::default());
         assert!(results.ok, "{:?}", results.limits);
         assert_eq!(results.sources.len(), 2);
         assert_eq!(results.sources[0].lead_lost, Often { share: 0.6, per_km: 6.0 });
         assert_eq!(results.lead_lost, Often::default());
         runs[1].interventions = 1;
-        let results = Results::of(&runs, ProcessesSample::default());
+        let results = Results::of(&runs, None, ProcessesSample::default());
         assert!(!results.ok && results.phantom_interventions == 1);
-        let document = document(&runs, ProcessesSample::default());
+        let document = document(&runs, &LawOptions::default(), ProcessesSample::default());
         assert!(document.junit().contains("<failure"), "{}", document.junit());
         assert!(document.console(200).contains("6 of 7 limits met"), "{}", document.console(200));
         assert_eq!(report::results::check(&schema().json(), &document.value()), [""; 0]);
@@ -299,7 +310,7 @@ mod tests {
     fn a_loss_too_many_exceeds_its_limit() {
         let mut runs = all(JUDGED.name);
         runs[0].places[1] = Sums { km: 0.0, losses: 1, ..Sums::default() };
-        let results = Results::of(&runs, ProcessesSample::default());
+        let results = Results::of(&runs, None, ProcessesSample::default());
         assert_eq!(results.lead_lost.per_km, 0.2);
         let exceeded: Vec<_> =
             results.limits.iter().filter(|limit| !limit.met).map(|limit| limit.name).collect();

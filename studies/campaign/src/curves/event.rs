@@ -1,0 +1,140 @@
+//! Single events of a drive: a lost lead, a taken neighbour.
+
+use report::results::{Column, count, number, word};
+use report::targets::{JudgedScan, Owner, Place, spans};
+use serde::{Deserialize, Serialize};
+use serde_json::json;
+
+use super::judge::Kept;
+use super::scene::Scene;
+
+/// What happened.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// The lead was lost.
+    Lost,
+    /// A neighbour was taken.
+    Taken,
+}
+
+/// An event.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Event {
+    /// What happened.
+    pub kind: Kind,
+    /// Run time at which it began, s.
+    pub at_s: f64,
+    /// How long it lasted, s.
+    pub lasts_s: f64,
+    /// Part of the curve in which it began.
+    pub place: Place,
+    /// Gap to the lead then, m; none without a lead.
+    pub gap_m: Option<f64>,
+    /// There was a target at all when it began.
+    pub has_target: bool,
+}
+
+impl Event {
+    /// The events of a drive, in the order of time.
+    pub fn all(scans: &[JudgedScan]) -> Vec<Self> {
+        let of_kind = |kind, finding: fn(&JudgedScan) -> bool| {
+            spans(scans, finding).into_iter().filter_map(move |(at_s, end_s)| {
+                let scan = scans.iter().find(|scan| scan.time_s >= at_s)?;
+                let gap_m = scan.lead.map(|lead| lead.gap_m);
+                let has_target = scan.owner.is_some_and(|owner| owner != Owner::Nothing);
+                Some(Self {
+                    kind,
+                    at_s,
+                    lasts_s: end_s - at_s,
+                    place: scan.place,
+                    gap_m,
+                    has_target,
+                })
+            })
+        };
+        let mut events: Vec<Self> = of_kind(Kind::Lost, JudgedScan::is_lead_lost)
+            .chain(of_kind(Kind::Taken, JudgedScan::is_neighbour_taken))
+            .collect();
+        events.sort_by(|a, b| a.at_s.total_cmp(&b.at_s));
+        events
+    }
+}
+
+/// An event with its drive, for `events.csv`.
+#[derive(Debug, Serialize)]
+pub struct Row<'a> {
+    number: usize,
+    scene: Scene,
+    sources: &'a str,
+    event: Event,
+}
+
+impl<'a> Row<'a> {
+    /// The events of all drives.
+    pub fn all(runs: &'a [Kept]) -> Vec<Self> {
+        let of_run = |run: &'a Kept| {
+            let Kept { number, scene, ref sources, .. } = *run;
+            run.events.iter().map(move |&event| Self { number, scene, sources, event })
+        };
+        runs.iter().flat_map(of_run).collect()
+    }
+}
+
+/// Columns of `events.csv`.
+pub fn columns<'a>() -> Vec<Column<Row<'a>>> {
+    vec![
+        count("number", "", "Number of the scene"),
+        word("scene", "", "Kind of the scene"),
+        word("sources", "", "Sources of the course"),
+        word("event.kind", "", "A lost lead or a taken neighbour"),
+        number("at_s", "", "s", 2, "When it began").of(|row| json!(row.event.at_s)),
+        number("lasts_s", "", "s", 2, "How long it lasted").of(|row| json!(row.event.lasts_s)),
+        word("event.place", "", "Part of a curve"),
+        number("gap_m", "", "m", 1, "Gap to the lead").of(|row| json!(row.event.gap_m)),
+        word("has_target", "", "Another vehicle was the target")
+            .of(|row| json!(row.event.has_target)),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use report::targets::Lead;
+
+    #[test]
+    fn an_event_has_its_begin_its_length_and_its_place() {
+        let scan = |time_s: f64, owner: Option<usize>| JudgedScan {
+            time_s,
+            position_m: 0.0,
+            place: if time_s < 1.5 { Place::Entry } else { Place::Arc },
+            lead: Some(Lead { vehicle: 0, gap_m: 60.0 - time_s }),
+            owner: owner.map(Owner::Vehicle),
+            is_beside: owner == Some(1),
+        };
+        let scans = [
+            scan(0.0, Some(0)),
+            scan(1.0, None),
+            scan(2.0, Some(1)),
+            scan(3.0, Some(0)),
+            scan(4.0, Some(0)),
+        ];
+        let lost = Event {
+            kind: Kind::Lost,
+            at_s: 1.0,
+            lasts_s: 2.0,
+            place: Place::Entry,
+            gap_m: Some(59.0),
+            has_target: false,
+        };
+        let taken = Event {
+            kind: Kind::Taken,
+            at_s: 2.0,
+            lasts_s: 1.0,
+            place: Place::Arc,
+            gap_m: Some(58.0),
+            has_target: true,
+        };
+        assert_eq!(Event::all(&scans), [lost, taken]);
+    }
+}
