@@ -6,6 +6,10 @@ use its::spatem::{MovementEvent, MovementPhase, MovementState};
 use its::time::TimeMark;
 use messages::{Interval, MAX_INTERVALS, PhaseState, Signal};
 
+/// Time for which a green that outlasts its announced end still counts, s: until the next message, and what clocks may
+/// differ.
+const NEXT_MESSAGE_S: f64 = 0.4;
+
 /// A phase and its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Announced {
@@ -15,6 +19,13 @@ pub struct Announced {
     pub ends_s: [f64; 3],
     /// Confidence in the likely end, 0 to 15.
     pub confidence: u8,
+}
+
+impl Announced {
+    /// True for a green whose end is open.
+    fn is_open_green(&self) -> bool {
+        self.state == PhaseState::ProtectedMovementAllowed && self.ends_s[1].is_infinite()
+    }
 }
 
 /// Announced phases of one signal group.
@@ -28,15 +39,16 @@ pub struct Timing {
 
 impl Timing {
     /// Timing of a movement that was made at `made_ns` of run time. If the announced end of the present phase has
-    /// passed, the phase still holds; its end and what follows are unknown.
+    /// passed, the phase still holds. Its end is open: a red lasts, and a green can end with each message. Its yellow is
+    /// then as long as it was announced.
     #[must_use]
     pub fn of(movement: &MovementState, made_ns: i64, moment: &Moment) -> Self {
         let mut phases: Vec<Announced> = Vec::with_capacity(movement.events.len());
         for event in movement.events.iter().take(MAX_INTERVALS) {
             let Some(announced) = announced(event, moment) else { break };
-            if phases.is_empty() && announced.ends_s[1] <= made_ns as f64 / 1e9 {
-                let endless = Announced { ends_s: [f64::INFINITY; 3], confidence: 0, ..announced };
-                phases.extend(Some(endless).filter(|p| p.state == PhaseState::StopAndRemain));
+            let made_s = made_ns as f64 / 1e9;
+            if phases.is_empty() && announced.ends_s[1] <= made_s {
+                phases.extend(outlasting(&announced, &movement.events, made_s, moment));
                 break;
             }
             // A phase that ends before it begins is unknown, and so are the phases behind it.
@@ -56,10 +68,17 @@ impl Timing {
             let left = timing.phases.iter().filter(|p| p.ends_s[1] > now_s + same_end_s);
             left.copied().collect::<Vec<_>>()
         };
-        coming(self).iter().zip(&coming(other)).all(|(a, b)| {
+        for (a, b) in coming(self).iter().zip(&coming(other)) {
             let (a_s, b_s) = (a.ends_s[1], b.ends_s[1]);
-            a.state == b.state && (a_s == b_s || (a_s - b_s).abs() <= same_end_s)
-        })
+            let is_open = a.is_open_green() || b.is_open_green();
+            if a.state != b.state || !is_open && a_s != b_s && (a_s - b_s).abs() > same_end_s {
+                return false;
+            }
+            if is_open {
+                break;
+            }
+        }
+        true
     }
 
     /// Writes the timing into a message.
@@ -88,6 +107,33 @@ pub fn agree(a: &[Timing], b: &[Timing], now_s: f64, numbers: &Numbers) -> bool 
         let mut same = b.iter().filter(|of_b| of_b.signal_group == of_a.signal_group);
         same.all(|of_b| of_a.agrees_with(of_b, now_s, numbers))
     })
+}
+
+/// The shown phase and what is certain after it, of a phase that outlasts its announced end. A green needs the yellow
+/// that was announced behind it.
+fn outlasting(
+    shown: &Announced,
+    events: &[MovementEvent],
+    made_s: f64,
+    moment: &Moment,
+) -> Vec<Announced> {
+    let open = |min_s| Announced { ends_s: [min_s, f64::INFINITY, f64::INFINITY], ..*shown };
+    match shown.state {
+        PhaseState::StopAndRemain => vec![Announced { confidence: 0, ..open(f64::INFINITY) }],
+        PhaseState::ProtectedMovementAllowed => {
+            let next = events.get(1).and_then(|event| announced(event, moment));
+            let yellow = next.filter(|next| next.state == PhaseState::ProtectedClearance);
+            let lasts_s = yellow.map_or(0.0, |yellow| yellow.ends_s[0] - shown.ends_s[1]);
+            if !lasts_s.is_finite() || lasts_s <= NEXT_MESSAGE_S {
+                return Vec::new();
+            }
+            let green = Announced { confidence: 0, ..open(made_s + NEXT_MESSAGE_S) };
+            let ends_s = [made_s + lasts_s, f64::INFINITY, f64::INFINITY];
+            let state = PhaseState::ProtectedClearance;
+            vec![green, Announced { state, ends_s, confidence: 0 }]
+        }
+        _ => Vec::new(),
+    }
 }
 
 /// A phase with its ends; `None` if its certain length is unknown.
@@ -185,13 +231,23 @@ mod tests {
     }
 
     #[test]
-    fn what_is_shown_after_its_announced_end_is_red_or_unknown() {
+    fn what_is_shown_after_its_announced_end_still_holds_and_its_end_is_open() {
         let green = |s| event(MovementPhase::ProtectedMovementAllowed, [Some(s); 3]);
         let red = |s| event(MovementPhase::StopAndRemain, [Some(s); 3]);
         let late = timing(vec![red(-1), green(9)]);
         assert_eq!(late.phases.len(), 1);
         assert_eq!(late.phases[0].ends_s, [f64::INFINITY; 3]);
-        assert_eq!(timing(vec![green(-1), red(9)]).phases, []);
+        assert_eq!(timing(vec![green(-1), red(9)]).phases, [], "no yellow was announced");
+        let yellow = |s| event(MovementPhase::ProtectedClearance, [Some(s); 3]);
+        let late = timing(vec![green(-9), yellow(-6), red(9)]);
+        let told: Vec<_> = late.phases.iter().map(|phase| (phase.state, phase.ends_s[0])).collect();
+        let green_now = (PhaseState::ProtectedMovementAllowed, 40.4);
+        assert_eq!(told, [green_now, (PhaseState::ProtectedClearance, 43.0)]);
+        assert_eq!(timing(vec![yellow(-1), red(9)]).phases, [], "red may be shown at once");
+        let agrees =
+            |other: Vec<MovementEvent>| late.agrees_with(&timing(other), 40.0, &Numbers::DEFAULT);
+        assert!(agrees(vec![green(5), yellow(8), red(9)]), "green lasts for now");
+        assert!(!agrees(vec![red(9)]));
     }
 
     #[test]

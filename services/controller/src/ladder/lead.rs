@@ -8,6 +8,9 @@
 //! ```text
 //! p(t) = p + v t - b t²/2,   v(t) = v - b t,   until v(t) = 0
 //! ```
+//!
+//! A tracker can lose a lead to a false detection, and then begin a new track at the lead's true place. The new track
+//! shows itself by its past: two vehicles were never at one place. See [`LeadMemory::was_at_the_place_of`].
 
 use crate::following::safe_gap::LeadNow;
 use crate::law::{Ego, Input, Target};
@@ -23,6 +26,13 @@ const SEEN_FOR_S: f64 = 1.0;
 const MATTERS: (f64, f64) = (3.0, 10.0);
 /// A target this much farther than the lost lead is another vehicle, m.
 const BEYOND_M: f64 = 5.0;
+/// Braking of a vehicle on a dry road, m/s². More is an error of the estimate.
+const HARDEST_MPS2: f64 = 10.0;
+/// Age of the memory that a new target's past is compared with, s, to twice as much. Chosen: a tracker goes on with a
+/// false detection for less.
+const EARLIER_S: f64 = 1.0;
+/// Length of a short car, m: two rears on one lane are never closer.
+const SHORTEST_M: f64 = 3.5;
 /// Slower braking than this is noise of the estimate, m/s².
 const NOISE_MPS2: f64 = 0.3;
 
@@ -55,7 +65,7 @@ impl LastSeen {
 
     /// Deceleration when it was last seen, m/s².
     pub(super) fn braking_mps2(&self) -> f64 {
-        let braking = -self.target.acceleration_mps2;
+        let braking = (-self.target.acceleration_mps2).min(HARDEST_MPS2);
         if braking > NOISE_MPS2 { braking } else { 0.0 }
     }
 
@@ -90,6 +100,9 @@ impl LastSeen {
 #[derive(Clone, Debug, Default)]
 pub(super) struct LeadMemory {
     last: Option<LastSeen>,
+    /// The same lead up to [`EARLIER_S`] before the last, and as long again before that.
+    recent: Option<LastSeen>,
+    earlier: Option<LastSeen>,
     is_missed: bool,
 }
 
@@ -100,13 +113,43 @@ impl LeadMemory {
             tracks.iter().all(|track| track.id != last.target.track_id) && last.is_missed(input)
         });
         let assumed = lost.map(|last| last.at(&input.ego, input.time_s));
-        self.is_missed = assumed
-            .is_some_and(|lost| input.target.is_none_or(|seen| seen.gap_m > lost.gap_m + BEYOND_M));
+        self.is_missed = assumed.is_some_and(|lost| {
+            input.target.is_none_or(|seen| {
+                seen.gap_m > lost.gap_m + BEYOND_M && !self.was_at_the_place_of(input, &seen)
+            })
+        });
         if self.is_missed {
             return assumed;
         }
-        self.last = input.target.map(|target| LastSeen::new(input, target, self.last.as_ref()));
+        let last = input.target.map(|target| LastSeen::new(input, target, self.last.as_ref()));
+        self.remember(last);
         input.target
+    }
+
+    /// True if the lead was where `seen` has come from: `seen` is the lead, under another number.
+    fn was_at_the_place_of(&self, input: &Input, seen: &Target) -> bool {
+        self.earlier.is_some_and(|lead| {
+            let speed_mps = input.ego.speed_mps + seen.relative_speed_mps;
+            let now_m = input.ego.position_m + seen.gap_m;
+            let then_m = now_m - speed_mps * (input.time_s - lead.time_s);
+            (then_m - lead.position_m).abs() < SHORTEST_M
+        })
+    }
+
+    /// Takes the lead as it is now seen.
+    fn remember(&mut self, last: Option<LastSeen>) {
+        let is_same =
+            self.last.zip(last).is_some_and(|(a, b)| a.target.track_id == b.target.track_id);
+        self.last = last;
+        if !is_same {
+            (self.recent, self.earlier) = (last, last);
+        } else if self
+            .recent
+            .zip(last)
+            .is_some_and(|(then, now)| now.time_s - then.time_s >= EARLIER_S)
+        {
+            (self.earlier, self.recent) = (self.recent, last);
+        }
     }
 
     /// True if the newest fresh sample misses the lead.
@@ -181,6 +224,35 @@ mod tests {
         let near = memory.see(&input(2.2, lead(3, 33.0, 0.0)), &[listed(3)]);
         assert_eq!(near.map(|target| target.track_id), Some(3));
         assert!(!memory.is_missed());
+    }
+
+    #[test]
+    fn a_new_track_that_comes_from_the_leads_place_is_the_lead() {
+        // A false detection took the track: it brakes beyond all reason and vanishes. The lead drives on at 30 m.
+        for (gap_m, relative_mps, is_lead) in
+            [(30.0, 0.0, true), (28.0, -1.0, true), (36.0, 0.0, false), (36.0, 3.0, true)]
+        {
+            let mut memory = LeadMemory::default();
+            for k in 0..=20 {
+                memory.see(&input(0.1 * f64::from(k), lead(1, 30.0, 0.0)), &[listed(1)]);
+            }
+            memory.see(&input(2.4, lead(1, 22.0, -14.0)), &[listed(1), listed(2)]);
+            let target = Target {
+                track_id: 2,
+                gap_m,
+                relative_speed_mps: relative_mps,
+                ..Target::default()
+            };
+            let seen = memory.see(&input(2.5, Some(target)), &[listed(2)]).expect("a target");
+            assert_eq!(seen.track_id == 2, is_lead, "{gap_m} {relative_mps}");
+            assert_eq!(memory.is_missed(), !is_lead);
+        }
+    }
+
+    #[test]
+    fn no_lead_is_assumed_to_brake_harder_than_tyres_can() {
+        let last = *seen(2.0, 40.0, -15.0).last().expect("seen");
+        assert_eq!(last.braking_mps2(), HARDEST_MPS2);
     }
 
     #[test]
