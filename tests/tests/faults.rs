@@ -310,6 +310,7 @@ fn faults_come_into_a_run_that_goes_on() {
 fn process_faults_in_lockstep_and_senseless_ones_are_refused_before_anything_runs() {
     for (fault, what) in [
         (fault("kill", 1.0, "service = \"plant\""), "realtime"),
+        (fault("kill", 1.0, "service = \"plant\""), "faulty.toml:"),
         (fault("kill", 1.0, ""), "needs `service`"),
         (fault("drop", 1.0, "topic = \"health/heartbeat\""), "radar/tracks"),
         (

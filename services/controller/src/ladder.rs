@@ -188,7 +188,7 @@ impl Ladder {
             let last = self.memory.last();
             input.target = last.map(|last| last.at(&input.ego, input.time_s));
         }
-        let sight = radar.map_or(Sight::Full, RadarTracks::sight);
+        let sight = self.caution.settle(radar.map(RadarTracks::sight), input.period_s);
         if Caution::heed(sight, input) {
             self.enter_if_mild(Level::SensorLimited);
         }

@@ -26,7 +26,6 @@ use runtime::{
     CountsReader, Cycle, Group, Mode, Overrun, Publisher, Release, Runtime, RuntimeError,
     Subscriber, monotonic_ns,
 };
-use scenario::perception::RadarModel;
 use scenario::{Scenario, controller};
 use std::time::Duration;
 
@@ -194,7 +193,7 @@ impl Loop {
             diagnostics: runtime.publisher()?,
             output,
             ladder: Ladder::new(scenario),
-            plausibility: Plausibility::new(scenario.perception.model() != RadarModel::Ideal),
+            plausibility: Plausibility::new(scenario),
             estimate: EgoEstimate::default(),
             account: Account::new(),
             braked: false,

@@ -37,6 +37,9 @@ pub struct ScenarioOptions {
     /// Refuses a set key that the law does not read; a study of several laws notes it instead.
     #[arg(skip)]
     pub is_for_one_law: bool,
+    /// Refuses a fault of a process at its place: in simulated time it shows nothing.
+    #[arg(skip)]
+    pub is_in_lockstep: bool,
 }
 
 /// Settings of a group's start.

@@ -5,9 +5,9 @@ use messages::{Service, Topic};
 use radio::{Carrier, OpenError, Role};
 use runtime::Mode;
 use runtime::scheduling::usable_cores;
-use scenario::Scenario;
 use scenario::carrier::CarrierAddress;
 use scenario::faults::{Effect, Fault, Helper, Kind, ProcessFault, Target};
+use scenario::{Problem, Scenario};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -179,6 +179,18 @@ fn check_standbys(scenario: &Scenario) -> Result<(), Refusal> {
         Some(&service) => Err(Refusal::StandbyInLockstep(service)),
         None => Ok(()),
     }
+}
+
+/// Checks that no fault acts on a process, for a run in simulated time.
+///
+/// # Errors
+/// The place of the first one.
+pub fn check_faults_in_lockstep(scenario: &Scenario) -> Result<(), Problem> {
+    let Some((index, kind)) = fault_of_processes(scenario) else { return Ok(()) };
+    let message =
+        format!("`{kind}` acts on a process: in lockstep all services wait for each other");
+    let expected = "--mode realtime and without --in-process, or `drop` to silence a topic";
+    Err(Problem::new(format!("faults.{index}.kind"), message, expected))
 }
 
 /// The first fault that acts on processes, and its index.

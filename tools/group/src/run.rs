@@ -1,5 +1,6 @@
 //! One scenario: opened with the options laid over it, and driven through a process group.
 
+use crate::refusal::check_faults_in_lockstep;
 use crate::{Error, Failure, GroupOptions, GroupOutcome, Launch, Moment, ScenarioOptions, launch};
 use controller::laws;
 use openscenario::Assignment;
@@ -67,16 +68,23 @@ pub fn open_with(
     for argument in keys {
         overrides.set_by(option, argument)?;
     }
+    let check = |scenario: &Scenario| {
+        let reads = laws::check(scenario)?;
+        if options.is_in_lockstep {
+            check_faults_in_lockstep(scenario)?;
+        }
+        Ok(reads)
+    };
     let parameters = options.parameters.iter().map(|argument| assignment(argument));
     let parameters = parameters.collect::<Result<Vec<_>, _>>()?;
     let mut scenario = if is_openscenario(name) {
-        Scenario::open_openscenario(Path::new(name), &parameters, &overrides, &laws::check)
+        Scenario::open_openscenario(Path::new(name), &parameters, &overrides, &check)
             .map_err(|error| Error::OpenScenario(Box::new(error)))?
     } else if let Some(argument) = options.parameters.first() {
         let (argument, name) = (argument.clone(), name.to_owned());
         return Err(ParameterError::NoOpenScenario { argument, name }.into());
     } else {
-        Scenario::open(name, &overrides, &laws::check)?
+        Scenario::open(name, &overrides, &check)?
     };
     scenario.require.formulas.extend(options.require.iter().cloned());
     crate::requirements(&scenario)?;

@@ -61,6 +61,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         parameters: arguments.parameters.clone(),
         radio: arguments.radio.clone(),
         is_for_one_law: true,
+        is_in_lockstep: arguments.in_process || Mode::from(arguments.mode) == Mode::Lockstep,
         ..arguments.scenario_options.clone()
     };
     let scenario = open(&arguments.scenario, &options)?;

@@ -11,6 +11,9 @@
 //! A radar that sees less than it should bounds the set speed: to what stops within the distance at which it still finds
 //! a vehicle in time.
 //!
+//! What the radar reports of itself is an estimate with noise. Worse sight counts at once, better sight when it has
+//! lasted for 5 s: near a threshold the set speed would else change several times a second.
+//!
 //! A radar that is blind half of the time is so never accelerated on. While blind, the set speed is at most
 //! the speed at which the ego became blind. So the laws do not work against the bound.
 
@@ -47,15 +50,40 @@ pub(super) struct Caution {
     blind_from_mps: Option<f64>,
     /// Bound that slows down what is too fast for a blind radar, m/s².
     slows_mps2: Option<f64>,
+    /// Sight that counts.
+    sight: Sight,
+    /// Time for which the radar has reported a better one, s.
+    better_s: f64,
 }
 
 impl Default for Caution {
     fn default() -> Self {
-        Self { proof_s: 0.0, most_mps2: FREE_MPS2, blind_from_mps: None, slows_mps2: None }
+        Self {
+            proof_s: 0.0,
+            most_mps2: FREE_MPS2,
+            blind_from_mps: None,
+            slows_mps2: None,
+            sight: Sight::Full,
+            better_s: 0.0,
+        }
     }
 }
 
 impl Caution {
+    /// Takes what the radar reports of its sight, if there is a report; returns the sight that counts.
+    pub(super) fn settle(&mut self, reported: Option<Sight>, period_s: f64) -> Sight {
+        let Some(reported) = reported else { return self.sight };
+        if severity(reported) < severity(self.sight) {
+            self.better_s += period_s;
+        } else {
+            (self.sight, self.better_s) = (reported, 0.0);
+        }
+        if self.better_s >= LONGEST_S {
+            (self.sight, self.better_s) = (reported, 0.0);
+        }
+        self.sight
+    }
+
     /// Bounds the set speed by what the radar sees; true if that is less than it should be.
     pub(super) fn heed(sight: Sight, input: &mut Input) -> bool {
         let most_mps = match sight {
@@ -101,6 +129,15 @@ impl Caution {
     }
 }
 
+/// How little is seen, as a rank.
+fn severity(sight: Sight) -> u32 {
+    match sight {
+        Sight::Full => 0,
+        Sight::Limited => 1,
+        Sight::Blind => 2,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -137,6 +174,25 @@ mod tests {
             assert_eq!(Caution::heed(Sight::of_share(share), &mut input), share < 0.7);
             assert_eq!(input.set_speed_mps, most_mps);
         }
+    }
+
+    #[test]
+    fn worse_sight_counts_at_once_and_better_sight_when_it_has_lasted() {
+        let mut caution = Caution::default();
+        let mut settle = |sight, releases: usize| {
+            (0..releases).map(|_| caution.settle(sight, 0.1)).last().expect("a release")
+        };
+        assert_eq!(settle(Some(Sight::Full), 1), Sight::Full);
+        assert_eq!(settle(Some(Sight::Limited), 1), Sight::Limited);
+        // An estimate that goes to and fro about the threshold.
+        for _ in 0..20 {
+            assert_eq!(settle(Some(Sight::Full), 40), Sight::Limited);
+            assert_eq!(settle(Some(Sight::Limited), 1), Sight::Limited);
+        }
+        assert_eq!(settle(Some(Sight::Blind), 1), Sight::Blind);
+        assert_eq!(settle(None, 100), Sight::Blind, "no report is no better sight");
+        assert_eq!(settle(Some(Sight::Limited), 49), Sight::Blind);
+        assert_eq!(settle(Some(Sight::Full), 2), Sight::Full);
     }
 
     #[test]

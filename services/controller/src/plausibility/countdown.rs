@@ -28,6 +28,8 @@ struct Known {
 #[derive(Clone, Debug)]
 pub struct Countdown {
     known: [Option<Known>; REMEMBERED],
+    /// Time by which a shown phase may outlast its announced end, s.
+    overdue_s: f64,
     /// By how much the ends of known signals are off, s, while they are.
     offset_s: Option<f64>,
     /// Step and acquisition, ns, of the last message: one that is as old as the one before may say more.
@@ -40,6 +42,7 @@ impl Default for Countdown {
     fn default() -> Self {
         Self {
             known: [None; REMEMBERED],
+            overdue_s: OVERDUE_S,
             offset_s: None,
             last: None,
             believed: Box::new(bytemuck::Zeroable::zeroed()),
@@ -61,6 +64,12 @@ enum Comparison {
 }
 
 impl Countdown {
+    /// Nothing known yet, of units whose clocks may differ by `clocks_s` from the vehicle's.
+    #[must_use]
+    pub fn new(clocks_s: f64) -> Self {
+        Self { overdue_s: OVERDUE_S + clocks_s, ..Self::default() }
+    }
+
     /// Takes the newest message; returns what of it can be believed, and whether that is less than it
     /// says.
     pub fn look<'a>(
@@ -85,7 +94,7 @@ impl Countdown {
         for signal in &mut self.believed.signals[..count] {
             let Some(slot) = find(&self.known, signal) else { continue };
             let Some(Known { signal: known, .. }) = self.known[slot] else { continue };
-            if is_overdue(signal, now_s) {
+            if is_overdue(signal, now_s, self.overdue_s) {
                 overdue = true;
                 *signal = as_shown(signal, now_s).unwrap_or(known);
                 continue;
@@ -111,7 +120,7 @@ impl Countdown {
         };
         for signal in &mut self.believed.signals[..count] {
             if signal.count > 0 && find(&self.known, signal).is_none() {
-                if is_overdue(signal, now_s) {
+                if is_overdue(signal, now_s, self.overdue_s) {
                     overdue = true;
                     signal.count = 0;
                     continue;
@@ -150,8 +159,8 @@ fn remember(known: &mut [Option<Known>; REMEMBERED], new: Known) {
 }
 
 /// The phase that is shown should be over by its own end.
-fn is_overdue(signal: &Signal, now_s: f64) -> bool {
-    intervals(signal).first().is_some_and(|shown| shown.max_end_s < now_s - OVERDUE_S)
+fn is_overdue(signal: &Signal, now_s: f64, overdue_s: f64) -> bool {
+    intervals(signal).first().is_some_and(|shown| shown.max_end_s < now_s - overdue_s)
 }
 
 /// A green that outlasts its announced end is still shown. It can end with each message, and then its yellow comes.
@@ -289,6 +298,17 @@ mod tests {
             let spat = spat(1, now_s, -2.0);
             let (_, contradicts) = countdown.look(&spat, now_s, &mut findings);
             assert_eq!(contradicts, (18.2..20.0 - 1e-9).contains(&now_s), "{now_s}");
+        }
+    }
+
+    #[test]
+    fn a_phase_may_outlast_its_end_by_what_the_clocks_differ() {
+        for (clocks_s, contradicts) in [(0.0, true), (0.25, false)] {
+            let (mut countdown, mut findings) = (Countdown::new(clocks_s), Findings::default());
+            countdown.look(&spat(1, 19.9, 0.0), 19.9, &mut findings);
+            let mut late = spat(1, 19.9, 0.0);
+            late.header.acquisition_ns = 20_300_000_000;
+            assert_eq!(countdown.look(&late, 20.3, &mut findings).1, contradicts, "{clocks_s}");
         }
     }
 

@@ -29,7 +29,10 @@ pub mod motion;
 pub mod radar;
 
 use crate::report::CheckReport;
+use crate::sampling::Setting;
 use messages::{Odometry, RadarTracks, Spat};
+use scenario::Scenario;
+use scenario::perception::RadarModel;
 
 /// A check of the inputs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -157,13 +160,17 @@ pub struct Plausibility {
 }
 
 impl Plausibility {
-    /// Nothing seen yet. `noisy` of a radar whose figures have noise.
+    /// Nothing seen yet, with the radar and the clocks of a scenario.
     #[must_use]
-    pub fn new(noisy: bool) -> Self {
+    pub fn new(scenario: &Scenario) -> Self {
+        let (model, keys) = (scenario.perception.model(), &scenario.perception.radar);
+        let range_sigma_m =
+            if model == RadarModel::ObjectList { keys.range_sigma_m.value() } else { 0.0 };
+        let clocks_s = Setting::of(scenario, false).clock_tolerance_s;
         Self {
             motion: motion::Motion::default(),
-            radar: radar::Radar::new(noisy),
-            countdown: countdown::Countdown::default(),
+            radar: radar::Radar::new(model != RadarModel::Ideal).with_noise(range_sigma_m),
+            countdown: countdown::Countdown::new(clocks_s),
             findings: Findings::default(),
         }
     }

@@ -38,6 +38,8 @@ parameters! {
             "Chosen: beside a vehicle that cuts in the radar sees its flank, 3.9 m ahead of its rear, for 0.3 s.";
         /// Difference of the target from its track, in distance.
         target_m: f64 = 2.5, "m", 0.5..=10.0, "Chosen: six standard deviations of the object list's range.";
+        /// The same of a radar whose range has more noise.
+        target_sigmas: f64 = 6.0, "1", 3.0..=10.0, "Chosen: as above.";
         /// The same by range.
         target_share: f64 = 0.03, "1", 0.0..=0.1, "Chosen: as above.";
         /// The same in speed.
@@ -52,6 +54,8 @@ pub static LIMITS: Varied<Limits> = Varied::new(Limits::DEFAULT);
 #[derive(Clone, Debug)]
 pub struct Radar {
     noisy: bool,
+    /// Standard deviation of a single range, m; 0 where it is small.
+    range_sigma_m: f64,
     /// The scan before; made ahead, as the loop must not allocate.
     last: Box<RadarTracks>,
     has_seen: bool,
@@ -89,6 +93,7 @@ impl Radar {
     pub fn new(noisy: bool) -> Self {
         Self {
             noisy,
+            range_sigma_m: 0.0,
             last: Box::new(bytemuck::Zeroable::zeroed()),
             has_seen: false,
             repeated: 0,
@@ -97,6 +102,12 @@ impl Radar {
             contradicted: false,
             corrected: Box::new(bytemuck::Zeroable::zeroed()),
         }
+    }
+
+    /// The same for ranges with a standard deviation of `range_sigma_m`.
+    #[must_use]
+    pub fn with_noise(self, range_sigma_m: f64) -> Self {
+        Self { range_sigma_m, ..self }
     }
 
     /// Takes the newest scan and the newest odometry. Returns the scan, or `None` if it cannot be trusted. A
@@ -191,7 +202,8 @@ impl Radar {
     /// track's range differs from what the last scan and the rate said.
     fn correct(&mut self, track: &Measured, differs_m: f64, time_s: f64, findings: &mut Findings) {
         let target = &mut self.corrected.target;
-        let bound_m = LIMITS.target_m + LIMITS.target_share * track.range_m.abs();
+        let noise_m = LIMITS.target_sigmas * self.range_sigma_m;
+        let bound_m = LIMITS.target_m.max(noise_m) + LIMITS.target_share * track.range_m.abs();
         if !track.is_measured || differs_m.abs() > bound_m {
             return;
         }
