@@ -2,7 +2,7 @@
 //!
 //! ```sh
 //! cargo run --release -p regulation --example law_numbers -- six-mode six_mode
-//! cargo run --release -p regulation --example law_numbers -- predictive predictive --built-in truck-traffic,truck-hills
+//! cargo run --release -p regulation --example law_numbers -- predictive predictive --built-in truck-traffic,truck-brake
 //! cargo run --release -p regulation --example law_numbers -- acc-mpc following
 //! ```
 //!

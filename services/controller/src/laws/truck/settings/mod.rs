@@ -1,4 +1,4 @@
-//! What a scenario may set of the law.
+//! Keys of the law in a scenario. `tables` says how the effects beside the numbers were measured.
 
 mod numbers;
 mod tables;
@@ -102,8 +102,10 @@ pub struct Keys {
     /// Which brakes the law may use; `none` is the paper's: torque from drag to full load alone.
     pub brakes: Brakes,
     /// Mean speed to keep on a free road, relative to the set speed.
+    // At 0.8: rms jerk -6 %, fuel -15.7 %.
     pub mean_speed: f64,
     /// Hardest deceleration of the vehicle ahead that is reckoned with on a car, m/s².
+    // No change at 4.5 and 11.25.
     pub lead_deceleration_mps2: f64,
     /// Gap and modes (14) to (16).
     pub gap: GapKeys,
