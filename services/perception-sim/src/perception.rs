@@ -1,7 +1,7 @@
 //! One step of perception: traffic, radar, tracks, target.
 //!
-//! The radar is on before the run begins. From that time are the scans that its latency holds back, and those from
-//! which the tracker knows the traffic. In that time every vehicle keeps its speed of the start.
+//! The radar is on before the run begins. Its latency holds back scans of that time, and the tracker knows the
+//! traffic from them. Every vehicle keeps its initial speed in that time.
 
 use std::sync::Arc;
 
@@ -140,7 +140,7 @@ impl Perception {
         self.step_told(time_ns, ego, Some(*ego), detections)
     }
 
-    /// The same with what the ego's odometry says of it, which the tracker works with.
+    /// The same with the ego's motion by its odometry, which the tracker uses.
     pub fn step_told(
         &mut self,
         time_ns: u64,
@@ -239,7 +239,7 @@ impl Perception {
         };
     }
 
-    /// The ego's motion at the last scan as the tracker took it to be.
+    /// The ego's motion that the tracker assumed at the last scan.
     #[must_use]
     pub fn known(&self) -> Ego {
         self.known
@@ -251,7 +251,7 @@ impl Perception {
         self.ego_speed.measured()
     }
 
-    /// Share of the detections that the radar should give which it does give: 1 of exact tracks.
+    /// Share of the expected detections that the radar gives; 1 with exact tracks.
     #[must_use]
     pub fn seen_share(&self) -> f64 {
         match &self.sensor {
@@ -261,7 +261,7 @@ impl Perception {
         }
     }
 
-    /// The road ahead as the tracker takes it to be; `None` of exact tracks.
+    /// The road ahead as the tracker estimates it; `None` with exact tracks.
     #[must_use]
     pub fn road_ahead(&self) -> Option<&RoadAhead> {
         match &self.sensor {
@@ -289,7 +289,7 @@ impl Perception {
         }
     }
 
-    /// The traffic, for what of it outlives the process.
+    /// The traffic, for the state that outlives the process.
     pub fn traffic(&mut self) -> &mut Traffic {
         &mut self.traffic
     }

@@ -12,11 +12,11 @@ use crate::radar::scene::{Ego, PlaneEgo};
 use crate::tracking::course_filter::{MapAhead, Sources};
 use crate::tracking::road_ahead::RoadAhead;
 
-/// Age at which a measurement of the yaw rate is of no use, ns.
+/// Age beyond which a measurement of the yaw rate is not used, ns.
 const STALE_NS: i64 = 200_000_000;
-/// Standard deviation of the course's place up to which it is of use, m: a quarter of a lane.
+/// Standard deviation of the course's place up to which the course is used, m: a quarter of a lane.
 const USEFUL_M: f64 = 0.9;
-/// Farthest distance to which it is of use, m, and the steps in which it is looked for.
+/// Farthest distance to which it is used, m, and the steps of the search for it.
 const FARTHEST_M: u32 = 150;
 const STEP_M: u32 = 10;
 

@@ -30,7 +30,7 @@ use crate::radar::scene::Scene;
 use crate::tracking::TrackList;
 use crate::vehicle::Vehicle;
 
-/// Distance c beyond which a track is of no vehicle, m.
+/// Distance c beyond which a track belongs to no vehicle, m.
 const CUTOFF_M: f64 = 10.0;
 /// A track may be this far from the body of a vehicle that is seen in part, m.
 const BODY_MARGIN_M: f64 = 3.0;
@@ -230,7 +230,7 @@ impl Assignment {
         best
     }
 
-    /// Gives what tracks are left to the vehicles on whose bodies they are.
+    /// Gives the remaining tracks to the vehicles on whose bodies they are.
     fn add_partly_seen(&mut self, scene: &Scene, in_view: &[bool; MAX_TRACKS], list: &TrackList) {
         for (index, track) in list.tracks().iter().enumerate() {
             if self.track_of.contains(&Some(index)) {

@@ -16,7 +16,7 @@ use runtime::{Checkpoint, Cycle, Loan, Mode, Overrun, Publisher, Release, Runtim
 use scenario::perception::RadarModel;
 use scenario::speeds::SpeedPoint;
 
-/// Age at which odometry is of no use to the tracker, ns.
+/// Age beyond which the tracker does not use odometry, ns.
 const STALE_ODOMETRY_NS: i64 = 200_000_000;
 
 /// Gives the points of a table of speeds that another run is still making: it appends new points. It returns once a
@@ -112,7 +112,7 @@ pub fn run_behind(mut runtime: Runtime, mut ahead: Ahead) -> Result<(), RuntimeE
 /// Takes the traffic as the active process has it: there is one, and a standby does not move it.
 fn follow(perception: &mut Perception, kept: Option<&mut Checkpoint<Snapshot>>, time_ns: u64) {
     let kept = kept.and_then(Checkpoint::restore);
-    // A standby that is late by a period finds a state of after its own step.
+    // A standby that is late by a period finds a state later than its own step.
     if let Some(kept) = kept.filter(|kept| kept.newest_ns() <= time_ns) {
         perception.traffic().restore(&kept);
     }
@@ -177,7 +177,7 @@ fn true_at(truth: &EgoTruth, time_s: f64) -> Ego {
     Ego { position_m, speed_mps, acceleration_mps2: truth.acceleration_mps2 }
 }
 
-/// The ego as its odometry says, `None` where it is too old.
+/// The ego by its odometry; `None` if that is too old.
 fn told_at(odometry: Option<&Odometry>, start: Ego, release: &Release) -> Option<Ego> {
     let Some(odometry) = odometry else { return Some(start).filter(|_| release.step == 0) };
     if release.scheduled_ns - odometry.header.acquisition_ns > STALE_ODOMETRY_NS {

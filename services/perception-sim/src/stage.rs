@@ -18,7 +18,7 @@ use crate::vehicle::Vehicle;
 #[derive(Clone, Debug)]
 pub(crate) struct Stage {
     world: World,
-    /// For each actor of the scenario its entity.
+    /// The entity of each actor of the scenario.
     entities: Vec<usize>,
     /// The ego at the start.
     start: Motion,

@@ -2,8 +2,9 @@
 //!
 //! A request acts after the dead time. From then on the path holds the vehicle's acceleration below a ceiling. The
 //! ceiling begins at the acceleration of that instant. It falls with the path's jerk to the request, at most to the
-//! authority. After the request has ended it rises with the same jerk, until the vehicle is below it by itself. The
-//! path is apart from the actuator that the controller commands: the vehicle gets the lower of the two accelerations.
+//! authority. After the request has ended it rises with the same jerk, until the vehicle's own acceleration is below
+//! it. The path is apart from the actuator that the controller commands: the vehicle gets the lower of the two
+//! accelerations.
 
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};

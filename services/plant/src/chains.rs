@@ -12,9 +12,9 @@
 //!                                                            actuate ──────────────────────────┘
 //! ```
 //!
-//! Three waits are designed: a modelled latency of the radar, the controller's wait for a release of its own timer,
-//! and the command's for the plant's next release (and the scenario's extra delay). They end at *scheduled* instants,
-//! so that lateness does not pass for a design. The rest, the *net* reaction time, is the cost of the deployment.
+//! Three waits are designed: a modelled latency of the radar, the controller's wait for a release of its own timer, and
+//! the command's wait for the plant's next release (with the scenario's extra delay). They end at *scheduled* instants:
+//! lateness is not part of the design. The rest, the *net* reaction time, is the cost of the deployment.
 
 use crate::parts::{Actuated, Parts, Stamps};
 use crate::report::Hops;

@@ -1,7 +1,7 @@
 //! Contact of two bodies in the plane: rectangles, by the separating-axis theorem.
 //!
-//! Two convex bodies are apart exactly where a line between them exists, and for rectangles one of the four directions of
-//! their sides is enough to find it.
+//! Two convex bodies are apart exactly if a line between them exists. For rectangles it is enough to try the four
+//! directions of their sides.
 
 use messages::{VehiclePose, VehiclePoses, VehicleTruth};
 
@@ -55,8 +55,8 @@ impl Rectangle {
         Self { x_m: self.x_m + way_m * cosine, y_m: self.y_m + way_m * sine, ..self }
     }
 
-    /// True if the bodies overlap. Those that only touch along the sides do not; those that touch at the ends do, as a gap
-    /// of 0 is a collision on the axis.
+    /// True if the bodies overlap. Those that only touch along the sides do not; those that touch at the ends do, as a
+    /// gap of 0 is a collision on the axis.
     #[must_use]
     pub fn meets(&self, other: &Self) -> bool {
         let (x, y) = (other.x_m - self.x_m, other.y_m - self.y_m);

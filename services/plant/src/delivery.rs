@@ -37,7 +37,7 @@ impl Arrival {
     ///
     /// * The stamp is later than the arrival. The clock is ahead; the release was at the arrival or before it.
     /// * A sample that the cycle used is newer than the end of the stamp's period. The clock is behind, and the
-    ///   newest sample shows when the cycle was. Else the gateway would follow the plan from its middle on.
+    ///   newest sample shows when the cycle was. Otherwise the gateway would follow the plan from its middle on.
     ///   A sample stamped after `now_ns` shows nothing.
     #[must_use]
     pub fn released_ns(&self, now_ns: i64) -> i64 {

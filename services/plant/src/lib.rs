@@ -9,7 +9,7 @@
 //!                                                  └────> referee ──> summary
 //! ```
 //!
-//! The models are plain code, and only `service` touches the runtime. A vehicle by itself:
+//! The models are plain code, and only `service` touches the runtime. A vehicle alone:
 //!
 //! ```
 //! use plant::longitudinal::Vehicle;

@@ -1,5 +1,5 @@
-//! Surroundings of the ego by the ground truth. Faults that wait for a phase of the drive use them, and a campaign's
-//! account of its drives. The referee uses the vehicle ahead. Nothing that drives uses it.
+//! Surroundings of the ego by the ground truth. Faults that wait for a phase of the drive use them, and so does a
+//! campaign's account of its drives. The referee uses the vehicle ahead. No law and no service that drives uses it.
 
 use crate::ahead::Ahead;
 use crate::longitudinal::State;

@@ -1,8 +1,8 @@
 //! Late and missing commands, counted where they are missed.
 //!
-//! A controller counts its own misses, as far as it lives to do so and says the truth. The plant has a schedule of
-//! its own: in each control period a command for this or a later period must arrive within the deadline after the
-//! period's start. When it has not, the period is missed, whatever became of the command.
+//! A controller counts its own misses, but it may die or count wrongly. So the plant has a schedule of its own. In each
+//! control period a command for this or a later period must arrive within the deadline after the period's start.
+//! Otherwise the period is missed, whatever became of the command.
 
 use serde::{Deserialize, Serialize};
 

@@ -21,7 +21,7 @@ struct KeptChain {
     now_ns: i64,
 }
 
-/// The longest chains so far, longest first; the earlier of two that are equal. Keeping one
+/// The longest chains so far, longest first; of two equal ones the earlier. Keeping one
 /// allocates nothing.
 #[derive(Debug)]
 pub struct Worst {

@@ -1,9 +1,8 @@
-//! The outline of a vehicle as the radar has it before itself.
+//! The outline of a vehicle as the radar sees it.
 //!
-//! On a curve a vehicle stands askew to the ego. All that depends on how it is seen is told in its own axes, turned
-//! about the radar: `rear_m` and `front_m` along it, `right_m` and `left_m` across it, each from the radar. There the
-//! rear shows when it is ahead, and the side that shows is that on the radar's side of it. On a straight road the axes
-//! are the ego's own, and nothing is turned.
+//! On a curve a vehicle stands askew to the ego. Its outline is given in its own axes, turned about the radar: `rear_m`
+//! and `front_m` along it, `right_m` and `left_m` across it, each from the radar. In these axes the rear shows when it
+//! is ahead, and the side on the radar's side shows. On a straight road the axes are the ego's own.
 
 use super::scene::Scene;
 

@@ -8,7 +8,7 @@
 //! * Range, range rate and azimuth come from the frequency of a sampled tone each, whose error has at
 //!   least the standard deviation √6/(2π) · resolution / √(S/N); imperfections of the sensor add a
 //!   floor.
-//! * Noise alone exceeds the threshold somewhere in the measured volume a Poisson number of times.
+//! * Noise alone exceeds the threshold in the measured volume. The number of times is Poisson distributed.
 //! * The receiver keeps a constant false-alarm rate: where noise exceeds the set threshold more than
 //!   [`Numbers::alarms_kept`] times in a scan, it raises the threshold for that scan. Noise power is exponential, so that
 //!   ln(n / kept) more leaves that number of n alarms.

@@ -23,7 +23,7 @@ pub struct Scene {
     pub time_ns: i64,
     /// The ego as it truly is.
     pub ego: Ego,
-    /// The ego as its odometry says; `None` without odometry of use.
+    /// The ego by its odometry; `None` without usable odometry.
     pub told: Option<Ego>,
     /// The other vehicles, in the scenario's order; the rest are not present.
     pub vehicles: [Vehicle; MAX_TRACKS],
@@ -40,7 +40,7 @@ pub struct PlaneEgo {
     pub velocity_mps: (f64, f64),
     /// Yaw rate, rad/s, left positive.
     pub yaw_rate_radps: f64,
-    /// Yaw rate by the ego's sensor; `None` without one of use.
+    /// Yaw rate by the ego's sensor; `None` without a usable one.
     pub told_yaw_rate_radps: Option<f64>,
 }
 

@@ -1,8 +1,8 @@
 //! Estimate of the course ([`super::course`]): a Kalman filter of the heading at the ego and the curvatures of the
 //! knots ahead ([`super::curvature_knots`]).
 //!
-//! The road stands: on the way only the heading changes, by the curvature of the way minus the ego's own turn, and
-//! knots that are passed give way to new ones at the far end. Then the state takes in:
+//! The road does not move. As the ego moves, only the heading changes: by the curvature of the way minus the ego's own
+//! turn. New knots at the far end replace those that are passed. Then the state takes in:
 //!
 //! | source | measurement | variance |
 //! |---|---|---|
@@ -12,7 +12,7 @@
 //! | trails | two places of one trail are equally far from the course | the wander of their vehicle; likewise |
 //! | map | curvature ahead | an error of its place |
 //!
-//! The ego's own measurements are limited to a number of standard deviations; the rest counts only within them. So
+//! The ego's own measurements are limited to a number of standard deviations. The others count only within them. So
 //! wrong echoes do not bend the course, and a course that has gone astray comes back to the ego's own way.
 //!
 //! Only weak objects near the known edge count, and only trails of confirmed tracks: a mirror image or a queue must not
@@ -97,7 +97,7 @@ impl CourseFilter {
         let sharper = self.numbers.sharper(motion.speed_mps);
         let turn = knots::heading(way_m, self.passed_m);
         let road_rad: f64 = (1..STATES).map(|i| turn[i] * self.state.mean[i]).sum();
-        // Without a yaw rate of use the ego keeps to the course.
+        // Without a usable yaw rate the ego follows the course.
         let told = motion.yaw_rate_radps.filter(|_| motion.speed_mps >= self.numbers.slow_mps);
         let turn_rad = told.map_or(road_rad, |radps| radps * dt_s);
         self.state.mean[0] += road_rad - turn_rad;
@@ -357,8 +357,8 @@ impl CourseFilter {
         self.state.variance_along(&weights).max(0.0).sqrt()
     }
 
-    /// Heading, rad, curvature, 1/m, and its rate, 1/m², of a clothoid that begins as the course does and is at the same
-    /// place across the road 100 m ahead.
+    /// Heading, rad, curvature, 1/m, and its rate, 1/m², of a clothoid that begins as the course does and is at the
+    /// same place across the road 100 m ahead.
     #[must_use]
     pub fn clothoid(&self) -> [f64; 3] {
         const FAR_M: f64 = 100.0;

@@ -4,9 +4,9 @@
 //! its detections ([`super::track`]), and the rest begins tracks ([`super::birth`]). Then tracks of one vehicle are
 //! united, mirror images end ([`super::mirror`]), and tracks are confirmed or end. A step allocates nothing.
 //!
-//! On a road with a plan all this happens on the course ([`super::course_filter`]), which the scan's standing echoes
-//! and the trails of the tracks correct first. A track stays where it is in the plane while the course is corrected:
-//! it is shifted by as much at its distance, and gains no lateral speed.
+//! On a road with a plan all this happens on the course ([`super::course_filter`]). The scan's standing echoes and the
+//! trails of the tracks correct the course first. A track keeps its place in the plane then: it is shifted by the
+//! correction at its distance, and gains no lateral speed.
 
 use messages::Detection;
 use scenario::Scenario;
@@ -260,7 +260,7 @@ impl DetectionTracker {
         self.sight.share()
     }
 
-    /// A track that is not seen while another one in its cell is has gone into that one's echo.
+    /// An unseen track whose cell holds a seen one has merged into that echo.
     fn share(&mut self, seen: &[Option<Measured>; MAX_KEPT]) {
         for place in 0..self.tracks.len() {
             let track = &self.tracks[place];

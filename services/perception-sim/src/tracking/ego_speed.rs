@@ -1,9 +1,9 @@
-//! The ego's speed as the radar measures it: by what stands beside the road.
+//! The ego's speed as the radar measures it, by standing objects beside the road.
 //!
 //! A standing object at azimuth `phi` has the range rate `-v cos(phi)`. So each detection off the ego's lane measures
-//! `v`, if it stands. The measurements within reach of the last estimate vote: a vehicle can gain or lose no more
-//! since. The median of the votes is the new estimate. The first scan takes odometry's speed for the last estimate;
-//! from then on the two are independent of each other.
+//! `v`, if it stands. The measurements within reach of the last estimate vote. The reach is the change of speed that a
+//! vehicle can make since. The median of the votes is the new estimate. The first scan takes odometry's speed for the
+//! last estimate; from then on the two are independent of each other.
 //!
 //! Source: D. Kellner, M. Barjenbruch, J. Klappstein, J. Dickmann, K. Dietmayer, Instantaneous ego-motion
 //! estimation using Doppler radar, ITSC 2013: the velocity profile of standing targets, without its search
@@ -52,7 +52,7 @@ impl EgoSpeed {
         self.take_scan_on(&Course::STRAIGHT, time_ns, told, detections)
     }
 
-    /// The same on a course: off the lane is what is off the course.
+    /// The same on a course: objects off the course are off the lane.
     pub fn take_scan_on(
         &mut self,
         course: &Course,
@@ -95,7 +95,7 @@ impl EgoSpeed {
         }
     }
 
-    /// Lists what each detection off the lane would say of the ego's speed if it stood, in order.
+    /// Lists the ego's speeds that detections off the lane would show if they stood, in order.
     fn vote(&mut self, course: &Course, detections: &[Detection]) {
         self.votes_mps.clear();
         for detection in detections {

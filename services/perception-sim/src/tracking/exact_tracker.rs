@@ -1,4 +1,4 @@
-//! Tracks that are the truth, for laws that are to be judged without a sensor's errors. Range and field
+//! True tracks, to judge laws without a sensor's errors. Range and field
 //! of view still bound what is seen.
 
 use messages::MAX_TRACKS;

@@ -17,7 +17,7 @@ use std::array::from_fn;
 
 use kalman::{Gaussian, Innovation};
 
-/// No model is ever thought less likely than this, so that it can come back.
+/// Least probability of a model, so that it can come back.
 const LEAST_WEIGHT: f64 = 1e-4;
 
 /// A bank of `M` filters on the same `N` elements.
@@ -85,7 +85,7 @@ impl<const N: usize, const M: usize> Bank<N, M> {
         &self.weights
     }
 
-    /// The measurement of element `m` beside the prediction of the model that is least sure: what a gate
+    /// The measurement of element `m` beside the prediction of the least certain model: what a gate
     /// has to let through.
     #[must_use]
     pub fn widest(&self, m: usize, measured: f64, variance: f64) -> Innovation {

@@ -42,7 +42,7 @@ impl Filter {
         self.combined = self.bank.combined();
     }
 
-    /// Takes in a measured position, m. One far off counts as one at the limit.
+    /// Takes in a measured position, m. A distant one counts as one at the limit.
     pub fn update(&mut self, position: Measured, numbers: &Numbers) {
         let innovation = self.bank.widest(0, position.value, position.variance);
         let limit = numbers.lateral_limit_sigma * innovation.variance.sqrt();

@@ -208,7 +208,7 @@ impl Filter {
         self.combine();
     }
 
-    /// Takes in a measurement of range and range rate; what fails its gate is left out.
+    /// Takes in a measurement of range and range rate; one outside its gate is left out.
     pub fn update(
         &mut self,
         model: &Model,

@@ -5,10 +5,10 @@
 //!
 //! * lateral position: farther than three lanes from the ego's ([`Numbers::farthest_m`]) no track begins: what drives
 //!   there cannot come before the ego soon, and most images are there;
-//! * consistency: a track that is not yet confirmed ends where it could be the image of a track nearer to the
-//!   ego's lane, in a rail that is outside the next lane ([`Numbers::nearest_rail_m`]) and leaves that vehicle room.
+//! * consistency: a track that is not yet confirmed ends if it could be the image of a track nearer to the ego's lane.
+//!   The rail must be outside the next lane ([`Numbers::nearest_rail_m`]) and leave that vehicle room.
 //!
-//! The price: a vehicle three lanes off becomes a track only once it does not drive exactly beside another one
+//! The price: a vehicle three lanes off becomes a track only when it no longer drives exactly beside another one
 //! at the same speed.
 
 use super::association::Point;
@@ -52,7 +52,7 @@ pub fn is_image(
         && agrees(a.relative_speed_mps - b.relative_speed_mps, numbers.image_mps, variance(1))
 }
 
-/// The same on a curve. A rail mirrors as its tangent does where the wave strikes it. That place is on the line of
+/// The same on a curve. A rail mirrors as its tangent at the place that the wave strikes. That place is on the line of
 /// sight to the image, as far from the image as from the vehicle, and there the line between the two is square to the
 /// course.
 fn is_image_on(

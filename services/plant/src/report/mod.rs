@@ -40,7 +40,7 @@ pub struct PlantReport {
     pub aebs: Option<BrakeFigures>,
     /// Radar acquisition to the first cycle of the brake path that uses it.
     pub brake_reaction_time_us: Option<Percentiles>,
-    /// Its parts, with the emergency brake in the place of the controller.
+    /// Its parts, with the emergency brake instead of the controller.
     pub brake_hops_us: Hops,
     /// A signal's change to the first actuation with the new phase behind it.
     pub signal_reaction_us: Option<Percentiles>,
@@ -98,11 +98,11 @@ pub enum Outcome {
     RedLight,
     /// The plant stopped in lane for want of valid commands.
     SafeStop,
-    /// The law's backup drove more than the scenario allows: the drive shows little about the law.
+    /// The law's backup drove more than the scenario allows: the drive shows little of the law.
     DrivenByBackup,
     /// The drive broke a requirement of the scenario, beside the rules that every drive is judged by.
     RequirementBroken,
-    /// Something ended the run before its time.
+    /// An error ended the run early.
     Aborted,
 }
 
