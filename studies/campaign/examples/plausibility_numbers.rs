@@ -73,7 +73,9 @@ fn effect(base: &Figures, changed: &Figures) -> String {
         |of: &Figures, name: &str| of.iter().find(|figure| figure.0 == name).map(|figure| figure.1);
     let words = base.iter().filter_map(|(name, was)| {
         let is = value(changed, name)?;
-        ((is - was).abs() > 5e-3).then(|| format!("{name} {is:.2} instead of {was:.2}"))
+        let (name, unit) = name.rsplit_once(", ").unwrap_or((name, ""));
+        let words = || format!("{name} {is:.2} instead of {was:.2} {unit}").trim_end().to_owned();
+        ((is - was).abs() > 5e-3).then(words)
     });
     let words: Vec<String> = words.collect();
     if words.is_empty() { "no change".to_owned() } else { words.join(", ") }
