@@ -3,6 +3,7 @@
 //! The radar is on before the run begins. Its latency holds back scans of that time, and the tracker knows the
 //! traffic from them. Every vehicle keeps its initial speed in that time.
 
+use std::array::from_fn;
 use std::sync::Arc;
 
 use crate::report::PerceptionReport;
@@ -45,8 +46,10 @@ pub struct Perception {
     road: Option<Arc<Axis>>,
     period_ns: u64,
     latency_scans: usize,
-    held: Box<[Scene; HELD]>,
+    held: [Scene; HELD],
     taken: usize,
+    /// Room for the present scene, and for one before it.
+    rooms: [Scene; 2],
     quality: Quality,
     received: Received,
     detections: u64,
@@ -100,8 +103,9 @@ impl Perception {
             road: None,
             period_ns: perception.period_ms.nanoseconds(),
             latency_scans,
-            held: Box::new([Scene::default(); HELD]),
+            held: from_fn(|_| Scene::with_room(scenario.actors.len(), false)),
             taken: 0,
+            rooms: from_fn(|_| Scene::with_room(scenario.actors.len(), false)),
             quality: Quality::new(scenario),
             received: Received::default(),
             detections: 0,
@@ -120,6 +124,9 @@ impl Perception {
     #[must_use]
     pub fn on_road(mut self, road: Arc<Axis>, sources: Sources, numbers: &CourseNumbers) -> Self {
         self.road = Some(road);
+        for scene in self.held.iter_mut().chain(&mut self.rooms) {
+            *scene = Scene::with_room(self.traffic.vehicles().len(), true);
+        }
         match &mut self.sensor {
             Sensor::Ideal(_) => {}
             Sensor::ObjectList(both) => both.1.follow_course(sources, numbers),
@@ -164,17 +171,23 @@ impl Perception {
     ) -> &TrackList {
         self.traffic.advance(time_ns, ego);
         let now_ns = i64::try_from(time_ns).unwrap_or(i64::MAX);
-        let mut scene = Scene { told, ..Scene::new(now_ns, *ego, self.traffic.vehicles()) };
-        if let (Some(road), Some(in_plane)) = (&self.road, in_plane) {
-            scene = scene.on(road, in_plane);
+        let mut scene = std::mem::take(&mut self.rooms[0]);
+        (scene.time_ns, scene.ego, scene.told) = (now_ns, *ego, told);
+        scene.vehicles.clear();
+        scene.vehicles.extend_from_slice(self.traffic.vehicles());
+        match (&self.road, in_plane) {
+            (Some(road), Some(in_plane)) => scene.stand_on(road, in_plane),
+            _ => scene.plane = None,
         }
         if self.taken == 0 {
             self.warm_up(&scene, detections);
         }
         self.process(&scene, map, detections);
+        self.rooms[0] = scene;
         self.detections += self.received.count as u64;
         self.detections_left_out += self.received.left_out;
-        self.quality.observe(&self.scanned(), &self.list, now_ns);
+        let scanned = &self.held[Self::out(self.taken, self.latency_scans)];
+        self.quality.observe(scanned, &self.list, now_ns);
         &self.list
     }
 
@@ -182,8 +195,10 @@ impl Perception {
     fn warm_up(&mut self, now: &Scene, detections: &mut [Detection; MAX_DETECTIONS]) {
         let settles = now.time_ns == 0 && matches!(self.sensor, Sensor::Detections(_));
         let settling = if settles { SETTLING_SCANS } else { 0 };
+        let mut scene = std::mem::take(&mut self.rooms[1]);
         for back in (1..=self.latency_scans as u64 + settling).rev() {
-            let scene = now.earlier((back * self.period_ns) as i64, self.road.as_deref());
+            let back_ns = (back * self.period_ns) as i64;
+            now.write_earlier(back_ns, self.road.as_deref(), &mut scene);
             if self.taken < self.latency_scans {
                 self.hold(&scene);
             } else {
@@ -197,14 +212,19 @@ impl Perception {
     }
 
     fn hold(&mut self, scene: &Scene) {
-        self.held[self.taken % HELD] = *scene;
+        self.held[self.taken % HELD].clone_from(scene);
         self.taken += 1;
     }
 
     /// The scene of the scan that the last step let out.
     #[must_use]
-    pub fn scanned(&self) -> Scene {
-        self.held[(self.taken - 1 - self.latency_scans) % HELD]
+    pub fn scanned(&self) -> &Scene {
+        &self.held[Self::out(self.taken, self.latency_scans)]
+    }
+
+    /// Place of the scene that the latency lets out after `taken` scans.
+    fn out(taken: usize, latency_scans: usize) -> usize {
+        (taken - 1 - latency_scans) % HELD
     }
 
     fn process(
@@ -214,22 +234,22 @@ impl Perception {
         detections: &mut [Detection; MAX_DETECTIONS],
     ) {
         self.hold(scene);
-        let out = self.scanned();
+        let out = &self.held[Self::out(self.taken, self.latency_scans)];
         let road = self.road.as_deref();
-        let yaw_rate_radps = out.plane.and_then(|plane| plane.ego.told_yaw_rate_radps);
+        let yaw_rate_radps = out.plane.as_ref().and_then(|plane| plane.ego.told_yaw_rate_radps);
         self.received = Received::default();
         self.list = match &mut self.sensor {
-            Sensor::Ideal(tracker) => tracker.step(&out),
+            Sensor::Ideal(tracker) => tracker.step(out),
             Sensor::ObjectList(both) => {
                 let (radar, tracker) = both.as_mut();
-                let scan = radar.scan(&out);
+                let scan = radar.scan(out);
                 let known = out.told.unwrap_or(self.known);
                 self.known = known;
-                tracker.step_on_course(out.time_ns, &known, yaw_rate_radps, map, &scan)
+                tracker.step_on_course(out.time_ns, &known, yaw_rate_radps, map, scan)
             }
             Sensor::Detections(both) => {
                 let (radar, tracker) = both.as_mut();
-                self.received = radar.scan_on(road, &out, detections);
+                self.received = radar.scan_on(road, out, detections);
                 let detections = &detections[..self.received.count];
                 let course = tracker.ahead().course();
                 self.known = self.ego_speed.take_scan_on(course, out.time_ns, out.told, detections);

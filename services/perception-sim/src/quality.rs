@@ -19,8 +19,6 @@
 //! Source: Rahmathullah, García-Fernández and Svensson, Generalized optimal sub-pattern assignment
 //! metric (FUSION 2017).
 
-use std::array::from_fn;
-
 use crate::report::PerceptionReport;
 use messages::MAX_TRACKS;
 use scenario::Scenario;
@@ -47,7 +45,10 @@ pub struct Quality {
     false_tracks: u64,
     left_out: u64,
     targets: Targets,
-    cut_ins: [CutIn; MAX_TRACKS],
+    cut_ins: Vec<CutIn>,
+    /// Room: the vehicles in view, and the best pairs of each set of tracks.
+    in_view: Vec<bool>,
+    sets: Vec<Option<Assignment>>,
     confirmed: Confirmed,
     last_ns: Option<i64>,
 }
@@ -89,7 +90,9 @@ impl Quality {
             false_tracks: 0,
             left_out: 0,
             targets: Targets::default(),
-            cut_ins: [CutIn::default(); MAX_TRACKS],
+            cut_ins: Vec::with_capacity(scenario.actors.len()),
+            in_view: Vec::with_capacity(scenario.actors.len()),
+            sets: Vec::with_capacity(1 << MAX_TRACKS),
             confirmed: Confirmed { worst_s: f64::NEG_INFINITY, ..Confirmed::default() },
             last_ns: None,
         }
@@ -97,24 +100,22 @@ impl Quality {
 
     /// Judges the tracks of the scan of `scene`, published at `published_ns`.
     pub fn observe(&mut self, scene: &Scene, list: &TrackList, published_ns: i64) {
-        let mut owners = [None; MAX_TRACKS];
-        let in_view = from_fn(|vehicle| self.view.measure(scene, vehicle).is_some());
-        let pairs = Assignment::best(scene, &in_view, list);
-        let visible = in_view.iter().filter(|seen| **seen).count() as u64;
+        let vehicles = 0..scene.vehicles.len();
+        self.in_view.clear();
+        let seen = vehicles.clone().map(|vehicle| self.view.measure(scene, vehicle).is_some());
+        self.in_view.extend(seen);
+        let pairs = Assignment::best(scene, &self.in_view, list, &mut self.sets);
+        let visible = self.in_view.iter().filter(|seen| **seen).count() as u64;
         self.scans += 1;
         self.localisation += pairs.squares;
         self.missed += visible - pairs.count;
         self.false_tracks += list.count as u64 - pairs.count - pairs.partly;
         self.left_out += u64::from(list.left_out);
-        for (vehicle, track) in pairs.track_of.iter().enumerate() {
-            if let Some(track) = track {
-                owners[*track] = Some(vehicle);
-            }
-        }
-        self.judge_target(scene, list, &owners, published_ns);
-        for index in 0..MAX_TRACKS {
-            let in_path = pairs.track_of[index].is_some_and(|track| list.tracks[track].in_path);
-            let ahead = in_view[index];
+        self.judge_target(scene, list, &pairs.vehicle_of, published_ns);
+        self.cut_ins.resize_with(scene.vehicles.len().max(self.cut_ins.len()), CutIn::default);
+        for index in vehicles {
+            let in_path = pairs.track_of(index).is_some_and(|track| list.tracks[track].in_path);
+            let ahead = self.in_view[index];
             self.judge_cut_in(
                 index,
                 &scene.vehicles[index],
@@ -214,7 +215,7 @@ impl Quality {
 /// Which track is of which vehicle.
 #[derive(Clone, Copy, Debug, Default)]
 struct Assignment {
-    track_of: [Option<usize>; MAX_TRACKS],
+    vehicle_of: [Option<usize>; MAX_TRACKS],
     count: u64,
     squares: f64,
     /// Tracks of vehicles that are in view in part at most.
@@ -222,31 +223,78 @@ struct Assignment {
 }
 
 impl Assignment {
-    /// The assignment with the least GOSPA: all are tried, and distances beyond the cutoff leave few.
-    fn best(scene: &Scene, in_view: &[bool; MAX_TRACKS], list: &TrackList) -> Self {
+    /// The assignment with the least GOSPA.
+    ///
+    /// Vehicle after vehicle takes one of the tracks or none. Of the ways to one set of taken tracks the best is kept in
+    /// `sets`, so that the effort grows with the vehicles in proportion only.
+    fn best(
+        scene: &Scene,
+        in_view: &[bool],
+        list: &TrackList,
+        sets: &mut Vec<Option<Self>>,
+    ) -> Self {
+        sets.clear();
+        sets.resize(1 << list.count, None);
+        sets[0] = Some(Self::default());
+        for (vehicle, truth) in scene.vehicles.iter().enumerate().filter(|(i, _)| in_view[*i]) {
+            let gap_m = truth.rear_position_m - scene.ego.position_m;
+            let mut square_of = [f64::INFINITY; MAX_TRACKS];
+            for (square, track) in square_of.iter_mut().zip(list.tracks()) {
+                let (x, y) = (track.gap_m - gap_m, track.lateral_m - truth.lateral_m);
+                *square = x * x + y * y;
+            }
+            if square_of.iter().all(|square| *square >= CUTOFF_M * CUTOFF_M) {
+                continue;
+            }
+            // A set grows to a larger number: from the largest on, each way takes this vehicle once.
+            for set in (0..sets.len()).rev() {
+                let Some(pairs) = sets[set] else { continue };
+                for (index, square) in square_of.into_iter().enumerate() {
+                    if square < CUTOFF_M * CUTOFF_M && set & 1 << index == 0 {
+                        let mut pairs = pairs;
+                        pairs.vehicle_of[index] = Some(vehicle);
+                        pairs.count += 1;
+                        pairs.squares += square;
+                        let place = &mut sets[set | 1 << index];
+                        if place.is_none_or(|found| pairs.squares < found.squares) {
+                            *place = Some(pairs);
+                        }
+                    }
+                }
+            }
+        }
         let mut best = Self::default();
-        Self::default().extend(0, scene, in_view, list, &mut 0, &mut best);
+        for pairs in sets.iter().flatten() {
+            if pairs.saved() > best.saved() {
+                best = *pairs;
+            }
+        }
         best.add_partly_seen(scene, in_view, list);
         best
     }
 
+    /// The track of a vehicle.
+    fn track_of(&self, vehicle: usize) -> Option<usize> {
+        self.vehicle_of.iter().position(|of| *of == Some(vehicle))
+    }
+
     /// Gives the remaining tracks to the vehicles on whose bodies they are.
-    fn add_partly_seen(&mut self, scene: &Scene, in_view: &[bool; MAX_TRACKS], list: &TrackList) {
+    fn add_partly_seen(&mut self, scene: &Scene, in_view: &[bool], list: &TrackList) {
         for (index, track) in list.tracks().iter().enumerate() {
-            if self.track_of.contains(&Some(index)) {
+            if self.vehicle_of[index].is_some() {
                 continue;
             }
-            let owner = (0..MAX_TRACKS).find(|&vehicle| {
+            let owner = (0..scene.vehicles.len()).find(|&vehicle| {
                 let truth = &scene.vehicles[vehicle];
                 let along_m = track.gap_m + scene.ego.position_m - truth.rear_position_m;
                 truth.present
                     && !in_view[vehicle]
-                    && self.track_of[vehicle].is_none()
+                    && self.track_of(vehicle).is_none()
                     && (-BODY_MARGIN_M..truth.length_m + BODY_MARGIN_M).contains(&along_m)
                     && (track.lateral_m - truth.lateral_m).abs() < BODY_MARGIN_M
             });
-            if let Some(vehicle) = owner {
-                self.track_of[vehicle] = Some(index);
+            if owner.is_some() {
+                self.vehicle_of[index] = owner;
                 self.partly += 1;
             }
         }
@@ -255,39 +303,6 @@ impl Assignment {
     /// Penalty for missed and false that the pairs save.
     fn saved(&self) -> f64 {
         CUTOFF_M * CUTOFF_M * self.count as f64 - self.squares
-    }
-
-    fn extend(
-        self,
-        vehicle: usize,
-        scene: &Scene,
-        in_view: &[bool; MAX_TRACKS],
-        list: &TrackList,
-        taken: &mut u32,
-        best: &mut Self,
-    ) {
-        let Some(next) = (vehicle..MAX_TRACKS).find(|&index| in_view[index]) else {
-            if self.saved() > best.saved() {
-                *best = self;
-            }
-            return;
-        };
-        let truth = &scene.vehicles[next];
-        let gap_m = truth.rear_position_m - scene.ego.position_m;
-        for (index, track) in list.tracks().iter().enumerate() {
-            let (x, y) = (track.gap_m - gap_m, track.lateral_m - truth.lateral_m);
-            let square = x * x + y * y;
-            if square < CUTOFF_M * CUTOFF_M && *taken & 1 << index == 0 {
-                let mut pairs = self;
-                pairs.track_of[next] = Some(index);
-                pairs.count += 1;
-                pairs.squares += square;
-                *taken |= 1 << index;
-                pairs.extend(next + 1, scene, in_view, list, taken, best);
-                *taken &= !(1 << index);
-            }
-        }
-        self.extend(next + 1, scene, in_view, list, taken, best);
     }
 }
 
@@ -344,8 +359,8 @@ mod tests {
         // The first vehicle is nearest to the track that the second one needs.
         let scene = scene(0, &[car(50.0, 0.0), car(58.0, 0.0)]);
         let tracks = list(&[(43.0, 0.0, true), (53.0, 0.0, true)]);
-        let pairs = Assignment::best(&scene, &scene.vehicles.map(|v| v.present), &tracks);
-        assert_eq!((pairs.track_of[0], pairs.track_of[1]), (Some(0), Some(1)));
+        let pairs = Assignment::best(&scene, &[true, true], &tracks, &mut Vec::new());
+        assert_eq!((pairs.track_of(0), pairs.track_of(1)), (Some(0), Some(1)));
         assert!((pairs.squares - (49.0 + 25.0)).abs() < 1e-12);
     }
 

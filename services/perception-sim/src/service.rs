@@ -9,8 +9,9 @@ use crate::traffic::Snapshot;
 use crate::vehicle::Vehicle;
 use bytemuck::Zeroable;
 use messages::{
-    Detection, EgoTruth, Header, MAX_DETECTIONS, MAX_TRACKS, Odometry, Origins, RadarDetections,
-    RadarTracks, ServiceState, Track, TrackedTarget, VehicleTruth, VehicleTruthItem,
+    Detection, EgoTruth, Header, MAX_DETECTIONS, MAX_TRACKS, MoreVehicles, Odometry, Origins,
+    RadarDetections, RadarTracks, ServiceState, Track, TrackedTarget, VehicleTruth,
+    VehicleTruthItem,
 };
 use runtime::{Checkpoint, Cycle, Loan, Mode, Overrun, Publisher, Release, Runtime, RuntimeError};
 use scenario::perception::RadarModel;
@@ -42,6 +43,8 @@ pub fn run_behind(mut runtime: Runtime, mut ahead: Ahead) -> Result<(), RuntimeE
     let mut ego_truth = runtime.subscriber::<EgoTruth>()?;
     let mut tracks = runtime.publisher::<RadarTracks>()?;
     let mut truth = runtime.publisher::<VehicleTruth>()?;
+    let has_more = scenario.actors.len() > MAX_TRACKS;
+    let mut more = has_more.then(|| runtime.publisher::<MoreVehicles>()).transpose()?;
     let mut plane = PlanePorts::open(&mut runtime, &scenario)?;
     let mut poses = Poses::open(&mut runtime, &scenario)?;
     let mut output = DetectionOutput::open(&mut runtime, scenario.perception.model())?;
@@ -94,6 +97,10 @@ pub fn run_behind(mut runtime: Runtime, mut ahead: Ahead) -> Result<(), RuntimeE
             output.send(detections, acquired, &perception)?;
         }
         let ended = perception.traffic().is_over();
+        // Who has the first message of the vehicles has both.
+        if let Some(more) = &mut more {
+            more.send_with(|message| write_more(message, header, perception.vehicles()))?;
+        }
         truth.send_with(|message| write_truth(message, header, perception.vehicles(), ended))?;
         if let Some(plane) = &mut plane {
             plane.send(acquired, perception.road_ahead())?;
@@ -190,8 +197,19 @@ fn told_at(odometry: Option<&Odometry>, start: Ego, release: &Release) -> Option
 fn write_truth(message: &mut VehicleTruth, header: Header, vehicles: &[Vehicle], ended: bool) {
     message.header = header;
     message.ended = ended.into();
-    let present = vehicles.iter().filter(|vehicle| vehicle.present).take(MAX_TRACKS);
-    for (item, vehicle) in message.vehicles.iter_mut().zip(present) {
+    message.count = write_vehicles(&mut message.vehicles, vehicles, 0);
+}
+
+fn write_more(message: &mut MoreVehicles, header: Header, vehicles: &[Vehicle]) {
+    message.header = header;
+    message.count = write_vehicles(&mut message.vehicles, vehicles, MAX_TRACKS);
+}
+
+/// Writes the vehicles that are present, but for the first `skipped`; returns how many.
+fn write_vehicles(room: &mut [VehicleTruthItem], vehicles: &[Vehicle], skipped: usize) -> u64 {
+    let present = vehicles.iter().filter(|vehicle| vehicle.present).skip(skipped);
+    let mut count = 0;
+    for (item, vehicle) in room.iter_mut().zip(present) {
         *item = VehicleTruthItem {
             in_lane: vehicle.in_ego_path().into(),
             rear_position_m: vehicle.rear_position_m,
@@ -199,8 +217,9 @@ fn write_truth(message: &mut VehicleTruth, header: Header, vehicles: &[Vehicle],
             acceleration_mps2: vehicle.acceleration_mps2,
             lateral_m: vehicle.lateral_m,
         };
-        message.count += 1;
+        count += 1;
     }
+    count
 }
 
 fn write_tracks(

@@ -39,15 +39,19 @@ pub struct Traffic {
     vehicles: Vec<Vehicle>,
 }
 
-/// State of all vehicles that outlives a process.
+/// Vehicles in a row of a snapshot: as many as serde's arrays have at most.
+const ROW: usize = 32;
+const _: () = assert!(MAX_ACTORS.is_multiple_of(ROW));
+
+/// State of all vehicles that outlives a process, without allocation.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub struct Snapshot([Option<Base>; MAX_ACTORS], Option<State>);
+pub struct Snapshot([[Option<Base>; ROW]; MAX_ACTORS / ROW], Option<State>);
 
 impl Snapshot {
     /// Simulated time of the newest part of it, ns; 0 without vehicles.
     #[must_use]
     pub fn newest_ns(&self) -> u64 {
-        self.0.iter().flatten().map(|base| base.time_ns).max().unwrap_or(0)
+        self.0.iter().flatten().flatten().map(|base| base.time_ns).max().unwrap_or(0)
     }
 }
 
@@ -137,7 +141,7 @@ impl Traffic {
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         let mut kept = Snapshot::default();
-        for (place, mover) in kept.0.iter_mut().zip(&self.movers) {
+        for (place, mover) in kept.0.as_flattened_mut().iter_mut().zip(&self.movers) {
             *place = mover.base;
         }
         kept.1 = self.stage.as_ref().map(|stage| stage.state().clone());
@@ -146,8 +150,8 @@ impl Traffic {
 
     /// Goes on from what another process kept.
     pub fn restore(&mut self, kept: &Snapshot) {
-        for (mover, base) in self.movers.iter_mut().zip(kept.0) {
-            mover.base = base;
+        for (mover, base) in self.movers.iter_mut().zip(kept.0.as_flattened()) {
+            mover.base = *base;
         }
         if let (Some(stage), Some(state)) = (&mut self.stage, &kept.1) {
             stage.restore(state.clone());

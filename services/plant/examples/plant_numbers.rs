@@ -8,7 +8,7 @@
 //! cycle behind a lead, a truck stops on slopes and moves off, a vehicle cuts in, and a car drives through curves.
 
 use bytemuck::Zeroable;
-use messages::VehicleTruth;
+use messages::{AllVehicles, VehicleTruthItem};
 use parameters::{Row, Table};
 use plant::ahead::{Ahead, required_with};
 use plant::gateway::{Actuation, Source};
@@ -175,9 +175,9 @@ fn cut_in(numbers: &Numbers) -> (f64, f64) {
     let (mut begins_s, mut lasts_s) = (f64::NAN, 0.0);
     for k in 0..2000u64 {
         let time_s = k as f64 * PERIOD_S;
-        let mut truth = VehicleTruth::zeroed();
+        let mut truth = AllVehicles::with_room(1);
         truth.header.acquisition_ns = (k * PERIOD_NS) as i64;
-        truth.count = 1;
+        truth.vehicles.push(VehicleTruthItem::zeroed());
         // The lateral speed rises from 0 to 1 m/s in the middle and falls again.
         let phase = (time_s / 12.0).min(1.0) * std::f64::consts::PI;
         truth.vehicles[0].lateral_m = 3.5 * (1.0 + libm::cos(phase));

@@ -1,7 +1,7 @@
 //! End of a run whose ego is clear of all others.
 
 use crate::longitudinal::State;
-use messages::VehicleTruth;
+use messages::AllVehicles;
 use scenario::Scenario;
 
 /// Watches for the end of a run whose verdict cannot change any more.
@@ -34,7 +34,7 @@ impl ClearWatch {
     }
 
     /// Looks at the release of `now_ns`; true when the ego has been clear for long enough.
-    pub(crate) fn observe(&mut self, now_ns: i64, ego: &State, others: &VehicleTruth) -> bool {
+    pub(crate) fn observe(&mut self, now_ns: i64, ego: &State, others: &AllVehicles) -> bool {
         if now_ns < self.after_ns || !self.is_clear(now_ns, ego, others) {
             self.since_ns = None;
             return false;
@@ -42,11 +42,9 @@ impl ClearWatch {
         now_ns - *self.since_ns.get_or_insert(now_ns) >= self.for_ns
     }
 
-    fn is_clear(&self, now_ns: i64, ego: &State, others: &VehicleTruth) -> bool {
+    fn is_clear(&self, now_ns: i64, ego: &State, others: &AllVehicles) -> bool {
         let age_s = (now_ns - others.header.acquisition_ns) as f64 * 1e-9;
-        let count =
-            usize::try_from(others.count).map_or(0, |count| count.min(others.vehicles.len()));
-        others.vehicles[..count].iter().all(|other| {
+        others.vehicles.iter().all(|other| {
             let ahead_m = other.rear_position_m + other.speed_mps * age_s - ego.position_m;
             if ahead_m > 0.0 {
                 ego.speed_mps <= other.speed_mps
@@ -61,6 +59,7 @@ impl ClearWatch {
 mod tests {
     use super::*;
     use bytemuck::Zeroable;
+    use messages::VehicleTruthItem;
 
     fn watch() -> ClearWatch {
         let text = "schema_version = 1\nname = \"x\"\n[plant]\nlength_m = 4\n\
@@ -75,9 +74,9 @@ mod tests {
     fn ends_after(ahead_m: f64, other_mps: impl Fn(f64) -> f64) -> Option<i64> {
         let mut watch = watch();
         (0..50).map(|k| 100 * k).find(|ms| {
-            let mut others = VehicleTruth::zeroed();
+            let mut others = AllVehicles::with_room(1);
+            others.vehicles.push(VehicleTruthItem::zeroed());
             others.header.acquisition_ns = ms * 1_000_000;
-            others.count = 1;
             others.vehicles[0].rear_position_m = ahead_m;
             others.vehicles[0].speed_mps = other_mps(*ms as f64 * 1e-3);
             let ego = State { position_m: 0.0, speed_mps: 20.0, acceleration_mps2: 0.0 };
@@ -104,9 +103,9 @@ mod tests {
     fn the_others_are_moved_on_from_their_sample() {
         // Sampled 0.5 s ago at 7 m behind the ego's rear and its own length: 4 m beside it by now, or 10 m behind.
         for (other_mps, clear) in [(10.0, false), (-6.0, true)] {
-            let mut others = VehicleTruth::zeroed();
+            let mut others = AllVehicles::with_room(1);
+            others.vehicles.push(VehicleTruthItem::zeroed());
             others.header.acquisition_ns = 1_500_000_000;
-            others.count = 1;
             others.vehicles[0].rear_position_m = -7.0;
             others.vehicles[0].speed_mps = other_mps;
             let ego = State { position_m: 0.0, speed_mps: 20.0, acceleration_mps2: 0.0 };

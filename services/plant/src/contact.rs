@@ -3,7 +3,7 @@
 //! Two convex bodies are apart exactly if a line between them exists. For rectangles it is enough to try the four
 //! directions of their sides.
 
-use messages::{VehiclePose, VehiclePoses, VehicleTruth};
+use messages::{VehiclePose, VehicleTruthItem};
 
 /// A body in the plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -81,17 +81,16 @@ impl Rectangle {
 }
 
 /// Speed, m/s, at which the ego's body comes upon another that it touches; `None` without contact. The others are moved
-/// on from their sample to `time_s`.
+/// on from their sample, which is `age_s` old.
 #[must_use]
-pub fn closing_at_contact(
+pub fn closing_at_contact<'a>(
     ego: &Rectangle,
     speed_mps: f64,
-    time_s: f64,
-    (truth, poses): (&VehicleTruth, &VehiclePoses),
+    age_s: f64,
+    others: impl Iterator<Item = (&'a VehicleTruthItem, &'a VehiclePose)>,
     within_m: f64,
 ) -> Option<f64> {
-    let age_s = time_s - poses.header.acquisition_ns as f64 / 1e9;
-    let touched = truth.vehicles.iter().zip(poses.listed()).filter_map(|(vehicle, pose)| {
+    let touched = others.filter_map(|(vehicle, pose)| {
         let (v, a) = (vehicle.speed_mps, vehicle.acceleration_mps2);
         // Braking ends at standstill.
         let moving_s = if a < 0.0 && v > 0.0 { age_s.min(v / -a) } else { age_s };
@@ -172,26 +171,24 @@ mod tests {
 
     #[test]
     fn a_body_is_moved_on_to_the_instant_and_closes_along_the_ego() {
-        let mut truth = VehicleTruth::zeroed();
-        let mut poses = VehiclePoses::zeroed();
-        (truth.count, poses.count) = (2, 2);
-        poses.poses[0] =
+        let mut truth = [VehicleTruthItem::zeroed(); 2];
+        let near =
             VehiclePose { x_m: 6.0, y_m: 0.0, heading_rad: 0.0, length_m: 4.0, width_m: 1.8 };
-        poses.poses[1] = VehiclePose { x_m: 60.0, ..poses.poses[0] };
-        truth.vehicles[0].speed_mps = 10.0;
+        let mut poses = [near, VehiclePose { x_m: 60.0, ..near }];
+        truth[0].speed_mps = 10.0;
         let ego =
             Rectangle::behind(&road::Pose { x_m: 3.95, y_m: 0.0, heading_rad: 0.0 }, 4.5, 1.8);
-        let closing = |truth: &VehicleTruth, poses: &VehiclePoses, time_s: f64| {
-            closing_at_contact(&ego, 15.0, time_s, (truth, poses), 30.0)
+        let closing = |truth: &[VehicleTruthItem], poses: &[VehiclePose], age_s: f64| {
+            closing_at_contact(&ego, 15.0, age_s, truth.iter().zip(poses), 30.0)
         };
         assert_eq!(closing(&truth, &poses, 0.0), None, "0.05 m apart");
-        poses.poses[0].x_m = 5.9;
+        poses[0].x_m = 5.9;
         assert_eq!(closing(&truth, &poses, 0.0), Some(5.0));
         assert_eq!(closing(&truth, &poses, 0.02), None, "it is 0.2 m farther by then");
         // One that comes towards the ego.
-        truth.vehicles[0].speed_mps = -10.0;
-        poses.poses[0].heading_rad = std::f64::consts::PI;
-        poses.poses[0].x_m = 6.1;
+        truth[0].speed_mps = -10.0;
+        poses[0].heading_rad = std::f64::consts::PI;
+        poses[0].x_m = 6.1;
         let met = closing(&truth, &poses, 0.02).expect("0.2 m nearer");
         assert!((met - 25.0).abs() < 1e-9, "{met}");
     }

@@ -5,7 +5,7 @@ use crate::ahead::Ahead;
 use crate::longitudinal::State;
 use crate::numbers::Numbers;
 use crate::truth::{self, Lengths};
-use messages::{PhaseState, SignalTruth, VehicleTruth};
+use messages::{AllVehicles, PhaseState, SignalTruth};
 use scenario::Scenario;
 
 /// The surroundings at one instant.
@@ -27,7 +27,8 @@ pub struct Surroundings {
     numbers: Numbers,
     lengths: Lengths,
     /// The sample before the newest one.
-    last: Option<VehicleTruth>,
+    last: AllVehicles,
+    has_last: bool,
     cut_in: bool,
 }
 
@@ -35,7 +36,13 @@ impl Surroundings {
     /// The surroundings of a scenario's ego before the first sample.
     #[must_use]
     pub fn new(scenario: &Scenario, numbers: &Numbers) -> Self {
-        Self { numbers: *numbers, lengths: Lengths::of(scenario), last: None, cut_in: false }
+        Self {
+            numbers: *numbers,
+            lengths: Lengths::of(scenario),
+            last: AllVehicles::with_room(scenario.actors.len()),
+            has_last: false,
+            cut_in: false,
+        }
     }
 
     /// The surroundings of an ego in `state` at `time_s`.
@@ -43,7 +50,7 @@ impl Surroundings {
         &mut self,
         state: &State,
         time_s: f64,
-        vehicles: Option<&VehicleTruth>,
+        vehicles: Option<&AllVehicles>,
         signals: Option<&SignalTruth>,
     ) -> Meets {
         if let Some(vehicles) = vehicles {
@@ -66,35 +73,37 @@ impl Surroundings {
     /// The vehicle ahead of an ego at `position_m`, or in contact with it.
     pub(crate) fn ahead(
         &self,
-        vehicles: &VehicleTruth,
+        vehicles: &AllVehicles,
         position_m: f64,
         time_s: f64,
     ) -> Option<Ahead> {
         truth::ahead(vehicles, &self.lengths, position_m, time_s)
     }
 
-    fn observe(&mut self, state: &State, now: &VehicleTruth) {
-        let Some(last) = self.last else {
-            self.last = Some(*now);
-            return;
-        };
-        let elapsed_s = (now.header.acquisition_ns - last.header.acquisition_ns) as f64 / 1e9;
-        if elapsed_s <= 0.0 {
-            return;
+    fn observe(&mut self, state: &State, now: &AllVehicles) {
+        if self.has_last {
+            let elapsed_ns = now.header.acquisition_ns - self.last.header.acquisition_ns;
+            if elapsed_ns <= 0 {
+                return;
+            }
+            self.cut_in = self.cuts_in(state, now, elapsed_ns as f64 / 1e9);
         }
-        let count = usize::try_from(now.count).map_or(0, |count| count.min(now.vehicles.len()));
-        let same = now.count == last.count;
+        self.last.clone_from(now);
+        self.has_last = true;
+    }
+
+    /// A vehicle ahead has moved sideways towards the lane since the last sample.
+    fn cuts_in(&self, state: &State, now: &AllVehicles, elapsed_s: f64) -> bool {
         let Numbers { cut_in_mps, cut_in_arrived_m, cut_in_away_m, cut_in_ahead_m, .. } =
             self.numbers;
-        self.cut_in = same
-            && now.vehicles[..count].iter().zip(&last.vehicles).any(|(now, last)| {
+        now.vehicles.len() == self.last.vehicles.len()
+            && now.vehicles.iter().zip(&self.last.vehicles).any(|(now, last)| {
                 let inward_mps = (last.lateral_m.abs() - now.lateral_m.abs()) / elapsed_s;
                 let ahead_m = now.rear_position_m - state.position_m;
                 inward_mps > cut_in_mps
                     && (cut_in_arrived_m..cut_in_away_m).contains(&now.lateral_m.abs())
                     && (0.0..cut_in_ahead_m).contains(&ahead_m)
-            });
-        self.last = Some(*now);
+            })
     }
 }
 
@@ -116,6 +125,7 @@ fn next_line(truth: &SignalTruth, position_m: f64, time_s: f64) -> Option<(f64, 
 mod tests {
     use super::*;
     use bytemuck::Zeroable;
+    use messages::VehicleTruthItem;
 
     const EGO: State = State { position_m: 100.0, speed_mps: 20.0, acceleration_mps2: 0.0 };
 
@@ -125,13 +135,16 @@ mod tests {
         Surroundings::new(&scenario, &Numbers::DEFAULT)
     }
 
-    fn vehicle(time_s: f64, lateral_m: f64, in_lane: u64) -> VehicleTruth {
-        let mut truth = VehicleTruth::zeroed();
+    fn vehicle(time_s: f64, lateral_m: f64, in_lane: u64) -> AllVehicles {
+        let mut truth = AllVehicles::with_room(1);
         truth.header.acquisition_ns = (time_s * 1e9) as i64;
-        truth.count = 1;
-        truth.vehicles[0].rear_position_m = 130.0;
-        truth.vehicles[0].speed_mps = 15.0;
-        (truth.vehicles[0].lateral_m, truth.vehicles[0].in_lane) = (lateral_m, in_lane);
+        truth.vehicles.push(VehicleTruthItem {
+            in_lane,
+            rear_position_m: 130.0,
+            speed_mps: 15.0,
+            acceleration_mps2: 0.0,
+            lateral_m,
+        });
         truth
     }
 

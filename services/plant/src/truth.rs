@@ -2,7 +2,7 @@
 
 use crate::ahead::Ahead;
 use crate::referee::{MAX_SIGNALS, SignalTruth};
-use messages::{self, PhaseState, VehicleTruth};
+use messages::{self, AllVehicles, PhaseState};
 use scenario::Scenario;
 use scenario::v2x::Phase;
 
@@ -39,14 +39,15 @@ impl Lengths {
 /// negative.
 #[must_use]
 pub(crate) fn ahead(
-    truth: &VehicleTruth,
+    truth: &AllVehicles,
     lengths: &Lengths,
     position_m: f64,
     time_s: f64,
 ) -> Option<Ahead> {
     let age_s = time_s - truth.header.acquisition_ns as f64 / 1e9;
-    let count = usize::try_from(truth.count).map_or(0, |count| count.min(truth.vehicles.len()));
-    truth.vehicles[..count]
+    let count = truth.vehicles.len();
+    truth
+        .vehicles
         .iter()
         .enumerate()
         .filter(|(_, vehicle)| vehicle.in_lane != 0)
@@ -109,8 +110,7 @@ mod tests {
 
     #[test]
     fn the_nearest_in_lane_counts_and_is_moved_on() {
-        let mut truth = VehicleTruth::zeroed();
-        truth.count = 3;
+        let mut truth = AllVehicles::with_room(3);
         let vehicle = |in_lane, rear, v, a| VehicleTruthItem {
             in_lane,
             rear_position_m: rear,
@@ -118,9 +118,9 @@ mod tests {
             acceleration_mps2: a,
             lateral_m: 0.0,
         };
-        truth.vehicles[0] = vehicle(1, 60.0, 10.0, 0.0);
-        truth.vehicles[1] = vehicle(0, 20.0, 10.0, 0.0);
-        truth.vehicles[2] = vehicle(1, 30.0, 1.0, -2.0);
+        truth.vehicles.push(vehicle(1, 60.0, 10.0, 0.0));
+        truth.vehicles.push(vehicle(0, 20.0, 10.0, 0.0));
+        truth.vehicles.push(vehicle(1, 30.0, 1.0, -2.0));
         let lengths = lengths(&[4.0, 4.0, 4.0]);
         let at = |time_s| ahead(&truth, &lengths, 10.0, time_s).expect("two are in lane");
         assert_eq!((at(0.0).gap_m, at(0.0).speed_mps), (20.0, 1.0));
@@ -131,8 +131,8 @@ mod tests {
 
     #[test]
     fn a_body_beside_or_behind_that_overlaps_is_in_contact() {
-        let mut truth = VehicleTruth::zeroed();
-        truth.count = 2;
+        let mut truth = AllVehicles::with_room(2);
+        truth.vehicles = vec![VehicleTruthItem::zeroed(); 2];
         truth.vehicles[0].rear_position_m = 300.0;
         (truth.vehicles[1].in_lane, truth.vehicles[1].rear_position_m) = (1, 91.0);
         let gap = |lengths: &Lengths, position_m| {
@@ -150,16 +150,15 @@ mod tests {
 
     #[test]
     fn a_vehicle_that_speeds_up_goes_on_doing_so() {
-        let mut truth = VehicleTruth::zeroed();
-        truth.count = 1;
+        let mut truth = AllVehicles::with_room(1);
         truth.header.acquisition_ns = 1_000_000_000;
-        truth.vehicles[0] = VehicleTruthItem {
+        truth.vehicles.push(VehicleTruthItem {
             in_lane: 1,
             rear_position_m: 60.0,
             speed_mps: 10.0,
             acceleration_mps2: 1.0,
             lateral_m: 0.0,
-        };
+        });
         let found = ahead(&truth, &lengths(&[4.0]), 10.0, 3.0).expect("it is in lane");
         assert_eq!((found.gap_m, found.speed_mps, found.acceleration_mps2), (72.0, 12.0, 1.0));
     }

@@ -43,6 +43,7 @@
 
 mod brake;
 mod control;
+mod crowd;
 mod drive;
 pub mod e2e;
 mod header;
@@ -63,6 +64,7 @@ mod vehicle;
 
 pub use brake::*;
 pub use control::*;
+pub use crowd::*;
 pub use drive::Drive;
 pub use header::{Header, Origin, Origins};
 pub use health::*;

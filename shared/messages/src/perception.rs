@@ -3,7 +3,7 @@
 use super::Header;
 use crate::layout::declare::*;
 
-/// Most tracks, and most vehicles of the truth, that a message carries.
+/// Most tracks that a message carries, and most vehicles and poses of the first message of a step.
 pub const MAX_TRACKS: usize = 8;
 
 layout! {
@@ -201,16 +201,10 @@ layout! {
 }
 
 impl VehicleTruth {
-    /// Gap to, m, and speed of, m/s, the nearest vehicle in lane whose rear is not behind the ego's
-    /// front at `ego_m` by more than a car's length.
+    /// The valid entries of `vehicles`.
     #[must_use]
-    pub fn nearest_ahead(&self, ego_m: f64) -> Option<(f64, f64)> {
+    pub fn listed(&self) -> &[VehicleTruthItem] {
         let count = usize::try_from(self.count).map_or(0, |count| count.min(self.vehicles.len()));
-        self.vehicles[..count]
-            .iter()
-            .filter(|vehicle| vehicle.in_lane != 0)
-            .map(|vehicle| (vehicle.rear_position_m - ego_m, vehicle.speed_mps))
-            .filter(|(gap_m, _)| *gap_m > -5.0)
-            .min_by(|a, b| a.0.total_cmp(&b.0))
+        &self.vehicles[..count]
     }
 }

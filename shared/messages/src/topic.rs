@@ -155,12 +155,16 @@ topics! { $
     8 VehicleTruth "truth/vehicles" Truth, [PerceptionSim] to [Plant];
     9 SignalTruth "truth/signals" Truth, [V2xSim] to [Plant] shows V2xSim;
     10 Heartbeat "health/heartbeat" Report, [] to [];
-    /// Sent on a road with a plan, as all below.
+    /// Sent on a road with a plan, as the four below.
     16 LateralMotion "vehicle/lateral" Function, [Plant] to [PerceptionSim, Controller, Aebs];
     17 EgoPose "truth/pose" Truth, [Plant] to [PerceptionSim, V2xSim];
     18 VehiclePoses "truth/poses" Truth, [PerceptionSim] to [Plant];
     19 Course "radar/course" Function, [PerceptionSim] to [Controller];
     20 Curves "v2x/curves" Function, [V2xSim] to [Controller, PerceptionSim];
+    /// Sent where the scenario has more than eight vehicles beside the ego.
+    21 MoreVehicles "truth/more-vehicles" Truth, [PerceptionSim] to [Plant];
+    /// Sent with the latter on a road with a plan.
+    22 MorePoses "truth/more-poses" Truth, [PerceptionSim] to [Plant];
 }
 
 impl Topic {
@@ -282,6 +286,8 @@ mod tests {
             "truth/poses",
             "radar/course",
             "v2x/curves",
+            "truth/more-vehicles",
+            "truth/more-poses",
         ];
         // A later topic gets the next number.
         assert!(topics.into_iter().map(|(number, _)| number).eq(0..TOPICS.len() as u32));

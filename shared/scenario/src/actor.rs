@@ -12,8 +12,8 @@ use super::recorded::CsvFile;
 use super::schema::Schema;
 use super::speeds::SpeedPoint;
 
-/// Most actors of a scenario: as many as one message carries.
-pub const MAX_ACTORS: usize = messages::MAX_TRACKS;
+/// Most actors of a scenario: as many as the messages of a step carry.
+pub const MAX_ACTORS: usize = messages::MAX_VEHICLES;
 /// Most points of all speed tables of a scenario together, those of CSV files included.
 pub const MAX_PROFILE_POINTS: usize = 20_000;
 

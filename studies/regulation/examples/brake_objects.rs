@@ -79,10 +79,9 @@ fn main() {
             speed_mps: step.speed_mps,
             acceleration_mps2: step.acceleration_mps2,
         };
-        let mut scene = Scene::new(time_ns, ego, &[]);
-        for (place, actor) in scene.vehicles.iter_mut().zip(&drawn.actors) {
-            *place = vehicle(actor, step.time_s);
-        }
+        let others: Vec<_> =
+            (drawn.actors.iter()).map(|actor| vehicle(actor, step.time_s)).collect();
+        let scene = Scene::new(time_ns, ego, &others);
         let received = radar.scan(&scene, &mut detections);
         let seen = &detections[..received.count];
         objects.take_scan(time_ns, step.speed_mps, seen);

@@ -2,7 +2,7 @@
 
 use crate::plane::PlaneScene;
 use crate::report::ReceivedTopic;
-use messages::{BrakeState, EgoTruth, PhaseState, VehicleTruth};
+use messages::{AllVehicles, BrakeState, EgoTruth, PhaseState};
 use runtime::statistics::Percentiles;
 
 /// All that the launcher received.
@@ -11,7 +11,7 @@ pub struct Drive {
     /// One entry per message on the ego's true motion, in order of time.
     pub steps: Vec<DriveStep>,
     /// Ground truth of the other vehicles, in order of time.
-    pub vehicles: Vec<VehicleTruth>,
+    pub vehicles: Vec<AllVehicles>,
     /// The view from above, in order of time; empty where the road has no plan.
     pub plane: Vec<PlaneScene>,
     /// Times at which the emergency brake began to brake, s.

@@ -10,8 +10,8 @@ use crate::present::Present;
 use crate::report::ControlFigures;
 use bytemuck::Zeroable;
 use messages::{
-    Brake, BrakeState, Command, Diagnostics, EgoTruth, Header, Heartbeat, Message, Powertrain,
-    RadarTracks, Service, ServiceState, Topic, VehicleTruth,
+    AllVehicles, Brake, BrakeState, Command, Diagnostics, EgoTruth, Header, Heartbeat, MAX_TRACKS,
+    Message, MoreVehicles, Powertrain, RadarTracks, Service, ServiceState, Topic, VehicleTruth,
 };
 use runtime::statistics::Latencies;
 use runtime::{Group, InProcess, Mode, Observed, Observer, RuntimeError, Timetable};
@@ -27,6 +27,8 @@ pub struct DriveLog {
     ego: Observed<EgoTruth>,
     powertrain: Observed<Powertrain>,
     truth: Observed<VehicleTruth>,
+    /// Of a scenario with more vehicles than the first message has room for.
+    more: Option<Observed<MoreVehicles>>,
     command: Observed<Command>,
     diagnostics: Observed<Diagnostics>,
     brake: Observed<Brake>,
@@ -40,7 +42,9 @@ pub struct DriveLog {
     /// State of the drive in the last of them.
     meets: Option<messages::Drive>,
     powertrains: Vec<(u64, PowertrainStep)>,
-    truths: Vec<VehicleTruth>,
+    truths: Vec<AllVehicles>,
+    /// Further vehicles of steps whose first ones have not come yet.
+    further: Vec<MoreVehicles>,
     requests: Vec<(u64, f64)>,
     /// Deadline of a control cycle, ns.
     deadline_ns: i64,
@@ -119,17 +123,21 @@ impl DriveLog {
             ego: observer.listen()?,
             powertrain: observer.listen()?,
             truth: observer.listen()?,
+            more: (scenario.actors.len() > MAX_TRACKS).then(|| observer.listen()).transpose()?,
             command: observer.listen()?,
             diagnostics: observer.listen()?,
             brake: observer.listen()?,
             heartbeat: observer.listen()?,
-            plane: has_plan.then(|| PlaneTopics::listen(&observer)).transpose()?,
+            plane: has_plan
+                .then(|| PlaneTopics::listen(&observer, scenario.actors.len()))
+                .transpose()?,
             others: others.map(|topic| listen_to(&observer, topic)).collect::<Result<_, _>>()?,
             observer,
             steps: Vec::with_capacity(room(Service::Plant)),
             meets: None,
             powertrains: Vec::new(),
             truths: Vec::with_capacity(room(Service::PerceptionSim)),
+            further: Vec::new(),
             requests: Vec::with_capacity(room(Service::Controller)),
             deadline_ns,
             late_commands: 0,
@@ -148,7 +156,7 @@ impl DriveLog {
         };
         if this.supervised {
             touch(&mut this.steps, DriveStep::default());
-            touch(&mut this.truths, VehicleTruth::zeroed());
+            touch(&mut this.truths, AllVehicles::with_room(0));
             touch(&mut this.cycles, Diagnostics::zeroed());
         }
         Ok(this)
@@ -211,8 +219,14 @@ impl DriveLog {
             if self.truths.last().is_some_and(|last| !is_kept(&last.header)) {
                 self.truths.pop();
             }
-            self.truths.push(*m);
+            self.truths.push(AllVehicles::of(m));
         })?;
+        if let Some(more) = &mut self.more {
+            // Sent before the first message of the same step: those of later steps wait for theirs.
+            more.drain(|m| self.further.push(*m))?;
+            let truths = &mut self.truths;
+            self.further.retain(|more| !join(truths, more));
+        }
         self.command.drain(|m| {
             note(Command::TOPIC, &m.header);
             let late = m.header.publish_ns - m.header.acquisition_ns > self.deadline_ns;
@@ -283,7 +297,7 @@ impl DriveLog {
 
     /// Samples so far: motion of the ego alone, the other vehicles, control cycles. In a long run they are thinned
     /// out, so that an index does not keep its step.
-    pub fn heard(&self) -> (&[DriveStep], &[VehicleTruth], &[Diagnostics]) {
+    pub fn heard(&self) -> (&[DriveStep], &[AllVehicles], &[Diagnostics]) {
         (&self.steps, &self.truths, &self.cycles)
     }
 
@@ -339,6 +353,7 @@ impl DriveLog {
             self.diagnostics.received(),
             self.heartbeat.received(),
         ];
+        received.extend(self.more.as_ref().map(Observed::received));
         if !self.powertrains.is_empty() {
             received.push(self.powertrain.received());
         }
@@ -381,8 +396,20 @@ impl DriveLog {
     }
 }
 
+/// Puts further vehicles to the first ones of their step; false if these are still to come.
+fn join(truths: &mut [AllVehicles], more: &MoreVehicles) -> bool {
+    let step = more.header.step;
+    let first = truths.iter_mut().rev().find(|truth| truth.header.step <= step);
+    let found = first.filter(|truth| truth.header.step == step);
+    let is_found = found.is_some();
+    if let Some(first) = found {
+        first.vehicles.extend_from_slice(more.listed());
+    }
+    is_found || truths.last().is_some_and(|last| last.header.step > step)
+}
+
 /// Place in `truth` of the vehicle in lane whose rear is `gap_m` ahead of `ego_m`.
-fn place_at(truth: &VehicleTruth, ego_m: f64, gap_m: f64) -> Option<usize> {
+fn place_at(truth: &AllVehicles, ego_m: f64, gap_m: f64) -> Option<usize> {
     truth
         .vehicles
         .iter()
@@ -390,7 +417,7 @@ fn place_at(truth: &VehicleTruth, ego_m: f64, gap_m: f64) -> Option<usize> {
 }
 
 /// Writes to all reserved room, so that its pages are there from the start.
-fn touch<T: Copy>(room: &mut Vec<T>, anything: T) {
+fn touch<T: Clone>(room: &mut Vec<T>, anything: T) {
     room.resize(room.capacity(), anything);
     std::hint::black_box(room.as_mut_slice());
     room.clear();

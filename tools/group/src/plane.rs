@@ -10,7 +10,10 @@
 //! radar/tracks ────────┘ (later by the radar's latency)
 //! ```
 
-use messages::{EgoPose, Header, Message, RadarTracks, Topic, VehiclePoses, VehicleTruth};
+use messages::{
+    AllVehicles, EgoPose, Header, MAX_TRACKS, Message, MorePoses, RadarTracks, Topic, VehiclePose,
+    VehiclePoses,
+};
 use runtime::{Observed, Observer, RuntimeError};
 
 use crate::by_step::take_step;
@@ -103,6 +106,17 @@ impl EgoPlace {
 }
 
 impl Body {
+    fn of(pose: &VehiclePose) -> Self {
+        Self {
+            x_m: pose.x_m,
+            y_m: pose.y_m,
+            heading_rad: pose.heading_rad,
+            length_m: pose.length_m,
+            width_m: pose.width_m,
+            ..Self::default()
+        }
+    }
+
     /// Distance of a place from the body, m; 0 inside.
     #[must_use]
     pub fn distance_m(&self, x_m: f64, y_m: f64) -> f64 {
@@ -126,16 +140,19 @@ impl Body {
 pub(crate) struct PlaneTopics {
     pose: Observed<EgoPose>,
     poses: Observed<VehiclePoses>,
+    /// Of a scenario with more vehicles than the first message has room for.
+    more: Option<Observed<MorePoses>>,
     tracks: Observed<RadarTracks>,
     pub(crate) log: PlaneLog,
 }
 
 impl PlaneTopics {
     /// Opens the topics.
-    pub(crate) fn listen(observer: &Observer) -> Result<Self, RuntimeError> {
+    pub(crate) fn listen(observer: &Observer, others: usize) -> Result<Self, RuntimeError> {
         Ok(Self {
             pose: observer.listen()?,
             poses: observer.listen()?,
+            more: (others > MAX_TRACKS).then(|| observer.listen()).transpose()?,
             tracks: observer.listen()?,
             log: PlaneLog::default(),
         })
@@ -148,7 +165,12 @@ impl PlaneTopics {
     ) -> Result<(), RuntimeError> {
         let log = &mut self.log;
         self.pose.drain(|message| log.pose(message))?;
-        self.poses.drain(|message| log.poses(message))?;
+        self.poses.drain(|message| log.poses(&message.header, message.listed()))?;
+        if let Some(more) = &mut self.more {
+            // Sent before the first message of the same step: those of later steps wait for theirs.
+            more.drain(|message| log.more.push((message.header.step, message.listed().to_vec())))?;
+        }
+        log.join();
         self.tracks.drain(|message| {
             note(RadarTracks::TOPIC, &message.header);
             log.tracks(message);
@@ -156,8 +178,11 @@ impl PlaneTopics {
     }
 
     /// Counts of received messages.
-    pub(crate) fn received(&self) -> [ReceivedTopic; 3] {
-        [self.pose.received(), self.poses.received(), self.tracks.received()]
+    pub(crate) fn received(&self) -> Vec<ReceivedTopic> {
+        let mut received =
+            vec![self.pose.received(), self.poses.received(), self.tracks.received()];
+        received.extend(self.more.as_ref().map(Observed::received));
+        received
     }
 }
 
@@ -175,6 +200,8 @@ struct Selected {
 pub struct PlaneLog {
     egos: Vec<(u64, i64, EgoPlace)>,
     bodies: Vec<(u64, i64, Vec<Body>)>,
+    /// Further bodies of steps whose first ones have not come yet.
+    more: Vec<(u64, Vec<VehiclePose>)>,
     seen: Vec<(u64, i64, f64, Option<Selected>)>,
 }
 
@@ -185,18 +212,23 @@ impl PlaneLog {
         self.egos.push((step, acquisition_ns, EgoPlace::of(pose)));
     }
 
-    /// Takes the bodies at a scan.
-    pub(crate) fn poses(&mut self, poses: &VehiclePoses) {
-        let bodies = poses.listed().iter().map(|pose| Body {
-            x_m: pose.x_m,
-            y_m: pose.y_m,
-            heading_rad: pose.heading_rad,
-            length_m: pose.length_m,
-            width_m: pose.width_m,
-            ..Body::default()
+    /// Takes the first bodies at a scan.
+    pub(crate) fn poses(&mut self, header: &Header, poses: &[VehiclePose]) {
+        let bodies = poses.iter().map(Body::of).collect();
+        self.bodies.push((header.step, header.acquisition_ns, bodies));
+    }
+
+    /// Puts further bodies to the first ones of their step.
+    fn join(&mut self) {
+        let bodies = &mut self.bodies;
+        self.more.retain(|(step, more)| {
+            let waits = bodies.last().is_none_or(|last| last.0 < *step);
+            let first = bodies.iter_mut().rev().find(|entry| entry.0 <= *step);
+            if let Some((.., all)) = first.filter(|entry| entry.0 == *step) {
+                all.extend(more.iter().map(Body::of));
+            }
+            waits
         });
-        let Header { step, acquisition_ns, .. } = poses.header;
-        self.bodies.push((step, acquisition_ns, bodies.collect()));
     }
 
     /// Takes the tracks of a scan.
@@ -221,7 +253,7 @@ impl PlaneLog {
 
     /// The newest scene with the newest target before it. `truths` are those of the same drive so far.
     #[must_use]
-    pub fn newest(&self, truths: &[VehicleTruth]) -> Option<PlaneScene> {
+    pub fn newest(&self, truths: &[AllVehicles]) -> Option<PlaneScene> {
         let (_, time_ns, bodies) = self.bodies.last()?;
         let ego = self.ego_at(*time_ns)?;
         let mut bodies = bodies.clone();
@@ -241,7 +273,7 @@ impl PlaneLog {
     }
 
     /// The scenes, in order of time. `truths` are those of the same drive.
-    pub(crate) fn finish(self, truths: &[VehicleTruth]) -> Vec<PlaneScene> {
+    pub(crate) fn finish(self, truths: &[AllVehicles]) -> Vec<PlaneScene> {
         let mut egos = self.egos.iter().peekable();
         let mut truths = truths.iter().peekable();
         let mut seen = self.seen.iter().peekable();
@@ -261,7 +293,7 @@ impl PlaneLog {
 }
 
 /// Gives the bodies of a scan their places on the axis.
-fn place_on_axis(bodies: &mut [Body], truth: Option<&VehicleTruth>) {
+fn place_on_axis(bodies: &mut [Body], truth: Option<&AllVehicles>) {
     for (body, vehicle) in bodies.iter_mut().zip(truth.iter().flat_map(|truth| &truth.vehicles)) {
         body.rear_position_m = vehicle.rear_position_m;
         body.speed_mps = vehicle.speed_mps;
@@ -286,7 +318,7 @@ impl Selected {
 mod tests {
     use super::*;
     use bytemuck::Zeroable;
-    use messages::{MAX_TRACKS, Origins, Track, TrackedTarget, VehiclePose, VehicleTruthItem};
+    use messages::{Origins, Track, TrackedTarget, VehicleTruthItem};
 
     fn header(step: u64) -> Header {
         let origins = Origins::NONE;
@@ -307,10 +339,13 @@ mod tests {
             };
             log.pose(&pose);
         }
-        let mut poses = VehiclePoses { header: header(5), count: 1, ..VehiclePoses::zeroed() };
-        poses.poses[0] =
+        let body =
             VehiclePose { x_m: 5.0, y_m: 37.0, heading_rad: 1.5, length_m: 4.0, width_m: 2.0 };
-        log.poses(&poses);
+        log.more.push((5, vec![VehiclePose { x_m: 9.0, ..body }]));
+        log.more.push((10, vec![body]));
+        log.poses(&header(5), &[body]);
+        log.join();
+        assert_eq!(log.more.len(), 1, "one step has no first message yet");
         let mut tracks = RadarTracks {
             // Published with the next scan.
             header: Header { acquisition_ns: 50_000_000, ..header(10) },
@@ -320,17 +355,19 @@ mod tests {
         };
         tracks.tracks[0] = Track { id: 7, in_path: 1, range_m: 30.0, ..Track::zeroed() };
         log.tracks(&tracks);
-        let mut truth = VehicleTruth { header: header(5), count: 1, ..VehicleTruth::zeroed() };
-        truth.vehicles = [VehicleTruthItem::zeroed(); MAX_TRACKS];
+        let mut truth = AllVehicles { header: header(5), ..AllVehicles::with_room(2) };
+        truth.vehicles = vec![VehicleTruthItem::zeroed(); 2];
         truth.vehicles[0].rear_position_m = 35.0;
         truth.vehicles[0].in_lane = 1;
-        let newest = log.newest(&[truth]).expect("there is a scene");
-        let scenes = log.finish(&[truth]);
+        let truths = [truth];
+        let newest = log.newest(&truths).expect("there is a scene");
+        let scenes = log.finish(&truths);
         assert_eq!(scenes, [newest]);
         let [PlaneScene { time_s, ego, bodies, seen: Some(seen) }] = scenes.as_slice() else {
             panic!("{scenes:?}")
         };
         assert_eq!((*time_s, ego.y_m), (0.05, 5.0));
+        assert_eq!((bodies.len(), bodies[1].x_m), (2, 9.0));
         assert!(bodies[0].in_lane && bodies[0].rear_position_m == 35.0);
         // The ego looks along y.
         let target = seen.target.expect("it is selected");

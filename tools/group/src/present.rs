@@ -2,7 +2,7 @@
 //!
 //! A ground truth lists the vehicles that are on the road, in the order of the scenario's actors, without their names.
 
-use messages::VehicleTruth;
+use messages::AllVehicles;
 use scenario::Scenario;
 
 /// The actors of a scenario, with the times at which they are on the road.
@@ -31,17 +31,17 @@ impl Present {
 
     /// Place in the scenario of the vehicle at `place` in `truth`; `None` if the truth lists other vehicles than the
     /// scenario's times say, as behind a storyboard.
-    pub(crate) fn actor(&self, truth: &VehicleTruth, place: usize) -> Option<u32> {
+    pub(crate) fn actor(&self, truth: &AllVehicles, place: usize) -> Option<u32> {
         let time_ns = truth.header.acquisition_ns.unsigned_abs();
         let is_present = |actor: &Actor| (actor.appears_ns..actor.leaves_ns).contains(&time_ns);
         let listed = self.actors.iter().enumerate().filter(|(_, actor)| is_present(actor));
-        let is_whole = listed.clone().count() as u64 == truth.count;
+        let is_whole = listed.clone().count() == truth.vehicles.len();
         let found = listed.map(|(index, _)| index).nth(place).filter(|_| is_whole)?;
         u32::try_from(found).ok()
     }
 
     /// Length of the vehicle at `place` in `truth`, m. For an unknown one the shortest, so that no contact is invented.
-    pub(crate) fn length_m(&self, truth: &VehicleTruth, place: usize) -> f64 {
+    pub(crate) fn length_m(&self, truth: &AllVehicles, place: usize) -> f64 {
         let lengths = || self.actors.iter().map(|actor| actor.length_m);
         match self.actor(truth, place) {
             Some(actor) => self.actors[actor as usize].length_m,
@@ -54,6 +54,7 @@ impl Present {
 mod tests {
     use super::*;
     use bytemuck::Zeroable;
+    use messages::VehicleTruthItem;
 
     #[test]
     fn a_vehicle_that_left_does_not_shift_the_others() {
@@ -66,14 +67,14 @@ mod tests {
             actor("second", "length_m = 12")
         );
         let present = Present::of(&Scenario::parse("x", &text).expect("valid"));
-        let mut truth = VehicleTruth::zeroed();
-        truth.count = 2;
+        let mut truth = AllVehicles::with_room(2);
+        truth.vehicles = vec![VehicleTruthItem::zeroed(); 2];
         truth.header.acquisition_ns = 1_000_000_000;
         assert_eq!((present.actor(&truth, 1), present.length_m(&truth, 1)), (Some(1), 12.0));
         truth.header.acquisition_ns = 3_000_000_000;
         assert_eq!(present.actor(&truth, 0), None, "two are listed, one should be there");
         assert_eq!(present.length_m(&truth, 0), 4.0);
-        truth.count = 1;
+        truth.vehicles.truncate(1);
         assert_eq!((present.actor(&truth, 0), present.length_m(&truth, 0)), (Some(1), 12.0));
     }
 }

@@ -6,7 +6,7 @@ use crate::plane::PlaneView;
 use controller::laws;
 use group::report::{Details, WorstChain};
 use group::{Drive, DriveStep, FaultRecord, GroupOutcome, RequirementVerdict};
-use messages::VehicleTruth;
+use messages::AllVehicles;
 use messages::level::{Level, Levels};
 use runtime::statistics::QuantileCurve;
 use scenario::Scenario;
@@ -292,15 +292,14 @@ fn desired_gap(scenario: &Scenario, drive: &Drive) -> Points {
 }
 
 /// Paths of the other vehicles. Ground truth lists the present ones in the scenario's order.
-fn actors(scenario: &Scenario, truths: &[VehicleTruth]) -> Vec<ActorPath> {
+fn actors(scenario: &Scenario, truths: &[AllVehicles]) -> Vec<ActorPath> {
     let mut paths: Vec<ActorPath> = (scenario.actors.iter())
         .map(|actor| ActorPath { name: actor.name.as_str().into(), ..ActorPath::default() })
         .collect();
     for truth in truths {
         let time_ns = truth.header.acquisition_ns.unsigned_abs();
         let time_s = time_ns as f64 / 1e9;
-        let count = usize::try_from(truth.count).map_or(0, |count| count.min(truth.vehicles.len()));
-        let mut vehicles = truth.vehicles[..count].iter();
+        let mut vehicles = truth.vehicles.iter();
         for (path, actor) in paths.iter_mut().zip(&scenario.actors) {
             let leaves_ns = actor.leaves_at_s.map_or(u64::MAX, |time| time.nanoseconds());
             let present = (actor.appears_at_s.nanoseconds()..leaves_ns).contains(&time_ns);

@@ -139,18 +139,16 @@ pub fn drive(drive: &Drive, numbers: Numbers) -> Result {
         let time_s = step as f64 * STEP_S;
         trace.push((time_s, ego));
         if step % SCAN_STEPS == 0 {
-            let mut scene = Scene::new(
+            let vehicles: Vec<_> = drive.actors.iter().map(|actor| actor.at(time_s)).collect();
+            let scene = Scene::new(
                 step as i64 * STEP_NS,
                 Ego {
                     position_m: ego.position_m,
                     speed_mps: ego.speed_mps,
                     acceleration_mps2: acceleration,
                 },
-                &[],
+                &vehicles,
             );
-            for (place, actor) in scene.vehicles.iter_mut().zip(&drive.actors) {
-                *place = actor.at(time_s);
-            }
             let received = radar.scan(&scene, &mut detections);
             objects.take_scan(step as i64 * STEP_NS, ego.speed_mps, &detections[..received.count]);
             let own = OwnMotion { speed_mps: ego.speed_mps, acceleration_mps2: acceleration };

@@ -122,7 +122,7 @@ fn place(track: &Track) -> (f64, f64) {
 /// The vehicle on which a track is.
 fn owner(perception: &Perception, track: &Track) -> Option<usize> {
     let scene = perception.scanned();
-    let plane = scene.plane?;
+    let plane = scene.plane.as_ref()?;
     let (x, y) = place(track);
     let off_m = |index: &usize| {
         let body = &plane.bodies[*index];

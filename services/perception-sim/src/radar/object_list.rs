@@ -8,7 +8,6 @@
 //! Every vehicle has its own stream of random numbers, drawn whether it is visible or not: what
 //! happens to one vehicle does not change the noise on another.
 
-use messages::MAX_TRACKS;
 use scenario::Scenario;
 use scenario::perception::Radar;
 
@@ -27,7 +26,7 @@ pub struct Measurement {
 }
 
 /// Measurements of one scan, by the vehicle's place in the scenario.
-pub type Scan = [Option<Measurement>; MAX_TRACKS];
+pub type Scan = [Option<Measurement>];
 
 /// Range and field of view.
 #[derive(Clone, Copy, Debug)]
@@ -81,6 +80,8 @@ pub struct ObjectListRadar {
     azimuth_sigma_rad: f64,
     dropout_probability: f64,
     noise: Vec<Random>,
+    /// The last scan.
+    scan: Vec<Option<Measurement>>,
 }
 
 impl ObjectListRadar {
@@ -95,6 +96,7 @@ impl ObjectListRadar {
             range_rate_sigma_mps: radar.range_rate_sigma_mps.value(),
             azimuth_sigma_rad: radar.azimuth_sigma_deg.value().to_radians(),
             dropout_probability: radar.dropout_probability.value(),
+            scan: vec![None; scenario.actors.len()],
             noise: (0..scenario.actors.len() as u64)
                 .map(|actor| Random::of_run(seed, actor))
                 .collect(),
@@ -102,11 +104,10 @@ impl ObjectListRadar {
     }
 
     /// Takes one scan of a scene.
-    pub fn scan(&mut self, scene: &Scene) -> Scan {
-        let mut scan = [None; MAX_TRACKS];
-        for (i, random) in self.noise.iter_mut().enumerate().take(MAX_TRACKS) {
+    pub fn scan(&mut self, scene: &Scene) -> &Scan {
+        for (i, (place, random)) in self.scan.iter_mut().zip(&mut self.noise).enumerate() {
             let noise = Noise::draw(random);
-            scan[i] = self
+            *place = self
                 .view
                 .measure(scene, i)
                 .filter(|_| noise.uniform >= self.dropout_probability)
@@ -117,7 +118,7 @@ impl ObjectListRadar {
                     azimuth_rad: exact.azimuth_rad + self.azimuth_sigma_rad * noise.gaussian[2],
                 });
         }
-        scan
+        &self.scan
     }
 }
 
@@ -175,8 +176,8 @@ mod tests {
 
     #[test]
     fn geometry_without_noise() {
-        let scan = radar(EXACT, 1).scan(&scene(&[vehicle(40.0, 3.0)]));
-        let detection = scan[0].expect("it is visible");
+        let mut radar = radar(EXACT, 1);
+        let detection = radar.scan(&scene(&[vehicle(40.0, 3.0)]))[0].expect("it is visible");
         let range = (1600.0f64 + 9.0).sqrt();
         assert!((detection.range_m - range).abs() < 1e-12);
         assert!((detection.range_rate_mps + 5.0 * 40.0 / range).abs() < 1e-12);
@@ -197,7 +198,7 @@ mod tests {
     #[test]
     fn a_vehicle_that_is_not_there_is_not_seen() {
         let absent = Vehicle { present: false, ..vehicle(40.0, 0.0) };
-        assert_eq!(radar(EXACT, 1).scan(&scene(&[absent])), [None; MAX_TRACKS]);
+        assert_eq!(radar(EXACT, 1).scan(&scene(&[absent])), [None]);
     }
 
     #[test]

@@ -1,6 +1,5 @@
 //! The scene before the radar at one instant.
 
-use messages::MAX_TRACKS;
 use road::{Axis, Pose};
 
 use crate::vehicle::Vehicle;
@@ -16,8 +15,8 @@ pub struct Ego {
     pub acceleration_mps2: f64,
 }
 
-/// The ego and the other vehicles at one instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The ego and the other vehicles at one instant. `clone_from` keeps its room: a loop does not allocate.
+#[derive(Debug, Default, PartialEq)]
 pub struct Scene {
     /// When, ns since the start of the run; before it: negative.
     pub time_ns: i64,
@@ -25,8 +24,8 @@ pub struct Scene {
     pub ego: Ego,
     /// The ego by its odometry; `None` without usable odometry.
     pub told: Option<Ego>,
-    /// The other vehicles, in the scenario's order; the rest are not present.
-    pub vehicles: [Vehicle; MAX_TRACKS],
+    /// The other vehicles, in the scenario's order.
+    pub vehicles: Vec<Vehicle>,
     /// Places in the plane, where the road has a plan.
     pub plane: Option<Plane>,
 }
@@ -44,13 +43,13 @@ pub struct PlaneEgo {
     pub told_yaw_rate_radps: Option<f64>,
 }
 
-/// The scene in the plane.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The scene in the plane. `clone_from` keeps its room.
+#[derive(Debug, Default, PartialEq)]
 pub struct Plane {
     /// The ego.
     pub ego: PlaneEgo,
     /// The other vehicles before it, in the scene's order.
-    pub bodies: [Standing; MAX_TRACKS],
+    pub bodies: Vec<Standing>,
     /// All of it stands along one line, the ego in the middle of its lane: nothing is askew.
     pub is_line: bool,
     /// Cosine and sine of the ego's heading.
@@ -85,16 +84,23 @@ pub(super) struct Place {
 impl Plane {
     /// Vehicles on a road, before an ego.
     #[must_use]
-    pub fn new(road: &Axis, ego: PlaneEgo, vehicles: &[Vehicle; MAX_TRACKS]) -> Self {
-        let (sine, cosine) = libm::sincos(ego.pose.heading_rad);
-        let mut plane = Self { ego, heading: (cosine, sine), ..Self::default() };
-        let mut is_line = ego.pose.heading_rad == 0.0 && ego.pose.y_m == 0.0;
-        for (place, vehicle) in plane.bodies.iter_mut().zip(vehicles) {
-            *place = standing(&ego, (cosine, sine), road, vehicle);
-            is_line &= !vehicle.present || place.sine == 0.0 && place.yaw_rate_radps == 0.0;
-        }
-        plane.is_line = is_line;
+    pub fn new(road: &Axis, ego: PlaneEgo, vehicles: &[Vehicle]) -> Self {
+        let mut plane = Self::default();
+        plane.place(road, ego, vehicles);
         plane
+    }
+
+    /// Places vehicles anew.
+    fn place(&mut self, road: &Axis, ego: PlaneEgo, vehicles: &[Vehicle]) {
+        let (sine, cosine) = libm::sincos(ego.pose.heading_rad);
+        (self.ego, self.heading) = (ego, (cosine, sine));
+        self.is_line = ego.pose.heading_rad == 0.0 && ego.pose.y_m == 0.0;
+        self.bodies.clear();
+        for vehicle in vehicles {
+            let place = standing(&ego, (cosine, sine), road, vehicle);
+            self.is_line &= !vehicle.present || place.sine == 0.0 && place.yaw_rate_radps == 0.0;
+            self.bodies.push(place);
+        }
     }
 
     /// A place of the road in the ego's axes.
@@ -142,44 +148,90 @@ fn standing(ego: &PlaneEgo, heading: (f64, f64), road: &Axis, vehicle: &Vehicle)
     }
 }
 
+impl Clone for Plane {
+    fn clone(&self) -> Self {
+        let Self { ego, ref bodies, is_line, heading } = *self;
+        Self { ego, bodies: bodies.clone(), is_line, heading }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        (self.ego, self.is_line, self.heading) = (source.ego, source.is_line, source.heading);
+        self.bodies.clone_from(&source.bodies);
+    }
+}
+
+impl Clone for Scene {
+    fn clone(&self) -> Self {
+        let Self { time_ns, ego, told, ref vehicles, ref plane } = *self;
+        Self { time_ns, ego, told, vehicles: vehicles.clone(), plane: plane.clone() }
+    }
+
+    fn clone_from(&mut self, source: &Self) {
+        (self.time_ns, self.ego, self.told) = (source.time_ns, source.ego, source.told);
+        self.vehicles.clone_from(&source.vehicles);
+        self.plane.clone_from(&source.plane);
+    }
+}
+
 impl Scene {
-    /// The scene of some vehicles, at most [`MAX_TRACKS`].
+    /// The scene of some vehicles.
     #[must_use]
     pub fn new(time_ns: i64, ego: Ego, vehicles: &[Vehicle]) -> Self {
-        let mut scene = Self { time_ns, ego, told: Some(ego), ..Self::default() };
-        for (place, vehicle) in scene.vehicles.iter_mut().zip(vehicles) {
-            *place = *vehicle;
-        }
-        scene
+        Self { time_ns, ego, told: Some(ego), vehicles: vehicles.to_vec(), plane: None }
+    }
+
+    /// An empty scene with room for `count` vehicles, in the plane or not.
+    pub(crate) fn with_room(count: usize, in_plane: bool) -> Self {
+        let plane =
+            in_plane.then(|| Plane { bodies: Vec::with_capacity(count), ..Plane::default() });
+        Self { vehicles: Vec::with_capacity(count), plane, ..Self::default() }
     }
 
     /// The same on a road in the plane.
     #[must_use]
-    pub fn on(self, road: &Axis, ego: PlaneEgo) -> Self {
-        Self { plane: Some(Plane::new(road, ego, &self.vehicles)), ..self }
+    pub fn on(mut self, road: &Axis, ego: PlaneEgo) -> Self {
+        self.stand_on(road, ego);
+        self
+    }
+
+    /// Places the vehicles on a road in the plane.
+    pub(crate) fn stand_on(&mut self, road: &Axis, ego: PlaneEgo) {
+        self.plane.get_or_insert_default().place(road, ego, &self.vehicles);
     }
 
     /// The scene `back_ns` earlier, if until then all had kept the present speed and their distance from the axis of
     /// `road`.
     #[must_use]
     pub fn earlier(&self, back_ns: i64, road: Option<&Axis>) -> Self {
+        let mut scene = Self::default();
+        self.write_earlier(back_ns, road, &mut scene);
+        scene
+    }
+
+    /// Writes the scene of [`Self::earlier`] into room that is there.
+    pub(crate) fn write_earlier(&self, back_ns: i64, road: Option<&Axis>, into: &mut Self) {
         let back_s = back_ns as f64 * 1e-9;
         let earlier = |ego: Ego| Ego {
             position_m: ego.position_m - ego.speed_mps * back_s,
             acceleration_mps2: 0.0,
             ..ego
         };
-        let (ego, told) = (earlier(self.ego), self.told.map(earlier));
-        let vehicles = self.vehicles.map(|vehicle| Vehicle {
+        into.time_ns = self.time_ns - back_ns;
+        (into.ego, into.told) = (earlier(self.ego), self.told.map(earlier));
+        into.vehicles.clear();
+        into.vehicles.extend(self.vehicles.iter().map(|vehicle| Vehicle {
             rear_position_m: vehicle.rear_position_m - vehicle.speed_mps * back_s,
             acceleration_mps2: 0.0,
             lateral_speed_mps: 0.0,
-            ..vehicle
-        });
-        let scene = Self { time_ns: self.time_ns - back_ns, ego, told, vehicles, plane: None };
-        let (Some(plane), Some(road)) = (&self.plane, road) else { return scene };
+            ..*vehicle
+        }));
+        let (Some(plane), Some(road)) = (&self.plane, road) else {
+            into.plane = None;
+            return;
+        };
         let (_, lateral_m) =
             road.project(plane.ego.pose.x_m, plane.ego.pose.y_m, self.ego.position_m);
+        let ego = into.ego;
         let yaw_rate_radps = road.curvature_perm(ego.position_m) * ego.speed_mps;
         let before = PlaneEgo {
             pose: road.point(ego.position_m, lateral_m),
@@ -187,7 +239,7 @@ impl Scene {
             yaw_rate_radps,
             told_yaw_rate_radps: plane.ego.told_yaw_rate_radps.map(|_| yaw_rate_radps),
         };
-        scene.on(road, before)
+        into.stand_on(road, before);
     }
 }
 

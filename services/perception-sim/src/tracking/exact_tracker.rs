@@ -1,7 +1,6 @@
 //! True tracks, to judge laws without a sensor's errors. Range and field
 //! of view still bound what is seen.
 
-use messages::MAX_TRACKS;
 use scenario::Scenario;
 
 use super::list::{Track, TrackList};
@@ -16,7 +15,7 @@ use crate::vehicle::Vehicle;
 pub struct ExactTracker {
     view: View,
     limits: PathLimits,
-    tracks: [Option<(u32, Membership)>; MAX_TRACKS],
+    tracks: Vec<Option<(u32, Membership)>>,
     last_ns: Option<i64>,
     next_id: u32,
 }
@@ -29,7 +28,7 @@ impl ExactTracker {
         Self {
             view: View::new(&perception.radar),
             limits: PathLimits::new(&perception.target_selection, true, &Numbers::DEFAULT),
-            tracks: [None; MAX_TRACKS],
+            tracks: vec![None; scenario.actors.len()],
             last_ns: None,
             next_id: 1,
         }

@@ -3,7 +3,6 @@
 //! On a road with a plan it works on the course ([`super::course`]) by yaw rate, trails and map: an object list has no
 //! standing objects.
 
-use messages::MAX_TRACKS;
 use scenario::Scenario;
 
 use super::course::Course;
@@ -31,7 +30,7 @@ pub struct ObjectTracker {
     azimuth_sigma_rad: f64,
     coast_s: f64,
     view: FieldOfView,
-    tracks: [Option<ObjectTrack>; MAX_TRACKS],
+    tracks: Vec<Option<ObjectTrack>>,
     share: Share,
     ahead: RoadAhead,
     last_ns: Option<i64>,
@@ -70,7 +69,7 @@ impl ObjectTracker {
                 resolution_rad: 0.0,
                 edge_rad: numbers.edge_rad,
             },
-            tracks: [None; MAX_TRACKS],
+            tracks: vec![None; scenario.actors.len()],
             share: Share::new(&numbers),
             ahead: RoadAhead::new(Sources::default(), &CourseNumbers::DEFAULT),
             last_ns: None,

@@ -17,7 +17,7 @@ use crate::truth;
 use messages::level::{Level, LevelLog};
 use messages::{
     self, BrakeState, Command, EgoTruth, Header, Odometry, Origins, PLAN_LEN, Powertrain,
-    ServiceState, VehicleTruth,
+    ServiceState,
 };
 use runtime::{
     Checkpoint, Cycle, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, Subscriber,
@@ -25,9 +25,11 @@ use runtime::{
 use scenario::Scenario;
 use scenario::v2x::Phase;
 
+mod others;
 mod plane;
 mod survival;
 
+use others::Others;
 use plane::Plane;
 use survival::Snapshot;
 pub use survival::last_known;
@@ -71,7 +73,7 @@ struct Plant {
     /// From a truck alone.
     powertrain: Option<Publisher<Powertrain>>,
     command: Subscriber<Command>,
-    vehicles: Subscriber<VehicleTruth>,
+    others: Others,
     signals: Subscriber<messages::SignalTruth>,
     /// Room for the signals as the referee watches them.
     shown: [SignalTruth; MAX_SIGNALS],
@@ -112,7 +114,7 @@ impl Plant {
                 .then(|| runtime.publisher())
                 .transpose()?,
             command: runtime.subscriber()?,
-            vehicles: runtime.subscriber()?,
+            others: Others::open(runtime, scenario)?,
             signals: runtime.subscriber()?,
             shown: [DARK; MAX_SIGNALS],
             braking: Braking::open(runtime, scenario)?,
@@ -143,7 +145,7 @@ impl Plant {
         self.publish(&release)?;
         // The command comes last of all that a step makes wait for.
         runtime.update(&mut self.command)?;
-        runtime.update(&mut self.vehicles)?;
+        self.others.update(runtime)?;
         runtime.update(&mut self.signals)?;
         if let Some(braking) = &mut self.braking {
             braking.update(runtime)?;
@@ -181,7 +183,7 @@ impl Plant {
         };
         runtime.end_cycle(state)?;
         let brought_to_a_stop = runtime.is_to_stop() && self.stopped_for_want_of_commands;
-        let ended = self.vehicles.newest().is_some_and(|truth| truth.ended != 0);
+        let ended = self.others.newest().is_some_and(|others| others.ended);
         if violation.is_some() || brought_to_a_stop || ended || clear {
             runtime.end_run()?;
         }
@@ -223,7 +225,7 @@ impl Plant {
         let meets = self.surroundings.of(
             &state,
             release.time_s,
-            self.vehicles.newest(),
+            self.others.newest(),
             self.signals.newest(),
         );
         self.truth.send_with(|message: &mut EgoTruth| {
@@ -251,18 +253,18 @@ impl Plant {
         let newest = self.signals.newest();
         let count = newest.map_or(0, |newest| truth::signals(newest, &mut self.shown));
         let state = self.ego.state();
-        let ahead = (self.vehicles.newest())
+        let ahead = (self.others.newest())
             .and_then(|newest| self.surroundings.ahead(newest, state.position_m, release.time_s));
         let now_ns = release.scheduled_ns.unsigned_abs();
-        let in_plane = (self.plane.as_ref())
-            .map(|plane| plane.sample(release, &state, self.vehicles.newest()));
+        let in_plane =
+            (self.plane.as_ref()).map(|plane| plane.sample(release, &state, self.others.newest()));
         let shown = &self.shown[..count];
         self.referee.observe_in_plane(now_ns, &state, ahead.as_ref(), shown, in_plane.as_ref())
     }
 
     /// True if the run ends because the ego is clear of all others.
     fn is_clear(&mut self, release: &Release) -> bool {
-        let (Some(clear), Some(others)) = (&mut self.clear, self.vehicles.newest()) else {
+        let (Some(clear), Some(others)) = (&mut self.clear, self.others.newest()) else {
             return false;
         };
         clear.observe(release.scheduled_ns, &self.ego.state(), others)

@@ -1,6 +1,8 @@
 //! The plant's part of a road with a plan: motion across the road, and its messages.
 
-use messages::{EgoPose, Header, LateralMotion, VehiclePoses, VehicleTruth};
+use messages::{
+    AllVehicles, EgoPose, Header, LateralMotion, MAX_TRACKS, MorePoses, VehiclePoses, all_poses,
+};
 use runtime::{Publisher, Release, Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
 use scenario::event::VEHICLE_WIDTH_M;
@@ -18,6 +20,7 @@ pub(super) struct Plane {
     sensors: Publisher<LateralMotion>,
     pose: Publisher<EgoPose>,
     others: Subscriber<VehiclePoses>,
+    more: Option<Subscriber<MorePoses>>,
     length_m: f64,
     contact_within_m: f64,
 }
@@ -34,6 +37,7 @@ impl Plane {
             sensors: runtime.publisher()?,
             pose: runtime.publisher()?,
             others: runtime.subscriber()?,
+            more: (scenario.actors.len() > MAX_TRACKS).then(|| runtime.subscriber()).transpose()?,
             length_m: scenario.plant.length_m.value(),
             contact_within_m: Numbers::DEFAULT.contact_within_m,
         }))
@@ -58,6 +62,9 @@ impl Plane {
 
     /// Takes the newest bodies of the others.
     pub(super) fn update(&mut self, runtime: &Runtime) -> Result<(), RuntimeError> {
+        if let Some(more) = &mut self.more {
+            runtime.update(more)?;
+        }
         runtime.update(&mut self.others)
     }
 
@@ -66,20 +73,24 @@ impl Plane {
         &self,
         release: &Release,
         ego: &State,
-        vehicles: Option<&VehicleTruth>,
+        vehicles: Option<&AllVehicles>,
     ) -> InPlane {
         let state = self.lateral.state();
         let body = || {
             let front = self.lateral.placed(ego.position_m);
             Rectangle::behind(&front, self.length_m, VEHICLE_WIDTH_M)
         };
-        let others = vehicles.zip(self.others.newest());
-        let closing_at_contact_mps = others.and_then(|others| {
+        let more = self.more.as_ref().and_then(Subscriber::newest);
+        let posed = self.others.newest().and_then(|first| {
+            let age_s = release.time_s - first.header.acquisition_ns as f64 / 1e9;
+            all_poses(first, more).map(|poses| (age_s, poses))
+        });
+        let closing_at_contact_mps = vehicles.zip(posed).and_then(|(vehicles, (age_s, poses))| {
             closing_at_contact(
                 &body(),
                 ego.speed_mps,
-                release.time_s,
-                others,
+                age_s,
+                vehicles.vehicles.iter().zip(poses),
                 self.contact_within_m,
             )
         });

@@ -22,8 +22,8 @@ use crate::cdr::Cdr;
 use draw::{Color, Marker, Points};
 use ground::{Ground, Place};
 use messages::{
-    EgoPose, Odometry, PhaseState, RadarDetections, RadarTracks, SignalTruth, Topic, VehiclePoses,
-    VehicleTruth,
+    EgoPose, MorePoses, MoreVehicles, Odometry, PhaseState, RadarDetections, RadarTracks,
+    SignalTruth, Topic, VehiclePoses, VehicleTruth, VehicleTruthItem, all_poses,
 };
 use scenario::Scenario;
 use scenario::event::VEHICLE_WIDTH_M;
@@ -93,7 +93,9 @@ pub(crate) struct Scene {
     odometry: Option<Odometry>,
     pose: Option<EgoPose>,
     vehicles: Option<VehicleTruth>,
+    more_vehicles: Option<Box<MoreVehicles>>,
     poses: Option<VehiclePoses>,
+    more_poses: Option<Box<MorePoses>>,
     signals: Option<SignalTruth>,
     tracks: Option<RadarTracks>,
     sequences: [u32; TOPICS.len()],
@@ -139,7 +141,9 @@ impl Scene {
             odometry: None,
             pose: None,
             vehicles: None,
+            more_vehicles: None,
             poses: None,
+            more_poses: None,
             signals: None,
             tracks: None,
             sequences: [0; TOPICS.len()],
@@ -156,7 +160,13 @@ impl Scene {
             Topic::RadarDetections => {
                 self.draw_detections(now_ns, &bytemuck::pod_read_unaligned(message));
             }
+            Topic::MoreVehicles => {
+                self.more_vehicles = Some(Box::new(bytemuck::pod_read_unaligned(message)));
+            }
             Topic::VehiclePoses => self.poses = Some(bytemuck::pod_read_unaligned(message)),
+            Topic::MorePoses => {
+                self.more_poses = Some(Box::new(bytemuck::pod_read_unaligned(message)));
+            }
             Topic::EgoPose => {
                 self.pose = Some(bytemuck::pod_read_unaligned(message));
                 if self.ground.has_plan() {
@@ -240,12 +250,17 @@ impl Scene {
         std::iter::once(ego).chain(others).collect()
     }
 
+    /// The vehicles of the newest step, those of its second message included.
+    fn listed(&self) -> impl Iterator<Item = &VehicleTruthItem> {
+        let first = self.vehicles.iter().flat_map(|truth| truth.listed());
+        let step = self.vehicles.as_ref().map(|truth| truth.header.step);
+        let more = self.more_vehicles.iter().filter(move |more| Some(more.header.step) == step);
+        first.chain(more.flat_map(|more| more.listed()))
+    }
+
     /// The vehicles of a straight road.
     fn along(&self) -> Vec<Body> {
-        let Some(truth) = &self.vehicles else { return Vec::new() };
-        let count = usize::try_from(truth.count).map_or(0, |count| count.min(truth.vehicles.len()));
-        let vehicles = truth.vehicles[..count].iter().enumerate();
-        let bodies = vehicles.map(|(index, vehicle)| Body {
+        let bodies = self.listed().enumerate().map(|(index, vehicle)| Body {
             frame: format!("vehicle_{index}"),
             rear: self.ground.place(vehicle.rear_position_m, vehicle.lateral_m),
             length_m: self.lengths_m.get(index).copied().unwrap_or(USUAL_LENGTH_M),
@@ -257,8 +272,12 @@ impl Scene {
 
     /// The vehicles of a road with a plan.
     fn posed(&self) -> Vec<Body> {
-        let poses = self.poses.iter().flat_map(|poses| poses.listed()).enumerate();
-        let bodies = poses.map(|(index, pose)| {
+        let more = self.more_poses.as_deref();
+        let poses = self.poses.iter().flat_map(|first| {
+            let more = more.filter(|more| more.header.step == first.header.step);
+            all_poses(first, more).into_iter().flatten()
+        });
+        let bodies = poses.enumerate().map(|(index, pose)| {
             let middle = Place { at_m: [pose.x_m, pose.y_m], heading_rad: pose.heading_rad };
             Body {
                 frame: format!("vehicle_{index}"),
@@ -273,7 +292,7 @@ impl Scene {
 
     /// Colour of a vehicle: orange in the ego's lane.
     fn color(&self, index: usize) -> Color {
-        let vehicle = self.vehicles.as_ref().and_then(|truth| truth.vehicles.get(index));
+        let vehicle = self.listed().nth(index);
         if vehicle.is_some_and(|vehicle| vehicle.in_lane != 0) {
             Color::ORANGE
         } else {

@@ -46,8 +46,8 @@ fn unused(scenario: &Scenario) -> Result<(), Problem> {
         let message = format!("{table} has no effect without a plan of the road");
         return Err(Problem::new(table, message, "[road.plan]"));
     }
-    let of_plan = |topic: Topic| topic as u32 >= Topic::LateralMotion as u32;
-    let topics = TOPICS.into_iter().filter(|topic| of_plan(*topic));
+    let of_plan = Topic::LateralMotion as u32..=Topic::Curves as u32;
+    let topics = TOPICS.into_iter().filter(|topic| of_plan.contains(&(*topic as u32)));
     for topic in topics {
         let aimed = |fault: &Fault| fault.effect.target() == Target::Topic(topic);
         if let Some(index) = scenario.faults.iter().position(aimed) {

@@ -2,22 +2,21 @@
 
 use crate::{VEHICLE_WIDTH_M, Verdict, contact};
 use group::Drive;
-use messages::VehicleTruth;
+use messages::AllVehicles;
 
 /// End of the drive: the first contact of the ego with any other vehicle. Between two samples of
 /// the others they keep their speed, and move evenly from one lateral position to the next.
 pub fn verdict(drive: &Drive) -> Verdict {
     let mut truths = drive.vehicles.iter().peekable();
-    let mut seen: Option<&VehicleTruth> = None;
+    let mut seen: Option<&AllVehicles> = None;
     for step in &drive.steps {
         while let Some(truth) = truths.next_if(|truth| truth.header.step <= step.step) {
             seen = Some(truth);
         }
         let Some(seen) = seen else { continue };
         let since_s = step.time_s - seen.header.acquisition_ns as f64 * 1e-9;
-        let count = usize::try_from(seen.count).map_or(0, |count| count.min(seen.vehicles.len()));
-        let next = truths.peek().filter(|next| next.count == seen.count);
-        for (index, vehicle) in seen.vehicles[..count].iter().enumerate() {
+        let next = truths.peek().filter(|next| next.vehicles.len() == seen.vehicles.len());
+        for (index, vehicle) in seen.vehicles.iter().enumerate() {
             let gap_m = vehicle.rear_position_m + vehicle.speed_mps * since_s - step.position_m;
             if gap_m >= 0.0 {
                 continue;
@@ -42,21 +41,22 @@ mod tests {
     use crate::Outcome;
     use bytemuck::Zeroable;
     use group::DriveStep;
+    use messages::VehicleTruthItem;
 
     use super::*;
 
-    fn truth(step: u64, rear_position_m: f64, lateral_m: f64) -> VehicleTruth {
-        let mut truth = VehicleTruth::zeroed();
+    fn truth(step: u64, rear_position_m: f64, lateral_m: f64) -> AllVehicles {
+        let mut truth = AllVehicles::with_room(1);
         truth.header.step = step;
         truth.header.acquisition_ns = 10_000_000 * step as i64;
-        truth.count = 1;
+        truth.vehicles.push(VehicleTruthItem::zeroed());
         truth.vehicles[0].rear_position_m = rear_position_m;
         truth.vehicles[0].speed_mps = 10.0;
         truth.vehicles[0].lateral_m = lateral_m;
         truth
     }
 
-    fn drive(vehicles: Vec<VehicleTruth>) -> Drive {
+    fn drive(vehicles: Vec<AllVehicles>) -> Drive {
         let step = |step: u64| DriveStep {
             step,
             time_s: 0.01 * step as f64,

@@ -3,7 +3,7 @@
 use super::{Evidence, RequirementVerdict, requirements};
 use crate::{Drive, DriveStep};
 use bytemuck::Zeroable;
-use messages::VehicleTruth;
+use messages::{AllVehicles, VehicleTruthItem};
 use scenario::Scenario;
 
 /// An ego that keeps 20 m/s behind a vehicle `gap_m` ahead that brakes, in lane from `appears_s` on, until they touch.
@@ -14,10 +14,10 @@ fn drive(gap_m: f64, lead_mps2: f64, appears_s: f64) -> Drive {
         let braked_s = if lead_mps2 < 0.0 { time_s.min(20.0 / -lead_mps2) } else { time_s };
         let rear_m = gap_m + (20.0 + 0.5 * lead_mps2 * braked_s) * braked_s;
         let is_there = time_s >= appears_s;
-        let mut truth = VehicleTruth::zeroed();
+        let mut truth = AllVehicles::with_room(1);
         truth.header.step = k.into();
         truth.header.acquisition_ns = i64::from(k) * 10_000_000;
-        truth.count = 1;
+        truth.vehicles.push(VehicleTruthItem::zeroed());
         let lead = &mut truth.vehicles[0];
         lead.in_lane = is_there.into();
         (lead.rear_position_m, lead.speed_mps) = (rear_m, 20.0 + lead_mps2 * braked_s);
@@ -146,7 +146,7 @@ fn an_encounter_ends_when_the_ego_no_longer_approaches() {
     });
     let steady = drive(16.0, 0.0, 0.0);
     later.steps.splice(0..0, steady.steps[..300].iter().copied());
-    later.vehicles.splice(0..0, steady.vehicles[..300].iter().copied());
+    later.vehicles.splice(0..0, steady.vehicles[..300].iter().cloned());
     let verdict = avoidable(&later);
     assert!(!verdict.met && (verdict.at_s - 3.0).abs() < 0.011, "{verdict:?}");
 }

@@ -165,8 +165,7 @@ fn by_formula(formula: &Formula, evidence: &Evidence<'_>) -> Finding {
 mod tests {
     use super::*;
     use crate::{Drive, DriveStep};
-    use bytemuck::Zeroable;
-    use messages::VehicleTruth;
+    use messages::AllVehicles;
 
     /// 3 s at 10 ms: 20 m/s with a gap that shrinks by 2 m/s from 30 m and is sampled every 50 ms, until the vehicle
     /// ahead leaves after 2 s.
@@ -176,7 +175,7 @@ mod tests {
             let time_s = step as f64 / 100.0;
             let is_sampled = step % 5 == 0;
             if is_sampled {
-                let mut truth = VehicleTruth::zeroed();
+                let mut truth = AllVehicles::with_room(0);
                 truth.header.step = step;
                 drive.vehicles.push(truth);
             }

@@ -5,11 +5,11 @@
 
 use super::evidence::Evidence;
 use crate::present::Present;
-use messages::{VehicleTruth, VehicleTruthItem};
+use messages::{AllVehicles, VehicleTruthItem};
 
 /// The other vehicles of a drive.
 pub(super) struct Others<'a> {
-    truths: &'a [VehicleTruth],
+    truths: &'a [AllVehicles],
     present: Present,
     ego_length_m: f64,
 }
@@ -42,8 +42,7 @@ impl<'a> Others<'a> {
         let truth = next.checked_sub(1).map(|index| &self.truths[index]);
         truth.into_iter().flat_map(move |truth| {
             let age_s = (time_s - taken_s(truth)).max(0.0);
-            let count = usize::try_from(truth.count).unwrap_or(0).min(truth.vehicles.len());
-            let listed = truth.vehicles[..count].iter().enumerate();
+            let listed = truth.vehicles.iter().enumerate();
             listed.filter(|(_, vehicle)| vehicle.in_lane != 0).map(move |(place, vehicle)| {
                 let moved = moved(vehicle, age_s, is_last);
                 Other {
@@ -69,7 +68,7 @@ impl<'a> Others<'a> {
     }
 }
 
-fn taken_s(truth: &VehicleTruth) -> f64 {
+fn taken_s(truth: &AllVehicles) -> f64 {
     truth.header.acquisition_ns as f64 / 1e9
 }
 

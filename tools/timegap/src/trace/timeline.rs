@@ -1,6 +1,9 @@
 //! Times in a recording: cycles of the services, chains through them, incidents.
 
-use messages::{Command, Header, Message, Odometry, RadarTracks, Service, VehicleTruth};
+use messages::{
+    AllVehicles, Command, Header, Message, MoreVehicles, Odometry, RadarTracks, Service,
+    VehicleTruth,
+};
 use recorder::Record;
 use runtime::Timetable;
 use scenario::Scenario;
@@ -245,11 +248,15 @@ fn counters(records: &[Record]) -> Vec<Counter> {
     let mut ego_m = messages::<Odometry>(records).peekable();
     let mut position_m = None;
     let mut gaps = Vec::new();
+    let mut more = messages::<MoreVehicles>(records).peekable();
     for truth in messages::<VehicleTruth>(records) {
+        while more.next_if(|more| more.header.step < truth.header.step).is_some() {}
+        let mut all = AllVehicles::of(&truth);
+        all.take(&truth, more.peek().filter(|more| more.header.step == truth.header.step));
         while let Some(ego) = ego_m.next_if(|o| o.header.step <= truth.header.step) {
             position_m = Some(ego.position_m);
         }
-        let gap = position_m.and_then(|ego_m| truth.nearest_ahead(ego_m));
+        let gap = position_m.and_then(|ego_m| all.nearest_ahead(ego_m));
         gaps.extend(gap.map(|(gap_m, _)| (truth.header.acquisition_ns, gap_m)));
     }
     let samples: [Vec<(i64, f64)>; COUNTERS.len()] =
