@@ -158,6 +158,9 @@ pub fn opendrive(bytes: &[u8]) {
                 let (axis, _) = lane.line.axis().expect("it was read");
                 assert!(axis.pose(0.5 * axis.length_m()).x_m.is_finite());
                 let _ = lane.road.heights_along(&lane.line);
+                let lines = lane.road.lane_lines(&lane.line).expect("its axis was read");
+                let edges_m = lines.edges_m(0.3 * axis.length_m());
+                assert!(lines.is_sound() && edges_m.is_none_or(|edges_m| edges_m[0] <= edges_m[1]));
             }
         }
     }

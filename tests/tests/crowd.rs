@@ -25,7 +25,7 @@ fn scene(others: usize, road: &str) -> Scenario {
             false => (-40 + 7 * (place as i64 / 2), 20.0, if place % 2 == 0 { 3.5 } else { -3.5 }),
         };
         text += &format!(
-            "[[actors]]\nname = \"car {place}\"\ngap_m = {gap_m}\ninitial_speed_mps = {speed_mps:?}\n\
+            "[[actors]]\nname = \"car-{place}\"\ngap_m = {gap_m}\ninitial_speed_mps = {speed_mps:?}\n\
              lateral_offset_m = {lateral_m:?}\n"
         );
     }

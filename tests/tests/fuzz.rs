@@ -39,6 +39,7 @@ fn examples(name: &str) -> Vec<Vec<u8>> {
         "opendrive" => vec![
             file("shared/openscenario/tests/roads/own.xodr"),
             file("examples/openscenario/straight.xodr"),
+            file("examples/curves/two_roads.xodr"),
         ],
         "plan" => vec![
             text(

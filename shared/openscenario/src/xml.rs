@@ -5,8 +5,8 @@ use quick_xml::{Reader, XmlVersion};
 
 use crate::error::{Place, ReadError, Spot};
 
-/// Longest file, bytes.
-pub const MAX_FILE_BYTES: usize = 4 << 20;
+/// Longest file, bytes: road files of whole towns have a few million.
+pub const MAX_FILE_BYTES: usize = 16 << 20;
 /// Deepest nesting of elements.
 const MAX_DEPTH: usize = 64;
 

@@ -184,6 +184,11 @@ impl Axis {
         if p_m <= self.straight_m { 0.0 } else { self.cell(p_m).rate_perm2 }
     }
 
+    /// Metres along the curve for one metre of `p`: not 1 where a cubic has another length than declared.
+    pub(crate) fn pace(&self, p_m: f64) -> f64 {
+        if p_m <= self.straight_m { 1.0 } else { self.cell(p_m).pace }
+    }
+
     /// The coordinates (p, l) of a point: Newton's method from `near_p_m`, which must lie on the point's branch.
     ///
     /// A point has a foot on the axis as far as the centre of the curve. Beyond it the result is of no use.

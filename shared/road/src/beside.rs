@@ -1,10 +1,11 @@
 //! The axis of a lane: a curve at a distance from another axis.
 //!
 //! ```text
-//! C(s) = R(s) + t(s) N(s)         A = 1 - κ t,  B = t'         |C'| = √(A² + B²)
-//! θ_C  = θ + atan2(B, A)          κ_C = (κ + (A B' - B A') / (A² + B²)) / |C'|
+//! C(s) = R(s) + t(s) N(s)         A = w (1 - κ t),  B = t'     |C'| = √(A² + B²)
+//! θ_C  = θ + atan2(B, A)          κ_C = (w κ + (A B' - B A') / (A² + B²)) / |C'|
 //! ```
 //!
+//! w is the way along R for one metre of s, constant in a piece: 1 but for cubics of another length than declared.
 //! `s` at an arc length `p` of C comes from Newton's method on the integral of |C'|.
 
 use crate::axis::{goes_on, joined};
@@ -66,7 +67,8 @@ impl<'a> Beside<'a> {
     fn speed(&self, s_m: f64) -> f64 {
         let at_m = self.inside(s_m);
         let t_m = self.offset.at(at_m);
-        libm::hypot(1.0 - self.reference.curvature_perm(at_m) * t_m, self.offset.slope(at_m))
+        let a = self.reference.pace(at_m) * (1.0 - self.reference.curvature_perm(at_m) * t_m);
+        libm::hypot(a, self.offset.slope(at_m))
     }
 
     /// The way along the curve, m; positive in its own direction.
@@ -80,8 +82,9 @@ impl<'a> Beside<'a> {
             [self.offset.at(at_m), self.offset.slope(at_m), self.offset.bend(at_m)];
         let curvature = self.reference.curvature_perm(at_m);
         let rate = self.reference.curvature_rate_perm2(at_m);
-        let a = 1.0 - curvature * t;
-        let a_change = -(rate * t + curvature * slope);
+        let pace = self.reference.pace(at_m);
+        let a = pace * (1.0 - curvature * t);
+        let a_change = -pace * (pace * rate * t + curvature * slope);
         let speed = libm::hypot(a, slope);
         let turned = (a * bend - slope * a_change) / (speed * speed);
         let place = self.reference.pose(at_m);
@@ -94,7 +97,7 @@ impl<'a> Beside<'a> {
         };
         // Beyond the centre of a curve the lane would run backwards.
         let forward = if a > 0.0 { self.sign() } else { f64::NAN };
-        Point { pose, speed, curvature_perm: forward * (curvature + turned) / speed }
+        Point { pose, speed, curvature_perm: forward * (pace * curvature + turned) / speed }
     }
 
     fn state(&self, q_m: f64, s_m: f64) -> State {

@@ -5,8 +5,8 @@ use crate::{CROSSING_WITHIN_M, MAX_GAP_M, MAX_KINK_RAD, MAX_LENGTH_M, MIN_RADIUS
 /// A chain of pieces that makes no axis. Pieces are counted from 0.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum AxisError {
-    /// There is no piece.
-    #[error("there is no piece")]
+    /// There is no piece, or a line begins at its end.
+    #[error("there is no road ahead")]
     Empty,
     /// A number is NaN or infinite.
     #[error("a number of the piece is not finite")]
@@ -108,7 +108,7 @@ impl AxisError {
     #[must_use]
     pub fn expected(&self) -> String {
         match self {
-            Self::Empty => "at least one piece".to_owned(),
+            Self::Empty => "a place before the road's end".to_owned(),
             Self::NotFinite { .. } => "finite numbers".to_owned(),
             Self::Length { .. } => {
                 format!("a length above 0 m and at most {MAX_LENGTH_M} m in all")

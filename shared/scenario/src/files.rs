@@ -9,10 +9,11 @@ use super::Scenario;
 use super::actor::Profile;
 use super::document::{Document, MAX_TEXT_BYTES};
 use super::error::ScenarioError;
-use super::plan::{DrivenLine, Lanes, Start};
+use super::plan::{AlongRoad, DrivenLine, Lanes, Start};
 use super::problem::Problem;
 use super::recorded::{self, READING, RecordedError};
 use super::road::{self, Heights};
+use openscenario::xml::MAX_FILE_BYTES;
 
 /// Why a text file is not read.
 #[derive(Debug, thiserror::Error)]
@@ -125,7 +126,7 @@ fn load_plan(
     let Some(path) = to_read(&opendrive.file, own, is_set, opendrive.line.is_none()) else {
         return Ok(Vec::new());
     };
-    let text = read(&path, MAX_TEXT_BYTES).map_err(|reason| {
+    let text = read(&path, MAX_FILE_BYTES).map_err(|reason| {
         let message = format!("{} {reason}", path.display());
         document.problem(&Problem::new(FILE, message, "an OpenDRIVE file"))
     })?;
@@ -133,12 +134,16 @@ fn load_plan(
     let heights = lane.road.heights_along(&lane.line).map_err(|error| {
         document.problem(&Problem::new(FILE, error.to_string(), error.expected()))
     })?;
+    let lines = lane.road.lane_lines(&lane.line).map_err(|error| {
+        document.problem(&Problem::new(FILE, error.to_string(), error.expected()))
+    })?;
     opendrive.line = Some(DrivenLine(lane.line));
     if !document.has("road.plan.start") {
         plan.start = Start::of_pose(&lane.start);
     }
     if !document.has("road.plan.lanes") {
-        plan.lanes = Lanes::beside(lane.beside, lane.width_m);
+        let lanes = Lanes::beside(lane.beside, lane.width_m);
+        plan.lanes = Lanes { along: AlongRoad(lines), ..lanes };
     }
     if scenario.road.is_level() && !heights.is_empty() {
         let points = road::points(&heights).map_err(|problem| document.problem(&problem))?;

@@ -15,7 +15,7 @@ use super::SCHEMA_VERSION;
 use super::actor::MAX_ACTORS;
 use super::error::ScenarioError;
 use super::foreign::ForeignKeys;
-use super::plan::{DrivenLine, Lanes, OpendriveRoad, Start};
+use super::plan::{AlongRoad, DrivenLine, Lanes, OpendriveRoad, Start};
 use super::quantity::{Distance, LaneId};
 use super::storyboard::Storyboard;
 
@@ -143,6 +143,7 @@ fn plan_of(script: &Script, world: &World) -> Result<Vec<(&'static str, toml::Va
     let Some(lane) = road.lane_at(front_s_m, middle_t_m) else { return Ok(keys) };
     let line = road.driven(&lane, front_s_m, middle_t_m - lane.center_m, direction);
     let heights = road.heights_along(&line)?;
+    let lines = road.lane_lines(&line)?;
     let (_, begin) = line.axis()?;
     if is_curved {
         let part = road.parts.iter().rev().find(|part| part.from_m <= front_s_m);
@@ -156,6 +157,7 @@ fn plan_of(script: &Script, world: &World) -> Result<Vec<(&'static str, toml::Va
         };
         let place = Start::of_pose(&begin.placed(&road.start()));
         let lanes = Lanes::beside(road.neighbours(&lane, front_s_m), lane.width_m);
+        let lanes = Lanes { along: AlongRoad(lines), ..lanes };
         keys.push(("road.plan.opendrive", value_of(&plan)));
         keys.push(("road.plan.start", value_of(&place)));
         keys.push(("road.plan.lanes", value_of(&lanes)));
@@ -184,7 +186,9 @@ fn against_its_lane(script: &Script, world: &World) -> Vec<String> {
         };
         if entity.category == Category::Vehicle && motion.direction() != road.direction(&lane) {
             let (name, id) = (&entity.name, lane.id);
-            let h = if motion.direction() > 0.0 { "3.14159" } else { "0" };
+            let part = road.parts.iter().rev().find(|part| part.from_m <= s_m);
+            let is_along = (motion.direction() > 0.0) != part.is_some_and(|part| part.reversed);
+            let h = if is_along { "3.14159" } else { "0" };
             notices.push(format!(
                 "`{name}` begins in lane {id} and faces against its traffic: orientations count from \
                  the road's reference line, and h=\"{h}\" would face with the lane"

@@ -1,6 +1,6 @@
 //! The lanes of a road with a plan as lines in the plane.
 
-use scenario::plan::Plan;
+use scenario::plan::{Plan, offset_at};
 use serde::Serialize;
 
 /// Largest distance of a line from its chords, m: less than a pixel of the close-up.
@@ -29,21 +29,36 @@ impl RoadView {
     #[must_use]
     pub fn of(plan: &Plan, from_to_m: (f64, f64)) -> Self {
         let (axis, start, lanes) = (plan.axis(), plan.start.pose(), &plan.lanes);
-        let places_m = places(&|p_m| axis.curvature_perm(p_m), from_to_m);
-        let line = |offset_m: f64| {
+        let between = lanes.lines(from_to_m.0, from_to_m.1);
+        let mut places_m = places(&|p_m| axis.curvature_perm(p_m), from_to_m);
+        places_m.extend(between.iter().flatten().map(|point| point[0]));
+        places_m.retain(|p_m| (from_to_m.0..=from_to_m.1).contains(p_m));
+        places_m.sort_by(f64::total_cmp);
+        places_m.dedup();
+        let line = |offset_m: &dyn Fn(f64) -> f64, places_m: &mut dyn Iterator<Item = f64>| {
             let mut line = Line::default();
-            for p_m in &places_m {
-                let pose = axis.point(*p_m, offset_m).placed(&start);
+            for p_m in places_m {
+                let pose = axis.point(p_m, offset_m(p_m)).placed(&start);
                 line.x.push(rounded(pose.x_m));
                 line.y.push(rounded(pose.y_m));
             }
             line
         };
-        let right_m = lanes.right_edge_m();
-        let between = 1..=lanes.left.value() + lanes.right.value();
-        let offsets = between.map(|lane| right_m + f64::from(lane) * lanes.width_m.value());
-        let (left, right) = (line(lanes.left_edge_m()), line(right_m));
-        Self { left, right, lines: offsets.map(line).collect() }
+        let all = || places_m.iter().copied();
+        let edge = |side: usize| line(&|p_m| lanes.edges_m(p_m)[side], &mut all());
+        // The first and the last line of a stretch are edges.
+        let inner = between.iter().enumerate().filter(|(index, own)| {
+            let is_neighbour =
+                |other: Option<&Vec<[f64; 2]>>| other.is_some_and(|other| other[0][0] == own[0][0]);
+            let before = index.checked_sub(1).and_then(|before| between.get(before));
+            is_neighbour(before) && is_neighbour(between.get(index + 1))
+        });
+        let lines = inner.map(|(_, points)| {
+            let (first_m, last_m) = (points[0][0], points[points.len() - 1][0]);
+            let mut own = all().filter(|p_m| (first_m..=last_m).contains(p_m));
+            line(&|p_m| offset_at(points, p_m), &mut own)
+        });
+        Self { left: edge(1), right: edge(0), lines: lines.collect() }
     }
 }
 

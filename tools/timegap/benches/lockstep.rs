@@ -3,6 +3,9 @@
 //! `cargo bench -p timegap --bench lockstep`. Both kinds of run alternate, so that both meet the same machine;
 //! figures are medians. A missed goal is printed as missed and is not a failure.
 //!
+//! The rows of curves are the same on a straight road and on a random road of curves, both with the radar's detections and
+//! with 2, 8 and 64 other vehicles: what curves and vehicles cost.
+//!
 //! A goal per core is judged by processor time of whole commands with their start and their results. On a
 //! shared machine, wall time depends on the share that a run gets.
 
@@ -72,6 +75,62 @@ fn verdict(met: bool) -> &'static str {
     if met { "met" } else { "MISSED" }
 }
 
+/// The other vehicles of the rows of curves.
+const OTHERS: [usize; 3] = [2, 8, 64];
+/// Simulated seconds per second of the loop on a road of curves with two other vehicles.
+const CURVED_GOAL: f64 = 2000.0;
+
+/// A drive of 300 s behind a lead, with further vehicles beside and behind it, before a radar with detections.
+fn scene(others: usize, road: &str) -> String {
+    let mut text = format!(
+        "schema_version = 1\nname = \"row\"\nduration_s = {DURATION_S}\nset_speed_mps = 24\n\
+         plant.initial_speed_mps = 22\nperception.radar.model = \"detections\"\n{road}"
+    );
+    for place in 0..others {
+        let (gap_m, lateral_m) = match place {
+            0 => (45.0, 0.0),
+            _ => (12.0 * (place / 2) as f64, if place % 2 == 0 { -3.5 } else { 3.5 }),
+        };
+        text += &format!(
+            "[[actors]]\nname = \"a{place}\"\ngap_m = {gap_m:?}\ninitial_speed_mps = 22\n\
+             lateral_offset_m = {lateral_m:?}\n"
+        );
+    }
+    text
+}
+
+/// The rows of curves: median speed of the loop and of the whole command.
+fn curves() {
+    const ROAD: &str = "[road.plan]\ngenerated = { seed = 1, length_km = 10, min_radius_m = 250, max_radius_m = 2000 }\n";
+    let file = std::env::temp_dir().join(format!("timegap-bench-{}.toml", std::process::id()));
+    println!("detection radar, {DURATION_S} s, medians of {ROUNDS}; simulated s per s");
+    println!("                  wall, the loop   processor, all");
+    let duration_s: f64 = DURATION_S.parse().expect("a number");
+    for (road, name) in [("", "straight"), (ROAD, "curves")] {
+        for others in OTHERS {
+            std::fs::write(&file, scene(others, road)).expect("a file of our own");
+            let path = file.to_str().expect("a plain name");
+            let run = ["run", path, "--mode", "lockstep", "--no-record", "--in-process"];
+            let (mut wall, mut processor) = (vec![], vec![]);
+            for _ in 0..ROUNDS {
+                let (summary, time) = timegap(&run);
+                wall.push(summary["simulated_per_wall"].as_f64().expect("a speed"));
+                processor.push(duration_s / time.processor_s.max(1e-3));
+            }
+            let (wall, processor) = (median(&mut wall), median(&mut processor));
+            let row = format!("{name}, {others} others");
+            let goal = match (name, others) {
+                ("curves", 2) => {
+                    format!("    goal {CURVED_GOAL}: {}", verdict(wall >= CURVED_GOAL))
+                }
+                _ => String::new(),
+            };
+            println!("  {row:<19}{wall:>10.0}   {processor:>14.0}{goal}");
+        }
+    }
+    let _ = std::fs::remove_file(&file);
+}
+
 fn main() {
     let run = ["run", "cacc-a", "--mode", "lockstep", "--no-record", "--duration", DURATION_S];
     let duration_s: f64 = DURATION_S.parse().expect("a number");
@@ -99,6 +158,8 @@ fn main() {
     println!("  one process     {:>14.0}   {:>14.0}    goal 1500: {met}", memory[0], memory[1]);
     println!("  process group   {:>14.0}   {:>14.0}", processes[0], processes[1]);
     println!("  ratio           {:>14.1}   {:>14.1}", ratios[0], ratios[1]);
+
+    curves();
 
     // Cost of a run beside its simulated time, from runs of 2 s and 4 s. Each command repeats three runs in
     // process groups, whose start costs hundreds of times more: the difference is due to runs in one process.

@@ -14,6 +14,7 @@ use messages::{Detection, MAX_DETECTIONS};
 use road::Axis;
 use scenario::Scenario;
 use scenario::perception::{Detections, Radar, Swerling};
+use scenario::plan::Lanes;
 
 use super::bodies::{Bodies, UnderBody};
 use super::echo::{Antenna, Fluctuation, ratio};
@@ -33,6 +34,8 @@ pub struct DetectionRadar {
     antenna: Antenna,
     bodies: Bodies,
     roadside: Roadside,
+    /// The lanes of a road with a plan.
+    lanes: Lanes,
     receiver: Receiver,
     echoes: Echoes,
 }
@@ -72,6 +75,7 @@ impl DetectionRadar {
                 hidden_factor: ratio(-keys.hidden_loss_db.value()),
                 depth_m: numbers.roadside_depth_m,
             },
+            lanes: scenario.road.plan().map(|plan| plan.lanes.clone()).unwrap_or_default(),
             receiver: receiver(keys, numbers),
             echoes: Echoes::new(ECHOES, numbers),
         }
@@ -96,6 +100,7 @@ impl DetectionRadar {
         let echoes = &mut self.echoes;
         echoes.clear();
         self.bodies.reflect(self.seed, scene, road, &self.antenna, echoes);
+        let road = road.map(|road| (road, &self.lanes));
         self.roadside.reflect(self.seed, scene, road, &self.antenna, echoes);
         self.receiver.detect(self.seed, scene.time_ns, &self.antenna, echoes, detections)
     }

@@ -1,7 +1,8 @@
 //! Objects beside the road: posts, signs, trees.
 //!
 //! On each side the road is cut into cells of one object each. Its place and its mean cross section depend on the
-//! seed and the cell alone: it is the same in every scan. On a curve the sides bend with the road.
+//! seed and the cell alone: it is the same in every scan. On a curve the sides bend with the road. Where the lanes of a
+//! plan reach farther the objects stand beside them.
 
 use super::body::hidden;
 use super::echo::{Antenna, Fluctuation};
@@ -9,9 +10,13 @@ use super::receiver::Echoes;
 use super::scene::Scene;
 use crate::random::{Random, fixed, hash};
 use road::Axis;
+use scenario::plan::Lanes;
 
 /// Number of the random numbers' stream; vehicles have those below.
 const STREAM: u64 = 1 << 20;
+
+/// Least distance of an object from the lanes, m. Chosen: that of a post from the edge of a narrow hard strip.
+const CLEAR_M: f64 = 1.0;
 
 /// Reflections of the roadside.
 #[derive(Clone, Copy, Debug)]
@@ -38,7 +43,7 @@ impl Roadside {
         &self,
         seed: u64,
         scene: &Scene,
-        road: Option<&Axis>,
+        road: Option<(&Axis, &Lanes)>,
         antenna: &Antenna,
         echoes: &mut Echoes,
     ) {
@@ -60,10 +65,15 @@ impl Roadside {
             for (side, sign) in [(0, 1.0), (1, -1.0)] {
                 let object = hash(seed, STREAM.wrapping_add_signed(2 * cell + side));
                 let along_m = (cell as f64 + fixed(object, 0)) * cell_m;
-                let across_m = sign * (self.offset_m + self.depth_m * fixed(object, 1));
+                let depth_m = self.depth_m * fixed(object, 1);
                 let place = match plane {
-                    Some((plane, road)) => plane.pose(road, along_m, across_m).at_m,
-                    None => (along_m - ego.position_m, across_m),
+                    Some((plane, (road, lanes))) => {
+                        let [right_m, left_m] = lanes.edges_m(along_m);
+                        let edge_m = if side == 0 { left_m } else { -right_m };
+                        let from_m = self.offset_m.max(edge_m + CLEAR_M);
+                        plane.pose(road, along_m, sign * (from_m + depth_m)).at_m
+                    }
+                    None => (along_m - ego.position_m, sign * (self.offset_m + depth_m)),
                 };
                 let scanned = hash(object, scene.time_ns as u64);
                 let is_missing =

@@ -207,8 +207,12 @@ impl Lateral {
             lateral_mps: 0.5 * (before.lateral_mps + state.slip.lateral_mps),
             yaw_radps: 0.5 * (before.yaw_radps + state.slip.yaw_radps),
         };
-        state.lateral_acceleration_mps2 =
-            (state.slip.lateral_mps - before.lateral_mps) / h + speed_mps * mean.yaw_radps;
+        // Where the model changes its slip jumps, and no force stands behind that.
+        let slides_mps2 = match track.is_dynamic(speed_mps) && track.is_dynamic(from.speed_mps) {
+            true => (state.slip.lateral_mps - before.lateral_mps) / h,
+            false => 0.0,
+        };
+        state.lateral_acceleration_mps2 = slides_mps2 + speed_mps * mean.yaw_radps;
         // The way of one period, with the heading of its middle.
         let curvature_perm = axis.curvature_perm(from.position_m + 0.5 * way_m);
         let turned_rad = mean.yaw_radps * h;

@@ -91,6 +91,12 @@ impl SingleTrack {
         self.front_m + self.rear_m + self.understeer_rad_per_mps2 * speed_mps * speed_mps
     }
 
+    /// Whether the tyres build their forces up with a delay at this speed.
+    #[must_use]
+    pub fn is_dynamic(&self, speed_mps: f64) -> bool {
+        speed_mps >= self.dynamic_mps
+    }
+
     /// Moves on by `h` seconds at a steering angle whose mean is `steering_rad` and whose value at the end is `end_rad`.
     #[must_use]
     pub fn step(
@@ -101,7 +107,7 @@ impl SingleTrack {
         speed_mps: f64,
         h: f64,
     ) -> Slip {
-        if speed_mps < self.dynamic_mps {
+        if !self.is_dynamic(speed_mps) {
             return self.steady(end_rad, speed_mps);
         }
         let Self { front_m: a, rear_m: b, front_stiffness: cf, rear_stiffness: cr, .. } = *self;

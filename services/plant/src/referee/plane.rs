@@ -39,7 +39,7 @@ pub(super) struct PlaneFigures {
 impl PlaneFigures {
     /// None without a plan of the road.
     pub(super) fn of(scenario: &Scenario, numbers: &Numbers) -> Option<Self> {
-        let lanes = scenario.road.plan()?.lanes;
+        let lanes = &scenario.road.plan()?.lanes;
         let (period_s, window_s) =
             (1e-3 * f64::from(scenario.plant.period_ms.value()), numbers.lateral_jerk_s);
         // A whole number of periods that leaves at most `WINDOW` samples.

@@ -1,6 +1,6 @@
 //! The ground of the scene: a straight road, or one with a plan.
 
-use scenario::plan::Plan;
+use scenario::plan::{Plan, offset_at};
 
 /// Width of the lane of a straight road, m.
 pub(super) const LANE_WIDTH_M: f64 = 3.5;
@@ -61,24 +61,24 @@ impl Ground {
         }
     }
 
-    /// Offsets of the lines of the lanes, m to the left.
-    pub(super) fn lines_m(&self) -> Vec<f64> {
-        match self {
-            Self::Straight => [-0.5, 0.5].map(|side| side * LANE_WIDTH_M).to_vec(),
-            Self::Plan(plan) => {
-                let lanes = &plan.lanes;
-                let count = lanes.left.value() + lanes.right.value() + 1;
-                let offset = |line| lanes.right_edge_m() + f64::from(line) * lanes.width_m.value();
-                (0..=count).map(offset).collect()
-            }
-        }
-    }
-
-    /// A line along the road between two positions. Its points stay where they are when both positions move on.
-    pub(super) fn line(&self, [from_m, to_m]: [f64; 2], left_m: f64) -> Vec<[f64; 2]> {
-        let first = (from_m / STEP_M).ceil() as i64;
-        let last = (to_m / STEP_M).floor() as i64;
-        (first..=last).map(|step| self.place(step as f64 * STEP_M, left_m).at_m).collect()
+    /// The lines of the lanes between two positions. Their points stay where they are when both positions move on.
+    pub(super) fn lines(&self, [from_m, to_m]: [f64; 2]) -> Vec<Vec<[f64; 2]>> {
+        let along = |line: Vec<[f64; 2]>| -> Vec<[f64; 2]> {
+            let (first_m, last_m) = (line[0][0].max(from_m), line[line.len() - 1][0].min(to_m));
+            let (first, last) =
+                ((first_m / STEP_M).ceil() as i64, (last_m / STEP_M).floor() as i64);
+            (first..=last)
+                .map(|step| step as f64 * STEP_M)
+                .map(|p_m| self.place(p_m, offset_at(&line, p_m)).at_m)
+                .collect()
+        };
+        let lines = match self {
+            Self::Straight => [-0.5, 0.5]
+                .map(|side| [from_m, to_m].map(|p_m| [p_m, side * LANE_WIDTH_M]).to_vec())
+                .to_vec(),
+            Self::Plan(plan) => plan.lanes.lines(from_m, to_m),
+        };
+        lines.into_iter().map(along).filter(|line| line.len() > 1).collect()
     }
 }
 
@@ -105,10 +105,14 @@ mod tests {
         let scenario = Scenario::parse("x.toml", text).expect("it is right");
         let plan = scenario.road.plan().expect("it has one").clone();
         let ground = Ground::Plan(Box::new(plan));
-        assert_eq!(ground.lines_m(), [-2.0, 2.0, 6.0]);
-        // A circle around (0, 50).
-        for [x, y] in ground.line([0.0, 60.0], 2.0) {
-            assert!((libm::hypot(x, y - 50.0) - 48.0).abs() < 1e-6);
+        // Circles around (0, 50).
+        let lines = ground.lines([0.0, 60.0]);
+        assert_eq!(lines.len(), 3);
+        for (line, offset_m) in lines.iter().zip([-2.0, 2.0, 6.0]) {
+            assert_eq!(line.len(), 21);
+            for [x, y] in line {
+                assert!((libm::hypot(*x, y - 50.0) - (50.0 - offset_m)).abs() < 1e-6);
+            }
         }
         let heading_rad = ground.place(50.0, 0.0).heading_rad;
         assert!((heading_rad - 1.0).abs() < 1e-9);

@@ -20,7 +20,7 @@ mod ground;
 use crate::Metadata;
 use crate::cdr::Cdr;
 use draw::{Color, Marker, Points};
-use ground::{Ground, Place};
+use ground::{Ground, LANE_WIDTH_M, Place};
 use messages::{
     EgoPose, MorePoses, MoreVehicles, Odometry, PhaseState, RadarDetections, RadarTracks,
     SignalTruth, Topic, VehiclePoses, VehicleTruth, VehicleTruthItem, all_poses,
@@ -227,8 +227,8 @@ impl Scene {
             points.rectangle(&body.rear, [body.length_m, body.width_m], body.color);
         }
         let lane = [ego.position_m - BEHIND_M, ego.position_m + AHEAD_M];
-        for left_m in self.ground.lines_m() {
-            points.all(self.ground.line(lane, left_m), Color::GREY);
+        for line in self.ground.lines(lane) {
+            points.all(line, Color::GREY);
         }
         for (at_m, color, _) in &lines {
             let place = self.ground.place(*at_m, 0.0);
@@ -354,16 +354,15 @@ impl Scene {
     /// Lines of the lanes around a position.
     fn lanes(&self, position_m: f64) -> Vec<Marker> {
         let [from_m, to_m] = [position_m - BEHIND_M, position_m + AHEAD_M];
-        let lines_m = self.ground.lines_m();
         if self.ground.has_plan() {
-            let strip = |left_m| {
-                let line = self.ground.line([from_m, to_m], left_m);
+            let strip = |line: Vec<[f64; 2]>| {
                 let points = line.into_iter().map(|[x, y]| [x, y, 0.0]).collect();
                 Marker::strip("lane", 0.12, points, Color::GREY)
             };
-            return lines_m.into_iter().map(strip).collect();
+            return self.ground.lines([from_m, to_m]).into_iter().map(strip).collect();
         }
-        let ends = lines_m.into_iter().flat_map(|y| [[from_m, y, 0.0], [to_m, y, 0.0]]).collect();
+        let sides_m = [-0.5, 0.5].map(|side| side * LANE_WIDTH_M);
+        let ends = sides_m.into_iter().flat_map(|y| [[from_m, y, 0.0], [to_m, y, 0.0]]).collect();
         vec![Marker::lines("lane", 0.12, ends, Color::GREY)]
     }
 

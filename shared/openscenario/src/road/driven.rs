@@ -11,6 +11,8 @@ use crate::xml;
 
 /// Distance between two heights, m.
 const HEIGHT_SPACING_M: f64 = 20.0;
+/// Shortest line, m.
+const SHORTEST_M: f64 = 1e-3;
 /// Most heights of a line; longer lines have larger distances.
 const MAX_HEIGHTS: f64 = 4000.0;
 
@@ -147,6 +149,13 @@ pub fn driven_lane(
         return Err(refuse(format!("nothing drives on lane `{lane}` of road `{road}`"), expected));
     }
     let direction = found.road.direction(&strip);
+    let length_m = found.road.length_m.unwrap_or(f64::INFINITY);
+    let ahead_m = if direction > 0.0 { length_m - at_m } else { at_m };
+    if ahead_m < SHORTEST_M {
+        let reason = format!("traffic of lane `{lane}` of road `{road}` leaves it at s = {s_m} m");
+        let way = if (direction > 0.0) == part.reversed { "larger" } else { "smaller" };
+        return Err(refuse(reason, format!("a {way} s")));
+    }
     let line = found.road.driven(&strip, at_m, 0.0, direction);
     let (_, start) = line.axis().map_err(|error| {
         refuse(format!("lane `{lane}` of road `{road}`: {error}"), error.expected())
@@ -209,6 +218,35 @@ mod tests {
         assert_eq!(left.beside, [0, 0]);
         let heights = left.road.heights_along(&left.line).expect("heights");
         assert!((heights[heights.len() - 1][1] - 3.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_lane_without_a_way_ahead_is_refused() {
+        let said = lane(1, 0.0).expect_err("it leads to s = 0").to_string();
+        assert!(
+            said.ends_with("lane `1` of road `1` leaves it at s = 0 m, expected a larger s"),
+            "{said}"
+        );
+        let said = lane(-1, 400.0).expect_err("it leads to the end").to_string();
+        assert!(said.ends_with("leaves it at s = 400 m, expected a smaller s"), "{said}");
+    }
+
+    /// A cubic whose declared length differs from its true one is passed evenly, its lanes too.
+    #[test]
+    fn a_lane_beside_a_cubic_of_another_declared_length_can_be_driven() {
+        let shape = r#"<paramPoly3 pRange="normalized" aU="0" bU="100" cU="0" dU="0" aV="0" bV="0" cV="20" dV="0"/>"#;
+        let text = ROAD.replace(r#"<arc curvature="0.002"/>"#, shape);
+        let [text, short] = ["104", "99"]
+            .map(|length| text.replace(r#"length="400""#, &format!(r#"length="{length}""#)));
+        for text in [text, short] {
+            let left = driven_lane(Path::new("a.xodr"), &text, "1", -1, 0.0).expect("a lane");
+            let (axis, _) = left.line.axis().expect("an axis");
+            // The outer lane of a left curve is longer by 1.5 m times the turn.
+            let way_m = 102.588_46 + 1.5 * libm::atan(0.4);
+            assert!((axis.length_m() - way_m).abs() < 1e-3, "{}", axis.length_m());
+            let end = axis.pose(axis.length_m());
+            assert!((end.heading_rad - libm::atan(0.4)).abs() < 1e-6, "{end:?}");
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! first; a road of the file that runs the other way is turned around.
 
 mod driven;
+mod lines;
 mod opendrive;
 
 use road::{Axis, AxisError, Laid, Lane, Lanes, Pose, Profile, Section, Strip};

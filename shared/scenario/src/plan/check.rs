@@ -1,6 +1,6 @@
 //! Checks of a plan: that it is a road, and one that the rest of the scenario can drive on.
 
-use super::{GeneratedPlan, Plan, PlanPiece};
+use super::{AlongRoad, GeneratedPlan, Plan, PlanPiece};
 use crate::Scenario;
 use crate::actor::Profile;
 use crate::faults::{Fault, Target};
@@ -21,6 +21,7 @@ pub(crate) fn check(scenario: &Scenario) -> Result<(), Problem> {
     one_source(plan)?;
     let axis = plan.built()?;
     lanes(plan)?;
+    along(plan, &axis)?;
     heights(scenario, axis.length_m())?;
     let own_road = plan.opendrive.as_ref().is_some_and(|road| !road.of_storyboard);
     if own_road && scenario.storyboard.is_some() {
@@ -107,6 +108,34 @@ fn lanes(plan: &Plan) -> Result<(), Problem> {
         let inner_m = edges_m[*turn as usize];
         if inner_m >= radius_m.value() {
             return Err(refuse(format!("road.plan.pieces.{index}"), inner_m, radius_m.value()));
+        }
+    }
+    Ok(())
+}
+
+/// The lines along the road are in order, and lie on this side of the centres of its curves.
+fn along(plan: &Plan, axis: &road::Axis) -> Result<(), Problem> {
+    const PATH: &str = "road.plan.lanes.along";
+    let AlongRoad(lines) = &plan.lanes.along;
+    if !lines.is_sound() {
+        let expected =
+            "stations [p_m, right edge, .., left edge] in order, each from right to left";
+        return Err(Problem::new(PATH, "these are no lines of lanes", expected));
+    }
+    for station in lines.stations() {
+        let p_m = station[0];
+        let curvature_perm = axis.curvature_perm(p_m);
+        let edges = [station[1], station[station.len() - 1]];
+        if let Some(edge_m) = edges.into_iter().find(|l_m| curvature_perm * l_m >= 1.0) {
+            let radius_m = 1.0 / curvature_perm.abs();
+            return Err(Problem::new(
+                if plan.opendrive.is_some() { "road.plan.opendrive" } else { PATH },
+                format!(
+                    "at {p_m:.1} m the lanes reach {:.1} m into a curve of {radius_m:.1} m",
+                    edge_m.abs()
+                ),
+                "a radius above the distance of the lanes' inner edge",
+            ));
         }
     }
     Ok(())

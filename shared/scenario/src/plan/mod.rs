@@ -17,6 +17,7 @@ mod piece;
 
 pub use opendrive::{DrivenLine, OpendriveRoad};
 pub use piece::{PlanPiece, Turn};
+pub use road::offset_at;
 
 pub(super) use check::check;
 
@@ -27,7 +28,7 @@ use serde::{Deserialize, Serialize};
 use super::problem::Problem;
 use super::quantity::{Coordinate, CurveRadius, HeadingDeg, LaneCount, Length, PieceLength};
 use super::quantity::{RoadLength, Seed};
-use super::schema::Schema;
+use super::schema::{Schema, Shape};
 
 /// The road in the plane. Outside its ends it goes on straight.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, Schema)]
@@ -100,7 +101,7 @@ pub struct Start {
 }
 
 /// Lanes of the ego's direction.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Lanes {
     /// Lanes to the left of the ego's.
@@ -109,25 +110,80 @@ pub struct Lanes {
     pub right: LaneCount,
     /// Width of each, m.
     pub width_m: Length,
+    /// Lines of all lanes along the road, where lanes begin, end or change their width: stations `[p_m, l_m, ..]` with
+    /// the place along the ego's lane and the lines there from right to left, m from its middle. Filled from an
+    /// OpenDRIVE file.
+    #[serde(skip_serializing_if = "AlongRoad::is_empty")]
+    pub along: AlongRoad,
+}
+
+/// Lines of lanes along a road.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct AlongRoad(pub road::LaneLines);
+
+impl AlongRoad {
+    fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+impl Schema for AlongRoad {
+    fn shape() -> Shape {
+        let number = Shape::Number { is_whole: false, range: None, unit: "m" };
+        Shape::List(Box::new(Shape::List(Box::new(number))))
+    }
 }
 
 impl Default for Lanes {
     fn default() -> Self {
-        Self { left: LaneCount::of(1), right: LaneCount::of(1), width_m: Length::of(3.5) }
+        Self {
+            left: LaneCount::of(1),
+            right: LaneCount::of(1),
+            width_m: Length::of(3.5),
+            along: AlongRoad::default(),
+        }
     }
 }
 
 impl Lanes {
-    /// Offset of the road's left edge from the axis, m.
+    /// Offset of the road's left edge from the axis, m, where nothing is said along the road.
     #[must_use]
     pub fn left_edge_m(&self) -> f64 {
         (f64::from(self.left.value()) + 0.5) * self.width_m.value()
     }
 
-    /// Offset of the road's right edge from the axis, m; negative.
+    /// The same of the right edge, m; negative.
     #[must_use]
     pub fn right_edge_m(&self) -> f64 {
         -(f64::from(self.right.value()) + 0.5) * self.width_m.value()
+    }
+
+    /// Offsets of the right and the left edge from the axis at a place, m.
+    #[must_use]
+    pub fn edges_m(&self, p_m: f64) -> [f64; 2] {
+        let AlongRoad(along) = &self.along;
+        along.edges_m(p_m).unwrap_or_else(|| [self.right_edge_m(), self.left_edge_m()])
+    }
+
+    /// The lines of the lanes between two places as points `[p, l]` along and across the axis, m. A line may have two
+    /// points only: between them it is as far from the axis.
+    ///
+    /// ```
+    /// let lanes = scenario::plan::Lanes::default();
+    /// let lines = lanes.lines(0.0, 90.0);
+    /// assert_eq!(lines[0], [[0.0, -5.25], [90.0, -5.25]]);
+    /// assert_eq!(lines.len(), 4);
+    /// ```
+    #[must_use]
+    pub fn lines(&self, from_m: f64, to_m: f64) -> Vec<Vec<[f64; 2]>> {
+        let AlongRoad(along) = &self.along;
+        if !along.is_empty() {
+            return along.between(from_m, to_m);
+        }
+        let count = self.left.value() + self.right.value() + 1;
+        let offset = |line| self.right_edge_m() + f64::from(line) * self.width_m.value();
+        (0..=count).map(|line| [from_m, to_m].map(|p_m| [p_m, offset(line)]).to_vec()).collect()
     }
 }
 

@@ -99,6 +99,7 @@ impl Lanes {
             left: count(left).unwrap_or(usual.left),
             right: count(right).unwrap_or(usual.right),
             width_m: Length::try_from(width_m).unwrap_or(usual.width_m),
+            along: usual.along,
         }
     }
 }

@@ -25,6 +25,9 @@ const NOT_DRIVABLE: [&str; 15] = [
     "slipLane",
 ];
 
+/// A width below 0 up to which it is the rounding of a program that wrote the file, m.
+const MOST_BELOW_M: f64 = 0.01;
+
 /// The lanes of one road, with the links of its outer ends.
 pub struct Side {
     pub lanes: Lanes,
@@ -167,6 +170,14 @@ fn read_side(
         let widths: Vec<_> = widths.collect::<Result<_, _>>()?;
         if widths.is_empty() {
             return Err(text.element(element, side, "has no width", "a `width`"));
+        }
+        if let Some((stretch, width)) = widths
+            .iter()
+            .zip(children(element, "width"))
+            .find(|(w, _)| w.factors[0] < -MOST_BELOW_M)
+        {
+            let reason = format!("a width of {} m", stretch.factors[0]);
+            return Err(text.meaning(width, reason, "at least 0 m".to_owned()));
         }
         let link = |name: &str| {
             let to = element.child("link").and_then(|link| link.child(name));

@@ -40,6 +40,15 @@ pub fn read(document: &Document, id: Option<&str>) -> Result<Found, ReadError> {
     let roads: Vec<&Element> = children(root, "road").collect();
     let open: Vec<&Element> =
         roads.iter().copied().filter(|road| outside_junctions(road)).collect();
+    let named = |road: &&&Element| id.is_some() && road.attribute("id") == id;
+    if let Some(second) = roads.iter().filter(named).nth(1) {
+        return Err(text.element(
+            second,
+            "OpenDRIVE",
+            "has the id of another road",
+            "an id of its own",
+        ));
+    }
     let row = match (id, open.first()) {
         (Some(id), _) => {
             let road = roads.iter().find(|road| road.attribute("id") == Some(id));
@@ -63,7 +72,10 @@ pub fn read(document: &Document, id: Option<&str>) -> Result<Found, ReadError> {
 /// The error where no road, or no single one, is named.
 fn unnamed(text: Text<'_>, root: &Element, id: Option<&str>, roads: &[&Element]) -> ReadError {
     let ids = roads.iter().filter_map(|road| road.attribute("id"));
-    let first = one_of(ids.take(MOST_LISTED));
+    let first = match ids.clone().next() {
+        Some(_) => one_of(ids.take(MOST_LISTED)),
+        None => "a road with an id".to_owned(),
+    };
     let rest = match roads.len().saturating_sub(MOST_LISTED) {
         0 => String::new(),
         rest => format!(" (and {rest} more)"),
