@@ -132,12 +132,12 @@ impl Quality {
         &mut self,
         scene: &Scene,
         list: &TrackList,
-        owners: &[Option<usize>; MAX_TRACKS],
+        owners: &[Option<u8>; MAX_TRACKS],
         now_ns: i64,
     ) {
         let is_false = list.target.is_some_and(|target| {
             owners[target].is_none_or(|owner| {
-                let vehicle = &scene.vehicles[owner];
+                let vehicle = &scene.vehicles[usize::from(owner)];
                 let inward_mps = -vehicle.lateral_speed_mps * vehicle.lateral_m.signum();
                 !vehicle.in_ego_path() && inward_mps < INWARD_MPS
             })
@@ -215,7 +215,8 @@ impl Quality {
 /// Which track is of which vehicle.
 #[derive(Clone, Copy, Debug, Default)]
 struct Assignment {
-    vehicle_of: [Option<usize>; MAX_TRACKS],
+    /// Places in the scenario, which has fewer than 256 vehicles.
+    vehicle_of: [Option<u8>; MAX_TRACKS],
     count: u64,
     squares: f64,
     /// Tracks of vehicles that are in view in part at most.
@@ -252,7 +253,7 @@ impl Assignment {
                 for (index, square) in square_of.into_iter().enumerate() {
                     if square < CUTOFF_M * CUTOFF_M && set & 1 << index == 0 {
                         let mut pairs = pairs;
-                        pairs.vehicle_of[index] = Some(vehicle);
+                        pairs.vehicle_of[index] = Some(vehicle as u8);
                         pairs.count += 1;
                         pairs.squares += square;
                         let place = &mut sets[set | 1 << index];
@@ -275,7 +276,7 @@ impl Assignment {
 
     /// The track of a vehicle.
     fn track_of(&self, vehicle: usize) -> Option<usize> {
-        self.vehicle_of.iter().position(|of| *of == Some(vehicle))
+        self.vehicle_of.iter().position(|of| of.map(usize::from) == Some(vehicle))
     }
 
     /// Gives the remaining tracks to the vehicles on whose bodies they are.
@@ -293,8 +294,8 @@ impl Assignment {
                     && (-BODY_MARGIN_M..truth.length_m + BODY_MARGIN_M).contains(&along_m)
                     && (track.lateral_m - truth.lateral_m).abs() < BODY_MARGIN_M
             });
-            if owner.is_some() {
-                self.vehicle_of[index] = owner;
+            if let Some(owner) = owner {
+                self.vehicle_of[index] = Some(owner as u8);
                 self.partly += 1;
             }
         }
