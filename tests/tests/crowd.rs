@@ -22,7 +22,7 @@ fn scene(others: usize, road: &str) -> Scenario {
         let is_last = place + 1 == others;
         let (gap_m, speed_mps, lateral_m) = match is_last {
             true => (60, 17.0, 0.0),
-            false => (-40 + 7 * (place as i64 / 2), 20.0, if place % 2 == 0 { 3.5 } else { -3.5 }),
+            false => (4 + 7 * (place / 2), 20.0, if place % 2 == 0 { 3.5 } else { -3.5 }),
         };
         text += &format!(
             "[[actors]]\nname = \"car-{place}\"\ngap_m = {gap_m}\ninitial_speed_mps = {speed_mps:?}\n\

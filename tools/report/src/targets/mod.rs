@@ -34,7 +34,7 @@ const AHEAD_M: f64 = 50.0;
 /// Curvature below which a road is straight, and difference below which two curvatures are the same, 1/m.
 const STRAIGHT_PERM: f64 = 1e-4;
 /// A vehicle whose rear is behind the ego's front by more than this is not ahead, m: a car's length, as in
-/// [`messages::VehicleTruth::nearest_ahead`].
+/// [`messages::AllVehicles::nearest_ahead`].
 const BEHIND_M: f64 = -5.0;
 
 /// Part of a curve between the ego and the vehicle that matters.
