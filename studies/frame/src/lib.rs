@@ -23,7 +23,8 @@
 //!    `results()` of timegap's `list.rs`, and a command in `tests/tests/schema.rs`.
 //! 6. `pub fn run(arguments) { frame::study::run::<MyStudy>(arguments) }`, and its row in timegap's `cli.rs`.
 //!
-//! A study whose runs depend on earlier ones gets their records back by [`Study::recall`].
+//! A study whose runs depend on earlier ones gets their records back by [`Study::recall`], and names its keys by
+//! [`Study::columns`].
 //!
 //! Runs that are not one drive implement [`Study::drive`] with a [`Crew`], and hand each drive to [`Crew::observe`].
 //! Runs begin in the order of their numbers,

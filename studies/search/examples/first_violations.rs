@@ -1,8 +1,9 @@
 //! The first violation of each method, over repetitions: the table of docs/search.md.
 //!
-//!     cargo run --release -p search --example first_violations -- 10 400 studies/search/problems/cut-in-5.toml …
+//!     cargo run --release -p search --example first_violations -- 10 300 gp studies/search/problems/timing-brake.toml …
 //!
-//! Arguments: repetitions, budget of a search, files. A search without a violation counts as its budget.
+//! Arguments: repetitions, budget of a search, methods (all if none is named), files. A search without a violation
+//! counts as its budget.
 
 use std::time::Instant;
 
@@ -31,10 +32,13 @@ fn main() -> Result<(), Error> {
     println!(
         "problem, method: first violation at run (a dash: none in {budget}), median, runs a second"
     );
-    for file in words.iter().skip(2) {
+    let method_of = |word: &String| METHODS.into_iter().find(|method| method.name() == word);
+    let named: Vec<MethodName> = words.iter().filter_map(method_of).collect();
+    let methods = if named.is_empty() { METHODS.to_vec() } else { named };
+    for file in words.iter().skip(2).filter(|word| method_of(word).is_none()) {
         let arguments = arguments(file);
         let problem = Problem::open(&arguments)?;
-        for method in METHODS {
+        for &method in &methods {
             let begun = Instant::now();
             let work = |place: usize, going_on: &dyn Fn() -> bool| {
                 let which = (method, 1_000 + place as u64);

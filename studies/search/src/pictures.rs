@@ -15,8 +15,8 @@ use crate::reference::Sample;
 const MOST_LINES: usize = 300;
 /// Most of them that are not near a failure: more would hide the others.
 const MOST_OTHERS: usize = 40;
-/// Largest value that the picture of values shows, tolerances.
-const MOST_SHOWN: f64 = 20.0;
+/// Largest value that the picture of values shows, tolerances: twice the median, within these bounds.
+const MOST_SHOWN: (f64, f64) = (2.0, 20.0);
 /// Size of a point in a scatter, as a share of the axis.
 const POINT: f64 = 0.012;
 /// A value below this is near a failure, tolerances.
@@ -92,13 +92,15 @@ fn parallel(problem: &Problem, records: &[(usize, Record)]) -> Parallel {
 
 /// The value of each run, and the least one so far.
 fn best_so_far(records: &[(usize, Record)]) -> Cells {
-    let place =
-        |(run, record): &(usize, Record)| ((run + 1) as f64, record.value().min(MOST_SHOWN));
+    let mut values: Vec<f64> = records.iter().map(|(_, record)| record.value()).collect();
+    values.sort_by(f64::total_cmp);
+    let most = (2.0 * values[values.len() / 2]).clamp(MOST_SHOWN.0, MOST_SHOWN.1).ceil();
+    let place = |(run, record): &(usize, Record)| ((run + 1) as f64, record.value().min(most));
     let last = records.last().map_or(1.0, |(run, _)| (run + 1) as f64);
-    let worst = records.iter().map(|(_, record)| record.value()).fold(0.0, f64::min);
+    let worst = values[0].min(0.0);
     let x = Axis::linear("run", 0.0, last + 1.0);
-    let y = Axis::linear("value, tolerances", worst.floor(), MOST_SHOWN);
-    let (wide, high) = (POINT * (last + 1.0), 2.0 * POINT * (MOST_SHOWN - worst.floor()));
+    let y = Axis::linear("value, tolerances", worst.floor(), most);
+    let (wide, high) = (POINT * (last + 1.0), 2.0 * POINT * (most - worst.floor()));
     let cells = records.iter().map(|one| {
         let (run, value) = place(one);
         FilledCell {
@@ -127,7 +129,7 @@ fn best_so_far(records: &[(usize, Record)]) -> Cells {
         ("even point", Tone::Muted),
     ];
     Cells {
-        title: format!("Value by run (above {MOST_SHOWN}: {MOST_SHOWN})"),
+        title: format!("Value by run (above {most}: {most})"),
         x,
         y,
         kinds: kinds.map(|(name, tone)| (name.to_owned(), tone)).to_vec(),
