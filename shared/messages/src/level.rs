@@ -9,7 +9,7 @@
 //! | [`Level::LeadPredicted`] | controller | no valid `radar/tracks` for three of its periods and the radar's latency, or a lead that mattered is not among its tracks and was not seen to leave the lane (for 3 s) | two releases in a row with a fresh one; the lead is seen again |
 //! | [`Level::LeadLost`] | controller | no valid `radar/tracks` for 2 s longer, or at the start none yet for as long | five releases in a row with a fresh one |
 //! | [`Level::EgoEstimated`] | controller | no valid `vehicle/odometry` for 0.1 s, or one that contradicts itself, the radar or the commands: the radar's measurement of the ego's speed takes its place for up to 10 s, the commands for up to 1.5 s | a fresh one that contradicts nothing |
-//! | [`Level::SensorLimited`] | controller | the radar reports that it sees less than it should (`seen_share` of `radar/tracks`) | it sees enough again |
+//! | [`Level::SensorLimited`] | controller | the radar reports that it sees less than it should (`seen_share` of `radar/tracks`) | it has seen enough for 5 s |
 //! | [`Level::Silent`] | controller | the same for longer, or at the start | two releases in a row with odometry |
 //! | [`Level::PlanFollowed`] | plant | a control period passed without a new valid command | a valid command |
 //! | [`Level::StopInLane`] | plant | the plan was followed for `plant.fallback.follow_plan_s`, or the launcher asked for it | a valid command; never, if the launcher asked |
