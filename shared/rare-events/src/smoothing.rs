@@ -29,18 +29,19 @@ impl Smoothing {
         Self { width, narrowest: NARROWEST * width }
     }
 
-    /// Weights of a level's points, by the next width.
-    pub(crate) fn weights(&mut self, values: &[f64], ratios: &[f64]) -> Vec<f64> {
+    /// Weights of points, by the next width. Together they are worth as much as a level of `count` points is.
+    pub(crate) fn weights(&mut self, values: &[f64], ratios: &[f64], count: f64) -> Vec<f64> {
+        let worth = count / (1.0 + TARGET * TARGET);
         let at = |width: f64| -> Vec<f64> {
             values.iter().zip(ratios).map(|(g, ratio)| normal::cdf(-g / width) * ratio).collect()
         };
         let (mut low, mut high) = (libm::log(self.narrowest), libm::log(self.width));
-        if variation(&at(libm::exp(low))) <= TARGET {
+        if effective(&at(libm::exp(low))) >= worth {
             high = low;
         }
         for _ in 0..HALVINGS {
             let middle = 0.5 * (low + high);
-            if variation(&at(libm::exp(middle))) <= TARGET { high = middle } else { low = middle }
+            if effective(&at(libm::exp(middle))) >= worth { high = middle } else { low = middle }
         }
         self.width = libm::exp(high);
         at(self.width)
@@ -51,6 +52,12 @@ impl Smoothing {
         let over = |g: &f64| if *g < 0.0 { 1.0 / normal::cdf(-g / self.width) } else { 0.0 };
         variation(&values.iter().map(over).collect::<Vec<_>>()) <= TARGET
     }
+}
+
+/// Number of even weights that determine a mean as well as these.
+fn effective(weights: &[f64]) -> f64 {
+    let (sum, squares) = weights.iter().fold((0.0, 0.0), |(s, q), w| (s + w, q + w * w));
+    if squares > 0.0 { sum * sum / squares } else { 0.0 }
 }
 
 /// Coefficient of variation; infinite without a mean.
