@@ -80,12 +80,12 @@ mod tests {
         fn it_is_where_all_motions_bring_it(
             parts in prop::collection::vec((0.1_f64..3.0, -4.0_f64..4.0, 0.5_f64..4.0, any::<bool>()), 0..12),
         ) {
-            // Motions may overlap; the scenario has them in the order of their begin.
-            let mut begin_s = 0.0;
+            let mut over_s = 0.0;
             let motions: Vec<_> = parts
                 .into_iter()
                 .map(|(pause_s, to_m, duration_s, rises)| {
-                    begin_s += pause_s;
+                    let begin_s = over_s + pause_s;
+                    over_s = begin_s + duration_s;
                     (begin_s, to_m, duration_s, rises)
                 })
                 .collect();
