@@ -13,8 +13,9 @@
 //! | [`BrakeState::Holding`] | the ego stands after braking | after `hold_s` |
 //!
 //! The margin is reckoned with less than the brakes' authority (`counted_on_mps2` of [`Numbers`]): the rest is the
-//! reserve for another vehicle that begins to brake. Where a driver's braking (`answer_mps2`) is not enough any more, the
-//! last point also counts on a vehicle that moves to begin to brake with `lead_may_brake_mps2`.
+//! reserve for another vehicle that begins to brake. A lead, which moves in the path, may do so with
+//! `lead_may_brake_mps2`. Where a driver's braking (`answer_mps2`) is not enough any more, the whole authority must leave
+//! the margin then too, from the time on at which that is noticed (`notices_s`).
 //!
 //! Letting go is safe if two things hold. Without brakes the ego comes no nearer than the margin and `clear_m`. And if
 //! the other vehicle brakes on, as hard as it did during the intervention, braking anew leaves the margin.
@@ -244,10 +245,15 @@ impl Decision {
             return Some(assessment);
         }
         // Each prediction is made only where those before it leave the question open.
-        let expected = self.expected(ego, object, &threat);
-        let late = |wait_s: f64| {
-            let beside = counted_on.beside(ego, &expected, Plan::Brake(wait_s), *margin_m);
+        let is_late = |authority: &Authority, threat: &Threat, wait_s: f64| {
+            let beside = authority.beside(ego, threat, Plan::Brake(wait_s), *margin_m);
             beside.is_some_and(|beside| self.contact(object, &beside).probability > numbers.remote)
+        };
+        let brakes_too = self.brakes_too(ego, object, &threat);
+        let late = |wait_s: f64| {
+            is_late(&counted_on, &threat, wait_s)
+                || (brakes_too.as_ref())
+                    .is_some_and(|lead| is_late(authority, lead, wait_s + numbers.notices_s))
         };
         let share = if kept.probability > numbers.certain { 1.0 } else { numbers.better_share };
         assessment.brakes =
@@ -262,18 +268,28 @@ impl Decision {
         beside.is_some_and(|beside| beside.first_s <= self.numbers.steer_s)
     }
 
-    /// The threat that the last point is reckoned with. Once braking as of a driver is not enough behind what moves, it
-    /// may brake as well: then there is no time left for an answer.
-    fn expected(&self, ego: &Ego, object: &Object, threat: &Threat) -> Threat {
+    /// True if it is probably in the ego's path already.
+    fn is_in_path(&self, object: &Object) -> bool {
+        let reach_m = self.settings.path.half_width_m + object.half_width_m;
+        let overlaps = object.lateral.hypotheses().map(|h| {
+            let sigma_m = libm::hypot(h.sigma_m, object.way_sigma_m);
+            h.probability * overlap(reach_m, h.position_m.abs(), sigma_m)
+        });
+        overlaps.sum::<f64>() > 0.5
+    }
+
+    /// A lead as it may begin to brake. `None` of what is not in the path yet: to come in and to brake at once is rare.
+    /// `None` also where braking as of a driver is enough: then there is time for an answer.
+    fn brakes_too(&self, ego: &Ego, object: &Object, lead: &Threat) -> Option<Threat> {
+        if object.stands() || !self.is_in_path(object) {
+            return None;
+        }
         let Numbers { answer_mps2, lead_may_brake_mps2, remote, .. } = self.numbers;
         let answer = Authority { deceleration_mps2: answer_mps2, ..self.settings.authority };
-        let touched = answer.beside(ego, threat, Plan::Brake(0.0), 0.0);
-        let is_enough =
-            touched.is_none_or(|beside| self.contact(object, &beside).probability <= remote);
-        if is_enough || object.stands() {
-            return *threat;
-        }
-        Threat { acceleration_mps2: threat.acceleration_mps2.min(-lead_may_brake_mps2), ..*threat }
+        let touched = answer.beside(ego, lead, Plan::Brake(0.0), 0.0)?;
+        let acceleration_mps2 = lead.acceleration_mps2.min(-lead_may_brake_mps2);
+        (self.contact(object, &touched).probability > remote)
+            .then_some(Threat { acceleration_mps2, ..*lead })
     }
 
     /// How probable a contact with `object` is in the time in which the ego is beside it.

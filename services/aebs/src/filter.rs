@@ -14,10 +14,12 @@
 //! No vehicle moves faster across the lanes than along them, and what stands does not move at all.
 //!
 //! A measured position corrects the states by Kalman's formulas and their probabilities by Bayes' rule; a
-//! measured lateral speed corrects the probabilities. Either is an outlier with probability [`OUTLIER`].
+//! measured lateral speed corrects the probabilities. Either is an outlier with probability [`OUTLIER`]. A state that
+//! may have met one is in one of two places: its variance has the spread of the two.
 //!
 //! Source: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation (2001),
-//! 11.6 (multiple models with switching).
+//! 11.6 (multiple models with switching); Bar-Shalom and Fortmann, Tracking and Data Association (1988), 6.3 (spread of
+//! the innovations).
 
 /// Distance between two lateral speeds, m/s.
 const STEP_MPS: f64 = 0.2;
@@ -231,9 +233,13 @@ impl Lateral {
             let inlier = (1.0 - OUTLIER) * density(off_m, spread_m2);
             let likelihood = inlier + OUTLIER * OUTLIER_DENSITY;
             state.probability *= likelihood;
-            let gain = inlier / likelihood * state.variance_m2 / spread_m2;
+            let (is_inlier, full_gain) = (inlier / likelihood, state.variance_m2 / spread_m2);
+            let gain = is_inlier * full_gain;
             state.mean_m += gain * off_m;
-            state.variance_m2 *= 1.0 - gain;
+            // Where it is unclear whether it was an outlier, the state is in one of two places.
+            let moved_m = full_gain * off_m;
+            state.variance_m2 = (1.0 - gain) * state.variance_m2
+                + is_inlier * (1.0 - is_inlier) * moved_m * moved_m;
         }
         self.normalise();
     }
@@ -367,6 +373,19 @@ mod tests {
         }
         assert!((filter.position_m - 9.9).abs() < 1e-9, "{}", filter.position_m);
         assert!(filter.rate_mps.abs() < 1e-9, "{}", filter.rate_mps);
+    }
+
+    #[test]
+    fn positions_far_off_one_after_the_other_are_no_outliers() {
+        let mut filter = Lateral::first(1.0, 0.14);
+        let mut scans = 0;
+        while filter.position_m < 2.2 {
+            filter.predict(PERIOD_S, 1.0);
+            filter.update(2.4, 0.13);
+            scans += 1;
+            assert!(scans <= 12, "{}", filter.position_m);
+        }
+        assert!(scans > 2, "one is an outlier");
     }
 
     #[test]

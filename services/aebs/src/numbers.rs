@@ -31,6 +31,8 @@ parameters! {
         answer_mps2: f64 = 2.5, "m/s²", 0.5..=6.0, "Chosen: as hard as the plant's own stop in lane. Where it is enough, there is time for an answer to a lead that begins to brake.";
         /// Braking that a lead may begin with while the ego's own answer is not enough.
         lead_may_brake_mps2: f64 = 4.0, "m/s²", 0.0..=9.0, "Chosen: a minimum risk manoeuvre (UN R157, 5.5.1); harder braking of a vehicle that just came in is rare.";
+        /// Time until the braking of a lead is known.
+        notices_s: f64 = 0.25, "s", 0.0..=2.0, "Found: the objects show hard braking within that time (objects/tests.rs).";
         /// Distance beyond the margin at which the ego is clear without brakes.
         clear_m: f64 = 0.5, "m", 0.0..=5.0, "Chosen: five standard deviations of a range. A fifth more or less leaves the totals of 300 random drives unchanged.";
         /// A pass that leaves less than this behind it counts as a contact.

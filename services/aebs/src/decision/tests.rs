@@ -219,6 +219,53 @@ fn a_warning_comes_first_and_ends_with_its_threat() {
     assert_eq!(decision.step(&MOVING, [in_way(300.0, 0.0)]).threat, None);
 }
 
+#[test]
+fn what_comes_in_is_not_expected_to_brake_as_well_and_a_lead_is() {
+    // 18 m/s faster. With 6 m/s² that is 27 m and the onset; a lead that brakes as well needs about 12 m more.
+    let first_braking_m = |offset_m: f64, inward_mps: f64| {
+        let mut decision = Decision::new(settings());
+        let ego = Ego { speed_mps: 25.0, acceleration_mps2: 0.0 };
+        (0..1600).map(|k| 80.0 - 0.05 * f64::from(k)).find(|gap_m| {
+            let object = Object::at(*gap_m, 7.0, offset_m, -inward_mps, 0.95);
+            decision.step(&ego, [object]).state == BrakeState::Braking
+        })
+    };
+    let lead_m = first_braking_m(0.0, 0.0).expect("it brakes for a lead");
+    let beside_m = first_braking_m(2.6, 1.0).expect("it brakes for what comes in");
+    assert!(lead_m > beside_m + 4.0, "{lead_m} {beside_m}");
+    assert!(beside_m > 30.0, "{beside_m}");
+}
+
+#[test]
+fn after_holding_it_brakes_or_warns_for_what_is_there_then() {
+    let after = |object: Object| {
+        let mut decision = braking();
+        decision.step(&STANDING, []);
+        let scans = (Numbers::DEFAULT.hold_s / PERIOD_S).round() as u32;
+        let states = (0..=scans).map(|_| decision.step(&MOVING, [object]).state);
+        states.filter(|state| *state != BrakeState::Holding).last()
+    };
+    assert_eq!(after(in_way(15.0, 0.0)), Some(BrakeState::Braking));
+    assert_eq!(after(in_way(45.0, 0.0)), Some(BrakeState::Warning));
+    assert_eq!(after(in_way(300.0, 0.0)), Some(BrakeState::Monitoring));
+}
+
+#[test]
+fn a_warning_becomes_braking_and_braking_never_a_warning() {
+    let mut decision = Decision::new(settings());
+    let states: Vec<BrakeState> =
+        (0..40).map(|k| decision.step(&MOVING, [in_way(60.0 - f64::from(k), 0.0)]).state).collect();
+    let changes: Vec<_> = states.windows(2).filter(|pair| pair[0] != pair[1]).collect();
+    assert_eq!(changes.len(), 2, "{states:?}");
+    assert_eq!(changes[0], [BrakeState::Monitoring, BrakeState::Warning]);
+    assert_eq!(changes[1], [BrakeState::Warning, BrakeState::Braking]);
+    // Clear of what it braked for, it lets go at once.
+    let driven_away = decision.step(&MOVING, [in_way(60.0, 25.0)]);
+    let state =
+        (0..8).fold(driven_away.state, |_, _| decision.step(&MOVING, [in_way(60.0, 25.0)]).state);
+    assert_eq!(state, BrakeState::Monitoring);
+}
+
 proptest::proptest! {
     #[test]
     fn it_never_begins_to_brake_without_an_object(speeds in proptest::collection::vec(0.0..60.0f64, 1..60)) {
@@ -239,6 +286,18 @@ proptest::proptest! {
             let demand = decision.step(&MOVING, [object]);
             proptest::prop_assert_eq!(demand.state, BrakeState::Braking);
             proptest::prop_assert!(demand.deceleration_mps2 > 8.0);
+        }
+    }
+
+    #[test]
+    fn it_holds_at_standstill_whatever_is_there(
+        gap_m in 0.0..100.0f64, other_mps in 0.0..30.0f64, offset_m in -4.0..4.0f64, scans in 0..19,
+    ) {
+        let mut decision = braking();
+        for _ in 0..=scans {
+            let object = Object::at(gap_m, other_mps, offset_m, 0.0, 0.95);
+            let demand = decision.step(&STANDING, [object]);
+            proptest::prop_assert_eq!((demand.state, demand.deceleration_mps2), (BrakeState::Holding, 8.3385));
         }
     }
 
