@@ -383,7 +383,7 @@ mod tests {
             filter.predict(PERIOD_S, 1.0);
             filter.update(2.4, 0.13);
             scans += 1;
-            assert!(scans <= 12, "{}", filter.position_m);
+            assert!(scans <= 10, "{}", filter.position_m);
         }
         assert!(scans > 2, "one is an outlier");
     }
