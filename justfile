@@ -21,6 +21,11 @@ mutants *ARGUMENTS:
     git diff main > target/mutants.diff
     cargo mutants --output target --cargo-test-arg=--lib {{ if ARGUMENTS == "" { "--in-diff target/mutants.diff" } else { ARGUMENTS } }}
 
+# The share of small changes that the tests notice, by a random sample: `just mutants-sample --seed 2 messages`.
+mutants-sample *ARGUMENTS:
+    .ci/mutants sample {{ARGUMENTS}}
+    .ci/mutants judge
+
 # Build what few use: advisories, the synthesis, zenoh.
 extended:
     .ci/extended
