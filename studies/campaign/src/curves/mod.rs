@@ -10,6 +10,7 @@
 
 mod draw;
 mod event;
+mod event_rows;
 mod figures;
 mod judge;
 mod limits;

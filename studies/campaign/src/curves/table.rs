@@ -9,7 +9,7 @@ use report::results::{
 use serde::Serialize;
 use serde_json::json;
 
-use super::event;
+use super::event_rows;
 use super::figures::{self, Figures, Often, PlaceFigures};
 use super::judge::Kept;
 use super::limits;
@@ -181,7 +181,7 @@ pub fn document(runs: &[Kept], laws: &LawOptions, processes_sample: ProcessesSam
         .table(Table::new("Limits", LIMITS, &results.limits))
         .table(Table::new("Drives with a finding", FAILURES, &failed).most_rows(20))
         .file("curves.csv", Table::new("", &drives(), runs).csv())
-        .file("events.csv", Table::new("", &event::columns(), &event::Row::all(runs)).csv());
+        .file("events.csv", Table::new("", &event_rows::columns(), &event_rows::Row::all(runs)).csv());
     // A drive whose lead is lost counts in the figures alone, but is worth a look.
     let is_eventful = |run: &&Kept| run.sources == JUDGED.name && !run.events.is_empty();
     let eventful = runs.iter().filter(is_eventful).filter(|run| !is_failure(run));
