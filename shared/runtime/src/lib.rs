@@ -14,7 +14,7 @@
 //!   in the step. The plant's odometry paces all services, since all wait for it, directly or through
 //!   others; no coordinator is needed. Publishers wait when a process of the group lags, so that no
 //!   message is lost, and all stamps are simulated time: same scenario, same seed, same bytes. A process
-//!   that joined by itself is not waited for.
+//!   that joined on its own is not waited for.
 //!
 //! In lockstep a run can also do without processes: [`InProcess`] lets all services of a run take turns
 //! in one thread, with the same ports over the memory of one process. No service knows.

@@ -1,7 +1,7 @@
 //! All services of a lockstep run in one thread: each is a task that goes on until it waits.
 //!
-//! The services' code, ports, checks and reports are those of a group of processes. What differs is
-//! what carries the messages (queues in memory) and what a wait is (another service's turn).
+//! The services' code, ports, checks and reports are those of a group of processes. Two things
+//! differ: queues in memory carry the messages, and a wait is another service's turn.
 
 pub mod coroutine;
 
@@ -206,7 +206,7 @@ impl InProcess {
     /// all have ended.
     ///
     /// Call it again only after all listeners and taps have taken their messages: when a whole round
-    /// moves none, the services wait for each other for ever, and are told so.
+    /// moves none, the services wait for each other for ever, and receive an error.
     pub fn take_turns(&mut self, said: &mut dyn FnMut(Service, FromService)) -> bool {
         let before = self.bus.moved();
         let (mut alive, mut changed) = (false, false);

@@ -60,7 +60,7 @@ pub enum FromService {
     Ready(Granted),
     /// This process was the standby, and is the active one now.
     TookOver(TakeOver),
-    /// The service reached the end it was told, with this report.
+    /// The service reached the ordered end, with this report.
     Report(Box<ServiceReport>),
     /// The plant ended the run in this step; the others may finish it.
     Ended(u64),
@@ -221,7 +221,7 @@ impl Link {
         }
     }
 
-    /// Tells the launcher something.
+    /// Sends the launcher a message.
     pub(crate) fn send(&self, message: FromService) -> Result<(), RuntimeError> {
         if let Way::Memory(desk, _) = &self.way {
             desk.said.borrow_mut().push_back(message);
@@ -235,7 +235,7 @@ impl Link {
             .map_err(|reason| RuntimeError::Link { what: "the launcher does not listen", reason })
     }
 
-    /// Waits until the launcher has heard all services and closes the run.
+    /// Waits until the launcher has all reports and closes the run.
     pub(crate) fn wait_for_the_end(&self) {
         // In memory nothing is lost with its sender.
         while matches!(self.way, Way::Streams(_)) && !self.end.is_now() {

@@ -1,9 +1,9 @@
-//! Work beside a loop: what takes longer than a cycle may, in a thread that is not real-time.
+//! Work beside a loop that takes longer than a cycle may, in a thread that is not real-time.
 //!
 //! A loop asks at a release. The answer takes effect a fixed time later, at the release that is due then: in
-//! lockstep that release waits for it, so that the same run gives the same bytes; in realtime it takes what
-//! is there, and an answer that is not is late. The thread holds the two locks of the handover for a copy.
-//! The loop only ever *tries* them, and allocates nothing. Where all services share one thread the work is
+//! lockstep that release waits for it, so that the same run gives the same bytes. In realtime it takes an answer
+//! that is there; a missing one is late. The thread holds the two locks of the handover for a copy.
+//! The loop only ever *tries* them, and allocates nothing. If all services share one thread, the work is
 //! done when it is asked for: its time does not count there.
 
 use crate::counts::statistics::{Latencies, Percentiles};
@@ -40,7 +40,7 @@ pub struct BackgroundWorker<Q, A> {
     worked: Latencies,
 }
 
-/// Who does the work.
+/// The thread that does the work.
 enum Worker<Q, A> {
     /// A thread.
     Thread { shared: Arc<Shared<Q, A>>, thread: Option<JoinHandle<()>> },

@@ -7,7 +7,7 @@
 //! void timegap_law_destroy(void *law);
 //! ```
 //!
-//! Nothing here can protect this process from such code. Who chooses a library accepts that.
+//! Nothing here can protect this process from such code. The user of a library accepts that.
 
 #![allow(unsafe_code, reason = "foreign functions are unsafe by their nature")]
 

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 const INPUT_PATIENCE: Duration = Duration::from_millis(15);
 
 impl Runtime {
-    /// Tells the launcher that all ports are open, and waits for the common start.
+    /// Reports to the launcher that all ports are open, and waits for the common start.
     ///
     /// # Errors
     /// If the link breaks or the run ends before it began.

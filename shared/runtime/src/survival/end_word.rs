@@ -1,6 +1,6 @@
 //! A word in shared memory that the kernel marks as soon as a process begins to end.
 //!
-//! A pidfd tells of an end when the kernel has given back the process's memory: 1.4 ms after a SIGKILL where
+//! A pidfd shows an end when the kernel has given back the process's memory: 1.4 ms after a SIGKILL where
 //! 160 MB are locked. The kernel walks a thread's list of robust futexes before that (set_robust_list(2)): it
 //! sets a bit in each word that holds the thread's id, and wakes one who waits for it. A thread that does
 //! nothing else keeps one such word for its process, and ends with it alone.
@@ -18,7 +18,7 @@ use std::ptr;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::mpsc::sync_channel;
 
-/// A word whose owner's end the kernel tells; `FUTEX_WAITERS` and `FUTEX_OWNER_DIED` of linux/futex.h.
+/// A word in which the kernel marks its owner's end; `FUTEX_WAITERS` and `FUTEX_OWNER_DIED` of linux/futex.h.
 const WAITERS: u32 = 0x8000_0000;
 const OWNER_DIED: u32 = 0x4000_0000;
 
@@ -50,7 +50,7 @@ fn word(page: &SharedWords, service: Service, incarnation: u32) -> &AtomicU32 {
     page.word(service.index() * fence::WORDS_APART + 1 + of_process)
 }
 
-/// Lets the kernel tell the end of this process, a service's `incarnation`, by a thread of this priority; 0 for
+/// Lets the kernel mark the end of this process, a service's `incarnation`, by a thread of this priority; 0 for
 /// an ordinary one.
 ///
 /// # Errors
@@ -74,14 +74,14 @@ pub(crate) fn announce(
                 std::thread::park();
             }
         })
-        .map_err(RuntimeError::setup("the thread that tells a process's end"))?;
+        .map_err(RuntimeError::setup("the thread that marks a process's end"))?;
     // The thread does nothing that fails.
     let _ = owned.recv();
     Ok(())
 }
 
-/// Makes the calling thread the owner of `word` until its end. Where the kernel does not keep such lists, the word
-/// stays 0.
+/// Makes the calling thread the owner of `word` until its end. The word stays 0 if the kernel does not
+/// keep such lists.
 fn own(word: &AtomicU32) {
     let list = Box::into_raw(Box::new(List {
         head: Entry { next: ptr::null() },

@@ -50,7 +50,7 @@ impl Gate {
         self.fences.as_ref().and_then(|fences| fences.of_service(self.service))
     }
 
-    /// Makes this process the active one, where it was started in the place of one that is gone; false if
+    /// Makes this process the active one, if it replaces one that is gone; false if
     /// another process is it.
     pub(crate) fn claim(&self) -> bool {
         self.word().is_none_or(|word| fence::claim(word, self.incarnation))

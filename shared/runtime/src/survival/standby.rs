@@ -47,7 +47,7 @@ pub enum Cause {
     Silent,
 }
 
-/// A take-over, as the standby tells the launcher.
+/// A take-over, as the standby reports it to the launcher.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TakeOver {
     /// Why.

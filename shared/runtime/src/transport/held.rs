@@ -101,7 +101,7 @@ impl<T: Message> Held<T> {
     }
 }
 
-/// The rooms of a port. What is in them stays where it is; the rooms change their parts.
+/// The rooms of a port. Their content stays where it is; the rooms change their parts.
 #[derive(Debug)]
 pub struct Rooms<T: Message> {
     rooms: [Held<T>; 3],

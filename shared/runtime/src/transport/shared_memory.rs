@@ -220,7 +220,7 @@ impl SharedMemory {
 /// Receiving ports with a full buffer, and whether their process belongs to the group.
 ///
 /// In lockstep each process of the group gets each of its messages: the sender waits for room. A
-/// process that joined by itself gets what it has room for, so that none can hold up the run.
+/// process that joined on its own gets what it has room for, so that it cannot hold up the run.
 struct Listeners {
     members: Members,
     /// Listeners that were looked up so far, newest last; few ports ever have a full buffer.

@@ -1,7 +1,7 @@
 //! Files in shared memory that are this user's own.
 //!
-//! Anybody may make a file in `/dev/shm`, also one with the name of ours, before us: a page that
-//! another user can truncate kills those who read it.
+//! Every user may make a file in `/dev/shm`, also one with the name of ours, before us. A page that another user can
+//! truncate kills the processes that read it.
 
 use rustix::fs::OFlags;
 use std::fs::{File, OpenOptions};

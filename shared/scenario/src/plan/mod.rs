@@ -204,12 +204,6 @@ impl Start {
 }
 
 impl Plan {
-    /// A plan of these pieces that begins at the plane's origin.
-    #[must_use]
-    pub fn of_pieces(pieces: Vec<PlanPiece>) -> Self {
-        Self { pieces, ..Self::default() }
-    }
-
     /// The middle of the ego's lane; begins at (0, 0) along x. [`Start::pose`] places it in the plane.
     ///
     /// # Panics
