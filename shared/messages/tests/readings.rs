@@ -144,21 +144,21 @@ fn the_nearest_vehicle_in_lane_is_the_one_ahead() {
     ]);
     truth.count = 4;
     assert_eq!(
-        truth.nearest_ahead(100.0),
+        AllVehicles::of(&truth).nearest_ahead(100.0),
         Some((30.0, 2.0)),
         "one beside and one behind do not count"
     );
     assert_eq!(
-        truth.nearest_ahead(99.9).map(|found| found.1),
+        AllVehicles::of(&truth).nearest_ahead(99.9).map(|found| found.1),
         Some(4.0),
         "5 m behind the front it counts"
     );
     truth.count = 5;
-    assert_eq!(truth.nearest_ahead(100.0), Some((1.0, 5.0)));
+    assert_eq!(AllVehicles::of(&truth).nearest_ahead(100.0), Some((1.0, 5.0)));
     truth.count = 0;
-    assert_eq!(truth.nearest_ahead(100.0), None);
+    assert_eq!(AllVehicles::of(&truth).nearest_ahead(100.0), None);
     truth.count = u64::MAX;
-    assert_eq!(truth.nearest_ahead(100.0), Some((1.0, 5.0)), "no more than fit");
+    assert_eq!(AllVehicles::of(&truth).nearest_ahead(100.0), Some((1.0, 5.0)), "no more than fit");
 }
 
 #[test]
