@@ -2,7 +2,7 @@
 
 use super::fence::tests::Run;
 use super::standby::{ActiveProcess, Cause, OrderSlot, Standby};
-use crate::counts::account::Account;
+use crate::counts::own::Counts;
 use crate::machine::scheduling::Granted;
 use crate::transport::waking::WakeWords;
 use messages::{Service, Topic};
@@ -118,7 +118,9 @@ fn an_order_of_the_launcher_is_one_too_and_wakes_the_loop() {
 #[test]
 fn a_process_that_lives_and_does_nothing_is_silent() {
     let run = Run::new("silent", &[SERVICE]);
-    let account = Account::open(&run.0, SERVICE, 0).expect("shared memory");
+    let mut counts = Counts::open(&run.0, SERVICE).expect("shared memory");
+    counts.begin_account(0).expect("shared memory");
+    let account = counts.account().expect("it has begun");
     let active = process();
     let pid = active.id().cast_signed();
     let keys = "[supervision]\nstandby_timeout_ms = 20";
@@ -139,5 +141,5 @@ fn a_process_that_lives_and_does_nothing_is_silent() {
     }));
     assert!(matches!(standby.taken_over(), Some((Cause::Silent, _))));
     end(active, &run);
-    let _ = std::fs::remove_file(format!("/dev/shm/{}{SERVICE}.0.account", run.0.prefix));
+    let _ = std::fs::remove_file(format!("/dev/shm/{}{SERVICE}.counts", run.0.prefix));
 }
