@@ -29,6 +29,13 @@
 //! [settings.corridor]                    # keys set in the runs of one scenario, drawn for each
 //! "v2x.signals.0.offset_s" = [5, 35]
 //!
+//! [[cases]]                              # fixed runs beside the drawn ones
+//! name = "late-clock"
+//! scenario = "tight-brake"
+//! set = ['faults=[{ kind = "clock-step", service = "perception-sim", amount = 0.11, at_s = 0, for_s = 3 }]']
+//! seeds = 10                             # without the key: 10
+//! from = "timegap search tight-brake"    # where it comes from
+//!
 //! [require]                              # max_ or min_ and a figure of the verdict
 //! max_collisions = 0
 //! min_gap_m = 1.0
@@ -107,9 +114,29 @@ pub struct Campaign {
     /// Faults, as in a scenario, with values that are drawn for each run.
     #[serde(default)]
     pub faults: Vec<toml::Table>,
+    /// Fixed runs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cases: Vec<Case>,
     /// Limits: `max_` or `min_` and the name of a figure.
     #[serde(default)]
     pub require: BTreeMap<String, f64>,
+}
+
+/// A scene with its faults, as a search found it. Nothing of it is drawn but the noise.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Case {
+    /// Name.
+    pub name: Name,
+    /// Name of a built-in scenario, or a file.
+    pub scenario: String,
+    /// Keys of the scene and its faults, as for `--set`.
+    pub set: Vec<String>,
+    /// Runs, each with a seed of its own.
+    #[serde(default = "ten")]
+    pub seeds: NonZeroU32,
+    /// Where it comes from.
+    pub from: Line,
 }
 
 /// A path is no file, or the file is too long for a campaign.
@@ -125,6 +152,10 @@ fn lockstep() -> Mode {
 
 fn one() -> NonZeroU32 {
     NonZeroU32::MIN
+}
+
+fn ten() -> NonZeroU32 {
+    NonZeroU32::new(10).expect("above 0")
 }
 
 fn first_seed() -> u32 {

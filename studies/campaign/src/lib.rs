@@ -52,6 +52,7 @@ mod planned;
 mod plausibility;
 mod radio;
 mod record;
+mod required;
 mod select;
 mod signals;
 mod study;

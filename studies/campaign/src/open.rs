@@ -52,6 +52,12 @@ pub fn open(argument: &str) -> Result<Campaign, Error> {
             *scenario = file;
         }
     }
+    for case in &mut campaign.cases {
+        if case.scenario.contains('/') || case.scenario.ends_with(".toml") {
+            let file = absolute(&directory.join(&case.scenario))?;
+            case.scenario = file.to_string_lossy().into_owned();
+        }
+    }
     if let Some(variation) = &mut campaign.variation {
         *variation = absolute(&directory.join(&variation))?;
         campaign.scenarios = vec![Variants::open(variation)?.scenario];

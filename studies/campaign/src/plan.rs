@@ -19,8 +19,10 @@ pub struct Plan {
     controllers: Vec<Option<String>>,
     faults: Vec<Drawing>,
     variants: Option<Variants>,
-    /// Runs of the whole campaign.
+    /// Runs of the whole campaign, the fixed ones last.
     all: usize,
+    /// Runs that are not fixed.
+    drawn: usize,
     /// The numbers of the runs of a sample, in order; none: all are done.
     sampled: Option<Vec<usize>>,
 }
@@ -48,12 +50,14 @@ pub fn plan(campaign: &Campaign) -> Result<Plan, Error> {
     let seeds = campaign.seeds.get();
     let values = variants.as_ref().map_or(1, Variants::len);
     let combinations = campaign.scenarios.len() * values * controllers.len() * faults.len();
-    let all = combinations.checked_mul(seeds as usize).filter(|runs| *runs <= MAX_RUNS);
-    let Some(all) = all else {
+    let fixed = campaign.cases.iter().map(|case| case.seeds.get() as usize).sum::<usize>();
+    let fixed = fixed.saturating_mul(controllers.len());
+    let drawn = combinations.checked_mul(seeds as usize).filter(|runs| *runs <= MAX_RUNS);
+    let Some((drawn, all)) = drawn.map(|drawn| (drawn, drawn.saturating_add(fixed))) else {
         return Err(TooManyRuns { combinations, seeds }.into());
     };
     let sampled = campaign.sample.map(|sample| draw_runs(all, sample.get(), campaign.first_seed));
-    Ok(Plan { campaign: campaign.clone(), controllers, faults, variants, all, sampled })
+    Ok(Plan { campaign: campaign.clone(), controllers, faults, variants, all, drawn, sampled })
 }
 
 impl Plan {
@@ -112,8 +116,48 @@ impl Plan {
         self.campaign.set.iter().cloned().chain(settings).collect()
     }
 
+    /// The first run of each case.
+    pub fn first_of_cases(&self) -> impl Iterator<Item = Planned> + '_ {
+        let seeds = self.campaign.cases.iter().map(|case| case.seeds.get() as usize);
+        let before = seeds.scan(self.drawn, |run, seeds| {
+            let first = *run;
+            *run += seeds * self.controllers.len();
+            Some(first)
+        });
+        before.map(|run| self.get(run))
+    }
+
+    /// A run of a case; `place` counts the runs of all cases.
+    fn fixed(&self, run: usize, mut place: usize) -> Option<Planned> {
+        let controllers = self.controllers.len();
+        for case in &self.campaign.cases {
+            let runs = case.seeds.get() as usize * controllers;
+            if place >= runs {
+                place -= runs;
+                continue;
+            }
+            let number =
+                u32::try_from(place / controllers).expect("fewer runs than u32 has numbers");
+            return Some(Planned {
+                run,
+                scenario: case.scenario.clone(),
+                controller: self.controllers[place % controllers].clone(),
+                fault: format!("case {}", case.name.as_str()),
+                seed: self.campaign.first_seed.saturating_add(number),
+                keys: self.campaign.set.iter().chain(&case.set).cloned().collect(),
+                formulas: self.campaign.formulas.clone(),
+                parameters: Vec::new(),
+            });
+        }
+        None
+    }
+
     /// The run of a number, of all runs.
     pub fn get(&self, run: usize) -> Planned {
+        let place = run.checked_sub(self.drawn);
+        if let Some(fixed) = place.and_then(|place| self.fixed(run, place)) {
+            return fixed;
+        }
         let Self { campaign, controllers, faults, variants, .. } = self;
         // The last counts fastest.
         let (rest, which) = (run / faults.len(), run % faults.len());
@@ -198,6 +242,30 @@ bits = [1, 3]
         });
         let seeds: Vec<_> = one.map(|run| run.seed).collect();
         assert_eq!(seeds, (1..=50).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn cases_come_after_the_drawn_runs_as_they_are() {
+        let cases = "[[cases]]\nname = \"a\"\nscenario = \"cut-in\"\nset = [\"duration_s=9\"]\n\
+                     seeds = 3\nfrom = \"a search\"\n[[cases]]\nname = \"b\"\nscenario = \"cacc-a\"\n\
+                     set = []\nseeds = 2\nfrom = \"another\"\n";
+        let text = format!("set = [\"seed=0\"]\n{FAULTS}{cases}");
+        let runs = runs(&text);
+        assert_eq!(runs.len(), 2 * 2 * 2 * 50 + (3 + 2) * 2);
+        let fixed = &runs[400..];
+        assert!(fixed.iter().enumerate().all(|(place, run)| run.run == 400 + place));
+        let of = |place: usize| {
+            let Planned { scenario, fault, seed, .. } = &fixed[place];
+            (scenario.as_str(), fault.as_str(), *seed)
+        };
+        assert_eq!(of(0), ("cut-in", "case a", 1));
+        assert_eq!(of(5), ("cut-in", "case a", 3));
+        assert_eq!(of(6), ("cacc-a", "case b", 1));
+        assert_eq!(fixed[1].controller.as_deref(), Some("six-mode"));
+        assert_eq!(fixed[0].keys, ["seed=0", "duration_s=9"]);
+        let plan = plan(&campaign(&text)).expect("a plan");
+        let first: Vec<_> = plan.first_of_cases().map(|run| run.run).collect();
+        assert_eq!(first, [400, 406]);
     }
 
     #[test]

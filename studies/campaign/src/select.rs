@@ -27,28 +27,49 @@ pub const WITHOUT_FILE: [Own; 4] = [
     Own {
         name: radio::NAME,
         summary: "2,000 drives through signals whose frames are lost, late and falsified",
-        takes: &["--sample N", "--first N", "--law NAME=COMMAND", "--shard I/N", "--resume DIR"],
+        takes: &[
+            "--sample N",
+            "--first N",
+            "--law NAME=COMMAND",
+            "--require FORMULA",
+            "--shard I/N",
+            "--resume DIR",
+        ],
         run: radio::run,
         schema: radio::schema,
     },
     Own {
         name: signals::NAME,
         summary: "500 corridors of signals, `cacc-mpc` against an ACC that stops for them",
-        takes: &["--seeds N", "--first N", "--law NAME=COMMAND", "--shard I/N", "--resume DIR"],
+        takes: &[
+            "--seeds N",
+            "--first N",
+            "--law NAME=COMMAND",
+            "--require FORMULA",
+            "--shard I/N",
+            "--resume DIR",
+        ],
         run: signals::run,
         schema: signals::schema,
     },
     Own {
         name: curves::NAME,
         summary: "1,000 random curved roads, and as many curves with queues beside and in the lane",
-        takes: &["--seeds N", "--first N", "--shard I/N", "--resume DIR"],
+        takes: &["--seeds N", "--first N", "--require FORMULA", "--shard I/N", "--resume DIR"],
         run: curves::run,
         schema: curves::schema,
     },
     Own {
         name: plausibility::NAME,
         summary: "how often and how fast the checks of the inputs find a false sender",
-        takes: &["--hours H", "--seed S", "--law NAME=COMMAND", "--shard I/N", "--resume DIR"],
+        takes: &[
+            "--hours H",
+            "--seed S",
+            "--law NAME=COMMAND",
+            "--require FORMULA",
+            "--shard I/N",
+            "--resume DIR",
+        ],
         run: plausibility::run,
         schema: plausibility::schema,
     },
@@ -177,6 +198,9 @@ mod tests {
     fn an_option_of_other_campaigns_is_refused_with_theirs_and_its_own() {
         assert_eq!(refusal("campaign radio --first 3 --sample 2"), None);
         assert_eq!(refusal("campaign kills --seeds 3 --shard 1/2"), None);
+        for own in &WITHOUT_FILE {
+            assert_eq!(refusal(&format!("campaign {} --require comfort", own.name)), None);
+        }
         let said = refusal("campaign kills --first 3").expect("it is no option of a file");
         assert!(said.starts_with(
             "--first N is for `radio`, `signals`, `curves`; the campaign `kills` takes"

@@ -51,8 +51,9 @@ impl FileCampaign {
         let mut notices: BTreeSet<String> = BTreeSet::new();
         let mut targets = Targets::default();
         let stride = self.plan.len().div_ceil(MAX_CHECKED).max(1);
-        for place in (0..self.plan.len()).step_by(stride) {
-            let scenario = self.job(place)?.scenario;
+        let drawn = (0..self.plan.len()).step_by(stride).map(|place| self.plan.at(place));
+        for planned in drawn.chain(self.plan.first_of_cases()) {
+            let scenario = job(&self.campaign, &planned)?.scenario;
             // How OpenSCENARIO files are run.
             notices.extend(scenario.notices().map(str::to_owned));
             targets.note(&scenario);

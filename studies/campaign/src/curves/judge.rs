@@ -8,8 +8,8 @@
 //! The queue is in sight when the middle of its last vehicle's rear is within the radar's range and field of view.
 
 use frame::batch::Done;
-use group::PlaneScene;
 use group::report::Outcome;
+use group::{PlaneScene, RequirementVerdict};
 use report::targets::{JudgedScan, Owner, Sums, by_place, judge};
 use scenario::Scenario;
 use scenario::perception::Radar;
@@ -59,6 +59,9 @@ pub struct Kept {
     pub largest_lateral_mps2: f64,
     /// The options that declare a law of the user's own, as words.
     pub law_options: Vec<String>,
+    /// Verdicts on the requirements.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub requirements: Vec<RequirementVerdict>,
 }
 
 impl Kept {
@@ -96,6 +99,7 @@ impl Kept {
             sight: if is_in_lane { sight(&drive.plane, &scans, radar, &speeds) } else { None },
             largest_lateral_mps2: lateral.fold(0.0, f64::max),
             law_options: Vec::new(),
+            requirements: done.summary.requirements.clone(),
         }
     }
 
@@ -139,11 +143,12 @@ impl Kept {
 
     /// The command that repeats all drives of its number.
     pub fn repeat(&self) -> String {
-        let command = format!("timegap campaign curves --first {} --seeds 1", self.number);
-        match self.law_options.as_slice() {
-            [] => command,
-            words => format!("{command} {}", runtime::command_line(words)),
-        }
+        let number = self.number.to_string();
+        let words = ["timegap", "campaign", "curves", "--first", &number, "--seeds", "1"];
+        let laws = self.law_options.iter().map(String::as_str);
+        let formulas =
+            self.requirements.iter().flat_map(|one| ["--require", one.requirement.as_str()]);
+        runtime::command_line(&words.into_iter().chain(laws).chain(formulas).collect::<Vec<_>>())
     }
 
     /// Its finding, in words.
@@ -217,6 +222,7 @@ pub(super) mod tests {
             sight: (scene == Scene::InLane).then_some(sight),
             largest_lateral_mps2: 1.9,
             law_options: Vec::new(),
+            requirements: Vec::new(),
         }
     }
 

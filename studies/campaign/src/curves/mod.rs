@@ -34,6 +34,7 @@ use scene::Scene;
 use sources::Sources;
 
 use crate::arguments::CampaignArguments;
+use crate::required;
 
 /// The campaign's name.
 pub const NAME: &str = "curves";
@@ -58,6 +59,8 @@ struct Curves {
     count: usize,
     /// The law of the user's own, or none.
     laws: LawOptions,
+    /// Requirements of the command.
+    require: Vec<String>,
 }
 
 impl Curves {
@@ -86,6 +89,7 @@ impl Study for Curves {
             first: arguments.first.map_or(1, NonZeroUsize::get),
             count: usize::try_from(count).expect("at least 32 bits"),
             laws: arguments.one_law(NAME)?.clone(),
+            require: arguments.require.clone(),
         })
     }
 
@@ -99,7 +103,8 @@ impl Study for Curves {
 
     fn job(&self, run: usize) -> Result<Job, Error> {
         let (number, scene, sources) = self.run(run);
-        Ok(Job::lockstep(scene.scenario(number as u64, sources, &self.laws)?))
+        let scenario = scene.scenario(number as u64, sources, &self.laws)?;
+        Ok(Job::lockstep(required::add(scenario, &self.require)?))
     }
 
     fn record(
@@ -140,7 +145,8 @@ mod tests {
 
     #[test]
     fn every_number_has_every_scene_with_every_source() {
-        let study = Curves { first: 3, count: 2, laws: LawOptions::default() };
+        let study =
+            Curves { first: 3, count: 2, laws: LawOptions::default(), require: Vec::new() };
         assert_eq!(study.runs(), 30);
         let runs: Vec<_> = (0..study.runs()).map(|index| study.run(index)).collect();
         for number in [3, 4] {

@@ -16,6 +16,8 @@ use super::limits;
 use super::scene::{LAW, Scene};
 use super::sources::{self, JUDGED};
 use super::{NAME, queue::Queue};
+use crate::required;
+use report::verdicts::{self, LEAST, Least};
 
 /// Most scenario files of drives with a finding or an event.
 const MOST_FILES: usize = 50;
@@ -36,6 +38,7 @@ struct Results {
     /// The law of the user's own that drove; null: the study's.
     law: Option<String>,
     failures: Vec<String>,
+    margins: Vec<Least>,
     processes_sample: ProcessesSample,
 }
 
@@ -125,6 +128,8 @@ fn drives() -> Vec<Column<Kept>> {
         number("seen_after_s", "", "s", 2, "Time from sight to the target")
             .of(|run| json!(run.sight.and_then(|sight| sight.seen_after_s))),
         number("largest_lateral_mps2", "", "m/s²", 2, "Largest lateral acceleration"),
+        word("margins", "", "Margins of the requirements")
+            .of(|run| json!(verdicts::words(&run.requirements))),
     ]
 }
 
@@ -146,6 +151,7 @@ pub fn schema() -> Schema {
         .rows("sources", "Figures with each set of sources of the course", &figures::columns())
         .rows("places", "Figures by part of a curve", &figures::place_columns())
         .rows("limits", "Limits of the figures", LIMITS)
+        .rows("margins", "Least margins of the requirements of the command", LEAST)
 }
 
 /// The document of all drives.
@@ -182,6 +188,7 @@ pub fn document(runs: &[Kept], laws: &LawOptions, processes_sample: ProcessesSam
         .table(Table::new("Drives with a finding", FAILURES, &failed).most_rows(20))
         .file("curves.csv", Table::new("", &drives(), runs).csv())
         .file("events.csv", Table::new("", &event_rows::columns(), &event_rows::Row::all(runs)).csv());
+    let document = required::show(document, &results.margins);
     // A drive whose lead is lost counts in the figures alone, but is worth a look.
     let is_eventful = |run: &&Kept| run.sources == JUDGED.name && !run.events.is_empty();
     let eventful = runs.iter().filter(is_eventful).filter(|run| !is_failure(run));
@@ -238,6 +245,9 @@ impl Results {
             limits,
             law: law.map(str::to_owned),
             failures: failures.collect(),
+            margins: verdicts::least(judged.iter().map(|run| {
+                (format!("{} {}", run.scene.name(), run.number), run.requirements.as_slice())
+            })),
             processes_sample,
         }
     }

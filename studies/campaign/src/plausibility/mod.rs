@@ -24,12 +24,15 @@ use std::process::ExitCode;
 use frame::batch::{Done, Job};
 use frame::{Found, Options, Study};
 use group::report::CheckReport;
-use group::{Error, LawOptions, ScenarioOptions};
+use group::{Error, LawOptions, RequirementVerdict, ScenarioOptions};
 use report::results::Document;
+use report::verdicts;
+use scenario::Scenario;
 use scenario::plant::Vehicle;
 use serde::{Deserialize, Serialize};
 
 use crate::arguments::CampaignArguments;
+use crate::required;
 use cases::{BIAS, CASES, FREEZE};
 
 /// The campaign's name.
@@ -57,6 +60,9 @@ pub struct Kept {
     duration_s: f64,
     /// The findings of each check.
     checks: Vec<CheckReport>,
+    /// Verdicts on the requirements.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    requirements: Vec<RequirementVerdict>,
 }
 
 /// When the fault of a drive begins, s: spread over the time that its case allows.
@@ -66,9 +72,9 @@ fn begins_s(case: usize, drive: u32) -> f64 {
     (at_s * 100.0).round() / 100.0
 }
 
-fn job(seed: u32, laws: &LawOptions, planned: Planned) -> Result<Job, Error> {
+fn scenario(seed: u32, laws: &LawOptions, planned: Planned) -> Result<Scenario, Error> {
     match planned {
-        Planned::Quiet(number) => Ok(Job::lockstep(draw::drive(seed, number, laws)?.1)),
+        Planned::Quiet(number) => Ok(draw::drive(seed, number, laws)?.1),
         Planned::Faulty(case, drive) => {
             let (_, _, scenario, keys, ..) = CASES[case];
             let kind = if keys.contains("field") { BIAS } else { FREEZE };
@@ -84,7 +90,7 @@ fn job(seed: u32, laws: &LawOptions, planned: Planned) -> Result<Job, Error> {
                 let options = ScenarioOptions { laws: laws.clone(), ..options };
                 drive = group::open_with(scenario, &options, "set", &keys)?;
             }
-            Ok(Job::lockstep(drive))
+            Ok(drive)
         }
     }
 }
@@ -115,6 +121,8 @@ struct Checks {
     /// The law of the user's own, or none.
     laws: LawOptions,
     drives: Vec<Planned>,
+    /// Requirements of the command.
+    require: Vec<String>,
 }
 
 impl Study for Checks {
@@ -135,7 +143,7 @@ impl Study for Checks {
         for case in 0..CASES.len() {
             drives.extend((0..DRIVES).map(|drive| Planned::Faulty(case, drive)));
         }
-        Ok(Self { seed, laws, drives })
+        Ok(Self { seed, laws, drives, require: arguments.require.clone() })
     }
 
     fn runs(&self) -> usize {
@@ -151,7 +159,8 @@ impl Study for Checks {
     }
 
     fn job(&self, run: usize) -> Result<Job, Error> {
-        job(self.seed, &self.laws, self.drives[run])
+        let drive = scenario(self.seed, &self.laws, self.drives[run])?;
+        Ok(Job::lockstep(required::add(drive, &self.require)?))
     }
 
     fn record(
@@ -162,7 +171,12 @@ impl Study for Checks {
     ) -> Result<(Kept, ()), Error> {
         let summary = result?.summary;
         let scenario = job.scenario.name.as_str().to_owned();
-        let kept = Kept { scenario, duration_s: summary.duration_s, checks: summary.checks };
+        let kept = Kept {
+            scenario,
+            duration_s: summary.duration_s,
+            checks: summary.checks,
+            requirements: summary.requirements,
+        };
         Ok((kept, ()))
     }
 
@@ -188,14 +202,19 @@ impl Study for Checks {
     }
 
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
+        let kept = found.records.all()?;
         let mut results = results::Results::new(self.seed, self.laws.only(), found.sample);
-        for (run, kept) in found.records.all()? {
-            match self.drives[run] {
-                Planned::Quiet(number) => results.quiet(draw::kind(number), &kept),
-                Planned::Faulty(case, drive) => results.faulty(case, begins_s(case, drive), &kept),
+        for (run, kept) in &kept {
+            match self.drives[*run] {
+                Planned::Quiet(number) => results.quiet(draw::kind(number), kept),
+                Planned::Faulty(case, drive) => results.faulty(case, begins_s(case, drive), kept),
             }
         }
         results.finish();
+        results.require(verdicts::least(kept.iter().map(|(run, kept)| {
+            let name = self.describe(*run);
+            (name.trim_matches([' ', '(', ')']).to_owned(), kept.requirements.as_slice())
+        })));
         Ok(table::document(&results))
     }
 }

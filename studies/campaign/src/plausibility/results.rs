@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use frame::batch::ProcessesSample;
+use report::verdicts::Least;
 use serde::Serialize;
 
 use super::Kept;
@@ -79,7 +80,7 @@ pub struct Found {
 #[derive(Clone, Debug, Serialize)]
 pub struct Results {
     schema_version: u32,
-    /// No check found a contradiction without a fault.
+    /// No check found a contradiction without a fault, and no drive broke a requirement.
     pub ok: bool,
     /// Seed of the random drives.
     pub seed: u32,
@@ -96,6 +97,8 @@ pub struct Results {
     pub kinds: BTreeMap<&'static str, Rate>,
     /// The false senders.
     pub faults: Vec<Found>,
+    /// Requirements of the command: their least margins over all drives.
+    pub margins: Vec<Least>,
     processes_sample: ProcessesSample,
 }
 
@@ -122,6 +125,7 @@ impl Results {
             checks: BTreeMap::new(),
             kinds: BTreeMap::new(),
             faults: faults.into(),
+            margins: Vec::new(),
             processes_sample,
         }
     }
@@ -173,5 +177,11 @@ impl Results {
         let rates = self.checks.values_mut().map(|check| &mut check.rate);
         rates.chain(self.kinds.values_mut()).chain([&mut self.all]).for_each(Rate::finish);
         self.ok = self.all.alarmed == 0;
+    }
+
+    /// Adds the margins of the requirements.
+    pub fn require(&mut self, margins: Vec<Least>) {
+        self.ok &= margins.iter().all(|least| least.verdict.met);
+        self.margins = margins;
     }
 }

@@ -6,10 +6,14 @@ use serde::Serialize;
 use super::NAME;
 use super::draw::KINDS;
 use super::results::{Found, Rate, Results};
+use crate::required;
+use report::verdicts::LEAST;
 
 /// Fields of the JSON.
 const FIELDS: &[Column<Results>] = &[
-    frame::ok("No check found a contradiction without a fault"),
+    frame::ok(
+        "No check found a contradiction without a fault, and no drive broke a requirement of the command",
+    ),
     count("seed", "", "Seed of the random drives"),
     word("law", "", "Law of the user's own that drove the cars; null: those of the drives"),
     number("quiet_s", "", "s", 1, "Simulated time without faults"),
@@ -67,6 +71,7 @@ pub fn schema() -> Schema {
     .map("checks", "Each check by its name, in drives without faults", &check)
     .map("kinds", "Each kind of drive by its name, without faults", &rate::<()>(""))
     .rows("faults", "The false senders", FAULTS)
+    .rows("margins", "Least margins of the requirements of the command", LEAST)
 }
 
 /// A rate with its interval, for people.
@@ -174,12 +179,17 @@ pub fn document(results: &Results) -> Document {
         "{alarmed} drives with a false alarm, {per_hour:.2} per hour (95 %: {low:.2} to {high:.2}); \
          {found} of {faulty} false senders found"
     );
-    Document::new(NAME, "Plausibility of the controller's inputs", results)
+    let verdict = match results.margins.iter().map(|least| least.broken).sum::<usize>() {
+        0 => verdict,
+        broken => format!("{verdict}; requirements BROKEN {broken} times"),
+    };
+    let document = Document::new(NAME, "Plausibility of the controller's inputs", results)
         .about(about)
         .verdict(results.ok, verdict)
         .table(Table::new("Checks", &lines("check"), &checks.collect::<Vec<_>>()))
         .table(Table::new("Kinds of drives", &lines("kind"), &kinds.collect::<Vec<_>>()))
-        .table(Table::new("False senders", SENDERS, &senders))
+        .table(Table::new("False senders", SENDERS, &senders));
+    required::show(document, &results.margins)
 }
 
 #[cfg(test)]
@@ -195,6 +205,7 @@ mod tests {
             scenario: "free-road-0".to_owned(),
             duration_s: 1_800.0,
             checks: vec![CheckReport { check: "motion".to_owned(), cycles, first_s, nearest: 0.4 }],
+            requirements: Vec::new(),
         };
         let mut results = Results::new(1, None, ProcessesSample::default());
         results.quiet(KINDS[0].0, &kept(0, None));

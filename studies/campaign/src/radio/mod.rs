@@ -15,7 +15,7 @@ use std::process::ExitCode;
 use frame::batch::{Done, Job};
 use frame::{Found, Options, Study};
 use group::report::Outcome;
-use group::{Error, LawOptions, ScenarioOptions};
+use group::{Error, LawOptions, RequirementVerdict, ScenarioOptions};
 use report::results::Document;
 use serde::{Deserialize, Serialize};
 
@@ -45,6 +45,9 @@ pub struct Kept {
     /// The options that declare a law of the user's own, as words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     law_options: Vec<String>,
+    /// Verdicts on the requirements.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    requirements: Vec<RequirementVerdict>,
 }
 
 impl Kept {
@@ -62,6 +65,7 @@ impl Kept {
             verdicts: radio.map(|radio| radio.verdicts.clone()).unwrap_or_default(),
             signals_lost_s: lost_s.copied().unwrap_or(0.0),
             law_options: Vec::new(),
+            requirements: summary.requirements.clone(),
         }
     }
 
@@ -71,7 +75,9 @@ impl Kept {
 
     /// The command that repeats it.
     fn repeat(&self) -> String {
-        let command = planned(self.number).repeat("lockstep");
+        let formulas = self.requirements.iter().map(|verdict| verdict.requirement.clone());
+        let planned = Planned { formulas: formulas.collect(), ..planned(self.number) };
+        let command = planned.repeat("lockstep");
         match self.law_options.as_slice() {
             [] => command,
             words => format!("{command} {}", runtime::command_line(words)),
@@ -122,10 +128,10 @@ fn planned(number: usize) -> Planned {
     }
 }
 
-fn job(number: usize, laws: &LawOptions) -> Result<Job, Error> {
+fn job(number: usize, laws: &LawOptions, require: &[String]) -> Result<Job, Error> {
     let Planned { scenario, seed, keys, .. } = planned(number);
-    let (seed, laws) = (Some(seed.to_string()), laws.clone());
-    let options = ScenarioOptions { seed, laws, ..ScenarioOptions::default() };
+    let (seed, laws, require) = (Some(seed.to_string()), laws.clone(), require.to_vec());
+    let options = ScenarioOptions { seed, laws, require, ..ScenarioOptions::default() };
     Ok(Job::lockstep(group::open_with(&scenario, &options, "set", &keys)?))
 }
 
@@ -142,6 +148,8 @@ struct Drives {
     numbers: Numbers,
     /// The law of the user's own, or none.
     laws: LawOptions,
+    /// Requirements of the command.
+    require: Vec<String>,
 }
 
 impl Study for Drives {
@@ -157,7 +165,7 @@ impl Study for Drives {
 
     fn plan(arguments: &CampaignArguments) -> Result<Self, Error> {
         let laws = arguments.one_law(NAME)?.clone();
-        Ok(Self { numbers: Numbers::of(arguments), laws })
+        Ok(Self { numbers: Numbers::of(arguments), laws, require: arguments.require.clone() })
     }
 
     fn runs(&self) -> usize {
@@ -169,7 +177,7 @@ impl Study for Drives {
     }
 
     fn job(&self, run: usize) -> Result<Job, Error> {
-        job(self.numbers.number(run), &self.laws)
+        job(self.numbers.number(run), &self.laws, &self.require)
     }
 
     fn record(
@@ -207,7 +215,7 @@ mod tests {
     #[test]
     fn every_run_is_a_scenario() {
         for number in 1..=200 {
-            job(number, &LawOptions::default())
+            job(number, &LawOptions::default(), &[])
                 .unwrap_or_else(|error| panic!("run {number}: {error}"));
         }
     }
@@ -223,6 +231,7 @@ mod tests {
             verdicts: BTreeMap::new(),
             signals_lost_s: 0.0,
             law_options: vec!["--law".to_owned(), "mine=./law".to_owned()],
+            requirements: Vec::new(),
         };
         let said = kept.failure();
         assert!(!kept.holds() && said.starts_with("run 7: red light after 31.5 s\n"), "{said}");

@@ -11,6 +11,8 @@ use serde::Serialize;
 use serde_json::json;
 
 use super::{Kept, NAME, SCENARIO, planned};
+use crate::required;
+use report::verdicts::{self, LEAST, Least};
 
 /// Stop line of the last signal, m.
 const LAST_LINE_M: f64 = 1_000.0;
@@ -28,6 +30,7 @@ struct Results {
     verdicts: BTreeMap<String, u64>,
     signals_lost_s: f64,
     driven_s: f64,
+    margins: Vec<Least>,
     processes_sample: ProcessesSample,
 }
 
@@ -53,6 +56,8 @@ const RUNS: &[Column<Kept>] = &[
     count("frames", "", "Received frames"),
     number("signals_lost_s", "", "s", 2, "Time of the controller without its signals"),
     word("keys", "", "Keys that are set").of(|kept| json!(planned(kept.number).keys.join(" "))),
+    word("margins", "", "Margins of the requirements")
+        .of(|kept| json!(verdicts::words(&kept.requirements))),
 ];
 
 /// Columns of the runs that broke a requirement.
@@ -84,6 +89,7 @@ const FRAMES: &[Column<Frames>] = &[
 pub fn schema() -> Schema {
     frame::schema(NAME, "Drives through signals whose frames are lost, late and falsified")
         .fields(FIELDS)
+        .rows("margins", "Least margins of the requirements of the command", LEAST)
 }
 
 /// The document of all runs.
@@ -105,14 +111,17 @@ pub fn document(runs: &[Kept], processes_sample: ProcessesSample) -> Document {
         results.driven_s / 3600.0,
         100.0 * results.signals_lost_s / results.driven_s.max(1.0)
     );
-    let verdict = format!("{} of {all} runs crossed a red light or ended early", failed.len());
-    Document::new(NAME, "Signals by radio", &results)
+    let broken = if results.margins.is_empty() { "" } else { ", or broke a requirement" };
+    let verdict =
+        format!("{} of {all} runs crossed a red light or ended early{broken}", failed.len());
+    let document = Document::new(NAME, "Signals by radio", &results)
         .about(about)
         .verdict(results.ok, verdict)
         .text(time)
         .table(Table::new("Frames", FRAMES, &frames.collect::<Vec<_>>()))
         .table(Table::new("Runs that broke a requirement", FAILURES, &failed))
-        .file("radio.csv", Table::new("", RUNS, runs).csv())
+        .file("radio.csv", Table::new("", RUNS, runs).csv());
+    required::show(document, &results.margins)
 }
 
 impl Results {
@@ -136,6 +145,9 @@ impl Results {
             verdicts,
             signals_lost_s: sum(|run| run.signals_lost_s),
             driven_s: sum(|run| run.driven_s),
+            margins: verdicts::least(
+                runs.iter().map(|run| (format!("run {}", run.number), run.requirements.as_slice())),
+            ),
             processes_sample,
         }
     }
@@ -157,6 +169,7 @@ mod tests {
             verdicts: [("accepted".to_owned(), 3), ("too_old".to_owned(), 1)].into(),
             signals_lost_s: 3.15,
             law_options: Vec::new(),
+            requirements: Vec::new(),
         };
         let runs = [run(1, Outcome::Completed), run(2, Outcome::RedLight)];
         let document = document(&runs, ProcessesSample::default());

@@ -7,8 +7,8 @@
 
 use super::draw::Corridor;
 use frame::batch::Done;
-use group::DriveStep;
 use group::report::Outcome;
+use group::{DriveStep, RequirementVerdict};
 use report::Passing;
 use scenario::Scenario;
 use scenario::v2x::{Phase, Signal};
@@ -53,9 +53,12 @@ pub struct Kept {
     pub max_jerk_mps3: Option<f64>,
     /// Times that the emergency brake braked.
     pub interventions: u64,
-    /// The options that declare laws of the user's own, as words.
+    /// The laws of the user's own and the requirements of the command, as its words.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub law_options: Vec<String>,
+    pub options: Vec<String>,
+    /// Verdicts on the requirements.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub requirements: Vec<RequirementVerdict>,
 }
 
 impl Kept {
@@ -91,7 +94,8 @@ impl Kept {
             rms_jerk_mps3: figures.rms_jerk_mps3,
             max_jerk_mps3: figures.max_abs_jerk_mps3,
             interventions: done.summary.aebs.interventions.unwrap_or(0),
-            law_options: Vec::new(),
+            options: Vec::new(),
+            requirements: done.summary.requirements.clone(),
         }
     }
 
@@ -104,7 +108,7 @@ impl Kept {
     pub fn repeat(&self) -> String {
         let number = self.corridor.to_string();
         let words = ["timegap", "campaign", "signals", "--first", &number, "--seeds", "1"];
-        let own = self.law_options.iter().map(String::as_str);
+        let own = self.options.iter().map(String::as_str);
         runtime::command_line(&words.into_iter().chain(own).collect::<Vec<_>>())
     }
 
@@ -133,7 +137,8 @@ impl Kept {
             rms_jerk_mps3: None,
             max_jerk_mps3: None,
             interventions: 0,
-            law_options: Vec::new(),
+            options: Vec::new(),
+            requirements: Vec::new(),
         }
     }
 }

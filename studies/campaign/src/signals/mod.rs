@@ -30,6 +30,7 @@ use report::results::Document;
 use scenario::{Overrides, Scenario};
 
 use crate::arguments::CampaignArguments;
+use crate::required;
 
 /// The campaign's name.
 pub const NAME: &str = "signals";
@@ -66,10 +67,16 @@ pub(crate) fn corridor(number: u64, law: &str) -> String {
 }
 
 /// The scenario of that file. The law may be one of the user's `own`.
-fn scenario(number: usize, law: &str, own: &LawOptions) -> Result<Scenario, Error> {
+fn scenario(
+    number: usize,
+    law: &str,
+    own: &LawOptions,
+    require: &[String],
+) -> Result<Scenario, Error> {
     let mut overrides = Overrides::new();
     own.lay_over(&mut overrides)?;
-    Ok(Scenario::parse_with(NAME, &corridor(number as u64, law), &overrides, &laws::check)?)
+    let text = corridor(number as u64, law);
+    required::add(Scenario::parse_with(NAME, &text, &overrides, &laws::check)?, require)
 }
 
 /// Runs the campaign, or joins its parts.
@@ -86,6 +93,8 @@ struct Corridors {
     /// In the order of the runs of a corridor.
     laws: Vec<String>,
     own: LawOptions,
+    /// Requirements of the command.
+    require: Vec<String>,
 }
 
 impl Corridors {
@@ -111,7 +120,8 @@ impl Study for Corridors {
         let own = arguments.laws.clone();
         own.check()?;
         let laws = LAWS.map(str::to_owned).into_iter().chain(own.names()).collect();
-        Ok(Self { numbers: Numbers::of(arguments), laws, own })
+        let require = arguments.require.clone();
+        Ok(Self { numbers: Numbers::of(arguments), laws, own, require })
     }
 
     fn runs(&self) -> usize {
@@ -124,7 +134,7 @@ impl Study for Corridors {
 
     fn job(&self, run: usize) -> Result<Job, Error> {
         let (number, law) = self.run(run);
-        Ok(Job::lockstep(scenario(number, law, &self.own)?))
+        Ok(Job::lockstep(scenario(number, law, &self.own, &self.require)?))
     }
 
     fn record(
@@ -134,7 +144,9 @@ impl Study for Corridors {
         result: Result<Done, Error>,
     ) -> Result<(Kept, ()), Error> {
         let kept = Kept::of(self.run(run).0, &job.scenario, &result?);
-        Ok((Kept { law_options: self.own.words(), ..kept }, ()))
+        let mut options = self.own.words();
+        options.extend(required::words(&self.require));
+        Ok((Kept { options, ..kept }, ()))
     }
 
     fn keys(&self, run: usize) -> Vec<(String, String)> {
@@ -160,7 +172,7 @@ mod tests {
     fn every_corridor_is_a_scenario_for_both_laws() {
         for number in 1..=100 {
             for law in LAWS {
-                scenario(number, law, &LawOptions::default())
+                scenario(number, law, &LawOptions::default(), &[])
                     .unwrap_or_else(|error| panic!("{number}, {law}: {error}"));
             }
         }

@@ -13,6 +13,8 @@ use super::figures::{self, Figures};
 use super::judge::Kept;
 use super::limits::OF_RIVAL;
 use super::{LAWS, NAME, OURS, RIVAL, corridor};
+use crate::required;
+use report::verdicts::{self, LEAST, Least};
 
 /// The sums over all corridors.
 #[derive(Clone, Debug, Serialize)]
@@ -23,6 +25,7 @@ struct Results {
     laws: Vec<Law>,
     goals: Vec<Goal>,
     failures: Vec<String>,
+    margins: Vec<Least>,
     processes_sample: ProcessesSample,
 }
 
@@ -103,6 +106,8 @@ const DRIVES: &[Column<Kept>] = &[
     number("max_jerk_mps3", "", "m/s³", 1, "Largest magnitude of the jerk"),
     count("emergency_brakings", "", "Interventions of the emergency brake")
         .of(|run| json!(run.interventions)),
+    word("margins", "", "Margins of the requirements")
+        .of(|run| json!(verdicts::words(&run.requirements))),
 ];
 
 /// Columns of the drives that broke a requirement.
@@ -133,6 +138,11 @@ pub fn schema() -> Schema {
     .fields(FIELDS)
     .rows("laws", "Each law over all corridors, without a lead, and with one", &laws)
     .rows("goals", "Figures of cacc-mpc that may be at most a share of the rival's", GOALS)
+    .rows(
+        "margins",
+        "Least margins of the requirements of the command, but for the rival's",
+        LEAST,
+    )
 }
 
 /// The document of all drives.
@@ -165,6 +175,7 @@ pub fn document(runs: &[Kept], processes_sample: ProcessesSample) -> Document {
         .table(Table::new("Goals", GOALS, &results.goals).without_cases())
         .table(Table::new("Runs that broke a requirement", FAILURES, &failed))
         .file("signals.csv", Table::new("", DRIVES, runs).csv());
+    let document = required::show(document, &results.margins);
     failed.iter().fold(document, |document, run| {
         let name = format!("corridor-{}-{}.toml", run.corridor, run.law);
         document.file(&name, corridor(run.corridor as u64, &run.law))
@@ -196,6 +207,9 @@ impl Results {
         // The rival is a yardstick, and not judged.
         let broken = |run: &&Kept| run.law != RIVAL && !run.holds();
         let failures: Vec<String> = runs.iter().filter(broken).map(Kept::failure).collect();
+        let judged = runs.iter().filter(|run| run.law != RIVAL);
+        let name = |run: &Kept| format!("corridor {}, {}", run.corridor, run.law);
+        let margins = verdicts::least(judged.map(|run| (name(run), run.requirements.as_slice())));
         Self {
             schema_version: 1,
             ok: failures.is_empty(),
@@ -203,6 +217,7 @@ impl Results {
             laws,
             goals,
             failures,
+            margins,
             processes_sample,
         }
     }

@@ -23,10 +23,7 @@ pub fn document(sweep: &Sweep) -> Document {
     };
     Document::new("sweep", &format!("Sweep of {}", sweep.scenario), sweep)
         .about(sweep.about())
-        .verdict(
-            sweep.ok,
-            format!("{whole} of {all} runs without a collision or a red light; {helped}"),
-        )
+        .verdict(sweep.ok, format!("{whole} of {all} runs without {}; {helped}", sweep.rules()))
         .figures("Figures", curves)
         .table(sweep.table())
         .text(sweep.reasons())

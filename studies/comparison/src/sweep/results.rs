@@ -10,6 +10,7 @@ use report::results::{
     Column, Format, Kind, Schema, Table, count, judged, nested, number, outcome, word,
 };
 use report::summary::Summary;
+use report::verdicts;
 use runtime::Mode;
 use serde::de::{Deserialize, Deserializer};
 use serde::ser::{Serialize, SerializeMap, Serializer};
@@ -45,6 +46,8 @@ pub struct Point {
     pub figures: Figures,
     /// Spread of each figure over the seeds.
     pub spread: Spread,
+    /// Least margin of each requirement.
+    pub requirements: Vec<RequirementVerdict>,
     #[serde(skip)]
     ended: String,
 }
@@ -115,6 +118,7 @@ pub fn schema() -> Schema {
         nested("values", Kind::List, "Value of each key"),
         count("seeds", "", "Runs of the point"),
         count("completed", "", "Runs that reached their end"),
+        nested("requirements", Kind::List, "Verdict on each requirement with its least margin"),
     ];
     let spread = ALL.iter().flat_map(|figure| {
         let at = |what: &str| format!("spread.{}.{what}", figure.name());
@@ -146,6 +150,17 @@ fn of_json(figure: &figure::Figure, path: &str) -> Column<Value> {
     let mut column = figure.column.clone().named(path.to_owned(), heading);
     column.head.format = Format::Decimals(2);
     column
+}
+
+/// The column of the requirements' margins, in words.
+fn margins() -> Column<Value> {
+    word("margins", "requirements", "Margins of the requirements")
+}
+
+/// A row with its margins in words.
+fn with_margins(mut row: Value, of: &[RequirementVerdict]) -> Value {
+    row["margins"] = json!(verdicts::words(of));
+    row
 }
 
 impl Run {
@@ -183,6 +198,14 @@ impl Sweep {
         self.runs.iter().filter_map(|run| run.figures.0[place]).map(|times| times as u64).sum()
     }
 
+    /// The rules that a run can break, in words.
+    pub fn rules(&self) -> &'static str {
+        match self.runs.iter().any(|run| !run.requirements.is_empty()) {
+            true => "a collision, a red light or a broken requirement",
+            false => "a collision or a red light",
+        }
+    }
+
     /// Puts the runs, in the grid's order, together.
     pub fn new(
         scenario: &str,
@@ -195,7 +218,10 @@ impl Sweep {
             let folded: [Folded; COUNT] = std::array::from_fn(|index| {
                 ALL[index].fold.over(seeds.iter().map(|run| run.figures.0[index]))
             });
+            let verdicts = seeds.iter().map(|run| (String::new(), run.requirements.as_slice()));
+            let requirements = verdicts::least(verdicts).into_iter().map(|least| least.verdict);
             Point {
+                requirements: requirements.collect(),
                 values: seeds[0].values.clone(),
                 seeds: seeds.len(),
                 completed: seeds.iter().filter(|run| run.outcome == Outcome::Completed).count(),
@@ -230,7 +256,8 @@ impl Sweep {
         let figures =
             ALL.iter().map(|figure| of_json(figure, &format!("figures.{}", figure.name())));
         let columns = self.keys().chain([count("seed", "", ""), outcome("outcome")]).chain(figures);
-        let rows = self.runs.iter().map(|run| serde_json::to_value(run).expect("plain data"));
+        let columns = columns.chain([margins()]);
+        let rows = self.runs.iter().map(|run| with_margins(json!(run), &run.requirements));
         Table::new("Runs", &columns.collect::<Vec<_>>(), &rows.collect::<Vec<_>>()).csv()
     }
 
@@ -242,7 +269,8 @@ impl Sweep {
             column
         });
         let ended = judged("ended", "outcome", "How the runs ended");
-        let columns: Vec<_> = self.keys().chain([ended]).chain(figures).collect();
+        let columns: Vec<_> =
+            self.keys().chain([ended]).chain(figures).chain([margins()]).collect();
         let rows = self.points.iter().map(|point| {
             let mut row = Map::new();
             for (figure, Folded { value, spread }) in ALL.iter().zip(point.spread.0) {
@@ -258,7 +286,7 @@ impl Sweep {
             row.insert("values".to_owned(), json!(point.values));
             let ok = point.completed == point.seeds;
             row.insert("ended".to_owned(), json!({"text": point.ended, "ok": ok}));
-            Value::Object(row)
+            with_margins(Value::Object(row), &point.requirements)
         });
         Table::new("Points", &columns, &rows.collect::<Vec<_>>())
     }
@@ -328,8 +356,33 @@ mod tests {
         let csv = sweep.csv();
         let lines: Vec<_> = csv.lines().collect();
         assert!(lines[0].starts_with("runtime.extra_delay_ms,seed,outcome,rms_gap_error_m,"));
-        assert_eq!(lines[3], "20,1,completed,2,,,,,,,,,,,,,,,,,,");
+        assert_eq!(lines[3], "20,1,completed,2,,,,,,,,,,,,,,,,,,,");
         assert!(lines[4].starts_with("20,2,collision,2,,,,-0.1,"));
+    }
+
+    #[test]
+    fn a_point_has_the_least_margin_of_its_seeds() {
+        let (mut sweep, params) = sweep();
+        for (run, margin) in sweep.runs.iter_mut().zip([3.0, 1.0, 2.0, -0.5]) {
+            run.requirements = vec![RequirementVerdict {
+                requirement: "min-gap:5".into(),
+                formula: "always gap_m >= 5".into(),
+                margin: Some(margin),
+                unit: "m".into(),
+                at_s: 4.0,
+                met: margin >= 0.0,
+            }];
+        }
+        let (laws, runs) = (sweep.controllers, sweep.runs);
+        let sweep = Sweep::new("x", laws, Mode::Lockstep, &params, runs);
+        let table = sweep.table().console(300);
+        assert!(table.contains("min-gap:5: met, margin 1.00 m at 4.00 s"), "{table}");
+        assert!(table.contains("BROKEN, margin -0.50 m") || table.contains("−0.50 m"), "{table}");
+        let csv = sweep.csv();
+        assert!(csv.lines().nth(1).is_some_and(|line| line.contains("margin 3.00 m")), "{csv}");
+        assert!(csv.lines().next().is_some_and(|line| line.ends_with(",margins")), "{csv}");
+        let json = serde_json::to_value(&sweep).expect("plain data");
+        assert_eq!(json["points"][1]["requirements"][0]["margin"], -0.5);
     }
 
     #[test]
