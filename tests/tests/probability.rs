@@ -74,15 +74,27 @@ fn a_variable_without_a_distribution_is_refused() {
     assert!(text(&output).contains("`other` has none"), "{}", text(&output));
 }
 
-/// The cut-in, until Monte Carlo has 100 failures or 100,000 points.
+/// The cut-in with all of 100,000 points of Monte Carlo, and 10,000 of the other estimator.
 #[test]
 #[ignore = "an hour on two cores"]
 fn the_cut_in_agrees_with_monte_carlo() {
     let corner = Corner::new(PROGRAM);
-    let file =
-        concat!(env!("CARGO_MANIFEST_DIR"), "/../studies/search/problems/cut-in-probability.toml");
-    let output = corner.run(&["search", file, "--probability", "--budget", "200000", "--json"]);
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../studies/search/problems");
+    let file = std::fs::read_to_string(format!("{folder}/cut-in-probability.toml"));
+    let file = file.expect("a text");
+    let table = "[probability.distributions]";
+    let file = file.replace(table, &format!("[probability]\nmonte_carlo = 100000\n\n{table}"));
+    std::fs::copy(format!("{folder}/cut-in-scene.toml"), corner.path().join("cut-in-scene.toml"))
+        .expect("writable");
+    let path = corner.path().join("cut-in-probability.toml");
+    std::fs::write(&path, file).expect("writable");
+    let file = path.to_str().expect("UTF-8");
+    let output = corner.run(&["search", file, "--probability", "--budget", "10000", "--json"]);
     assert!(output.status.success(), "{}", text(&output));
     let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert_eq!(found["probability"]["disagreement"], false);
+    let probability = &found["probability"];
+    println!("{}\n{}", probability["monte_carlo"], probability["cross_entropy"]);
+    assert_eq!(probability["disagreement"], false);
+    assert_eq!(probability["monte_carlo"]["runs"], 100_000);
+    assert!(probability["monte_carlo"]["failures"].as_u64() > Some(20), "{probability}");
 }

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! unit 0 … 4       a replica of cross-entropy importance sampling each   half the budget
-//! unit 5 … m       50 points of Monte Carlo each                         the other half
+//! unit 5 … m       50 points of Monte Carlo each                         the other half, or as many as the file says
 //! unit m + 1 …     5 rows of Sobol's indices each                        beside the budget, if asked for
 //! ```
 //!
@@ -25,7 +25,7 @@ use frame::batch::{self, Repetition};
 use frame::keep::{Keep, Key};
 use frame::{Crew, Found, Gave, Needs, Options, Study};
 use group::{Error, Failure};
-use rare_events::{Budget, ENOUGH_EVENTS, REPLICAS, replica, sobol};
+use rare_events::{Budget, REPLICAS, replica, sobol};
 use report::results::Document;
 use thiserror::Error;
 
@@ -82,7 +82,7 @@ impl Study for Probability {
         }
         let problem = Problem::open(arguments)?;
         let model = Model::of(&problem)?;
-        let units = Units::new(arguments.budget(), model.rows());
+        let units = Units::new(arguments.budget(), model.monte_carlo, model.rows());
         let seed = arguments.seed()?;
         Ok(Self { problem, model, units, seed, events: Mutex::default() })
     }
@@ -168,7 +168,8 @@ impl Probability {
         let events = self.events.lock().expect("no worker panics here");
         let before = REPLICAS..run;
         let is_known = before.clone().all(|unit| events.contains_key(&unit));
-        is_known && events.range(before).map(|(_, count)| count).sum::<usize>() >= ENOUGH_EVENTS
+        is_known
+            && events.range(before).map(|(_, count)| count).sum::<usize>() >= self.units.enough()
     }
 }
 

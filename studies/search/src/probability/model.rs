@@ -2,6 +2,7 @@
 
 use group::{Error, Failure};
 use rare_events::{Copula, CopulaError, Distribution, DistributionError};
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
 
@@ -15,6 +16,8 @@ const MAX_BYTES: u64 = 64 << 20;
 pub struct Model {
     copula: Copula,
     rows: usize,
+    /// Points of Monte Carlo that the file asks for.
+    pub(super) monte_carlo: Option<usize>,
     /// The distributions in words, in the order of the variables.
     pub(super) distributions: Vec<String>,
     /// How often such scenes are met.
@@ -125,6 +128,7 @@ impl Model {
             distributions: distributions.iter().map(ToString::to_string).collect(),
             copula: Copula::new(distributions, &pairs)?,
             rows: stated.indices.into(),
+            monte_carlo: stated.monte_carlo.map(NonZeroUsize::get),
             exposure: stated.exposure.clone(),
             is_correlated: !pairs.is_empty(),
         })
@@ -223,6 +227,7 @@ mod tests {
             ),
             ("[exposure]\nper = \"hour\"\nevents = 0\nsource = \"x\"", "events = 0, expected"),
             ("[exposure]\nper = \"hour\"\nevents = 1", "missing field `source`"),
+            ("[[correlations]]\nvariables = [\"v0\", \"thw\"]\nrank = \"much\"", "expected f"),
         ] {
             let said = model(&format!("{BOTH}{rest}")).expect_err(rest);
             assert!(said.contains(what), "{rest}: {said}");

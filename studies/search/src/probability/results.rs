@@ -73,7 +73,7 @@ impl Answer {
         for (number, unit) in all.iter().enumerate() {
             let is_plain = matches!(units.kind(number), UnitKind::MonteCarlo { .. });
             // Units after enough events may have been driven or not, by chance.
-            if is_plain && events.len() < ENOUGH_EVENTS {
+            if is_plain && events.len() < units.enough() {
                 events.extend(unit.events.iter().cloned());
                 runs += unit.points;
             }

@@ -1,6 +1,6 @@
 //! Units of the study: what each of them computes, and what the journal keeps of it.
 
-use rare_events::{REPLICAS, Replica};
+use rare_events::{ENOUGH_EVENTS, REPLICAS, Replica};
 use serde::{Deserialize, Serialize};
 
 /// Points of a unit of Monte Carlo.
@@ -15,6 +15,8 @@ pub(super) struct Units {
     replica: usize,
     /// Points of Monte Carlo.
     points: usize,
+    /// Failures after which Monte Carlo ends.
+    enough: usize,
     /// Rows of Sobol's indices.
     rows: usize,
 }
@@ -28,10 +30,20 @@ pub(super) enum Kind {
 }
 
 impl Units {
-    /// Half the budget for the replicas, half for Monte Carlo; the rows come beside it.
-    pub(super) fn new(budget: usize, rows: usize) -> Self {
+    /// Half the budget for the replicas, half for Monte Carlo; the rows come beside it. A number of points for Monte
+    /// Carlo comes beside the budget, and all of them are done.
+    pub(super) fn new(budget: usize, monte_carlo: Option<usize>, rows: usize) -> Self {
+        if let Some(points) = monte_carlo {
+            return Self { replica: (budget / REPLICAS).max(1), points, enough: usize::MAX, rows };
+        }
         let replica = (budget / 2 / REPLICAS).max(1);
-        Self { replica, points: budget.saturating_sub(replica * REPLICAS).max(1), rows }
+        let points = budget.saturating_sub(replica * REPLICAS).max(1);
+        Self { replica, points, enough: ENOUGH_EVENTS, rows }
+    }
+
+    /// Failures after which Monte Carlo ends.
+    pub(super) fn enough(&self) -> usize {
+        self.enough
     }
 
     /// Number of units.
@@ -105,7 +117,7 @@ mod tests {
 
     #[test]
     fn the_units_use_the_budget_and_each_number_once() {
-        let units = Units::new(1_000, 7);
+        let units = Units::new(1_000, None, 7);
         let kinds: Vec<Kind> = (0..units.count()).map(|unit| units.kind(unit)).collect();
         assert_eq!(kinds.len(), 5 + 10 + 2);
         assert_eq!(kinds[4], Kind::Replica { number: 4, runs: 100 });
@@ -115,5 +127,10 @@ mod tests {
             kinds[15..],
             [Kind::Rows { first: 0, count: 5 }, Kind::Rows { first: 5, count: 2 }]
         );
+        let units = Units::new(1_000, Some(120), 0);
+        let kinds: Vec<Kind> = (0..units.count()).map(|unit| units.kind(unit)).collect();
+        assert_eq!(kinds[4], Kind::Replica { number: 4, runs: 200 });
+        assert_eq!(kinds[5..].last(), Some(&Kind::MonteCarlo { first: 100, count: 20 }));
+        assert_eq!(units.enough(), usize::MAX);
     }
 }

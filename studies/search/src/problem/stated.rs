@@ -17,10 +17,12 @@
 //!
 //! [probability]
 //! indices = 100                          # rows for Sobol's indices
+//! monte_carlo = 100000                   # points of Monte Carlo, beside the budget
 //! ```
 
 use serde::Deserialize;
 use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 
 /// The table.
 #[derive(Clone, Debug, Default, Deserialize)]
@@ -37,6 +39,8 @@ pub(crate) struct Stated {
     /// Rows for Sobol's indices.
     #[serde(default)]
     pub(crate) indices: u16,
+    /// Points of Monte Carlo, all of which are done; none: half of the budget, until enough failures are there.
+    pub(crate) monte_carlo: Option<NonZeroUsize>,
 }
 
 /// A correlation of two variables.
