@@ -145,8 +145,7 @@ mod tests {
 
     #[test]
     fn every_number_has_every_scene_with_every_source() {
-        let study =
-            Curves { first: 3, count: 2, laws: LawOptions::default(), require: Vec::new() };
+        let study = Curves { first: 3, count: 2, laws: LawOptions::default(), require: Vec::new() };
         assert_eq!(study.runs(), 30);
         let runs: Vec<_> = (0..study.runs()).map(|index| study.run(index)).collect();
         for number in [3, 4] {

@@ -18,9 +18,9 @@ const CHECKS: [&str; 3] = ["radar-frozen", "range-rate-against-range", "target-a
 /// If a drive cannot be run.
 pub fn radar_figures(hours: f64, drives: u32) -> Result<Vec<Figure>, Error> {
     let laws = LawOptions::default();
-    let study = Checks { seed: 1, drives: quiet(1, &laws, hours)?, laws };
+    let study = Checks { seed: 1, drives: quiet(1, &laws, hours)?, laws, require: Vec::new() };
     let run = |planned: Planned| -> Result<Vec<CheckReport>, Error> {
-        let scenario = super::job(1, &study.laws, planned)?.scenario;
+        let scenario = super::scenario(1, &study.laws, planned)?;
         let group = group::in_process::run(&scenario)?;
         Ok(Summary::new(&scenario, Mode::Lockstep, &group, group.ran_for).checks)
     };
