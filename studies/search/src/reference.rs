@@ -8,10 +8,11 @@
 //!
 //! It knows the true traffic, and nothing of radar, faults and delays. Its drive needs no services: the traffic of the
 //! scenario moves, and the driver among it. Following: Treiber, Hennecke, Helbing, Congested traffic states in
-//! empirical observations and microscopic simulations, Phys. Rev. E 62 (2000), equations 3 and 4. Braking: UN R157,
-//! annex 4, appendix 3 (6 m/s² after 0.35 s; the careful driver 0.774 g after 0.75 s, reached in 0.6 s).
+//! empirical observations and microscopic simulations, Phys. Rev. E 62 (2000), equations 3 and 4. Braking:
+//! [`ReferenceDriver`].
 
 use clap::ValueEnum;
+use group::ReferenceDriver;
 use perception_sim::radar::scene::Ego;
 use perception_sim::traffic::Traffic;
 use perception_sim::vehicle::Vehicle;
@@ -27,8 +28,8 @@ const STEP_S: f64 = 0.01;
 /// Clearance that the driver must keep, m. Chosen: below it verdicts depend on the step.
 pub const CLEARANCE_M: f64 = 0.5;
 
-/// Braking that the driver needs before it acts, m/s²: as for the everyday scenes.
-const NEED_MPS2: f64 = 2.5;
+/// Braking that the driver needs before it acts, m/s².
+const NEED_MPS2: f64 = ReferenceDriver::NEED_MPS2;
 /// Need at which it stops braking hard, m/s². Chosen: comfortable.
 const OVER_MPS2: f64 = 1.0;
 
@@ -54,16 +55,9 @@ pub enum ReferenceName {
     None,
 }
 
-/// A driver.
+/// A driver who follows the traffic of a scenario, and brakes as [`ReferenceDriver`] when it needs to.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reference {
-    /// Time from the need to the braking, s.
-    pub reaction_s: f64,
-    /// Deceleration, m/s².
-    pub deceleration_mps2: f64,
-    /// Growth of the deceleration, m/s³.
-    pub jerk_mps3: f64,
-}
+pub struct Reference(pub ReferenceDriver);
 
 /// The drive of a reference.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -101,10 +95,9 @@ impl Driven {
 
 impl Reference {
     /// 6 m/s², 0.35 s after the need.
-    pub const REGULATION: Self =
-        Self { reaction_s: 0.35, deceleration_mps2: 6.0, jerk_mps3: f64::INFINITY };
+    pub const REGULATION: Self = Self(ReferenceDriver::REGULATION);
     /// The careful driver: 0.774 g after 0.75 s, reached in 0.6 s.
-    pub const CAREFUL: Self = Self { reaction_s: 0.75, deceleration_mps2: 7.59, jerk_mps3: 12.65 };
+    pub const CAREFUL: Self = Self(ReferenceDriver::CAREFUL);
 
     /// The driver of that name.
     #[must_use]
@@ -124,9 +117,9 @@ impl Reference {
         let length_m = scenario.plant.length_m.value();
         let limit = scenario.speed_limit_mps.map_or(f64::INFINITY, |limit| limit.value());
         let wanted_mps = scenario.set_speed_mps.value().min(limit).max(1.0);
-        let hardest = self.deceleration_mps2.min(-scenario.plant.min_acceleration_mps2.value());
+        let driver = self.0.with_brakes(-scenario.plant.min_acceleration_mps2.value());
         let mut driven = Driven { clearance_m: f64::INFINITY, samples: Vec::new() };
-        let (mut needed_since, mut braking_mps2) = (None, 0.0_f64);
+        let mut needed_since: Option<f64> = None;
         let steps = scenario.duration_s.nanoseconds() / STEP_NS;
         for step in 0..=steps {
             let (time_ns, time_s) = (step * STEP_NS, step as f64 * STEP_S);
@@ -146,18 +139,13 @@ impl Reference {
                 Some(_) if need_mps2 < OVER_MPS2 => needed_since = None,
                 _ => {}
             }
-            let brakes = needed_since.is_some_and(|since| time_s >= since + self.reaction_s - 1e-9);
-            let acceleration_mps2 = if brakes {
-                braking_mps2 = (braking_mps2 + self.jerk_mps3 * STEP_S).min(hardest);
-                -braking_mps2
-            } else {
-                braking_mps2 = 0.0;
-                match needed_since {
+            let acceleration_mps2 =
+                match needed_since.map(|since| driver.braking_mps2(time_s - since)) {
                     None => follow(&ego, ahead, wanted_mps),
                     // Until it reacts, the driver does what it did, and does not speed up.
-                    Some(_) => ego.acceleration_mps2.min(0.0),
-                }
-            };
+                    Some(None) => ego.acceleration_mps2.min(0.0),
+                    Some(Some(braking_mps2)) => -braking_mps2,
+                };
             let next_mps = (ego.speed_mps + acceleration_mps2 * STEP_S).max(0.0);
             ego.position_m += 0.5 * STEP_S * (ego.speed_mps + next_mps);
             ego.acceleration_mps2 = acceleration_mps2;

@@ -78,8 +78,8 @@ pub use recording::RecordingSummary;
 pub use refusal::{Absent, Refusal, absent, check_in_process, check_targets};
 pub use replay::{Replayed, ReplayerError, replay};
 pub use requirement::{
-    Evidence, Requirement, RequirementError, RequirementVerdict, is_avoidable_collision,
-    requirements,
+    Evidence, ReferenceDriver, Requirement, RequirementError, RequirementVerdict,
+    is_avoidable_collision, requirements,
 };
 pub use room::{RoomError, check_room, shared_memory_room};
 pub use root::{RootError, RunRoot, base, is_alive};

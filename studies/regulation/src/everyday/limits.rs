@@ -10,12 +10,14 @@
 //! | 2026-11-26 | needless interventions | 0 | chosen |
 //! | 2026-11-26 | share of drives with an avoidable contact without the emergency brake | 1 % | chosen |
 
+use group::ReferenceDriver;
+
 /// Braking beyond which there is a need, m/s².
-pub const NEED_MPS2: f64 = 2.5;
+pub const NEED_MPS2: f64 = ReferenceDriver::NEED_MPS2;
 /// Time from the need until the reference takes over, s.
-pub const REACTION_S: f64 = 0.35;
+pub const REACTION_S: f64 = ReferenceDriver::REGULATION.reaction_s;
 /// Braking of the reference beside the emergency brake, m/s².
-pub const REFERENCE_MPS2: f64 = 6.0;
+pub const REFERENCE_MPS2: f64 = ReferenceDriver::REGULATION.deceleration_mps2;
 /// Braking with which no intervention was needed, m/s².
 pub const GENTLE_MPS2: f64 = 1.5;
 /// Share of all drives with an avoidable contact without the emergency brake.

@@ -1,7 +1,8 @@
 //! The judge of a drive: rectangles, and brakes that could have been.
 //!
 //! The oracle knows the motion of all vehicles ([`super::scene`]) and of the ego, and nothing of radar, laws and
-//! emergency brake.
+//! emergency brake. It moves bodies by code of its own: a fault of the plant's contact or of its required deceleration
+//! would else judge itself. The driver's numbers alone are shared ([`group::ReferenceDriver`]).
 //!
 //! | question | answer |
 //! |---|---|
@@ -13,8 +14,7 @@
 //! The reference brakes with 6 m/s² at once where the emergency brake is on. Without it, it has the law's hardest
 //! request and the actuator's lag. In both the other vehicles move as they really did, also after the drive's end.
 //!
-//! Source of 0.35 s and 6 m/s²: UN R157, annex 4, appendix 3. Chosen: 2.5 m/s², as hard as the plant's own stop in
-//! lane, and 1.5 m/s², braking that passengers hardly notice.
+//! Chosen: 1.5 m/s², braking that passengers hardly notice.
 
 use super::limits::{GENTLE_MPS2, NEED_MPS2, REACTION_S, REFERENCE_MPS2};
 use super::scene::{Actor, CAR_LENGTH_M, Place};

@@ -6,6 +6,7 @@
 #[cfg(test)]
 mod by_hand;
 mod contact;
+mod driver;
 mod evidence;
 mod names;
 mod others;
@@ -13,6 +14,7 @@ mod red_light;
 mod reference;
 mod signals;
 
+pub use driver::ReferenceDriver;
 pub use evidence::Evidence;
 pub use reference::is_avoidable_collision;
 

@@ -13,21 +13,17 @@
 //! The margin is that of "the reference has no contact, implies no collision": the larger one of `no-collision`'s
 //! margin and minus the reference's. Both of its units have a tolerance of one half, so that their numbers compare.
 //!
-//! Source of 0.35 s and 6 m/s²: UN R157, annex 4, appendix 3. Brakes that give less than 6 m/s², as a truck's, limit the
-//! reference too.
+//! The driver is [`ReferenceDriver::REGULATION`]. Brakes that give less than 6 m/s², as a truck's, limit it too.
 
 use super::contact::{Closest, finding};
+use super::driver::ReferenceDriver;
 use super::evidence::{Evidence, Finding};
 use super::others::Others;
 use crate::DriveStep;
 use plant::ahead::{Ahead, required_deceleration};
 use temporal_logic::Unit;
 
-/// Reaction time of the reference, s.
-const REACTION_S: f64 = 0.35;
-/// Its deceleration, m/s².
-const REFERENCE_MPS2: f64 = 6.0;
-/// Step of its motion, s.
+/// Step of the reference's motion, s.
 const STEP_S: f64 = 0.01;
 
 /// True if the drive ended in a collision that the reference driver avoids.
@@ -48,7 +44,7 @@ pub(super) fn no_avoidable_collision(evidence: &Evidence<'_>) -> Finding {
         (ego, Margin { value: driven.value, unit: driven.unit })
     } else {
         let need = need(evidence, &others, &closest);
-        (need, Reference::of(evidence).margin(need, &others))
+        (need, margin(driver(evidence), need, &others))
     };
     let met = driven.met || reference.value <= 0.0;
     if -reference.value > driven.value {
@@ -88,38 +84,33 @@ struct Margin {
     unit: Unit,
 }
 
-/// The reference driver.
-struct Reference {
-    deceleration_mps2: f64,
+/// The reference driver with the ego's brakes.
+fn driver(evidence: &Evidence<'_>) -> ReferenceDriver {
+    let brakes_mps2 = evidence.scenario.aebs.deceleration_mps2.value();
+    ReferenceDriver::REGULATION.with_brakes(brakes_mps2)
 }
 
-impl Reference {
-    fn of(evidence: &Evidence<'_>) -> Self {
-        let brakes_mps2 = evidence.scenario.aebs.deceleration_mps2.value();
-        Self { deceleration_mps2: brakes_mps2.min(REFERENCE_MPS2) }
-    }
-
-    /// Drives from `need` on to a stand.
-    fn margin(&self, need: &DriveStep, others: &Others<'_>) -> Margin {
-        let (v, a) = (need.speed_mps, self.deceleration_mps2);
-        let brakes_s = v / a;
-        let stop_s = REACTION_S + brakes_s;
-        let mut least_m = f64::INFINITY;
-        for step in 0..=(stop_s / STEP_S).ceil() as u64 {
-            let since_s = step as f64 * STEP_S;
-            let braked_s = (since_s - REACTION_S).clamp(0.0, brakes_s);
-            let front_m = need.position_m + v * since_s.min(stop_s) - 0.5 * a * braked_s * braked_s;
-            let speed_mps = v - a * braked_s;
-            let ahead = others.in_lane_at(need.time_s + since_s);
-            for other in ahead.filter(|other| others.is_ahead(other, front_m)) {
-                let gap_m = other.rear_m - front_m;
-                if gap_m <= 0.0 {
-                    let impact_mps = (speed_mps - other.speed_mps).abs();
-                    return Margin { value: -impact_mps, unit: Unit::METRE_PER_SECOND };
-                }
-                least_m = least_m.min(gap_m);
+/// Drives from `need` on to a stand.
+fn margin(driver: ReferenceDriver, need: &DriveStep, others: &Others<'_>) -> Margin {
+    let ReferenceDriver { reaction_s, deceleration_mps2: a, .. } = driver;
+    let v = need.speed_mps;
+    let brakes_s = v / a;
+    let stop_s = reaction_s + brakes_s;
+    let mut least_m = f64::INFINITY;
+    for step in 0..=(stop_s / STEP_S).ceil() as u64 {
+        let since_s = step as f64 * STEP_S;
+        let braked_s = (since_s - reaction_s).clamp(0.0, brakes_s);
+        let front_m = need.position_m + v * since_s.min(stop_s) - 0.5 * a * braked_s * braked_s;
+        let speed_mps = v - a * braked_s;
+        let ahead = others.in_lane_at(need.time_s + since_s);
+        for other in ahead.filter(|other| others.is_ahead(other, front_m)) {
+            let gap_m = other.rear_m - front_m;
+            if gap_m <= 0.0 {
+                let impact_mps = (speed_mps - other.speed_mps).abs();
+                return Margin { value: -impact_mps, unit: Unit::METRE_PER_SECOND };
             }
+            least_m = least_m.min(gap_m);
         }
-        Margin { value: least_m, unit: Unit::METRE }
     }
+    Margin { value: least_m, unit: Unit::METRE }
 }
