@@ -127,3 +127,6 @@ impl Point {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -197,3 +197,6 @@ pub(crate) fn correct(object: &mut Object, sums: &Sums, period_s: f64, shows_its
     let seen = |scans: u32| (object.history & ((1 << scans) - 1)).count_ones();
     object.is_confirmed |= if object.stands() { seen(5) >= 4 } else { seen(4) >= 3 };
 }
+
+#[cfg(test)]
+mod tests;
