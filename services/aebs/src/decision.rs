@@ -178,9 +178,11 @@ impl Decision {
     fn assess(&self, ego: &Ego, object: &Object, braking: bool) -> Option<Assessment> {
         let Settings { authority, period_s, margin_m, warning_s, ego_length_m, .. } =
             &self.settings;
+        // The noise of a range rate is no motion: over some seconds it would reach an ego that stops closely behind.
+        let stands = object.speed_mps.abs() <= self.numbers.standstill_mps;
         let threat = Threat {
             gap_m: object.distance_m,
-            speed_mps: object.speed_mps,
+            speed_mps: if stands { 0.0 } else { object.speed_mps },
             acceleration_mps2: object.acceleration_mps2,
             passed_m: ego_length_m + object.length_m,
         };

@@ -37,7 +37,7 @@ parameters! {
         clear_m: f64 = 0.5, "m", 0.0..=5.0, "Chosen: five standard deviations of a range. A fifth more or less leaves the totals of 300 random drives unchanged.";
         /// A pass that leaves less than this behind it counts as a contact.
         pass_margin_m: f64 = 1.0, "m", 0.0..=5.0, "Chosen: as much as the end of a vehicle is uncertain. A fifth more or less leaves the totals of 300 random drives unchanged.";
-        /// Speed below which the ego stands.
+        /// Speed below which the ego or another vehicle stands.
         standstill_mps: f64 = 0.05, "m/s", 0.0..=0.5, "Chosen: half of the resolution of a wheel speed sensor. A fifth more or less leaves the totals of 300 random drives unchanged.";
         /// Cost of any contact, as a closing speed.
         contact_cost_mps: f64 = 5.0, "m/s", 0.5..=20.0, "Chosen: a contact at this closing speed counts twice a touch. A fifth more or less leaves the totals of 300 random drives unchanged.";

@@ -98,6 +98,12 @@ impl Object {
         }
     }
 
+    /// In how many of the last `scans` it was seen; of as many more as only a `share` of them shows what is there.
+    pub(crate) fn times_seen(&self, scans: u32, share: f64) -> u32 {
+        let looked = (f64::from(scans) / share).round().min(f64::from(u32::BITS)) as u32;
+        (self.history << (u32::BITS - looked)).count_ones()
+    }
+
     /// True if it stands.
     #[must_use]
     pub fn stands(&self) -> bool {

@@ -27,6 +27,8 @@
 //! beyond the neighbouring lanes: what stands beside the road is left out. A standing object through which a lead in the
 //! path drives does not count: it is an echo of several vehicles beside the path.
 //!
+//! While the radar shows little ([`Objects::expect`]) an object has as many scans longer to be seen.
+//!
 //! On a road with curves x and y are counted along the ego's own circle and left of it ([`mod@crate::circle`]). When the
 //! circle changes, every object is counted anew from it: it stays where it is in the plane, and the estimate of the
 //! curvature makes no lateral speed.
@@ -51,8 +53,10 @@ const SAME: (f64, f64) = (2.5, 1.9);
 const NEAR_PATH_M: f64 = 4.0;
 /// An object that counts is dropped after this time without a point, s.
 const COAST_S: f64 = 0.4;
-/// The same of one that is beside the ego, outside of the field of view, s.
+/// The same of one that is beside the ego, outside of the field of view, s, and at most, of one that is seldom seen.
 const BESIDE_S: f64 = 3.0;
+/// Scans in which one that does not count yet must be seen once.
+const LATELY: u32 = 2;
 
 /// All objects.
 #[derive(Clone, Debug)]
@@ -61,6 +65,8 @@ pub struct Objects {
     sums: Vec<Sums>,
     last_scan_ns: Option<i64>,
     half_field_of_view_rad: f64,
+    /// Share of the scans in which what is there is expected to be seen.
+    share: f64,
     /// The circle of the last scan, on a road with a plan.
     circle: Option<Circle>,
     places: Places,
@@ -75,9 +81,15 @@ impl Objects {
             sums: Vec::with_capacity(MAX_OBJECTS),
             last_scan_ns: None,
             half_field_of_view_rad,
+            share: 1.0,
             circle: None,
             places: Places::new(),
         }
+    }
+
+    /// Expects what is there to be seen in this share of the scans from now on, 0 to 1.
+    pub fn expect(&mut self, share: f64) {
+        self.share = share;
     }
 
     /// The objects that count, as of the last scan.
@@ -122,16 +134,17 @@ impl Objects {
         }
         for (object, sums) in self.list.iter_mut().zip(&self.sums) {
             let shows_its_face = object.shows_its_face(half_field_of_view_rad);
-            correct(object, sums, period_s, shows_its_face);
+            correct(object, sums, period_s, shows_its_face, self.share);
         }
         self.see_what_is_driven_through();
         if circle.is_some() {
             self.see_rows(detections, ego_mps);
         }
+        let share = self.share;
         self.list.retain(|object| {
-            let seen_lately = object.history & 0b11 != 0;
+            let seen_lately = object.times_seen(LATELY, share) > 0;
             let beside = object.is_hidden_beside(half_field_of_view_rad);
-            let longest_s = if beside { BESIDE_S } else { COAST_S };
+            let longest_s = if beside { BESIDE_S } else { (COAST_S / share).min(BESIDE_S) };
             if object.is_confirmed { object.unseen_s <= longest_s } else { seen_lately }
         });
     }

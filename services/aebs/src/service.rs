@@ -216,6 +216,7 @@ impl Aebs {
             .unwrap_or(Ego { speed_mps: scan.ego_speed_mps, acceleration_mps2: 0.0 });
         let speed_mps = ego.speed_mps;
         self.sight.take_scan(scanned_ns, scan.detections());
+        self.objects.expect(self.sight.expected_share());
         if let Some(steering) = &mut self.steering {
             steering.take(scan.ego_speed_mps);
         }

@@ -116,6 +116,12 @@ impl Sight {
         self.came / self.expected.max(1e-9)
     }
 
+    /// Share of the scans in which an object is to be expected: less than 1 while blind.
+    #[must_use]
+    pub fn expected_share(&self) -> f64 {
+        if self.is_blind { self.share() } else { 1.0 }
+    }
+
     /// True if too little is seen to brake in time for what comes.
     #[must_use]
     pub fn is_blind(&self) -> bool {

@@ -152,8 +152,14 @@ impl Sums {
     }
 }
 
-/// Corrects an object by the points of a scan, if there are any.
-pub(crate) fn correct(object: &mut Object, sums: &Sums, period_s: f64, shows_its_face: bool) {
+/// Corrects an object by the points of a scan, if there are any. It is expected to be seen in a `share` of the scans.
+pub(crate) fn correct(
+    object: &mut Object,
+    sums: &Sums,
+    period_s: f64,
+    shows_its_face: bool,
+    share: f64,
+) {
     if sums.points == 0.0 {
         object.coast();
         return;
@@ -194,7 +200,7 @@ pub(crate) fn correct(object: &mut Object, sums: &Sums, period_s: f64, shows_its
         object.lateral.update_rate(rate_mps, variance);
     }
     object.length_m = object.length_m.max(sums.farthest_m + OVERHANG_M);
-    let seen = |scans: u32| (object.history & ((1 << scans) - 1)).count_ones();
+    let seen = |scans: u32| object.times_seen(scans, share);
     object.is_confirmed |= if object.stands() { seen(5) >= 4 } else { seen(4) >= 3 };
 }
 

@@ -12,10 +12,6 @@
 //!
 //! Two drivers judge each drive. A collision was avoidable if 6 m/s², 0.35 s after the danger began, keeps the ego
 //! clear. An intervention was needless if 1.5 m/s² from its first instant on would have kept the ego clear.
-//!
-//! `DRIVES=100` finds two needless interventions, cut-ins 26 and 61. There the ego stops by itself 0.4 m and 0.3 m behind
-//! the car that came in and stopped. The emergency brake sets in below 1.5 m/s, in the last 0.75 m. Before that 1.5 m/s²
-//! would not have been enough. From then on it would have left 0.02 m.
 
 mod drives {
     pub mod kinds;

@@ -72,6 +72,7 @@ fn main() {
     let mut detections = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
     let (mut objects, mut decision) =
         (aebs::objects(&scenario), Decision::new(aebs::settings(&scenario)));
+    let mut sight = aebs::sight(&scenario);
     for step in group.drive.steps.iter().step_by(SCAN_STEPS) {
         let time_ns = (step.time_s * 1e9).round() as i64;
         let ego = Ego {
@@ -84,6 +85,8 @@ fn main() {
         let scene = Scene::new(time_ns, ego, &others);
         let received = radar.scan(&scene, &mut detections);
         let seen = &detections[..received.count];
+        sight.take_scan(time_ns, seen);
+        objects.expect(sight.expected_share());
         objects.take_scan(time_ns, step.speed_mps, seen);
         let own =
             OwnMotion { speed_mps: step.speed_mps, acceleration_mps2: step.acceleration_mps2 };

@@ -81,6 +81,17 @@ fn a_stop_behind_a_standing_car_at_walking_pace_is_left_alone() {
 }
 
 #[test]
+fn a_stop_just_behind_what_seems_to_creep_backwards_is_left_alone() {
+    let state = |other_mps: f64| {
+        let mut decision = Decision::new(settings());
+        let ego = Ego { speed_mps: 1.19, acceleration_mps2: -3.24 };
+        decision.step(&ego, [Object::at(0.47, other_mps, 0.0, 0.0, 0.95)]).state
+    };
+    assert_eq!(state(-0.03), BrakeState::Monitoring, "noise of a range rate");
+    assert_ne!(state(-0.5), BrakeState::Monitoring, "it comes");
+}
+
+#[test]
 fn what_is_passed_before_it_comes_in_is_left_alone() {
     let brakes = |gap_m: f64, lateral_mps: f64| {
         let mut decision = Decision::new(settings());

@@ -230,6 +230,26 @@ fn what_a_lead_passes_or_swerves_around_stays() {
     assert_eq!(counts_around_a_lead(0.0, -0.4, 0.6), (true, true), "it leaves the path");
 }
 
+/// The scan in which a standing car counts of which every seventh scan shows something.
+fn counts_from(share: f64) -> Option<i64> {
+    let mut objects = Objects::new(HALF_FIELD_RAD);
+    objects.expect(share);
+    (0..80).find(|k| {
+        let x_m = 90.0 - 0.4 * *k as f64;
+        let list = [detection(x_m, 0.2, -8.0)];
+        let seen = if k % 7 == 0 { &list[..] } else { &[] };
+        objects.take_scan(k * PERIOD_NS, 8.0, seen);
+        objects.confirmed().next().is_some()
+    })
+}
+
+#[test]
+fn a_radar_that_shows_little_is_given_time() {
+    assert_eq!(counts_from(1.0), None);
+    assert_eq!(counts_from(0.15), Some(21), "four of 22 scans");
+    assert_eq!(counts_from(0.0), Some(21));
+}
+
 /// A scan of what stands at places of the plane, and of a car that drives along a circle, seen by an ego that drives
 /// `way_m` along another circle.
 mod in_curves {
