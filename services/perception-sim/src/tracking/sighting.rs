@@ -123,3 +123,67 @@ impl Sighting {
 fn square(value: f64) -> f64 {
     value * value
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NUMBERS: Numbers = Numbers::DEFAULT;
+
+    /// Two points of a rear, at 2.0 and 3.2 m to the left.
+    fn seen() -> Sighting {
+        Sighting {
+            range_weight: 50.0,
+            range_moment: 2000.0,
+            rate_weight: 400.0,
+            rate_moment: -1200.0,
+            right_m: 2.0,
+            left_m: 3.2,
+            rear_count: 2,
+            lateral_variance: 0.08,
+            ..Sighting::default()
+        }
+    }
+
+    #[track_caller]
+    fn assert_measured(found: Measured, value: f64, variance: f64) {
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        assert!(near(found.value, value) && near(found.variance, variance), "{found:?}");
+    }
+
+    #[test]
+    fn range_and_rate_are_weighted_means_that_no_number_of_points_makes_exact() {
+        assert_measured(seen().range(&NUMBERS), 40.0, 0.02 + 0.1 * 0.1);
+        assert_measured(seen().relative_speed(&NUMBERS), -3.0, 0.0025 + 0.02 * 0.02);
+    }
+
+    #[test]
+    fn a_middle_is_between_its_outermost_points_and_as_sure_as_little_is_hidden() {
+        // 0.6 m of a rear of 1.8 m are without an echo.
+        let hidden = 0.4 * 0.6 * 0.6 / 12.0;
+        assert_measured(seen().lateral(1.8, &NUMBERS), 2.6, 0.08 / 4.0 + hidden);
+        assert_measured(seen().lateral(1.0, &NUMBERS), 2.6, 0.02);
+        let four = Sighting { rear_count: 4, ..seen() };
+        assert_measured(four.lateral(1.0, &NUMBERS), 2.6, 0.08 / 8.0);
+        // The side that shows is half a width beside the middle.
+        let variance = 0.04 + 0.2 * 0.2;
+        assert_measured(seen().lateral_by_side(1.8, 1.0, &NUMBERS), 2.9, variance);
+        assert_measured(seen().lateral_by_side(1.8, -1.0, &NUMBERS), 2.3, variance);
+    }
+
+    #[test]
+    fn a_part_agrees_with_every_middle_that_has_it_on_the_rear() {
+        // Half of the hidden 0.6 m to either side.
+        for (expected_m, value_m) in [(2.5, None), (2.85, None), (3.0, Some(2.9)), (2.0, Some(2.3))]
+        {
+            let found = seen().lateral_of_part(1.8, expected_m, &NUMBERS);
+            assert_eq!(found.is_some(), value_m.is_some(), "{expected_m}");
+            if let Some((found, value_m)) = found.zip(value_m) {
+                assert!((found.value - value_m).abs() < 1e-12, "{found:?}");
+            }
+        }
+        // What is hidden is small: the middle is where it is.
+        let found = seen().lateral_of_part(1.6, 2.0, &NUMBERS).expect("it is measured");
+        assert!((found.value - 2.6).abs() < 1e-12, "{found:?}");
+    }
+}
