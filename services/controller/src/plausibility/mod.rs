@@ -205,4 +205,6 @@ impl Plausibility {
 #[cfg(test)]
 mod countdown_tests;
 #[cfg(test)]
+mod radar_tests;
+#[cfg(test)]
 mod shares_tests;
