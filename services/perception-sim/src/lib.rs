@@ -29,6 +29,7 @@
 #![allow(clippy::needless_range_loop, reason = "indices of matrices, as in the equations")]
 #![allow(clippy::large_enum_variant, reason = "one of each exists in a process")]
 
+mod assignment;
 pub mod perception;
 mod plane;
 mod poses;

@@ -23,15 +23,12 @@ use crate::report::PerceptionReport;
 use messages::MAX_TRACKS;
 use scenario::Scenario;
 
+use crate::assignment::{Assignment, CUTOFF_M};
 use crate::radar::object_list::View;
 use crate::radar::scene::Scene;
 use crate::tracking::TrackList;
 use crate::vehicle::Vehicle;
 
-/// Distance c beyond which a track belongs to no vehicle, m.
-const CUTOFF_M: f64 = 10.0;
-/// A track may be this far from the body of a vehicle that is seen in part, m.
-const BODY_MARGIN_M: f64 = 3.0;
 /// Inward speed from which a vehicle beside the path is a right target, m/s.
 const INWARD_MPS: f64 = 0.1;
 
@@ -209,101 +206,6 @@ impl Quality {
             detections_left_out: None,
             unstarted_acts: Vec::new(),
         }
-    }
-}
-
-/// Which track is of which vehicle.
-#[derive(Clone, Copy, Debug, Default)]
-struct Assignment {
-    /// Places in the scenario, which has fewer than 256 vehicles.
-    vehicle_of: [Option<u8>; MAX_TRACKS],
-    count: u64,
-    squares: f64,
-    /// Tracks of vehicles that are in view in part at most.
-    partly: u64,
-}
-
-impl Assignment {
-    /// The assignment with the least GOSPA.
-    ///
-    /// Vehicle after vehicle takes one of the tracks or none. Of the ways to one set of taken tracks the best is kept in
-    /// `sets`, so that the effort grows with the vehicles in proportion only.
-    fn best(
-        scene: &Scene,
-        in_view: &[bool],
-        list: &TrackList,
-        sets: &mut Vec<Option<Self>>,
-    ) -> Self {
-        sets.clear();
-        sets.resize(1 << list.count, None);
-        sets[0] = Some(Self::default());
-        for (vehicle, truth) in scene.vehicles.iter().enumerate().filter(|(i, _)| in_view[*i]) {
-            let gap_m = truth.rear_position_m - scene.ego.position_m;
-            let mut square_of = [f64::INFINITY; MAX_TRACKS];
-            for (square, track) in square_of.iter_mut().zip(list.tracks()) {
-                let (x, y) = (track.gap_m - gap_m, track.lateral_m - truth.lateral_m);
-                *square = x * x + y * y;
-            }
-            if square_of.iter().all(|square| *square >= CUTOFF_M * CUTOFF_M) {
-                continue;
-            }
-            // A set grows to a larger number: from the largest on, each way takes this vehicle once.
-            for set in (0..sets.len()).rev() {
-                let Some(pairs) = sets[set] else { continue };
-                for (index, square) in square_of.into_iter().enumerate() {
-                    if square < CUTOFF_M * CUTOFF_M && set & 1 << index == 0 {
-                        let mut pairs = pairs;
-                        pairs.vehicle_of[index] = Some(vehicle as u8);
-                        pairs.count += 1;
-                        pairs.squares += square;
-                        let place = &mut sets[set | 1 << index];
-                        if place.is_none_or(|found| pairs.squares < found.squares) {
-                            *place = Some(pairs);
-                        }
-                    }
-                }
-            }
-        }
-        let mut best = Self::default();
-        for pairs in sets.iter().flatten() {
-            if pairs.saved() > best.saved() {
-                best = *pairs;
-            }
-        }
-        best.add_partly_seen(scene, in_view, list);
-        best
-    }
-
-    /// The track of a vehicle.
-    fn track_of(&self, vehicle: usize) -> Option<usize> {
-        self.vehicle_of.iter().position(|of| of.map(usize::from) == Some(vehicle))
-    }
-
-    /// Gives the remaining tracks to the vehicles on whose bodies they are.
-    fn add_partly_seen(&mut self, scene: &Scene, in_view: &[bool], list: &TrackList) {
-        for (index, track) in list.tracks().iter().enumerate() {
-            if self.vehicle_of[index].is_some() {
-                continue;
-            }
-            let owner = (0..scene.vehicles.len()).find(|&vehicle| {
-                let truth = &scene.vehicles[vehicle];
-                let along_m = track.gap_m + scene.ego.position_m - truth.rear_position_m;
-                truth.present
-                    && !in_view[vehicle]
-                    && self.track_of(vehicle).is_none()
-                    && (-BODY_MARGIN_M..truth.length_m + BODY_MARGIN_M).contains(&along_m)
-                    && (track.lateral_m - truth.lateral_m).abs() < BODY_MARGIN_M
-            });
-            if let Some(owner) = owner {
-                self.vehicle_of[index] = Some(owner as u8);
-                self.partly += 1;
-            }
-        }
-    }
-
-    /// Penalty for missed and false that the pairs save.
-    fn saved(&self) -> f64 {
-        CUTOFF_M * CUTOFF_M * self.count as f64 - self.squares
     }
 }
 

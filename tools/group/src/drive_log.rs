@@ -3,15 +3,16 @@
 use crate::by_step::take_step;
 use crate::cycles::CycleHistory;
 use crate::drive::{Drive, DriveStep, PowertrainStep};
+use crate::further::Further;
 use crate::headers::{Headers, listen_to};
 use crate::kept_steps::{KeptSteps, MOST_IN_REALTIME};
 use crate::plane::{PlaneLog, PlaneTopics};
-use crate::present::Present;
+use crate::present::{Present, place_at};
 use crate::report::ControlFigures;
 use bytemuck::Zeroable;
 use messages::{
-    AllVehicles, Brake, BrakeState, Command, Diagnostics, EgoTruth, Header, Heartbeat, MAX_TRACKS,
-    Message, MoreVehicles, Powertrain, RadarTracks, Service, ServiceState, Topic, VehicleTruth,
+    AllVehicles, Brake, BrakeState, Command, Diagnostics, EgoTruth, Header, Heartbeat, Message,
+    Powertrain, RadarTracks, Service, ServiceState, Topic, VehicleTruth,
 };
 use runtime::statistics::Latencies;
 use runtime::{Group, InProcess, Mode, Observed, Observer, RuntimeError, Timetable};
@@ -27,8 +28,7 @@ pub struct DriveLog {
     ego: Observed<EgoTruth>,
     powertrain: Observed<Powertrain>,
     truth: Observed<VehicleTruth>,
-    /// Of a scenario with more vehicles than the first message has room for.
-    more: Option<Observed<MoreVehicles>>,
+    further: Option<Further>,
     command: Observed<Command>,
     diagnostics: Observed<Diagnostics>,
     brake: Observed<Brake>,
@@ -43,8 +43,6 @@ pub struct DriveLog {
     meets: Option<messages::Drive>,
     powertrains: Vec<(u64, PowertrainStep)>,
     truths: Vec<AllVehicles>,
-    /// Further vehicles of steps whose first ones have not come yet.
-    further: Vec<MoreVehicles>,
     requests: Vec<(u64, f64)>,
     /// Deadline of a control cycle, ns.
     deadline_ns: i64,
@@ -123,7 +121,7 @@ impl DriveLog {
             ego: observer.listen()?,
             powertrain: observer.listen()?,
             truth: observer.listen()?,
-            more: (scenario.actors.len() > MAX_TRACKS).then(|| observer.listen()).transpose()?,
+            further: Further::listen(&observer, scenario.actors.len())?,
             command: observer.listen()?,
             diagnostics: observer.listen()?,
             brake: observer.listen()?,
@@ -137,7 +135,6 @@ impl DriveLog {
             meets: None,
             powertrains: Vec::new(),
             truths: Vec::with_capacity(room(Service::PerceptionSim)),
-            further: Vec::new(),
             requests: Vec::with_capacity(room(Service::Controller)),
             deadline_ns,
             late_commands: 0,
@@ -221,11 +218,8 @@ impl DriveLog {
             }
             self.truths.push(AllVehicles::of(m));
         })?;
-        if let Some(more) = &mut self.more {
-            // Sent before the first message of the same step: those of later steps wait for theirs.
-            more.drain(|m| self.further.push(*m))?;
-            let truths = &mut self.truths;
-            self.further.retain(|more| !join(truths, more));
+        if let Some(further) = &mut self.further {
+            further.join(&mut self.truths)?;
         }
         self.command.drain(|m| {
             note(Command::TOPIC, &m.header);
@@ -353,7 +347,7 @@ impl DriveLog {
             self.diagnostics.received(),
             self.heartbeat.received(),
         ];
-        received.extend(self.more.as_ref().map(Observed::received));
+        received.extend(self.further.as_ref().map(Further::received));
         if !self.powertrains.is_empty() {
             received.push(self.powertrain.received());
         }
@@ -394,26 +388,6 @@ impl DriveLog {
             signal_age_us,
         })
     }
-}
-
-/// Puts further vehicles to the first ones of their step; false if these are still to come.
-fn join(truths: &mut [AllVehicles], more: &MoreVehicles) -> bool {
-    let step = more.header.step;
-    let first = truths.iter_mut().rev().find(|truth| truth.header.step <= step);
-    let found = first.filter(|truth| truth.header.step == step);
-    let is_found = found.is_some();
-    if let Some(first) = found {
-        first.vehicles.extend_from_slice(more.listed());
-    }
-    is_found || truths.last().is_some_and(|last| last.header.step > step)
-}
-
-/// Place in `truth` of the vehicle in lane whose rear is `gap_m` ahead of `ego_m`.
-fn place_at(truth: &AllVehicles, ego_m: f64, gap_m: f64) -> Option<usize> {
-    truth
-        .vehicles
-        .iter()
-        .position(|vehicle| vehicle.in_lane != 0 && vehicle.rear_position_m - ego_m == gap_m)
 }
 
 /// Writes to all reserved room, so that its pages are there from the start.

@@ -28,6 +28,7 @@ mod events;
 pub mod exits;
 mod fault_log;
 mod faults;
+mod further;
 mod headers;
 pub mod in_process;
 mod janitor;

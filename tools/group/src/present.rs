@@ -50,6 +50,14 @@ impl Present {
     }
 }
 
+/// Place in `truth` of the vehicle in lane whose rear is `gap_m` ahead of `ego_m`.
+pub(crate) fn place_at(truth: &AllVehicles, ego_m: f64, gap_m: f64) -> Option<usize> {
+    truth
+        .vehicles
+        .iter()
+        .position(|vehicle| vehicle.in_lane != 0 && vehicle.rear_position_m - ego_m == gap_m)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
