@@ -45,9 +45,13 @@ fn last(messages: &[Spat]) -> (Spat, bool) {
     looked(messages).pop().expect("one of them")
 }
 
+/// Ends of a signal's phases, each of which has one time for its earliest and latest end.
 fn ends(spat: &Spat, place: usize) -> Vec<f64> {
     let signal = &spat.signals[place];
-    signal.intervals[..signal.count as usize].iter().map(|interval| interval.likely_end_s).collect()
+    let intervals = &signal.intervals[..signal.count as usize];
+    let certain = |i: &Interval| i.min_end_s == i.likely_end_s && i.max_end_s == i.likely_end_s;
+    assert!(intervals.iter().all(certain), "{intervals:?}");
+    intervals.iter().map(|interval| interval.likely_end_s).collect()
 }
 
 #[test]

@@ -205,6 +205,8 @@ impl Plausibility {
 #[cfg(test)]
 mod countdown_tests;
 #[cfg(test)]
+mod estimate_tests;
+#[cfg(test)]
 mod radar_tests;
 #[cfg(test)]
 mod shares_tests;
