@@ -42,6 +42,13 @@ fn end(mut active: Child, run: &Run) {
     assert!(wait_until(|| woken(run)[1] != before[1]));
 }
 
+/// Scheduling policy of this thread: the 41st field of its `stat`.
+fn policy() -> String {
+    let stat = std::fs::read_to_string("/proc/thread-self/stat").expect("it is there on Linux");
+    let (_, fields) = stat.rsplit_once(')').expect("the name is in brackets");
+    fields.split_whitespace().nth(38).expect("more fields").to_owned()
+}
+
 fn wait_until(mut is_so: impl FnMut() -> bool) -> bool {
     let end = Instant::now() + PATIENCE;
     while !is_so() {
@@ -67,7 +74,10 @@ fn the_end_of_the_process_is_a_take_over_that_wakes_the_loop() {
     let pid = active.id().cast_signed();
     let standby = begin(&run, ActiveProcess { incarnation: 0, pid }, &OrderSlot::default(), "");
     let before = woken(&run);
-    standby.wait(Duration::from_millis(1));
+    assert_eq!(policy(), "0", "without a priority it has none to give up");
+    let (begun, pause) = (Instant::now(), Duration::from_millis(20));
+    standby.wait(pause);
+    assert!(begun.elapsed() >= pause, "nothing ended the wait early");
     assert!(standby.stands_by() && standby.taken_over().is_none(), "the process lives");
     active.kill().expect("it is ours");
     active.wait().expect("it is ours");
