@@ -1,9 +1,8 @@
 //! The filter of a lateral motion: how probable each lateral speed is, and where the object is with it.
 //!
-//! A vehicle keeps its lane most of the time and then changes it, and whether it has begun to is what has
-//! to be known. The filter therefore holds one state for a vehicle that keeps its lane and one for each
-//! of a row of lateral speeds, [`STEP_MPS`] apart: the probability of the state, and mean and variance of
-//! the position in it.
+//! A vehicle keeps its lane most of the time, and then changes it. The filter asks whether it has begun to. One state
+//! is for a vehicle that keeps its lane, others for lateral speeds [`STEP_MPS`] apart. Each has a probability, and mean
+//! and variance of the position.
 //!
 //! | between two scans | rate, 1/s |
 //! |---|---|

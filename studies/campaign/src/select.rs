@@ -55,7 +55,14 @@ pub const WITHOUT_FILE: [Own; 4] = [
     Own {
         name: curves::NAME,
         summary: "1,000 random curved roads, and as many curves with queues beside and in the lane",
-        takes: &["--seeds N", "--first N", "--require FORMULA", "--shard I/N", "--resume DIR"],
+        takes: &[
+            "--seeds N",
+            "--first N",
+            "--law NAME=COMMAND",
+            "--require FORMULA",
+            "--shard I/N",
+            "--resume DIR",
+        ],
         run: curves::run,
         schema: curves::schema,
     },
