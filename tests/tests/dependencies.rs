@@ -9,7 +9,7 @@ use std::process::Command;
 /// Packages with their features in the build of `arguments`, development dependencies only where `edges` has them.
 fn features(edges: &str, arguments: &[&str]) -> BTreeSet<String> {
     let output = Command::new(env!("CARGO"))
-        .args(["tree", "--locked", "--offline", "--prefix", "none", "--no-dedupe"])
+        .args(["tree", "--locked", "--offline", "--prefix", "none"])
         .args(["--format", "{p} [{f}]", "--edges", edges])
         .args(arguments)
         .current_dir(root())
@@ -17,7 +17,8 @@ fn features(edges: &str, arguments: &[&str]) -> BTreeSet<String> {
         .expect("cargo runs tests, so it is there");
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{said}");
-    String::from_utf8_lossy(&output.stdout).lines().map(str::to_owned).collect()
+    let lines = String::from_utf8_lossy(&output.stdout).into_owned();
+    lines.lines().map(|line| line.trim_end_matches(" (*)").to_owned()).collect()
 }
 
 /// A development dependency that adds a feature to a package makes cargo compile again all that stands above it.

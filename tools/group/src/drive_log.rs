@@ -3,7 +3,7 @@
 use crate::by_step::take_step;
 use crate::cycles::CycleHistory;
 use crate::drive::{Drive, DriveStep, PowertrainStep};
-use crate::further::Further;
+use crate::further::{Further, Truths};
 use crate::headers::{Headers, listen_to};
 use crate::kept_steps::{KeptSteps, MOST_IN_REALTIME};
 use crate::plane::{PlaneLog, PlaneTopics};
@@ -42,7 +42,7 @@ pub struct DriveLog {
     /// State of the drive in the last of them.
     meets: Option<messages::Drive>,
     powertrains: Vec<(u64, PowertrainStep)>,
-    truths: Vec<AllVehicles>,
+    truths: Truths,
     requests: Vec<(u64, f64)>,
     /// Deadline of a control cycle, ns.
     deadline_ns: i64,
@@ -134,7 +134,7 @@ impl DriveLog {
             steps: Vec::with_capacity(room(Service::Plant)),
             meets: None,
             powertrains: Vec::new(),
-            truths: Vec::with_capacity(room(Service::PerceptionSim)),
+            truths: Truths::with_room(room(Service::PerceptionSim), scenario.actors.len()),
             requests: Vec::with_capacity(room(Service::Controller)),
             deadline_ns,
             late_commands: 0,
@@ -153,7 +153,7 @@ impl DriveLog {
         };
         if this.supervised {
             touch(&mut this.steps, DriveStep::default());
-            touch(&mut this.truths, AllVehicles::with_room(0));
+            touch(&mut this.truths.steps, AllVehicles::with_room(0));
             touch(&mut this.cycles, Diagnostics::zeroed());
         }
         Ok(this)
@@ -164,7 +164,7 @@ impl DriveLog {
         while self.kept.thin_out(self.steps.len()) {
             let kept = self.kept;
             self.steps.retain(|step| kept.has(step.step));
-            self.truths.retain(|message| kept.has(message.header.step));
+            self.truths.thin_out(&kept);
             self.powertrains.retain(|(step, _)| kept.has(*step));
             self.requests.retain(|(step, _)| kept.has(*step));
             self.brakes.retain(|(step, _)| kept.has(*step));
@@ -212,14 +212,9 @@ impl DriveLog {
                 self.powertrains.push((m.header.step, step));
             }
         })?;
-        self.truth.drain(|m| {
-            if self.truths.last().is_some_and(|last| !is_kept(&last.header)) {
-                self.truths.pop();
-            }
-            self.truths.push(AllVehicles::of(m));
-        })?;
+        self.truth.drain(|m| self.truths.take(m, &kept))?;
         if let Some(further) = &mut self.further {
-            further.join(&mut self.truths)?;
+            further.join(&mut self.truths.steps)?;
         }
         self.command.drain(|m| {
             note(Command::TOPIC, &m.header);
@@ -292,7 +287,7 @@ impl DriveLog {
     /// Samples so far: motion of the ego alone, the other vehicles, control cycles. In a long run they are thinned
     /// out, so that an index does not keep its step.
     pub fn heard(&self) -> (&[DriveStep], &[AllVehicles], &[Diagnostics]) {
-        (&self.steps, &self.truths, &self.cycles)
+        (&self.steps, &self.truths.steps, &self.cycles)
     }
 
     /// Poses so far; none where the road has no plan.
@@ -303,7 +298,7 @@ impl DriveLog {
     /// Gap and acceleration of the drive so far.
     pub fn figures(&self) -> ControlFigures {
         let accelerations = || self.steps.iter().map(|step| step.acceleration_mps2);
-        let mut truths = self.truths.iter().peekable();
+        let mut truths = self.truths.steps.iter().peekable();
         let gaps = self.steps.iter().filter_map(|ego| {
             let truth = take_step(&mut truths, ego.step, |truth| truth.header.step)?;
             truth.nearest_ahead(ego.position_m).map(|(gap_m, _)| gap_m)
@@ -353,7 +348,7 @@ impl DriveLog {
         }
         received.extend(self.plane.iter().flat_map(PlaneTopics::received));
         let mut powertrains = self.powertrains.iter().peekable();
-        let mut truths = self.truths.iter().peekable();
+        let mut truths = self.truths.steps.iter().peekable();
         let mut requests = self.requests.iter().peekable();
         let mut cycles = self.cycles.iter().peekable();
         let mut brakes = self.brakes.iter().peekable();
@@ -378,11 +373,11 @@ impl DriveLog {
             ego.powertrain = take_step(&mut powertrains, step, |p| p.0).map(|p| p.1);
         }
         let signal_age_us = self.signal_ages.percentiles_us();
-        let plane = self.plane.map(|plane| plane.log.finish(&self.truths));
+        let plane = self.plane.map(|plane| plane.log.finish(&self.truths.steps));
         Ok(Drive {
             steps: self.steps,
             plane: plane.unwrap_or_default(),
-            vehicles: self.truths,
+            vehicles: self.truths.steps,
             interventions_s: self.interventions_s,
             received,
             signal_age_us,

@@ -1,9 +1,39 @@
-//! The second message of a step's vehicles, for those for which the first has no room.
+//! Ground truth of the other vehicles, step by step. A second message has those for which the first has no room.
 
-use messages::{AllVehicles, MAX_TRACKS, MoreVehicles};
+use crate::kept_steps::KeptSteps;
+use crate::report::ReceivedTopic;
+use messages::{AllVehicles, MAX_TRACKS, MoreVehicles, VehicleTruth};
 use runtime::{Observed, Observer, RuntimeError};
 
-use crate::report::ReceivedTopic;
+/// Steps so far, and room for those to come: a long drive allocates no more than a short one.
+#[derive(Debug)]
+pub(crate) struct Truths {
+    pub(crate) steps: Vec<AllVehicles>,
+    spare: Vec<AllVehicles>,
+}
+
+impl Truths {
+    /// Room for `count` steps of `others` vehicles each.
+    pub(crate) fn with_room(count: usize, others: usize) -> Self {
+        let spare = (0..count).map(|_| AllVehicles::with_room(others)).collect();
+        Self { steps: Vec::with_capacity(count), spare }
+    }
+
+    /// Takes the first message of a step. The newest step is always there; the next one replaces it if it is not to be
+    /// kept.
+    pub(crate) fn take(&mut self, first: &VehicleTruth, kept: &KeptSteps) {
+        let is_passing = self.steps.last().is_some_and(|last| !kept.has(last.header.step));
+        let room = if is_passing { self.steps.pop() } else { self.spare.pop() };
+        let mut step = room.unwrap_or_else(|| AllVehicles::with_room(first.listed().len()));
+        step.take(first, None);
+        self.steps.push(step);
+    }
+
+    /// Leaves out what is not to be kept.
+    pub(crate) fn thin_out(&mut self, kept: &KeptSteps) {
+        self.spare.extend(self.steps.extract_if(.., |step| !kept.has(step.header.step)));
+    }
+}
 
 /// The topic of a scenario with many vehicles, and its messages that wait for the first ones of their steps.
 #[derive(Debug)]
