@@ -67,8 +67,8 @@ fn a_second_message_goes_out_only_where_the_first_has_no_room() {
         names.filter(|topic| topic.starts_with("truth/more")).collect()
     };
     assert!(topics(MAX_TRACKS, "").is_empty() && topics(MAX_TRACKS, CURVES).is_empty());
-    assert_eq!(topics(MAX_TRACKS + 1, ""), ["truth/more-vehicles"]);
-    assert_eq!(topics(MAX_TRACKS + 1, CURVES), ["truth/more-poses", "truth/more-vehicles"]);
+    assert_eq!(topics(MAX_TRACKS + 1, ""), ["truth/more_vehicles"]);
+    assert_eq!(topics(MAX_TRACKS + 1, CURVES), ["truth/more_poses", "truth/more_vehicles"]);
 }
 
 #[test]

@@ -13,12 +13,10 @@
 //! No vehicle moves faster across the lanes than along them, and what stands does not move at all.
 //!
 //! A measured position corrects the states by Kalman's formulas and their probabilities by Bayes' rule; a
-//! measured lateral speed corrects the probabilities. Either is an outlier with probability [`OUTLIER`]. A state that
-//! may have met one is in one of two places: its variance has the spread of the two.
+//! measured lateral speed corrects the probabilities. Either is an outlier with probability [`OUTLIER`].
 //!
 //! Source: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation (2001),
-//! 11.6 (multiple models with switching); Bar-Shalom and Fortmann, Tracking and Data Association (1988), 6.3 (spread of
-//! the innovations).
+//! 11.6 (multiple models with switching).
 
 /// Distance between two lateral speeds, m/s.
 const STEP_MPS: f64 = 0.2;
@@ -232,13 +230,10 @@ impl Lateral {
             let inlier = (1.0 - OUTLIER) * density(off_m, spread_m2);
             let likelihood = inlier + OUTLIER * OUTLIER_DENSITY;
             state.probability *= likelihood;
-            let (is_inlier, full_gain) = (inlier / likelihood, state.variance_m2 / spread_m2);
-            let gain = is_inlier * full_gain;
+            let gain = inlier / likelihood * state.variance_m2 / spread_m2;
             state.mean_m += gain * off_m;
-            // Where it is unclear whether it was an outlier, the state is in one of two places.
-            let moved_m = full_gain * off_m;
-            state.variance_m2 = (1.0 - gain) * state.variance_m2
-                + is_inlier * (1.0 - is_inlier) * moved_m * moved_m;
+            // Without the spread of both places, inlier and outlier: with it a walker who steps out is braked for later.
+            state.variance_m2 *= 1.0 - gain;
         }
         self.normalise();
     }

@@ -1,6 +1,6 @@
 //! More than eight other vehicles: the rest of a step's vehicles and poses, and both messages of a step as one.
 //!
-//! The first eight vehicles are in `truth/vehicles`, the others in `truth/more-vehicles`. Only scenarios with more than
+//! The first eight vehicles are in `truth/vehicles`, the others in `truth/more_vehicles`. Only scenarios with more than
 //! eight send the second topic, so that a usual run does not pay for it.
 
 use super::{Header, MAX_TRACKS, VehiclePose, VehiclePoses, VehicleTruth, VehicleTruthItem};

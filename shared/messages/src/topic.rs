@@ -162,9 +162,9 @@ topics! { $
     19 Course "radar/course" Function, [PerceptionSim] to [Controller];
     20 Curves "v2x/curves" Function, [V2xSim] to [Controller, PerceptionSim];
     /// Sent where the scenario has more than eight vehicles beside the ego.
-    21 MoreVehicles "truth/more-vehicles" Truth, [PerceptionSim] to [Plant];
+    21 MoreVehicles "truth/more_vehicles" Truth, [PerceptionSim] to [Plant];
     /// Sent with the latter on a road with a plan.
-    22 MorePoses "truth/more-poses" Truth, [PerceptionSim] to [Plant];
+    22 MorePoses "truth/more_poses" Truth, [PerceptionSim] to [Plant];
 }
 
 impl Topic {
@@ -261,6 +261,14 @@ mod tests {
     use super::*;
 
     #[test]
+    fn names_are_names_in_ros_and_in_c() {
+        for topic in TOPICS {
+            let is_right = |c: char| c.is_ascii_lowercase() || "/_".contains(c);
+            assert!(topic.name().chars().all(is_right), "{}", topic.name());
+        }
+    }
+
+    #[test]
     fn numbers_and_names_are_those_of_recordings() {
         let mut topics = TOPICS.map(|topic| (topic as u32, topic.name()));
         topics.sort_unstable();
@@ -286,8 +294,8 @@ mod tests {
             "truth/poses",
             "radar/course",
             "v2x/curves",
-            "truth/more-vehicles",
-            "truth/more-poses",
+            "truth/more_vehicles",
+            "truth/more_poses",
         ];
         // A later topic gets the next number.
         assert!(topics.into_iter().map(|(number, _)| number).eq(0..TOPICS.len() as u32));

@@ -8,7 +8,7 @@
 //! | SIGTERM, SIGINT, SIGKILL, a crash by a signal | the end of its output | `killed by SIG…` | replaced | aborted |
 //! | it panics or leaves with another status | the end of its output | `exit status N` | replaced | aborted |
 //! | it hangs, spins or is stopped | no sign of life for `heartbeat_timeout_ms` and a period | `hung` | killed, replaced | aborted after 10 s |
-//! | its standby took over while it was stopped or hung | no cycle for `standby_timeout_ms` and a period | | killed, unless it left by itself; the next standby is started | |
+//! | its standby took over while it was stopped or hung | no cycle for `standby_timeout_ms` and a period | | killed, unless it has ended already; the next standby is started | |
 //! | its standby ends, or hangs | the end of its output, no cycle | | the next standby is started | |
 //! | it does not get the processor | the scheduler's own account of it | | waited for, said as "starved by the machine" | waited for |
 //! | it floods its output | the bytes of text beside its messages | `flooded its output` | killed, replaced | aborted |
