@@ -263,7 +263,8 @@ mod tests {
     #[test]
     fn names_are_names_in_ros_and_in_c() {
         for topic in TOPICS {
-            let is_right = |c: char| c.is_ascii_lowercase() || "/_".contains(c);
+            let is_right =
+                |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "/_".contains(c);
             assert!(topic.name().chars().all(is_right), "{}", topic.name());
         }
     }
