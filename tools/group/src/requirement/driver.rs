@@ -37,7 +37,7 @@ impl ReferenceDriver {
     ///
     /// assert_eq!(ReferenceDriver::REGULATION.braking_mps2(0.3), None);
     /// assert_eq!(ReferenceDriver::REGULATION.braking_mps2(0.35), Some(6.0));
-    /// assert_eq!(ReferenceDriver::CAREFUL.braking_mps2(0.75 + 0.2), Some(2.53));
+    /// assert_eq!(ReferenceDriver::CAREFUL.braking_mps2(1.5), Some(7.59));
     /// ```
     #[must_use]
     pub fn braking_mps2(&self, since_need_s: f64) -> Option<f64> {
