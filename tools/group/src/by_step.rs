@@ -10,6 +10,25 @@ pub(crate) fn take_step<'a, T, K: Ord>(
     items.next_if(|item| step_of(item) == step)
 }
 
+/// Puts second messages to the first ones of their steps. A second message is sent before the first one: those of later
+/// steps stay in `waiting`. `steps` gives the step of a first and of a second message.
+pub(crate) fn join<F, M>(
+    firsts: &mut [F],
+    waiting: &mut Vec<M>,
+    steps: (impl Fn(&F) -> u64, impl Fn(&M) -> u64),
+    put: impl Fn(&mut F, &M),
+) {
+    waiting.retain(|second| {
+        let step = steps.1(second);
+        let waits = firsts.last().is_none_or(|last| steps.0(last) < step);
+        let first = firsts.iter_mut().rev().find(|first| steps.0(first) <= step);
+        if let Some(first) = first.filter(|first| steps.0(first) == step) {
+            put(first, second);
+        }
+        waits
+    });
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,5 +1,6 @@
 //! Ground truth of the other vehicles, step by step. A second message has those for which the first has no room.
 
+use crate::by_step::join;
 use crate::kept_steps::KeptSteps;
 use crate::report::ReceivedTopic;
 use messages::{AllVehicles, MAX_TRACKS, MoreVehicles, VehicleTruth};
@@ -50,12 +51,13 @@ impl Further {
         Ok(topic.map(|topic| Self { topic, waiting: Vec::new() }))
     }
 
-    /// Puts the messages that arrived to the first ones of their steps. A second message is sent before the first one:
-    /// those of later steps wait for theirs.
+    /// Puts the messages that arrived to the first ones of their steps.
     pub(crate) fn join(&mut self, truths: &mut [AllVehicles]) -> Result<(), RuntimeError> {
         let Self { topic, waiting } = self;
         topic.drain(|message| waiting.push(*message))?;
-        waiting.retain(|more| !join(truths, more));
+        let steps =
+            (|truth: &AllVehicles| truth.header.step, |more: &MoreVehicles| more.header.step);
+        join(truths, waiting, steps, |truth, more| truth.vehicles.extend_from_slice(more.listed()));
         Ok(())
     }
 
@@ -63,16 +65,4 @@ impl Further {
     pub(crate) fn received(&self) -> ReceivedTopic {
         self.topic.received()
     }
-}
-
-/// Puts further vehicles to the first ones of their step; false if these are still to come.
-fn join(truths: &mut [AllVehicles], more: &MoreVehicles) -> bool {
-    let step = more.header.step;
-    let first = truths.iter_mut().rev().find(|truth| truth.header.step <= step);
-    let found = first.filter(|truth| truth.header.step == step);
-    let is_found = found.is_some();
-    if let Some(first) = found {
-        first.vehicles.extend_from_slice(more.listed());
-    }
-    is_found || truths.last().is_some_and(|last| last.header.step > step)
 }

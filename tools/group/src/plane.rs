@@ -16,7 +16,7 @@ use messages::{
 };
 use runtime::{Observed, Observer, RuntimeError};
 
-use crate::by_step::take_step;
+use crate::by_step::{join, take_step};
 use crate::report::ReceivedTopic;
 
 /// Ego, vehicles and target at a scan of the radar.
@@ -140,7 +140,7 @@ impl Body {
 pub(crate) struct PlaneTopics {
     pose: Observed<EgoPose>,
     poses: Observed<VehiclePoses>,
-    /// Of a scenario with more vehicles than the first message has room for.
+    /// Present in a scenario with more vehicles than the first message has room for.
     more: Option<Observed<MorePoses>>,
     tracks: Observed<RadarTracks>,
     pub(crate) log: PlaneLog,
@@ -167,7 +167,6 @@ impl PlaneTopics {
         self.pose.drain(|message| log.pose(message))?;
         self.poses.drain(|message| log.poses(&message.header, message.listed()))?;
         if let Some(more) = &mut self.more {
-            // Sent before the first message of the same step: those of later steps wait for theirs.
             more.drain(|message| log.more.push((message.header.step, message.listed().to_vec())))?;
         }
         log.join();
@@ -220,14 +219,8 @@ impl PlaneLog {
 
     /// Puts further bodies to the first ones of their step.
     fn join(&mut self) {
-        let bodies = &mut self.bodies;
-        self.more.retain(|(step, more)| {
-            let waits = bodies.last().is_none_or(|last| last.0 < *step);
-            let first = bodies.iter_mut().rev().find(|entry| entry.0 <= *step);
-            if let Some((.., all)) = first.filter(|entry| entry.0 == *step) {
-                all.extend(more.iter().map(Body::of));
-            }
-            waits
+        join(&mut self.bodies, &mut self.more, (|entry| entry.0, |more| more.0), |entry, more| {
+            entry.2.extend(more.1.iter().map(Body::of));
         });
     }
 

@@ -272,7 +272,7 @@ fn a_warning_becomes_braking_and_braking_never_a_warning() {
     assert_eq!(changes.len(), 2, "{states:?}");
     assert_eq!(changes[0], [BrakeState::Monitoring, BrakeState::Warning]);
     assert_eq!(changes[1], [BrakeState::Warning, BrakeState::Braking]);
-    // What it braked for drives away.
+    // The car ahead drives away.
     for _ in 0..9 {
         decision.step(&MOVING, [in_way(60.0, 25.0)]);
     }

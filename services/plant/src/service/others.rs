@@ -7,7 +7,7 @@ use scenario::Scenario;
 /// The ports, and the newest step of which all messages have come.
 pub(super) struct Others {
     first: Subscriber<VehicleTruth>,
-    /// Of a scenario with more vehicles than the first message has room for.
+    /// Present in a scenario with more vehicles than the first message has room for.
     more: Option<Subscriber<MoreVehicles>>,
     newest: AllVehicles,
     has_newest: bool,
