@@ -186,7 +186,7 @@ fn a_message_is_two_edits_and_a_service_a_folder_a_row_and_a_line() {
     let rows = std::fs::read_to_string(&topics).expect("a file of the workspace");
     let rows = rows
         .replace(&topic_row("[Plant] to [Controller]"), &topic_row("[Probe] to [] shows Probe"));
-    // What it reads: its name in the row of that topic.
+    // Its name in the row of the topic that it reads.
     let rows = rows.replacen("Function, [Plant] to [", "Function, [Plant] to [Probe, ", 1);
     copy.create("shared/messages/src/topic.rs", &rows);
     copy.create("services/probe/Cargo.toml", MANIFEST);

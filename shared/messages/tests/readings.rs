@@ -1,4 +1,4 @@
-//! What a receiver reads from a message: motion between two samples, lists with a count, numbers of states.
+//! Readings of a receiver from a message: motion between two samples, lists with a count, numbers of states.
 
 use bytemuck::Zeroable;
 use messages::level::{Level, LevelLog};
@@ -77,7 +77,7 @@ fn lengths(capacity: usize, mut of: impl FnMut(u64) -> usize) -> Vec<usize> {
         .to_vec()
 }
 
-/// What they have to be: never more than there is room for.
+/// Lengths that they must have: never more than there is room for.
 fn bounded(capacity: usize) -> Vec<usize> {
     vec![0, 1, capacity - 1, capacity, capacity, capacity]
 }

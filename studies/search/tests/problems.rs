@@ -81,7 +81,7 @@ fn what_is_no_problem_is_refused_with_its_place() {
     }
 }
 
-/// Nobody avoids a car that stands a metre ahead.
+/// A car that stands a metre ahead cannot be avoided.
 #[test]
 fn a_box_that_the_reference_never_avoids_is_refused() {
     let words =

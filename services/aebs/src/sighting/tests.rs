@@ -1,4 +1,4 @@
-//! What the points of one scan say together, reckoned by hand.
+//! The points of one scan together, reckoned by hand.
 
 use super::*;
 

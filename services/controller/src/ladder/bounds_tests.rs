@@ -1,4 +1,4 @@
-//! Where each level begins and ends: ages at their bounds, releases until a recovery is proven, which level comes first.
+//! Begin and end of each level: ages at their bounds, releases until a recovery is proven, which level comes first.
 
 use super::*;
 use crate::law::Target;

@@ -11,7 +11,7 @@
 //! A radar that sees less than it should bounds the set speed: to what stops within the distance at which it still finds
 //! a vehicle in time.
 //!
-//! What the radar reports of itself is an estimate with noise. Worse sight counts at once, better sight when it has
+//! The radar estimates its own sight, with noise. Worse sight counts at once, better sight when it has
 //! lasted for 5 s: near a threshold the set speed would else change several times a second.
 //!
 //! A radar that is blind half of the time is so never accelerated on. While blind, the set speed is at most

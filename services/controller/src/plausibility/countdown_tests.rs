@@ -144,7 +144,7 @@ fn the_larger_of_two_offsets_counts_for_a_signal_that_is_new() {
         // A green begins at the later of both times, and ends at the earlier.
         let expected = [20.0 + f64::max(-worst_s, 0.0), 30.0 - f64::max(worst_s, 0.0)];
         assert_eq!(ends(&believed, 2), expected, "{a_s} {b_s}");
-        // What is known of it is what it says without the offset.
+        // Its known end is the one that it announces without the offset.
         let honest = signal(3, &[(RED, 20.0 - worst_s), (GREEN, 30.0 - worst_s)]);
         let [a, b] = two(0.0, 0.0);
         let after = spat(5.2, &[a, b, honest]);

@@ -83,7 +83,7 @@ fn commands_last_for_a_second_and_a_half_and_the_radar_for_ten() {
     };
     assert_eq!(lasts(0.25, false, 20), Some(7), "1.5 s are six steps");
     assert_eq!(lasts(0.25, true, 60), Some(41), "10 s are forty steps");
-    // What was lost comes back by odometry alone.
+    // Odometry alone brings the lost speed back.
     let mut estimate = believed();
     assert!(estimate.advance(None, 0.0, 2.6).is_none());
     assert!(estimate.advance(Some(&scan(2.7, 20.0)), 0.0, 2.7).is_none());

@@ -258,7 +258,7 @@ impl CourseFilter {
             let d_m = there.d_m - moved_m;
             let doubt_m = 3.0 * self.state.variance_along(&weights).max(0.0).sqrt();
             let reach_m = numbers.post_reach_m + doubt_m;
-            // Where the course is that doubtful, the object may be of the other side.
+            // With a course so doubtful the object may be of the other side.
             if reach_m > numbers.post_reach_most_m {
                 continue;
             }

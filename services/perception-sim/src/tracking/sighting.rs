@@ -182,7 +182,7 @@ mod tests {
                 assert!((found.value - value_m).abs() < 1e-12, "{found:?}");
             }
         }
-        // What is hidden is small: the middle is where it is.
+        // The hidden part is small: the middle stays.
         let found = seen().lateral_of_part(1.6, 2.0, &NUMBERS).expect("it is measured");
         assert!((found.value - 2.6).abs() < 1e-12, "{found:?}");
     }

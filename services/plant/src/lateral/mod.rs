@@ -207,7 +207,7 @@ impl Lateral {
             lateral_mps: 0.5 * (before.lateral_mps + state.slip.lateral_mps),
             yaw_radps: 0.5 * (before.yaw_radps + state.slip.yaw_radps),
         };
-        // Where the model changes its slip jumps, and no force stands behind that.
+        // The slip jumps at the change of model, and no force stands behind that.
         let slides_mps2 = match track.is_dynamic(speed_mps) && track.is_dynamic(from.speed_mps) {
             true => (state.slip.lateral_mps - before.lateral_mps) / h,
             false => 0.0,

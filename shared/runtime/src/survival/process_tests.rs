@@ -21,7 +21,7 @@ fn process() -> Child {
 }
 
 fn begin(run: &Run, active: ActiveProcess, slot: &OrderSlot, keys: &str) -> Standby {
-    // What was asked for is not what is in force: no priority is to be given.
+    // The requested scheduling is not in force: no priority is to be given.
     let granted = Granted {
         requested: "fifo".to_owned(),
         granted: "other".to_owned(),
@@ -89,7 +89,7 @@ fn the_end_of_the_process_is_a_take_over_that_wakes_the_loop() {
     assert!(
         run.fences().accept(SERVICE.to_wire(), 1) && !run.fences().accept(SERVICE.to_wire(), 0)
     );
-    // What can release the loop is woken, and nothing else.
+    // Only the topics that can release the loop are woken.
     assert!(wait_until(|| woken(&run)[..2].iter().zip(&before).all(|(now, then)| now != then)));
     assert_eq!(woken(&run)[2], before[2]);
 }

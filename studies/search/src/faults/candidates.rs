@@ -17,7 +17,7 @@ pub struct Candidate {
     pub unit: &'static str,
     /// Its variables: begin, duration and size, as far as it has them.
     pub problem: Problem,
-    /// What a size or a duration that it does not have counts in its severity.
+    /// Severity of a size or a duration that it does not have.
     absent_counts: f64,
 }
 

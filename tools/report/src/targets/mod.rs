@@ -170,7 +170,7 @@ fn owners(scenes: &[&PlaneScene]) -> Vec<Option<Owner>> {
         let around = echoes[index - from..index + to].iter().flatten();
         let votes = |owner: Owner| around.clone().filter(|echo| **echo == (track, owner)).count();
         let others = around.clone().filter(|echo| echo.0 == track).map(|echo| echo.1);
-        // Where two have the same number, the scan's own echo decides.
+        // With equal numbers the scan's own echo decides.
         Some(others.fold(own, |most, other| if votes(other) > votes(most) { other } else { most }))
     };
     times().enumerate().map(owner).collect()
