@@ -177,11 +177,25 @@ fn frames(scenario: &Scenario, axis: &road::Axis) -> Result<(), Problem> {
     }
 }
 
+/// The value in whole tenths, rounded down: a bound that is printed so is accepted.
+fn tenths(value: f64) -> f64 {
+    (value * 10.0).floor() / 10.0
+}
+
 /// The road must not end before the drive, as far as that is known before it.
 fn reach(scenario: &Scenario, length_m: f64) -> Result<(), Problem> {
     let refuse = |path: String, what: String| {
-        Err(Problem::new(path, what, format!("at most {length_m} m, or a longer road.plan"))
-            .against("road.plan"))
+        let expected = format!("at most {} m, or a longer road.plan", tenths(length_m));
+        Err(Problem::new(path, what, expected).against("road.plan"))
+    };
+    let refuse_duration = |who: &str, way_m: f64, end_s: f64| {
+        let what = format!(
+            "the road ends before the drive, at {} m: {who} gets to {} m",
+            tenths(length_m),
+            tenths(way_m)
+        );
+        let expected = format!("at most {} s, or a longer road.plan", tenths(end_s));
+        Err(Problem::new("duration_s", what, expected).against("road.plan"))
     };
     for (index, signal) in scenario.v2x.signals.iter().enumerate() {
         if signal.stop_line_m.value() > length_m {
@@ -203,9 +217,8 @@ fn reach(scenario: &Scenario, length_m: f64) -> Result<(), Problem> {
             let until_s = actor.leaves_at_s.map_or(duration_s, |leaves| leaves.value());
             let end_m = start_m + speed.value() * until_s.min(duration_s);
             if end_m > length_m {
-                let what =
-                    format!("the road ends before the drive: this vehicle gets to {end_m} m");
-                return refuse(format!("actors.{index}.initial_speed_mps"), what);
+                let who = format!("the vehicle `{}`", actor.name.as_str());
+                return refuse_duration(&who, end_m, (length_m - start_m) / speed.value());
             }
         }
     }
@@ -217,8 +230,7 @@ fn reach(scenario: &Scenario, length_m: f64) -> Result<(), Problem> {
     let curve_speed = scenario.controller.curve_speed.enabled;
     let way_m = slowest_mps * duration_s;
     if is_free && !curve_speed && way_m > length_m {
-        let what = format!("the road ends before the drive: the ego gets to {way_m} m or farther");
-        return refuse("duration_s".to_owned(), what);
+        return refuse_duration("the ego", way_m, length_m / slowest_mps);
     }
     Ok(())
 }
