@@ -1,7 +1,8 @@
 //! A Cholesky factor that grows by rows.
 
-/// Right sides that are solved side by side.
-pub(crate) const LANES: usize = 8;
+use multiversion::multiversion;
+
+use crate::lanes::{LANES, Lanes};
 
 /// The lower factor of a symmetric positive definite matrix, row by row.
 #[derive(Clone, Debug, Default)]
@@ -35,17 +36,20 @@ impl Factor {
     }
 
     /// The next components of z for several b at once, one in each lane. `z` holds what is solved.
-    pub fn forward_lanes(&self, z: &mut Vec<[f64; LANES]>, b: &[[f64; LANES]]) {
-        for (row, b) in self.rows[z.len()..].iter().zip(&b[z.len()..]) {
-            let mut sums = [0.0; LANES];
-            for (l, z) in row.iter().zip(z.iter()) {
-                for lane in 0..LANES {
-                    sums[lane] += l * z[lane];
-                }
-            }
-            let own = row[z.len()];
-            z.push(std::array::from_fn(|lane| (b[lane] - sums[lane]) / own));
+    pub fn forward_lanes(&self, z: &mut Vec<Lanes>, b: &[Lanes]) {
+        forward_lanes(&self.rows, 0, z, b);
+    }
+
+    /// The columns from `first` on of the matrix's inverse, one in each lane, from the row `first` on. `z` is room.
+    pub fn inverse_lanes(&self, first: usize, z: &mut Vec<Lanes>) {
+        let mut units = vec![[0.0; LANES]; self.rows.len() - first];
+        for (lane, unit) in units.iter_mut().enumerate().take(LANES) {
+            unit[lane] = 1.0;
         }
+        z.clear();
+        // Before the first column the solution is 0.
+        forward_lanes(&self.rows[first..], first, z, &units);
+        backward_lanes(&self.rows[first..], first, z);
     }
 
     /// Solves Lᵀ x = z.
@@ -64,6 +68,43 @@ impl Factor {
     /// Half of the logarithm of the matrix's determinant.
     pub fn half_log_determinant(&self) -> f64 {
         self.rows.iter().map(|row| libm::log(row[row.len() - 1])).sum()
+    }
+}
+
+/// Solves L z = b from a row on: `rows` begin there, and the solution before column `first` is 0.
+#[multiversion(targets("x86_64+avx2"))]
+fn forward_lanes(rows: &[Vec<f64>], first: usize, z: &mut Vec<Lanes>, b: &[Lanes]) {
+    for (row, b) in rows[z.len()..].iter().zip(&b[z.len()..]) {
+        let mut sums = [0.0; LANES];
+        for (l, z) in row[first..].iter().zip(z.iter()) {
+            for lane in 0..LANES {
+                sums[lane] += l * z[lane];
+            }
+        }
+        let own = row[first + z.len()];
+        let mut next = [0.0; LANES];
+        for lane in 0..LANES {
+            next[lane] = (b[lane] - sums[lane]) / own;
+        }
+        z.push(next);
+    }
+}
+
+/// Solves Lᵀ x = z down to column `first`, where `rows` begin.
+#[multiversion(targets("x86_64+avx2"))]
+fn backward_lanes(rows: &[Vec<f64>], first: usize, z: &mut [Lanes]) {
+    for place in (0..z.len()).rev() {
+        let row = &rows[place][first..];
+        let (before, rest) = z.split_at_mut(place);
+        let x = &mut rest[0];
+        for lane in 0..LANES {
+            x[lane] /= row[place];
+        }
+        for (z, l) in before.iter_mut().zip(row) {
+            for lane in 0..LANES {
+                z[lane] -= x[lane] * l;
+            }
+        }
     }
 }
 
@@ -102,7 +143,7 @@ mod tests {
         let found = factor.backward(factor.forward(&b));
         assert!(found.iter().zip(&x).all(|(found, x)| (found - x).abs() < 1e-9), "{found:?}");
         // Other right sides beside it change nothing, nor does a solution in two parts.
-        let lanes: Vec<[f64; LANES]> =
+        let lanes: Vec<Lanes> =
             b.iter().map(|b| std::array::from_fn(|lane| b * (lane as f64 - 2.0))).collect();
         let mut part = factor.clone();
         part.truncate(10);
@@ -113,6 +154,17 @@ mod tests {
         let alone = factor.forward(&b);
         for (z, alone) in z.iter().zip(&alone) {
             assert!((z[3] - alone).abs() < 1e-12 && z[2] == 0.0, "{z:?} {alone}");
+        }
+        for first in [0, 16, 20] {
+            factor.inverse_lanes(first, &mut z);
+            for lane in 0..LANES.min(n - first) {
+                let mut unit = vec![0.0; n];
+                unit[first + lane] = 1.0;
+                let column = factor.backward(factor.forward(&unit));
+                for (z, column) in z.iter().zip(&column[first..]) {
+                    assert!((z[lane] - column).abs() < 1e-12, "{first} {lane}");
+                }
+            }
         }
     }
 

@@ -10,7 +10,8 @@
 //! quarter of the dimensions and at least one.
 
 use crate::factor::Factor;
-use crate::kernel::{Hyperparameters, Kind, matern, slope};
+use crate::kernel::{Hyperparameters, Kind, covariances_and_slopes};
+use crate::lanes::{LANES, Lanes};
 
 /// Lengths at which the search begins.
 const STARTS: [f64; 2] = [0.3, 1.0];
@@ -36,18 +37,23 @@ pub fn fit(kinds: &[Kind], points: &[Vec<f64>], values: &[f64]) -> Hyperparamete
 struct Problem<'a> {
     values: &'a [f64],
     dimensions: usize,
-    /// Squared differences of each pair of points, by coordinate: pair after pair, `dimensions` each.
-    squares: Vec<f64>,
+    /// Squared differences of each pair of points: for each lane of pairs one row a coordinate.
+    squares: Vec<Lanes>,
     prior: f64,
 }
 
 impl<'a> Problem<'a> {
     fn new(kinds: &'a [Kind], points: &'a [Vec<f64>], values: &'a [f64]) -> Self {
-        let mut squares = Vec::with_capacity(points.len() * points.len() / 2 * kinds.len());
+        let pairs = points.len() * points.len().saturating_sub(1) / 2;
+        let mut squares = vec![[0.0; LANES]; pairs.div_ceil(LANES) * kinds.len()];
+        let mut pair = 0;
         for (place, a) in points.iter().enumerate() {
             for b in &points[..place] {
-                let pair = kinds.iter().zip(a).zip(b).map(|((kind, a), b)| kind.squared(*a, *b));
-                squares.extend(pair);
+                for (coordinate, kind) in kinds.iter().enumerate() {
+                    squares[pair / LANES * kinds.len() + coordinate][pair % LANES] =
+                        kind.squared(a[coordinate], b[coordinate]);
+                }
+                pair += 1;
             }
         }
         let quarter = (kinds.len() as f64 / 4.0).max(1.0);
@@ -108,14 +114,11 @@ impl<'a> Problem<'a> {
         let inverse: Vec<f64> = lengths.iter().map(|length| 1.0 / (length * length)).collect();
         let variance = signal * signal;
         let mut factor = Factor::default();
-        let mut covariances = Vec::with_capacity(self.squares.len() / d.max(1));
-        let mut distances = Vec::with_capacity(covariances.capacity());
-        for pair in self.squares.chunks_exact(d) {
-            let squared: f64 =
-                pair.iter().zip(&inverse).map(|(square, inverse)| square * inverse).sum();
-            distances.push(squared);
-            covariances.push(variance * matern(squared));
-        }
+        let blocks = self.squares.len() / d.max(1);
+        let mut found = [Vec::with_capacity(blocks), Vec::with_capacity(blocks)];
+        covariances_and_slopes(&self.squares, &inverse, variance, &mut found);
+        let [covariances, slopes] = &found;
+        let covariances = covariances.as_flattened();
         let first = |row: usize| row * row.saturating_sub(1) / 2;
         for row in 0..n {
             factor.push(&covariances[first(row)..first(row) + row], variance + noise * noise);
@@ -127,22 +130,31 @@ impl<'a> Problem<'a> {
         // tr((α αᵀ − K⁻¹) dK): of the symmetric matrices twice the lower part, and the diagonal.
         let mut gradient = vec![0.0; d + 2];
         let mut diagonal = 0.0;
-        for row in 0..n {
-            let mut unit = vec![0.0; n];
-            unit[row] = 1.0;
-            let column = factor.backward(factor.forward(&unit));
-            diagonal += alpha[row] * alpha[row] - column[row];
-            for before in 0..row {
-                let pair = first(row) + before;
-                let weight = alpha[row] * alpha[before] - column[before];
-                gradient[d] += 2.0 * weight * covariances[pair];
-                let slope = weight * variance * slope(distances[pair]);
-                let squares = &self.squares[pair * d..(pair + 1) * d];
-                for ((gradient, square), inverse) in
-                    gradient[..d].iter_mut().zip(squares).zip(&inverse)
-                {
-                    *gradient += slope * square * inverse;
+        let mut weights = vec![[0.0; LANES]; blocks];
+        let mut columns = Vec::with_capacity(n);
+        for block in (0..n).step_by(LANES) {
+            factor.inverse_lanes(block, &mut columns);
+            for before in block..(block + LANES).min(n) {
+                let column = |row: usize| columns[row - block][before - block];
+                diagonal += alpha[before] * alpha[before] - column(before);
+                for row in before + 1..n {
+                    let weight = alpha[row] * alpha[before] - column(row);
+                    weights.as_flattened_mut()[first(row) + before] = weight;
                 }
+            }
+        }
+        let products = weights.as_flattened().iter().zip(covariances);
+        gradient[d] += 2.0 * products.map(|(weight, covariance)| weight * covariance).sum::<f64>();
+        for ((weights, slopes), squares) in
+            weights.iter().zip(slopes).zip(self.squares.chunks_exact(d))
+        {
+            for ((gradient, square), inverse) in gradient[..d].iter_mut().zip(squares).zip(&inverse)
+            {
+                let mut sum = 0.0;
+                for lane in 0..LANES {
+                    sum += weights[lane] * slopes[lane] * square[lane];
+                }
+                *gradient += sum * inverse;
             }
         }
         gradient[d] += diagonal * variance;

@@ -1,7 +1,8 @@
 //! A process over points that may grow.
 
-use crate::factor::{Factor, LANES, dot};
-use crate::kernel::{Hyperparameters, Kind, distance, matern};
+use crate::factor::{Factor, dot};
+use crate::kernel::{Hyperparameters, Kind, covariances, distance, matern};
+use crate::lanes::{LANES, Lanes};
 
 /// A Gaussian process with its points.
 #[derive(Clone, Debug)]
@@ -117,18 +118,18 @@ impl Process {
         watched.known = self.len() - self.expected;
         let mut predictions = Vec::with_capacity(watched.points.len());
         let blocks = watched.points.chunks(LANES).zip(&mut watched.blocks);
-        for (points, Block { covariances, solved }) in blocks {
-            for other in &self.points[covariances.len()..] {
-                let of = |lane: usize| {
-                    points.get(lane).map_or(0.0, |point| self.covariance(point, other))
-                };
-                covariances.push(std::array::from_fn(of));
+        let kernel = (&self.kinds[..], &self.inverse[..], self.variance());
+        let mut marks = vec![[0.0; LANES]; self.kinds.len()];
+        for (points, Block { covariances: known, solved }) in blocks {
+            for (lane, point) in points.iter().enumerate() {
+                for ((marks, kind), at) in marks.iter_mut().zip(&self.kinds).zip(point) {
+                    marks[lane] = kind.mark(*at);
+                }
             }
-            self.factor.forward_lanes(solved, covariances);
+            covariances(kernel, &marks, &self.points[known.len()..], known);
+            self.factor.forward_lanes(solved, known);
             let (mut means, mut explained) = ([0.0; LANES], [0.0; LANES]);
-            for ((covariance, solved), weight) in
-                covariances.iter().zip(&*solved).zip(&self.weights)
-            {
+            for ((covariance, solved), weight) in known.iter().zip(&*solved).zip(&self.weights) {
                 for lane in 0..LANES {
                     means[lane] += covariance[lane] * weight;
                     explained[lane] += solved[lane] * solved[lane];
@@ -179,9 +180,9 @@ pub struct Watched {
 /// Points that are computed side by side: for each point of the process one number a lane.
 #[derive(Clone, Debug, Default)]
 struct Block {
-    covariances: Vec<[f64; LANES]>,
+    covariances: Vec<Lanes>,
     /// L⁻¹ k(x).
-    solved: Vec<[f64; LANES]>,
+    solved: Vec<Lanes>,
 }
 
 impl Watched {

@@ -17,6 +17,8 @@ const HALF: usize = 5;
 /// points are enough: Bossek, Doerr, Kerschke, Initial Design Strategies and their Effects on Sequential Model-Based
 /// Optimization, GECCO 2020, found small starts best.
 const START: usize = 2;
+/// Most runs between two fits: what the process takes on meanwhile makes it slower.
+const MOST_BETWEEN_FITS: usize = 100;
 /// Every so many points of a process are even ones.
 const EVEN_EVERY: usize = 4;
 
@@ -197,13 +199,17 @@ impl Replica {
         Ok(())
     }
 
-    /// Number of runs that the hyperparameters are fitted to when `known` are known: each time a quarter more.
+    /// Number of runs that the hyperparameters are fitted to when `known` are known: each time a quarter more, and not
+    /// more than 100.
     fn fitted_at(&self, known: usize) -> usize {
         let mut at = self.start - HALF;
-        while at + (at / 4).max(HALF) <= known {
-            at += (at / 4).max(HALF);
+        loop {
+            let next = at + (at / 4).clamp(HALF, MOST_BETWEEN_FITS);
+            if next > known {
+                return at;
+            }
+            at = next;
         }
-        at
     }
 }
 

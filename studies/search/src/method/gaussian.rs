@@ -19,6 +19,9 @@ use super::{Sobol, seed_of};
 
 /// Points that hyperparameters are fitted to at most: the cost grows with the cube.
 const MOST_FITTED: usize = 90;
+/// Data that a process holds at the most after a fit: its cost grows with their square. Without a limit a choice took as
+/// long as a run at 1,000 runs.
+const MOST_KNOWN: usize = 400;
 /// Points of the whole box that are looked at for a choice. They stay until the next fit: looking again costs little.
 const EVEN: usize = 1024;
 /// Best points whose surroundings are looked at, and points looked at around each.
@@ -50,6 +53,8 @@ pub(super) struct Model {
     /// Number of data that the hyperparameters were fitted to, and what came out.
     fitted: Option<(usize, Fitted)>,
     process: Option<Process>,
+    /// Number of data that the process has seen.
+    seen: usize,
     /// Even points of the whole box.
     even: Watched,
 }
@@ -69,7 +74,7 @@ impl Fitted {
 
 impl Model {
     pub fn new(kinds: Vec<Kind>, seed: u64) -> Self {
-        Self { kinds, seed, fitted: None, process: None, even: Watched::new(Vec::new()) }
+        Self { kinds, seed, fitted: None, process: None, seen: 0, even: Watched::new(Vec::new()) }
     }
 
     /// Takes the data; hyperparameters are those of the first `fit_to`.
@@ -80,40 +85,32 @@ impl Model {
             let sobol = Sobol::new(self.kinds.len(), Some(seed_of(self.seed, 4, fit_to as u64)));
             self.even = Watched::new((0..EVEN).map(|k| sobol.point(k as u64)).collect());
         }
-        // Never: choices come in the order of the runs. A process that knows more would know too much.
-        self.process.take_if(|process| process.len() > data.len());
         let (_, fitted) = self.fitted.as_ref().expect("it was fitted");
-        let known = self.process.as_ref().map_or(0, Process::len);
-        let new = data[known..].iter().map(|one| (one.point.clone(), fitted.scaled(one.value)));
+        let scaled = |one: &Datum| (one.point.clone(), fitted.scaled(one.value));
         match &mut self.process {
-            Some(process) => process.extend(new),
+            Some(process) => process.extend(data[self.seen..].iter().map(scaled)),
             None => {
-                let (points, values) = new.unzip();
+                let (old, new) = data.split_at(fit_to);
+                let old = telling(old, MOST_KNOWN).into_iter().map(|place| &old[place]);
+                let (points, values) = old.chain(new).map(scaled).unzip();
                 let parameters = fitted.parameters.clone();
                 self.process = Some(Process::new(&self.kinds, parameters, points, values));
             }
         }
+        self.seen = data.len();
     }
 
-    /// Hyperparameters of the data: of many the lowest half, and others evenly.
+    /// Hyperparameters of the data.
     fn fit(&self, data: &[Datum]) -> Fitted {
         let squashed: Vec<f64> = data.iter().map(|one| libm::asinh(one.value)).collect();
         let count = squashed.len() as f64;
         let mean = squashed.iter().sum::<f64>() / count;
         let variance = squashed.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>();
         let deviation = (variance / count).sqrt().max(1e-3);
-        let mut order: Vec<usize> = (0..data.len()).collect();
-        if data.len() > MOST_FITTED {
-            order.sort_by(|a, b| squashed[*a].total_cmp(&squashed[*b]).then(a.cmp(b)));
-            let (low, rest) = order.split_at(MOST_FITTED / 2);
-            let wanted = MOST_FITTED - low.len();
-            let even = (0..wanted).map(|k| rest[k * rest.len() / wanted]);
-            order = low.iter().copied().chain(even).collect();
-            order.sort_unstable();
-        }
-        let points: Vec<Vec<f64>> = order.iter().map(|place| data[*place].point.clone()).collect();
+        let places = telling(data, MOST_FITTED);
+        let points: Vec<Vec<f64>> = places.iter().map(|place| data[*place].point.clone()).collect();
         let values: Vec<f64> =
-            order.iter().map(|place| (squashed[*place] - mean) / deviation).collect();
+            places.iter().map(|place| (squashed[*place] - mean) / deviation).collect();
         Fitted { parameters: fit(&self.kinds, &points, &values), mean, deviation }
     }
 
@@ -156,6 +153,20 @@ impl Model {
     }
 }
 
+/// Places of the data that tell the most: of more than `most` the lowest half, and others evenly.
+fn telling(data: &[Datum], most: usize) -> Vec<usize> {
+    let mut order: Vec<usize> = (0..data.len()).collect();
+    if data.len() > most {
+        order.sort_by(|a, b| data[*a].value.total_cmp(&data[*b].value).then(a.cmp(b)));
+        let (low, rest) = order.split_at(most / 2);
+        let wanted = most - low.len();
+        let even = (0..wanted).map(|k| rest[k * rest.len() / wanted]);
+        order = low.iter().copied().chain(even).collect();
+        order.sort_unstable();
+    }
+    order
+}
+
 struct Choice<'a> {
     kinds: &'a [Kind],
     process: &'a mut Process,
@@ -171,32 +182,36 @@ impl Choice<'_> {
     fn of(
         &mut self,
         count: usize,
-        watched: [&mut Watched; 2],
+        mut watched: [&mut Watched; 2],
         admit: &Admit<'_>,
     ) -> Result<Vec<Proposal>, Error> {
         let mut chosen = Vec::with_capacity(count);
-        let [even, near] = watched;
+        // Violations do not change meanwhile.
+        let credits = watched.each_ref().map(|watched| self.credits(watched));
         for _ in 0..count {
-            let mut scored = self.scored(even);
-            scored.extend(self.scored(near));
-            let proposal = self.best_of(scored, admit)?;
+            let mut scored = Vec::with_capacity(credits.iter().map(Vec::len).sum());
+            for (watched, credits) in watched.iter_mut().zip(&credits) {
+                let scores = self.scores(watched, credits);
+                scored.extend(scores.into_iter().zip(watched.points()));
+            }
+            scored.sort_by(|a, b| b.0.total_cmp(&a.0));
+            let best = scored.iter().take(LOOKED_AT);
+            let best = best.map(|(score, point)| (*score, (*point).clone())).collect();
+            let proposal = self.best_of(best, admit)?;
             self.process.expect(proposal.point.clone());
             chosen.push(proposal);
         }
         Ok(chosen)
     }
 
-    /// Points with their scores.
-    fn scored(&self, watched: &mut Watched) -> Vec<(f64, Vec<f64>)> {
-        let predictions = self.process.predict_watched(watched);
-        let score = |(point, prediction): (&Vec<f64>, (f64, f64))| {
-            (self.score(point, prediction), point.clone())
-        };
-        watched.points().iter().zip(predictions).map(score).collect()
+    fn credits(&self, watched: &Watched) -> Vec<f64> {
+        watched.points().iter().map(|point| self.credit(point)).collect()
     }
 
-    fn score(&self, point: &[f64], prediction: (f64, f64)) -> f64 {
-        expected_improvement(prediction, self.target) * self.credit(point)
+    fn scores(&self, watched: &mut Watched, credits: &[f64]) -> Vec<f64> {
+        let predictions = self.process.predict_watched(watched).into_iter();
+        let improvement = predictions.map(|one| expected_improvement(one, self.target));
+        improvement.zip(credits).map(|(improvement, credit)| improvement * credit).collect()
     }
 
     /// The nearest known point is not admissible.
@@ -247,8 +262,6 @@ impl Choice<'_> {
         mut scored: Vec<(f64, Vec<f64>)>,
         admit: &Admit<'_>,
     ) -> Result<Proposal, Error> {
-        scored.sort_by(|a, b| b.0.total_cmp(&a.0));
-        scored.truncate(LOOKED_AT);
         for (score, point) in &mut scored {
             *score *= if self.is_beside_refused(point) { BESIDE_REFUSED } else { 1.0 };
         }
@@ -291,9 +304,12 @@ impl Choice<'_> {
         for spread in CLIMB.0 {
             let from = at.clone().unwrap_or_else(|| point.to_vec());
             let near = (0..CLIMB.1).map(|_| self.near(&from, spread)).collect();
-            for (score, near) in self.scored(&mut Watched::new(near)) {
+            let mut near = Watched::new(near);
+            let credits = self.credits(&near);
+            let scores = self.scores(&mut near, &credits);
+            for (score, near) in scores.into_iter().zip(near.points()) {
                 if score > best {
-                    (best, at) = (score, Some(near));
+                    (best, at) = (score, Some(near.clone()));
                 }
             }
         }
