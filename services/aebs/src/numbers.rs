@@ -78,12 +78,6 @@ impl Numbers {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use parameters::Table;
-
-    #[test]
-    fn all_numbers_are_within_their_ranges() {
-        assert!(Numbers::DEFAULT.within_ranges());
-    }
 
     #[test]
     fn the_costs_of_both_mistakes_are_equal_at_the_limit() {

@@ -16,7 +16,5 @@ pub mod report;
 pub mod sampling;
 mod service;
 pub mod settings;
-mod varied;
 
 pub use service::{last_law_times, run, run_asked, run_law, serve};
-pub use varied::Varied;

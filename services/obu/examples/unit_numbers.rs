@@ -19,7 +19,7 @@ use obu::clock::Moment;
 use obu::lanes::road_plane;
 use obu::numbers::Numbers;
 use obu::receiver::Receiver;
-use parameters::{Row, Table};
+use parameters::effect::{Figure, effects};
 use scenario::radio::Origin;
 
 const START_NS: i64 = 1_780_315_200_000_000_000;
@@ -62,44 +62,31 @@ const CONDITIONS: [Condition; 8] = [
     Condition::OldMap,
 ];
 
-/// Names of the figures, in the order of [`figures`]: times in s over all drives.
-const FIGURES: [&str; 4] =
-    ["right line with timing", "right line without timing", "wrong line", "line behind"];
-
-type Figures = [f64; FIGURES.len()];
+/// The figures, in the order of [`figures`]: times over all drives.
+static FIGURES: [Figure; 4] = [
+    Figure::difference("right line with timing", "s", 0.06),
+    Figure::difference("right line without timing", "s", 0.06),
+    Figure::difference("wrong line", "s", 0.06),
+    Figure::difference("line behind", "s", 0.06),
+];
 
 fn main() {
     let base = figures(&Numbers::DEFAULT);
-    for (name, value) in FIGURES.iter().zip(base) {
-        println!("{name}: {value:.1} s");
+    for (figure, value) in FIGURES.iter().zip(&base) {
+        println!("{}", figure.text(*value));
     }
-    for (row, Row { name, .. }) in Numbers::ROWS.iter().enumerate() {
-        let effects = [0.5, 2.0].map(|factor| {
-            let changed = Numbers::DEFAULT.scaled(row, factor);
-            format!("at {} {}", changed.value(row), effect(&base, &figures(&changed)))
-        });
-        println!("{name}: {}.", effects.join("; "));
-    }
+    effects(&Numbers::DEFAULT, &FIGURES, &base, figures).for_each(|line| println!("{line}"));
 }
 
-/// The figures that change, in words.
-fn effect(base: &Figures, changed: &Figures) -> String {
-    let all = FIGURES.iter().zip(base.iter().zip(changed));
-    let words = all.filter(|(_, (was, is))| (*is - *was).abs() > 0.05);
-    let words: Vec<String> =
-        words.map(|(name, (was, is))| format!("{name} {:+.1} s", is - was)).collect();
-    if words.is_empty() { "no change".to_owned() } else { words.join(", ") }
-}
-
-fn figures(numbers: &Numbers) -> Figures {
-    let mut sums = Figures::default();
+fn figures(numbers: &Numbers) -> Vec<f64> {
+    let mut sums = vec![0.0; FIGURES.len()];
     for condition in CONDITIONS {
         drive(condition, numbers, &mut sums);
     }
     sums
 }
 
-fn drive(condition: Condition, numbers: &Numbers, sums: &mut Figures) {
+fn drive(condition: Condition, numbers: &Numbers, sums: &mut [f64]) {
     let plane = road_plane(&Origin::default());
     let mut receiver = Receiver::with(4711, 500, plane, numbers);
     let replaced = condition == Condition::Replaced;

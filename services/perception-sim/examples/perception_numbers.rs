@@ -6,11 +6,11 @@
 //!
 //! Each number is halved and doubled, within its range, while all others keep their values. The scenes are those of
 //! the example `quality`. A quarter each has a sound radar, a radar that misses three vehicles and posts of ten,
-//! odometry that is 1.5 m/s fast from 8 s on, and a radar that is blind for 1.5 s. A last line of each number says in
-//! words what its row says.
+//! odometry that is 1.5 m/s fast from 8 s on, and a radar that is blind for 1.5 s.
 
 use bytemuck::Zeroable;
 use messages::{Detection, MAX_DETECTIONS};
+use parameters::effect::{Figure, line};
 use parameters::{Row, Table};
 use perception_sim::quality::Quality;
 use perception_sim::radar::detections::DetectionRadar;
@@ -59,59 +59,29 @@ struct Sums {
     speed: (f64, f64),
 }
 
-/// One figure: its name, its unit, the smallest change that counts, and whether the change is relative.
-struct Figure {
-    name: &'static str,
-    unit: &'static str,
-    counts: f64,
-    relative: bool,
-    value: fn(&Sums) -> f64,
-}
-
-const FIGURES: [Figure; 6] = [
-    Figure {
-        name: "GOSPA",
-        unit: "%",
-        counts: 1.0,
-        relative: true,
-        value: |sums| (sums.gospa_m2 / sums.scenes).sqrt(),
-    },
-    Figure {
-        name: "cut-in delay",
-        unit: "s",
-        counts: 0.02,
-        relative: false,
-        value: |sums| sums.cut_in_s / sums.cut_ins,
-    },
-    Figure {
-        name: "time with a false target",
-        unit: "%",
-        counts: 10.0,
-        relative: true,
-        value: |sums| sums.false_s,
-    },
-    Figure {
-        name: "error of the target's acceleration",
-        unit: "%",
-        counts: 2.0,
-        relative: true,
-        value: |sums| (sums.acceleration.0 / sums.acceleration.1).sqrt(),
-    },
-    Figure {
-        name: "error of the seen share",
-        unit: "%",
-        counts: 5.0,
-        relative: true,
-        value: |sums| sums.share.0 / sums.share.1,
-    },
-    Figure {
-        name: "error of the ego's speed",
-        unit: "%",
-        counts: 5.0,
-        relative: true,
-        value: |sums| (sums.speed.0 / sums.speed.1).sqrt(),
-    },
+static FIGURES: [Figure; 6] = [
+    Figure::percent("GOSPA", "m", 1.0),
+    Figure::difference("cut-in delay", "s", 0.02),
+    Figure::percent("time with a false target", "s", 10.0),
+    Figure::percent("error of the target's acceleration", "m/s²", 2.0),
+    Figure::percent("error of the seen share", "", 5.0),
+    Figure::percent("error of the ego's speed", "m/s", 5.0),
 ];
+
+impl Sums {
+    /// The figures, in the order of [`FIGURES`].
+    fn figures(&self) -> Vec<f64> {
+        let mean_square = |(sum, count): (f64, f64)| (sum / count).sqrt();
+        vec![
+            (self.gospa_m2 / self.scenes).sqrt(),
+            self.cut_in_s / self.cut_ins,
+            self.false_s,
+            mean_square(self.acceleration),
+            self.share.0 / self.share.1,
+            mean_square(self.speed),
+        ]
+    }
+}
 
 /// The truth of a scene, and how it is seen.
 struct Drive {
@@ -216,32 +186,10 @@ fn vary<T: Table>(default: T, mut run: impl FnMut(&T, &mut Sums), sums: &mut [[S
 
 fn print<T: Table>(default: T, base: &Sums, sums: &[[Sums; 2]]) {
     for (row, (Row { name, .. }, sums)) in T::ROWS.iter().zip(sums).enumerate() {
-        let mut words = Vec::new();
-        for (factor, sums) in [0.5, 2.0].into_iter().zip(sums) {
-            let value = default.scaled(row, factor).value(row);
-            let values = FIGURES.each_ref().map(|figure| (figure.value)(sums));
-            println!("{name:22} {value:8.4} {}", cells(&values));
-            words.push(format!("at {value} {}", effect(base, sums)));
-        }
-        println!("  {name}: {}.", words.join("; "));
+        let values = [0.5, 2.0].map(|factor| default.scaled(row, factor).value(row));
+        let tried = [0, 1].map(|k| (values[k], sums[k].figures()));
+        println!("{}", line(name, &FIGURES, &base.figures(), &tried));
     }
-}
-
-fn cells(values: &[f64]) -> String {
-    values.iter().map(|value| format!("{value:10.3}")).collect()
-}
-
-/// The figures that change, in words.
-fn effect(base: &Sums, sums: &Sums) -> String {
-    let changed = FIGURES.iter().filter_map(|figure| {
-        let (was, is) = ((figure.value)(base), (figure.value)(sums));
-        let change = if figure.relative { 100.0 * (is / was - 1.0) } else { is - was };
-        let digits = if figure.relative { 0 } else { 2 };
-        let counts = change.abs() >= figure.counts;
-        counts.then(|| format!("{} {change:+.digits$} {}", figure.name, figure.unit))
-    });
-    let changed: Vec<String> = changed.collect();
-    if changed.is_empty() { "no change".to_owned() } else { changed.join(", ") }
 }
 
 fn main() {
@@ -264,9 +212,8 @@ fn main() {
         vary(TrackerNumbers::DEFAULT, with_tracker, &mut tracker);
     }
     println!("{scenes} scenes of {} s", SCANS / 20);
-    for figure in &FIGURES {
-        let unit = if figure.relative { "" } else { figure.unit };
-        println!("{}: {:.3} {unit}", figure.name, (figure.value)(&base));
+    for (figure, value) in FIGURES.iter().zip(base.figures()) {
+        println!("{}", figure.text(value));
     }
     println!("\nSensor model");
     print(RadarNumbers::DEFAULT, &base, &radar);

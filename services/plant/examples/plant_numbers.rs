@@ -9,7 +9,7 @@
 
 use bytemuck::Zeroable;
 use messages::{AllVehicles, VehicleTruthItem};
-use parameters::{Row, Table};
+use parameters::effect::{Figure, effects};
 use plant::ahead::{Ahead, required_with};
 use plant::gateway::{Actuation, Source};
 use plant::lateral::Lateral;
@@ -24,54 +24,36 @@ use scenario::Scenario;
 const PERIOD_NS: u64 = 10_000_000;
 const PERIOD_S: f64 = 0.01;
 
-/// Names of the figures, with their units, in the order of [`figures`].
-const FIGURES: [&str; 12] = [
-    "car's time to 20 m/s, s",
-    "energy, kWh/100 km",
-    "stops",
-    "least time to collision, s",
-    "required deceleration, m/s²",
-    "truck's speed on 10 % after a stop, m/s",
-    "truck's jerk at a stop, m/s³",
-    "cut-in begins, s",
-    "cut-in lasts, s",
-    "largest offset in curves, m",
-    "largest lateral jerk in curves, m/s³",
-    "largest offset before a stand in a curve, m",
+/// The figures, in the order of [`figures`].
+static FIGURES: [Figure; 12] = [
+    Figure::value("car's time to 20 m/s", "s", 1e-3),
+    Figure::value("energy", "kWh/100 km", 1e-3),
+    Figure::value("stops", "", 1e-3),
+    Figure::value("least time to collision", "s", 1e-3),
+    Figure::value("required deceleration", "m/s²", 1e-3),
+    Figure::value("truck's speed on 10 % after a stop", "m/s", 1e-3),
+    Figure::value("truck's jerk at a stop", "m/s³", 1e-3),
+    Figure::value("cut-in begins", "s", 1e-3),
+    Figure::value("cut-in lasts", "s", 1e-3),
+    Figure::value("offset in curves", "m", 1e-3),
+    Figure::value("lateral jerk in curves", "m/s³", 1e-3),
+    Figure::value("offset before a stand in a curve", "m", 1e-3),
 ];
 
 fn main() {
     let base = figures(&Numbers::DEFAULT);
-    for (name, value) in FIGURES.iter().zip(base) {
-        println!("{name}: {value:.3}");
+    for (figure, value) in FIGURES.iter().zip(&base) {
+        println!("{}", figure.text(*value));
     }
-    for (row, Row { name, .. }) in Numbers::ROWS.iter().enumerate() {
-        let effects = [0.5, 2.0].map(|factor| {
-            let changed = Numbers::DEFAULT.scaled(row, factor);
-            format!("at {} {}", changed.value(row), effect(&base, &figures(&changed)))
-        });
-        println!("{name}: {}.", effects.join("; "));
-    }
+    effects(&Numbers::DEFAULT, &FIGURES, &base, figures).for_each(|line| println!("{line}"));
 }
 
-/// The figures that change, in words.
-fn effect(base: &[f64], changed: &[f64]) -> String {
-    let all = FIGURES.iter().zip(base.iter().zip(changed));
-    let words = all.filter(|(_, (was, is))| (*is - *was).abs() > 1e-3);
-    let words = words.map(|(name, (was, is))| {
-        let (name, unit) = name.split_once(", ").unwrap_or((name, ""));
-        format!("{name} {is:.2} instead of {was:.2} {unit}").trim_end().to_owned()
-    });
-    let words: Vec<String> = words.collect();
-    if words.is_empty() { "no change".to_owned() } else { words.join(", ") }
-}
-
-fn figures(numbers: &Numbers) -> [f64; FIGURES.len()] {
+fn figures(numbers: &Numbers) -> Vec<f64> {
     let (to_20_s, energy, stops, ttc_s, required_mps2) = car(numbers);
     let (rolls_mps, jerk_mps3) = truck(numbers);
     let (begins_s, lasts_s) = cut_in(numbers);
     let [offset_m, across_mps3, slow_m] = curves(numbers);
-    [
+    vec![
         to_20_s,
         energy,
         stops,

@@ -79,15 +79,3 @@ parameters! {
         cut_in_ahead_m: f64 = 100.0, "m", 20.0..=300.0, "Chosen: 3 s at 33 m/s.";
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use ::parameters::Table;
-
-    #[test]
-    fn each_value_is_within_its_range() {
-        assert!(Numbers::DEFAULT.within_ranges());
-        assert_eq!(Numbers::DEFAULT.hold_mps, 1.0 / 3.6);
-    }
-}

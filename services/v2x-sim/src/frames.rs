@@ -25,17 +25,10 @@ use scenario::v2x::{Phase, V2x};
 pub const FIRST_STATION: u32 = 100_000;
 /// The same for units that contradict.
 pub const FIRST_CONTRADICTING_STATION: u32 = 200_000;
-/// Time between two MAPEM of one unit, ns.
-const MAP_PERIOD_NS: u64 = (1e9 * NUMBERS.map_period_s) as u64;
-/// Length and width of a lane in a MAPEM, cm.
-const LANE_CM: i16 = (100.0 * NUMBERS.lane_m) as i16;
-const LANE_WIDTH_CM: i16 = (100.0 * NUMBERS.lane_width_m) as i16;
 /// Lane ids: the ego's lanes count from 1, the turning lanes from here.
 const TURNING: u8 = 101;
 /// Lane id of the exits.
 const EXITS: u8 = 201;
-/// Length of the green that a contradicting unit announces, ms.
-const FALSE_GREEN_MS: i64 = (1e3 * NUMBERS.false_green_s) as i64;
 
 /// The plane around the road's beginning, with the road as its axis.
 #[must_use]
@@ -129,7 +122,8 @@ impl Frames {
                 sent.push(self.frame(site, Message::Spatem(spatem), &now)?);
             }
             // The units send their maps in turns.
-            if (time_ns + index * self.period_ns) % MAP_PERIOD_NS < self.period_ns {
+            let map_period_ns = (1e9 * NUMBERS.map_period_s) as u64;
+            if (time_ns + index * self.period_ns) % map_period_ns < self.period_ns {
                 let shift_m = if now.revision > 0 { self.wrong.map_shift_m.value() } else { 0.0 };
                 let mapem = site.mapem(station, &now, &self.plane, shift_m)?;
                 sent.push(self.frame(site, Message::Mapem(mapem), &now)?);
@@ -215,6 +209,8 @@ impl Site {
         plane: &Plane,
         shift_m: f64,
     ) -> Result<Mapem, EncodeError> {
+        let centimetres = |length_m: f64| (100.0 * length_m) as i16;
+        let (lane_cm, width_cm) = (centimetres(NUMBERS.lane_m), centimetres(NUMBERS.lane_width_m));
         let mut lanes = Vec::new();
         for ((signal_group, stop_line_m, _), n) in self.signals.iter().zip(0_u8..) {
             let to_line_m = stop_line_m - self.middle_m();
@@ -230,7 +226,7 @@ impl Site {
                     id,
                     approach: Approach::Ingress(1),
                     maneuvers: maneuver,
-                    nodes: vec![node(to_line_cm, to_left_cm), node(-LANE_CM, 0)],
+                    nodes: vec![node(to_line_cm, to_left_cm), node(-lane_cm, 0)],
                     connections: vec![Connection {
                         lane: EXITS,
                         maneuver: Some(maneuver),
@@ -239,13 +235,13 @@ impl Site {
                 });
             };
             ingress(1 + n, 0, STRAIGHT, *signal_group);
-            ingress(TURNING + n, LANE_WIDTH_CM, LEFT, self.turning_group);
+            ingress(TURNING + n, width_cm, LEFT, self.turning_group);
         }
         lanes.push(Lane {
             id: EXITS,
             approach: Approach::Egress(2),
             maneuvers: 0,
-            nodes: vec![earth_node(plane, 1000, 0), earth_node(plane, LANE_CM, 0)],
+            nodes: vec![earth_node(plane, 1000, 0), earth_node(plane, lane_cm, 0)],
             connections: Vec::new(),
         });
         let geometry = IntersectionGeometry {
@@ -253,7 +249,7 @@ impl Site {
             id: self.intersection,
             revision: now.revision,
             reference: plane.position(self.middle_m() + shift_m, 0.0),
-            lane_width_cm: Some(LANE_WIDTH_CM.unsigned_abs()),
+            lane_width_cm: Some(width_cm.unsigned_abs()),
             lanes,
             unread_lanes: 0,
         };
@@ -327,7 +323,7 @@ fn event(phase: Phase, end_ms: Option<i64>, now: &Now) -> MovementEvent {
 }
 
 fn always_green(now: &Now) -> MovementEvent {
-    event(Phase::Green, Some(now.utc_ms + FALSE_GREEN_MS), now)
+    event(Phase::Green, Some(now.utc_ms + (1e3 * NUMBERS.false_green_s) as i64), now)
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //!           ├─ frames ─► air: loss, delay, bit flips ─► radio/frames           (radio = "frames")
 //!           └─ all signals, without a range ──────────► truth/signals
 //! plan of the road ─────► map of curves ───────────► v2x/curves
+//! slopes of the road ───► map of grades ───────────► v2x/preview
 //! frames of another host or a capture ─► link ────────► radio/frames           (radio = "udp://…")
 //! ```
 //!
@@ -24,13 +25,12 @@
 //! ```
 
 pub mod air;
-pub mod curve_map;
+pub mod cell_map;
 pub mod frames;
 mod link;
 pub mod numbers;
 pub mod program;
 pub mod report;
-pub mod road_map;
 pub mod roadside_unit;
 mod service;
 pub mod unit_clock;

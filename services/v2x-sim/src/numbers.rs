@@ -7,7 +7,7 @@
 //! assert!(2.0 * NUMBERS.map_period_s <= 2.0);
 //! ```
 
-use parameters::parameters;
+use parameters::{Varied, parameters};
 
 parameters! {
     /// Numbers of the roadside units and the map.
@@ -34,15 +34,4 @@ parameters! {
 }
 
 /// The values in use.
-pub const NUMBERS: Numbers = Numbers::DEFAULT;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use ::parameters::Table;
-
-    #[test]
-    fn each_value_is_within_its_range() {
-        assert!(NUMBERS.within_ranges());
-    }
-}
+pub static NUMBERS: Varied<Numbers> = Varied::new(Numbers::DEFAULT);

@@ -1,11 +1,10 @@
 //! The roadside unit's loop: present and coming phases, by radio and as ground truth.
 
 use crate::air::Air;
-use crate::curve_map::{self, CurveMap};
+use crate::cell_map::{CurveMap, GradeMap};
 use crate::frames::Frames;
 use crate::link::Link;
 use crate::report::LinkReport;
-use crate::road_map::{CELL_M, RoadMap};
 use crate::roadside_unit::{Event, Lane, Movement, RoadsideUnit, Signals};
 use its::EncodeError;
 use messages::{
@@ -188,7 +187,7 @@ impl Radio {
 
 /// The map of the road, for a truck's controller.
 struct Previews {
-    map: RoadMap,
+    map: GradeMap,
     speed_limit_mps: f64,
     publisher: Publisher<Preview>,
 }
@@ -198,7 +197,7 @@ impl Previews {
         if !scenario.plant.vehicle.is_truck() {
             return Ok(None);
         }
-        let map = RoadMap::new(scenario)?;
+        let map = GradeMap::new(scenario)?;
         let speed_limit_mps = scenario.speed_limit_mps.map_or(f64::INFINITY, |v| v.value());
         Ok(Some(Self { map, speed_limit_mps, publisher: runtime.publisher()? }))
     }
@@ -210,7 +209,7 @@ impl Previews {
             let ahead = map.ahead(ego_m, &mut message.grades);
             message.count = ahead.count as u64;
             message.first_cell_m = ahead.first_cell_m;
-            message.cell_m = CELL_M;
+            message.cell_m = map.cell_m();
             message.speed_limit_mps = speed_limit_mps;
         })?;
         Ok(())
@@ -236,7 +235,7 @@ impl Bends {
             let ahead = map.ahead(ego_m, &mut message.curvatures);
             message.count = ahead.count as u64;
             message.first_cell_m = ahead.first_cell_m;
-            message.cell_m = curve_map::CELL_M;
+            message.cell_m = map.cell_m();
         })?;
         Ok(())
     }

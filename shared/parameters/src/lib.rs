@@ -1,8 +1,19 @@
 //! Tables of model parameters: each number stands in one row with its unit, its range and its origin.
 //!
 //! [`parameters!`](crate::parameters!) turns the rows into a struct whose fields have the numbers as their defaults.
-//! The documentation of a field gives all of its row. The same rows are data ([`Table::ROWS`]), so that a program can
-//! change each number in turn and measure what that does:
+//! The documentation of a field gives all of its row. A value outside of its range does not compile:
+//!
+//! ```compile_fail
+//! parameters::parameters! {
+//!     /// The brakes of a car.
+//!     pub struct Brakes {
+//!         /// Largest deceleration.
+//!         deceleration_mps2: f64 = 83.4, "m/s²", 5.0..=12.0, "Chosen.";
+//!     }
+//! }
+//! ```
+//!
+//! The same rows are data ([`Table::ROWS`]). So a program can change each number in turn and measure its [`effect`]:
 //!
 //! ```
 //! use parameters::{Table, parameters};
@@ -28,6 +39,11 @@
 //! }
 //! assert_eq!(Brakes::DEFAULT.scaled(1, 1.2).scans, 4, "a count changes by one at least");
 //! ```
+
+pub mod effect;
+mod varied;
+
+pub use varied::Varied;
 
 /// A row of a table.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,6 +144,13 @@ macro_rules! parameters {
                 pub $name: $number,
             )+
         }
+
+        $(
+            const _: () = assert!(
+                $least as f64 <= $value as f64 && $value as f64 <= $most as f64,
+                concat!(stringify!($name), " is out of its range"),
+            );
+        )+
 
         impl $table {
             /// The values of the table.

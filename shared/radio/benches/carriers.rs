@@ -1,4 +1,4 @@
-//! Cost of a carrier on one host: the time of a frame from the sender to the receiver's queue, and the
+//! Cost of a carrier on one host. It prints the time of a frame from the sender to the receiver's queue, and the
 //! processor time of 20 vehicles that receive one roadside unit.
 //!
 //! `cargo bench -p radio`, with `--features zenoh` for zenoh's rows. Sender and vehicles are separate

@@ -16,10 +16,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::numbers::NUMBERS;
-
-/// Kept questions.
-const REMEMBERED: usize = NUMBERS.remembered as usize;
+use crate::numbers::Numbers;
 
 /// A question with its answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,6 +56,7 @@ pub struct ClockComparison {
 /// The exchanges with one host.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Comparison {
+    numbers: Numbers,
     last: Vec<Exchange>,
     next: usize,
     answers: u64,
@@ -86,9 +84,9 @@ impl Exchange {
     }
 
     /// The difference at `now_ns` by the own clock.
-    fn difference(&self, now_ns: i64) -> ClockDifference {
+    fn difference(&self, now_ns: i64, drift_ppm: u32) -> ClockDifference {
         let age_ns = now_ns.saturating_sub(self.returned_ns).max(0);
-        let drift_ns = age_ns / 1_000_000 * i64::from(NUMBERS.drift_ppm);
+        let drift_ns = age_ns / 1_000_000 * i64::from(drift_ppm);
         // Half of an odd number of nanoseconds is rounded up.
         let uncertainty_ns = (self.round_trip_ns() / 2).saturating_add(1 + drift_ns);
         ClockDifference { offset_ns: self.offset_ns(), uncertainty_ns }
@@ -96,6 +94,11 @@ impl Exchange {
 }
 
 impl Comparison {
+    /// No exchange yet, with the numbers of a table.
+    pub(crate) fn with(numbers: Numbers) -> Self {
+        Self { numbers, ..Self::default() }
+    }
+
     /// Adds an exchange; false if its stamps are impossible.
     pub(crate) fn take(&mut self, exchange: Exchange) -> bool {
         let is_ordered = exchange.returned_ns >= exchange.asked_ns
@@ -106,23 +109,25 @@ impl Comparison {
         }
         self.answers += 1;
         let now_ns = exchange.returned_ns;
-        let newest = exchange.difference(now_ns);
-        if !self.last.iter().all(|older| newest.agrees(&older.difference(now_ns))) {
+        let Numbers { drift_ppm, remembered, .. } = self.numbers;
+        let newest = exchange.difference(now_ns, drift_ppm);
+        if !self.last.iter().all(|older| newest.agrees(&older.difference(now_ns, drift_ppm))) {
             self.last.clear();
             self.next = 0;
         }
-        if self.last.len() < REMEMBERED {
+        if self.last.len() < remembered as usize {
             self.last.push(exchange);
         } else {
             self.last[self.next] = exchange;
         }
-        self.next = (self.next + 1) % REMEMBERED;
+        self.next = (self.next + 1) % remembered as usize;
         true
     }
 
     /// The difference at `now_ns` by the own clock; `None` before the first answer.
     pub(crate) fn difference(&self, now_ns: i64) -> Option<ClockDifference> {
-        let all = self.last.iter().map(|exchange| exchange.difference(now_ns));
+        let all = self.last.iter();
+        let all = all.map(|exchange| exchange.difference(now_ns, self.numbers.drift_ppm));
         all.min_by_key(|difference| difference.uncertainty_ns)
     }
 

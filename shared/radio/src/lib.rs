@@ -43,6 +43,8 @@ mod capture;
 mod carrier;
 mod clock;
 mod counts;
+#[cfg(test)]
+mod effects;
 mod endpoint;
 mod envelope;
 mod error;

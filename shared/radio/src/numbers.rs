@@ -3,7 +3,7 @@
 use parameters::parameters;
 
 parameters! {
-    /// How the clocks of two hosts are compared, and how a sender's packets are numbered.
+    /// Comparison of two hosts' clocks, and numbering of a sender's packets.
     pub struct Numbers {
         /// Largest drift between two hosts' clocks.
         drift_ppm: u32 = 100, "parts per million", 10.0..=500.0, "Chosen: twice the 50 of a usual crystal.";
@@ -28,14 +28,3 @@ parameters! {
 
 /// The values that the carriers use.
 pub const NUMBERS: Numbers = Numbers::DEFAULT;
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use ::parameters::Table;
-
-    #[test]
-    fn each_value_is_within_its_range() {
-        assert!(NUMBERS.within_ranges());
-    }
-}

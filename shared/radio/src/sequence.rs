@@ -1,13 +1,14 @@
 //! Counts of a sender's numbered frames: received, lost, repeated, out of order.
 
-use crate::numbers::NUMBERS;
+use crate::numbers::Numbers;
 
 /// Numbers that are distinguished; a frame overtaken by more is late. They are the bits of a word.
 const WINDOW: u64 = 64;
 
 /// The received numbers of one sender.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Numbers {
+pub(crate) struct Sequence {
+    numbers: Numbers,
     first: u64,
     highest: u64,
     /// Bit k: `highest - k` was received.
@@ -26,14 +27,19 @@ pub(crate) struct Numbers {
     late: Option<(u64, u32)>,
 }
 
-impl Numbers {
+impl Sequence {
+    /// No number yet, with the limits of a table.
+    pub(crate) fn with(numbers: Numbers) -> Self {
+        Self { numbers, ..Self::default() }
+    }
+
     /// Adds a number; true for a frame that was not received before.
     pub(crate) fn take(&mut self, number: u64) -> bool {
         if self.received == 0 {
             self.begin(number);
             return true;
         }
-        if number.abs_diff(self.highest) > u64::from(NUMBERS.far) {
+        if number.abs_diff(self.highest) > u64::from(self.numbers.far) {
             return self.take_far(number);
         }
         self.far = None;
@@ -87,7 +93,7 @@ impl Numbers {
             _ => 1,
         };
         self.late = Some((number, in_a_row));
-        in_a_row >= NUMBERS.agreeing
+        in_a_row >= self.numbers.agreeing
     }
 
     fn begin(&mut self, number: u64) {
@@ -133,7 +139,7 @@ mod tests {
     use super::*;
 
     fn after(numbers: &[u64]) -> (Vec<bool>, [u64; 4]) {
-        let mut heard = Numbers::default();
+        let mut heard = Sequence::default();
         let new = numbers.iter().map(|&number| heard.take(number)).collect();
         (new, [heard.received(), heard.lost(), heard.duplicates(), heard.reordered()])
     }

@@ -5,7 +5,7 @@ use crate::counts::StationReport;
 use crate::endpoint::Origin;
 use crate::envelope::Envelope;
 use crate::numbers::NUMBERS;
-use crate::sequence::Numbers;
+use crate::sequence::Sequence;
 use std::time::{Duration, Instant};
 
 /// All known senders.
@@ -17,7 +17,7 @@ struct Station {
     sender: u64,
     origin: Origin,
     heard: Instant,
-    numbers: Numbers,
+    sequence: Sequence,
     clock: Comparison,
     /// True for a roadside unit, which is asked for its clock.
     is_roadside: bool,
@@ -37,7 +37,7 @@ impl Stations {
         let station = self.station(envelope, origin);
         station.heard = Instant::now();
         station.origin = origin;
-        let is_new = station.numbers.take(envelope.sequence);
+        let is_new = station.sequence.take(envelope.sequence);
         is_new.then(|| station.clock.difference(now_ns))
     }
 
@@ -53,8 +53,8 @@ impl Stations {
                 sender: envelope.sender,
                 origin,
                 heard: Instant::now(),
-                numbers: Numbers::default(),
-                clock: Comparison::default(),
+                sequence: Sequence::with(NUMBERS),
+                clock: Comparison::with(NUMBERS),
                 is_roadside: envelope.start_ns.is_some(),
                 asked: 0,
                 ask_at: Instant::now(),
@@ -94,11 +94,11 @@ impl Stations {
     pub(crate) fn report(&self, now_ns: i64) -> Vec<StationReport> {
         let reports = self.0.iter().map(|station| StationReport {
             sender: format!("{:016x}", station.sender),
-            received: station.numbers.received(),
-            lost: station.numbers.lost(),
-            duplicates: station.numbers.duplicates(),
-            reordered: station.numbers.reordered(),
-            implausible: station.numbers.implausible(),
+            received: station.sequence.received(),
+            lost: station.sequence.lost(),
+            duplicates: station.sequence.duplicates(),
+            reordered: station.sequence.reordered(),
+            implausible: station.sequence.implausible(),
             clock: station.clock.report(now_ns),
         });
         reports.collect()

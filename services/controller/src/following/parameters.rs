@@ -12,11 +12,10 @@
 //! The base: least gap 18.1 m, hardest braking 2.49 m/s², rms jerk 0.505 m/s³ (means of the scenes), and no collision.
 //! `six-mode` (19.8 m, 2.84 m/s², 0.554 m/s³) is named in the rows that change something there, and only in them.
 
-use crate::varied::Varied;
-use parameters::parameters;
+use parameters::{Varied, parameters};
 
 parameters! {
-    /// What keeps a gap safe and ends a stop softly.
+    /// Numbers that keep a gap safe and end a stop softly.
     pub struct Following {
         /// Share of the hardest request that the vehicle surely reaches.
         sure_share: f64 = 0.95, "1", 0.5..=1.0,
@@ -61,14 +60,3 @@ parameters! {
 
 /// The values that the laws use.
 pub static FOLLOWING: Varied<Following> = Varied::new(Following::DEFAULT);
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use ::parameters::Table;
-
-    #[test]
-    fn each_value_is_within_its_range() {
-        assert!(FOLLOWING.within_ranges());
-    }
-}

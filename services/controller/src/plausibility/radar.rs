@@ -10,8 +10,8 @@
 //! front axle through its under-body). The filter behind the target rejects that, so the two differ for one
 //! scan.
 //!
-//! An origin ends with the effect of the limit: half and double, within the range, in half an hour of random drives
-//! without faults and in five drives with each false radar.
+//! An origin ends with the effect of the limit at half and at double, within the range. The drives are half an hour
+//! without faults, and five with each false radar.
 //!
 //! ```sh
 //! cargo run --release -p campaign --example plausibility_numbers
@@ -22,9 +22,8 @@
 //! speed that is off by 1 m/s are not found.
 
 use super::{Check, Findings};
-use crate::varied::Varied;
 use messages::{Header, Odometry, RadarTracks, Track};
-use parameters::parameters;
+use parameters::{Varied, parameters};
 
 parameters! {
     /// Limits of the radar's checks.
@@ -102,7 +101,7 @@ struct Followed {
     sum_m: f64,
 }
 
-/// What the target's track measured in one scan.
+/// Measurement of the target's track in one scan.
 #[derive(Clone, Copy, Debug)]
 struct Measured {
     id: u32,
@@ -259,7 +258,7 @@ impl Measured {
     }
 }
 
-/// What a scan says, behind its header.
+/// Content of a scan, behind its header.
 fn content(scan: &RadarTracks) -> &[u8] {
     &bytemuck::bytes_of(scan)[size_of::<Header>()..]
 }

@@ -2,6 +2,7 @@
 //!
 //! ```sh
 //! cargo run --release -p perception-sim --example course -- [ROADS [KILOMETRES [ROW]]] [NUMBER=VALUE]...
+//! cargo run --release -p perception-sim --example course -- effects [ROADS [KILOMETRES [NUMBERS]]]
 //! ```
 //!
 //! A lead drives at a constant gap in the ego's lane, and one vehicle in each neighbouring lane at 0.5 to 1.3 of that
@@ -10,11 +11,14 @@
 //!
 //! A lead is lost while no track on it is in the path. A neighbour is taken while a track on it is in the path. Both
 //! count from 8 s on. "Unseen" is the share of time in which the lead has no track at all, so that no selection helps.
-//! `ROW` is a part of a row's name; a number is one of `CourseNumbers` or the tracker's `Numbers`. The third table is a straight road: what the radar's imperfections alone cost.
+//! `ROW` is a part of a row's name; a number is one of `CourseNumbers` or the tracker's `Numbers`. The third table is a
+//! straight road: what the radar's imperfections alone cost. `effects` halves and doubles each number of the course, and
+//! those of the tracker that `NUMBERS` lists.
 
 use bytemuck::Zeroable;
 use messages::{Detection, MAX_DETECTIONS};
-use parameters::Table;
+use parameters::effect::{Figure, effects, line};
+use parameters::{Row, Table};
 use perception_sim::perception::Perception;
 use perception_sim::random::Random;
 use perception_sim::tracking::Track;
@@ -211,8 +215,97 @@ fn number(word: &str) -> f64 {
     word.parse().unwrap_or_else(|_| panic!("`{word}` is not a number"))
 }
 
+/// The roads of a row: radii, m, and speed, m/s; their number and length, km.
+#[derive(Clone, Copy)]
+struct Roads {
+    kind: (f64, f64, f64),
+    count: u64,
+    kilometres: f64,
+}
+
+impl Roads {
+    /// Drives all roads with one gap.
+    fn drive(
+        &self,
+        sources: Sources,
+        numbers: (&CourseNumbers, &Numbers),
+        gap_m: f64,
+        detections: &mut [Detection; MAX_DETECTIONS],
+    ) -> Sums {
+        let (min_radius_m, max_radius_m, speed_mps) = self.kind;
+        let length_m = 1e3 * self.kilometres;
+        let recipe = Recipe { length_m, min_radius_m, max_radius_m, spiral_m: [30.0, 200.0] };
+        let mut sums = Sums::default();
+        for seed in 0..self.count {
+            let pieces = match min_radius_m.is_finite() {
+                true => pieces(&recipe, seed),
+                false => vec![Piece::Line { length_m }],
+            };
+            let road = Arc::new(Axis::new(&pieces).expect("a road"));
+            drive(&road, sources, numbers, (seed, gap_m, speed_mps), detections, &mut sums);
+        }
+        sums
+    }
+}
+
+/// Figures by which the effect of a number is judged, over both kinds of roads with curves and three gaps.
+static FIGURES: [Figure; 5] = [
+    Figure::percent("lead lost", "% of the time", 10.0),
+    Figure::percent("neighbour taken", "% of the time", 10.0),
+    Figure::percent("lead's offset", "m", 2.0),
+    Figure::percent("lead lost with the map", "% of the time", 10.0),
+    Figure::percent("neighbour taken with the map", "% of the time", 10.0),
+];
+
+fn figures(
+    numbers: (&CourseNumbers, &Numbers),
+    (count, kilometres): (u64, f64),
+    detections: &mut [Detection; MAX_DETECTIONS],
+) -> Vec<f64> {
+    let mut found = Vec::new();
+    for (_, sources) in &ROWS[3..] {
+        let (mut scans, mut lost, mut taken, mut squares, mut seen) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for kind in &ROADS[..2] {
+            for gap_m in [40.0, 60.0, 80.0] {
+                let roads = Roads { kind: *kind, count, kilometres };
+                let sums = roads.drive(*sources, numbers, gap_m, detections);
+                scans += sums.scans;
+                lost += sums.lost;
+                taken += sums.taken;
+                squares += sums.squares;
+                seen += sums.seen;
+            }
+        }
+        found.extend([100.0 * lost / scans, 100.0 * taken / scans]);
+        if !sources.map {
+            found.push((squares / seen).sqrt());
+        }
+    }
+    found
+}
+
+/// Prints the effect of each number of the course, and of the tracker's numbers that `ROW` names.
+fn print_effects(course: CourseNumbers, tracker: Numbers, roads: (u64, f64), of_tracker: &str) {
+    let mut detections = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
+    let base = figures((&course, &tracker), roads, &mut detections);
+    for (figure, value) in FIGURES.iter().zip(&base) {
+        println!("{}", figure.text(*value));
+    }
+    let measure = |course: &CourseNumbers| figures((course, &tracker), roads, &mut detections);
+    effects(&course, &FIGURES, &base, measure).for_each(|line| println!("{line}"));
+    for (row, Row { name, .. }) in Numbers::ROWS.iter().enumerate() {
+        if of_tracker.split(',').any(|asked| asked == *name) {
+            let tried = [0.5, 2.0].map(|factor| {
+                let tracker = tracker.scaled(row, factor);
+                (tracker.value(row), figures((&course, &tracker), roads, &mut detections))
+            });
+            println!("{}", line(name, &FIGURES, &base, &tried));
+        }
+    }
+}
+
 fn main() {
-    let (changes, words): (Vec<String>, Vec<String>) =
+    let (changes, mut words): (Vec<String>, Vec<String>) =
         std::env::args().skip(1).partition(|word| word.contains('='));
     let (mut course, mut tracker) = (CourseNumbers::DEFAULT, Numbers::DEFAULT);
     for change in &changes {
@@ -220,47 +313,36 @@ fn main() {
         let is_known = set(&mut course, name, value) | set(&mut tracker, name, value);
         assert!(is_known, "`{name}` is no number of course or tracker");
     }
-    let roads = words.first().map_or(100.0, |word| number(word)) as u64;
+    let of_effects = words.first().is_some_and(|word| word == "effects");
+    words.drain(..usize::from(of_effects));
+    let count = words.first().map_or(100.0, |word| number(word)) as u64;
     let kilometres = words.get(1).map_or(5.0, |word| number(word));
     let only = words.get(2);
+    if of_effects {
+        let of_tracker = only.map_or("", String::as_str);
+        print_effects(course, tracker, (count, kilometres), of_tracker);
+        return;
+    }
     let mut detections = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
-    for (min_radius_m, max_radius_m, speed_mps) in ROADS {
+    for kind in ROADS {
+        let (min_radius_m, max_radius_m, speed_mps) = kind;
         println!(
-            "\n{roads} roads of {kilometres} km, radii {min_radius_m} to {max_radius_m} m, {speed_mps} m/s\n"
+            "\n{count} roads of {kilometres} km, radii {min_radius_m} to {max_radius_m} m, {speed_mps} m/s\n"
         );
         println!(
             "| sources | gap, m | lead lost, % | per km | unseen, % | neighbour taken, % | per km \
              | lead's offset, rms m | least seen share |"
         );
         println!("| --- | --- | --- | --- | --- | --- | --- | --- | --- |");
-        let recipe = Recipe {
-            length_m: 1e3 * kilometres,
-            min_radius_m,
-            max_radius_m,
-            spiral_m: [30.0, 200.0],
-        };
         for (name, sources) in ROWS {
             if only.is_some_and(|only| !name.contains(only.as_str())) {
                 continue;
             }
             for gap_m in [40.0, 60.0, 80.0, 100.0] {
-                let mut sums = Sums::default();
-                for seed in 0..roads {
-                    let pieces = match min_radius_m.is_finite() {
-                        true => pieces(&recipe, seed),
-                        false => vec![Piece::Line { length_m: recipe.length_m }],
-                    };
-                    let road = Arc::new(Axis::new(&pieces).expect("a road"));
-                    drive(
-                        &road,
-                        sources,
-                        (&course, &tracker),
-                        (seed, gap_m, speed_mps),
-                        &mut detections,
-                        &mut sums,
-                    );
-                }
-                sums.print(name, gap_m);
+                let roads = Roads { kind, count, kilometres };
+                roads
+                    .drive(sources, (&course, &tracker), gap_m, &mut detections)
+                    .print(name, gap_m);
             }
         }
     }

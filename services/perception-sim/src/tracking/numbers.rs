@@ -83,7 +83,7 @@ parameters! {
         /// Share of the expected hits from which a track is surely a vehicle.
         firm_share: f64 = 0.5, "1", 0.1..=1.0, "Chosen. At 0.25 and 1 nothing changes.";
 
-        // Which detection belongs to which track.
+        // Assignment of detections to tracks.
 
         /// Gate of the position.
         position_gate: f64 = 3.0, "σ", 2.0..=6.0, "Chosen. At 2 and 6 nothing changes.";
@@ -262,17 +262,5 @@ parameters! {
         disagrees_mps: f64 = 1.0, "m/s", 0.3..=4.0, "Chosen. At 0.5 no change; at 2 GOSPA +64 %, time with a false target +13 %, error of the target's acceleration -42 %, error of the ego's speed +507 %.";
         /// Scans in a row with such a difference before the tracker uses the measurement.
         disagrees_scans: u32 = 2, "scans", 1.0..=20.0, "Chosen. At 1 GOSPA -15 %, error of the ego's speed -8 %; at 4 GOSPA +3 %, error of the ego's speed +14 %.";
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use ::parameters::Table;
-
-    #[test]
-    fn each_value_is_within_its_range() {
-        assert!(Numbers::DEFAULT.within_ranges());
-        assert!(crate::radar::numbers::Numbers::DEFAULT.within_ranges());
     }
 }

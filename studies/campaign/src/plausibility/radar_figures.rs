@@ -6,7 +6,8 @@ use group::{Error, LawOptions};
 use report::summary::Summary;
 use runtime::Mode;
 
-/// A figure with its name. A rise of a false alarm is bad, a fall of a found sender too.
+/// A figure with its name: a count, or a time in s that does not exist if nothing was found. More false alarms are
+/// worse, and so are fewer found senders.
 pub type Figure = (String, f64);
 
 /// The checks whose limits the radar's table has.
@@ -55,9 +56,7 @@ pub fn radar_figures(hours: f64, drives: u32) -> Result<Vec<Figure>, Error> {
             }
         }
         figures.push((format!("{fault} ({size}) found"), found));
-        if found > 0.0 {
-            figures.push((format!("{fault} ({size}) found after, s"), after_s / found));
-        }
+        figures.push((format!("{fault} ({size}) found after"), after_s / found));
     }
     Ok(figures)
 }

@@ -1,4 +1,4 @@
-//! Numbers that a process may replace once, before its first run. So an example measures the effect of each.
+//! Tables that a process may replace once, before its first use of them.
 
 use std::ops::Deref;
 use std::sync::OnceLock;
@@ -6,9 +6,14 @@ use std::sync::OnceLock;
 /// A table of numbers with its usual values, or those that replaced them.
 ///
 /// ```
-/// use controller::following::parameters::{FOLLOWING, Following};
+/// use parameters::Varied;
 ///
-/// assert_eq!(*FOLLOWING, Following::DEFAULT);
+/// static LIMITS: Varied<[f64; 2]> = Varied::new([0.5, 2.0]);
+///
+/// assert_eq!(LIMITS[1], 2.0);
+/// LIMITS.replace([0.5, 4.0]).expect("the first replacement");
+/// assert_eq!(LIMITS[1], 4.0);
+/// assert!(LIMITS.replace([0.5, 2.0]).is_err());
 /// ```
 #[derive(Debug)]
 pub struct Varied<T> {
@@ -18,7 +23,7 @@ pub struct Varied<T> {
 
 impl<T> Varied<T> {
     /// A table with its usual values.
-    pub(crate) const fn new(usual: T) -> Self {
+    pub const fn new(usual: T) -> Self {
         Self { usual, other: OnceLock::new() }
     }
 
