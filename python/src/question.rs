@@ -156,7 +156,7 @@ fields! {
     engine_torque_nm: f64 = |q| q.engine_torque_nm;
     /// The vehicle's own estimate of the grade under it, rise over run.
     grade: f64 = |q| q.grade;
-    /// Where the first cell of the road ahead starts, m, as `position_m`.
+    /// Start of the first cell of the road ahead, m, as `position_m`.
     first_cell_m: f64 = |q| q.first_cell_m;
     /// Length of a cell of the road ahead, m.
     cell_m: f64 = |q| q.cell_m;

@@ -84,7 +84,7 @@ pub fn nothing_ahead() -> group::in_process::Ahead {
     Box::new(|_, _| {})
 }
 
-/// How a drive ended that did not raise.
+/// End of a drive that did not raise.
 struct End {
     outcome: GroupOutcome,
     failed: Option<PyErr>,

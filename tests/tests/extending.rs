@@ -1,5 +1,5 @@
-//! What CONTRIBUTING.md says about a new message and a new service, done in a copy of the sources: a message is two
-//! edits, a service is a folder, a row and a line in a manifest.
+//! CONTRIBUTING.md's steps for a new message and a new service, done in a copy of the sources. A message is two edits.
+//! A service is a folder, a row and a line in a manifest.
 
 use messages::{Service, TOPICS};
 use serde_json::Value;
@@ -93,7 +93,7 @@ impl Copy {
 /// First edit of a message: its struct.
 const STRUCT: &str = r#"
 layout! {
-    /// How far the ego is, seen by a probe.
+    /// Position of the ego, as a probe receives it.
     #[type_name("timegap_msgs/msg/Probe")]
     pub struct Probe {
         /// Common header.

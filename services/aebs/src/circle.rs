@@ -8,8 +8,8 @@
 //!
 //! behind a low-pass of [`LAG_S`]. Below [`SLOWEST_MPS`] the quotient is worthless: the curvature stays as it was.
 //!
-//! A point (x, y) of the *body* (from the middle of the front bumper, x along the body, y to the left) becomes (σ, d):
-//! the length along the circle and the distance left of it. With the circle's centre at (0, 1/κ)
+//! A point (x, y) of the *body* has x along the body from the middle of the front bumper, and y to the left. It becomes
+//! (σ, d): the length along the circle and the distance left of it. With the circle's centre at (0, 1/κ)
 //!
 //! ```text
 //! q = κ (x² + y²) - 2 y
@@ -18,8 +18,8 @@
 //! ```
 //!
 //! which is (x, y) where κ = 0. The body does not point along the way of its bumper: it turns about its rear axle, and
-//! the tyres slip. The way's heading there is κ (l - k v²), with the bumper's distance l from the rear axle and the
-//! slip k of the rear tyres per lateral acceleration ([`Body`]).
+//! the tyres slip. The way's heading there is κ (l - k v²). l is the bumper's distance from the rear axle, and k the
+//! slip of the rear tyres per lateral acceleration ([`Body`]).
 //!
 //! ```
 //! use aebs::circle::Circle;
@@ -39,7 +39,7 @@ const SLOWEST_MPS: f64 = 3.0;
 /// wander in 3 s, and a yaw rate that is off by 0.1 °/s.
 const SIGMA_PERM: f64 = 3e-4;
 
-/// How the ego's body stands on its way.
+/// Heading and bumper of the ego's body beside its way.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Body {
     /// Distance of the front bumper ahead of the rear axle, m; 0 of a body that points along its way.
@@ -94,7 +94,7 @@ impl Circle {
         self.heading_rad + self.curvature_perm * along_m
     }
 
-    /// How far the road may be beside the circle at `along_m`, as a standard deviation, m.
+    /// Standard deviation of the road's distance from the circle at `along_m`, m.
     #[must_use]
     pub fn sigma_m(along_m: f64) -> f64 {
         0.5 * SIGMA_PERM * along_m * along_m

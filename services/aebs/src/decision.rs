@@ -1,9 +1,9 @@
 //! When to warn, when to brake, when to let go.
 //!
-//! The ego is beside an object along the road for a time that depends on what it does ([`Plan`]). They touch
-//! if the object is in the ego's path in that time, which is a probability: the sum over the lateral speeds
-//! that it may have ([`crate::filter`]). To brake shortens the time, or makes it longer where the ego would
-//! have passed: the same sums decide both.
+//! The ego is beside an object along the road for a time that depends on what it does ([`Plan`]). They touch if the
+//! object is in the ego's path in that time. The probability of this is a sum over the lateral speeds that the object
+//! may have ([`crate::filter`]). To brake shortens the time, or makes it longer where the ego would have passed: the
+//! same sums decide both.
 //!
 //! | state | entered | left |
 //! |---|---|---|
@@ -14,8 +14,8 @@
 //!
 //! The margin is reckoned with less than the brakes' authority (`counted_on_mps2` of [`Numbers`]): the rest is the
 //! reserve for another vehicle that begins to brake. A lead, which moves in the path, may do so with
-//! `lead_may_brake_mps2`. Where a driver's braking (`answer_mps2`) is not enough any more, the whole authority must leave
-//! the margin then too, from the time on at which that is noticed (`notices_s`).
+//! `lead_may_brake_mps2`. If a driver's braking (`answer_mps2`) is no longer enough, the whole authority must still
+//! leave the margin when that is noticed (`notices_s`).
 //!
 //! Letting go is safe if two things hold. Without brakes the ego comes no nearer than the margin and `clear_m`. And if
 //! the other vehicle brakes on, as hard as it did during the intervention, braking anew leaves the margin.
@@ -45,7 +45,7 @@ pub struct Path {
 /// Settings of the decision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// What the brakes give.
+    /// Capability of the brakes.
     pub authority: Authority,
     /// The swept path.
     pub path: Path,
@@ -59,7 +59,7 @@ pub struct Settings {
     pub ego_length_m: f64,
 }
 
-/// What is asked of the brakes, and why.
+/// Request to the brakes, and its reason.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Demand {
     /// State.
@@ -82,7 +82,7 @@ pub struct Decision {
     hardest_mps2: f64,
 }
 
-/// What one object demands.
+/// Demand of one object.
 #[derive(Clone, Copy, Debug)]
 struct Assessment {
     /// Expected loss without brakes.
@@ -188,7 +188,7 @@ impl Decision {
         };
         let steady = Threat { acceleration_mps2: object.acceleration_mps2.min(0.0), ..threat };
         let numbers = &self.numbers;
-        // What stands cannot begin to brake: there is nothing to keep a reserve for.
+        // A standing object cannot begin to brake: no reserve is kept for it.
         let counted_on = Authority {
             deceleration_mps2: if object.stands() {
                 authority.deceleration_mps2
@@ -294,7 +294,7 @@ impl Decision {
             .then_some(Threat { acceleration_mps2, ..*lead })
     }
 
-    /// How probable a contact with `object` is in the time in which the ego is beside it.
+    /// Probability of a contact with `object` in the time in which the ego is beside it.
     fn contact(&self, object: &Object, beside: &Beside) -> Contact {
         let Path { half_width_m, horizon_s, .. } = self.settings.path;
         let reach_m = half_width_m + object.half_width_m;
@@ -304,7 +304,7 @@ impl Decision {
             let side = h.position_m.signum();
             let inward_mps = -h.rate_mps * side;
             let offset_m = h.position_m.abs();
-            // What comes in stays, what leaves is nearest at once.
+            // An object that comes in stays; one that leaves is nearest at once.
             let time_s =
                 if inward_mps > 0.0 { beside.last_s.min(horizon_s) } else { beside.first_s };
             let moved_m = inward_mps * time_s;

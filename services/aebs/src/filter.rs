@@ -49,7 +49,7 @@ const RATE_SIGMA_MPS: f64 = 0.055;
 /// Least standard deviation of a distance across the lanes, m.
 const LEAST_SIGMA_M: f64 = 1e-3;
 
-/// What is known of one state.
+/// Knowledge of one state.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct State {
     probability: f64,
@@ -155,7 +155,7 @@ impl Lateral {
         self.states.iter().map(square).sum::<f64>().sqrt()
     }
 
-    /// Where it is `time_s` later if it keeps its rate; what is known of it stays.
+    /// The state `time_s` later at an unchanged rate; its uncertainty stays.
     pub fn move_on(&mut self, time_s: f64) {
         for (k, state) in self.states.iter_mut().enumerate() {
             state.mean_m += rate(k) * time_s;

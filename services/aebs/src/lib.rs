@@ -1,8 +1,7 @@
 //! The advanced emergency braking system (UN R152): warns, and brakes at the last point.
 //!
-//! It reads `radar/detections` and `vehicle/odometry` and nothing else, with a tracking of its own
-//! ([`mod@objects`]; the controller's perception uses other code and other methods) and
-//! a decision of its own:
+//! It reads `radar/detections` and `vehicle/odometry` and nothing else. Its tracking ([`mod@objects`]) shares no code
+//! and no method with the controller's perception, and its decision is its own:
 //!
 //! ```text
 //! detections ─► Objects ─► when the ego is beside each: if it keeps on, if it brakes now, one cycle
@@ -12,8 +11,8 @@
 //! ```
 //!
 //! On a road with curves it reads `vehicle/lateral` too, and counts places along the circle that the ego drives
-//! ([`mod@circle`]). It uses no other estimate of the road: a fault of the controller's perception does not reach it. What
-//! stands on a row that crosses this circle is braked for late (`row`).
+//! ([`mod@circle`]). It uses no other estimate of the road: a fault of the controller's perception does not reach it.
+//! An object that stands on a row across this circle is braked for late (`row`).
 //!
 //! Beside the objects as they are it looks at each that is about to hit another one as it will stand there
 //! ([`Objects::threats`](objects::Objects::threats)).

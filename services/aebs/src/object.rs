@@ -9,7 +9,7 @@ pub(crate) const STANDING_MPS: f64 = 1.0;
 const HALF_WIDTH_M: f64 = 0.95;
 /// Length of an object of which only the face was seen, m.
 const LEAST_LENGTH_M: f64 = 4.3;
-/// What is behind the farthest point that reflects, m.
+/// Distance from the farthest point that reflects to the end of the body, m.
 pub(crate) const OVERHANG_M: f64 = 0.9;
 /// A side shows when it is this far from the ego's axis, m.
 const SIDE_SHOWS_M: f64 = 0.15;
@@ -48,7 +48,7 @@ pub struct Object {
     pub length_m: f64,
     /// It counts.
     pub is_confirmed: bool,
-    /// How probable it is that it is there.
+    /// Probability that it is there.
     pub probability: f64,
     /// A vehicle in the ego's path drove through its place: it is not there.
     pub(crate) is_driven_through: bool,
@@ -60,9 +60,9 @@ pub struct Object {
     pub(crate) history: u32,
     /// Time since it was last seen, s.
     pub(crate) unseen_s: f64,
-    /// How far the way there has bent away from its tangent at the ego, m to the left.
+    /// Distance of the way from its tangent at the ego, there, m to the left.
     pub(crate) bow_m: f64,
-    /// How far the road may be beside the way there, as a standard deviation, m.
+    /// Standard deviation of the road's distance from the way there, m.
     pub(crate) way_sigma_m: f64,
     /// It stands on a row along which the road may bend ([`mod@crate::row`]).
     pub(crate) is_on_row: bool,

@@ -1,9 +1,8 @@
 //! Objects from detections, by fixed rules.
 //!
-//! A detection at range R, azimuth φ and range rate ρ is a point at x = R cos φ, y = R sin φ that moves
-//! with the speed v = v_ego + (ρ - w sin φ) / cos φ over ground, w being its object's lateral speed. Points
-//! near an object in place and speed are its own; the rest begin new objects. Each scan then corrects an
-//! object by its points:
+//! A detection at range R, azimuth φ and range rate ρ is a point at x = R cos φ, y = R sin φ. It moves over ground with
+//! the speed v = v_ego + (ρ - w sin φ) / cos φ, where w is its object's lateral speed. Points near an object in place
+//! and speed are its own; the rest begin new objects. Each scan then corrects an object by its points:
 //!
 //! | quantity | from | filter |
 //! |---|---|---|
@@ -14,18 +13,16 @@
 //! | lateral speed | the range rates of points in different directions | the same |
 //! | length | the farthest point | the longest that was seen |
 //!
-//! The face's echoes merge and fluctuate, so that their middle wanders by 0.3 m; the points of a
-//! side are apart from one another in range, and as exact as the radar's azimuth: a vehicle beside the path
-//! is located by the side that it shows.
+//! The face's echoes merge and fluctuate, so that their middle wanders by 0.3 m. The points of a side differ in range
+//! and are as exact as the radar's azimuth. So a vehicle beside the path is located by the side that it shows.
 //!
-//! Where a nearer object stands before its face, only one side of it shows: of an object beside the path the inner
-//! one, of one in the path that whose corner is free. Its middle is up to half a width farther to the other side than
-//! what is seen. Of a vehicle longer than [`REACH_M`] what is farther along its side comes out as objects of their own,
-//! of which the inner side is seen.
+//! If a nearer object hides its face, only one side shows: the inner one of an object beside the path, the one with the
+//! free corner of an object in the path. Its middle is up to half a width farther to the other side than what is seen.
+//! The part of a vehicle beyond [`REACH_M`] along its side becomes further objects, which show their inner side.
 //!
-//! An object counts once it was seen in three of four scans; one that stands, in four of five, and not
-//! beyond the neighbouring lanes: what stands beside the road is left out. A standing object through which a lead in the
-//! path drives does not count: it is an echo of several vehicles beside the path.
+//! An object counts once it was seen in three of four scans. A standing one counts after four of five, and only up to
+//! the neighbouring lanes: posts beside the road are left out. A standing object through which a lead in the path
+//! drives does not count: it is an echo of several vehicles beside the path.
 //!
 //! While the radar shows little ([`Objects::expect`]) an object has as many scans longer to be seen.
 //!
@@ -176,8 +173,8 @@ impl Objects {
         Some(period_s)
     }
 
-    /// Counts all places along the circle of the way as it is now; returns it. The ego has driven on for `period_s`, and
-    /// has turned by its yaw rate meanwhile. What stands stays in its place in the plane.
+    /// Counts all places along the circle of the way as it is now; returns it. The ego has driven on for `period_s`,
+    /// and has turned by its yaw rate meanwhile. A standing object stays in its place in the plane.
     fn turn(&mut self, way: &OwnWay, period_s: f64, ego_mps: f64) -> Circle {
         let circle = way.circle();
         let before = self.circle.replace(circle).unwrap_or(circle);

@@ -5,9 +5,9 @@ use messages::Detection;
 use crate::circle::Circle;
 use crate::object::STANDING_MPS;
 
-/// Standing points farther off the path than this are left out, m: what stands beyond the neighbouring
-/// lanes. Nearer, to leave out some points of a vehicle by their measured place would keep those whose
-/// noise is towards the path, and with them the vehicle would seem to be nearer to it than it is.
+/// Standing points farther off the path than this are left out, m: what stands beyond the neighbouring lanes. Selecting
+/// a vehicle's near points by their measured place would keep those whose noise is towards the path. The vehicle would
+/// then seem nearer to the path than it is.
 const STANDING_OFFSET_M: f64 = 5.0;
 /// Standard deviation of an azimuth: of a strong echo, rad, and of one as strong as the noise.
 const AZIMUTH_SIGMA_RAD: f64 = 0.0018;

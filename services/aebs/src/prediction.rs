@@ -1,21 +1,21 @@
 //! When the ego is beside an object, depending on what the ego does.
 //!
-//! If it brakes it keeps its acceleration until the brakes bite (dead time), then its deceleration grows by
-//! the brake's jerk up to its authority, until it is no faster than the object and far enough behind it. The
-//! object keeps the acceleration that was estimated, until it stands. Both are integrated in steps of
-//! [`STEP_S`]. The time ends when the ego has passed, or has fallen back behind the object.
+//! If it brakes, it first keeps its acceleration until the brakes bite (dead time). Then its deceleration grows by the
+//! brake's jerk up to its authority, until it is no faster than the object and far enough behind it. The object keeps
+//! the acceleration that was estimated, until it stands. Both are integrated in steps of [`STEP_S`]. The time ends when
+//! the ego has passed, or has fallen back behind the object.
 
 /// Step of the prediction, s.
 const STEP_S: f64 = 0.02;
 /// Longest prediction, s: a car at 70 m/s with 0.85 g stands before.
 const LONGEST_S: f64 = 10.0;
 
-/// After so many steps it is asked whether the ego can come near at all.
+/// Steps after which the prediction checks whether the ego can come near at all.
 const STEPS_TO_LOOK: u32 = 16;
-/// What is farther than this is far, whatever the rounding errors of a prediction, m.
+/// Distance that counts as far in spite of the rounding errors of a prediction, m.
 const SURELY_M: f64 = 1e-3;
 
-/// What the vehicle's emergency brakes give.
+/// Capability of the vehicle's emergency brakes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Authority {
     /// Time from the request until the deceleration begins to grow, s.
@@ -35,7 +35,7 @@ pub struct Ego {
     pub acceleration_mps2: f64,
 }
 
-/// What may be in the way, along the road.
+/// Obstacle that may be in the way, along the road.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Threat {
     /// Bumper-to-bumper distance, m.
@@ -48,7 +48,7 @@ pub struct Threat {
     pub passed_m: f64,
 }
 
-/// What the ego does.
+/// Motion of the ego.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Plan {
     /// It keeps its acceleration.

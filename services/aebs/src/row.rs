@@ -12,8 +12,8 @@
 //!    o o o                       a queue in the own lane begins in the path and never comes from beside it
 //! ```
 //!
-//! [`Places`] keeps what stood in the last scans. A place is on such a row if two places nearer to the ego lie on one line
-//! of that form with it, all three more than [`APART_M`] from one another.
+//! [`Places`] keeps what stood in the last scans. A place is on such a row if two places nearer to the ego lie on one
+//! line of that form with it. All three are more than [`APART_M`] from one another.
 
 use crate::circle::Circle;
 

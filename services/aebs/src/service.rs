@@ -51,7 +51,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     runtime.finish(report)
 }
 
-/// What the processes of a run's emergency brake told in all, which left out `skipped` releases.
+/// Sum of the reports of all processes of a run's emergency brake, which left out `skipped` releases.
 #[must_use]
 pub fn last_known(group: &Group, scenario: &Scenario, skipped: u64) -> AebsReport {
     let counts = CountsReader::of(group, Service::Aebs);
@@ -88,7 +88,7 @@ pub fn objects(scenario: &Scenario) -> Objects {
     Objects::new(0.5 * scenario.perception.radar.field_of_view_deg.value().to_radians())
 }
 
-/// How much a scenario's radar shows, before its first scan.
+/// Sight of a scenario's radar before its first scan.
 #[must_use]
 pub fn sight(scenario: &Scenario) -> Sight {
     let radar = &scenario.perception.radar;

@@ -1,4 +1,4 @@
-//! What the points of one object in one scan say of it together.
+//! Measurement of one object from all its points in one scan.
 
 use crate::filter::Lateral;
 use crate::object::{FIRST_SIGMA_M, OVERHANG_M, Object, SIDE_M};
@@ -42,10 +42,10 @@ pub(crate) struct Sums {
     face_y_m: f64,
     /// Least and largest lateral position of the face.
     face_ends_m: (f64, f64),
-    /// Of the side's points: sum of the weights, and of the weighted lateral positions of the middle.
+    /// Sums over the points of the side: weights, and weighted lateral positions of the middle.
     side_weight: f64,
     side_y_m: f64,
-    /// Of all points: sums for the line of the speeds over the tangents, weighted.
+    /// Weighted sums over all points, for the line of the speeds over the tangents.
     line: [f64; 5],
 }
 
@@ -184,7 +184,7 @@ pub(crate) fn correct(
         let gain = if first { 1.0 } else { DISTANCE_GAIN };
         object.distance_m += gain * (face_m - object.distance_m);
     }
-    // Of a face that another object half hides the other side is seen, or what is farther along that one's side.
+    // A face that another object half hides shows its other side, or a part farther along that object's side.
     let hidden_side = if first { 0.0 } else { object.hidden_side };
     let shows_its_face = first || shows_its_face;
     if let Some((middle_m, variance_m2)) =

@@ -1,4 +1,4 @@
-//! What the emergency brake reports of its own sight, behind the radar's detections.
+//! Report of the emergency brake on its own sight, from the radar's detections.
 
 use bytemuck::Zeroable;
 use messages::{Detection, MAX_DETECTIONS};

@@ -1,5 +1,5 @@
-//! What a call of each law costs, those that are programs of their own included:
-//! `cargo bench -p controller --bench laws [-- PROGRAM ARGUMENTS...]`.
+//! Cost of a call of each law, also of those that are programs of their own: `cargo bench -p controller --bench laws
+//! [-- PROGRAM ARGUMENTS...]`.
 //!
 //! The drive is the same for all: a lead 40 m ahead that speeds up and slows down, a green light, a truck on
 //! hills. The foreign law is `examples/my_law.py` where there is a Python, and the program that the arguments

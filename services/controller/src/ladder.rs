@@ -27,7 +27,7 @@ const STALE_PERIODS: f64 = 3.0;
 /// Shortest age at which an input is stale, s: releases are not exact.
 const SHORTEST_STALE_S: f64 = 0.1;
 /// Time for which a target is predicted, s. Chosen: with 1 s, losses of 2 s in a row alternate with braking, and a law
-/// brakes with 6 m/s² for a lead that brakes with 1.5; the emergency brake does not depend on the tracks.
+/// brakes with 6 m/s² for a lead that brakes with 1.5. The emergency brake does not depend on the tracks.
 const PREDICT_S: f64 = 2.0;
 /// Time for which announced signal timing is trusted without a new announcement, s.
 const BELIEVE_SIGNALS_S: f64 = 5.0;
@@ -47,7 +47,7 @@ pub struct Ages {
     pub signals_contradict: bool,
 }
 
-/// What to do in this cycle.
+/// Action of this cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Admission {
     /// The law steps, with the input as it now is.
@@ -145,7 +145,7 @@ impl Ladder {
         let radar_s = ages.radar_s.unwrap_or(time_s - since_s);
         let silent = self.odometry.observe(odometry, 2);
         let lost = self.lead.observe(radar_s <= self.stale_radar_s + PREDICT_S, 1);
-        // What was lost is found again by fresh samples alone.
+        // Lost signals are found again by fresh samples alone.
         let lost = self.found.observe(radar || !(lost || self.found.failed), 5);
         let predicted = self.radar.observe(radar, 2);
         let signals_lost = self.signals.observe(spat && !ages.signals_contradict, 3);
@@ -238,8 +238,8 @@ impl Ladder {
         self.level
     }
 
-    /// Writes a plan that brakes to standstill, in place of the law's and within its bounds: comfortable, harder where
-    /// the last request was or where the lost lead asks for it.
+    /// Writes a plan that brakes to standstill, in place of the law's and within its bounds. Braking is comfortable, or
+    /// harder where the last request was or the lost lead asks for it.
     pub fn brake(&self, ego: &Ego, period_s: f64, (least, _): (f64, f64), output: &mut Output) {
         *output = Output { mode: output.mode, quality: Quality::Backup, ..Output::default() };
         let request = self.last_request_mps2.clamp(least, 0.0);

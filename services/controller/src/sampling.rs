@@ -9,7 +9,7 @@ use scenario::Scenario;
 /// A stop line is forgotten when it is this far behind, m.
 const PASSED_M: f64 = 50.0;
 
-/// What of the input does not come from samples.
+/// Part of the input that does not come from samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
     /// Control period, s.
@@ -58,7 +58,7 @@ pub struct Samples<'a> {
     pub preview: Option<&'a Preview>,
 }
 
-/// How far announced signal timing may be believed.
+/// Trust in announced signal timing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SignalTrust {
     /// All of it: greens and yellows up to their earliest end, reds up to their latest.
@@ -70,7 +70,7 @@ pub enum SignalTrust {
     None,
 }
 
-/// What the law is told at `time_s`. Without odometry the ego is taken to stand at the origin.
+/// Input of the law at `time_s`. Without odometry the ego is taken to stand at the origin.
 #[must_use]
 pub fn input(setting: &Setting, samples: &Samples<'_>, trust: SignalTrust, time_s: f64) -> Input {
     let ego = samples.odometry.map_or_else(Ego::default, |odometry| ego_at(odometry, time_s));
@@ -179,9 +179,9 @@ fn signals_ahead(
     ahead
 }
 
-/// The intervals that have not ended yet. What ends before its announced successor begins to be known leaves
-/// the phase unknown: it is never guessed. What is not green or yellow lasts until a message shows another phase,
-/// whatever was announced: the next release is the soonest that one can.
+/// The intervals that have not ended yet. If a phase ends before the known begin of its announced successor, the phase
+/// is unknown: it is never guessed. A phase other than green or yellow lasts until a message shows another one,
+/// whatever was announced: the next release is the soonest time for that.
 fn announce(
     setting: &Setting,
     timing: &Signal,

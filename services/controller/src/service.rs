@@ -124,7 +124,7 @@ struct Loop {
     radar: Subscriber<RadarTracks>,
     spat: Subscriber<Spat>,
     map: Subscriber<Map>,
-    /// What a truck alone has.
+    /// Parts that a truck alone has.
     truck: Option<TruckTopics>,
     /// Parts that only a road with a plan has.
     curves: Option<CurveTopics>,

@@ -1,4 +1,4 @@
-//! How the laws read and check their settings: one error type, one wording.
+//! Reading and checking of the laws' settings: one error type, one wording.
 
 use scenario::Problem;
 use scenario::controller::Controller;
@@ -164,7 +164,7 @@ pub enum SettingError {
         key: &'static str,
         /// Its value.
         value: f64,
-        /// What it must be greater than.
+        /// Limit that it must exceed.
         above: f64,
         /// Largest value.
         most: f64,

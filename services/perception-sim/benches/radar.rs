@@ -1,9 +1,9 @@
 //! Cost of the radar's imperfections for the tracker, and its speed behind a lead that brakes: `cargo bench -p
 //! perception-sim --bench radar [-- SCENES]`.
 //!
-//! Every figure is of seeded scenes and the same on every machine. A scene is 10 s on a motorway: a lead, a
-//! vehicle on the left and one on the right, which moves into the ego's lane in every second scene. GOSPA and
-//! the other figures are those of `perception_sim::quality`, over the scans of all scenes.
+//! Every figure is of seeded scenes and the same on every machine. A scene is 10 s on a motorway: a lead, a vehicle on
+//! the left and one on the right. In every second scene the right one moves into the ego's lane. GOSPA and the other
+//! figures are those of `perception_sim::quality`, over the scans of all scenes.
 
 use bytemuck::Zeroable;
 use messages::{Detection, MAX_DETECTIONS};

@@ -10,7 +10,7 @@ pub(crate) const CUTOFF_M: f64 = 10.0;
 /// A track may be this far from the body of a vehicle that is seen in part, m.
 const BODY_MARGIN_M: f64 = 3.0;
 
-/// Which track is of which vehicle.
+/// Vehicle of each track.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Assignment {
     /// Places in the scenario, which has fewer than 256 vehicles.
@@ -25,8 +25,8 @@ pub(crate) struct Assignment {
 impl Assignment {
     /// The assignment with the least GOSPA.
     ///
-    /// Vehicle after vehicle takes one of the tracks or none. Of the ways to one set of taken tracks the best is kept in
-    /// `sets`, so that the effort grows with the vehicles in proportion only.
+    /// Vehicle after vehicle takes one of the tracks or none. The best of all ways to one set of taken tracks is kept
+    /// in `sets`, so that the effort grows only in proportion to the vehicles.
     pub(crate) fn best(
         scene: &Scene,
         in_view: &[bool],

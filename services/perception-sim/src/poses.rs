@@ -28,7 +28,7 @@ impl Poses {
         Ok(Some(Self { axis, start, port: runtime.publisher()?, more }))
     }
 
-    /// Sends the vehicles that are present, in the order of `truth/vehicles`. Who has the first message has both.
+    /// Sends the vehicles that are present, in the order of `truth/vehicles`. A reader with the first message has both.
     pub(crate) fn send(
         &mut self,
         header: Header,

@@ -1,9 +1,8 @@
 //! Quality of the tracks by ground truth.
 //!
-//! * GOSPA (generalised optimal sub-pattern assignment) with c = 10 m, p = 2, alpha = 2, on the positions
-//!   (gap, lateral) of all vehicles whose rear is in range and field of view, hidden ones included. A
-//!   track on the body of any other vehicle, which is in view in part at most, is neither right nor
-//!   false:
+//! * GOSPA (generalised optimal sub-pattern assignment) has c = 10 m, p = 2, alpha = 2. It is taken on the positions
+//!   (gap, lateral) of all vehicles whose rear is in range and field of view, hidden ones included. A track on the body
+//!   of any other vehicle, which is in view in part at most, is neither right nor false:
 //!
 //! ```text
 //! d² = min over assignments  Σ assigned |x - y|²  +  c²/2 · (missed + false)
@@ -11,8 +10,8 @@
 //!
 //!   The figures are root mean squares over the scans, so that the squares of localisation, missed and
 //!   false add up to that of the whole.
-//! * Time to confirm a cut-in: from the moment when the bodies' lanes overlap to the publication of a
-//!   track of it that is in the path; negative when it was recognised before.
+//! * Time to confirm a cut-in: from the overlap of the bodies' lanes to the publication of a track of it that is in the
+//!   path; negative for an earlier recognition.
 //! * False targets: selected targets without a vehicle, or with a vehicle that neither overlaps the ego's lane nor
 //!   moves towards it.
 //!

@@ -97,7 +97,7 @@ pub fn run_behind(mut runtime: Runtime, mut ahead: Ahead) -> Result<(), RuntimeE
             output.send(detections, acquired, &perception)?;
         }
         let ended = perception.traffic().is_over();
-        // Who has the first message of the vehicles has both.
+        // A reader with the first message of the vehicles has both.
         if let Some(more) = &mut more {
             more.send_with(|message| write_more(message, header, perception.vehicles()))?;
         }

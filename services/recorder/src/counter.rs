@@ -5,9 +5,8 @@ use messages::e2e::profile7;
 use messages::{Header, Service, TOPICS, Topic};
 use std::collections::BTreeMap;
 
-/// Counts messages and the gaps in their sequence numbers. A number out of order counts where the
-/// message's protection holds: that of a damaged message, or of what others publish on our topics, says
-/// nothing of what was lost.
+/// Counts messages and the gaps in their sequence numbers. A number out of order counts if the message's protection
+/// holds. The number of a damaged or foreign message on our topics shows nothing about losses.
 #[derive(Debug, Default)]
 pub(crate) struct Counter {
     topics: BTreeMap<Topic, TopicTally>,

@@ -31,7 +31,7 @@ pub enum ReadError {
     Layout {
         /// The file.
         path: PathBuf,
-        /// Who recorded it.
+        /// Program that recorded it.
         program: String,
         /// A topic whose schema differs.
         topic: String,

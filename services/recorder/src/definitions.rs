@@ -1,4 +1,4 @@
-//! Which channels of a file carry our messages.
+//! Channels of a file that carry our messages.
 
 use crate::schema;
 use bags::mcap::{self as format, Channel, Malformed, Schema, opcode};

@@ -16,7 +16,7 @@ const MOST_WAITING: usize = 1024;
 /// Work of one process of the controller, as far as it can be replayed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Take {
-    /// Which restart of the controller it was.
+    /// Incarnation of the controller.
     pub incarnation: u32,
     /// Its cycles.
     pub cycles: u64,
@@ -60,8 +60,8 @@ pub fn inputs(origins: &Origins) -> [Origin; INPUTS.len()] {
 
 /// True if the sample at `index` of [`INPUTS`] was used and is not there.
 fn is_missing(index: usize, origin: Origin, samples: &[Option<Arc<[u8]>>; INPUTS.len()]) -> bool {
-    // One that rides exists on a road with a plan alone. Where nothing but it is sent, as the map of curves for a car,
-    // it has the place of what it rides with.
+    // One that rides exists on a road with a plan alone. A topic that rides with another one, as the map of curves for
+    // a car, has that topic's place.
     let rides_here = |other: usize| INPUTS[other].rides_with() == Some(INPUTS[index]);
     let stands_for = (0..INPUTS.len()).any(|other| rides_here(other) && samples[other].is_some());
     origin.is_some()

@@ -1,5 +1,5 @@
-//! Recordings that another program wrote or that are damaged on purpose: the messages in the order of their
-//! log times, or what is wrong; and never more memory or time than the file is worth.
+//! Recordings that another program wrote or that are damaged on purpose. The reader gives the messages in the order of
+//! their log times, or the fault. It never takes more memory or time than the file is worth.
 
 use messages::{Message, Odometry};
 use recorder::{Damage, LawNames, Metadata, ReadError, Recording, Tally, Writer};

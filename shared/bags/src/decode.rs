@@ -5,7 +5,7 @@ use crate::definition::{DEEPEST, Definition, Field, Kind, Repeat, Scalar};
 /// Most steps of a walk for each byte of the message.
 const STEPS_PER_BYTE: usize = 8;
 
-/// How a message's fields follow each other.
+/// Sequence of a message's fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Layout {
     /// Little-endian CDR behind four bytes of encapsulation: scalars on multiples of their size.

@@ -32,7 +32,7 @@ pub(crate) enum Kind {
     Struct(String),
 }
 
-/// How often a field repeats.
+/// Repetition of a field.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Repeat {
     Once,

@@ -5,9 +5,9 @@
 //! d log p / d θ = ½ tr( (α αᵀ − K⁻¹) dK/dθ ),   α = K⁻¹ y
 //! ```
 //!
-//! Maximised over the logarithms by steps of the gradient's signs (Riedmiller and Braun, RPROP, 1993), from a few starts.
-//! A weak prior keeps lengths that few points cannot tell from running away: log l ~ N(log 0.5 √d', 1), with d' a
-//! quarter of the dimensions and at least one.
+//! Maximised over the logarithms by steps of the gradient's signs (Riedmiller and Braun, RPROP, 1993), from a few
+//! starts. A weak prior bounds lengths that few points cannot determine: log l ~ N(log 0.5 √d', 1), with d' a quarter
+//! of the dimensions and at least one.
 
 use crate::factor::Factor;
 use crate::kernel::{Hyperparameters, Kind, covariances_and_slopes};

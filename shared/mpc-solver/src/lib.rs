@@ -38,9 +38,8 @@
 //! soft:  φ(D) = min_{σ ≥ 0} w (1/min(D + σ, d_th) − 1/d_th) + λ σ
 //! ```
 //!
-//! Soft, it leaves the hyperbola at `D = √(w/λ)`, where its slope is `−λ`, and goes on as a straight
-//! line: every state has a finite cost and every problem with soft rows and a terminal cost has a
-//! solution.
+//! If it is soft, it leaves the hyperbola at `D = √(w/λ)`, where its slope is `−λ`, and goes on as a straight line.
+//! Every state then has a finite cost, and every problem with soft rows and a terminal cost has a solution.
 //!
 //! # Symbols
 //!

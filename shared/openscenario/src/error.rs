@@ -40,21 +40,21 @@ pub enum ReadError {
     File {
         /// Its path.
         file: String,
-        /// What the system said.
+        /// Error of the system.
         reason: String,
     },
     /// The text is not well-formed XML.
     #[error("{place}: {reason}")]
     Syntax {
-        /// Where.
+        /// Place.
         place: Place,
-        /// What is wrong.
+        /// Fault.
         reason: String,
     },
     /// Another version of the standard.
     #[error("{place}: version {found} of OpenSCENARIO XML is not supported, expected 1.0 to 1.3")]
     Version {
-        /// Where.
+        /// Place.
         place: Place,
         /// The version that the file states.
         found: String,
@@ -62,15 +62,15 @@ pub enum ReadError {
     /// An element outside the subset, or one that is missing or too many.
     #[error("{place}: element `{element}` in `{parent}` {fault}, expected {expected}")]
     Element {
-        /// Where.
+        /// Place.
         place: Place,
         /// Its name.
         element: String,
         /// The element that it stands in.
         parent: String,
-        /// What is wrong with it.
+        /// Fault of the value.
         fault: &'static str,
-        /// What would have been right.
+        /// Expected value.
         expected: String,
     },
     /// An attribute that is unknown or missing, or whose value does not fit.
@@ -82,15 +82,15 @@ pub enum ReadError {
         attribute: String,
         /// The element that it belongs to.
         element: String,
-        /// What is wrong.
+        /// Fault.
         reason: String,
-        /// What would have been right.
+        /// Expected content.
         expected: String,
     },
     /// A parameter whose value breaks its own constraints: a variation leaves such a combination out.
     #[error("{place}: parameter `{parameter}` has the value {value}, expected {expected}")]
     Constraint {
-        /// Where it is declared.
+        /// Place of its declaration.
         place: Place,
         /// Its name.
         parameter: String,
@@ -102,23 +102,23 @@ pub enum ReadError {
     /// A parameter that is not declared, or depends on itself.
     #[error("{place}: parameter `{parameter}` {reason}, expected {expected}")]
     Parameter {
-        /// Where.
+        /// Place.
         place: Place,
         /// Its name.
         parameter: String,
-        /// What is wrong.
+        /// Fault.
         reason: String,
-        /// What would have been right.
+        /// Expected content.
         expected: String,
     },
     /// Something that is well formed and cannot be simulated.
     #[error("{place}: {reason}, expected {expected}")]
     Meaning {
-        /// Where.
+        /// Place.
         place: Place,
-        /// What is wrong.
+        /// Fault.
         reason: String,
-        /// What would have been right.
+        /// Expected content.
         expected: String,
     },
     /// A `--param` that names no parameter, or gives it a value that does not fit.
@@ -128,9 +128,9 @@ pub enum ReadError {
         name: String,
         /// The value given.
         value: String,
-        /// What is wrong.
+        /// Fault.
         reason: String,
-        /// What would have been right.
+        /// Expected content.
         expected: String,
     },
 }

@@ -1,4 +1,4 @@
-//! What files by other authors hold, and what it means here.
+//! Content of files by other authors, and its meaning here.
 
 #![allow(
     clippy::result_large_err,

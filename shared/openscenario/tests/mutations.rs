@@ -238,7 +238,7 @@ fn files() -> Vec<(PathBuf, Element)> {
     files
 }
 
-/// Mutates each file, over and over until `done` says that it is enough. How many files moved, and how many had
+/// Mutates each file, over and over until `done` says that it is enough. Number of files that moved, and of those with
 /// a storyboard: catalogs and variations do not move.
 fn mutate(seed: u64, done: impl Fn(u32) -> bool) -> (u32, u32) {
     let files = files();

@@ -1,4 +1,4 @@
-//! What is outside the subset, or makes no sense, is refused with its place.
+//! A file that is outside the subset, or makes no sense, is refused with its place.
 
 #![allow(
     clippy::result_large_err,

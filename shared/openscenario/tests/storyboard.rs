@@ -47,7 +47,7 @@ fn edges_need_a_change_and_delays_come_after_them() {
     assert_eq!(changes(&once(&time("none", 0.5, 1.0)), 3.0), [(1.5, 5.0)]);
     assert_eq!(changes(&once(&time("falling", 0.0, 1.0)), 3.0), []);
     assert_eq!(changes(&once(&time("risingOrFalling", 0.0, 1.0)), 3.0), [(1.0, 5.0)]);
-    // What holds from the first evaluation on has not risen.
+    // A condition that holds from the first evaluation on has not risen.
     assert_eq!(changes(&once(&time("rising", 0.0, 0.0)), 3.0), []);
 }
 

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! A fit uses the points of all densities before it. A point's weight is the nominal density over the mixture of these
-//! densities (the balance heuristic, Veach and Guibas 1995), so that a point of an early density does not decide alone.
+//! densities (the balance heuristic, Veach and Guibas 1995). So a point of an early density does not decide alone.
 //!
 //! The estimate uses the points of the last density alone, which does not depend on them: it has no bias. The interval
 //! is Student's over the replicas, on the logarithm of the estimate, since an estimate of a rare event scatters by a

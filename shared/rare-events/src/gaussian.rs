@@ -22,7 +22,7 @@ impl Gaussian {
 
     /// The fit to weighted points; `None` without weight.
     ///
-    /// The covariance is drawn towards the nominal one with the weight of as many points as it has free entries: fewer
+    /// The covariance is drawn towards the nominal one with the weight of as many points as it has free entries. Fewer
     /// points determine it badly, and a density that is too narrow misses parts of the event.
     pub(crate) fn fitted(points: &[Vec<f64>], weights: &[f64]) -> Option<Self> {
         let whole: f64 = weights.iter().sum();

@@ -4,7 +4,7 @@ use crate::cell::{CELL_M, Cell, after};
 use crate::smooth::{Smooth, State};
 use crate::{AxisError, MIN_RADIUS_M, Pose};
 
-/// How often a cell of a cubic may be halved: 5 m / 2^8 is 2 cm.
+/// Largest number of halvings of a cubic's cell: 5 m / 2^8 is 2 cm.
 const MAX_HALVINGS: u32 = 8;
 /// Most cells of an axis.
 const MAX_CELLS: usize = 1 << 20;

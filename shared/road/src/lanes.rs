@@ -24,7 +24,7 @@ pub struct Section {
     pub from_m: f64,
     /// Its lanes from right to left.
     pub lanes: Vec<Lane>,
-    /// How many of them, at the end of the list, lie to the left of the middle.
+    /// Number of these, at the end of the list, that lie to the left of the middle.
     pub left: usize,
 }
 

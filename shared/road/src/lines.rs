@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 
 /// The lines at stations along an axis. Between two stations they run straight in the axis' coordinates.
 ///
-/// A station is `[p, l, ..]`, m: its place along the axis, and the lines there from right to left. The first and the last
-/// line are the edges of the road. Where the number of lines changes, lines begin and end.
+/// A station is `[p, l, ..]`, m: its place along the axis, and the lines there from right to left. The first and the
+/// last line are the edges of the road. Lines begin and end where their number changes.
 ///
 /// ```
 /// use road::LaneLines;

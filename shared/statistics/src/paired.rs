@@ -137,7 +137,7 @@ mod tests {
         assert_eq!(least_pairs(1e-9), None);
     }
 
-    /// How often the interval holds the centre 0 of `draw`'s values.
+    /// Share of intervals that hold the centre 0 of `draw`'s values.
     fn held(pairs: usize, tails: f64, rounds: u64, draw: fn(&mut Pcg64) -> f64) -> f64 {
         let mut random = Pcg64::new(11, 3);
         let holds = |_: &u64| {

@@ -47,7 +47,7 @@ pub struct CampaignArguments {
     /// Runs at once [default: one per core; 1 in realtime]
     #[arg(long, value_name = "N", conflicts_with = "merge")]
     pub jobs: Option<NonZeroUsize>,
-    /// How each run's processes are started.
+    /// Start of each run's processes.
     #[command(flatten)]
     pub group: GroupOptions,
     /// Directory and forms of the results.

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::record::Record;
 
-/// How a count is shown and limited.
+/// Appearance and limit of a count.
 enum Shown {
     /// A column of the tables of runs with this weight, and a limit of campaigns.
     Column(u8),
@@ -43,7 +43,7 @@ macro_rules! counts {
         const NAMED: &[(&str, fn(&Counts) -> u64)] =
             &[$((stringify!($field), |counts| counts.$field)),+];
 
-        /// How each of them is shown.
+        /// Appearance of each.
         const SHOWN: &[Shown] = &[$($shown),+];
 
         /// Their columns.

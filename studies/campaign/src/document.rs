@@ -157,7 +157,7 @@ fn tiles(all: &Tally) -> Vec<Tile> {
     tiles
 }
 
-/// How long detection and recovery took; empty if no process fault was timed.
+/// Times of detection and recovery; empty if no process fault was timed.
 fn pictures(runs: &Sum) -> String {
     let timed = [
         ("detected by the supervisor", &runs.histograms.detection_us),

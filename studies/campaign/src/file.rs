@@ -135,7 +135,7 @@ pub struct Case {
     /// Runs, each with a seed of its own.
     #[serde(default = "ten")]
     pub seeds: NonZeroU32,
-    /// Where it comes from.
+    /// Origin.
     pub from: Line,
 }
 

@@ -1,4 +1,4 @@
-//! Which campaign a command means, and the options that it takes.
+//! Choice of the campaign that a command means, and of its options.
 
 use crate::arguments::CampaignArguments;
 use crate::builtin::BUILTIN;

@@ -34,7 +34,7 @@ pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
 struct FileCampaign {
     campaign: Campaign,
     plan: Plan,
-    /// How the processes are started, for the drives without faults too.
+    /// Start of the processes, for the drives without faults too.
     group: GroupOptions,
     may_kill_launcher: bool,
 }
@@ -54,7 +54,7 @@ impl FileCampaign {
         let drawn = (0..self.plan.len()).step_by(stride).map(|place| self.plan.at(place));
         for planned in drawn.chain(self.plan.first_of_cases()) {
             let scenario = job(&self.campaign, &planned)?.scenario;
-            // How OpenSCENARIO files are run.
+            // Reading of OpenSCENARIO files.
             notices.extend(scenario.notices().map(str::to_owned));
             targets.note(&scenario);
         }

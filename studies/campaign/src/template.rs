@@ -32,7 +32,7 @@ pub enum TemplateError {
 
 impl Failure for TemplateError {}
 
-/// How the faults of a run are drawn.
+/// Draw of a run's faults.
 #[derive(Debug)]
 pub enum Drawing {
     /// The run has no faults.

@@ -5,7 +5,7 @@ use report::summary::{Control, Summary, Timing};
 use serde_json::Value;
 use statistics::Spread;
 
-/// How a figure of several seeds becomes one.
+/// Way from a figure of several seeds to one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fold {
     /// The mean, with its spread.
@@ -24,7 +24,7 @@ pub struct Figure {
     pub panel: &'static str,
     /// Name in the legend of its panel.
     pub label: &'static str,
-    /// How seeds are folded.
+    /// Fold of the seeds.
     pub fold: Fold,
     /// Its value; none where it does not apply.
     pub of: Of,

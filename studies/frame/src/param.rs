@@ -118,8 +118,8 @@ pub fn refuse_if_set(
     }
 }
 
-/// The values of `A..B/STEP`, both ends included, or of `a,b,c`. Where a range has no step,
-/// `usual_step` is taken, if there is one.
+/// The values of `A..B/STEP`, both ends included, or of `a,b,c`. A range without a step takes `usual_step`, if there is
+/// one.
 pub fn values(list: &str, usual_step: Option<&str>) -> Result<Vec<String>, ValuesError> {
     // A path may have two dots as well; a range begins with a number.
     if let Some((from, rest)) = list.split_once("..")

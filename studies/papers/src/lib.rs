@@ -71,7 +71,7 @@ pub struct ReproduceArguments {
     /// Keep the trajectories of drives in trajectories.parquet: all, failures, or worst:N by the smallest gap
     #[arg(long, value_name = "WHICH")]
     pub keep: Option<Keep>,
-    /// How each run's processes are started.
+    /// Start of each run's processes.
     #[command(flatten)]
     pub group: GroupOptions,
     /// Directory and forms of the results.

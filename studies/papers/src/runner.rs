@@ -129,7 +129,7 @@ impl<'a> Runner<'a> {
         self.driver_spread_mps
     }
 
-    /// Drives a built-in scenario with these keys set. Of a piece in the sample, the first drive is repeated.
+    /// Drives a built-in scenario with these keys set. The first drive of a piece in the sample is repeated.
     ///
     /// # Errors
     /// Reasons why the run does not reach its end.

@@ -4,8 +4,8 @@
 //! cargo run --release -p regulation --example cut_outs -- --every 7 --laws acc-mpc,quadratic-bounded
 //! ```
 //!
-//! Every case of UN R157's cut-outs is driven by the law, and by `careful-driver` from the gap that the law keeps. Of each
-//! collision that the model avoids, a line gives the instants, in s since the lead began to leave:
+//! Every case of UN R157's cut-outs is driven by the law, and by `careful-driver` from the gap that the law keeps. A
+//! line for each collision that the model avoids gives the instants, in s since the lead began to leave:
 //!
 //! | instant | meaning |
 //! |---|---|

@@ -1,7 +1,7 @@
 //! Cut-in: a slower vehicle beside the ego comes into its lane.
 //!
-//! Its lateral speed rises by 1.5 m/s² and stays until it is centred; the distance of the case is that
-//! of the instant at which the lateral speed is reached, 1.6 m beside the ego.
+//! Its lateral speed rises by 1.5 m/s² and stays until it is centred. The distance of the case holds at the instant at
+//! which the lateral speed is reached, 1.6 m beside the ego.
 
 use crate::contact::contact;
 use crate::travel::Travel;
@@ -76,8 +76,8 @@ impl Case {
         Verdict::NONE
     }
 
-    /// True if at constant speeds the sides overlap less than a step of the models before the ego has passed: a
-    /// contact that falls between two steps, which the models therefore may not see.
+    /// True if at constant speeds the sides overlap less than a step of the models before the ego has passed. Such a
+    /// contact falls between two steps, so the models may not notice it.
     pub fn ends_within_a_step(&self) -> bool {
         let closing_mps = mps(self.ego_kmh) - mps(self.other_kmh);
         let passed_s = (f64::from(self.distance_m) + 2.0 * VEHICLE_LENGTH_M) / closing_mps;

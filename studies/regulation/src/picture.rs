@@ -1,4 +1,4 @@
-//! The classic picture of the cut-ins: for each pair of speeds the cases that end in a collision, over
+//! The classic picture of the cut-ins. For each pair of speeds it shows the cases that end in a collision, over
 //! distance and lateral speed, with the edges of the models' regions.
 
 use std::collections::{BTreeMap, BTreeSet};

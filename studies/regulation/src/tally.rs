@@ -11,8 +11,8 @@ pub struct Tally {
     pub collisions: PerModel<u32>,
     /// Rear-end collisions.
     pub rear_ends: PerModel<u32>,
-    /// Cases in which both `careful-driver` and `regulation` end without a collision. Where
-    /// `regulation` covers no case, `careful-driver` alone counts.
+    /// Cases in which both `careful-driver` and `regulation` end without a collision. `careful-driver` alone counts if
+    /// `regulation` covers no case.
     pub mastered_by_both: u32,
 }
 

@@ -4,8 +4,8 @@ use crate::{STEP_S, VEHICLE_LENGTH_M};
 
 /// A position along one axis: a start and the way since.
 ///
-/// The way is the sum of the speeds of all steps times the step, not a sum of products: cases in which
-/// two sides meet exactly at a step are decided by rounding, and the reference's are this sum's.
+/// The way is the sum of the speeds of all steps times the step, not a sum of products. Rounding decides cases in which
+/// two sides meet exactly at a step, and the reference rounds this sum.
 #[derive(Clone, Debug)]
 pub(crate) struct Travel {
     start_m: f64,

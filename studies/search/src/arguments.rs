@@ -58,7 +58,7 @@ impl FaultsName {
         }
     }
 
-    /// What the faults act on.
+    /// Targets of the faults.
     pub(crate) const fn words(self) -> &'static str {
         match self {
             Self::All => "messages and timing",
@@ -113,7 +113,7 @@ pub struct SearchArguments {
     /// Parts of the search.
     #[command(flatten)]
     pub parts: PartOptions,
-    /// How each run's processes are started.
+    /// Start of each run's processes.
     #[command(flatten)]
     pub group: GroupOptions,
     /// Directory and forms of the results.

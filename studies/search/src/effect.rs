@@ -1,4 +1,4 @@
-//! Which variables matter: the share of the values' variance that each explains alone.
+//! Weight of variables: the share of the values' variance that each explains alone.
 //!
 //! The correlation ratio (Pearson 1903): the variance of the means in six equal parts of the variable's interval, or of
 //! each word, over the whole variance. Values enter as `asinh`. It sees no effect that two variables have only

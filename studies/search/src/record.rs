@@ -16,7 +16,7 @@ pub struct Record {
     pub values: Vec<Value>,
     /// Seed of the run.
     pub seed: u64,
-    /// How it ended.
+    /// End of the run.
     pub outcome: Outcome,
     /// The requirement that decides it.
     pub judged: Judged,

@@ -17,7 +17,7 @@ use crate::value::{Judged, judge};
 pub struct Seeds<'a> {
     /// The problem.
     pub problem: &'a Problem,
-    /// How processes are started.
+    /// Start of processes.
     pub group: &'a GroupOptions,
     /// Runs at once; none: one per core.
     pub jobs: Option<NonZeroUsize>,

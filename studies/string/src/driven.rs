@@ -19,7 +19,7 @@ pub struct Driven {
     pub place: Place,
     /// Its law.
     pub controller: String,
-    /// How its drive ended.
+    /// End of its drive.
     pub outcome: Outcome,
     /// Verdicts on the requirements.
     pub requirements: Vec<RequirementVerdict>,

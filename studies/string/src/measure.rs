@@ -11,7 +11,7 @@ use controller::laws;
 use group::Drive;
 use scenario::Scenario;
 
-/// Below this largest deviation a signal is no disturbance, and its gain one of noise over noise, m/s or m: cars
+/// A signal whose largest deviation is below this is no disturbance, and its gain is noise over noise, m/s or m. Cars
 /// behind a constant speed deviate by 0.1 m/s by their radars' noise.
 const QUIET: f64 = 0.2;
 
@@ -36,7 +36,7 @@ impl Norms {
         last_s.map(|_| Self { l2: libm::sqrt(square), max })
     }
 
-    /// How much larger this is than `before`; none where there was nothing to amplify.
+    /// Factor by which this is larger than `before`; `None` if there was nothing to amplify.
     pub fn over(self, before: Option<Self>) -> (Option<f64>, Option<f64>) {
         let before = before.filter(|before| before.max > QUIET);
         let ratio = |now: f64, before: Option<f64>| before.map(|before| now / before);

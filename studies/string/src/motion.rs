@@ -1,4 +1,4 @@
-//! How a car moved, as what the car behind it has ahead.
+//! Motion of a car, as the lead of the car behind it.
 
 use group::report::Outcome;
 use group::{Drive, DriveStep};
@@ -10,8 +10,8 @@ use scenario::speeds::SpeedPoint;
 /// Points that a motion may have beside those of a stop after a collision.
 const MAX_POINTS: usize = MAX_PROFILE_POINTS - 1_000;
 
-/// A car's true speed over time. Between two points it is a straight line, so that the position is off
-/// by no more than `h² |Δa| / 12`: 0.02 mm at the plant's period of 10 ms, 0.1 mm at 20 ms.
+/// A car's true speed over time. Between two points it is a straight line. So the position is off by no more than `h²
+/// |Δa| / 12`: 0.02 mm at the plant's period of 10 ms, 0.1 mm at 20 ms.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motion(Vec<SpeedPoint>);
 
@@ -56,7 +56,7 @@ impl Motion {
     }
 }
 
-/// Steps from one point to the next, where a drive has so many steps.
+/// Steps from one point to the next, if a drive has at least this number.
 pub fn stride(steps: usize) -> usize {
     steps.div_ceil(MAX_POINTS).max(1)
 }

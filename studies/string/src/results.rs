@@ -64,7 +64,7 @@ pub struct Vehicle {
     pub index: usize,
     /// Its law.
     pub controller: String,
-    /// How its drive ended.
+    /// End of its drive.
     pub outcome: Outcome,
     /// Verdicts on the requirements.
     pub requirements: Vec<RequirementVerdict>,

@@ -22,11 +22,11 @@
 //! 4. [[1, x0'], [x0, X]] >= 0 for every start state.
 //! ```
 //!
-//! The gains follow from a factorisation U N' = I - X Y. What comes out is not trusted: the design
-//! passes the same verification as one that is read from a file.
+//! The gains follow from a factorisation U N' = I - X Y. The result is not trusted: the design passes the same
+//! verification as one that is read from a file.
 //!
-//! Alpha, the rate at which the ellipsoid contracts, enters the problem nonlinearly: a line search
-//! comes down from the greatest and ends at the first alpha with a certified design.
+//! Alpha, the rate at which the ellipsoid contracts, enters the problem nonlinearly. A line search comes down from the
+//! greatest alpha and ends at the first one with a certified design.
 
 #![cfg(feature = "openblas")]
 
@@ -37,7 +37,7 @@ use controller::settings::SettingError;
 use program::Problem;
 use serde::Deserialize;
 
-/// How to search.
+/// Settings of the search.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Options {
@@ -103,9 +103,9 @@ impl Options {
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DesignRequest {
-    /// What the design is for.
+    /// Purpose of the design.
     pub parameters: Parameters,
-    /// How to search.
+    /// Settings of the search.
     #[serde(default)]
     pub search: Options,
 }

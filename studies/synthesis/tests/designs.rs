@@ -175,7 +175,7 @@ fn header() {
     );
 }
 
-/// What was found: see the module's documentation.
+/// Result: see the module's documentation.
 #[test]
 fn a_certified_design_that_brakes_harder_in_the_cut_in() {
     header();
@@ -191,8 +191,8 @@ fn a_certified_design_that_brakes_harder_in_the_cut_in() {
     let most = Published::of(&design(&candidate(5.0, 8.0, (10.0, 10.0), 0.015)), &defaults);
     most.print("hardest within the ellipsoid");
     assert!(!most.holds() && most.lyapunov <= 1.0 && (most.hardest + 1.32).abs() < 0.02);
-    // Hiding the whole gap error from the shipped design leads out of the ellipsoid, where the law's
-    // fall-back drives: braking of the certified rules is no longer what is seen.
+    // Hiding the whole gap error from the shipped design leads out of the ellipsoid. There the law's fall-back drives,
+    // and braking of the certified rules is no longer visible.
     let hidden = Settings { gap_error_limit_m: 0.0, ..defaults };
     let hidden = Published::of(&Design::shipped(), &hidden);
     hidden.print("shipped, gap error hidden");

@@ -8,15 +8,15 @@ use truck_model::Demand;
 
 /// Control cycles from a request to its plan's effect, as in the real loop.
 const DELAY_CYCLES: u32 = 2;
-/// How far the map shows the road, m.
+/// Distance that the map shows, m.
 const REACH_M: f64 = 2000.0;
 
-/// What the map says, which need not be so.
+/// Road in the map, which need not be the true one.
 #[derive(Clone, Debug)]
 pub struct Map {
     /// The road on the map.
     pub road: Road,
-    /// How far ahead of its true place the map shows everything, m.
+    /// Distance by which the map shows everything ahead of its true place, m.
     pub shift_m: f64,
 }
 

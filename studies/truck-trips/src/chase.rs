@@ -11,7 +11,7 @@ const RANGE_M: f64 = 200.0;
 
 /// A driver with a radar.
 pub trait Follower: Driver {
-    /// What the radar shows from now on.
+    /// Content of the radar from now on.
     fn show(&mut self, target: Option<Target>);
 
     /// Mode of the law; 0 for one without modes.
@@ -41,9 +41,9 @@ impl Lead {
 /// Noise of the radar: standard deviations of gap and relative speed, m and m/s, and its seed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// Of the gap, m.
+    /// Standard deviation of the gap, m.
     pub gap_m: f64,
-    /// Of the relative speed, m/s.
+    /// Standard deviation of the relative speed, m/s.
     pub relative_speed_mps: f64,
     /// Seed.
     pub seed: u64,
@@ -72,7 +72,7 @@ pub struct Moment {
     pub service_brake_n: f64,
 }
 
-/// What came of a chase.
+/// Result of a chase.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Chase {
     /// Control periods, in order.

@@ -8,7 +8,7 @@ pub const EQUAL_TIME: f64 = 1e-3;
 const CLOSE: f64 = 1e-4;
 /// Trips within the range at most.
 const ATTEMPTS: usize = 18;
-/// How often the range is moved on when the trip is not in it.
+/// Number of moves of the range while the trip is not in it.
 const WIDENINGS: usize = 3;
 /// Trips nearby when the one that is wanted was jumped over, and how far apart, as a share of the range.
 const NEARBY: u32 = 16;
@@ -40,12 +40,12 @@ pub fn at_equal_time(
 struct Search<F> {
     time_s: f64,
     trip: F,
-    /// How far off the best trip's time is, and the trip.
+    /// Error of the best trip's time, and the trip.
     best: Option<(f64, Trip)>,
 }
 
 impl<F: FnMut(f64) -> Option<Trip>> Search<F> {
-    /// How late the trip is, relative; a truck that gets stuck is very late.
+    /// Relative lateness of the trip; a truck that gets stuck is very late.
     fn late(&mut self, x: f64) -> f64 {
         let Some(found) = (self.trip)(x) else { return 1.0 };
         let late = found.time_s / self.time_s - 1.0;

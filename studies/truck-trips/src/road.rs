@@ -63,7 +63,7 @@ impl Road {
         self.grades[index.min(self.grades.len() - 1)]
     }
 
-    /// What a map shows from the cell under `position_m` on: `reach_m` at most, less where the road ends.
+    /// Content of a map from the cell under `position_m` on: `reach_m` at most, less where the road ends.
     #[must_use]
     pub fn preview(&self, position_m: f64, reach_m: f64) -> Preview {
         let first = ((position_m / self.cell_m).max(0.0) as usize).min(self.grades.len());

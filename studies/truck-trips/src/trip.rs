@@ -10,7 +10,7 @@ pub(super) const SUBSTEPS: usize = 5;
 /// Speed at which a trip counts as stuck, m/s.
 const STUCK_MPS: f64 = 1.0;
 
-/// What a driver knows when he decides.
+/// Knowledge of a driver at a decision.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<'a> {
     /// Time since the start, s.
@@ -21,7 +21,7 @@ pub struct Seen<'a> {
     pub grade: f64,
 }
 
-/// What drives the truck: a law, a baseline or a driver model.
+/// Driver of the truck: a law, a baseline or a driver model.
 pub trait Driver {
     /// The demand for the next control period.
     fn demand(&mut self, seen: &Seen<'_>) -> Demand;
@@ -44,7 +44,7 @@ pub struct Sample {
     pub fuel_g: f64,
 }
 
-/// What came of a trip.
+/// Result of a trip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trip {
     /// Length of the road, m.
@@ -55,7 +55,7 @@ pub struct Trip {
     pub fuel_g: f64,
     /// Kinetic energy at the end less that at the start, J.
     pub gained_j: f64,
-    /// Where the energy went.
+    /// Use of the energy.
     pub ledger: Ledger,
     /// Number of shifts.
     pub shifts: u32,

@@ -1,8 +1,8 @@
 //! Comparisons of two ways to wake a process, in alternating blocks.
 //!
-//! A comparison has several sessions. In each, one source and one sink hold both ways open and use them in
-//! turn: pair after pair, each a block of ours and a block of the floor in random order. Both processes derive
-//! the order from the same seed, so that they exchange only "ready" and "done".
+//! A comparison has several sessions. In each, one source and one sink hold both ways open and use them in turn. Each
+//! pair has a block of ours and a block of the floor in random order. Both processes derive the order from the same
+//! seed, so that they exchange only "ready" and "done".
 
 use super::setup::{Conditions, FLAT_FROM, LARGEST, Mechanism};
 use super::statistics::Pair;

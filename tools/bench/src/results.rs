@@ -18,7 +18,7 @@ pub struct Report {
     pub quick: bool,
     /// Length of each measurement, s.
     pub seconds: f64,
-    /// Which loops hold on this machine; null in reports of earlier versions.
+    /// Loops that hold on this machine; null in reports of earlier versions.
     #[serde(default)]
     pub wake_ups: Option<WakeUps>,
     /// Requests that the kernel refused, with its reasons.

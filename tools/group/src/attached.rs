@@ -11,7 +11,7 @@ use std::time::Duration;
 /// A process and what is known of it.
 #[derive(Debug)]
 pub struct Attached {
-    /// Which process of its service it is.
+    /// Index of the process in its service.
     pub incarnation: u32,
     /// The process.
     pub process: Process,

@@ -57,6 +57,6 @@ pub fn run(what: &str, number: usize) -> ExitCode {
 }
 
 fn wait_for_the_end() {
-    // Whatever comes, it is not meant for us; the end is what counts.
+    // Content does not matter: it is not meant for us, and only the end counts.
     let _ = std::io::copy(&mut std::io::stdin().lock(), &mut std::io::sink());
 }

@@ -40,7 +40,7 @@ pub struct Answer {
 pub struct Who {
     /// The service.
     pub service: Service,
-    /// Which process of the service, counted from 0.
+    /// Index of the process in its service, from 0.
     pub incarnation: u32,
 }
 

@@ -27,7 +27,7 @@ struct Planned {
 /// A service's active process that lives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Living {
-    /// Which process of the service it is.
+    /// Index of the process in its service.
     pub incarnation: u32,
     /// Begin of its start, run time in ns; `None`: it takes part in the run.
     pub starting_since_ns: Option<i64>,

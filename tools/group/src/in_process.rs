@@ -90,7 +90,7 @@ pub fn run_behind(
     }
 }
 
-/// How far a call of [`SteppedRun::advance`] came.
+/// Progress of a call of [`SteppedRun::advance`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Advance {
     /// Every service had a turn.

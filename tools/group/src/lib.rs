@@ -4,9 +4,9 @@
 //! RunRoot::create ─ janitor ─ spawn services ─ all ready ─ start ─ events … ─ all reported ─ end ─ wipe
 //! ```
 //!
-//! The launcher holds a lock on the run's root and every service inherits it. The lock is free when the last of them
-//! is gone, however they went: the janitor, a process of its own, waits for that when the launcher dies, and removes
-//! what the run left. The next run removes the rest that even the janitor could not.
+//! The launcher holds a lock on the run's root and every service inherits it. The lock is free when the last of them is
+//! gone, for whatever reason. The janitor is a process of its own: it waits for the lock when the launcher dies, and
+//! removes the remains of the run. The next run removes the rest that even the janitor could not.
 //!
 //! In lockstep the same services can also take turns in the launcher's own thread: [`in_process`].
 //!

@@ -106,8 +106,8 @@ impl Member {
         Ok(())
     }
 
-    /// True if a process can be started ahead for it, and none is there: its standby is faster, and a program
-    /// of the user's does not know how to wait.
+    /// True if a process can be started ahead for it, and there is none. Its standby is faster, and a program of the
+    /// user's cannot wait.
     pub fn wants_prepared(&self) -> bool {
         self.program.is_none()
             && self.prepared.is_none()
@@ -281,7 +281,7 @@ impl Member {
         self.service
     }
 
-    /// Which process of the service is the active one, counted from 0.
+    /// Index of the active process of the service, from 0.
     pub fn incarnation(&self) -> u32 {
         self.succession.active()
     }

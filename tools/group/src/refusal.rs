@@ -20,7 +20,7 @@ pub enum Refusal {
          services wait for each other, silence a topic with `drop` instead"
     )]
     FaultInLockstep {
-        /// Which of the scenario's faults.
+        /// Name of the fault.
         index: usize,
         /// Its kind.
         kind: Kind,
@@ -31,7 +31,7 @@ pub enum Refusal {
          fault (--set faults=[]), or run with --mode realtime and without --in-process"
     )]
     FaultInProcess {
-        /// Which of the scenario's faults.
+        /// Name of the fault.
         index: usize,
         /// Its kind.
         kind: Kind,
@@ -51,13 +51,13 @@ pub enum Refusal {
     /// A run without a recording has no recorder.
     #[error("faults.{index}: there is no recorder to kill, expected a run that is recorded")]
     NoRecorder {
-        /// Which of the scenario's faults.
+        /// Name of the fault.
         index: usize,
     },
     /// A fault that could never show.
     #[error("faults.{index}: {absent}")]
     NothingToFault {
-        /// Which of the scenario's faults.
+        /// Name of the fault.
         index: usize,
         /// The missing part.
         absent: Absent,

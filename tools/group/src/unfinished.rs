@@ -1,9 +1,9 @@
 //! Shared memory that a process was making when it was killed.
 //!
 //! iceoryx2 first makes an object without content and without the permission to read it. Then it gives it its size, and
-//! last the permission. A process that finds an object without content waits for its maker. Where it may read
-//! everything (as root) it waits for ever: also the launcher, and every service. So the unfinished objects of a process
-//! are removed as soon as it is gone, while other threads may be waiting.
+//! last the permission. A process that finds an object without content waits for its maker. With the right to read
+//! everything (as root) it waits for ever, and so do the launcher and every service. So the unfinished objects of a
+//! process are removed as soon as it is gone, while other threads may be waiting.
 
 use super::room::SHARED_MEMORY;
 use std::os::unix::fs::MetadataExt;

@@ -122,7 +122,7 @@ pub fn tiles(tiles: &[Tile]) -> String {
     text + "</dl>\n"
 }
 
-/// How a column of a table is set.
+/// Alignment of a column of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Column {
     /// Words.

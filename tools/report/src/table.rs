@@ -95,8 +95,8 @@ where
     writer.into_inner().expect("memory takes all")
 }
 
-/// Rows of figures alone, two or more, under `head`, as [`csv()`] writes them with [`field()`]: none of their fields has
-/// to be quoted, so that each is written where it stays.
+/// Rows of two or more figures under `head`, as [`csv()`] writes them with [`field()`]. None of their fields has to be
+/// quoted, so each is written in place.
 pub fn csv_of_figures<H, R>(head: H, rows: impl IntoIterator<Item = R>) -> String
 where
     H: IntoIterator<Item: AsRef<[u8]>>,

@@ -23,8 +23,8 @@ pub struct Trip {
     pub trip_time_s: Option<f64>,
     /// Time of the fastest legal trip; null for trucks.
     pub fastest_legal_trip_s: Option<f64>,
-    /// Whether energy and fuel of the trip can be compared with those of other trips: its speed at the end is not
-    /// far from its speed at the start, for its length; null without a drive.
+    /// True if energy and fuel of the trip can be compared with those of other trips: its speed at the end is not far
+    /// from its speed at the start, for its length. Null without a drive.
     pub energy_is_comparable: Option<bool>,
 }
 

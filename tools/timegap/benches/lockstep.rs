@@ -3,8 +3,8 @@
 //! `cargo bench -p timegap --bench lockstep`. Both kinds of run alternate, so that both meet the same machine;
 //! figures are medians. A missed goal is printed as missed and is not a failure.
 //!
-//! The rows of curves are the same on a straight road and on a random road of curves, both with the radar's detections and
-//! with 2, 8 and 64 other vehicles: what curves and vehicles cost.
+//! The rows of curves are the same on a straight road and on a random road of curves. Both have the radar's detections
+//! and 2, 8 or 64 other vehicles. They show the cost of curves and vehicles.
 //!
 //! A goal per core is judged by processor time of whole commands with their start and their results. On a
 //! shared machine, wall time depends on the share that a run gets.

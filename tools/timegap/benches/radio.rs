@@ -1,5 +1,5 @@
-//! Age of the signals at the controller on each path, its parts, the delay of a signal's change to the
-//! actuators, and the cost of an on-board unit among 20 that receive one roadside unit.
+//! Age of the signals at the controller on each path, with its parts. The bench also measures the delay of a signal's
+//! change to the actuators, and the cost of an on-board unit among 20 that receive one roadside unit.
 //!
 //! `cargo bench -p timegap --bench radio`, with `--features zenoh` for zenoh's rows. Both ends run on this
 //! host. Roadside unit, vehicle radio and controller have cycles of 100 ms each. Their relative phase is

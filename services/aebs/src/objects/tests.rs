@@ -129,8 +129,8 @@ fn what_is_beside_the_ego_and_out_of_sight_is_carried_on() {
 
 #[test]
 fn a_long_vehicle_beside_the_path_stays_beside_it_along_all_of_its_side() {
-    // What is farther along it than an object reaches comes out as others. All are 3.5 m off; taken for a
-    // face, a place of the side would be 2.6 m off.
+    // A part farther along it than an object reaches becomes another object. All are 3.5 m off; taken for a face, a
+    // place of the side would be 2.6 m off.
     let mut objects = Objects::new(HALF_FIELD_RAD);
     let mut worst_m = 3.5_f64;
     for k in 0..100 {

@@ -4,7 +4,7 @@ use perception_sim::vehicle::Vehicle;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// What happens in a drive.
+/// Course of a drive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     Steady,
@@ -26,7 +26,7 @@ pub const KINDS: [Kind; 7] = [
     Kind::CutIn,
 ];
 
-/// How another vehicle moves.
+/// Motion of another vehicle.
 #[derive(Clone, Copy, Debug)]
 pub struct Actor {
     pub gap_m: f64,

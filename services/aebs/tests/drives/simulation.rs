@@ -29,7 +29,7 @@ const LONGEST_S: f64 = 60.0;
 /// Jerk of the law's own braking, m/s³.
 const LAW_JERK_MPS3: f64 = 5.0;
 
-/// What came of a drive.
+/// Result of a drive.
 #[derive(Clone, Copy, Debug)]
 pub struct Result {
     pub collides: bool,

@@ -14,7 +14,7 @@ pub struct Clothoid {
     pub curvature_perm: f64,
     /// Its change along the road, 1/m².
     pub rate_perm2: f64,
-    /// How far ahead it holds, m.
+    /// Distance ahead up to which it holds, m.
     pub valid_m: f64,
 }
 
@@ -41,7 +41,8 @@ pub struct RoadAhead<'a> {
 }
 
 impl RoadAhead<'_> {
-    /// Calls `see` with the places of the road, m ahead, and their curvatures, 1/m. What no road can be is left out.
+    /// Calls `see` with the places of the road, m ahead, and their curvatures, 1/m. Curvatures that no road can have
+    /// are left out.
     pub(super) fn each(&self, mut see: impl FnMut(f64, f64)) {
         let mut sound = |ahead_m: f64, curvature_perm: f64| {
             // NaN is not below either.

@@ -143,8 +143,8 @@ impl Driver {
     }
 }
 
-/// `base^exponent` for a base in (0, 1) and an exponent above 0, within 2.3e-16 (absolute), in 40 % of the
-/// time of `libm::pow`, which keeps all digits of small results.
+/// `base^exponent` for a base in (0, 1) and an exponent above 0, within 2.3e-16 (absolute). It takes 40 % of the time
+/// of `libm::pow`, which keeps all digits of small results.
 fn power(base: f64, exponent: f64) -> f64 {
     libm::exp2(exponent * libm::log2(base))
 }

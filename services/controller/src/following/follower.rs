@@ -8,7 +8,7 @@ use super::kinematics::{Lag, Motion};
 use super::safe_gap::{LeadNow, SafeGap};
 use super::soft_stop::{Room, soften, within_set_speed};
 
-/// What a follower is made with.
+/// Parameters of a follower.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Follower {
     pub(crate) driver: Driver,

@@ -16,8 +16,9 @@
 //! more firmly the more is missing.
 //!
 //! A worst case is no reason for hard braking while gentle braking is enough for what the lead does. Let `e` be the
-//! smallest constant braking that keeps `gap_min`, or most of a gap that is already smaller, while the lead goes on as it does, and may add to its braking. While `e`
-//! is at most 1.5 m/s², no request is below the comfortable one or `-2 e`, whichever is harder:
+//! smallest constant braking that keeps `gap_min`, or most of a gap that is already smaller. Meanwhile the lead goes on
+//! as it does, and may add to its braking. While `e` is at most 1.5 m/s², no request is below the comfortable one or
+//! `-2 e`, whichever is harder:
 //!
 //! ```text
 //! u >= min(comfort, -2 e)     while e <= 1.5 m/s²
@@ -74,7 +75,7 @@ impl LeadNow {
     }
 }
 
-/// What the gap is kept safe against.
+/// Vehicle and margin that the gap is kept safe against.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SafeGap {
     lag: Lag,

@@ -5,8 +5,8 @@
 //! distance to rest: (v + tau e) / k
 //! ```
 //!
-//! The gentlest `k` is taken with which the vehicle comes to rest within the room that it has; the
-//! firmest one also where it needs a little more than that.
+//! The law takes the gentlest `k` with which the vehicle comes to rest within its room. It takes the firmest one even
+//! if that needs a little more room.
 //!
 //! | symbol | meaning | unit |
 //! |---|---|---|
@@ -22,9 +22,9 @@ const RATES_PER_S: [f64; 5] = [1.0, 1.3, 1.7, 2.2, 2.8];
 /// The way that a vehicle has to come to rest, m.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Room {
-    /// Where it should stand at the latest.
+    /// Latest place at which it should stand.
     pub(crate) wanted_m: f64,
-    /// How much farther it may come before softness no longer counts.
+    /// Further distance after which softness no longer counts.
     pub(crate) spare_m: f64,
 }
 

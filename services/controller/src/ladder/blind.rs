@@ -20,11 +20,11 @@ use crate::law::Ego;
 
 /// Comfortable braking, m/s².
 pub(super) const COMFORTABLE_MPS2: f64 = 2.0;
-/// How fast comfortable braking sets in, m/s³.
+/// Jerk with which comfortable braking begins, m/s³.
 const COMFORTABLE_JERK_MPS3: f64 = 2.5;
-/// How fast a minimum risk manoeuvre sets in, m/s³.
+/// Jerk with which a minimum risk manoeuvre begins, m/s³.
 const MINIMUM_RISK_JERK_MPS3: f64 = 5.0;
-/// How fast harder braking sets in, m/s³ (UN R157, annex 4, appendix 3).
+/// Jerk with which harder braking begins, m/s³ (UN R157, annex 4, appendix 3).
 const HARD_JERK_MPS3: f64 = 12.65;
 /// Hardest braking of what was ahead, m/s² (full braking of UN R157's models).
 const WORST_MPS2: f64 = 6.0;

@@ -34,7 +34,7 @@ const RISE_MPS3: f64 = 2.5;
 /// Largest request while the radar sees next to nothing and the ego is faster than [`BLIND_MPS`], m/s². Chosen:
 /// comfortable braking, as for a lead that was lost.
 const SLOWS_MPS2: f64 = -2.0;
-/// How fast that sets in, m/s³.
+/// Jerk with which that begins, m/s³.
 const SLOWS_JERK_MPS3: f64 = 2.5;
 /// Bound that no law reaches, m/s².
 const FREE_MPS2: f64 = 10.0;
@@ -129,7 +129,7 @@ impl Caution {
     }
 }
 
-/// How little is seen, as a rank.
+/// Rank of the sight: the less is seen, the higher it is.
 fn severity(sight: Sight) -> u32 {
     match sight {
         Sight::Full => 0,

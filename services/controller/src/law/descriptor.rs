@@ -1,4 +1,4 @@
-//! What the rest of the system knows of a law without building it.
+//! Description of a law for the rest of the system, which need not build it.
 
 use scenario::controller::Controller;
 use scenario::referee::DesiredGap;
@@ -17,9 +17,9 @@ use crate::settings::Table;
 pub struct Descriptor {
     /// Name in scenarios and on the command line.
     pub name: &'static str,
-    /// What it is, in one line.
+    /// Summary in one line.
     pub description: &'static str,
-    /// Where it is published.
+    /// Publication.
     pub source: &'static str,
     /// Its table below `[controller]`, if it has one.
     pub table: Option<Table>,
@@ -29,7 +29,7 @@ pub struct Descriptor {
     pub formulation: fn(&Controller) -> &'static Formulation,
     /// The gap that it aims at.
     pub gap: GapPolicy,
-    /// What it is told of the target.
+    /// Information on the target.
     pub target: TargetSource,
     /// The law that gives the same commands, to the byte, where a scenario has no signals.
     pub without_signals: Option<&'static Descriptor>,
@@ -72,7 +72,7 @@ pub struct Figure {
     pub name: &'static str,
     /// Unit.
     pub unit: &'static str,
-    /// What it is, and its sign, where the name does not say so; else empty.
+    /// Meaning and sign where the name does not give them; otherwise empty.
     pub meaning: &'static str,
 }
 
@@ -90,7 +90,7 @@ impl Figure {
     }
 }
 
-/// How the gap that a law aims at can be known from outside.
+/// Way by which others know the gap that a law aims at.
 #[derive(Clone, Copy, Debug)]
 pub enum GapPolicy {
     /// It follows from the scenario.
@@ -101,7 +101,7 @@ pub enum GapPolicy {
     Internal,
 }
 
-/// What a law is told of the target.
+/// Information on the target that a law receives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TargetSource {
     /// The tracker's estimate.

@@ -48,6 +48,6 @@ pub trait Hosted {
         output: &mut Output,
     ) -> Result<(), HostedError>;
 
-    /// How the program fared.
+    /// Record of the program's answers.
     fn report(&self) -> ProgramReport;
 }

@@ -1,4 +1,4 @@
-//! What a law is told at one release.
+//! Input of a law at one release.
 
 use super::preview::Preview;
 

@@ -1,4 +1,4 @@
-//! What every control law is told, what it returns, and how it is described.
+//! Control laws: input, output and description.
 //!
 //! A law is plain code: no clock, no shared memory, no thread, no logging. The control loop samples
 //! its inputs, ages them, and calls [`Law::step`] once per release; time is an argument.

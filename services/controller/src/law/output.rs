@@ -1,11 +1,11 @@
-//! What a law returns at one release.
+//! Output of a law at one release.
 
 /// Longest plan a command can carry, in control steps.
 pub const MAX_PLAN: usize = 128;
 /// Most figures that a law shows.
 pub const MAX_FIGURES: usize = 8;
 
-/// How good the returned command is.
+/// Quality of the returned command.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quality {
     /// The law's full function.
@@ -30,7 +30,7 @@ pub struct TorqueRequest {
     pub gear: Option<usize>,
 }
 
-/// What a law returns.
+/// Output of a law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Output {
     /// Planned requests, m/s², one per control period; the first acts now. `plan_len` are valid.

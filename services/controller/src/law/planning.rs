@@ -36,7 +36,7 @@ pub struct PlanRequest {
 /// Constant torque over a stretch of road.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Segment {
-    /// Where it ends, m.
+    /// End, m.
     pub end_m: f64,
     /// Torque at the crankshaft, N m.
     pub engine_torque_nm: f64,
@@ -53,7 +53,7 @@ pub struct Plan {
     pub number: u64,
     /// Time of that request, s.
     pub time_s: f64,
-    /// Where it starts, m.
+    /// Start, m.
     pub start_m: f64,
     /// Speed there, m/s.
     pub start_speed_mps: f64,
@@ -61,7 +61,7 @@ pub struct Plan {
     pub segments: [Segment; MAX_SEGMENTS],
     /// Number of valid segments; 0 when there is no plan.
     pub len: usize,
-    /// Of these, how many may be driven before the road is planned anew.
+    /// Number of these that may be driven before the road is planned anew.
     pub binding: usize,
 }
 
@@ -112,7 +112,7 @@ impl Plan {
         self.segments[..self.len].iter().position(|segment| position_m < segment.end_m)
     }
 
-    /// Where the plan ends, m.
+    /// End of the plan, m.
     #[must_use]
     pub fn end_m(&self) -> f64 {
         self.segments[..self.len].last().map_or(self.start_m, |segment| segment.end_m)

@@ -5,10 +5,10 @@ pub const MAX_CELLS: usize = 64;
 
 /// Grades of the road ahead, in cells of equal length.
 ///
-/// Where it starts and how far it reaches is up to the map; what is outside is unknown, never flat.
+/// The map decides where it starts and how far it reaches. The road outside is unknown, never flat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Preview {
-    /// Where the first cell starts, m in the frame of `Ego::position_m`.
+    /// Start of the first cell, m in the frame of `Ego::position_m`.
     pub start_m: f64,
     /// Length of a cell, m.
     pub cell_m: f64,
@@ -38,7 +38,7 @@ impl Preview {
             && self.grades[..self.count].iter().all(|grade| grade.abs() <= STEEPEST)
     }
 
-    /// Where it ends, m.
+    /// End, m.
     #[must_use]
     pub fn end_m(&self) -> f64 {
         self.start_m + self.cell_m * self.count as f64

@@ -1,9 +1,9 @@
 //! Whether signal timing can be believed.
 //!
-//! What a roadside unit announced as certain stays so: a later announcement with another end contradicts it.
-//! Which of the two is wrong cannot be told from them. So the phase is green only where both say so, until
-//! one is refuted by what the signal shows. New messages can contradict what is known of other signals. A
-//! signal that they name for the first time is taken to be off by as much.
+//! A certain announcement of a roadside unit stays certain: a later announcement with another end contradicts it. The
+//! two do not show which of them is wrong. So the phase is green only where both say so, until one is refuted by what
+//! the signal shows. New messages can contradict what is known of other signals. A signal that they name for the first
+//! time is taken to be off by as much.
 
 use super::{Check, Findings};
 use messages::{Interval, MAX_INTERVALS, PhaseState, Signal, Spat};
@@ -17,7 +17,7 @@ const NEXT_MESSAGE_S: f64 = 0.4;
 /// Signals that are remembered.
 const REMEMBERED: usize = 16;
 
-/// What a signal announced.
+/// Announcement of a signal.
 #[derive(Clone, Copy, Debug)]
 struct Known {
     signal: Signal,
@@ -51,13 +51,13 @@ impl Default for Countdown {
     }
 }
 
-/// What an announcement is beside what is known.
+/// Relation of an announcement to the known timing.
 enum Comparison {
     /// The same, or nothing can be said against it.
     Agrees,
     /// Its ends are off by so much, s.
     Off(f64),
-    /// What is known was wrong.
+    /// The known timing was wrong.
     Refutes,
     /// It leaves open how long the phase lasts: nothing is to be learned of it.
     Open,
@@ -183,7 +183,7 @@ fn as_shown(signal: &Signal, now_s: f64) -> Option<Signal> {
 fn compare(known: &Signal, signal: &Signal, now_s: f64) -> Comparison {
     let (known, new) = (intervals(known), intervals(signal));
     let Some(first) = new.first() else { return Comparison::Agrees };
-    // What should be shown, and around a switch also what was before or comes next.
+    // Phase that should be shown; around a switch also the one before or after it.
     let shown = |from_s: f64| known.iter().position(|interval| interval.likely_end_s > from_s);
     let candidates = [now_s, now_s - OVERDUE_S - TOLERANCE_S, now_s + OVERDUE_S + TOLERANCE_S];
     let mut places = candidates.into_iter().filter_map(shown);
@@ -222,8 +222,8 @@ fn shift(interval: &mut Interval, by_s: f64) {
     interval.max_end_s += by_s;
 }
 
-/// What is true of the announcement as well as of one without its offset: greens begin at the later of the
-/// two and end at the earlier.
+/// Timing that holds for the announcement and for one without its offset: greens begin at the later of the two and end
+/// at the earlier.
 fn both(signal: &Signal, offset_s: f64) -> Signal {
     let mut both = *signal;
     let green = PhaseState::ProtectedMovementAllowed.to_wire();

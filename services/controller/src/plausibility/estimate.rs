@@ -1,8 +1,8 @@
 //! The ego's motion while its odometry is missing or cannot be believed.
 //!
-//! It goes on from the last odometry: at the speed that the radar measures by what stands beside the
-//! road, and without that at the speed that the commands make, for a short time. What was lost comes back by
-//! odometry alone: the radar measures no position, and stop lines are kept by position.
+//! It goes on from the last odometry. It takes the speed that the radar measures by standing objects beside the road.
+//! Without these it takes, for a short time, the speed that the commands make. Only odometry ends the estimate: the
+//! radar measures no position, and stop lines are kept by position.
 
 use messages::{Odometry, RadarTracks};
 

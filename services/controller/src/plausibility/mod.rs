@@ -16,12 +16,12 @@
 //! | [`Check::CountdownAgainstClock`] | the end of a shown phase with the time | that signal's earlier announcement |
 //! | [`Check::CountdownAgainstHistory`] | announced ends with those announced before | what both say |
 //!
-//! Where odometry is not used, [`estimate::EgoEstimate`] goes on from its last word for a while. The plant
-//! checks commands: one whose cycle began before the time it is stamped with is an earlier one.
+//! While odometry is not used, [`estimate::EgoEstimate`] goes on from its last value for a while. The plant checks
+//! commands: one whose cycle began before the time it is stamped with is an earlier one.
 //!
-//! What cannot be known without another sensor: odometry whose position and speed are off together, with
-//! nothing beside the road for the radar to see; an empty road seen by a frozen radar; a countdown that is
-//! off from the first announcement on, until its first phase ends at another time.
+//! Three faults cannot be found without another sensor. Odometry may have both position and speed wrong, with no object
+//! beside the road for the radar. A frozen radar may show an empty road. A countdown may be off from the first
+//! announcement on, until its first phase ends at another time.
 
 pub mod countdown;
 pub mod estimate;
@@ -88,7 +88,7 @@ impl Check {
     }
 }
 
-/// What a check found over a run.
+/// Findings of a check over a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Finding {
     /// Cycles in which it found a contradiction.
@@ -99,7 +99,7 @@ pub struct Finding {
     pub nearest: f64,
 }
 
-/// What each check found.
+/// Findings of each check.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Findings {
     of: [Finding; Check::ALL.len()],
@@ -195,7 +195,7 @@ impl Plausibility {
         Believed { odometry, radar, spat, signals_contradict }
     }
 
-    /// What the checks found so far.
+    /// Findings of the checks so far.
     #[must_use]
     pub fn findings(&self) -> &Findings {
         &self.findings

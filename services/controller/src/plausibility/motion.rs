@@ -3,8 +3,8 @@
 use super::{Check, Findings};
 use messages::{Odometry, RadarTracks};
 
-/// Distance by which position and speed may differ between two samples: at any speed, m, by the distance
-/// travelled, and by what a jerk makes of the time between them, m/s².
+/// Limits of the difference between position and speed in two samples: a distance at any speed, m; a share of the
+/// distance travelled; the effect of a jerk in the time between them, m/s².
 const STEP_M: f64 = 0.04;
 const STEP_SHARE: f64 = 0.01;
 const STEP_MPS2: f64 = 2.0;
@@ -110,7 +110,7 @@ impl Motion {
             self.then_mps2 = commanded_mps2;
         }
         if (commanded_mps2 - self.then_mps2).abs() < COMMAND_MPS2 {
-            // What follows the commands may stand still with them.
+            // A quantity that follows the commands may stand still with them.
             self.same_since_s = Some(time_s);
             return findings.note(Check::SpeedAgainstCommand, time_s, 0.0);
         }

@@ -1,4 +1,4 @@
-//! What the loop counts of its cycles, for its report.
+//! Counts of the loop's cycles, for its report.
 
 use crate::law::{Formulation, Output, Quality};
 use crate::report::ModeChange;

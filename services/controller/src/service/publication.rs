@@ -1,4 +1,4 @@
-//! What the loop publishes, written where it will be read.
+//! Messages of the loop, written in the place where they are read.
 
 use super::Loop;
 use crate::law::{MAX_PLAN, Quality};

@@ -1,16 +1,16 @@
 //! Random cases, and what counts as survivable and as comfortable.
 //!
-//! Survivable: at the start, and when a vehicle appears ahead, full braking begun at once (4.9 m/s²
-//! behind the lag of 0.5 s) keeps 2 m from it even if it brakes at 4 m/s² from that moment; leads
-//! never brake harder. The first line is farther than the full braking distance. A jump can end a
-//! green at once, never its yellow of at least 3 s, and can shorten or stretch a red; signals do
-//! not jump while they are not heard, and have been heard at least once.
+//! Survivable: at the start, and when a vehicle appears ahead, full braking begun at once keeps 2 m from it. Full
+//! braking is 4.9 m/s² behind the lag of 0.5 s, and the vehicle ahead brakes at 4 m/s² from that moment. Leads never
+//! brake harder. The first line is farther than the full braking distance. A jump can end a green at once, but never
+//! its yellow of at least 3 s. It can shorten or stretch a red. Signals do not jump while they are silent, and each was
+//! received at least once.
 //!
-//! Comfortable: at each event (start, jump, silence, change of yellow, braking lead, vehicle that
-//! appears) a constant request of -2 m/s² from then on would have stopped 1 m before the nearest
-//! line or the speed kept would have crossed before red, and would have kept 2 m from the lead as
-//! it then really drove and as it was to be expected (going on as it did at the event), and all the
-//! way a gap from which full braking survives a lead that brakes at 4 m/s².
+//! Comfortable: a constant request of -2 m/s² from each event on would have been enough. Events are start, jump,
+//! silence, change of yellow, braking lead and an appearing vehicle. Enough means three things. The ego would have
+//! stopped 1 m before the nearest line, or crossed before red at the speed kept. It would have kept 2 m from the lead,
+//! both as the lead really drove and as it drove at the event. All the way it would have kept a gap from which full
+//! braking survives a lead that brakes at 4 m/s².
 
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64Mcg;
@@ -25,7 +25,7 @@ pub(crate) struct Case {
     pub(crate) kind: Kind,
 }
 
-/// How the lead drives and what else may happen.
+/// Course of the lead, and other events.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Kind {
     pub(crate) lead_obeys: bool,
@@ -123,7 +123,7 @@ impl Case {
         Self { world, seconds: 60.0, random: r, kind }
     }
 
-    /// What happens at this step.
+    /// Event of this step.
     pub(crate) fn events(&mut self) -> Vec<Event> {
         let (r, world) = (&mut self.random, &self.world);
         let mut events = Vec::new();

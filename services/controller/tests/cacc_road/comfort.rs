@@ -33,7 +33,7 @@ impl Record {
         let nearest = world.signals.iter().find(|s| s.line_m > world.ego.position_m);
         let line = nearest.map(|s| {
             let red_in = match s.phase {
-                // What is not heard may be red: no way across it is certain.
+                // A silent signal may be red: no way across it is certain.
                 _ if world.silence != 0 => None,
                 0 => Some(s.left_s + s.lengths_s[1]),
                 1 => Some(s.left_s),
@@ -75,9 +75,9 @@ impl Record {
             && self.clear_of_lead(i, 0.0, crossing)
     }
 
-    /// Whether a constant request keeps clear of the lead as it really drove, and as it was to be
-    /// expected: going on as at the event. Who brakes gently because a lead that brakes hard will
-    /// change its mind is not comfortable but lucky. Clear for so many steps is enough.
+    /// Whether a constant request keeps clear of the lead as it really drove, and as it was to be expected: going on as
+    /// at the event. Gentle braking in the hope that a braking lead changes its mind is lucky, not comfortable. Number
+    /// of clear steps that is enough.
     fn clear_of_lead(&self, i: usize, u: f64, steps: usize) -> bool {
         let Some(lead) = self.samples[i].lead else { return true };
         let real = self.samples[i..].iter().map(|later| later.lead);

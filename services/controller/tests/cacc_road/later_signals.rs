@@ -11,7 +11,7 @@ use crate::world::{Signal, World};
 
 /// A pass is planned for this long before the end of green, s.
 const MARGIN_S: f64 = 0.5;
-/// What a pass near the end of green may lose by caution, s.
+/// Time that caution may cost at a pass near the end of green, s.
 const SLACK_S: f64 = 0.5;
 /// Longer than any drive here, s.
 const FOR_EVER_S: f64 = 200.0;

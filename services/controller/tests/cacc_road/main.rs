@@ -30,7 +30,7 @@ fn law() -> RoadLaw {
     law_with(Config::default().create_solver())
 }
 
-/// What a random case came to.
+/// Result of a random case.
 struct Outcome {
     hardest_mps2: f64,
     /// A comfortable solution existed at every event.

@@ -11,7 +11,7 @@ use crate::solvers::Flaky;
 use crate::world::{Event, Signal, World};
 use crate::{law, law_with};
 
-/// What a run looked like.
+/// Course of a run.
 #[derive(Debug, Default)]
 pub(crate) struct Run {
     world: Option<World>,

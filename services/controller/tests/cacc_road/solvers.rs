@@ -2,7 +2,7 @@
 
 use mpc_solver::{Multipliers, Problem, Report, Residuals, Solver, Start, Status};
 
-/// What a [`Fake`] answers.
+/// Answer of a [`Fake`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Temper {
     /// Never finds anything.

@@ -46,10 +46,10 @@ impl Signal {
     }
 }
 
-/// What happens to the scene at a time.
+/// Event in the scene at a time.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Event {
-    /// The running phase of a signal ends in so many seconds.
+    /// The running phase of a signal ends after this time, s.
     Jump { signal: usize, left_s: f64 },
     /// All signals fall silent, or (`unknown`) announce an unknown phase.
     Silence { unknown: bool },

@@ -12,7 +12,7 @@ const REACTION_S: f64 = 0.35;
 /// Time for which the law settles before the lead brakes, s.
 const SETTLE_S: f64 = 20.0;
 
-/// What a lead does before it brakes.
+/// Motion of a lead before it brakes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Before {
     Settled,
@@ -20,7 +20,7 @@ enum Before {
     PullsAway,
 }
 
-/// What became of the leads.
+/// Result of the leads.
 #[derive(Debug, Default)]
 struct Tally {
     collisions: u32,

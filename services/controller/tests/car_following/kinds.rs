@@ -43,7 +43,7 @@ struct Drive {
     duration_s: f64,
 }
 
-/// What was seen of a drive.
+/// Observation of a drive.
 struct Seen {
     ego: Vec<Vehicle>,
     lead: Vec<Vehicle>,
@@ -173,7 +173,7 @@ fn for_each(kind: &str, make: impl Fn(&mut Pcg64) -> Drive, check: impl Fn(&str,
     }
 }
 
-/// Where gentle braking is enough, braking is not hard and the jerk bounded.
+/// If gentle braking is enough, braking is not hard and the jerk is bounded.
 fn is_comfortable(name: &str, seen: &Seen) {
     if gentle_is_enough(seen) {
         let hardest = -least(seen.ego.iter().map(|ego| ego.acceleration_mps2));

@@ -24,7 +24,7 @@ const TRIPS: [(f64, f64, f64, f64, f64); 8] = [
     (33.0, 2.0, 1.8, 70.0, 20.0),
 ];
 
-/// What a drive looked like.
+/// Course of a drive.
 #[derive(Debug, Default)]
 struct Drive {
     collision_s: Option<f64>,

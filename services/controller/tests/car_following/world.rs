@@ -46,7 +46,7 @@ impl Vehicle {
     }
 }
 
-/// What the law is told of the target.
+/// Information on the target that the law receives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Perception {
     /// Exactly what is, at once.

@@ -66,7 +66,7 @@ fn for_each(check: impl Fn(&mut dyn Law, &Formulation)) {
 }
 
 fn ask(law: &mut dyn Law, input: &Input) -> Output {
-    // Whatever was there must be overwritten.
+    // Earlier content must be overwritten.
     let mut output = Output { plan_len: 77, mode: 99, solver_iterations: 99, ..Output::default() };
     output.plan_mps2 = [f64::NAN; MAX_PLAN];
     output.figures = [f64::NAN; 8];

@@ -122,7 +122,7 @@ fn bits(output: &Output) -> Vec<u64> {
         .collect()
 }
 
-/// What a law did, scene by scene and step by step, in bits; its bounds come first.
+/// Requests of a law, scene by scene and step by step, in bits; its bounds come first.
 type Record = Vec<Vec<Vec<u64>>>;
 
 fn bounds(law: &dyn Law) -> Vec<u64> {
@@ -190,7 +190,7 @@ fn wrong(law: &str, variant: &[&str]) -> Vec<String> {
         keys.iter().any(|(other, _)| other.starts_with(&table) && reads.has(other))
     };
     for (path, key) in keys.iter().filter(|(path, _)| has_access(path)) {
-        // What chooses the variant is not changed.
+        // Keys that choose the variant stay unchanged.
         let chooses = |argument: &&str| argument.contains(&format!("controller.{path}="));
         let is_rare = RARE.iter().any(|(rare, key, _)| (*rare, *key) == (law, path.as_str()));
         if is_rare || variant.iter().any(chooses) {

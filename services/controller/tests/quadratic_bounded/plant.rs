@@ -27,7 +27,7 @@ impl Pair {
         self.lead_speed += DT * lead_acceleration;
     }
 
-    /// What an ideal sensor reports.
+    /// Report of an ideal sensor.
     pub(crate) fn target(&self) -> Target {
         Target {
             track_id: 1,

@@ -1,7 +1,7 @@
 //! The three published scenarios against the paper's figures.
 //!
-//! The paper says "about": half a second for a switching time, which one can read off its plots;
-//! where it names an upper bound ("steady by about 30 s") the bound is what is checked.
+//! The paper says "about". Here that is half a second for a switching time, which one can read off its plots. If the
+//! paper names an upper bound ("steady by about 30 s"), the test checks the bound.
 
 use super::scenario::{CUT_IN, DEPART, FOLLOW, KMH, Row, first, run};
 use controller::laws::quadratic_bounded::{Design, GainSource, Settings};
@@ -12,7 +12,7 @@ fn about(ours: f64, paper: f64, tolerance: f64) {
     assert!((ours - paper).abs() <= tolerance, "paper {paper}, ours {ours}");
 }
 
-/// What holds in all three: bounds, the envelope, and a request that does not oscillate.
+/// Properties of all three: bounds, the envelope, and a request that does not oscillate.
 fn common(rows: &[Row]) {
     for r in rows {
         assert!(r.request.abs() <= 3.5 && r.acceleration.abs() <= 3.5, "{r:?}");

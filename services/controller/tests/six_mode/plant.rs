@@ -21,7 +21,7 @@ impl Actor {
         self.speed = speed;
     }
 
-    /// What an ideal sensor on `ego` reports.
+    /// Report of an ideal sensor on `ego`.
     pub(crate) fn seen_from(&self, ego: &Ego) -> Target {
         Target {
             track_id: self.id,

@@ -1,5 +1,5 @@
-//! The published scenario: lead at 54 km/h, 150 m ahead, brakes to 36 km/h at 6 s; a third car at
-//! 36 km/h cuts in at 14 s and brakes to a stop.
+//! The published scenario: the lead drives at 54 km/h, 150 m ahead, and brakes to 36 km/h at 6 s. A third car at 36
+//! km/h cuts in at 14 s and brakes to a stop.
 //!
 //! From the paper: set speed, range, lead's speeds, its 6 m/s², the times 6 s and 14 s, 36 km/h.
 //! Inferred from its switching times: all other values (the page of the paper says how).

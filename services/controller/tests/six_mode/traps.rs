@@ -118,8 +118,8 @@ fn trap_4_following_distance_with_a_pole_and_a_cliff() {
     let p = Parameters::default();
     assert!(Boundaries::literal(&p, 20.0, -2.0).following_m.is_infinite());
     assert!(Boundaries::robust(&p, 20.0, -2.0).following_m < 200.0);
-    // At half a metre per second the boundary moves 20 m for each m/s: noise of 0.05 m/s on the
-    // relative speed and no change of gap make the literal law alternate.
+    // At half a metre per second the boundary moves 20 m for each m/s. So noise of 0.05 m/s on the relative speed makes
+    // the literal law alternate, without any change of gap.
     let edge = Boundaries::literal(&p, 20.0, 0.5).following_m;
     let alternating = || (0..40).map(|k| seen(20.0, edge, if k % 2 == 0 { 0.45 } else { 0.55 }));
     assert_eq!(changes(&feed(&mut literal(), alternating())), 39);

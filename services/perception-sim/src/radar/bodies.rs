@@ -1,9 +1,9 @@
 //! The echoes of vehicles.
 //!
 //! A vehicle reflects at a few places of its body ([`super::body`]): the middle of its rear, the rear corners, and the
-//! wheelhouses of the side that it shows, on long vehicles more along that side. A place is strong when its face is
-//! seen squarely; each has a fluctuation of its own. A hidden place is seen only under the other vehicle, weaker.
-//! Beside the straight path a wave takes two others:
+//! wheelhouses of the side that it shows. A long vehicle has more places along that side. A place is strong when its
+//! face is seen squarely; each has a fluctuation of its own. A hidden place is seen only under the other vehicle,
+//! weaker. Beside the straight path a wave takes two others:
 //!
 //! * under the body: it is reflected between the road and the floor and comes back from the same
 //!   direction, later: an echo beyond the true range.

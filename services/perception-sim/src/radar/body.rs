@@ -20,7 +20,7 @@ pub(super) struct Body {
     velocity_mps: (f64, f64),
 }
 
-/// How a vehicle stands to the ego.
+/// Pose of a vehicle relative to the ego.
 #[derive(Clone, Copy, Debug)]
 struct Turn {
     cosine: f64,

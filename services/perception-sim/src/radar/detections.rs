@@ -1,7 +1,7 @@
 //! The radar that hands out detections.
 //!
-//! A scan is a function of the seed, the scene and nothing else: its random numbers belong to the seed
-//! and the scan's time, so that any scan can be repeated alone.
+//! A scan is a function of the seed and the scene alone. Its random numbers belong to the seed and the scan's time, so
+//! that any scan can be repeated alone.
 //!
 //! | part | keys of `[perception.radar.detections]` |
 //! |---|---|

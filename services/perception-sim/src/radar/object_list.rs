@@ -1,9 +1,9 @@
 //! The object list: what a radar with a perfect tracker's knowledge of identities would measure.
 //!
-//! It measures each visible vehicle at the middle of its rear bumper: range, range rate and azimuth, with independent
-//! Gaussian noise on each, and misses it with a given probability. A vehicle is visible when its rear bumper is ahead
-//! of the ego's front bumper, within range and field of view. Vehicles do not hide each other. Which measurement
-//! belongs to which vehicle is known.
+//! It measures range, range rate and azimuth of the middle of each visible vehicle's rear bumper. Each has independent
+//! Gaussian noise. A vehicle is missed with a given probability. A vehicle is visible when its rear bumper is ahead of
+//! the ego's front bumper, within range and field of view. Vehicles do not hide each other. The vehicle of each
+//! measurement is known.
 //!
 //! Every vehicle has its own stream of random numbers, drawn whether it is visible or not: what
 //! happens to one vehicle does not change the noise on another.

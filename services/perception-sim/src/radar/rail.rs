@@ -2,8 +2,8 @@
 //!
 //! A rail stands on some stretches of the road and not on others, at one distance from the middle of the ego's lane.
 //! The image of a vehicle is as far beyond the rail as the vehicle is before it. On a curve the rail mirrors as its
-//! tangent does at the place where the wave strikes it: where the ways from the radar and from the vehicle make equal
-//! angles with it. A bent rail also gathers or spreads the wave; that is left out.
+//! tangent does at the place where the wave strikes it: the ways from the radar and from the vehicle make equal angles
+//! with it. A bent rail also gathers or spreads the wave; that is left out.
 
 use super::body::Body;
 use super::numbers::Numbers;

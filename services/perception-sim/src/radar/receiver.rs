@@ -1,13 +1,12 @@
 //! The receiver: what resolution merges, what rises above the threshold, and how exactly it is measured.
 //!
-//! * Echoes that differ by less than the resolution in range, range rate and azimuth, in all three,
-//!   reach one cell of the receiver and come out as one, at their mean weighted by power.
+//! * Echoes that differ by less than the resolution in range, range rate and azimuth, in all three, reach one cell of
+//!   the receiver. They come out as one, at their mean weighted by power.
 //! * An echo of power s (noise: 1) meets complex Gaussian noise n; it is detected when
 //!   |√s + n|² exceeds the threshold. Its probability of detection is therefore Marcum's Q function
 //!   of s and the threshold, and with Swerling's fluctuation drawn before, Swerling's.
-//! * Range, range rate and azimuth come from the frequency of a sampled tone each, whose error has at
-//!   least the standard deviation √6/(2π) · resolution / √(S/N); imperfections of the sensor add a
-//!   floor.
+//! * Range, range rate and azimuth each come from the frequency of a sampled tone. Its error has at least the standard
+//!   deviation √6/(2π) · resolution / √(S/N). Imperfections of the sensor add a floor.
 //! * Noise alone exceeds the threshold in the measured volume. The number of times is Poisson distributed.
 //! * The receiver keeps a constant false-alarm rate: where noise exceeds the set threshold more than
 //!   [`Numbers::alarms_kept`] times in a scan, it raises the threshold for that scan. Noise power is exponential, so that

@@ -1,8 +1,8 @@
 //! Objects beside the road: posts, signs, trees.
 //!
-//! On each side the road is cut into cells of one object each. Its place and its mean cross section depend on the
-//! seed and the cell alone: it is the same in every scan. On a curve the sides bend with the road. Where the lanes of a
-//! plan reach farther the objects stand beside them.
+//! On each side the road is cut into cells of one object each. Its place and its mean cross section depend on the seed
+//! and the cell alone: it is the same in every scan. On a curve the sides bend with the road. If the lanes of a plan
+//! reach farther, the objects stand beside them.
 
 use super::body::hidden;
 use super::echo::{Antenna, Fluctuation};

@@ -56,7 +56,7 @@ pub struct Plane {
     heading: (f64, f64),
 }
 
-/// How a vehicle stands before the ego.
+/// Pose of a vehicle ahead of the ego.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Standing {
     /// Middle of the rear in the ego's axes, m.

@@ -1,4 +1,4 @@
-//! Which detection belongs to which track.
+//! Assignment of detections to tracks.
 //!
 //! A vehicle gives several detections, so a track may take any number of them. A detection belongs to one track at
 //! most. The assignment with the least total distance is then that of every detection to its nearest track within the

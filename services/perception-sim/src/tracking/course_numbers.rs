@@ -20,7 +20,7 @@ parameters! {
         /// Lateral acceleration of an ordinary curve: the slower a road is driven, the sharper its curves are.
         ordinary_mps2: f64 = 1.0, "m/s²", 0.1..=5.0, "Chosen: half of the design value of ISO 15622's curve test. At 31.6 m/s it makes the deviation above.";
 
-        // How the estimate fades on the way.
+        // Fading of the estimate on the way.
 
         /// Change of the heading in a scan beside the yaw rate.
         heading_rad: f64 = 1.4e-4, "rad", 1e-5..=1e-2, "Chosen.";

@@ -5,8 +5,8 @@
 //! within the radar's range is not one clothoid, but it is near to such a function.
 //!
 //! With the heading θ at the ego and the curvatures κ of the knots, everything is linear to first order: curvature and
-//! heading at the arc length σ, and the place across the road there. Each function here gives the weights of
-//! [θ, κ...] in one of them. With hats φ (1 at one knot, 0 at the others) and p for `passed_m`
+//! heading at the arc length σ, and the place across the road there. Each function here gives the weights of [θ, κ...]
+//! in one of them. With hats φ (1 at one knot, 0 at the others) and p for `passed_m`
 //!
 //! ```text
 //! curvature   Σ κ φ(p + σ)

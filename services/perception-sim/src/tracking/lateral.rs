@@ -1,7 +1,7 @@
 //! The motion of a vehicle across the lanes.
 //!
-//! State [y, s]: lateral position, m, and lateral speed, m/s. Two models run side by side ([`super::interacting`]):
-//! one for a vehicle that keeps its lane, with a lateral speed that fades with [`Numbers::fading_s`]; one for a lane
+//! State [y, s]: lateral position, m, and lateral speed, m/s. Two models run side by side ([`super::interacting`]). One
+//! is for a vehicle that keeps its lane; its lateral speed fades with [`Numbers::fading_s`]. The other is for a lane
 //! change, with a random walk of the lateral speed. The noise is a white acceleration of the given density.
 
 use super::interacting::Bank;

@@ -38,7 +38,7 @@ pub struct Maneuver {
     pub tau_s: f64,
 }
 
-/// Which filter is behind a track.
+/// Filter behind a track.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// One model of the lead.

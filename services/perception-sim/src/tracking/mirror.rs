@@ -53,7 +53,7 @@ pub fn is_image(
 }
 
 /// The same on a curve. A rail mirrors as its tangent at the place that the wave strikes. That place is on the line of
-/// sight to the image, as far from the image as from the vehicle, and there the line between the two is square to the
+/// sight to the image, as far from the image as from the vehicle. There the line between the two is square to the
 /// course.
 fn is_image_on(
     course: &Course,

@@ -1,13 +1,13 @@
-//! Which track is the target: the nearest one in the ego's path.
+//! Choice of the target: the nearest track in the ego's path.
 //!
 //! A track enters the path when it has been within `enter_half_width_m` of the lane's centre for `confirm_s`. It leaves
 //! the path beyond `leave_half_width_m`: a vehicle on the line between two lanes does not flicker, and one noisy scan
 //! makes no target. An estimated path is left only after [`Numbers::course_leave_s`]. If the course ahead is not known
 //! well ([`Numbers::doubtful_path_m`]), probabilities of its being within the lane take the place of these limits. A
-//! track also counts as within the entry limit when its lateral motion will take its body before the ego's in less than
-//! `predict_s`: a cut-in is recognised before the bodies overlap. A track that the ego will have passed by then stays
-//! out. So does a track that it will be beside by then, even with a cruise control's hardest braking: braking only
-//! makes the time beside it longer.
+//! track also counts as within the entry limit if its lateral motion will take its body before the ego's in less than
+//! `predict_s`. So a cut-in is recognised before the bodies overlap. A track that the ego will have passed by then
+//! stays out. So does a track that it will be beside by then, even with a cruise control's hardest braking: braking
+//! only makes the time beside it longer.
 
 use scenario::perception::TargetSelection;
 

@@ -1,7 +1,7 @@
 //! The slip angle of the ego's front bumper, as standing objects show it.
 //!
-//! A standing object at azimuth `phi` has the range rate `-v cos(phi) - w sin(phi)`, where v is the bumper's speed along
-//! the body and w that to its left. Least squares over what stands gives both; their ratio is the slip angle, which a
+//! A standing object at azimuth `phi` has the range rate `-v cos(phi) - w sin(phi)`. v is the bumper's speed along the
+//! body, and w its speed to the left. Least squares over what stands gives both; their ratio is the slip angle, which a
 //! scalar Kalman filter smooths. The driver's steering and the road's curvature change it.
 //!
 //! Source: D. Kellner, M. Barjenbruch, J. Klappstein, J. Dickmann, K. Dietmayer, Instantaneous ego-motion

@@ -60,8 +60,8 @@ pub struct Life {
 }
 
 impl Life {
-    /// The same for a radar that shows this share of what it should: the fewer the scans that show a vehicle, the
-    /// more of them it takes to see it as often.
+    /// The same for a radar that shows this share of its usual detections. Fewer scans show a vehicle, so it takes more
+    /// of them to see it as often.
     #[must_use]
     pub fn with_sight(self, seen_share: f64) -> Self {
         if seen_share >= messages::Sight::LIMITED_BELOW {

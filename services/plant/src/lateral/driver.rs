@@ -4,9 +4,9 @@
 //! κ_wanted = κ(p + v t_lead) − 2 ζ ω l' / v² − ω² (l − l_aim) / v²
 //! ```
 //!
-//! So the offset from the aim obeys l'' = −2 ζ ω l' − ω² (l − l_aim). l' is the front bumper's speed across the axis, not
-//! the body's heading: on a steady circle the body points aside of its way, and a driver sees the way. The wheels follow
-//! with a lag. The aim is an Ornstein-Uhlenbeck process.
+//! So the offset from the aim obeys l'' = −2 ζ ω l' − ω² (l − l_aim). l' is the front bumper's speed across the axis,
+//! not the body's heading. On a steady circle the body points aside of its way, but a driver looks at the way. The
+//! wheels follow with a lag. The aim is an Ornstein-Uhlenbeck process.
 
 use scenario::lateral::Driver as Keys;
 

@@ -18,9 +18,9 @@
 //! (He et al. 2024). A step longer than the plant's period is sampled along its straight lines. So its ends are the
 //! paper's values at any period.
 //!
-//! While the emergency brake holds the vehicle's acceleration below a, the lag goes on by itself, without drive:
-//! when the brake lets go, what the controller commands acts again, and nothing of the brake is left. `paper-euler`,
-//! which has no emergency brake in its paper, puts the ceiling on the request.
+//! The lag goes on by itself, without drive, while the emergency brake holds the vehicle's acceleration below a. When
+//! the brake lets go, the controller's commands act again, and no effect of the brake is left. `paper-euler`, which has
+//! no emergency brake in its paper, puts the ceiling on the request.
 //!
 //! On a grade gravity takes g sin θ from the acceleration of driveline and brakes, θ being the mean grade under the car.
 //! The lag is theirs: they know the grade, and a change of it acts at once and fades with tau. The bounds of u and the

@@ -38,7 +38,7 @@ pub enum Violation {
     RedLight {
         /// When, s.
         time_s: f64,
-        /// Which signal.
+        /// Signal.
         id: u32,
     },
 }

@@ -12,7 +12,7 @@
 
 use std::collections::BTreeMap;
 
-/// What a file begins and ends with.
+/// First and last bytes of a file.
 pub const MAGIC: [u8; 8] = *b"\x89MCAP0\r\n";
 /// Bytes of a record before its body: opcode and length.
 pub const HEAD: usize = 9;
@@ -169,7 +169,7 @@ pub fn channel(body: &[u8]) -> Result<Channel<'_>, Malformed> {
     Ok(Channel { id, schema, topic, encoding: fields.text()? })
 }
 
-/// What stands before a message's payload.
+/// Header of a message's payload.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct MessageHead {
     /// Number of the channel.
@@ -227,7 +227,7 @@ pub fn metadata(body: &[u8]) -> Result<(&str, BTreeMap<String, String>), Malform
     Ok((fields.text()?, fields.texts()?))
 }
 
-/// What a whole file says of itself.
+/// Description of a whole file by itself.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Statistics {
     /// Number of messages.

@@ -121,7 +121,7 @@ fn ours(set: &[&Instance], repeats: usize, start: Start) -> Vec<Sample> {
     samples
 }
 
-/// What is active at the solution.
+/// Active constraints at the solution.
 fn pattern(problem: &Problem, solver: &dyn Solver) -> &'static str {
     let (lo, hi) = problem.input_bounds();
     let bounded = solver.inputs().iter().any(|u| *u <= lo || *u >= hi);

@@ -65,9 +65,8 @@ impl WorkingSet {
 
     /// Moves the guess forward by `steps` and returns the stage up to which it was moved.
     ///
-    /// With a terminal cost everything moves. With `x_N = x_f` the last switches belong to the end
-    /// of the horizon and keep their distance from it: only stages before the middle of the longest
-    /// run of free inputs move.
+    /// With a terminal cost everything moves. With `x_N = x_f` the last switches belong to the end of the horizon and
+    /// keep their distance from it. Only stages before the middle of the longest run of free inputs move.
     pub(super) fn shift(&mut self, problem: &Problem, steps: usize) -> usize {
         let n = problem.horizon;
         let steps = steps.min(n);

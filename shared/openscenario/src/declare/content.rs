@@ -64,7 +64,7 @@ impl<C: Choice> Choice for Placed<C> {
     }
 }
 
-/// How often one of some elements stands in another.
+/// Number of times that one of some elements stands in another.
 #[derive(Debug)]
 pub(crate) struct ChildForm {
     pub alternatives: &'static [(&'static str, &'static Form)],

@@ -13,7 +13,7 @@ pub enum Action {
     Speed {
         /// The target.
         target: SpeedTarget,
-        /// How it is reached.
+        /// Transition to it.
         transition: Transition,
     },
     /// A distance to another entity is reached, and kept if continuous.
@@ -24,7 +24,7 @@ pub enum Action {
         target: LaneTarget,
         /// Offset from its centre, m; positive to the left of the reference line.
         offset_m: f64,
-        /// How it is reached.
+        /// Transition to it.
         transition: Transition,
     },
     /// The lateral position follows a shape to an offset.
@@ -103,7 +103,7 @@ impl SpeedTarget {
     }
 }
 
-/// How a target is reached.
+/// Transition to a target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Transition {

@@ -165,7 +165,7 @@ pub enum CollisionWith {
     Category(Category),
 }
 
-/// How a distance is measured.
+/// Measure of a distance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Measured {

@@ -54,7 +54,7 @@ pub struct Entity {
     pub category: Category,
     /// Its body.
     pub body: Body,
-    /// Who moves it.
+    /// Mover of the entity.
     #[serde(default)]
     pub drive: Drive,
 }
@@ -71,7 +71,7 @@ pub enum Category {
     MiscObject,
 }
 
-/// Who moves an entity.
+/// Mover of an entity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Drive {

@@ -14,8 +14,8 @@ const NARROW_M: f64 = 0.05;
 const SAME_M: f64 = 1e-3;
 
 impl Road {
-    /// The lines of the lanes around a line of this road, as seen from it: of all lanes without a break that vehicles
-    /// drive on, those of the other direction included. None if the lines stay as they begin.
+    /// The lines of the lanes around a line of this road, as seen from it. They include all lanes without a break on
+    /// which vehicles drive, also those of the other direction. None if the lines stay as they begin.
     ///
     /// The distance of a line counts across the reference line: where lanes shift, that is not quite across the line.
     ///

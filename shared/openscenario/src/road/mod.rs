@@ -207,7 +207,7 @@ impl Road {
         self.lanes.strips(s_m).any(|lane| (t_m - lane.center_m).abs() <= 0.5 * lane.width_m)
     }
 
-    /// How far the middle of the lane at a place moves to the left until another place, m. A lane that ends stays.
+    /// Distance by which the middle of the lane moves to the left between two places, m. A lane that ends stays.
     #[must_use]
     pub fn drift(&self, from_s_m: f64, t_m: f64, to_s_m: f64) -> f64 {
         let Some(lane) = self.lane_at(from_s_m, t_m) else { return 0.0 };

@@ -29,7 +29,7 @@ words! {
     /// Ways to follow that do the same.
     FollowingMode = () { "follow" (), "position" () }
 
-    /// How a relative speed is meant; its value is whether as a factor.
+    /// Meaning of a relative speed; the value is true for a factor.
     SpeedTargetValueType = bool { "delta" false, "factor" true }
 
     /// Coordinates that do the same along a road.

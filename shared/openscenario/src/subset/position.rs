@@ -51,7 +51,7 @@ impl Scalar for RoadId {
 }
 
 words! {
-    /// How an orientation is meant; its value is whether in the plane.
+    /// Meaning of an orientation; the value is true for one in the plane.
     OrientationType = bool { "relative" false, "absolute" true }
 }
 

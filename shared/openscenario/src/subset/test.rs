@@ -10,7 +10,7 @@ use crate::model::Category;
 use crate::model::condition::{Along, CollisionWith, EntityTest, Measured, Target, Test};
 
 words! {
-    /// Which entities a condition needs; its value is whether all of them.
+    /// Entities that a condition needs; the value is true for all of them.
     TriggeringEntitiesRule = bool { "any" false, "all" true }
 
     Category {
@@ -188,7 +188,7 @@ impl crate::declare::Element for TargetPosition {
     }
 }
 
-/// How a condition measures distances.
+/// Measure of a condition's distances.
 struct Ruler {
     freespace: bool,
     /// Along the road, as version 1.0 says it.

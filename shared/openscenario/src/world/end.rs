@@ -1,4 +1,4 @@
-//! How actions end.
+//! Ends of actions.
 
 use crate::model::element::ElementState;
 use crate::world::World;

@@ -1,9 +1,9 @@
 //! The moving world: a [`Script`] stepped in time.
 //!
-//! No clock, no files, no random numbers: the same calls give the same motion, bit by bit. A step moves
-//! the entities to the new time, ends actions, evaluates triggers, starts actions. Speeds and lateral
-//! positions of shapes are closed forms of time, and so is the distance covered under a shape: the size of
-//! the steps decides only when triggers are evaluated.
+//! No clock, no files, no random numbers: the same calls give the same motion, bit by bit. A step moves the entities to
+//! the new time, ends actions, evaluates triggers, starts actions. Speeds and lateral positions of shapes are closed
+//! forms of time. So is the distance covered under a shape. The size of the steps decides only when triggers are
+//! evaluated.
 
 mod bend;
 mod check;
@@ -47,7 +47,7 @@ pub enum WorldError {
         what: &'static str,
         /// The index.
         index: usize,
-        /// How many there are.
+        /// Their number.
         count: usize,
     },
     /// The pieces of the road make no axis.

@@ -1,4 +1,4 @@
-//! How actions begin.
+//! Begins of actions.
 
 use std::sync::Arc;
 

@@ -3,7 +3,7 @@
 use report::targets::{JudgedScan, Owner, Place, spans};
 use serde::{Deserialize, Serialize};
 
-/// What happened.
+/// Kind of the event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
@@ -16,11 +16,11 @@ pub enum Kind {
 /// An event.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Event {
-    /// What happened.
+    /// Kind of the event.
     pub kind: Kind,
     /// Run time at which it began, s.
     pub at_s: f64,
-    /// How long it lasted, s.
+    /// Duration, s.
     pub lasts_s: f64,
     /// Part of the curve in which it began.
     pub place: Place,

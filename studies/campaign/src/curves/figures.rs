@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::judge::Kept;
 use super::scene::Scene;
 
-/// How much of a drive, and how often.
+/// Share of a drive, and rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Often {
     /// Share of the time.

@@ -19,7 +19,7 @@ use super::event::Event;
 use super::limits::{BRAKED_MPS2, FROM_SIGHT_MPS2, SEEN_WITHIN_S};
 use super::scene::Scene;
 
-/// How a queue in the lane came into sight and became the target.
+/// Sight of a queue in the lane, and the time at which it became the target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sight {
     /// Run time at which it came into sight, s.
@@ -41,7 +41,7 @@ pub struct Kept {
     pub scene: Scene,
     /// Sources of the course, by name.
     pub sources: String,
-    /// How the run ended.
+    /// End of the run.
     pub outcome: Outcome,
     /// Why it was aborted, if it was.
     pub aborted_because: Option<String>,

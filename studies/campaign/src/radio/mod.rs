@@ -84,7 +84,7 @@ impl Kept {
         }
     }
 
-    /// How it failed, and the command that repeats it.
+    /// The failure, and the command that repeats it.
     fn failure(&self) -> String {
         let outcome = report::print::outcome_word(self.outcome).to_lowercase();
         let (number, driven_s, repeat) = (self.number, self.driven_s, self.repeat());

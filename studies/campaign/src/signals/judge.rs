@@ -15,7 +15,7 @@ use scenario::v2x::{Phase, Signal};
 use serde::{Deserialize, Serialize};
 use v2x_sim::program::Program;
 
-/// How far behind the last line a trip ends, m.
+/// Distance behind the last line at which a trip ends, m.
 pub const BEYOND_M: f64 = 150.0;
 
 /// The record of a drive.
@@ -29,7 +29,7 @@ pub struct Kept {
     pub is_led: bool,
     /// Time before a line at which its countdown arrives at the set speed, s.
     pub ahead_s: f64,
-    /// How the run ended.
+    /// End of the run.
     pub outcome: Outcome,
     /// Trip time beyond the fastest legal trip, s; to the end of the run where the trip's end was not reached.
     pub excess_s: f64,
@@ -112,7 +112,7 @@ impl Kept {
         runtime::command_line(&words.into_iter().chain(own).collect::<Vec<_>>())
     }
 
-    /// How it failed, and the command that repeats it.
+    /// The failure, and the command that repeats it.
     pub fn failure(&self) -> String {
         let outcome = report::print::outcome_word(self.outcome).to_lowercase();
         format!("corridor {}, {}: {outcome}; to repeat: {}", self.corridor, self.law, self.repeat())

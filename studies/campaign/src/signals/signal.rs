@@ -7,7 +7,7 @@ pub struct Signal {
     pub line_m: f64,
     /// Lengths of green, yellow and red, s.
     pub lengths_s: [f64; 3],
-    /// How far its program is ahead at the start, s.
+    /// Time by which its program is ahead at the start, s.
     pub offset_s: f64,
 }
 

@@ -68,7 +68,7 @@ pub struct CompareArguments {
     /// Parts of the comparison.
     #[command(flatten)]
     pub parts: PartOptions,
-    /// How each run's processes are started.
+    /// Start of each run's processes.
     #[command(flatten)]
     pub group: GroupOptions,
     /// Directory and forms of the results.

@@ -69,7 +69,7 @@ pub struct SweepArguments {
     /// Parts of the sweep.
     #[command(flatten)]
     pub parts: PartOptions,
-    /// How each run's processes are started.
+    /// Start of each run's processes.
     #[command(flatten)]
     pub group: GroupOptions,
     /// Directory and forms of the results.

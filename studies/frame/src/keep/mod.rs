@@ -94,8 +94,8 @@ struct Book {
     /// Runs that are not settled, in order.
     expected: VecDeque<usize>,
     settled: BTreeSet<usize>,
-    /// Drives of settled runs that are to be written when all before them are settled, or at the end: by the number of
-    /// the run, and their place in it.
+    /// Drives of settled runs that are written when all before them are settled, or at the end. They stand by the
+    /// number of the run, and their place in it.
     waiting: BTreeMap<(usize, usize), Kept>,
     writer: Option<Writer<BufWriter<File>>>,
     written: usize,

@@ -84,7 +84,7 @@ pub struct Merged<T> {
 /// A part that is missing or not finished.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Incomplete {
-    /// Which.
+    /// The part.
     pub shard: Shard,
     /// Number of its missing runs.
     pub runs: usize,

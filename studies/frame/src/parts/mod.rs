@@ -104,7 +104,7 @@ pub struct Study {
 #[serde(deny_unknown_fields)]
 pub(crate) struct PartFile {
     pub study: Study,
-    /// Which part; none: the whole.
+    /// Part of the study; `None` is the whole.
     pub shard: Option<Shard>,
 }
 

@@ -83,7 +83,7 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         (0..self.study.runs).filter(|run| holds(self.shard, *run))
     }
 
-    /// Which part it is; none: the whole.
+    /// Part of the study; `None` is the whole.
     pub fn shard(&self) -> Option<Shard> {
         self.shard
     }

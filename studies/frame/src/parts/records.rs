@@ -26,7 +26,7 @@ enum Entry<T> {
     None,
     /// Boxed: the others are small, and there may be a million of them.
     Memory(Box<Line<T>>),
-    /// Which journal, and where in it.
+    /// Journal, and place in it.
     Journal(u32, Place),
 }
 
@@ -38,7 +38,7 @@ impl<T> Records<T> {
         Self { runs, journals: Vec::new(), count: 0 }
     }
 
-    /// How many there are.
+    /// Number of records.
     #[must_use]
     pub fn len(&self) -> usize {
         self.count

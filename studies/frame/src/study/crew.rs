@@ -50,7 +50,7 @@ impl<'a> Crew<'a> {
         Self { group, repeated, going_on, observed }
     }
 
-    /// How processes are started.
+    /// Start of processes.
     #[must_use]
     pub fn group(&self) -> &GroupOptions {
         self.group

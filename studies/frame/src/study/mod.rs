@@ -30,7 +30,7 @@ pub struct Options<'a> {
     pub parts: Option<&'a PartOptions>,
     /// Runs at once; none: one per core, or one in realtime.
     pub jobs: Option<NonZeroUsize>,
-    /// How processes are started.
+    /// Start of processes.
     pub group: &'a GroupOptions,
     /// Directory and forms of the results.
     pub results: &'a ResultOptions,

@@ -1,9 +1,8 @@
 //! The paper's figures and claims, computed from recorded trajectories.
 //!
-//! [`PRINTED`] has the numbers on which the weights were calibrated, [`CLAIMS`](super::claims::CLAIMS) everything else that
-//! a trajectory decides. The paper prints no weights, so that an exact match cannot be expected: a
-//! printed number is held to the tolerance of its [`Measure`], a claim without a number to 2 % of
-//! what its plot must span.
+//! [`PRINTED`] has the numbers on which the weights were calibrated, [`CLAIMS`](super::claims::CLAIMS) everything else
+//! that a trajectory decides. The paper prints no weights, so an exact match cannot be expected. A printed number has
+//! the tolerance of its [`Measure`]. A claim without a number is held to 2 % of the span of its plot.
 
 use super::trajectory::{Runs, largest, smallest};
 use crate::row::{Kind, Row, Tolerance, paper, within};

@@ -1,7 +1,7 @@
 //! Predictive adaptive cruise of a heavy truck (Li, Zheng, Wang, Wang): what it saves on sixty
 //! kilometres of hills, and how it follows.
 //!
-//! Savings count against a baseline that each row names, at equal trip time: the mean speed of the compared drive is
+//! Savings count against a baseline that each row names, at equal trip time. The mean speed of the compared drive is
 //! changed until both need the same time within 0.1 %. Fuel is taken where the road ends and corrected for the kinetic
 //! energy there. Rows marked `driven` come from a run in lockstep, rows marked `computed` from the same truck and road
 //! without services.

@@ -1,4 +1,4 @@
-//! Throttle opening and brake pressure behind a course of speed and acceleration: the inverse
+//! Throttle opening and brake pressure behind a course of speed and acceleration. They come from the inverse
 //! longitudinal model that the paper puts between its law and CarSim's car (figures 3c, 4c, 5c).
 //!
 //! ```text

@@ -43,7 +43,7 @@ pub struct Iso15622Arguments {
     /// Parts of the study.
     #[command(flatten)]
     pub parts: PartOptions,
-    /// How each run's processes are started.
+    /// Start of each run's processes.
     #[command(flatten)]
     pub group: GroupOptions,
     /// Directory and forms of the results.

@@ -13,7 +13,7 @@ const FIRST_DISTANCE_M: f64 = 5.0;
 /// that turns back to another vehicle shows it.
 const CLEAR_S: f64 = 0.5;
 
-/// Who drives a case.
+/// Driver of a case.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Driver {
     /// The control law.

@@ -76,7 +76,7 @@ pub struct R157Arguments {
     /// Parts of the study.
     #[command(flatten)]
     pub parts: PartOptions,
-    /// How each run's processes are started.
+    /// Start of each run's processes.
     #[command(flatten)]
     pub group: GroupOptions,
     /// Directory and forms of the results.

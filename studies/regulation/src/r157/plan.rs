@@ -34,8 +34,8 @@ struct Laws {
 }
 
 impl Laws {
-    /// The drivers of run number `run` where it is repeated, each with whether it drives in a process group too: one of
-    /// the laws does in turn, where the run took a drive of its own.
+    /// The drivers of run number `run` if it is repeated, each with whether it drives in a process group too. If the
+    /// run took a drive of its own, the laws take turns.
     fn repeated(&self, run: usize, brake_acted: bool) -> Vec<(Driver, bool)> {
         let distinct: BTreeSet<&String> = self.names.iter().collect();
         let in_turn = run % distinct.len();

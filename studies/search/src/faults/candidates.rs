@@ -61,7 +61,7 @@ fn has_targets(scenario: &Scenario) -> bool {
 
 impl Candidate {
     /// The values of a point of the unit cube: begin as it comes, duration and size from the upper half of their
-    /// ranges. Where these break nothing, smaller ones hardly do.
+    /// ranges. Smaller faults hardly break anything if these break nothing.
     #[must_use]
     pub fn severe(&self, point: &[f64]) -> Vec<Value> {
         let place = |(k, variable): (usize, &Variable)| {

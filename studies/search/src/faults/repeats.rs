@@ -4,8 +4,8 @@
 //! repeat until |violations − others| = 3, at most N times;   the fault breaks: violations lead by 3
 //! ```
 //!
-//! This is Wald's sequential test between a share of violations of 20 % and one of 80 %: at either of them it is wrong
-//! in one of 65 cases, and after 3 runs it is over if all runs agree. Source: Wald, Sequential Tests of Statistical
+//! This is Wald's sequential test between a share of violations of 20 % and one of 80 %. At either share it is wrong in
+//! one of 65 cases. After 3 runs it is over if all runs agree. Source: Wald, Sequential Tests of Statistical
 //! Hypotheses, Ann. Math. Stat. 16 (1945), for Bernoulli trials: wrong with 1 / (1 + (0.8 / 0.2)³).
 
 use frame::batch;

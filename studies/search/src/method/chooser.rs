@@ -19,7 +19,7 @@ const HALF: usize = 5;
 const START: usize = 2;
 /// Most runs between two fits: what the process takes on meanwhile makes it slower.
 const MOST_BETWEEN_FITS: usize = 100;
-/// Every so many points of a process are even ones.
+/// One of this number of points of a process is an even one.
 const EVEN_EVERY: usize = 4;
 
 /// Result of a run, as the choice of later ones needs it.

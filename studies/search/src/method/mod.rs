@@ -1,4 +1,4 @@
-//! How the points of the runs are chosen.
+//! Choice of the points of the runs.
 //!
 //! ```text
 //! random   each run draws for itself
@@ -7,9 +7,9 @@
 //! ```
 //!
 //! A point is *admissible* if the reference driver avoids it. Others cost no run. A choice depends on the seed and on
-//! results of runs with smaller numbers alone, never on their timing: half batch `h` is chosen by the results before
-//! half batch `h - 1`, whose points count as they are expected. So the next points are chosen while the last ones are
-//! driven.
+//! results of runs with smaller numbers alone, never on their timing. The results before half batch `h - 1` choose half
+//! batch `h`. Points of half batch `h - 1` count with their expected values. So the next points are chosen while the
+//! last ones are driven.
 
 mod chooser;
 mod gaussian;

@@ -20,7 +20,7 @@ pub struct Model {
     pub(super) monte_carlo: Option<usize>,
     /// The distributions in words, in the order of the variables.
     pub(super) distributions: Vec<String>,
-    /// How often such scenes are met.
+    /// Rate at which such scenes are met.
     pub(super) exposure: Option<Exposure>,
     /// Variables depend on each other.
     pub(super) is_correlated: bool,

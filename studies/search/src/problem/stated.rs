@@ -34,7 +34,7 @@ pub(crate) struct Stated {
     /// Correlations of pairs.
     #[serde(default)]
     pub(crate) correlations: Vec<Correlation>,
-    /// How often such scenes are met.
+    /// Rate at which such scenes are met.
     pub(crate) exposure: Option<Exposure>,
     /// Rows for Sobol's indices.
     #[serde(default)]
@@ -53,7 +53,7 @@ pub(crate) struct Correlation {
     pub rank: f64,
 }
 
-/// How often scenes of the problem are met, by the user's account.
+/// Rate at which scenes of the problem are met, by the user's account.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Exposure {

@@ -21,7 +21,7 @@ pub struct Family {
     layers: &'static [Layer],
 }
 
-/// What roads are made of. Lengths in m, grades as rise over run.
+/// Parameters of roads. Lengths in m, grades as rise over run.
 enum Layer {
     /// Tangents of constant grade, joined by vertical curves.
     Tangents { sigma: f64, steepest: f64, tangent_m: [f64; 2], curve_m: f64 },

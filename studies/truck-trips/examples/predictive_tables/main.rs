@@ -23,8 +23,8 @@ const SET_MPS: f64 = 75.0 / 3.6;
 const FAMILY_SEEDS: RangeInclusive<u64> = 1..=4;
 const HELD_BACK_SEEDS: RangeInclusive<u64> = 101..=104;
 
-/// Of a road by `paper-n2`, `dynamic-programming` and the full-route plan: the change of fuel, %, and the
-/// losses, % of the baseline's fuel.
+/// Change of fuel on a road, %, by `paper-n2`, `dynamic-programming` and the full-route plan, and the losses, % of the
+/// baseline's fuel.
 type Figures = [(f64, [f64; 3]); 3];
 
 fn main() {
@@ -195,8 +195,8 @@ fn families(preset: Preset, seeds: RangeInclusive<u64>) {
     }
 }
 
-/// What brakes, air and driveline take more than at constant speed, in percent of the baseline's fuel at the
-/// price of energy.
+/// Extra losses of brakes, air and driveline against constant speed, in percent of the baseline's fuel at the price of
+/// energy.
 fn losses(comparison: &Comparison, trip: &Trip) -> [f64; 3] {
     let baseline = comparison.baseline();
     let of = |trip: &Trip| {

@@ -46,7 +46,7 @@ pub enum RequirementError {
     /// A formula with a fault, of the scenario's requirement `index`.
     #[error("require.formulas.{index}: {error}")]
     Formula {
-        /// Which of the scenario's requirements.
+        /// Name of the requirement.
         index: usize,
         /// Its fault.
         error: Box<FormulaError>,
@@ -54,7 +54,7 @@ pub enum RequirementError {
     /// A known name with another number of values than it takes.
     #[error("require.formulas.{index}: \"{text}\", expected {expected}")]
     Name {
-        /// Which of the scenario's requirements.
+        /// Name of the requirement.
         index: usize,
         /// The requirement.
         text: String,

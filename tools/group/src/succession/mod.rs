@@ -58,14 +58,14 @@ pub enum Standby {
     },
     /// It has not said yet that it is ready.
     Starting {
-        /// Which process it is.
+        /// Process.
         incarnation: u32,
         /// Begin of the phase, run time in ns.
         since_ns: i64,
     },
     /// It stands by for the active process.
     Ready {
-        /// Which process it is.
+        /// Process.
         incarnation: u32,
     },
 }
@@ -89,7 +89,7 @@ pub enum Event {
     TookOver(u32),
     /// It ended; `failed` if not by its own orderly end.
     Gone {
-        /// Which process.
+        /// Process.
         incarnation: u32,
         /// The end.
         failed: bool,

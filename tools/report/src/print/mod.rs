@@ -142,7 +142,7 @@ pub fn outcome(summary: &Summary) -> String {
     )
 }
 
-/// Who drove, of a run whose outcome is the backup's.
+/// Driver of a run whose outcome is the backup's.
 pub fn backup(summary: &Summary) -> Option<String> {
     let by_backup = summary.outcome == Outcome::DrivenByBackup;
     summary.law.as_ref().filter(|_| by_backup).map(ToString::to_string)
@@ -161,7 +161,7 @@ pub fn outcome_word(outcome: Outcome) -> &'static str {
     }
 }
 
-/// How several runs ended: `completed`, or the number of each outcome.
+/// Ends of several runs: `completed`, or the number of each outcome.
 ///
 /// ```
 /// use group::report::Outcome::{Collision, Completed};

@@ -108,7 +108,7 @@ pub const fn value<R>(
     column(name, heading, "", Format::Value, meaning)
 }
 
-/// How a run ended.
+/// End of a run.
 pub const fn outcome<R>(name: &'static str) -> Column<R> {
     column(name, "outcome", "", Format::Verdict(outcome_words), "How the run ended")
 }

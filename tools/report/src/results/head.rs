@@ -7,7 +7,7 @@ use crate::chart::number as decimals_of;
 use crate::duration::duration;
 use crate::table::NONE;
 
-/// How a column's cells look for people.
+/// Form of a column's cells for people.
 #[derive(Clone, Copy, Debug)]
 pub enum Format {
     /// A number with this number of decimals.
@@ -49,7 +49,7 @@ pub enum Kind {
     List,
 }
 
-/// Which values of a column are good ones.
+/// Good values of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Good {
     /// Neither end: the column has no best value.
@@ -71,9 +71,9 @@ pub struct Head {
     pub unit: &'static str,
     /// Its meaning, in one sentence.
     pub meaning: &'static str,
-    /// How its cells look.
+    /// Form of its cells.
     pub format: Format,
-    /// Which values are good.
+    /// Good values.
     pub good: Good,
     /// A limit beyond which a number is bad.
     pub limit: Option<f64>,

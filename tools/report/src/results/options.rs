@@ -44,8 +44,8 @@ impl Failure for ExportError {
 }
 
 impl ResultOptions {
-    /// Writes the result into its directory and prints it, as text or as JSON. What is printed comes first: a full
-    /// disk does not take what was measured.
+    /// Writes the result into its directory and prints it, as text or as JSON. Printing comes first: a full disk does
+    /// not take what was measured.
     ///
     /// # Errors
     /// A file that cannot be written, after everything was printed.

@@ -1,4 +1,4 @@
-//! Who drove: the law that was asked for, or its backup.
+//! Driver of a run: the law that was asked for, or its backup.
 
 use group::report::{ControllerReport, Outcome};
 use scenario::Scenario;

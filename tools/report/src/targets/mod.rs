@@ -24,8 +24,8 @@ use serde::{Deserialize, Serialize};
 
 /// Gap up to which a lead counts, m.
 pub const REACH_M: f64 = 100.0;
-/// A target farther than this from every body belongs to no vehicle, m: more than the error of an azimuth at 100 m, less
-/// than the distance of the next lane's middle.
+/// A target farther than this from every body belongs to no vehicle, m. It is more than the error of an azimuth at 100
+/// m, and less than the distance of the next lane's middle.
 pub const BODY_M: f64 = 3.0;
 /// Time before and after a scan in which the target's echoes decide whose it is, s.
 pub const ECHOES_S: f64 = 0.25;

@@ -10,7 +10,7 @@ use crate::law::reader::key;
 use crate::law::{MAX_PLAN, Reader};
 use crate::settings::{SettingError, below, within};
 
-/// What a law does about signals.
+/// Handling of signals by a law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Signals {
     /// `acc-mpc`.
@@ -22,7 +22,7 @@ pub enum Signals {
 /// Settings of `acc-mpc` and `cacc-mpc`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Config {
-    /// How the desired distance is formed, and with it the formulation.
+    /// Form of the desired distance, and with it the formulation.
     pub spacing_policy: SpacingPolicy,
     /// Solver of the convex programs.
     pub solver: SolverName,

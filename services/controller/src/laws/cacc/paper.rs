@@ -16,10 +16,10 @@
 //! The light counts before the stop line and before its first switch only; after that, and in
 //! `acc-mpc` throughout, the cost is the following one alone.
 //!
-//! The paper's program can have no solution. Then, in this order: the same without the light; the
-//! same with `e_k <= d_b` softened from `k = 3`, the first stage that an input reaches, and `E_N`
-//! weighted instead of fixed; the previous plan, shifted; the driver model. The paper has no case
-//! without a lead; the driver model then holds the set speed, and signals are not heeded.
+//! The paper's program can have no solution. Then, in this order: the same without the light; the same with `e_k <=
+//! d_b` softened from `k = 3`, the first stage that an input reaches, and `E_N` weighted instead of fixed; the previous
+//! plan, shifted; the driver model. The paper has no case without a lead; the driver model then holds the set speed,
+//! and signals are not heeded.
 //!
 //! | symbol | here | unit |
 //! |---|---|---|

@@ -17,7 +17,7 @@ pub struct RoadConfig {
     pub standstill_gap_m: f64,
     /// Gap that is never given up knowingly, m; from 0.1 to `standstill_distance_m`.
     pub min_gap_m: f64,
-    /// Where to stop, ahead of the line, m.
+    /// Distance of the stop ahead of the line, m.
     pub stop_margin_m: f64,
     /// Largest acceleration, m/s²; from 0.2 to `max_request_mps2`.
     pub acceleration_mps2: f64,
@@ -25,15 +25,15 @@ pub struct RoadConfig {
     pub comfort_deceleration_mps2: f64,
     /// Deceleration that the reference driver aims at, m/s²; from 0.2 to `comfort_deceleration_mps2`.
     pub reference_deceleration_mps2: f64,
-    /// Hardest deceleration of the lead that the safety filter reckons with, m/s²; the gap grows
-    /// beyond the time headway where that asks for more (above 28 m/s with the defaults).
+    /// Hardest deceleration of the lead that the safety filter allows for, m/s². The gap grows beyond the time headway
+    /// where that needs more (above 28 m/s with the defaults).
     pub lead_deceleration_mps2: f64,
     /// Time constant with which the lead's acceleration is predicted to decay, s.
     pub lead_decay_s: f64,
     /// A pass must reach the line this long before the end of green, s.
     pub pass_margin_s: f64,
-    /// Reaction time in a stop for yellow, s. The line may be crossed in yellow where a stop with it and the comfort
-    /// deceleration, begun at the end of green, would end beyond the line; 0: only where a stop begun at once would.
+    /// Reaction time in a stop for yellow, s. The line may be crossed in yellow if a stop begun at the end of green,
+    /// with this time and the comfort deceleration, would end beyond the line. 0: only if a stop begun at once would.
     pub yellow_reaction_s: f64,
     /// Weight `w` of the light's penalty `w/D`, m. `D` is how far the line is passed at the end of green.
     pub light_weight_m: f64,

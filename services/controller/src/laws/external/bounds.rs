@@ -1,4 +1,4 @@
-//! What the vehicle can follow.
+//! Bounds of a vehicle's motion.
 
 /// Smallest and largest request.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,7 +14,7 @@ pub(super) const ANSWER: usize = size_of::<LawAnswer>();
 /// Bytes of a wrong answer that are shown.
 const SHOWN: usize = 40;
 
-/// What a program did instead of answering.
+/// Misbehaviour of a program.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub(super) enum ChannelError {
     /// It ended, or closed its output.
@@ -108,7 +108,7 @@ impl Channel {
         let Some((number, _)) = self.asked else { return Ok(None) };
         loop {
             let more = self.fill()?;
-            // What is wrong at its beginning is not waited for.
+            // A wrong beginning is refused at once.
             let seen = self.filled.min(8);
             if self.part[..seen] != number.to_le_bytes()[..seen] {
                 let shown = shown(&self.part[..self.filled]);

@@ -1,8 +1,8 @@
 //! The thread that starts a law's program, proves it, replaces it and ends it.
 //!
-//! It is not real-time: the control loop never waits for a process to start or to go. The kernel kills
-//! the program when this thread ends, whatever ends it; the program and what it started form a process
-//! group of their own, which is killed as a whole.
+//! It is not real-time: the control loop never waits for a process to start or to go. The kernel kills the program when
+//! this thread ends, for whatever reason. The program and its children form a process group of their own, which is
+//! killed as a whole.
 
 use super::channel::{Channel, ChannelError};
 use super::process::{GRACE, Plan, Process, StartError};
@@ -28,7 +28,7 @@ pub(super) enum HostError {
     NoThread {
         /// The program in a sentence, here and below.
         subject: String,
-        /// What the system said.
+        /// Error of the system.
         #[source]
         reason: io::Error,
     },
@@ -48,7 +48,7 @@ pub(super) enum HostError {
     )]
     Failed {
         subject: String,
-        /// What it did.
+        /// Behaviour of the program.
         what: String,
         /// Its last lines on standard error.
         words: String,
@@ -63,7 +63,7 @@ pub(super) enum HostError {
     Silent,
 }
 
-/// What the control loop asks for.
+/// Request of the control loop.
 #[derive(Debug)]
 enum Order {
     /// Say what the program did, and end it.
@@ -74,7 +74,7 @@ enum Order {
     Lend(Box<Scenario>),
 }
 
-/// What the thread answers.
+/// Answer of the thread.
 #[derive(Debug)]
 pub(super) enum News {
     /// A program that gave its first answer.
@@ -83,7 +83,7 @@ pub(super) enum News {
     Ended(HostedError),
 }
 
-/// What the programs did so far.
+/// Record of all programs so far.
 #[derive(Debug, Default)]
 pub(super) struct Life {
     pub(super) starts: u64,
@@ -256,7 +256,7 @@ impl Thread {
         }
     }
 
-    /// What a program did.
+    /// Behaviour of a program.
     fn why(&self, error: &ChannelError, process: &mut Process, first: bool) -> HostError {
         let what = match error {
             ChannelError::Closed => process.how_it_ended(),

@@ -29,7 +29,7 @@ pub struct External {
     /// The program is to forget its history.
     forget: bool,
     counts: ProgramReport,
-    /// What was wrong with the first answer that was refused.
+    /// Fault of the first refused answer.
     refusal: Option<String>,
 }
 
@@ -66,7 +66,7 @@ impl External {
         }
     }
 
-    /// What the program did, in a sentence; ends it.
+    /// Describes the program's fault in a sentence; ends the program.
     fn explain(&mut self, error: ChannelError) -> HostedError {
         self.channel = None;
         let own = HostedError::new(error.clone());
@@ -112,7 +112,7 @@ impl External {
     }
 }
 
-/// What came of a question.
+/// Result of a question.
 enum Reply {
     Answer(Box<messages::LawAnswer>),
     Late,

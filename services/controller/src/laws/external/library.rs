@@ -1,8 +1,8 @@
 //! A law in a shared library, in this process: as fast as a law of timegap's own, and as close to it.
 //!
-//! Its answers pass the same checks as a program's: an answer that no vehicle can follow is refused, and the backup
-//! drives in its place; requests are brought within the bounds; late cycles are counted. A library that never returns
-//! or crashes takes the process with it.
+//! Its answers pass the same checks as a program's. An answer that no vehicle can follow is refused, and the backup
+//! drives in its place. Requests are brought within the bounds, and late cycles are counted. A library that never
+//! returns or crashes takes the process with it.
 
 use super::backup::{Backup, Reason};
 use super::bounds::Bounds;

@@ -23,7 +23,7 @@ const LONGEST_LINE: u64 = 400;
 /// Last lines that an error shows.
 const LAST_WORDS: usize = 3;
 
-/// What to host.
+/// Program to host.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Plan {
     pub(super) command: Vec<String>,
@@ -32,7 +32,7 @@ pub(super) struct Plan {
     pub(super) directory: PathBuf,
     /// Time for the first answer.
     pub(super) patience: Duration,
-    /// How often the program may be started again.
+    /// Budget of restarts.
     pub(super) supervision: Supervision,
 }
 
@@ -129,12 +129,12 @@ impl Process {
         }
     }
 
-    /// How it ended; it is killed if it lives on.
+    /// Exit of the program, which is killed if it still runs.
     pub(super) fn how_it_ended(&mut self) -> String {
         if !self.is_gone_within(GRACE) {
             return "closed its standard output, which is for answers".into();
         }
-        // What it started must not live on. It is not waited for yet: the group is its own.
+        // Its children must not outlive it. It is not waited for yet: the group is its own.
         let _ = kill_process_group(self.group(), Signal::KILL);
         self.is_reaped = true;
         match self.child.wait() {

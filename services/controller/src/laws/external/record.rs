@@ -62,7 +62,7 @@ pub(super) fn question(input: &Input, sequence: u64, reset: bool) -> LawInput {
     record
 }
 
-/// What of an answer no vehicle can follow: the field, and what was expected.
+/// Fault of an answer that no vehicle can follow: the field, and the expected value.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Refused(pub(super) String);
 

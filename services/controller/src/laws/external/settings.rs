@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 pub struct Settings {
     /// Time that the program has for its first answer, and in simulated time for each, s.
     pub patience_s: f64,
-    /// In real time a program that has not answered for so long is replaced, s.
+    /// Time without an answer after which a program is replaced in real time, s.
     pub silence_s: f64,
 }
 

@@ -49,7 +49,7 @@ pub struct Gains {
     pub fy: State,
 }
 
-/// What a verified design carries into the law.
+/// Part of a verified design that the law uses.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Verified {
     pub(super) p: ClosedMatrix,

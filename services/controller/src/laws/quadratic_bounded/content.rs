@@ -5,14 +5,14 @@ use serde::{Deserialize, Serialize};
 
 /// Largest accepted file, bytes; a design needs about 8000.
 pub(super) const LARGEST: usize = 64 * 1024;
-/// What the file says it is.
+/// Claims of the file.
 pub(super) const FORMAT: &str = "timegap quadratic-bounded design 1";
 
 /// Numbers of a design, before verification.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Content {
-    /// What the design is for.
+    /// Purpose of the design.
     pub parameters: Parameters,
     /// Rate of contraction.
     pub alpha: f64,

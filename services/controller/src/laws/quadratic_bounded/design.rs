@@ -88,7 +88,7 @@ impl Design {
         text
     }
 
-    /// What the design is made for.
+    /// Conditions for which the design is made.
     #[must_use]
     pub fn parameters(&self) -> &Parameters {
         &self.content.parameters

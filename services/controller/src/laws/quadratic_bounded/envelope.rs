@@ -1,4 +1,4 @@
-//! Where the certificate holds, and what drives elsewhere.
+//! Region in which the certificate holds, and the fall-back that drives elsewhere.
 //!
 //! | the law drives while | it hands over when |
 //! |---|---|
@@ -30,7 +30,7 @@ const COMFORT_MPS2: (f64, f64) = (1.5, 2.0);
 /// Gap that the fall-back never gives up knowingly, m.
 const MIN_GAP_M: f64 = 2.0;
 
-/// What decides between law and fall-back.
+/// State that decides between law and fall-back.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct State {
     /// V of the state that the law would act on, or the urgency of the printed gains; the range ends at 1.
@@ -45,7 +45,7 @@ pub(super) struct State {
     pub(super) lead_mps2: f64,
 }
 
-/// Which of the two drives.
+/// Driver: law or fall-back.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Envelope {
     outside: bool,

@@ -52,13 +52,13 @@ impl Condition {
 /// A condition that does not hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Failure {
-    /// Which condition.
+    /// Condition.
     pub condition: Condition,
     /// Number of the rule, 1 or 2, where the condition is one of a rule.
     pub rule: Option<usize>,
-    /// What was found: the value of the index, or the least scaled pivot.
+    /// Found value: that of the index, or the least scaled pivot.
     pub value: f64,
-    /// What it is measured against.
+    /// Limit for it.
     pub bound: f64,
 }
 

@@ -18,7 +18,7 @@ const BLIND_REQUEST: f64 = -1.0;
 /// Share of the sample time by which a release may come early and still be due.
 const EARLY: f64 = 1e-6;
 
-/// Which lead the law follows.
+/// Lead that the law follows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mode {
     /// The virtual lead, at the set speed and without gap error.
@@ -39,7 +39,7 @@ enum Reason {
     OutsideCertifiedRange,
 }
 
-/// What one lead asks for.
+/// Request for one lead.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     /// [x; xc] as the law takes it.
@@ -178,8 +178,8 @@ impl QuadraticBounded {
         self.settings.gains == GainSource::Printed
     }
 
-    /// How far the state is on its way out of the range of the law, which ends at 1; and the same from a
-    /// reset controller state. V of a certified design, the urgency of the printed gains.
+    /// Progress of the state towards the end of the law's range, which is 1; and the same from a reset controller
+    /// state. V of a certified design, the urgency of the printed gains.
     fn excess(&self, z: &ClosedState, lead: Option<&Lead>) -> [f64; 2] {
         if self.is_printed() {
             let p = self.design.parameters();

@@ -36,14 +36,13 @@
 //!
 //! # Use
 //!
-//! Cruise is following a virtual lead with Dd = 0 and Dv = v_set - v_h. The smaller of the two increments
-//! acts. Whenever the lead changes, xc is reset to the value with the least V. Before the law the gap error
-//! is cut off above, at `gap_error_limit_m` and at the largest value with V <= `envelope_limit`; the virtual
-//! lead's Dv likewise, on both sides. Outside the ellipsoid (V > 1: a stopped car ahead at speed, say) and
-//! outside the speeds and the lead's accelerations that the design is made for, nothing is proven: the law
-//! says so and hands over to its fall-back, an explicit follower with brakes of its own (`envelope`); the
-//! output's quality is then [`FallBack`](crate::law::Quality::FallBack), the degradation level
-//! `outside-envelope`.
+//! Cruise is following a virtual lead with Dd = 0 and Dv = v_set - v_h. The smaller of the two increments acts.
+//! Whenever the lead changes, xc is reset to the value with the least V. Before the law the gap error is cut off above,
+//! at `gap_error_limit_m` and at the largest value with V <= `envelope_limit`; the virtual lead's Dv likewise, on both
+//! sides. Outside the ellipsoid nothing is proven (V > 1: for example a stopped car ahead at speed). The same holds
+//! outside the speeds and the lead's accelerations of the design. The law then reports so and hands over to its
+//! fall-back, an explicit follower with brakes of its own (`envelope`). The output's quality is then
+//! [`FallBack`](crate::law::Quality::FallBack), the degradation level `outside-envelope`.
 //!
 //! The increments are computed every Ts, whatever the control period: shorter periods hold the request in
 //! between. A period that does not divide Ts delays single updates but keeps their mean rate. A longer one
@@ -57,10 +56,9 @@
 //!
 //! # How hard it can brake
 //!
-//! The paper calls the deceleration behind a car that cuts in "large" (ego at 110 km/h, car at 80,
-//! 150 m ahead when it is first seen). The shipped design brakes with 0.72 m/s²; 0.48 would do, as
-//! 73 m are to spare. What a search over 480 designs found (gap constant, start set, weights, alpha;
-//! 460 were certified):
+//! The paper calls the deceleration behind a car that cuts in "large" (ego at 110 km/h, car at 80, 150 m ahead when it
+//! is first seen). The shipped design brakes with 0.72 m/s²; 0.48 would do, as 73 m are to spare. Findings of a search
+//! over 480 designs (gap constant, start set, weights, alpha; 460 were certified):
 //!
 //! | design | hardest, m/s² | paper's other figures | V |
 //! | --- | --- | --- | --- |
@@ -70,9 +68,9 @@
 //! | start set from 8 m, c0 = 5 m: hardest within the ellipsoid | -1.32 | following starts at 11.7 s, departing at 25.3 s | 1.00 |
 //! | shipped, the whole gap error hidden from it | -1.05 | it leaves the ellipsoid, and the fall-back drives | 6.0 |
 //!
-//! So within the certificate "large" cannot be more than about 1.3 m/s²: a harder law slows down
-//! long before the gap asks for it, and the gap then closes late or never. The command is
-//! `cargo test --release -p synthesis --features openblas -- --nocapture`, with `--ignored search` for the search itself.
+//! So within the certificate "large" is at most about 1.3 m/s². A harder law slows down long before the gap asks for
+//! it. The gap then closes late or never. The command is `cargo test --release -p synthesis --features openblas --
+//! --nocapture`, with `--ignored search` for the search itself.
 
 mod certificate;
 mod checked;

@@ -18,7 +18,7 @@ pub type StateMatrix = SMatrix<f64, STATES, STATES>;
 /// Effect of the disturbances on the states or on the measurement.
 pub type DisturbanceMatrix = SMatrix<f64, STATES, DISTURBANCES>;
 
-/// What a design is made for.
+/// Conditions of a design.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Parameters {

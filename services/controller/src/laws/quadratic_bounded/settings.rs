@@ -4,7 +4,7 @@ use crate::settings::{self, Ranges};
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
 
-/// Where the gains come from.
+/// Source of the gains.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum GainSource {
@@ -19,7 +19,7 @@ pub enum GainSource {
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, Schema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Settings {
-    /// Where the gains come from: the certified design, or the paper as it is printed.
+    /// Source of the gains: the certified design, or the paper as it is printed.
     pub gains: GainSource,
     /// Path of a design file; absent: the design that comes with the law.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -34,7 +34,7 @@ enum Colour {
     Red,
 }
 
-/// What the driver makes of the nearest signal.
+/// Decision of the driver at the nearest signal.
 #[derive(Clone, Copy, Debug)]
 struct Watched {
     id: u32,
@@ -186,8 +186,8 @@ mod tests {
 
     const PERIOD_S: f64 = 0.1;
 
-    /// A drive at 13 m/s towards a line at 200 m that shows each phase from its time on; where it ends
-    /// after `seconds`, its speed there, its hardest braking and when the line was crossed.
+    /// A drive at 13 m/s towards a line at 200 m that shows each phase from its time on. Returns its place and speed
+    /// after `seconds`, its hardest braking, and the time at which it crossed the line.
     fn drive(seconds: f64, phases: &[(f64, Phase)]) -> (Motion, f64, Option<f64>) {
         let config = Config::default();
         let acc = build(Signals::Ignored, &config).expect("the default is valid");
@@ -200,7 +200,7 @@ mod tests {
             let phase = phases.iter().rfind(|(from_s, _)| *from_s <= time_s).expect("at 0 s").1;
             let mut signal = SignalAhead { id: 256, count: 1, ..SignalAhead::default() };
             signal.distance_m = 200.0 - ego.position_m;
-            // What is announced to end at once is not looked at.
+            // A phase that is announced to end at once is left out.
             signal.intervals[0] = PhaseInterval { phase, ends_in_s: 0.1 };
             let mut input = Input {
                 time_s,

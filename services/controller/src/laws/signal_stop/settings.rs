@@ -24,7 +24,7 @@ pub struct SignalStop {
     pub yellow_deceleration_mps2: f64,
     /// Deceleration that a stop aims at, m/s².
     pub stop_deceleration_mps2: f64,
-    /// Where to stop, ahead of the line, m.
+    /// Distance of the stop ahead of the line, m.
     pub stop_margin_m: f64,
 }
 

@@ -1,9 +1,9 @@
 //! Mode 5 with [`Spacing::TimeGap`]: as hard as needed, and no harder.
 //!
-//! The paper brakes fully below R_b. There full braking after the reaction time t1 is just enough against the
-//! target's hardest braking. There, that is much too hard: what is needed is the request that, held for what
-//! t1 leaves beside the actuator's lag and followed by full braking, keeps a gap against that braking. It
-//! grows from R_b down to where full braking at once is needed:
+//! The paper brakes fully below R_b. There full braking after the reaction time t1 is just enough against the target's
+//! hardest braking. That is much too hard there. The law takes the request that keeps a gap if full braking follows it.
+//! The request is held for the part of t1 that the actuator's lag leaves. It grows from R_b down to where full braking
+//! at once is needed:
 //!
 //! ```text
 //! u = max { u <= -a_c : least gap of (u for t1 - tau, then -a_h) >= R_s, the target brakes with b }
@@ -115,7 +115,7 @@ fn own_motion(p: &Parameters, ego: &Ego) -> Motion {
     }
 }
 
-/// How late full braking may follow, at the least, s: what is seen is as old as the filter makes it.
+/// Shortest delay before full braking, s: the filter delays the measured values.
 fn late_s(p: &Parameters, period: f64) -> f64 {
     period + p.filter_time_s
 }

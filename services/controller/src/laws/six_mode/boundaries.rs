@@ -69,8 +69,8 @@ fn desired(speed: f64) -> f64 {
     if kmh < 80.0 { 1.25 * kmh } else { 2.5 * kmh - 100.0 }
 }
 
-/// What eq (1) adds to R_x while closing; nothing while opening, eq (5). Printed is `t1 V_a`, a speed that the paper
-/// does not define: |V_r| is the way closed in t1, and alone is continuous with eq (5) at V_r = 0.
+/// Part that eq (1) adds to R_x while closing; nothing while opening, eq (5). Printed is `t1 V_a`, a speed that the
+/// paper does not define: |V_r| is the way closed in t1, and alone is continuous with eq (5) at V_r = 0.
 fn closing_allowance(p: &Parameters, relative: f64) -> f64 {
     let closing = (-relative).max(0.0);
     closing * closing / (2.0 * p.warning_deceleration_mps2) + p.reaction_time_s * closing

@@ -55,7 +55,7 @@ pub struct SixMode {
     request: f64,
 }
 
-/// What a step needs of its input once that is known to be usable.
+/// Usable input of a step.
 struct Checked {
     ego: Ego,
     target: Option<Target>,

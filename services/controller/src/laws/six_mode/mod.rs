@@ -57,14 +57,13 @@
 //! | 8. noise changes modes all the time | hysteresis, dwell, filter |
 //! | 9. range edge, steps of the request, stale filter | range hysteresis, jerk limit, filter reset |
 //!
-//! In random traffic (1000 runs of two minutes: noise, cut-ins, cut-outs, emergency stops, stop and
-//! go) the robust law meets no collision that a driver with 0.3 s of reaction could have avoided,
-//! and changes mode at most 40 times in any minute (measured: 32). Behind the regulatory drive cycles
-//! its mean time gap is 2.0 to 2.5 s.
+//! The robust law was driven in random traffic: 1000 runs of two minutes with noise, cut-ins, cut-outs, emergency
+//! stops, stop and go. It has no collision that a driver with 0.3 s of reaction could have avoided. It changes mode at
+//! most 40 times in any minute (measured: 32). Behind the regulatory drive cycles its mean time gap is 2.0 to 2.5 s.
 //! `tests/six_mode` and `tests/car_following` hold that, the traps and the published run.
 //!
-//! Trap 4 has a second half that the clamp leaves standing: (6) itself still falls by about 30 m
-//! between V_r = 0 and 3 m/s, which is the paper's; hysteresis keeps it from chattering.
+//! Trap 4 has a second half that the clamp does not remove. In the paper, (6) itself falls by about 30 m between V_r =
+//! 0 and 3 m/s. Hysteresis prevents chattering.
 
 mod avoid;
 mod boundaries;

@@ -74,7 +74,7 @@ impl Reason {
     }
 }
 
-/// What the law knows of the target at one release.
+/// Knowledge of the target at one release.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Situation {
     /// R: gap, m.
@@ -122,7 +122,7 @@ pub(super) fn robust(
     if s.gap_m < b.warning_m + when(Mode::Decelerate, p.warning_hysteresis_m) {
         return (Mode::Decelerate, Reason::GapBelowWarning);
     }
-    // What steady driving regulates itself is no approach.
+    // Steady driving corrects this itself: it is no approach.
     let regulated = match p.spacing {
         Spacing::Paper => 0.0,
         Spacing::TimeGap => b.closing_mps(p, s.gap_m).max(0.0),

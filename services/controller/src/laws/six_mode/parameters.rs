@@ -18,7 +18,7 @@ use crate::settings::{Ranges, SettingError, Settings, below};
 /// The paper's acceleration below the set speed and in the accelerate mode, m/s².
 const PAPER_ACCELERATION_MPS2: f64 = 1.0;
 
-/// Which reading of the paper drives.
+/// Reading of the paper that drives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Variant {
@@ -29,7 +29,7 @@ pub enum Variant {
     Robust,
 }
 
-/// Where R_x and R_j are; the literal variant has the paper's in any case.
+/// Places of R_x and R_j; the literal variant has the paper's in any case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Spacing {
@@ -40,7 +40,7 @@ pub enum Spacing {
     TimeGap,
 }
 
-/// How the decelerate mode is divided; the literal variant has the paper's regions in any case.
+/// Division of the decelerate mode; the literal variant has the paper's regions in any case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Parts {
@@ -59,7 +59,7 @@ pub enum Parts {
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, Schema)]
 #[serde(default, deny_unknown_fields)]
 pub struct Parameters {
-    /// Which variant runs.
+    /// Variant that runs.
     pub variant: Variant,
     /// a_h: the ego's full braking, m/s² (positive).
     // At 3: least gap +5 %, hardest braking -29 %, rms jerk +37 %; at 7.5: hardest braking +10 %, rms jerk -12 %.
@@ -96,9 +96,9 @@ pub struct Parameters {
     /// Request of the accelerate mode and largest request of all, m/s² (literal: the paper's 1).
     // At 0.9: rms jerk -3 %; at 3.6: no change.
     pub acceleration_mps2: f64,
-    /// How the decelerate mode is divided into its eight levels.
+    /// Division of the decelerate mode into its eight levels.
     pub deceleration_parts: Parts,
-    /// Where R_x and R_j are (trap 6).
+    /// Places of R_x and R_j (trap 6).
     pub spacing: Spacing,
     /// Time gap in R_x under `spacing = "time-gap"`, s.
     // At 0.75: least gap -3 %, rms jerk -3 %; at 3: least gap +16 %, hardest braking -10 %, rms jerk +17 %.
@@ -115,7 +115,7 @@ pub struct Parameters {
     /// Floor of the approach law's denominator R - R_w, m (trap 3).
     // At 1: no change; at 4: rms jerk -3 %.
     pub approach_floor_m: f64,
-    /// How far below R_j the gap must fall to end the accelerate mode, m (trap 4).
+    /// Distance below R_j to which the gap must fall to end the accelerate mode, m (trap 4).
     // No change at 1.5 and 6.
     pub following_hysteresis_m: f64,
     /// Relative speed that counts as opening or closing once the other held, m/s (trap 5).

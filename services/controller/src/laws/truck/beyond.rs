@@ -1,7 +1,7 @@
 //! The road beyond the horizon, as far as it is worth guessing.
 //!
-//! What speed is worth at the horizon depends on the road after it: on a descent that goes on, energy is
-//! braked away. Where the map ends, a slope does not. The guess is that it fades with the length of slopes:
+//! The value of speed at the horizon depends on the road after it: on a descent that goes on, energy is braked away. A
+//! slope does not end with the map. The guess is that it fades with the length of slopes:
 //!
 //! ```text
 //! g(s) = g_last e^(-s/l)
@@ -27,7 +27,7 @@ pub(crate) struct Beyond<'a> {
 }
 
 impl<'a> Beyond<'a> {
-    /// What follows the horizon of a plan that begins at `start_m`.
+    /// Road beyond the horizon of a plan that begins at `start_m`.
     pub(crate) fn new(preview: &'a Preview, start_m: f64, horizon_m: f64) -> Self {
         let from_m = start_m.max(horizon_m - LAST_M);
         let last_grade = preview.mean_grade(from_m, horizon_m).unwrap_or(0.0);

@@ -71,8 +71,8 @@ impl DynamicProgramming {
         });
     }
 
-    /// Values at the horizon: those of the guessed road after it. Where the map ends before the horizon, the
-    /// way does, too, and nothing is guessed.
+    /// Values at the horizon: those of the guessed road after it. If the map ends before the horizon, the way ends
+    /// there too: nothing is guessed.
     fn values_at_horizon(&mut self, request: &PlanRequest, steps: &PlanSteps) {
         let preview = &request.preview;
         let reaches = preview.end_m() >= request.position_m + self.keys.road.horizon_m;

@@ -18,17 +18,17 @@ use truck_model::{GEARS, Truck};
 pub const PLANNED_GEARS: usize = 3;
 /// The lowest of them.
 pub const LOWEST: usize = GEARS - PLANNED_GEARS;
-/// What being slower than the lowest wanted speed costs, g/s per m/s: a soft bound.
+/// Price of being slower than the lowest wanted speed, g/s per m/s: a soft bound.
 pub const SLOWNESS_GPM: f64 = 1.0;
 /// Cost of what cannot be.
 pub const NEVER: f64 = 1e18;
 
-/// What a step costs in addition to fuel.
+/// Cost of a step in addition to fuel.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Costs {
     /// beta, g/s.
     pub time_gps: f64,
-    /// Of one shift, g.
+    /// Cost of one shift, g.
     pub shift_g: f64,
     /// Below the lowest wanted speed: per second and m/s, g.
     pub slow_gpm: f64,
@@ -309,8 +309,8 @@ impl ForceLine {
         (force_n - self.base_n) * self.nodes_per_n
     }
 
-    /// Places that the engine can reach. Where drag alone is too fast that is the top, with brakes; where
-    /// full load is too slow, the bottom.
+    /// Places that the engine can reach. If drag alone is too fast, that is the top, with brakes; if full load is too
+    /// slow, the bottom.
     #[inline]
     fn reach(&self, curve: &GearCurve) -> (f64, f64) {
         let lowest = self.place(curve.min_n).clamp(0.0, self.top);

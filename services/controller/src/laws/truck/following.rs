@@ -62,8 +62,8 @@ pub(crate) fn acceleration_mps2(
 
 /// The deceleration that keeps the truck off the target, m/s², 0 when there is time.
 ///
-/// Behind a lead that brakes the truck must come to rest behind where the lead does; behind one that is
-/// slower it must lose the difference before the headway falls to a second.
+/// Behind a braking lead the truck must come to rest behind the lead's own stop. Behind a slower lead it must lose the
+/// difference before the headway falls to a second.
 pub(crate) fn needed_deceleration_mps2(speed_mps: f64, target: &Estimate) -> f64 {
     let lead_mps = (speed_mps + target.relative_speed_mps).max(0.0);
     let closing_mps = (-target.relative_speed_mps).max(0.0);
@@ -77,7 +77,7 @@ pub(crate) fn needed_deceleration_mps2(speed_mps: f64, target: &Estimate) -> f64
     closing_mps2.max(speed_mps * speed_mps / (2.0 * room_m))
 }
 
-/// How far the truck may go to keep its distance.
+/// Means by which the truck keeps its distance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Means {
     /// Drag.

@@ -95,7 +95,7 @@ impl Predictive {
         Self { settings: *settings, state: State::new(&settings.keys) }
     }
 
-    /// How late the truck is against its mean speed, s.
+    /// Lateness of the truck against its mean speed, s.
     #[must_use]
     pub fn lag_s(&self) -> f64 {
         self.state.price.lag_s()

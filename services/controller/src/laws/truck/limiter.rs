@@ -4,7 +4,7 @@ use truck_model::{Demand, Truck};
 
 /// Deceleration per speed above the limit, 1/s.
 const GAIN_PER_S: f64 = 0.5;
-/// How far below the limit it begins to act, m/s.
+/// Distance below the limit at which it begins to act, m/s.
 const MARGIN_MPS: f64 = 0.1;
 
 /// `demand`, but no more than holds the truck at `limit_mps` once it is there.

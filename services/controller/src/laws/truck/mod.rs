@@ -11,8 +11,8 @@
 //!                └──────── Planning::accept ◄───────────┘
 //! ```
 //!
-//! The law commands engine torque ([`Output::torque`](crate::law::Output::torque)); the accelerations that go
-//! with it are in the output as well: the gateway has a future to follow.
+//! The law commands engine torque ([`Output::torque`](crate::law::Output::torque)). The output also has the
+//! accelerations that belong to it, so the gateway has a future to follow.
 //!
 //! | part | of the paper | module |
 //! |---|---|---|

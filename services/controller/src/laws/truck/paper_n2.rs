@@ -77,7 +77,7 @@ impl Planner for PaperN2 {
     }
 }
 
-/// What does not change during one search.
+/// Constants of one search.
 struct Search<'a> {
     truck: &'a Truck,
     keys: &'a Keys,

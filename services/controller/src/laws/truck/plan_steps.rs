@@ -1,4 +1,4 @@
-//! Where the steps of a plan end.
+//! Ends of the steps of a plan.
 //!
 //! They end at edges of the map's cells, where the grade changes: between edges the speed has neither peak
 //! nor dip. A step over two cells hides the peak between them. The truck then brakes there at its limit
@@ -48,13 +48,13 @@ impl PlanSteps {
         self.len
     }
 
-    /// Where a step begins and ends, m.
+    /// Start and end of a step, m.
     pub(crate) fn step_m(&self, index: usize) -> (f64, f64) {
         let from_m = if index == 0 { self.start_m } else { self.ends_m[index - 1] };
         (from_m, self.ends_m[index])
     }
 
-    /// Where the last one ends, m.
+    /// End of the last one, m.
     pub(crate) fn end_m(&self) -> f64 {
         self.ends_m[..self.len].last().copied().unwrap_or(self.start_m)
     }

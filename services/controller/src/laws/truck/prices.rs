@@ -1,4 +1,4 @@
-//! What energy and time are worth in fuel.
+//! Value of energy and time in fuel.
 
 use truck_model::{GEARS, Truck};
 
@@ -14,7 +14,7 @@ pub struct Prices {
     pub energy_gpj: f64,
     /// beta_0: the price of time at which the set speed is the best speed on the flat, g/s.
     pub time_gps: f64,
-    /// What one shift costs: the work that is not done while traction is interrupted, g.
+    /// Cost of one shift: the work that is not done while traction is interrupted, g.
     pub shift_g: f64,
 }
 

@@ -1,13 +1,13 @@
 //! The road ahead as segments: steps 1 and 2 of the published planner.
 //!
-//! The limit grades are those that full load and drag hold at the set speed. Cells of 50 m are classed by
-//! them; equal neighbours merge at their length-weighted slope, which keeps the height; what is shorter than
-//! 150 m joins the neighbour with the nearer slope. Then the last stretch before a change of class becomes a
-//! segment of its own, the lead-in. Long bodies are divided.
+//! The limit grades are those that full load and drag hold at the set speed. Cells of 50 m are classed by them. Equal
+//! neighbours merge at their length-weighted slope, which keeps the height. A stretch shorter than 150 m joins the
+//! neighbour with the nearer slope. Then the last stretch before a change of class becomes a segment of its own, the
+//! lead-in. Long bodies are divided.
 //!
-//! Before neighbours merge, a cell takes the median class of the five cells around it. An error of 0.3 m in one
-//! height changes the grades of two cells by 0.6 %; single cells of a wrong class, joined in turn, would move
-//! the ends of segments by hundreds of metres. Where a class lasts for 150 m the median changes nothing.
+//! Before neighbours merge, a cell takes the median class of the five cells around it. An error of 0.3 m in one height
+//! changes the grades of two cells by 0.6 %. If single cells of a wrong class were joined in turn, the ends of segments
+//! would move by hundreds of metres. The median changes nothing if a class lasts for 150 m.
 
 use super::settings::RoadKeys;
 use crate::law::{MAX_CELLS, Preview};
@@ -23,7 +23,7 @@ const CELLS: usize = MAX_CELLS;
 /// Most segments that are planned.
 pub const MOST_SEGMENTS: usize = 3;
 
-/// What a slope does to a truck at its set speed.
+/// Effect of a slope on a truck at its set speed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Class {
     /// Steeper than drag holds: it runs away.

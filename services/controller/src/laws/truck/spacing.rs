@@ -3,7 +3,7 @@
 use super::settings::GapKeys;
 use super::target_filter::Estimate;
 
-/// What the radar layer has decided.
+/// Decision of the radar layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Mode {
     /// 1: the plan drives.

@@ -1,9 +1,9 @@
 //! Kalman filter of the target: state [d, dv, a_lead], the ego's acceleration as input.
 //!
-//! The lead's acceleration is Singer's: a_(k+1) = e^(-dt/tau) a_k + w with tau = 2.5 s and a standard
-//! deviation of 0.5 m/s². Measured are gap and relative speed, R = diag(0.4², 0.15²). A measurement more
-//! than five standard deviations off is not used (all of them keys); three in a row mean that the filter is wrong, and it
-//! starts again, as with a new target.
+//! The lead's acceleration is Singer's: a_(k+1) = e^(-dt/tau) a_k + w with tau = 2.5 s and a standard deviation of 0.5
+//! m/s². Measured are gap and relative speed, R = diag(0.4², 0.15²). A measurement more than five standard deviations
+//! off is not used. After three in a row the filter is wrong: it starts again, as with a new target. All these numbers
+//! are keys.
 
 use kalman::Gaussian;
 

@@ -5,10 +5,10 @@
 //! ```
 //!
 //! v_ref is the speed, on the same metre, of a truck that keeps m times the set speed wherever its engine can
-//! (`reference`): no price makes up for a climb that full load cannot hold. A lag counted from the set speed
-//! itself would swing the price with every long wave of the road. What is left is the planner's own, and the
-//! servo is slow on purpose: the lag that a hill makes and the dip after it takes back is no reason to hurry.
-//! A mean speed m that is asked for moves the price at once, not by a lag that builds up.
+//! (`reference`). No price makes up for a climb that full load cannot hold. A lag counted from the set speed itself
+//! would swing the price with every long wave of the road. The rest is the planner's own lateness. The servo is slow on
+//! purpose: a hill makes a lag and the dip after it takes it back, so the lag is no reason to hurry. A mean speed m
+//! that is asked for moves the price at once, not by a lag that builds up.
 
 /// k_p, 1/s.
 const PROPORTIONAL_PER_S: f64 = 0.008;
@@ -54,7 +54,7 @@ impl TimePrice {
         (self.initial + PROPORTIONAL_PER_S * self.lag_s + self.integral).clamp(RANGE.0, RANGE.1)
     }
 
-    /// How late the truck is, s.
+    /// Lateness of the truck, s.
     #[must_use]
     pub fn lag_s(&self) -> f64 {
         self.lag_s

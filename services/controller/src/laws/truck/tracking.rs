@@ -20,7 +20,7 @@ const AHEAD_S: f64 = 0.3;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Tracking {
     plan: Plan,
-    /// What the plan was made for.
+    /// Conditions for which the plan was made.
     gear: usize,
     limits_mps: (f64, f64),
     number: u64,
@@ -28,7 +28,7 @@ pub(crate) struct Tracking {
     answered: u64,
 }
 
-/// What the plan says where the truck is.
+/// The plan at the truck's place.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Guidance {
     /// Torque at the crankshaft, N m.
@@ -64,7 +64,7 @@ impl Tracking {
         &self.plan
     }
 
-    /// What the plan says now; `None` when there is none or it is stale.
+    /// The plan at present; `None` when there is none or it is stale.
     pub(crate) fn guidance(&self, input: &Input) -> Option<Guidance> {
         let position_m = input.ego.position_m;
         let index = self.plan.segment_at(position_m)?;

@@ -4,10 +4,10 @@
 //! out. The signs below detect a wandering attempt. The interior point follows a cold attempt that
 //! was given up, and the cold attempt follows a warm one.
 //!
-//! All limits were measured. Attempts on the paper's drives all settle, after at most 15 rounds,
-//! and stay clear of the limits: from the third round on at most 26 of 100 inputs change and at
-//! least 49 are free; at most 22 stages violate a row. In 4,618 random problems, 1,402 attempts
-//! settled with up to 18 rounds and without sign 3; five of them took more than 15.
+//! All limits were measured. Attempts on the paper's drives all settle, after at most 15 rounds, and stay clear of the
+//! limits. From the third round on at most 26 of 100 inputs change, and at least 49 are free. At most 22 stages violate
+//! a row. In 4,618 random problems, 1,402 attempts settled with up to 18 rounds and without sign 3; five of them took
+//! more than 15.
 //!
 //! 1. More inputs change sides in one round than a falling line allows. The line starts at two
 //!    fifths in the third round (35 of 100, 30, 25, …) and ends at a thirtieth in the tenth. The
@@ -31,12 +31,12 @@
 //! A guess from the previous solution is dropped once a third of its inputs change sides in a round. With row tangents
 //! it is a tenth.
 //!
-//! A guess from an iterate of the interior point has five rounds. A round may change as many sides of inputs and
-//! parts of the rows' curves as the remaining rounds can settle: five with two or more rounds left, one with one
-//! left. 4,081 of 5,139 attempts on 12,000 random problems settled. 16 of these had more than five changes in the
-//! first round (of 365). 23 had more than one in the second (of 535, with three rounds). Once only the rows'
-//! multipliers change, the distances from their limits fall geometrically. The attempt is dropped where the remaining
-//! rounds do not suffice at this rate ([`Approach`]). A failed attempt is repeated after another iteration.
+//! A guess from an iterate of the interior point has five rounds. A round may change as many sides of inputs and parts
+//! of the rows' curves as the remaining rounds can settle. That is five with two or more rounds left, and one with one
+//! left. 4,081 of 5,139 attempts on 12,000 random problems settled. 16 of these had more than five changes in the first
+//! round (of 365). 23 had more than one in the second (of 535, with three rounds). Once only the rows' multipliers
+//! change, the distances from their limits fall geometrically. The attempt is dropped where the remaining rounds do not
+//! suffice at this rate ([`Approach`]). A failed attempt is repeated after another iteration.
 
 /// Round from which on the permitted number of changed sides is constant.
 const LAST_ROUND: u32 = 10;

@@ -102,8 +102,8 @@ pub fn read(text: Text<'_>, road: &Element, length_m: f64) -> Result<Side, ReadE
     Ok(Side { lanes: Lanes { offset, sections, length_m }, first, last })
 }
 
-/// The pairs of places of lanes that continue each other, by the links of either side. Where no lane has a link, equal
-/// ids belong together, or opposite ones if one of the roads is `turned`.
+/// The pairs of places of lanes that continue each other, by the links of either side. If no lane has a link, equal ids
+/// belong together, or opposite ones if one of the roads is `turned`.
 pub fn pairs(before: &[Link], after: &[Link], turned: bool) -> Vec<(usize, usize)> {
     let none = before.iter().chain(after).all(|link| link.to.is_none());
     let sign = if turned { -1 } else { 1 };

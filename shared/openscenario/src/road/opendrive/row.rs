@@ -128,7 +128,7 @@ impl<'a> Row<'a> {
         Self { members: before, asked }
     }
 
-    /// How many roads it has.
+    /// Number of roads.
     pub fn len(&self) -> usize {
         self.members.len()
     }

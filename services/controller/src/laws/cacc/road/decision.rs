@@ -1,15 +1,14 @@
 //! Pass or stop.
 //!
-//! Both programs are solved; a pass counts when its plan reaches the line before green ends. Their plans are
-//! then judged by one cost. What was decided for a line stays until the other is better by the hysteresis. A
-//! line that can neither be passed in green nor be stopped at comfortably is a dilemma: it is crossed in
-//! yellow if that is possible, and only else braked for hard. Yellow counts as green for a vehicle that a
-//! driver with a reaction time could not stop comfortably: yellow is as long as such a driver needs (ITE
-//! 2020). A line whose phase is not known is taken for red as long as the hardest braking stops before it. A
-//! vehicle that stands at the line starts when green is shown, if it clears the line before red. The
-//! announcement has no part in it.
+//! Both programs are solved; a pass counts when its plan reaches the line before green ends. Their plans are then
+//! judged by one cost. A decision for a line stays until the other choice is better by the hysteresis. At a dilemma the
+//! vehicle can neither pass the line in green nor stop comfortably. It then crosses in yellow if that is possible, and
+//! brakes hard otherwise. Yellow counts as green for a vehicle that a driver with a reaction time could not stop
+//! comfortably. Yellow is as long as such a driver needs (ITE 2020). A line whose phase is not known is taken for red
+//! as long as the hardest braking stops before it. A vehicle that stands at the line starts when green is shown, if it
+//! clears the line before red. The announcement has no part in it.
 
-/// What is done about the nearest line.
+/// Treatment of the nearest line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Choice {
     /// Cross it in the present or next green.
@@ -35,7 +34,7 @@ pub(super) enum Reason {
     Unknown,
 }
 
-/// What the choice depends on.
+/// Inputs of the choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Situation {
     /// The phase is known.
@@ -54,7 +53,7 @@ pub(super) struct Situation {
     pub(super) pass_cost: f64,
     /// Cost of the stop's plan.
     pub(super) stop_cost: f64,
-    /// What was chosen for this line before.
+    /// Earlier choice for this line.
     pub(super) before: Option<Choice>,
 }
 
@@ -78,7 +77,7 @@ pub(super) fn choose(s: &Situation, hysteresis: f64) -> (Choice, Reason) {
         return (Choice::Stop, Reason::StopCheaper);
     }
     let reason = if s.known { Reason::GreenOutOfReach } else { Reason::Unknown };
-    // What is not known may be red: comfort does not count then.
+    // An unknown phase may be red: comfort does not count then.
     if s.comfortable_stop || !s.known && s.hard_stop {
         (Choice::Stop, reason)
     } else if s.clears {

@@ -6,10 +6,9 @@
 //! * before each closed line, and
 //! * behind the lead at all times: see [`safe_gap`](crate::following::safe_gap).
 //!
-//! From a safe state emergency braking is safe, so a safe request always exists, and the state stays safe:
-//! neither a line nor the lead is reached, whatever the law above wants. At a line that is to be passed, the
-//! request must leave one way open. The vehicle can still stop, or it crosses before red at its present
-//! speed.
+//! From a safe state emergency braking is safe, so a safe request always exists, and the state stays safe. The vehicle
+//! reaches neither a line nor the lead, whatever the law above requests. At a line that is to be passed, the request
+//! must leave one way open. The vehicle can still stop, or it crosses before red at its present speed.
 
 use crate::following::kinematics::{Lag, LagStep, Motion};
 use crate::following::parameters::FOLLOWING;
@@ -31,12 +30,12 @@ const BRAKING_SHARES: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 /// its extremes.
 const SHORTEST_PERIOD_S: f64 = 0.05;
 
-/// How the filter treats a line.
+/// Treatment of a line by the filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Rule {
     /// Stop before it.
     Stop,
-    /// Cross it before red, which comes in so many seconds, or stay able to stop.
+    /// Cross it before red, which comes after this time in s, or stay able to stop.
     Pass {
         /// s.
         red_in_s: f64,
@@ -48,7 +47,7 @@ pub(super) enum Rule {
 pub(super) struct Gate {
     /// Distance to the line, m.
     pub(super) distance_m: f64,
-    /// How it is treated.
+    /// Treatment of the line.
     pub(super) rule: Rule,
 }
 
@@ -120,8 +119,8 @@ impl Filter {
         self.has_room(0.0, ego, lead, distance_m, red_in_s)
     }
 
-    /// Whether braking with a constant `request` from now on is enough: it stops before each line
-    /// that is to be stopped at, and behind the lead if that goes on as it does now.
+    /// True if braking with a constant `request` from now on is enough. It must stop before each line that is to be
+    /// stopped at, and behind a lead that goes on as it does now.
     pub(super) fn suffices(
         &self,
         request: f64,
@@ -187,8 +186,8 @@ impl Filter {
         next.position_m + kept.max(0.0) * left >= distance_m + LINE_MARGIN_M
     }
 
-    /// Whether a lead that goes on as it does now leaves room to cross before red: at the speed
-    /// kept, with braking only after the line, or while braking for the lead all along.
+    /// True if a lead that goes on as it does now leaves room to cross before red. The ego keeps its speed, brakes only
+    /// after the line, or brakes for the lead all along.
     fn has_room(
         &self,
         u: f64,

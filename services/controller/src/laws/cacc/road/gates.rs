@@ -1,4 +1,4 @@
-//! What the filter is told about the lines ahead.
+//! Input of the filter about the lines ahead.
 
 use super::RoadLaw;
 use super::decision::Choice;

@@ -17,13 +17,14 @@
 //! both:  position <= lead - gap_min,  0 <= v <= v_max
 //! ```
 //!
-//! One of the two is chosen by feasibility and by one cost for both plans, with hysteresis. The first request
-//! then goes through a filter of pure kinematics, which has the last word: after it the vehicle can still
-//! stop before each line that is not to be passed. It can still stop behind a lead that brakes as hard as is
-//! reckoned with. It crosses a line that is passed before red.
+//! One of the two is chosen by feasibility and by one cost for both plans, with hysteresis. The first request then
+//! passes a filter of pure kinematics, which has the last word. After the filter the vehicle can still stop before each
+//! line that it may not pass. It can still stop behind a lead that brakes as hard as is reckoned with. It crosses a
+//! line that is passed before red.
 //!
-//! A pass is not only to reach the line: the paper's penalty `w/D` on the margin `D`, by which the line is passed at the
-//! end of green, pulls it ahead. Its slope at the reference's margin is a linear cost of the position there:
+//! A pass has to do more than reach the line. The paper's penalty `w/D` pulls the vehicle ahead, where `D` is the
+//! margin by which it is past the line at the end of green. Its slope at the reference's margin is a linear cost of the
+//! position there:
 //!
 //! ```text
 //! minimise ... - (w / D_ref²) p_K     while 0 < D_ref < d_th,    K the stage at which green ends
@@ -107,20 +108,20 @@ struct State {
     chosen: Option<(u32, Choice)>,
     plan: PlanMemory,
     own: OwnLag,
-    /// What the plan in memory was made for.
+    /// State for which the plan in memory was made.
     planned: Option<Choice>,
     mode: Option<u32>,
     reason: u32,
 }
 
-/// What is done about the nearest line.
+/// Treatment of the nearest line.
 #[derive(Clone, Copy, Debug, Default)]
 struct Decision {
     /// `None` without a line.
     choice: Option<Choice>,
     /// Why, as an index into the reasons.
     reason: u32,
-    /// How far the pass falls short of the line at the end of green, m.
+    /// Distance by which the pass falls short of the line at the end of green, m.
     shortfall_m: f64,
 }
 
@@ -143,7 +144,7 @@ impl RoadLaw {
         })
     }
 
-    /// What is measured, in the law's own terms; `None` when a number is missing.
+    /// The measured state, in the law's own terms; `None` when a number is missing.
     fn look(&mut self, input: &Input) -> Option<Seen> {
         let ego = &input.ego;
         let lead = input.target.as_ref().map(|target| LeadNow {
@@ -285,7 +286,7 @@ impl RoadLaw {
         Decision { choice: Some(choice), reason: reason_index(reason), shortfall_m }
     }
 
-    /// Time after the end of green in which the line may still be crossed at a speed, s: a driver who brakes for the
+    /// Time after the end of green in which the line may still be crossed at a speed, s. A driver who brakes for the
     /// yellow would not stop before the line.
     fn yellow_s(&self, green: &Green, speed_mps: f64) -> f64 {
         let road = &self.config.road;

@@ -1,13 +1,12 @@
 //! The acceleration that the law's own requests explain.
 //!
-//! Plans begin at the vehicle's acceleration, and smooth what follows. What the vehicle brakes beyond the
-//! law's own requests, another system does, as an emergency brake: its end is not the law's to smooth. A plan
-//! that began there would ask for braking of its own. It would keep the ego slow long after the other has let
-//! go.
+//! Plans begin at the vehicle's acceleration, and smooth what follows. Braking beyond the law's own requests comes from
+//! another system, such as an emergency brake: the law does not smooth its end. A plan that began there would ask for
+//! braking of its own. It would keep the ego slow long after the other has let go.
 
 use crate::following::kinematics::Lag;
 
-/// What measured and explained acceleration differ by for other reasons, m/s²: grades, age of the odometry.
+/// Difference between measured and explained acceleration for other reasons, m/s²: grades, age of the odometry.
 const UNEXPLAINED_MPS2: f64 = 1.0;
 
 /// The law's requests behind the actuator's lag.

@@ -18,7 +18,7 @@ use crate::laws::cacc::paper::usable;
 /// The measured scene of one cycle.
 pub(super) struct Seen {
     pub(super) ego: Motion,
-    /// Where a plan begins: the ego, without what another system brakes.
+    /// Start of a plan: the ego, without the braking of another system.
     pub(super) begin: Motion,
     pub(super) lead: Option<LeadNow>,
     pub(super) lines: [Line; MAX_SIGNALS],
@@ -165,7 +165,7 @@ impl Planner {
         None
     }
 
-    /// How far the pass falls short of the line at the end of green, m; zero when it does not.
+    /// Distance by which the pass falls short of the line at the end of green, m; otherwise zero.
     pub(super) fn shortfall(&self, ego: Motion, line_m: f64, deadline: Option<usize>) -> f64 {
         let Some(stage) = deadline else { return 0.0 };
         let n = self.config.horizon_steps;

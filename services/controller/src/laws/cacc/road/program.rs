@@ -50,7 +50,7 @@ const COMFORT_PRICE: f64 = 30.0;
 const PASS_PRICE: f64 = 3000.0;
 /// Ratio of the last stage's weights to the others'.
 const TERMINAL: f64 = 5.0;
-/// How far beyond the line a pass must get, m.
+/// Distance beyond the line that a pass must reach, m.
 const PASS_M: f64 = 0.3;
 /// Margin below which the light's price grows no more, m: there the pass itself is at stake.
 const LEAST_MARGIN_M: f64 = 4.0;
@@ -139,7 +139,7 @@ impl Programs {
         }
     }
 
-    /// What a metre of the margin `D` at the end of green is worth: the slope of `w/D` at the reference's margin.
+    /// Price of a metre of the margin `D` at the end of green: the slope of `w/D` at the reference's margin.
     fn light_price(&self, margin_m: f64) -> f64 {
         let margin_m = margin_m.max(LEAST_MARGIN_M);
         if margin_m < self.light_threshold_m {

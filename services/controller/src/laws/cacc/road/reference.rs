@@ -1,8 +1,8 @@
 //! The reference: a comfortable driver, rolled out over the horizon.
 //!
-//! The driver heads for the desired speed behind the predicted lead and in front of closed lines.
-//! It knows when a line opens: with `D` the time left and `d` the distance, any speed up to `v*`
-//! leaves it able to stop with deceleration `b` and lag `h` when the line opens,
+//! The driver heads for the desired speed behind the predicted lead and in front of closed lines. It knows when a line
+//! opens. Let `D` be the time left and `d` the distance. Any speed up to `v*` leaves it able to stop with deceleration
+//! `b` and lag `h` when the line opens,
 //!
 //! ```text
 //! d = v* (D + h) + v*² / (2 b)    ->    v* = b (sqrt((D + h)² + 2 d / b) - (D + h))
@@ -34,7 +34,7 @@ const LATER_SHARE: f64 = 0.7;
 /// Slowest speed at which a later line's arrival is estimated, m/s.
 const CREEP_MPS: f64 = 1.0;
 
-/// How the nearest line is meant to be treated.
+/// Intended treatment of the nearest line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Gate {
     /// As open from now on.
@@ -45,7 +45,7 @@ pub(super) enum Gate {
     Closed,
 }
 
-/// What does not change along a roll-out.
+/// Constants of a roll-out.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scene<'a> {
     pub(super) driver: Driver,
@@ -71,9 +71,9 @@ pub(super) struct Scene<'a> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Reference {
     pub(super) motion: [Motion; MAX_PLAN + 1],
-    /// What the driver asks for, and zero while it stands: that is what keeps the programs' linear model
-    /// where the reference is. Braking would move the model backwards, so each stage of the horizon would
-    /// press on its row `v >= 0`. The plan would be the same, at forty times the solver's time.
+    /// The driver's request, and zero while it stands: so the programs' linear model stays at the reference. Braking
+    /// would move the model backwards, so each stage of the horizon would press on its row `v >= 0`. The plan would be
+    /// the same, at forty times the solver's time.
     pub(super) request_mps2: [f64; MAX_PLAN],
     /// Farthest position allowed at each stage by lead and closed lines, never behind the driver,
     /// m.
@@ -205,9 +205,8 @@ impl Scene<'_> {
         }
     }
 
-    /// Request in front of a closed line that opens in so many seconds, at a speed at which the driver asks for
-    /// `free` on an open road.
-    /// Only the next line is glided to: slowing down for a later one could cost a green before it.
+    /// Request in front of a closed line that opens after a time in s, at a speed at which the driver requests `free`
+    /// on an open road. Only the next line is glided to: slowing down for a later one could cost a green before it.
     fn before_line(
         &self,
         free: f64,

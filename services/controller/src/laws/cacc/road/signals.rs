@@ -1,8 +1,8 @@
 //! Memory of the signals ahead.
 //!
-//! A stop line that has been announced stays until it is passed: a signal that falls silent, or
-//! whose phase becomes unknown, is one that is not known to be green. What it announced last is
-//! kept, in absolute time, for a vehicle that can no longer stop comfortably.
+//! An announced stop line stays until it is passed. A signal that falls silent, or whose phase becomes unknown, does
+//! not count as green. Its last announcement is kept, in absolute time, for a vehicle that can no longer stop
+//! comfortably.
 
 use crate::law::{Input, MAX_PHASES, MAX_SIGNALS, Phase, SignalAhead};
 
@@ -47,9 +47,8 @@ impl Line {
         &self.greens[..self.count]
     }
 
-    /// The green, or its yellow, that is shown at `now_s`. Of a line that is no longer heard, only
-    /// the one that was shown when it was: a green that was announced for later is not known to
-    /// have come.
+    /// The green, or its yellow, that is shown at `now_s`. For a line whose signal is silent, only a green that was
+    /// shown before counts: a green that was announced for later may not have come.
     pub(super) fn shown(&self, now_s: f64) -> Option<&Green> {
         let heard = if self.known { now_s } else { self.heard_s };
         self.greens().iter().find(|green| green.from_s <= heard && now_s < green.clear_s)
@@ -166,8 +165,8 @@ impl SignalMemory {
     }
 }
 
-/// True if a line's intersection is told of without it: another map is in force. Where there is no room for
-/// more, it may only have been left out.
+/// True if a line's intersection is told of without it: another map is in force. In a full list it may only have been
+/// left out.
 fn is_replaced(id: u32, input: &Input) -> bool {
     let is_full = input.signals.iter().all(Option::is_some);
     let mut told = input.signals.iter().flatten();

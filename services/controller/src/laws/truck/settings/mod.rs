@@ -16,7 +16,7 @@ pub(super) const REQUESTS_MPS2: (f64, f64) = (-6.5, 1.5);
 /// Largest request to a car, m/s². Chosen: as the predictive laws for cars.
 pub(super) const CAR_MOST_MPS2: f64 = 2.0;
 
-/// Which planner drives.
+/// Planner that drives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum PlannerKind {
@@ -80,7 +80,7 @@ impl PlannerKind {
     }
 }
 
-/// What may slow the truck down beside its engine's drag.
+/// Brakes that may slow the truck down beside its engine's drag.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Brakes {
@@ -97,9 +97,9 @@ pub enum Brakes {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Keys {
-    /// Which planner drives.
+    /// Planner that drives.
     pub planner: PlannerKind,
-    /// Which brakes the law may use; `none` is the paper's: torque from drag to full load alone.
+    /// Brakes that the law may use; `none` is the paper's: torque from drag to full load alone.
     pub brakes: Brakes,
     /// Mean speed to keep on a free road, relative to the set speed.
     // At 0.8: rms jerk -6 %, fuel -15.7 %.
@@ -160,13 +160,13 @@ impl settings::Settings for Keys {
 pub struct Settings {
     /// The truck as the law knows it.
     pub truck: Truck,
-    /// What a scenario sets.
+    /// Settings of a scenario.
     pub keys: Keys,
     /// Drives a car, by accelerations: kept at a safe gap and stopped softly.
     pub car: Option<CarGap>,
 }
 
-/// How a car's gap is kept safe.
+/// Way in which a car's gap is kept safe.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CarGap {
     /// Lag of the car's acceleration behind the request, s.

@@ -5,9 +5,9 @@
 //! table holds for all its keys.
 //!
 //! The comment beside a number is its effect on 120 s of the built-in scenarios `truck-traffic`, `truck-hills`,
-//! `truck-follow` and `truck-brake`. "No change" means less than 2 % of the least gap, the hardest braking, the rms jerk
-//! and the time of the service brakes, less than 0.1 % of the fuel, and no collision. Whole numbers and absent ones were
-//! not varied.
+//! `truck-follow` and `truck-brake`. "No change" means less than 2 % of the least gap, the hardest braking, the rms
+//! jerk and the time of the service brakes. It also means less than 0.1 % of the fuel, and no collision. Whole numbers
+//! and absent ones were not varied.
 //!
 //! ```sh
 //! cargo run --release -p regulation --example law_numbers -- predictive predictive --built-in truck-traffic,truck-hills,truck-follow,truck-brake
@@ -225,7 +225,7 @@ numbers! { "filter",
 }
 
 numbers! { "truck",
-    /// The truck as the law believes it to be: equations (19) to (22). What is absent is as in `plant.vehicle`.
+    /// The truck as the law believes it to be: equations (19) to (22). Absent values are those of `plant.vehicle`.
     pub struct TruckKeys {
         /// Mass m, kg.
         #[serde(skip_serializing_if = "Option::is_none")]
