@@ -87,7 +87,7 @@ fn car(numbers: &Numbers) -> (f64, f64, f64, f64, f64) {
     let scenario = scenario("");
     let mut vehicle = Vehicle::with(&scenario.plant, numbers);
     let mut referee = Referee::with(&scenario, numbers);
-    let mut lead_m = 20.0;
+    let mut lead_m = 80.0;
     let mut required_mps2 = 0.0f64;
     for k in 0..18_000u64 {
         let time_s = k as f64 * PERIOD_S;
