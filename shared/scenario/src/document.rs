@@ -58,6 +58,11 @@ impl<'a> Document<'a> {
         text: &'a str,
         overrides: &'a Overrides,
     ) -> Result<Self, ScenarioError> {
+        Self::of_parsed(source, text, Self::root_of(source, text)?, overrides)
+    }
+
+    /// The keys of a text.
+    pub(super) fn root_of(source: &str, text: &str) -> Result<Placed, ScenarioError> {
         if text.len() > MAX_TEXT_BYTES {
             let message = format!("the text has {} bytes", text.len());
             return Err(ScenarioError::whole(source, message)
@@ -68,7 +73,17 @@ impl<'a> Document<'a> {
             ScenarioError::at(source, text, span, error.message())
         })?;
         let root = Spanned::new(root.span(), DeValue::Table(root.into_inner()));
-        Self::with(Origin::Text { source, text }, Placed::of(&root, 0), overrides)
+        Ok(Placed::of(&root, 0))
+    }
+
+    /// Lays `overrides` over the keys of a text that was parsed before.
+    pub(super) fn of_parsed(
+        source: &'a str,
+        text: &'a str,
+        root: Placed,
+        overrides: &'a Overrides,
+    ) -> Result<Self, ScenarioError> {
+        Self::with(Origin::Text { source, text }, root, overrides)
     }
 
     /// Takes the keys of a file of another format, and lays `overrides` over them.

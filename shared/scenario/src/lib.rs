@@ -91,6 +91,7 @@ pub use document::MAX_TEXT_BYTES;
 pub use error::ScenarioError;
 pub use foreign::ForeignKeys;
 pub use law_tables::LawTables;
+pub use open::Source;
 pub use overrides::Overrides;
 pub use problem::Problem;
 pub use reads::Reads;

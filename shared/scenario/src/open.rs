@@ -1,11 +1,12 @@
 //! How a scenario is opened: read, overridden, completed and checked, in this order.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use super::document::Document;
 use super::foreign::ForeignKeys;
 use super::overrides::Overrides;
 use super::own_law;
+use super::placed::Placed;
 use super::problem::Problem;
 use super::quantity::PeriodMs;
 use super::reads::{self, Reads};
@@ -49,18 +50,7 @@ impl Scenario {
         overrides: &Overrides,
         check: &dyn Fn(&Self) -> Result<Reads, Problem>,
     ) -> Result<Self, ScenarioError> {
-        if let Some(builtin) = builtin::find(argument) {
-            let source = format!("built-in {argument}");
-            return Self::build(&source, builtin.text, overrides, Place::BuiltIn(None), check);
-        }
-        let path = Path::new(argument);
-        let looks_like_a_path = argument.ends_with(".toml") || argument.contains('/');
-        if !looks_like_a_path && !path.exists() {
-            return Err(builtin::unknown(argument));
-        }
-        let text = files::read(path, MAX_TEXT_BYTES)
-            .map_err(|reason| ScenarioError::whole(argument, reason.to_string()))?;
-        Self::build(argument, &text, overrides, Place::In(path.parent().unwrap_or(path)), check)
+        Source::read(argument)?.open(overrides, check)
     }
 
     /// Opens an OpenSCENARIO file with its catalogs and its road, as a scenario with `overrides` laid
@@ -185,6 +175,75 @@ impl Scenario {
             (period, rest) = (rest, period % rest);
         }
         self.plant.period_ms = PeriodMs::of(period);
+    }
+}
+
+/// A scenario's file that was read and parsed. It can be opened many times, each time with other keys laid over it.
+///
+/// ```
+/// use scenario::{Overrides, Reads, Scenario, Source};
+///
+/// let source = Source::read("following")?;
+/// let check = |_: &Scenario| Ok(Reads::everything());
+/// for seed in [1, 2] {
+///     let mut overrides = Overrides::new();
+///     overrides.option("--seed", "seed", &seed.to_string());
+///     assert_eq!(source.open(&overrides, &check)?.seed.value(), seed);
+/// }
+/// # Ok::<(), scenario::ScenarioError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// Its name in errors.
+    name: String,
+    text: String,
+    root: Placed,
+    /// The directory at which paths in it begin; none: it is built in.
+    directory: Option<PathBuf>,
+}
+
+impl Source {
+    /// Reads the built-in scenario of that name or the file at that path.
+    ///
+    /// # Errors
+    /// When there is no such scenario, or it cannot be read or is no TOML.
+    pub fn read(argument: &str) -> Result<Self, ScenarioError> {
+        if let Some(builtin) = builtin::find(argument) {
+            return Self::parse(format!("built-in {argument}"), builtin.text.to_owned(), None);
+        }
+        let path = Path::new(argument);
+        let looks_like_a_path = argument.ends_with(".toml") || argument.contains('/');
+        if !looks_like_a_path && !path.exists() {
+            return Err(builtin::unknown(argument));
+        }
+        let text = files::read(path, MAX_TEXT_BYTES)
+            .map_err(|reason| ScenarioError::whole(argument, reason.to_string()))?;
+        let directory = path.parent().unwrap_or(path).to_owned();
+        Self::parse(argument.to_owned(), text, Some(directory))
+    }
+
+    fn parse(
+        name: String,
+        text: String,
+        directory: Option<PathBuf>,
+    ) -> Result<Self, ScenarioError> {
+        let root = Document::root_of(&name, &text)?;
+        Ok(Self { name, text, root, directory })
+    }
+
+    /// The scenario with `overrides` laid over the file. `check` is asked last, for what only the control laws know.
+    ///
+    /// # Errors
+    /// When something in the file or in an override is wrong.
+    pub fn open(
+        &self,
+        overrides: &Overrides,
+        check: &dyn Fn(&Scenario) -> Result<Reads, Problem>,
+    ) -> Result<Scenario, ScenarioError> {
+        let Self { name, text, root, directory } = self;
+        let document = Document::of_parsed(name, text, root.clone(), overrides)?;
+        let place = directory.as_deref().map_or(Place::BuiltIn(None), Place::In);
+        Scenario::of_document(&document, place, check)
     }
 }
 

@@ -84,6 +84,6 @@ pub use requirement::{
 };
 pub use room::{RoomError, check_room, shared_memory_room};
 pub use root::{RootError, RunRoot, base, is_alive};
-pub use run::{Keep, ParameterError, drive, is_openscenario, open, open_with};
+pub use run::{Keep, Opening, ParameterError, drive, is_openscenario, open, open_with};
 pub use supervisor::launch;
 pub use unit_replay::{UnitSaid, replay_unit};

@@ -6,7 +6,7 @@ use controller::laws;
 use openscenario::Assignment;
 use runtime::Mode;
 use scenario::radio::Radio;
-use scenario::{Overrides, Scenario};
+use scenario::{Overrides, Scenario, Source};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -43,52 +43,95 @@ pub fn open_with(
     option: &str,
     keys: &[String],
 ) -> Result<Scenario, Error> {
-    let overrides = Overrides::new();
-    let mut overrides = if options.is_for_one_law { overrides } else { overrides.shared() };
-    options.laws.check()?;
-    options.laws.lay_over(&mut overrides)?;
-    match (&options.controller, options.laws.only()) {
-        (Some(controller), _) => overrides.option("--controller", "controller.name", controller),
-        // The only law of the user's that was named is meant.
-        (None, Some(law)) => overrides.option("--law", "controller.name", law),
-        (None, None) => {}
-    }
-    if let Some(seed) = &options.seed {
-        overrides.option("--seed", "seed", seed);
-    }
-    if let Some(duration) = &options.duration {
-        overrides.option("--duration", "duration_s", duration);
-    }
-    for argument in &options.set {
-        overrides.set(argument)?;
-    }
-    if let Some(radio) = &options.radio {
-        overrides.option("--radio", "v2x.radio", &from_here(radio));
-    }
-    for argument in keys {
-        overrides.set_by(option, argument)?;
-    }
-    let check = |scenario: &Scenario| {
-        let reads = laws::check(scenario)?;
-        if options.is_in_lockstep {
-            check_faults_in_lockstep(scenario)?;
+    Opening::of(name, options)?.with(option, keys)
+}
+
+/// A scenario's file with the options, to be opened many times with other keys: it is read and parsed once.
+#[derive(Clone, Debug)]
+pub struct Opening {
+    file: File,
+    options: ScenarioOptions,
+    /// What the options set.
+    overrides: Overrides,
+}
+
+#[derive(Clone, Debug)]
+enum File {
+    Own(Box<Source>),
+    OpenScenario(PathBuf, Vec<Assignment>),
+}
+
+impl Opening {
+    /// Reads the file and the options.
+    ///
+    /// # Errors
+    /// Mistakes in the options, a file that cannot be read.
+    pub fn of(name: &str, options: &ScenarioOptions) -> Result<Self, Error> {
+        let overrides = Overrides::new();
+        let mut overrides = if options.is_for_one_law { overrides } else { overrides.shared() };
+        options.laws.check()?;
+        options.laws.lay_over(&mut overrides)?;
+        match (&options.controller, options.laws.only()) {
+            (Some(controller), _) => {
+                overrides.option("--controller", "controller.name", controller)
+            }
+            // The only law of the user's that was named is meant.
+            (None, Some(law)) => overrides.option("--law", "controller.name", law),
+            (None, None) => {}
         }
-        Ok(reads)
-    };
-    let parameters = options.parameters.iter().map(|argument| assignment(argument));
-    let parameters = parameters.collect::<Result<Vec<_>, _>>()?;
-    let mut scenario = if is_openscenario(name) {
-        Scenario::open_openscenario(Path::new(name), &parameters, &overrides, &check)
-            .map_err(|error| Error::OpenScenario(Box::new(error)))?
-    } else if let Some(argument) = options.parameters.first() {
-        let (argument, name) = (argument.clone(), name.to_owned());
-        return Err(ParameterError::NoOpenScenario { argument, name }.into());
-    } else {
-        Scenario::open(name, &overrides, &check)?
-    };
-    scenario.require.formulas.extend(options.require.iter().cloned());
-    crate::requirements(&scenario)?;
-    Ok(scenario)
+        if let Some(seed) = &options.seed {
+            overrides.option("--seed", "seed", seed);
+        }
+        if let Some(duration) = &options.duration {
+            overrides.option("--duration", "duration_s", duration);
+        }
+        for argument in &options.set {
+            overrides.set(argument)?;
+        }
+        if let Some(radio) = &options.radio {
+            overrides.option("--radio", "v2x.radio", &from_here(radio));
+        }
+        let parameters = options.parameters.iter().map(|argument| assignment(argument));
+        let parameters = parameters.collect::<Result<Vec<_>, _>>()?;
+        let file = if is_openscenario(name) {
+            File::OpenScenario(name.into(), parameters)
+        } else if let Some(argument) = options.parameters.first() {
+            let (argument, name) = (argument.clone(), name.to_owned());
+            return Err(ParameterError::NoOpenScenario { argument, name }.into());
+        } else {
+            File::Own(Box::new(Source::read(name)?))
+        };
+        Ok(Self { file, options: options.clone(), overrides })
+    }
+
+    /// The scenario with more keys set, on behalf of the option that errors name.
+    ///
+    /// # Errors
+    /// What is wrong in the file, the options or the keys.
+    pub fn with(&self, option: &str, keys: &[String]) -> Result<Scenario, Error> {
+        let Self { file, options, overrides } = self;
+        let mut overrides = overrides.clone();
+        for argument in keys {
+            overrides.set_by(option, argument)?;
+        }
+        let check = |scenario: &Scenario| {
+            let reads = laws::check(scenario)?;
+            if options.is_in_lockstep {
+                check_faults_in_lockstep(scenario)?;
+            }
+            Ok(reads)
+        };
+        let mut scenario = match file {
+            File::Own(source) => source.open(&overrides, &check)?,
+            File::OpenScenario(path, parameters) => {
+                Scenario::open_openscenario(path, parameters, &overrides, &check)
+                    .map_err(|error| Error::OpenScenario(Box::new(error)))?
+            }
+        };
+        scenario.require.formulas.extend(options.require.iter().cloned());
+        crate::requirements(&scenario)?;
+        Ok(scenario)
+    }
 }
 
 /// A radio whose file is given from the present directory, as that of a scenario is from its own.

@@ -168,6 +168,7 @@ impl Default for HeadingDeg {
 impl PeriodMs {
     /// The period in nanoseconds.
     #[must_use]
+    #[inline]
     pub const fn nanoseconds(self) -> u64 {
         self.0 as u64 * 1_000_000
     }
@@ -176,6 +177,7 @@ impl PeriodMs {
 impl DelayMs {
     /// The delay in nanoseconds.
     #[must_use]
+    #[inline]
     pub const fn nanoseconds(self) -> u64 {
         self.0 as u64 * 1_000_000
     }
@@ -184,6 +186,7 @@ impl DelayMs {
 impl Time {
     /// The time in nanoseconds, rounded to the nearest.
     #[must_use]
+    #[inline]
     pub fn nanoseconds(self) -> u64 {
         seconds_to_nanoseconds(self.0)
     }
@@ -192,11 +195,13 @@ impl Time {
 impl Duration {
     /// The duration in nanoseconds, rounded to the nearest.
     #[must_use]
+    #[inline]
     pub fn nanoseconds(self) -> u64 {
         seconds_to_nanoseconds(self.0)
     }
 }
 
+#[inline]
 fn seconds_to_nanoseconds(seconds: f64) -> u64 {
     (seconds * 1e9).round() as u64
 }

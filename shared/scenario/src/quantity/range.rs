@@ -127,6 +127,7 @@ macro_rules! quantity {
 
             /// The number, in the unit that the key's name carries.
             #[must_use]
+            #[inline]
             pub const fn value(self) -> f64 {
                 self.0
             }
@@ -187,6 +188,7 @@ macro_rules! whole {
 
             /// The number, in the unit that the key's name carries.
             #[must_use]
+            #[inline]
             pub const fn value(self) -> $repr {
                 self.0
             }

@@ -21,7 +21,7 @@ pub use setting::{Setting, Term};
 pub use variable::{Domain, DomainError, Value, Variable, rounded};
 
 use frame::keep::Key;
-use group::{Error, Failure, GroupOptions, ScenarioOptions};
+use group::{Error, Failure, GroupOptions, Opening, ScenarioOptions};
 use runtime::Mode;
 use scenario::Scenario;
 use thiserror::Error;
@@ -51,8 +51,7 @@ pub struct Problem {
     pub reference: Option<Reference>,
     /// The scenario with every variable at its nominal value, without a fault of `[[faults]]`.
     pub nominal: Scenario,
-    scenario: String,
-    options: ScenarioOptions,
+    opening: Opening,
     settings: Vec<Setting>,
     faults: Vec<FaultChoice>,
     /// `[probability]` of the file, and the file's folder.
@@ -189,9 +188,9 @@ impl Problem {
     /// # Errors
     /// [`ProblemError::Refused`], [`ProblemError::NoValue`].
     pub fn scenario(&self, values: &[Value], seed: u64) -> Result<Scenario, Error> {
-        let keys = self.keys(values)?;
-        let options = ScenarioOptions { seed: Some(seed.to_string()), ..self.options.clone() };
-        group::open_with(&self.scenario, &options, "--set", &keys).map_err(|error| {
+        let mut keys = self.keys(values)?;
+        keys.push(format!("seed={seed}"));
+        self.opening.with("--set", &keys).map_err(|error| {
             let said = error.to_string();
             let reason = said.strip_prefix("error: ").unwrap_or(&said).to_owned();
             ProblemError::Refused { point: self.words(values), reason }.into()
@@ -314,7 +313,8 @@ impl Draft {
         if base.require.formulas.is_empty() {
             options.require.push(crate::value::DEFAULT_REQUIREMENT.to_owned());
         }
-        let base = group::open(&scenario, &options)?;
+        let opening = Opening::of(&scenario, &options)?;
+        let base = opening.with("--set", &[])?;
         let written: toml::Table = base.to_toml().parse().unwrap_or_default();
         let variables = variables.into_iter().map(|(name, domain, nominal)| {
             let written = || setting::written(&written, &name);
@@ -327,8 +327,7 @@ impl Draft {
             variables: variables.collect(),
             reference: reference.unwrap_or(Some(Reference::REGULATION)),
             nominal: base,
-            scenario,
-            options,
+            opening,
             settings,
             faults,
             stated,
