@@ -77,6 +77,14 @@ impl Corner {
         serde_json::from_slice(&output.stdout).expect("--json prints one JSON object")
     }
 
+    /// The schemas of all results, by the names of the commands.
+    #[must_use]
+    pub fn schemas(&self) -> Value {
+        let output = self.run(&["list", "--schema", "results"]);
+        let schema: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
+        schema["$defs"].clone()
+    }
+
     /// Directories of existing runs.
     #[must_use]
     pub fn roots(&self) -> Vec<PathBuf> {

@@ -26,7 +26,7 @@ fn assert_percentiles(value: &Value, what: &str) {
     );
 }
 
-/// One slow run serves to check the form, saving and comparing.
+/// One slow run serves to check schema, form and saving.
 #[test]
 fn a_quick_bench_says_everything_that_it_promises() {
     let corner = Corner::new(PROGRAM);
@@ -38,6 +38,7 @@ fn a_quick_bench_says_everything_that_it_promises() {
     let missed = rows(&report, "goals").iter().any(|goal| goal["verdict"] == "missed");
     assert_eq!(output.status.code(), Some(i32::from(missed)), "a missed goal is status 1");
     assert_eq!(report["schema_version"], 1);
+    assert_eq!(report::results::check(&corner.schemas()["bench"], &report), [""; 0]);
     let cores = report["host"]["cpus"].as_u64().expect("counted");
     let refused = !rows(&report, "refused").is_empty();
 

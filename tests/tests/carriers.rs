@@ -184,12 +184,12 @@ fn two_vehicles_with_one_station_id_are_told_apart_and_named() {
 fn a_vehicle_drives_by_the_signals_of_a_unit_that_runs_alone() {
     let corner = Corner::new(PROGRAM);
     let radio = format!("udp://239.255.31.{}:5523?interface=lo", std::process::id() % 200 + 20);
-    let options = ["--duration", "12", "--out", "out", "--no-record", "--json"];
+    let options = ["--duration", "6", "--out", "out", "--no-record", "--json"];
     let vehicle = corner.start(&[&["run", "corridor", "--radio", &radio], &options[..]].concat());
     let live = corner.path().join("out/live.json");
     assert!(wait_for(|| live.exists()), "the vehicle drives");
     let roots = corner.roots();
-    let unit = corner.json(&["rsu", "corridor", "--radio", &radio, "--duration", "8"]);
+    let unit = corner.json(&["rsu", "corridor", "--radio", &radio, "--duration", "3"]);
     let output = vehicle.wait_with_output().expect("it ends");
     let vehicle: Value = serde_json::from_slice(&output.stdout)
         .unwrap_or_else(|_| panic!("no JSON: {}", text(&output)));

@@ -42,11 +42,11 @@ fn no_temporary_directory_prevents_runs() {
     let uid = rustix::process::geteuid().as_raw();
     let base = corner.path().join(format!("timegap-{uid}"));
     std::os::unix::fs::symlink("/tmp", &base).expect("our own directory");
-    let output = corner.run(&["doctor"]);
+    let output = corner.run(&["doctor", "--seconds", "0.2"]);
     assert_eq!(output.status.code(), Some(3), "{}", text(&output));
     let said = text(&output);
     assert!(said.contains("BAD") && said.contains("fix:") && said.contains("nothing can run"));
-    let output = corner.run(&["doctor", "--json"]);
+    let output = corner.run(&["doctor", "--seconds", "0.2", "--json"]);
     assert_eq!(output.status.code(), Some(3));
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
     assert_eq!(report["can_run"], false);

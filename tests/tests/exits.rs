@@ -124,26 +124,32 @@ fn a_plant_that_is_gone_ends_the_run_with_its_last_figures() {
     }
 }
 
-/// In lockstep all wait for a stopped process: the error names it and the reached time.
+/// In lockstep all wait for a stopped process: the error names it and the reached time. Two groups wait at once.
 #[test]
 fn a_stopped_service_is_named_in_lockstep() {
+    std::thread::scope(|scope| {
+        for service in ["controller", "plant"] {
+            scope.spawn(move || is_named_when_it_is_stopped(service));
+        }
+    });
+}
+
+fn is_named_when_it_is_stopped(service: &str) {
     let corner = corner(3000.0, "");
-    for service in ["controller", "plant"] {
-        let running = start(&corner, &["--mode", "lockstep", "--force"]);
-        let pid = corner.wait_for_process(&format!("timegap-{service}"));
-        // Stopped in its first step, it would have driven nowhere.
-        assert!(wait_for(|| waits(pid) > Some(2000)), "it does not drive");
-        send(pid, Signal::STOP);
-        let (status, summary) = finish(running);
-        assert_eq!((status, &summary["outcome"]), (Some(1), &"aborted".into()), "{summary}");
-        let why = summary["aborted_because"].as_str().unwrap_or_default();
-        assert!(why.contains(service) && why.contains("hung"), "{why}");
-        let services = summary["services"].as_array().expect("a list");
-        let stopped = services.iter().find(|one| one["name"] == service).expect("it is listed");
-        assert_eq!(stopped["exit"], "hung", "{stopped}");
-        assert!(summary["duration_s"].as_f64() > Some(0.0), "{summary}");
-        corner.expect_nothing_left(&[]);
-    }
+    let running = start(&corner, &["--mode", "lockstep"]);
+    let pid = corner.wait_for_process(&format!("timegap-{service}"));
+    // Stopped in its first step, it would have driven nowhere.
+    assert!(wait_for(|| waits(pid) > Some(2000)), "it does not drive");
+    send(pid, Signal::STOP);
+    let (status, summary) = finish(running);
+    assert_eq!((status, &summary["outcome"]), (Some(1), &"aborted".into()), "{summary}");
+    let why = summary["aborted_because"].as_str().unwrap_or_default();
+    assert!(why.contains(service) && why.contains("hung"), "{why}");
+    let services = summary["services"].as_array().expect("a list");
+    let stopped = services.iter().find(|one| one["name"] == service).expect("it is listed");
+    assert_eq!(stopped["exit"], "hung", "{stopped}");
+    assert!(summary["duration_s"].as_f64() > Some(0.0), "{summary}");
+    corner.expect_nothing_left(&[]);
 }
 
 /// A command late at the plant is late, whatever the controller reports.

@@ -82,10 +82,10 @@ fn pause(seconds: u64) {
 }
 
 /// The vehicle starts before the unit, so that it receives all; the unit ends before the vehicle, over good
-/// air. Between them: 5 % loss, 30 % for 5 s, no link for 5 s, 5 % again.
+/// air. Between them: 10 % loss, 30 % for 2 s, no link for 2 s, 10 % again.
 fn drive(hosts: &mut Hosts, unit: &str, vehicle: &str) -> Result<(Value, Value), Failed> {
     let corner = Corner::new("ip");
-    let arguments = ["run", "corridor", "--radio", vehicle, "--duration", "75"];
+    let arguments = ["run", "corridor", "--radio", vehicle, "--duration", "26"];
     let options = ["--out", "out", "--no-record", "--json"];
     let vehicle = Running::start(&corner, hosts, "b", &[&arguments[..], &options].concat());
     let live = corner.path().join("out/live.json");
@@ -95,15 +95,15 @@ fn drive(hosts: &mut Hosts, unit: &str, vehicle: &str) -> Result<(Value, Value),
     let roots = corner.roots();
     let arguments = ["rsu", "corridor", "--radio", unit, "--json"];
     let unit = Running::start(&corner, hosts, "a", &arguments);
-    pause(3);
-    hosts.air("air 20 10 0.05")?;
-    pause(25);
+    pause(2);
+    hosts.air("air 20 10 0.1")?;
+    pause(6);
     hosts.air("air 20 10 0.3")?;
-    pause(5);
+    pause(2);
     hosts.air("cut")?;
-    pause(5);
-    hosts.air("air 20 10 0.05")?;
-    pause(20);
+    pause(2);
+    hosts.air("air 20 10 0.1")?;
+    pause(6);
     hosts.air("air 20 0 0")?;
     pause(2);
     let unit = unit.stop_and_finish()?;

@@ -11,7 +11,7 @@ use system_tests::{Corner, text, wait_for};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 /// Long enough for the attack to begin during the drive.
-const SIMULATED_S: &str = "600";
+const SIMULATED_S: &str = "300";
 
 /// A subscriber outside the group: this test's process is not a member.
 type Deaf<T> = iceoryx2::port::subscriber::Subscriber<ipc::Service, T, ()>;

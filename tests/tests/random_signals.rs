@@ -7,7 +7,7 @@ use std::fmt::Write;
 use system_tests::Corner;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
-const CASES: u64 = 24;
+const CASES: u64 = 12;
 
 struct Random(Pcg64);
 

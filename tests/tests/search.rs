@@ -91,7 +91,7 @@ fn faults_are_ranked_by_what_they_break() {
 fn a_stop_that_ends_the_group_is_reduced_to_the_shortest_one() {
     let corner = Corner::new(PROGRAM);
     let words =
-        ["search", "following", "--faults", "processes", "--budget", "1", "--duration", "6"];
+        ["search", "following", "--faults", "processes", "--budget", "1", "--duration", "2.5"];
     let more = ["--set", "supervision.restart=\"never\"", "--seeds", "5", "--json", "--out", "a"];
     let output = corner.run(&[&words[..], &more].concat());
     assert_eq!(output.status.code(), Some(1), "{}", system_tests::text(&output));
@@ -101,7 +101,7 @@ fn a_stop_that_ends_the_group_is_reduced_to_the_shortest_one() {
     let [failed, tried] = [0, 1].map(|k| row["holds_on"][k].as_u64().expect("a count"));
     assert!(failed >= 3 && failed >= tried - failed + 3, "violations lead by three: {row}");
     let for_s = row["for_s"].as_f64().expect("a duration");
-    assert!((0.2..=6.0).contains(&for_s), "a shorter stop is not noticed: {row}");
+    assert!((0.2..=2.5).contains(&for_s), "a shorter stop is not noticed: {row}");
     assert_eq!(row["requirement"], "orderly end");
     let repeat = row["repeat"].as_str().expect("a command");
     assert!(repeat.contains("--mode realtime"), "{repeat}");

@@ -5,14 +5,14 @@ use system_tests::{Corner, csv};
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 const LAWS: [&str; 5] = ["acc-mpc", "cacc-mpc", "six-mode", "quadratic-bounded", "predictive"];
 
-/// A lead that brakes to standstill at 6 m/s², stands for 300 s and drives off. `grade_percent` is a truck's.
+/// A lead that brakes to standstill at 6 m/s², stands for 160 s and drives off. `grade_percent` is a truck's.
 fn scenario(vehicle: &str, grade_percent: f64) -> String {
     let road = match vehicle {
         "car" => String::new(),
         _ => format!("[road]\npoints = [[0, 500], [500, {}]]\n", 500.0 + 5.0 * grade_percent),
     };
     format!(
-        "schema_version = 1\nname = \"stand\"\nduration_s = 350\nset_speed_mps = 22\n\
+        "schema_version = 1\nname = \"stand\"\nduration_s = 210\nset_speed_mps = 22\n\
          [aebs]\nenabled = false\n\
          [plant]\nvehicle = \"{vehicle}\"\nperiod_ms = 20\nintegration_step_ms = 20\n\
          initial_speed_mps = 20\nactuator_time_constant_s = 0.4\nmin_acceleration_mps2 = -6.5\n\
@@ -20,11 +20,11 @@ fn scenario(vehicle: &str, grade_percent: f64) -> String {
          [perception]\nperiod_ms = 100\nradar = {{ model = \"object-list\", max_range_m = 200 }}\n\
          [[actors]]\nname = \"lead\"\ngap_m = 50\ninitial_speed_mps = 20\nprofile.steps = [\n\
          {{ time_s = 5, speed_mps = 0, acceleration_mps2 = 6 }},\n\
-         {{ time_s = 320, speed_mps = 5, acceleration_mps2 = 0.5 }}]\n"
+         {{ time_s = 180, speed_mps = 5, acceleration_mps2 = 0.5 }}]\n"
     )
 }
 
-/// Every law stands from 100 s until the lead drives off at 320 s; `goes` states whether it can follow.
+/// Every law stands from 60 s until the lead drives off at 180 s; `goes` states whether it can follow.
 fn stands(vehicle: &str, grade_percent: f64, goes: bool) {
     let corner = Corner::new(PROGRAM);
     let file = corner.path().join("stand.toml");
@@ -39,7 +39,7 @@ fn stands(vehicle: &str, grade_percent: f64, goes: bool) {
         let table = corner.path().join(law).join("trajectory.csv");
         let table = std::fs::read_to_string(table).expect("written");
         let rows = csv(&table, &["time_s", "position_m", "speed_mps"]);
-        let waiting = rows.iter().filter(|row| (100.0..320.0).contains(&row[0]));
+        let waiting = rows.iter().filter(|row| (60.0..180.0).contains(&row[0]));
         let places: Vec<_> = waiting.map(|row| row[1]).collect();
         // A car's law may correct its gap by a millimetre; a creeping vehicle moves metres.
         let moved_m = places.last().expect("rows") - places[0];

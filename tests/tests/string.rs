@@ -91,26 +91,35 @@ fn behind_a_car_that_collides_the_others_still_have_a_result() {
 
 /// A long run keeps every second step, an early end every step: the car behind must restart its table.
 #[test]
-fn cars_driven_at_once_do_what_they_do_one_after_the_other() {
+fn behind_an_early_end_cars_driven_at_once_do_what_they_do_one_after_the_other() {
     let corner = Corner::new(PROGRAM);
     let scenario = "schema_version = 1\nname = \"crash\"\nduration_s = 200\nset_speed_mps = 40\n\
         [plant]\ninitial_speed_mps = 40\n[perception]\nideal = true\n\
         [controller]\nname = \"acc-mpc\"\n\
         [[actors]]\nname = \"wall\"\ngap_m = 60\ninitial_speed_mps = 0\n";
     std::fs::write(corner.path().join("crash.toml"), scenario).expect("our own directory");
+    let said = the_same_at_once(&corner, &["crash.toml"]);
+    assert!(said.contains("\"collision\""), "{said}");
+}
+
+#[test]
+fn cars_of_several_laws_driven_at_once_do_what_they_do_one_after_the_other() {
+    let corner = Corner::new(PROGRAM);
     let mixed = ["--controllers", "acc-mpc,six-mode", "--frequencies", "0.05,0.1"];
-    for (scenario, more) in [("crash.toml", &[][..]), ("following", &mixed[..])] {
-        let driven = |jobs: &str| {
-            let own = ["string", scenario, "--vehicles", "4", "--json", "--jobs", jobs];
-            let output = corner.run(&[&own[..], more, &["--out", jobs, "--force"]].concat());
-            assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
-            (text(&output), file(&corner, &format!("{jobs}/report.html")))
-        };
-        let one_by_one = driven("1");
-        assert_eq!(one_by_one.0.contains("\"collision\""), scenario == "crash.toml");
-        assert_eq!(one_by_one, driven("2"));
-        assert_eq!(one_by_one, driven("4"));
-    }
+    let said = the_same_at_once(&corner, &[&["following"], &mixed[..]].concat());
+    assert!(!said.contains("\"collision\""), "{said}");
+}
+
+/// Drives four cars one by one and all at once, and returns what both said.
+fn the_same_at_once(corner: &Corner, scenario: &[&str]) -> String {
+    let [one_by_one, at_once] = ["1", "4"].map(|jobs| {
+        let own = ["--vehicles", "4", "--json", "--jobs", jobs, "--out", jobs];
+        let output = corner.run(&[&["string"], scenario, &own].concat());
+        assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
+        (text(&output), file(corner, &format!("{jobs}/report.html")))
+    });
+    assert_eq!(one_by_one, at_once);
+    at_once.0
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Child, Command, Output, Stdio};
 use system_tests::{Corner, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
@@ -47,6 +47,26 @@ fn is_left_out(line: &str) -> bool {
     line.starts_with("cargo ") || line.contains("--watch") || line.contains(" RUN ")
 }
 
+/// True of a drive in real time: the next lines can be typed while it goes on.
+fn takes_its_time(line: &str) -> bool {
+    line.starts_with("timegap run ") && !line.contains("--mode lockstep")
+}
+
+/// A verdict on the tutorial's law is a finding, and no mistake.
+fn expect_success(line: &str, output: &Output) {
+    let may_find = [" r157 ", " iso15622 "].iter().any(|study| line.contains(study));
+    let expected: &[i32] = if may_find { &[0, 1] } else { &[0] };
+    let status = output.status.code();
+    assert!(status.is_some_and(|status| expected.contains(&status)), "{line}: {}", text(output));
+}
+
+/// Waits for a drive in real time.
+fn finish(driving: Option<(String, Child)>) {
+    if let Some((line, child)) = driving {
+        expect_success(&line, &child.wait_with_output().expect("our child"));
+    }
+}
+
 #[test]
 fn the_commands_work_in_the_order_in_which_they_stand() {
     let corner = Corner::new(PROGRAM);
@@ -62,23 +82,27 @@ fn the_commands_work_in_the_order_in_which_they_stand() {
     let places =
         [corner.path().join("bin").display().to_string(), std::env::var("PATH").expect("a path")];
     let mut typed = 0;
+    let mut driving: Option<(String, Child)> = None;
     for step in steps(TUTORIAL) {
         match step {
             Step::Type(line) if is_left_out(&line) => {}
             Step::Type(line) => {
-                let output = Command::new("sh")
+                let mut command = Command::new("sh");
+                command
                     .args(["-c", &line])
                     .current_dir(corner.path())
                     .env("PATH", places.join(":"))
                     .env("TMPDIR", corner.path())
                     .env("XDG_RUNTIME_DIR", corner.path())
-                    .output()
-                    .expect("there is a shell");
-                // A verdict on the tutorial's law is a finding, and no mistake.
-                let may_find = [" r157 ", " iso15622 "].iter().any(|study| line.contains(study));
-                let expected: &[i32] = if may_find { &[0, 1] } else { &[0] };
-                let status = output.status.code();
-                assert!(status.is_some_and(|s| expected.contains(&s)), "{line}: {}", text(&output));
+                    .stdin(Stdio::null())
+                    .stdout(Stdio::piped())
+                    .stderr(Stdio::piped());
+                if takes_its_time(&line) {
+                    finish(driving.take());
+                    driving = Some((line, command.spawn().expect("there is a shell")));
+                } else {
+                    expect_success(&line, &command.output().expect("there is a shell"));
+                }
                 typed += 1;
             }
             Step::Save { file, text, appends } => {
@@ -92,6 +116,7 @@ fn the_commands_work_in_the_order_in_which_they_stand() {
             }
         }
     }
+    finish(driving);
     assert!(typed > 15, "{typed} lines were typed");
     corner.expect_nothing_left(&[]);
 }

@@ -222,7 +222,7 @@ fn in_real_time_the_backup_drives_and_the_law_is_replaced() {
         ("flood", false, true),
     ] {
         let command = by(&[&law, manner, "10"]);
-        let more = ["--duration", "5", "--no-record", "--set", "require.max_backup_share=1"];
+        let more = ["--duration", "3", "--no-record", "--set", "require.max_backup_share=1"];
         let summary = corner.json(&run_by(&command, &more));
         assert_eq!(summary["outcome"], "completed", "{manner}: {summary}");
         let program = &summary["timing"]["law_program"];

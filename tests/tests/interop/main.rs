@@ -60,7 +60,7 @@ fn other_readers_see_the_same_values() {
     for (scenario, mode) in
         [("corridor", "lockstep"), ("cut-in", "realtime"), ("truck-follow", "lockstep")]
     {
-        let arguments = ["run", scenario, "--mode", mode, "--duration", "3", "--out", scenario];
+        let arguments = ["run", scenario, "--mode", mode, "--duration", "1", "--out", scenario];
         printed(&corner, &arguments);
         let recording = Recording::open(&corner.path().join(scenario)).expect("a recording");
         for library in ["mcap", "rosbags"] {
@@ -267,7 +267,7 @@ fn a_run_is_a_rosbag2_in_the_order_of_time() {
     let corner = Corner::new(PROGRAM);
     printed(&corner, &["layouts", "--msg", "ros"]);
     for (scenario, mode) in [("corridor", "lockstep"), ("cut-in", "realtime")] {
-        let arguments = ["run", scenario, "--mode", mode, "--duration", "3", "--out", scenario];
+        let arguments = ["run", scenario, "--mode", mode, "--duration", "1", "--out", scenario];
         printed(&corner, &arguments);
         let script = Path::new(SCRIPTS).join("rosbag.py");
         let counts = succeeded(

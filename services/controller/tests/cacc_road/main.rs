@@ -102,13 +102,13 @@ fn random_cases_are_safe_and_comfortable() {
 #[test]
 fn random_cases_are_safe_and_comfortable_when_the_solver_always_fails() {
     let make = |seed| law_with(Box::new(Fake::new(Temper::Fails, seed)));
-    let comfortable = all_are_safe(0..800, make, true);
-    assert!(comfortable > 100, "{comfortable}");
+    let comfortable = all_are_safe(0..300, make, true);
+    assert!(comfortable > 40, "{comfortable}");
 }
 
 #[test]
 fn random_cases_are_safe_when_the_solver_returns_anything() {
-    all_are_safe(0..300, |seed| law_with(Box::new(Fake::new(Temper::FalselySolved, seed))), false);
+    all_are_safe(0..150, |seed| law_with(Box::new(Fake::new(Temper::FalselySolved, seed))), false);
 }
 
 /// The long run of the three properties above; about a quarter of an hour.

@@ -81,9 +81,9 @@ fn braking_leads(keys: &str, perception: Perception, before: Before, cases: u64)
 }
 
 /// Leads for each law.
-const CASES: u64 = 500;
+const CASES: u64 = 200;
 /// The same of leads that pull away first.
-const PULLING_AWAY: u64 = 250;
+const PULLING_AWAY: u64 = 100;
 
 /// No collision that the law's own brakes avoid after the reaction time.
 fn none_is_avoidable(keys: &str, perception: Perception) {

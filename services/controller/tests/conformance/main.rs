@@ -57,12 +57,16 @@ fn subjects() -> Vec<Subject> {
     registered.chain(VARIANTS.iter().map(|(law, keys)| Subject::new(law, keys))).collect()
 }
 
-/// Runs a check for every law; a failure names the law.
-fn for_each(check: impl Fn(&mut dyn Law, &Formulation)) {
-    for subject in subjects() {
-        println!("{}", subject.name);
-        check(subject.law().as_mut(), subject.formulation());
-    }
+/// Runs a check for every law, each in a thread; a failure names the law.
+fn for_each(check: impl Fn(&mut dyn Law, &Formulation) + Sync) {
+    std::thread::scope(|scope| {
+        for subject in subjects() {
+            let check = &check;
+            let name = subject.name.clone();
+            let of_law = move || check(subject.law().as_mut(), subject.formulation());
+            std::thread::Builder::new().name(name).spawn_scoped(scope, of_law).expect("a thread");
+        }
+    });
 }
 
 fn ask(law: &mut dyn Law, input: &Input) -> Output {

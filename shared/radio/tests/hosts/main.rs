@@ -28,19 +28,19 @@ fn main() -> ExitCode {
     ])
 }
 
-/// Good air, 5 % loss, 30 % loss for 5 s, no link for 3 s, 5 %, good air. The vehicle receives frames in each
+/// Good air, 5 % loss, 30 % loss for 2 s, no link for 1.5 s, 5 %, good air. The vehicle receives frames in each
 /// part except the cut.
 fn drive(hosts: &mut Hosts, vehicle: &mut Process) -> Result<(), Failed> {
     vehicle.frames(50)?;
     hosts.air("air 20 10 0.05")?;
     vehicle.frames(200)?;
     hosts.air("air 20 10 0.3")?;
-    std::thread::sleep(Duration::from_secs(5));
+    std::thread::sleep(Duration::from_secs(2));
     hosts.air("cut")?;
     // Frames still in the air.
     std::thread::sleep(Duration::from_millis(500));
     let before = vehicle.heard();
-    std::thread::sleep(Duration::from_millis(2500));
+    std::thread::sleep(Duration::from_millis(1000));
     if vehicle.heard() != before {
         return Err("frames arrived over a cut link".into());
     }

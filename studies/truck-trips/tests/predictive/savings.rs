@@ -18,37 +18,49 @@ fn change(comparison: &Comparison, trip: Option<Trip>) -> f64 {
 }
 
 #[test]
-fn the_table_of_the_page() {
-    let road = given();
-    for (preset, litres, n2, dp, bound) in
-        [(Preset::Jh6At49T, 34.25, -4.9, -7.6, -7.8), (Preset::Jh6At25T, 21.81, -2.1, -3.3, -3.4)]
-    {
-        let comparison = on(preset, &road);
-        let found = comparison.l_per_100_km(comparison.baseline());
-        assert!((found / litres - 1.0).abs() < 0.01, "{}: {found} L/100 km", preset.name());
-        let found_bound = change(&comparison, comparison.bound());
-        assert!((found_bound - bound).abs() < 0.3, "{}: bound {found_bound}", preset.name());
-        let found_dp = change(&comparison, comparison.informed(DynamicProgramming));
-        assert!((found_dp - dp).abs() < 0.3, "{}: {found_dp}", preset.name());
-        assert!(found_dp < found_bound + 0.3, "{}: {found_dp}, {found_bound}", preset.name());
-        let found_n2 = change(&comparison, comparison.informed(PaperN2));
-        assert!(found_n2 <= n2, "{}: {found_n2}", preset.name());
-    }
+fn the_table_of_the_page_at_49_t() {
+    is_in_the_table(Preset::Jh6At49T, 34.25, -4.9, -7.6, -7.8);
 }
 
-/// Shorter than the given road, for time: the servo has less road to settle on.
+#[test]
+fn the_table_of_the_page_at_25_t() {
+    is_in_the_table(Preset::Jh6At25T, 21.81, -2.1, -3.3, -3.4);
+}
+
+fn is_in_the_table(preset: Preset, litres: f64, n2: f64, dp: f64, bound: f64) {
+    let comparison = on(preset, &given());
+    let found = comparison.l_per_100_km(comparison.baseline());
+    assert!((found / litres - 1.0).abs() < 0.01, "{}: {found} L/100 km", preset.name());
+    let found_bound = change(&comparison, comparison.bound());
+    assert!((found_bound - bound).abs() < 0.3, "{}: bound {found_bound}", preset.name());
+    let found_dp = change(&comparison, comparison.informed(DynamicProgramming));
+    assert!((found_dp - dp).abs() < 0.3, "{}: {found_dp}", preset.name());
+    assert!(found_dp < found_bound + 0.3, "{}: {found_dp}, {found_bound}", preset.name());
+    let found_n2 = change(&comparison, comparison.informed(PaperN2));
+    assert!(found_n2 <= n2, "{}: {found_n2}", preset.name());
+}
+
 #[test]
 fn the_better_planner_is_near_the_bound_on_other_roads() {
-    for seed in 1..=10 {
-        let road = generated(20_000.0, seed);
-        let preset = Preset::ALL[seed as usize % 2];
-        let comparison = on(preset, &road);
-        let dp = change(&comparison, comparison.informed(DynamicProgramming));
-        let bound = change(&comparison, comparison.bound());
-        println!("seed {seed}: {dp:.2}, bound {bound:.2}");
-        assert!(dp < bound + 0.3, "{} on road {seed}: {dp}, bound {bound}", preset.name());
-        assert!(dp < 0.0);
-    }
+    (1..=4).for_each(is_near_the_bound_on_road);
+}
+
+#[test]
+#[ignore = "a minute: .ci/extended runs it"]
+fn the_better_planner_is_near_the_bound_on_many_roads() {
+    (5..=14).for_each(is_near_the_bound_on_road);
+}
+
+/// Shorter than the given road, for time: the servo has less road to settle on. The trucks take turns.
+fn is_near_the_bound_on_road(seed: u64) {
+    let road = generated(20_000.0, seed);
+    let preset = Preset::ALL[seed as usize % 2];
+    let comparison = on(preset, &road);
+    let dp = change(&comparison, comparison.informed(DynamicProgramming));
+    let bound = change(&comparison, comparison.bound());
+    println!("seed {seed}: {dp:.2}, bound {bound:.2}");
+    assert!(dp < bound + 0.3, "{} on road {seed}: {dp}, bound {bound}", preset.name());
+    assert!(dp < 0.0);
 }
 
 /// Waves of 4 to 15 km swing the lag against the set speed: the servo must not follow them.
@@ -72,7 +84,7 @@ fn short_hills_on_long_waves_are_driven_near_the_bound() {
 
 #[test]
 fn wrong_beliefs_cost_little() {
-    let road = generated(30_000.0, 8);
+    let road = generated(20_000.0, 8);
     let comparison = on(Preset::Jh6At49T, &road);
     let truck = Truck::preset(Preset::Jh6At49T);
     let mass_kg = truck.parameters().mass_kg;
