@@ -17,7 +17,7 @@ Table = Any
 
 
 def of_floats(columns: Iterable[tuple[str, bytes]]) -> Table:
-    """A table of 8-byte floats; NaN is no value."""
+    """A table of 8-byte floats; NaN stands for no value."""
     arrays, names = [], []
     for name, content in columns:
         values = np.frombuffer(content, dtype="<f8")
@@ -42,7 +42,7 @@ def of_typed(columns: Iterable[tuple[str, str, bytes]]) -> Table:
 
 
 def of_rows(rows: Sequence[dict[str, Any]], first: Sequence[str] = ()) -> Table:
-    """A table of rows; a key that a row lacks is no value. The columns `first` lead."""
+    """A table of rows; a key that a row lacks has no value. The columns `first` lead."""
     names = list(dict.fromkeys([*first, *(key for row in rows for key in row)]))
     return pa.table({name: pa.array([row.get(name) for row in rows]) for name in names})
 

@@ -23,7 +23,7 @@ fn program() -> Option<PathBuf> {
 /// # Errors
 /// The reason, if it is missing.
 pub fn chromium() -> Needed {
-    program().map(|_| ()).ok_or_else(|| "no chromium".to_owned())
+    program().map(|_| ()).ok_or_else(|| "no chromium".into())
 }
 
 /// A browser with one page.

@@ -6,12 +6,13 @@
 //! line and in the count of the closing line. `.ci/run` repeats these lines at its end, and fails on an unexpected one.
 //! cargo-nextest skips tests that its list marks as ignored, so needs are checked when it asks for the list.
 
+use crate::missing::Missing;
 use libtest_mimic::{Arguments, Trial};
 use std::path::Path;
 use std::process::{Command, ExitCode};
 
 /// Whether a need is met, or the reason why not.
-pub type Needed = Result<(), String>;
+pub type Needed = Result<(), Missing>;
 
 /// A test and its need.
 pub struct Case {
@@ -70,9 +71,9 @@ pub fn mount_namespace() -> Needed {
         Ok(output) if output.status.success() => Ok(()),
         Ok(output) => {
             let said = String::from_utf8_lossy(&output.stderr).trim().to_owned();
-            Err(format!("no mount namespace: {said}"))
+            Err(Missing(format!("no mount namespace: {said}")))
         }
-        Err(error) => Err(format!("unshare: {error}")),
+        Err(error) => Err(Missing(format!("unshare: {error}"))),
     }
 }
 
@@ -83,7 +84,7 @@ pub fn mount_namespace() -> Needed {
 pub fn program(name: &str) -> Needed {
     let path = std::env::var_os("PATH").unwrap_or_default();
     let found = std::env::split_paths(&path).any(|directory| directory.join(name).is_file());
-    if found { Ok(()) } else { Err(format!("no {name}")) }
+    if found { Ok(()) } else { Err(Missing(format!("no {name}"))) }
 }
 
 /// The Python of [`crate::python`] below `directory`.
@@ -91,5 +92,5 @@ pub fn program(name: &str) -> Needed {
 /// # Errors
 /// The reason: no Python, no pip or no network.
 pub fn python(directory: &Path) -> Needed {
-    crate::python::interpreter(directory).map(|_| ()).map_err(|why| why.0)
+    crate::python::interpreter(directory).map(|_| ())
 }

@@ -3,6 +3,7 @@
 pub mod browser;
 pub mod cases;
 pub mod fuzz;
+pub mod missing;
 pub mod python;
 pub mod storyboards;
 

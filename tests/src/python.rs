@@ -1,5 +1,6 @@
 //! A Python for the tests, with packages that read timegap's files.
 
+use crate::missing::Missing;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -16,10 +17,6 @@ const PACKAGES: [&str; 7] = [
     "rosbags==0.11.9",
 ];
 
-/// Reason why an interpreter with the packages is missing: no Python, no pip or no network.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct NoInterpreter(pub String);
-
 /// Packages that run a notebook.
 const NOTEBOOK_PACKAGES: [&str; 2] = ["ipykernel==6.29.5", "nbclient==0.10.2"];
 /// Packages that read Perfetto's traces.
@@ -29,8 +26,8 @@ const TRACE_PACKAGES: [&str; 2] = ["perfetto", "protobuf"];
 ///
 /// # Errors
 /// The reason: no Python, no pip or no network.
-pub fn notebook_interpreter(directory: &Path) -> Result<PathBuf, NoInterpreter> {
-    static FOUND: OnceLock<Result<PathBuf, NoInterpreter>> = OnceLock::new();
+pub fn notebook_interpreter(directory: &Path) -> Result<PathBuf, Missing> {
+    static FOUND: OnceLock<Result<PathBuf, Missing>> = OnceLock::new();
     FOUND.get_or_init(|| prepare(&directory.join("notebook-venv"), &NOTEBOOK_PACKAGES)).clone()
 }
 
@@ -38,8 +35,8 @@ pub fn notebook_interpreter(directory: &Path) -> Result<PathBuf, NoInterpreter> 
 ///
 /// # Errors
 /// The reason: no Python, no pip or no network.
-pub fn interpreter(directory: &Path) -> Result<PathBuf, NoInterpreter> {
-    static FOUND: OnceLock<Result<PathBuf, NoInterpreter>> = OnceLock::new();
+pub fn interpreter(directory: &Path) -> Result<PathBuf, Missing> {
+    static FOUND: OnceLock<Result<PathBuf, Missing>> = OnceLock::new();
     FOUND.get_or_init(|| prepare(&directory.join("interop-venv"), &PACKAGES)).clone()
 }
 
@@ -47,14 +44,14 @@ pub fn interpreter(directory: &Path) -> Result<PathBuf, NoInterpreter> {
 ///
 /// # Errors
 /// The reason: no Python, no pip or no network.
-pub fn trace_interpreter(directory: &Path) -> Result<PathBuf, NoInterpreter> {
-    static FOUND: OnceLock<Result<PathBuf, NoInterpreter>> = OnceLock::new();
+pub fn trace_interpreter(directory: &Path) -> Result<PathBuf, Missing> {
+    static FOUND: OnceLock<Result<PathBuf, Missing>> = OnceLock::new();
     FOUND.get_or_init(|| prepare(&directory.join("perfetto-venv"), &TRACE_PACKAGES)).clone()
 }
 
 /// Test processes run side by side: the first one creates the environment, and the others wait for it.
-fn prepare(venv: &Path, packages: &[&str]) -> Result<PathBuf, NoInterpreter> {
-    let system = |error: std::io::Error| NoInterpreter(format!("{}: {error}", venv.display()));
+fn prepare(venv: &Path, packages: &[&str]) -> Result<PathBuf, Missing> {
+    let system = |error: std::io::Error| Missing(format!("{}: {error}", venv.display()));
     std::fs::create_dir_all(venv.parent().unwrap_or(venv)).map_err(system)?;
     let lock = File::create(venv.with_extension("lock")).map_err(system)?;
     lock.lock().map_err(system)?;
@@ -70,8 +67,8 @@ fn prepare(venv: &Path, packages: &[&str]) -> Result<PathBuf, NoInterpreter> {
     };
     let run = |command: &mut Command, what: &str| match command.output() {
         Ok(output) if output.status.success() => Ok(()),
-        Ok(output) => Err(NoInterpreter(format!("{what}: {}", failed(output)))),
-        Err(error) => Err(NoInterpreter(format!("{what}: {error}"))),
+        Ok(output) => Err(Missing(format!("{what}: {}", failed(output)))),
+        Err(error) => Err(Missing(format!("{what}: {error}"))),
     };
     // The remains of an interrupted attempt would be in the way.
     run(Command::new("python3").args(["-m", "venv", "--clear"]).arg(venv), "python3 -m venv")?;

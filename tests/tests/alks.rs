@@ -16,7 +16,7 @@ const LONGEST_STEPS: u64 = 60_000;
 fn folders() -> Needed {
     match std::env::var("OPENSCENARIO_FILES") {
         Ok(_) => Ok(()),
-        Err(_) => Err("OPENSCENARIO_FILES names no folder with OpenSCENARIO files".to_owned()),
+        Err(_) => Err("OPENSCENARIO_FILES names no folder with OpenSCENARIO files".into()),
     }
 }
 

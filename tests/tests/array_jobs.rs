@@ -115,11 +115,11 @@ fn at<'a>(mut node: &'a Yaml, path: &str) -> &'a Yaml {
 }
 
 fn string<'a>(node: &'a Yaml, path: &str) -> &'a str {
-    at(node, path).as_str().unwrap_or_else(|| panic!("{path} is no text"))
+    at(node, path).as_str().unwrap_or_else(|| panic!("{path} is not a text"))
 }
 
 fn strings(node: &Yaml, path: &str) -> Vec<String> {
-    let list = at(node, path).as_vec().unwrap_or_else(|| panic!("{path} is no list"));
+    let list = at(node, path).as_vec().unwrap_or_else(|| panic!("{path} is not a list"));
     list.iter().map(|word| word.as_str().expect("a word").to_owned()).collect()
 }
 

@@ -96,7 +96,7 @@ fn interrupted_or_in_shards_the_verdict_is_the_same() {
     succeed(&corner, &merge);
     assert_eq!(verdict(&corner, "merged"), whole);
     let output = corner.run(&["campaign", "--merge", "shard1", "shard3", "--out", "part"]);
-    assert_eq!(output.status.code(), Some(1), "a part is no whole: {}", text(&output));
+    assert_eq!(output.status.code(), Some(1), "a part is not a whole: {}", text(&output));
     corner.expect_nothing_left(&[]);
 }
 

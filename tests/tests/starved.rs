@@ -9,6 +9,7 @@ use serde_json::Value;
 use std::process::{Child, Command, ExitCode};
 use std::time::Duration;
 use system_tests::cases::{self, Needed, needing};
+use system_tests::missing::Missing;
 use system_tests::{Corner, text, wait_for};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
@@ -19,8 +20,8 @@ const STARVED: Duration = Duration::from_millis(1_050);
 
 fn privileges() -> Needed {
     cases::program("chrt")?;
-    let mut hog = Hog::start().map_err(|error| format!("no endless loop: {error}"))?;
-    hog.raise().map_err(|error| format!("no process may have nice {NICE}: {error}"))
+    let mut hog = Hog::start().map_err(|error| Missing(format!("no endless loop: {error}")))?;
+    hog.raise().map_err(|error| Missing(format!("no process may have nice {NICE}: {error}")))
 }
 
 /// An endless loop that ends with its owner.

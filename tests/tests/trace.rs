@@ -4,7 +4,8 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use system_tests::cases::{self, Needed, case, needing};
-use system_tests::python::{NoInterpreter, trace_interpreter};
+use system_tests::missing::Missing;
+use system_tests::python::trace_interpreter;
 use system_tests::{Corner, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
@@ -47,12 +48,12 @@ print(json.dumps({"tracks": list(names.values()), "slices": slices, "flows": lis
 "#;
 
 /// A Python with PyPI's `perfetto` in a reused virtual environment.
-fn python() -> Result<PathBuf, NoInterpreter> {
+fn python() -> Result<PathBuf, Missing> {
     trace_interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
 }
 
 fn perfetto() -> Needed {
-    python().map(|_| ()).map_err(|NoInterpreter(reason)| reason)
+    python().map(|_| ())
 }
 
 fn read(python: &PathBuf, corner: &Corner) -> Value {

@@ -135,7 +135,7 @@ impl OwnWay {
     }
 
     /// Takes the yaw rate that was acquired at `acquired_ns` by an ego of `speed_mps`. A sample that is not later than
-    /// the last one, or that is no number, is passed over.
+    /// the last one, or that is not a number, is passed over.
     pub fn take(&mut self, acquired_ns: i64, yaw_rate_radps: f64, speed_mps: f64) {
         let elapsed_ns = self.last_ns.map_or(i64::MAX, |last_ns| acquired_ns - last_ns);
         if elapsed_ns <= 0 || !yaw_rate_radps.is_finite() || !speed_mps.is_finite() {

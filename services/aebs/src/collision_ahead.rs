@@ -11,7 +11,7 @@ use crate::decision::Path;
 use crate::filter::{Lateral, overlap};
 use crate::object::Object;
 
-/// Slower than this above the other's speed it is no collision, m/s.
+/// Slower than this above the other's speed it is not a collision, m/s.
 const LEAST_CLOSING_MPS: f64 = 2.0;
 /// A collision that is less probable than this is left out.
 const LEAST_PROBABILITY: f64 = 0.05;

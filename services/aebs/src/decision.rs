@@ -178,7 +178,7 @@ impl Decision {
     fn assess(&self, ego: &Ego, object: &Object, braking: bool) -> Option<Assessment> {
         let Settings { authority, period_s, margin_m, warning_s, ego_length_m, .. } =
             &self.settings;
-        // The noise of a range rate is no motion: over some seconds it would reach an ego that stops closely behind.
+        // The noise of a range rate is not a motion: over some seconds it would reach an ego that stops closely behind.
         let stands = object.speed_mps.abs() <= self.numbers.standstill_mps;
         let threat = Threat {
             gap_m: object.distance_m,

@@ -46,7 +46,7 @@ pub const MAX_OBJECTS: usize = 48;
 const REACH_M: f64 = 6.0;
 /// Points of one object differ from it by no more than this: speed, m/s, and lateral position, m.
 const SAME: (f64, f64) = (2.5, 1.9);
-/// Farther beside the path an object is no threat, whatever row it is on, m.
+/// Farther beside the path an object is not a threat, whatever row it is on, m.
 const NEAR_PATH_M: f64 = 4.0;
 /// An object that counts is dropped after this time without a point, s.
 const COAST_S: f64 = 0.4;

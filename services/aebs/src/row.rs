@@ -25,7 +25,7 @@ const WIDEST_M: f64 = 12.0;
 const SAME_M: (f64, f64) = (1.5, 1.2);
 /// Gain of a new point on a place.
 const GAIN: f64 = 0.3;
-/// Times that a place must be seen to count: one false alarm is no place.
+/// Times that a place must be seen to count: one false alarm is not a place.
 const SEEN: u32 = 2;
 /// A place is forgotten so long after it was seen, s, and so far behind the bumper, m.
 const KEPT_S: f64 = 3.0;

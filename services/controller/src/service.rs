@@ -61,7 +61,7 @@ pub fn run_law(runtime: Runtime, law: &'static Descriptor) -> Result<(), Runtime
 /// `questions`.
 ///
 /// # Errors
-/// If this is no run in one process.
+/// If this is not a run in one process.
 pub fn run_asked(runtime: Runtime, questions: Questions) -> Result<(), RuntimeError> {
     let scenario = runtime.scenario();
     let law = Asked::new(questions, runtime.turns(), &scenario);
@@ -302,7 +302,7 @@ impl Loop {
                 let bounds = self.law.request_bounds_mps2();
                 self.ladder.brake(&input.ego, self.setting.period_s, bounds, &mut self.output);
             }
-            // An empty plan is no command, and says so: in lockstep the plant waits for a message.
+            // Send an empty plan: it means "no command". In lockstep the plant waits for a message.
             Admission::Silence => {
                 let mode = self.output.mode;
                 self.output = Output { mode, plan_len: 0, ..Output::default() };

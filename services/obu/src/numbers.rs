@@ -50,11 +50,11 @@ parameters! {
         // The service.
 
         /// Periods after which the timer releases a cycle without its batch.
-        fallback_periods: f64 = 0.5, "periods", 0.1..=0.9, "Chosen: half of a period later the batch counts as lost.";
+        fallback_periods: f64 = 0.5, "periods", 0.1..=0.9, "Chosen: half of a period later the batch counts as lost. It acts in the service alone, which the example does not run.";
         /// Periods without a batch after which the radio counts as dead.
-        dead_periods: u32 = 3, "periods", 1.0..=20.0, "Chosen: two lost batches are chance.";
+        dead_periods: u32 = 3, "periods", 1.0..=20.0, "Chosen: two lost batches are chance. It acts in the service alone.";
         /// Silence of a unit that was restarted during the run, in which it receives the maps of the intersections ahead.
-        restart_silent_s: f64 = 1.3, "s", 0.0..=5.0, "Chosen: the period of a map, 1 s, and three batches. Meanwhile the controller uses the earlier timing.";
+        restart_silent_s: f64 = 1.3, "s", 0.0..=5.0, "Chosen: the period of a map, 1 s, and three batches. Meanwhile the controller uses the earlier timing. It acts in the service alone.";
     }
 }
 

@@ -35,9 +35,9 @@ static FIGURES: [Figure; 12] = [
     Figure::value("truck's jerk at a stop", "m/s³", 1e-3),
     Figure::value("cut-in begins", "s", 1e-3),
     Figure::value("cut-in lasts", "s", 1e-3),
-    Figure::value("offset in curves", "m", 1e-3),
-    Figure::value("lateral jerk in curves", "m/s³", 1e-3),
-    Figure::value("offset before a stand in a curve", "m", 1e-3),
+    Figure::value("offset in curves", "m", 0.02),
+    Figure::value("lateral jerk in curves", "m/s³", 0.02),
+    Figure::value("offset before a stand in a curve", "m", 0.02),
 ];
 
 fn main() {

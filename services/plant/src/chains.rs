@@ -280,7 +280,7 @@ mod tests {
         let mut chains = Chains::open(100_000, "control", &Figures::default()).expect("memory");
         let none = command(radar(0, -1, -1), 0, 0, 0, 0);
         chains.actuated(&none, &at(10, 10, 10));
-        assert_eq!(chains.age_us(), None, "a command without a radar sample is no chain");
+        assert_eq!(chains.age_us(), None, "a command without a radar sample is not a chain");
         let first = command(radar(1, 0, 500), 0, 0, 1_000, 2_000);
         chains.actuated(&first, &at(3_000, 3_000, 3_000));
         chains.actuated(&first, &at(13_000, 13_000, 13_000));

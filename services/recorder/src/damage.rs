@@ -112,7 +112,10 @@ impl fmt::Display for Damage {
         match self {
             Self::CutOff { bytes: 0 } => f.write_str("the recording was never ended"),
             Self::CutOff { bytes } => {
-                write!(f, "the recording was never ended; its last {bytes} bytes are no whole part")
+                write!(
+                    f,
+                    "the recording was never ended; its last {bytes} bytes are not a whole part"
+                )
             }
             Self::BehindEnd { bytes } => {
                 write!(f, "{bytes} bytes behind the recording's end are left out")

@@ -56,7 +56,7 @@ impl Recording {
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         let path = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
         if std::fs::metadata(&path).is_ok_and(|file| !file.is_file()) {
-            let reason = "it is no regular file".into();
+            let reason = "it is not a regular file".into();
             return Err(ReadError::Foreign { path, reason });
         }
         let failed = |reason| ReadError::File { path: path.clone(), reason };

@@ -55,7 +55,7 @@ pub(crate) struct Definition {
 }
 
 impl Definition {
-    /// Parses the text of a definition. Lines that are no fields are passed over.
+    /// Parses the text of a definition. Lines that are not fields are passed over.
     pub(crate) fn parse(type_name: &str, text: &str) -> Self {
         let root = short(type_name);
         let mut definition = Self { root: root.clone(), types: BTreeMap::new() };

@@ -17,7 +17,7 @@ pub enum BagError {
     /// A record is shorter than its lengths say.
     #[error("a record in it is not whole")]
     Malformed,
-    /// An SQLite database is damaged or is no bag.
+    /// An SQLite database is damaged or is not a bag.
     #[error("its database cannot be read: {0}")]
     Database(String),
     /// A chunk cannot be unpacked.
@@ -42,7 +42,7 @@ pub enum BagError {
         /// Name of the encoding.
         encoding: String,
     },
-    /// The messages have no such field, or it is no number.
+    /// The messages have no such field, or it is not a number.
     #[error("{}, expected {}", self.message(), self.expected().unwrap_or_default())]
     NoField {
         /// Path of the field.
@@ -75,14 +75,14 @@ impl BagError {
     #[must_use]
     pub fn message(&self) -> String {
         match self {
-            Self::NoBag => "it is no bag".to_owned(),
+            Self::NoBag => "it is not a bag".to_owned(),
             Self::Sqlite => "it is an SQLite bag".to_owned(),
             Self::NoTopic { topic, .. } => format!("no topic `{topic}`"),
             Self::Encoding { topic, encoding, .. } => {
                 format!("topic `{topic}` is encoded as {encoding}")
             }
             Self::NoField { field, type_name, .. } => {
-                format!("`{field}` is no number of {type_name}")
+                format!("`{field}` is not a number of {type_name}")
             }
             other => other.to_string(),
         }

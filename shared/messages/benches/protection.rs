@@ -1,8 +1,8 @@
 //! Cost of the end-to-end protection of a message, and of the copy that a reader makes of a small one first:
 //! `cargo bench -p messages`.
 //!
-//! Each figure is the median of many batches of protecting, checking or copying one message of a topic: whole, and, of those
-//! of which only the elements in use are protected, with [`ELEMENTS`] of them.
+//! Each figure is the median of many batches of protecting, checking or copying one message of a topic. Messages of
+//! which only the elements in use are protected are also measured with [`ELEMENTS`] of them.
 
 use messages::e2e::{Channel, Outcomes, profile7};
 use messages::{TOPICS, Topic};
@@ -41,7 +41,7 @@ fn main() {
     println!("medians of {BATCHES} batches of {BATCH} messages each");
 }
 
-/// Bytes in use of a message with so many elements.
+/// Bytes in use of a message with this number of elements.
 fn bytes_with(topic: Topic, elements: u64) -> usize {
     let layout = topic.layout();
     let mut message = vec![0; layout.bytes];

@@ -34,8 +34,9 @@ impl Origin {
         }
     }
 
-    /// True if `sample` is the one meant here. With `rides` it is one that the same sender sent in the same step on a topic
-    /// that rides with the sample's ([`Topic::rides_with`](crate::Topic::rides_with)): they differ in when they were published.
+    /// True if `sample` is the one meant here. With `rides` it is a message that the same sender sent in the same step,
+    /// on a topic that rides with the sample's ([`Topic::rides_with`](crate::Topic::rides_with)). The two differ in the
+    /// time of publication.
     #[must_use]
     pub fn means(&self, sample: &Self, rides: bool) -> bool {
         let same_step =

@@ -1,6 +1,6 @@
 //! Question to a foreign law and its answer: two records of fixed layout, by pipe.
 //!
-//! They are no messages of a topic: no header, no protection. The host of the law speaks with one
+//! They are not messages of a topic: no header, no protection. The host of the law speaks with one
 //! program, which it started itself. All numbers are little-endian, 8 bytes each.
 
 use crate::layout::declare::*;

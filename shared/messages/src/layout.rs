@@ -1,9 +1,9 @@
 //! The layout of every message as data, made from the declaration of its struct.
 //!
-//! [`layout!`](self) takes a struct and derives from it: the struct itself as `repr(C)` plain data, its
-//! [`Layout`], and the meaning of each field from its doc comment. The compiler refuses a struct with padding,
-//! or one whose bytes are not its CDR body. Everything that shows a message to others reads the [`Layout`]:
-//! the schema in a recording, Python and C types, the columns of a CSV file, the reference of the messages.
+//! [`layout!`](self) takes a struct and derives three things from it: the struct itself as `repr(C)` plain data, its
+//! [`Layout`], and the meaning of each field from its doc comment. The compiler refuses a struct with padding, or one
+//! whose bytes are not its CDR body. Every view of a message reads the [`Layout`]: the schema in a recording, Python
+//! and C types, the columns of a CSV file, the reference of the messages.
 //!
 //! ```
 //! use messages::{Element, Scalar, Topic};

@@ -250,7 +250,7 @@ fn a_log_of_levels_begins_late_and_keeps_its_first_changes() {
     assert_eq!(log.now(), Level::LeadLost);
     log.observe(10.5, Level::LeadLost);
     assert_eq!((log.report().time_s.len(), log.report().time_s["lead-lost"]), (1, 0.5));
-    assert!(log.report().changes.is_empty(), "a level that stays is no change");
+    assert!(log.report().changes.is_empty(), "a level that stays is not a change");
     // A stamp that goes back adds no time.
     log.observe(10.0, Level::Full);
     assert_eq!((log.report().time_s["lead-lost"], log.now()), (0.5, Level::Full));

@@ -79,7 +79,7 @@ type Result<E> = std::result::Result<Value, Fault<E>>;
 /// Evaluates the text between `${` and `}`. `parameter` gives the value of a name.
 ///
 /// # Errors
-/// When the text is no expression, a type does not fit, or a parameter has no value.
+/// When the text is not an expression, a type does not fit, or a parameter has no value.
 pub fn evaluate<E>(
     text: &str,
     parameter: &mut dyn FnMut(&str) -> std::result::Result<Value, E>,

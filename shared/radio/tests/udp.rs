@@ -121,7 +121,7 @@ fn a_datagram_of_another_program_is_a_frame_without_stamps() {
     assert_eq!(frame.bytes(), b"\x11\x00\x1a\x01");
     assert_eq!((frame.sender, frame.sent_ns, frame.clock), (None, None, None));
     let malformed = || Some(vehicle.report().malformed).filter(|&count| count == 3);
-    wait("what is no frame", malformed);
+    wait("what is not a frame", malformed);
     assert_eq!(vehicle.report().stations, [], "its clock is not known");
 }
 

@@ -1,7 +1,7 @@
 //! Uniform and normal deviates from the bits of a named generator.
 //!
-//! The same bits give the same number on every machine: the functions are those of `libm`, not of the
-//! machine, and how many bits a deviate takes does not depend on their values.
+//! The same bits give the same number on every machine. The functions are those of `libm`, not of the machine. A
+//! deviate takes the same number of bits whatever their values.
 //!
 //! ```
 //! use rand_core::SeedableRng;

@@ -47,7 +47,7 @@ pub enum Distribution {
 pub enum DistributionError {
     /// Another form.
     #[error(
-        "`{0}` is no distribution, expected normal(MEAN, DEVIATION), lognormal(MEDIAN, LOG_DEVIATION), uniform(FROM, TO) or csv(FILE, COLUMN)"
+        "`{0}` is not a distribution, expected normal(MEAN, DEVIATION), lognormal(MEDIAN, LOG_DEVIATION), uniform(FROM, TO) or csv(FILE, COLUMN)"
     )]
     Form(String),
     /// A number that the distribution cannot have.
@@ -181,9 +181,9 @@ mod tests {
     #[test]
     fn bad_distributions_are_refused() {
         for (text, what) in [
-            ("normal(1)", "is no distribution"),
+            ("normal(1)", "is not a distribution"),
             ("weibull(1, 2)", "expected normal("),
-            ("normal(1, x)", "is no distribution"),
+            ("normal(1, x)", "is not a distribution"),
             ("normal(1, 0)", "DEVIATION = 0"),
             ("lognormal(-1, 2)", "MEDIAN = -1"),
             ("uniform(3, 3)", "less than TO"),

@@ -15,7 +15,7 @@ impl Factor {
                 new.push((row[j] - known) / rows[j][j]);
             }
             let rest = row[i] - new.iter().map(|x| x * x).sum::<f64>();
-            // A rest of rounding is no variance.
+            // A rest of rounding is not a variance.
             if rest.is_nan() || rest <= 1e-12 * row[i].abs() {
                 return None;
             }

@@ -78,7 +78,7 @@ pub enum RuntimeError {
     /// The link to the launcher broke or carried nonsense.
     #[error("link to the launcher: {what}: {reason}")]
     Link {
-        /// Which part of it.
+        /// Part of it.
         what: &'static str,
         /// The system's error.
         #[source]
@@ -99,7 +99,7 @@ pub enum RuntimeError {
     /// Something that the service needs of the system is not to be had.
     #[error("{what}: {reason}")]
     Setup {
-        /// What.
+        /// Request that failed.
         what: String,
         /// The system's error.
         #[source]

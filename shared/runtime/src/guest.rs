@@ -16,7 +16,7 @@ use messages::{Message, Service, Topic};
 use std::rc::Rc;
 use std::time::Duration;
 
-/// A member of a group that is no service.
+/// A member of a group that is not a service.
 #[derive(Debug)]
 pub struct Guest {
     transport: Transport,
@@ -33,7 +33,7 @@ impl Guest {
         Ok(Self { transport, group })
     }
 
-    /// Begins to open an iceoryx2 service that is no topic.
+    /// Begins to open an iceoryx2 service that is not a topic.
     #[must_use]
     pub fn service(&self, name: &ServiceName) -> Builder<Ipc> {
         self.node().service(name)

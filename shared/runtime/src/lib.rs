@@ -24,7 +24,7 @@
 //! [`SMALL_BYTES`](messages::SMALL_BYTES) and copy what is not before they check it.
 //!
 //! `unsafe` is allowed in `coroutine`, `library`, `scheduling`, `spawn`, `usage` and `words`, for system calls that no
-//! crate wraps, and in `transport` (`pooled`, and where loaned bytes become a message).
+//! crate wraps. It is also allowed in `transport` (`pooled`, and where loaned bytes become a message).
 
 mod counts;
 mod error;

@@ -22,7 +22,7 @@ pub(crate) enum Fallback {
     Function(Path),
 }
 
-/// How names are written.
+/// Spelling of names.
 #[derive(Clone, Copy, Default)]
 pub(crate) enum Case {
     #[default]

@@ -1,7 +1,7 @@
 //! The binary form in which a scenario or a fault reaches a service's process.
 //!
-//! A text is read once, where a run starts. What took effect then travels as a tree of values in
-//! postcard's encoding: no text is parsed again, and every number keeps all its bits.
+//! A text is read once, where a run starts. The values that took effect travel as a tree in postcard's encoding: no
+//! text is parsed again, and every number keeps all its bits.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,11 +13,11 @@ use super::placed::Placed;
 use super::problem::Problem;
 use super::{Reads, Scenario};
 
-/// Reason why bytes are no scenario or no fault.
+/// Reason why bytes are not a scenario or a fault.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DecodeError {
     /// The encoding is damaged, or of another version.
-    #[error("the bytes are no tree of values: {0}")]
+    #[error("the bytes are not a tree of values: {0}")]
     Encoding(#[from] postcard::Error),
     /// The tree is readable and makes no scenario.
     #[error(transparent)]

@@ -1,4 +1,4 @@
-//! Where radio frames come from when the roadside unit is not in the group: a carrier's address.
+//! Source of radio frames when the roadside unit is not in the group: a carrier's address.
 //!
 //! | address | carrier |
 //! | --- | --- |
@@ -39,13 +39,13 @@ pub enum CarrierAddress {
     },
 }
 
-/// Text that is no carrier's address.
+/// Text that is not a carrier's address.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}, expected {}", self.message(), self.expected())]
 pub enum CarrierAddressError {
     /// It begins with no known carrier.
     Scheme(String),
-    /// What follows `udp://` is no IP address with a port.
+    /// The text after `udp://` is not an IP address with a port.
     Socket(String),
     /// Port 0 cannot be listened on by agreement.
     Port,
@@ -60,8 +60,8 @@ impl Explained for CarrierAddressError {
         match self {
             Self::Scheme(text) => format!("`{text}` names no carrier"),
             Self::Socket(text) => format!("`{text}` is no IP address with a port"),
-            Self::Port => "port 0 is no port to agree on".to_owned(),
-            Self::Option(text) => format!("`{text}` is no option of udp://"),
+            Self::Port => "port 0 is not a port to agree on".to_owned(),
+            Self::Option(text) => format!("`{text}` is not an option of udp://"),
             Self::File(scheme) => format!("`{scheme}` lacks the file"),
         }
     }
@@ -207,8 +207,8 @@ mod tests {
             ("udp://somewhere:5520", "`somewhere:5520` is no IP address with a port"),
             ("udp://1.2.3.4", "is no IP address with a port"),
             ("udp://1.2.3.4:0", "port 0"),
-            ("udp://1.2.3.4:5?ttl=3", "`ttl=3` is no option"),
-            ("udp://1.2.3.4:5?interface=", "is no option"),
+            ("udp://1.2.3.4:5?ttl=3", "`ttl=3` is not an option"),
+            ("udp://1.2.3.4:5?interface=", "is not an option"),
             ("zenoh:", "expected zenoh:FILE"),
             ("pcap:", "expected pcap:FILE"),
         ] {

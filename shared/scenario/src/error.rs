@@ -56,7 +56,7 @@ impl ScenarioError {
     ) -> Self {
         let start = floor_char_boundary(text, span.start);
         let end = floor_char_boundary(text, span.end.max(start));
-        // A byte order mark is no character of the first line.
+        // A byte order mark is not a character of the first line.
         let first = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
         let start = start.max(first);
         let end = end.max(start);
@@ -83,13 +83,13 @@ impl ScenarioError {
         self
     }
 
-    /// What is wrong, without its place.
+    /// The fault, without its place.
     #[must_use]
     pub fn message(&self) -> &str {
         &self.message
     }
 
-    /// What would have been right, where that is known.
+    /// The expected value, if known.
     #[must_use]
     pub fn expected(&self) -> Option<&str> {
         self.expected.as_deref()

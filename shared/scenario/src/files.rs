@@ -157,8 +157,8 @@ fn is_set(document: &Document<'_>, file: &str, points: &str) -> bool {
     document.is_set(file) && !document.is_set(points)
 }
 
-/// Where a file is that has to be read. A relative path starts at the directory `own`; one that was set on the
-/// command line starts at the present directory unless that file is in `own`.
+/// Path of a file that has to be read. A relative path starts at the directory `own`; one that was set on the command
+/// line starts at the present directory unless that file is in `own`.
 fn to_read(file: &Path, own: Option<&Path>, is_set: bool, is_unread: bool) -> Option<PathBuf> {
     let beside = own.map(|own| own.join(file));
     match is_set {

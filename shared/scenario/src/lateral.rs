@@ -114,8 +114,8 @@ impl Lateral {
         *self == Self::default()
     }
 
-    /// Gives keys that were not written a truck's values: 5.8 m from the front axle to the middle of the rear ones, and
-    /// an inertia of `mass_kg` half a wheelbase away.
+    /// Gives a truck's values to keys that were not written: 5.8 m from the front axle to the middle of the rear ones,
+    /// and an inertia of `mass_kg` half a wheelbase away.
     pub(super) fn follow_truck(&mut self, mass_kg: f64, is_written: impl Fn(&str) -> bool) {
         if !is_written("plant.lateral.wheelbase_m") {
             self.wheelbase_m = Length::of(5.8);

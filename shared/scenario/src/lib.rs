@@ -22,8 +22,8 @@
 //! # Ok::<(), scenario::ScenarioError>(())
 //! ```
 //!
-//! Positions along the road count from the ego's front bumper at the start of the run, lateral
-//! positions from the centre of its lane, left positive; times from the start of the run.
+//! Positions along the road count from the ego's front bumper at the start of the run. Lateral positions count from the
+//! centre of its lane, left positive. Times count from the start of the run.
 
 #![allow(
     clippy::result_large_err,
@@ -249,7 +249,7 @@ pub fn read_as<T: serde::de::DeserializeOwned>(
 /// Reads a table of a road's height or grade over distance. `source` stands for it in errors.
 ///
 /// # Errors
-/// When the text is no such table; shows the line.
+/// When the text is not such a table; shows the line.
 pub fn read_road(source: &str, text: &str) -> Result<crate::grade::GradeProfile, ScenarioError> {
     road::parse_csv(source, text)
 }

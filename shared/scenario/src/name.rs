@@ -19,7 +19,7 @@ impl Name {
     /// A name from a literal.
     ///
     /// # Panics
-    /// When it is no name.
+    /// When it is not a name.
     #[must_use]
     pub fn of(name: &str) -> Self {
         Self::try_from(name.to_owned()).expect("a literal that is a name")

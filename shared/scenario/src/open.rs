@@ -1,4 +1,4 @@
-//! How a scenario is opened: read, overridden, completed and checked, in this order.
+//! Steps of opening a scenario: read, override, complete and check, in this order.
 
 use std::path::{Path, PathBuf};
 
@@ -150,8 +150,8 @@ impl Scenario {
         Ok(scenario)
     }
 
-    /// Periods that were not written follow a control period that is shorter than they are: the plant's
-    /// becomes equal, and a timer releases the controller instead of the slower radar.
+    /// Periods that were not written follow a control period that is shorter than they are. The plant's becomes equal,
+    /// and a timer releases the controller instead of the slower radar.
     fn follow_a_fast_controller(&mut self, is_written: impl Fn(&str) -> bool) {
         let period_ms = self.controller.period_ms;
         if period_ms < self.plant.period_ms && !is_written("plant.period_ms") {

@@ -128,7 +128,7 @@ impl Override {
             Err(_) if number_with_unit(text) => {
                 let span = self.value_start..self.option.len();
                 let number = text.trim_end_matches(|c: char| !c.is_ascii_digit() && c != '.');
-                let message = format!("`{text}` is no number: the key's name has the unit");
+                let message = format!("`{text}` is not a number: the key's name has the unit");
                 Err(ScenarioError::in_option(&self.option, span, &message)
                     .expecting(format!("a number alone, such as {number}")))
             }

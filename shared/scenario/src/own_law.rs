@@ -156,7 +156,7 @@ pub(super) fn check(scenario: &Scenario) -> Result<(), Problem> {
             return Err(Problem::new(path, message, expected));
         }
         if law.command.is_empty() && !(law.env.is_empty() && law.arguments.is_empty()) {
-            let message = format!("the law `{name}` is no program of its own");
+            let message = format!("the law `{name}` is not a program of its own");
             return Err(Problem::new(path, message, "env and arguments with a command alone"));
         }
         let is_variable = |key: &str| !key.is_empty() && !key.contains(['=', '\0']);
@@ -208,7 +208,7 @@ mod tests {
         for (lines, what) in [
             ("", "has no program, or more than one"),
             ("command = [\"a\"]\nlibrary = \"b.so\"", "or more than one"),
-            ("library = \"b.so\"\nenv.A = 1", "is no program of its own"),
+            ("library = \"b.so\"\nenv.A = 1", "is not a program of its own"),
             ("command = \"law\"", "a list of words"),
             ("comand = [\"law\"]", "did you mean `command`?"),
             ("command = [\"law\"]\nenv.A = [1]", "a text, a number or a truth value"),

@@ -224,7 +224,7 @@ pub enum Swerling {
     Case3,
 }
 
-/// A number that is no case of Swerling's that applies.
+/// A number that is not a case of Swerling's that applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0} is out of range, expected {CASES}")]
 pub struct NoSwerlingCase(i64);

@@ -8,9 +8,9 @@ use std::ops::Range;
 pub struct Problem {
     /// Dotted path of the offending key, array elements by their index: `actors.0.gap_m`.
     pub path: String,
-    /// What is wrong.
+    /// Fault.
     pub message: String,
-    /// What would have been right.
+    /// Expected value.
     pub expected: String,
     /// The key that `path` contradicts; shown instead when only that one was written, or was set on
     /// the command line.

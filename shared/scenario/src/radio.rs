@@ -27,10 +27,10 @@ pub enum Radio {
     Carrier(CarrierAddress),
 }
 
-/// Text that is no radio.
+/// Text that is not a radio.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RadioError {
-    /// It is no known word and no address.
+    /// It is neither a known word nor an address.
     #[error("{}, expected {RADIOS}", self.message())]
     Unknown(String),
     /// The address of a carrier is wrong.
@@ -45,7 +45,7 @@ const RADIOS: &str =
 impl Explained for RadioError {
     fn message(&self) -> String {
         match self {
-            Self::Unknown(text) => format!("`{text}` is no radio"),
+            Self::Unknown(text) => format!("`{text}` is not a radio"),
             Self::Address(error) => error.message(),
         }
     }
@@ -345,7 +345,7 @@ mod tests {
     #[test]
     fn what_a_carrier_has_no_use_for_is_refused() {
         for (keys, said) in [
-            ("radio = \"morse\"", "`morse` is no radio"),
+            ("radio = \"morse\"", "`morse` is not a radio"),
             ("radio = \"udp://nowhere\"", "is no IP address with a port"),
             ("poll_ms = 10", "v2x.poll_ms has no effect"),
             ("radio = \"zenoh\"\npoll_ms = 15", "v2x.poll_ms = 15 is not a whole multiple"),

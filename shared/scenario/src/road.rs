@@ -181,7 +181,7 @@ impl Road {
     /// The road's heights.
     ///
     /// # Errors
-    /// When the points are no road, or the file has not been read.
+    /// When the points are not a road, or the file has not been read.
     pub fn profile(&self) -> Result<GradeProfile, Problem> {
         self.heights.profile()
     }

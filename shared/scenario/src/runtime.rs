@@ -1,16 +1,15 @@
 //! `[runtime]`: where and how the services run.
 //!
-//! **Priorities** under `SCHED_FIFO` are by rate, the shortest period highest, and among equal rates by
-//! the order of the chain, so that a sender finishes before its receiver begins: 82
-//! plant, 81 perception, 80 emergency brake, V2X and on-board unit, 79 controller.
+//! **Priorities** under `SCHED_FIFO` go by rate, the shortest period highest. Among equal rates they go by the order of
+//! the chain, so that a sender finishes before its receiver begins: 82 plant, 81 perception, 80 emergency brake, V2X
+//! and on-board unit, 79 controller.
 //!
-//! **Cores.** All services share one core unless told otherwise: the last that the process may use,
-//! which leaves the first, where most machines take their interrupts, to all other processes. The services
-//! of a chain work one after the other, so that a second core gives them no more time; but handing over
-//! to one that sleeps costs an interrupt between processors and a core's way out of idleness, where
-//! handing over on the same core costs a context switch. Reaction time without its designed waits, p50
-//! over three interleaved runs each (two cores of an EPYC under KVM, busy with other work;
-//! `timegap bench` shows the same on any machine):
+//! **Cores.** All services share one core unless the scenario says otherwise. It is the last one that the process may
+//! use. That leaves the first, where most machines take their interrupts, to all other processes. The services of a
+//! chain work one after the other, so a second core gives them no more time. Handing over to a sleeping core costs an
+//! interrupt between processors and a core's way out of idleness. Handing over on the same core costs a context switch.
+//! Reaction time without its designed waits, p50 over three interleaved runs each (two cores of an EPYC under KVM, busy
+//! with other work; `timegap bench` shows the same on any machine):
 //!
 //! | periods (plant, radar, controller) | n of a run | all on last | all on first | controller on last, others on first |
 //! | --- | --- | --- | --- | --- |
@@ -27,7 +26,7 @@ use super::per_service::PerService;
 use super::quantity::{Core, DelayMs, Priority, Probability};
 use super::schema::Schema;
 
-/// Scheduling and placement. What the machine does not grant is reported, not fatal.
+/// Scheduling and placement. A right that the machine does not grant is reported, not fatal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Runtime {

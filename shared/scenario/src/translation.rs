@@ -40,7 +40,7 @@ pub enum OpenError {
         /// The fault.
         cause: WorldError,
     },
-    /// The line along which the ego drives is no road.
+    /// The line along which the ego drives is not a road.
     #[error("error: {place}: the ego's way: {cause}, expected {}", cause.expected())]
     Road {
         /// The file, with the place where it says how the ego begins.
@@ -53,7 +53,7 @@ pub enum OpenError {
     Actors {
         /// The file.
         file: String,
-        /// How many it has.
+        /// Number of elements.
         count: usize,
     },
     /// It does not fit a scenario, or an override does not.

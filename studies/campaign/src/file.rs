@@ -139,7 +139,7 @@ pub struct Case {
     pub from: Line,
 }
 
-/// A path is no file, or the file is too long for a campaign.
+/// A path is not a file, or the file is too long for a campaign.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: expected a file of at most {MAX_BYTES} bytes", .0.display())]
 pub struct NoCampaign(PathBuf);

@@ -54,7 +54,7 @@ pub struct Measured {
     pub double_kills: u64,
     /// Processes killed before they took part.
     pub starting_kills: u64,
-    /// Killed processes that are no service.
+    /// Killed processes that are not a service.
     pub helper_kills: u64,
     /// The launcher was killed, and the group ended with it.
     pub launcher_died: bool,

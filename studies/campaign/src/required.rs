@@ -8,7 +8,7 @@ use scenario::Scenario;
 /// Adds the formulas to a scenario's requirements.
 ///
 /// # Errors
-/// If one of them is no requirement of this scenario.
+/// If one of them is not a requirement of this scenario.
 pub(crate) fn add(mut scenario: Scenario, formulas: &[String]) -> Result<Scenario, Error> {
     scenario.require.formulas.extend_from_slice(formulas);
     group::requirements(&scenario)?;

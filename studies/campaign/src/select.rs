@@ -208,7 +208,7 @@ mod tests {
         for own in &WITHOUT_FILE {
             assert_eq!(refusal(&format!("campaign {} --require comfort", own.name)), None);
         }
-        let said = refusal("campaign kills --first 3").expect("it is no option of a file");
+        let said = refusal("campaign kills --first 3").expect("it is not an option of a file");
         assert!(said.starts_with(
             "--first N is for `radio`, `signals`, `curves`; the campaign `kills` takes"
         ));

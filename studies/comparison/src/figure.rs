@@ -50,33 +50,6 @@ impl<'a> From<&'a Summary> for Measured<'a> {
     }
 }
 
-/// A figure whose seeds become their mean; `(panel, label)` are its names in the picture.
-const fn mean(
-    column: Column<Value>,
-    (panel, label): (&'static str, &'static str),
-    of: Of,
-) -> Figure {
-    Figure { column, panel, label, fold: Fold::Mean, of }
-}
-
-/// A figure whose seeds become the smallest one.
-const fn least(
-    column: Column<Value>,
-    (panel, label): (&'static str, &'static str),
-    of: Of,
-) -> Figure {
-    Figure { column, panel, label, fold: Fold::Least, of }
-}
-
-/// A figure whose seeds become the largest one.
-const fn most(
-    column: Column<Value>,
-    (panel, label): (&'static str, &'static str),
-    of: Of,
-) -> Figure {
-    Figure { column, panel, label, fold: Fold::Most, of }
-}
-
 impl Figure {
     /// Name in results.
     pub fn name(&self) -> &str {
@@ -95,145 +68,56 @@ pub const INTERVENTIONS: &str = "interventions";
 pub const COUNT: usize = 19;
 const KWH: &str = "kWh/100 km";
 
-/// All figures, in the order of the columns. None of them depends on the wall clock in lockstep.
-pub static ALL: [Figure; COUNT] = [
-    mean(
-        number("rms_gap_error_m", "gap error rms", "m", 2, "Root mean square of the gap error")
-            .less(),
-        ("gap error", "rms"),
-        |s| s.control.figures.rms_gap_error_m,
-    ),
-    most(
-        number("max_abs_gap_error_m", "max gap error", "m", 2, "Largest gap error")
-            .less()
-            .weight(3),
-        ("gap error", "largest"),
-        |s| s.control.figures.max_abs_gap_error_m,
-    ),
-    mean(
-        number("rms_jerk_mps3", "jerk rms", "m/s³", 2, "Root mean square of the jerk")
-            .less()
-            .weight(1),
-        ("jerk", "rms"),
-        |s| s.control.figures.rms_jerk_mps3,
-    ),
-    most(
-        number("max_abs_jerk_mps3", "max jerk", "m/s³", 2, "Largest magnitude of the jerk")
-            .less()
-            .weight(3),
-        ("jerk", "largest"),
-        |s| s.control.figures.max_abs_jerk_mps3,
-    ),
-    least(
-        number("min_gap_m", "min gap", "m", 2, "Smallest gap to the vehicle ahead").more(),
-        ("smallest gap", "smallest gap"),
-        |s| s.control.figures.min_gap_m,
-    ),
-    least(
-        number("min_ttc_s", "min TTC", "s", 2, "Smallest time to collision").more().weight(1),
-        ("smallest time to collision", "smallest"),
-        |s| s.control.figures.min_ttc_s,
-    ),
-    mean(
-        number("impact_speed_mps", "impact", "m/s", 2, "Speed difference at the contact")
-            .less()
-            .weight(2),
-        ("impact speed", "impact"),
-        |s| s.control.figures.impact_speed_mps,
-    ),
-    least(
-        number("min_time_gap_s", "min time gap", "s", 2, "Smallest time gap").more().weight(1),
-        ("time gap", "shortest"),
-        |s| s.control.following.min_time_gap_s,
-    ),
-    least(
-        number("min_accel_mps2", "hardest braking", "m/s²", 2, "Smallest acceleration")
-            .more()
-            .weight(2),
-        ("hardest braking", "hardest"),
-        |s| s.control.figures.min_accel_mps2,
-    ),
-    mean(
-        number(
-            "trip_over_fastest_s",
-            "trip over the fastest",
-            "s",
-            2,
-            "Trip time beyond the fastest legal trip",
-        )
-        .less()
-        .weight(2),
-        ("trip over the fastest", "time"),
-        |s| s.control.trip.over_fastest_s(),
-    ),
-    mean(
-        number("median_time_gap_s", "median time gap", "s", 2, "Median time gap").weight(3),
-        ("time gap", "median"),
-        |s| s.control.following.median_time_gap_s,
-    ),
-    mean(
-        number("stop_line_crossing_s", "crossing", "s", 2, "Time at which a stop line was crossed")
-            .weight(1),
-        ("stop line crossed", "crossed"),
-        |s| s.control.figures.stop_line_crossing_s,
-    ),
-    mean(
-        number("fuel_l_per_100km", "fuel", "L/100 km", 2, "Fuel").less().weight(2),
-        ("fuel", "fuel"),
-        |s| s.control.figures.fuel_l_per_100km,
-    ),
-    mean(
-        number("wheel_energy_kwh_per_100km", "wheels", KWH, 2, "Energy at the wheels")
-            .less()
-            .weight(2),
-        ("energy at the wheels", "energy"),
-        |s| s.control.figures.wheel_energy_kwh_per_100km,
-    ),
-    most(
-        count(INTERVENTIONS, "emergency brakings", "Interventions of the emergency brake")
-            .less()
-            .weight(1),
-        ("emergency brakings", "brakings"),
-        |s| s.interventions.map(|times| times as f64),
-    ),
-    mean(
-        number("stops", "stops", "", 2, "Times that the vehicle came to a stand").less().weight(3),
-        ("stops", "stops"),
-        |s| s.control.figures.stops.map(|stops| stops as f64),
-    ),
-    mean(
-        number(
-            "data_age_p50_ms",
-            "data age",
-            "ms",
-            2,
-            "Median age of the radar data behind an actuation",
-        )
-        .weight(2),
-        ("median data age", "median"),
-        |s| s.timing.data_age_us.map(|age| age.p50 / 1e3),
-    ),
-    mean(
-        number("deadline_misses", "deadlines missed", "", 2, "Control cycles that ended late")
-            .less()
-            .weight(1),
-        ("deadlines missed", "missed"),
-        |s| s.timing.deadline_misses.map(|misses| misses as f64),
-    ),
-    mean(
-        number(
-            "undelivered_commands",
-            "undelivered",
-            "",
-            2,
-            "Commands that did not reach the plant",
-        )
-        .less()
-        .weight(2),
-        ("commands not delivered", "commands"),
-        |s| s.timing.undelivered_commands.map(|commands| commands as f64),
-    ),
-];
+/// Declares [`ALL`]. A row has the fold of the seeds, panel and label in the picture, the column, and the value of a run.
+macro_rules! figures {
+    ($($fold:ident $panel:literal / $label:literal: $column:expr, $of:expr;)+) => {
+        /// All figures, in the order of the columns. None of them depends on the wall clock in lockstep.
+        pub static ALL: [Figure; COUNT] = [$(
+            Figure { column: $column, panel: $panel, label: $label, fold: Fold::$fold, of: $of },
+        )+];
+    };
+}
+
+figures! {
+    Mean "gap error" / "rms": number("rms_gap_error_m", "gap error rms", "m", 2, "Root mean square of the gap error").less(),
+        |s| s.control.figures.rms_gap_error_m;
+    Most "gap error" / "largest": number("max_abs_gap_error_m", "max gap error", "m", 2, "Largest gap error").less().weight(3),
+        |s| s.control.figures.max_abs_gap_error_m;
+    Mean "jerk" / "rms": number("rms_jerk_mps3", "jerk rms", "m/s³", 2, "Root mean square of the jerk").less().weight(1),
+        |s| s.control.figures.rms_jerk_mps3;
+    Most "jerk" / "largest": number("max_abs_jerk_mps3", "max jerk", "m/s³", 2, "Largest magnitude of the jerk").less().weight(3),
+        |s| s.control.figures.max_abs_jerk_mps3;
+    Least "smallest gap" / "smallest gap": number("min_gap_m", "min gap", "m", 2, "Smallest gap to the vehicle ahead").more(),
+        |s| s.control.figures.min_gap_m;
+    Least "smallest time to collision" / "smallest": number("min_ttc_s", "min TTC", "s", 2, "Smallest time to collision").more().weight(1),
+        |s| s.control.figures.min_ttc_s;
+    Mean "impact speed" / "impact": number("impact_speed_mps", "impact", "m/s", 2, "Speed difference at the contact").less().weight(2),
+        |s| s.control.figures.impact_speed_mps;
+    Least "time gap" / "shortest": number("min_time_gap_s", "min time gap", "s", 2, "Smallest time gap").more().weight(1),
+        |s| s.control.following.min_time_gap_s;
+    Least "hardest braking" / "hardest": number("min_accel_mps2", "hardest braking", "m/s²", 2, "Smallest acceleration").more().weight(2),
+        |s| s.control.figures.min_accel_mps2;
+    Mean "trip over the fastest" / "time": number("trip_over_fastest_s", "trip over the fastest", "s", 2, "Trip time beyond the fastest legal trip").less().weight(2),
+        |s| s.control.trip.over_fastest_s();
+    Mean "time gap" / "median": number("median_time_gap_s", "median time gap", "s", 2, "Median time gap").weight(3),
+        |s| s.control.following.median_time_gap_s;
+    Mean "stop line crossed" / "crossed": number("stop_line_crossing_s", "crossing", "s", 2, "Time at which a stop line was crossed").weight(1),
+        |s| s.control.figures.stop_line_crossing_s;
+    Mean "fuel" / "fuel": number("fuel_l_per_100km", "fuel", "L/100 km", 2, "Fuel").less().weight(2),
+        |s| s.control.figures.fuel_l_per_100km;
+    Mean "energy at the wheels" / "energy": number("wheel_energy_kwh_per_100km", "wheels", KWH, 2, "Energy at the wheels").less().weight(2),
+        |s| s.control.figures.wheel_energy_kwh_per_100km;
+    Most "emergency brakings" / "brakings": count(INTERVENTIONS, "emergency brakings", "Interventions of the emergency brake").less().weight(1),
+        |s| s.interventions.map(|times| times as f64);
+    Mean "stops" / "stops": number("stops", "stops", "", 2, "Times that the vehicle came to a stand").less().weight(3),
+        |s| s.control.figures.stops.map(|stops| stops as f64);
+    Mean "median data age" / "median": number("data_age_p50_ms", "data age", "ms", 2, "Median age of the radar data behind an actuation").weight(2),
+        |s| s.timing.data_age_us.map(|age| age.p50 / 1e3);
+    Mean "deadlines missed" / "missed": number("deadline_misses", "deadlines missed", "", 2, "Control cycles that ended late").less().weight(1),
+        |s| s.timing.deadline_misses.map(|misses| misses as f64);
+    Mean "commands not delivered" / "commands": number("undelivered_commands", "undelivered", "", 2, "Commands that did not reach the plant").less().weight(2),
+        |s| s.timing.undelivered_commands.map(|commands| commands as f64);
+}
 
 /// The figures of one run or point, in the order of [`ALL`].
 pub type Values = [Option<f64>; COUNT];

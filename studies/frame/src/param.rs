@@ -53,7 +53,7 @@ fn count(values: f64) -> String {
     if values < 1e15 { format!("{values:.0}") } else { format!("{values:.1e}") }
 }
 
-/// An argument that is no key with values.
+/// An argument that is not a key with values.
 #[derive(Debug, thiserror::Error)]
 #[error("--param {argument}: {reason}, expected KEY=A..B/STEP or KEY=a,b,c")]
 pub struct ParamError {

@@ -18,7 +18,7 @@ use crate::param::{self, ValuesError};
 /// Seeds that cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SeedsError {
-    /// The list is no list.
+    /// The text is not a list.
     #[error("--seeds {text}: {reason}, expected a number of seeds, A..B or a,b,c")]
     List {
         /// The argument.
@@ -27,8 +27,8 @@ pub enum SeedsError {
         #[source]
         reason: ValuesError,
     },
-    /// One of them is no seed.
-    #[error("--seeds {text}: `{value}` is no seed, expected whole numbers of 0 or more")]
+    /// One of them is not a seed.
+    #[error("--seeds {text}: `{value}` is not a seed, expected whole numbers of 0 or more")]
     Seed {
         /// The argument.
         text: String,
@@ -76,8 +76,8 @@ mod tests {
             ("1,,2", "a value is missing"),
             ("3..1", "after its end"),
             ("1,1", "1 is there twice"),
-            ("1.5,2", "`1.5` is no seed"),
-            ("-1,2", "`-1` is no seed"),
+            ("1.5,2", "`1.5` is not a seed"),
+            ("-1,2", "`-1` is not a seed"),
             ("1000000", "1000000 values, more than 10000"),
         ] {
             let said = read(text).expect_err(text).to_string();

@@ -121,7 +121,7 @@ pub struct SearchArguments {
     pub results: ResultOptions,
 }
 
-/// A text that is no seed.
+/// A text that is not a seed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("--seed {0}: expected a whole number without a sign")]
 pub struct NoSeed(String);

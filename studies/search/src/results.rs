@@ -35,12 +35,12 @@ pub struct Search {
     first_violation: Option<usize>,
     /// Failing runs.
     violations: usize,
-    /// Groups of failing runs that are no neighbours.
+    /// Groups of failing runs that are not neighbours.
     distinct: usize,
     failures: Vec<FailureRow>,
     /// Least value, tolerances.
     worst_robustness: Option<f64>,
-    /// Least value of a run that is no failure, tolerances.
+    /// Least value of a run that is not a failure, tolerances.
     nearest_miss: Option<f64>,
     /// Upper end of the 95 % interval of the share of failures, by even points; none where they failed.
     share_below: Option<f64>,
@@ -84,7 +84,7 @@ const FIELDS: &[Column<()>] = &[
     count("violations", "", "Failing runs"),
     count("distinct", "", "Groups of failing runs that are not neighbours"),
     number("worst_robustness", "", "tolerances", 2, "Least value of a run"),
-    number("nearest_miss", "", "tolerances", 2, "Least value of a run that is no failure"),
+    number("nearest_miss", "", "tolerances", 2, "Least value of a run that is not a failure"),
     number(
         "share_below",
         "",

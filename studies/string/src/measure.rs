@@ -11,7 +11,7 @@ use controller::laws;
 use group::Drive;
 use scenario::Scenario;
 
-/// A signal whose largest deviation is below this is no disturbance, and its gain is noise over noise, m/s or m. Cars
+/// A signal whose largest deviation is below this is not a disturbance, and its gain is noise over noise, m/s or m. Cars
 /// behind a constant speed deviate by 0.1 m/s by their radars' noise.
 const QUIET: f64 = 0.2;
 

@@ -163,7 +163,7 @@ fn one(low: f64, high: f64) -> Curve {
     Curve::new(name, Tone::Muted, vec![(low, 1.0), (high, 1.0)]).stroke(Stroke::Dotted)
 }
 
-/// The peak of each law over the swept key; nothing for values that are no numbers.
+/// The peak of each law over the swept key; nothing for values that are not numbers.
 fn limit_plots(limits: &[Limits]) -> String {
     let mut curves = Vec::new();
     let mut values = Vec::new();

@@ -137,7 +137,11 @@ fn options() {
 /// Likely slips, and the words that help.
 fn slips_of_the_hand() {
     refused(&["run", "--duration", "30s"], 2, &["--duration 30s", "a number alone, such as 30"]);
-    refused(&["run", "--set", "set_speed_mps=20mps"], 2, &["`20mps` is no number", "such as 20"]);
+    refused(
+        &["run", "--set", "set_speed_mps=20mps"],
+        2,
+        &["`20mps` is not a number", "such as 20"],
+    );
     let command = "[\"python3\", \"law.py\"]";
     refused(&["run", "--controller", "external"], 2, &["controller.command", command]);
     refused(&["run", "--set", "controller.command=python3 law.py"], 2, &[command]);
@@ -197,8 +201,8 @@ fn a_tampered_design() {
 
 fn radios() {
     let run = |radio, words: &[&str]| refused(&["run", "corridor", "--radio", radio], 2, words);
-    run("morse", &["--radio", "`morse` is no radio", "udp://"]);
-    run("tcp://1.2.3.4:5", &["`tcp://1.2.3.4:5` is no radio"]);
+    run("morse", &["--radio", "`morse` is not a radio", "udp://"]);
+    run("tcp://1.2.3.4:5", &["`tcp://1.2.3.4:5` is not a radio"]);
     run("udp://somewhere:5520", &["no IP address with a port"]);
     // An address for documentation, which no host has (RFC 5737).
     run("udp://192.0.2.7:5520", &["cannot listen on 192.0.2.7:5520"]);

@@ -94,12 +94,12 @@ pub fn the_notebook_runs_as_it_is() {
     assert!(text(&output).contains("external completed"), "{}", text(&output));
 }
 
-fn notebook_interpreter() -> Result<std::path::PathBuf, python::NoInterpreter> {
+fn notebook_interpreter() -> Result<std::path::PathBuf, system_tests::missing::Missing> {
     python::notebook_interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
 }
 
 pub fn notebooks() -> cases::Needed {
-    notebook_interpreter().map(|_| ()).map_err(|why| why.0)
+    notebook_interpreter().map(|_| ())
 }
 
 pub fn python3() -> cases::Needed {

@@ -10,17 +10,18 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, Output};
 use system_tests::cases::{self, Needed, needing};
+use system_tests::missing::Missing;
 use system_tests::{Corner, python, text, wait_for};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 const SCRIPTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/python");
 
-fn interpreter() -> Result<PathBuf, python::NoInterpreter> {
+fn interpreter() -> Result<PathBuf, Missing> {
     python::interpreter(Path::new(env!("CARGO_TARGET_TMPDIR")))
 }
 
 fn pypi() -> Needed {
-    interpreter().map(|_| ()).map_err(|why| why.0)
+    interpreter().map(|_| ())
 }
 
 fn c_compiler() -> Needed {

@@ -4,6 +4,7 @@ use super::PROGRAM;
 use rustix::process::{Pid, Signal, kill_process};
 use std::process::{Child, Command, Stdio};
 use system_tests::cases::{self, Needed};
+use system_tests::missing::Missing;
 use system_tests::{Corner, text, wait_for};
 
 /// The daemons of a private Slurm.
@@ -29,7 +30,7 @@ impl Drop for Slurm {
 
 impl Slurm {
     /// One node, its controller and munge, with all files in a corner; or the reason why they do not start.
-    pub fn start(corner: &Corner) -> Result<Self, String> {
+    pub fn start(corner: &Corner) -> Result<Self, Missing> {
         let base = corner.path().join("slurm");
         for directory in ["", "state", "spool"] {
             std::fs::create_dir_all(base.join(directory)).expect("our own directory");
@@ -83,7 +84,8 @@ impl Slurm {
         let idle = || slurm.command("sinfo", &["-h", "-o", "%t"]).contains("idle");
         if !wait_for(idle) {
             let log = slurm.log(corner);
-            return Err(format!("its node does not start: {}", log.lines().last().unwrap_or("")));
+            let last = log.lines().last().unwrap_or("");
+            return Err(Missing(format!("its node does not start: {last}")));
         }
         Ok(slurm)
     }
@@ -118,7 +120,9 @@ pub fn slurm() -> Needed {
             .iter()
             .any(|directory| std::path::Path::new(directory).join(name).is_file());
         if !found {
-            return Err(format!("no {name} (Debian: munge, slurmctld, slurmd, slurm-client)"));
+            return Err(Missing(format!(
+                "no {name} (Debian: munge, slurmctld, slurmd, slurm-client)"
+            )));
         }
     }
     if !rustix::process::geteuid().is_root() {

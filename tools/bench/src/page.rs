@@ -3,14 +3,13 @@
 
 use super::WAKE_UPS;
 use super::goals::{Goal, Verdict};
-use super::results::{ChainRow, DeadlineRow, PairedRow, Passing, Report, TransportRow};
-use super::table::{interval, ratio};
+use super::results::{PairedRow, Report};
+use super::table::{self, interval};
 use crate::in_words;
-use report::chart::{Axis, Bands, Mark, Plot, Row, Span, Stroke, Tone, number};
-use report::html::{Cell, Column, document, figure, section, table};
-use report::print::{self, duration};
+use report::chart::{Axis, Bands, Mark, Plot, Row, Span, Stroke, Tone};
+use report::html::{document, figure, section, text_table};
 use report::{Distribution, distributions};
-use runtime::statistics::{Latencies, Percentiles};
+use runtime::statistics::Latencies;
 
 /// Drawn figures of a chain, the floor last: name in tags, name for readers.
 const CHAIN: [(&str, &str); 6] = [
@@ -57,18 +56,18 @@ pub fn page(report: &Report, histograms: &[(String, Latencies)]) -> String {
         section("Loops on this machine", &wake_ups(report, histograms)),
         refused,
         not_compared,
-        section("Goals", &(goals(report) + &gap() + &intervals(report))),
+        section("Goals", &(text_table(&table::goals(report)) + &gap() + &intervals(report))),
         section(
             "Comparisons in alternating blocks",
             &(peers(report) + &comparisons(report, histograms)),
         ),
         section("Waking", &pictures(histograms, "Waking", &WAYS)),
-        section("Publish, wake, read", &hand_overs(&report.transport_us)),
+        section("Publish, wake, read", &text_table(&table::transport(report))),
         section(
             "The chain",
-            &(chains(&report.chain) + &gap() + &pictures(histograms, "Chain", &CHAIN)),
+            &(text_table(&table::chains(report)) + &gap() + &pictures(histograms, "Chain", &CHAIN)),
         ),
-        section("Deadlines", &deadlines(&report.deadlines)),
+        section("Deadlines", &text_table(&table::deadlines(report))),
     ]
     .concat();
     document("Benchmark", &about, missed == 0, &verdict, &body)
@@ -91,41 +90,6 @@ fn wake_ups(report: &Report, histograms: &[(String, Latencies)]) -> String {
 
 fn gap() -> String {
     "<div class=\"gap\"></div>\n".to_owned()
-}
-
-fn goals(report: &Report) -> String {
-    let rows: Vec<_> = (report.goals.iter())
-        .map(|goal| {
-            let verdict = goal.verdict.name().to_owned();
-            vec![
-                Cell::Plain(goal.name.clone()),
-                Cell::Plain(goal.placement.name().replace('_', " ")),
-                Cell::Plain(format!("{} {}", number(goal.ours, 1), goal.unit)),
-                Cell::Plain(format!("{} {}", number(goal.floor, 1), goal.unit)),
-                Cell::Plain(ratio(goal.ratio)),
-                Cell::Plain(interval(goal.ci95)),
-                Cell::Plain(number(goal.limit, 2)),
-                Cell::Plain(goal.n.to_string()),
-                match goal.verdict {
-                    Verdict::Met => Cell::Good(verdict),
-                    Verdict::Missed => Cell::Bad(verdict),
-                    Verdict::Undecided => Cell::Plain(verdict),
-                },
-            ]
-        })
-        .collect();
-    let head = [
-        ("goal", Column::Text),
-        ("placement", Column::MoreText),
-        ("ours", Column::MoreNumber),
-        ("floor", Column::MoreNumber),
-        ("ratio", Column::Number),
-        ("95 % interval", Column::Number),
-        ("limit", Column::Number),
-        ("samples", Column::MoreNumber),
-        ("verdict", Column::Text),
-    ];
-    table(&head, &rows)
 }
 
 /// Least end of the intervals' axis, and its largest, as a ratio over the limit.
@@ -272,100 +236,6 @@ fn conditions_in_words(tag: &str) -> String {
         Some(format!("{conditions}, every {} ms", us / 1e3))
     });
     period.unwrap_or(words)
-}
-
-/// A figure of a distribution; a dash where the samples do not carry it.
-fn us(p: Option<Percentiles>, of: fn(&Percentiles) -> Option<f64>) -> String {
-    p.as_ref().and_then(of).map_or_else(|| "–".to_owned(), duration)
-}
-
-/// Bytes copied and time for each size.
-fn hand_overs(rows: &[TransportRow]) -> String {
-    let cells: Vec<_> = (rows.iter())
-        .map(|row| {
-            let what = match row.passing {
-                Passing::Message => "message of the services",
-                Passing::Bare => "bytes that neither end touches",
-                Passing::Protected => "written, protected and checked in place",
-            };
-            vec![
-                in_words(&row.conditions).replace('_', " "),
-                what.to_owned(),
-                row.bytes.to_string(),
-                row.copied_bytes.map_or_else(|| "–".into(), |bytes| number(bytes, 0)),
-                us(row.us, |p| Some(p.p50)),
-                us(row.us, print::p99),
-                row.us.map_or_else(|| "–".into(), |p| p.count.to_string()),
-            ]
-        })
-        .collect();
-    let head = [
-        ("conditions", Column::MoreText),
-        ("what", Column::Text),
-        ("size, bytes", Column::Number),
-        ("copied, bytes", Column::Number),
-        ("p50", Column::Number),
-        ("p99", Column::MoreNumber),
-        ("samples", Column::MoreNumber),
-    ];
-    table(&head, &cells)
-}
-
-fn chains(rows: &[ChainRow]) -> String {
-    let cells: Vec<_> = (rows.iter())
-        .map(|row| {
-            let factor = row.net_reaction_us.zip(row.floor_sum_us);
-            vec![
-                in_words(&row.conditions).replace('_', " "),
-                duration(row.period_us.into()),
-                us(row.reaction_time_us, |p| Some(p.p50)),
-                us(row.net_reaction_us, |p| Some(p.p50)),
-                us(row.net_reaction_us, print::p99),
-                us(row.net_reaction_us, |p| Some(p.max)),
-                row.floor_sum_us.map_or_else(|| "–".into(), duration),
-                factor.map_or_else(|| "–".into(), |(net, floor)| number(net.p50 / floor, 2)),
-                row.net_reaction_us.map_or_else(|| "–".into(), |p| p.count.to_string()),
-            ]
-        })
-        .collect();
-    let head = [
-        ("conditions", Column::Text),
-        ("period", Column::Number),
-        ("reaction p50", Column::MoreNumber),
-        ("net p50", Column::Number),
-        ("net p99", Column::MoreNumber),
-        ("net max", Column::MoreNumber),
-        ("floors' sum", Column::MoreNumber),
-        ("factor", Column::Number),
-        ("samples", Column::MoreNumber),
-    ];
-    table(&head, &cells)
-}
-
-fn deadlines(rows: &[DeadlineRow]) -> String {
-    let count =
-        |value: Option<u64>| value.map_or_else(|| "–".to_owned(), |value| value.to_string());
-    let cells: Vec<_> = (rows.iter())
-        .map(|row| {
-            vec![
-                in_words(&row.conditions).replace('_', " "),
-                duration(row.period_us.into()),
-                count(row.misses),
-                count(row.cycles),
-                count(row.floor_misses),
-                count(row.floor_cycles),
-            ]
-        })
-        .collect();
-    let head = [
-        ("conditions", Column::Text),
-        ("period", Column::Number),
-        ("missed", Column::Number),
-        ("of cycles", Column::MoreNumber),
-        ("by a process that sleeps and computes", Column::Number),
-        ("of its cycles", Column::MoreNumber),
-    ];
-    table(&head, &cells)
 }
 
 #[cfg(test)]

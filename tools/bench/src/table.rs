@@ -64,11 +64,14 @@ pub fn report(report: &Report) -> String {
         line(&mut text, &format!("not compared: {missing}"));
     }
     floor(report, &mut text);
-    transport(report, &mut text);
-    chains(report, &mut text);
-    deadlines(report, &mut text);
+    add(&mut text, &transport(report));
+    add(&mut text, &chains(report));
+    add(&mut text, &deadlines(report));
     comparisons(report, &mut text);
-    goals(report, &mut text);
+    if !report.goals.is_empty() {
+        add(&mut text, &goals(report));
+        verdict(report, &mut text);
+    }
     text
 }
 
@@ -88,7 +91,8 @@ fn floor(report: &Report, text: &mut String) {
     add(text, &table);
 }
 
-fn transport(report: &Report, text: &mut String) {
+/// Bytes copied and time for each size.
+pub fn transport(report: &Report) -> TextTable {
     let columns = ["copied, B", "p50", "p99", "max", "n", "over futex"];
     let mut table = figures("publish, wake, read, µs", &columns);
     for row in &report.transport_us {
@@ -110,10 +114,11 @@ fn transport(report: &Report, text: &mut String) {
         );
         table.row([what, copied].into_iter().chain(percentiles(row.us)).chain([ratio]));
     }
-    add(text, &table);
+    table
 }
 
-fn chains(report: &Report, text: &mut String) {
+/// Reaction times of the chain.
+pub fn chains(report: &Report) -> TextTable {
     let columns = ["reaction", "waits", "net p50", "net p99", "floors", "n"];
     let mut table = figures("radar to actuation, µs", &columns);
     for row in &report.chain {
@@ -129,10 +134,11 @@ fn chains(report: &Report, text: &mut String) {
         ];
         table.row(std::iter::once(what).chain(cells));
     }
-    add(text, &table);
+    table
 }
 
-fn deadlines(report: &Report, text: &mut String) {
+/// Missed deadlines.
+pub fn deadlines(report: &Report) -> TextTable {
     let columns = ["cycles", "misses", "per million", "floor", "per million"];
     let mut table = figures(
         "deadlines missed by the controller, and by a process that sleeps and computes for as long as the law",
@@ -150,7 +156,7 @@ fn deadlines(report: &Report, text: &mut String) {
         ];
         table.row(std::iter::once(what).chain(cells));
     }
-    add(text, &table);
+    table
 }
 
 fn comparisons(report: &Report, text: &mut String) {
@@ -171,10 +177,8 @@ fn comparisons(report: &Report, text: &mut String) {
     add(text, &table);
 }
 
-fn goals(report: &Report, text: &mut String) {
-    if report.goals.is_empty() {
-        return;
-    }
+/// The goals.
+pub fn goals(report: &Report) -> TextTable {
     let columns = ["ours", "floor", "ratio", "95 %", "limit", "n", "verdict"];
     let mut table = figures("goals, as ratios with their 95 % intervals", &columns);
     for goal in &report.goals {
@@ -189,7 +193,10 @@ fn goals(report: &Report, text: &mut String) {
             goal.verdict.name().to_owned(),
         ]);
     }
-    add(text, &table);
+    table
+}
+
+fn verdict(report: &Report, text: &mut String) {
     let count = |verdict| report.goals.iter().filter(|goal| goal.verdict == verdict).count();
     let [met, missed, undecided] = [Verdict::Met, Verdict::Missed, Verdict::Undecided].map(count);
     let caveats = match report.caveats.as_slice() {

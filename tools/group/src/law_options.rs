@@ -59,7 +59,7 @@ pub enum LawError {
     #[error("`{0}` is a law of timegap's own, expected another name")]
     Taken(String),
     /// The command is empty, or its quotes do not close.
-    #[error("`{0}` is no command, expected words as in a shell")]
+    #[error("`{0}` is not a command, expected words as in a shell")]
     Command(String),
 }
 
@@ -203,9 +203,9 @@ mod tests {
             ("a b=./law", "is not a name"),
             ("=./law", "is not a name"),
             ("six-mode=./law", "a law of timegap's own"),
-            ("a=", "is no command"),
-            ("a='./law", "is no command"),
-            ("a=library:", "is no command"),
+            ("a=", "is not a command"),
+            ("a='./law", "is not a command"),
+            ("a=library:", "is not a command"),
         ] {
             let said = law(argument).expect_err(argument).to_string();
             assert!(said.contains(what) && said.contains("expected"), "{said}");

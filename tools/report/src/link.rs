@@ -25,7 +25,7 @@ pub(crate) fn lines(summary: &Summary) -> Vec<(&'static str, String)> {
         let LinkReport { before_start, dropped, malformed, .. } = link;
         let text = format!(
             "not used: {before_start} from before the start, {dropped} for which the queue was full, \
-             {malformed} that are no frames"
+             {malformed} that are not frames"
         );
         lines.push(("", text));
     }

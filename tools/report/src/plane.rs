@@ -209,7 +209,7 @@ impl Frame {
     fn of(scene: &PlaneScene, step: &DriveStep, scan: Option<&JudgedScan>) -> Self {
         let (tone, whose) = match scan {
             Some(scan) if scan.is_neighbour_taken() => ("clear", "a neighbour is the target"),
-            Some(scan) if scan.is_nothing_taken() => ("t3", "the target is no vehicle"),
+            Some(scan) if scan.is_nothing_taken() => ("t3", "the target is not a vehicle"),
             Some(scan) if scan.is_lead_lost() => ("stop", "the lead is lost"),
             Some(JudgedScan { owner: Some(Owner::Vehicle(_)), .. }) => {
                 ("go", "the vehicle ahead is the target")

@@ -43,6 +43,16 @@ impl TextTable {
         self.rows.push(row);
     }
 
+    /// The headings, with the side on which the cells are flush.
+    pub fn head(&self) -> &[(String, Align)] {
+        &self.head
+    }
+
+    /// The rows.
+    pub fn rows(&self) -> &[Vec<String>] {
+        &self.rows
+    }
+
     /// The table as lines, indented by two spaces and ended by a line break.
     pub fn text(&self) -> String {
         let empty = |cell: &str| cell.is_empty() || cell == NONE;

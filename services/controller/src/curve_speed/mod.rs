@@ -54,7 +54,7 @@ const LEAD_S: f64 = 2.0;
 /// Total acceleration, m/s², at these speeds, m/s.
 const TOTAL_MPS2: (f64, f64) = (1.7, 3.2);
 const TOTAL_MPS: (f64, f64) = (20.0, 40.0);
-/// Lateral acceleration from which the total one is bounded, m/s². Chosen: less is no curve for a passenger.
+/// Lateral acceleration from which the total one is bounded, m/s². Chosen: less is not a curve for a passenger.
 const LATERAL_MPS2: f64 = 1.0;
 /// Change of that bound, m/s³: the least jerk limit of ISO 15622.
 const BOUND_MPS3: f64 = 2.5;

@@ -15,7 +15,7 @@
 //! brakes, the request is then the full braking; behind one that does not, the gap is opened comfortably, the
 //! more firmly the more is missing.
 //!
-//! A worst case is no reason for hard braking while gentle braking is enough for what the lead does. Let `e` be the
+//! A worst case is not a reason for hard braking while gentle braking is enough for what the lead does. Let `e` be the
 //! smallest constant braking that keeps `gap_min`, or most of a gap that is already smaller. Meanwhile the lead goes on
 //! as it does, and may add to its braking. While `e` is at most 1.5 m/s², no request is below the comfortable one or
 //! `-2 e`, whichever is harder:

@@ -1,7 +1,7 @@
 //! The lead since it was last seen.
 //!
 //! A lead can be lost in two ways. No track arrives at all, or tracks arrive and the lead's is not among them. A lead
-//! that left the lane is no lost lead: its track is still in the list, outside the path.
+//! that left the lane is not a lost lead: its track is still in the list, outside the path.
 //!
 //! A lost lead is assumed to go on as it did. It keeps its speed, or brakes as hard as it braked:
 //!

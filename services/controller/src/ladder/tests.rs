@@ -70,7 +70,7 @@ fn a_blind_radar_is_predicted_then_braked_for_and_trusted_again_after_five_sampl
         drive.release([true, false, true]);
         levels.push(drive.level());
     }
-    assert_eq!(levels[0], Level::Full, "one sample late is no loss");
+    assert_eq!(levels[0], Level::Full, "one sample late is not a loss");
     assert_eq!(levels[3], Level::LeadPredicted);
     assert_eq!((levels[20], levels[29]), (Level::LeadPredicted, Level::LeadLost));
     let back: Vec<Admission> = (0..6).map(|_| drive.release(ALL).0).collect();

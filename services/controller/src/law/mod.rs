@@ -48,7 +48,7 @@ pub use reader::Reader;
 ///             0.2 * (target.gap_m - 5.0 - 2.0 * speed_mps) + 0.7 * target.relative_speed_mps
 ///         });
 ///         let (least, most) = self.request_bounds_mps2();
-///         // `max` and `min` of a request that is no number are the bound: never NaN.
+///         // `max` and `min` of a request that is not a number are the bound: never NaN.
 ///         output.set_request(free_mps2.min(follow_mps2).max(least).min(most));
 ///     }
 ///

@@ -85,7 +85,7 @@ impl Output {
         }
     }
 
-    /// Makes every figure finite: what is no number is 0, what is beyond all numbers the largest one.
+    /// Makes every figure finite: what is not a number is 0, what is beyond all numbers the largest one.
     pub fn bound_figures(&mut self) {
         for figure in &mut self.figures {
             *figure = if figure.is_nan() { 0.0 } else { figure.clamp(f64::MIN, f64::MAX) };

@@ -116,7 +116,7 @@ fn an_overdue_green_is_shown_with_a_yellow_that_is_long_enough_alone() {
 fn around_a_switch_the_phase_before_and_the_one_after_agree() {
     let first = spat(5.0, &[signal(1, &[(RED, 20.0), (GREEN, 30.0), (RED, 50.0)])]);
     let at = |now_s: f64, phases: &[(u32, f64)]| last(&[first, spat(now_s, &[signal(1, phases)])]);
-    // 0.35 s before and after the switch the other phase is no refutation: its end is compared.
+    // 0.35 s before and after the switch the other phase is not a refutation: its end is compared.
     assert!(at(20.3, &[(RED, 20.25), (GREEN, 30.3)]).1, "0.25 s late and still red");
     assert!(at(19.7, &[(GREEN, 28.0), (RED, 50.0)]).1, "early green that ends early");
     assert!(!at(19.7, &[(GREEN, 30.1), (RED, 50.0)]).1);

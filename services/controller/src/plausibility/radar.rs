@@ -211,7 +211,7 @@ impl Radar {
             self.correct(now, differs_m, time_s, findings);
         }
         let bound_m = LIMITS.sum_m + LIMITS.sum_share * now.range_m.abs();
-        // A single jump is no motion: it counts with half the bound at most, and its way back takes that away again.
+        // A single jump is not a motion: it counts with half the bound at most, and its way back takes that away again.
         let counted_m = differs_m.clamp(-0.5 * bound_m, 0.5 * bound_m);
         let sum_m = if last.scans >= LIMITS.settled {
             (last.sum_m * libm::exp(-elapsed_s / LIMITS.sum_s) + counted_m)

@@ -12,12 +12,12 @@
 //! A lead is lost while no track on it is in the path. A neighbour is taken while a track on it is in the path. Both
 //! count from 8 s on. "Unseen" is the share of time in which the lead has no track at all, so that no selection helps.
 //! `ROW` is a part of a row's name; a number is one of `CourseNumbers` or the tracker's `Numbers`. The third table is a
-//! straight road: what the radar's imperfections alone cost. `effects` halves and doubles each number of the course, and
-//! those of the tracker that `NUMBERS` lists.
+//! straight road: what the radar's imperfections alone cost. `effects` halves and doubles each number of the course, or
+//! those of course and tracker that `NUMBERS` lists.
 
 use bytemuck::Zeroable;
 use messages::{Detection, MAX_DETECTIONS};
-use parameters::effect::{Figure, effects, line};
+use parameters::effect::{Figure, line};
 use parameters::{Row, Table};
 use perception_sim::perception::Perception;
 use perception_sim::random::Random;
@@ -248,7 +248,7 @@ impl Roads {
     }
 }
 
-/// Figures by which the effect of a number is judged, over both kinds of roads with curves and three gaps.
+/// Figures by which the effect of a number is judged, over both kinds of roads with curves and two gaps.
 static FIGURES: [Figure; 5] = [
     Figure::percent("lead lost", "% of the time", 10.0),
     Figure::percent("neighbour taken", "% of the time", 10.0),
@@ -266,7 +266,7 @@ fn figures(
     for (_, sources) in &ROWS[3..] {
         let (mut scans, mut lost, mut taken, mut squares, mut seen) = (0.0, 0.0, 0.0, 0.0, 0.0);
         for kind in &ROADS[..2] {
-            for gap_m in [40.0, 60.0, 80.0] {
+            for gap_m in [60.0, 100.0] {
                 let roads = Roads { kind: *kind, count, kilometres };
                 let sums = roads.drive(*sources, numbers, gap_m, detections);
                 scans += sums.scans;
@@ -284,17 +284,25 @@ fn figures(
     found
 }
 
-/// Prints the effect of each number of the course, and of the tracker's numbers that `ROW` names.
-fn print_effects(course: CourseNumbers, tracker: Numbers, roads: (u64, f64), of_tracker: &str) {
+/// Prints the effect of each number that `names` lists, or of all numbers of the course.
+fn print_effects(course: CourseNumbers, tracker: Numbers, roads: (u64, f64), names: Option<&str>) {
     let mut detections = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
     let base = figures((&course, &tracker), roads, &mut detections);
     for (figure, value) in FIGURES.iter().zip(&base) {
         println!("{}", figure.text(*value));
     }
-    let measure = |course: &CourseNumbers| figures((course, &tracker), roads, &mut detections);
-    effects(&course, &FIGURES, &base, measure).for_each(|line| println!("{line}"));
+    let is_asked = |name: &str| names.is_some_and(|names| names.split(',').any(|n| n == name));
+    for (row, Row { name, .. }) in CourseNumbers::ROWS.iter().enumerate() {
+        if names.is_none() || is_asked(name) {
+            let tried = [0.5, 2.0].map(|factor| {
+                let course = course.scaled(row, factor);
+                (course.value(row), figures((&course, &tracker), roads, &mut detections))
+            });
+            println!("{}", line(name, &FIGURES, &base, &tried));
+        }
+    }
     for (row, Row { name, .. }) in Numbers::ROWS.iter().enumerate() {
-        if of_tracker.split(',').any(|asked| asked == *name) {
+        if is_asked(name) {
             let tried = [0.5, 2.0].map(|factor| {
                 let tracker = tracker.scaled(row, factor);
                 (tracker.value(row), figures((&course, &tracker), roads, &mut detections))
@@ -311,7 +319,7 @@ fn main() {
     for change in &changes {
         let (name, value) = change.split_once('=').expect("it has one");
         let is_known = set(&mut course, name, value) | set(&mut tracker, name, value);
-        assert!(is_known, "`{name}` is no number of course or tracker");
+        assert!(is_known, "`{name}` is not a number of course or tracker");
     }
     let of_effects = words.first().is_some_and(|word| word == "effects");
     words.drain(..usize::from(of_effects));
@@ -319,8 +327,8 @@ fn main() {
     let kilometres = words.get(1).map_or(5.0, |word| number(word));
     let only = words.get(2);
     if of_effects {
-        let of_tracker = only.map_or("", String::as_str);
-        print_effects(course, tracker, (count, kilometres), of_tracker);
+        let names = only.map(String::as_str);
+        print_effects(course, tracker, (count, kilometres), names);
         return;
     }
     let mut detections = Box::new([Detection::zeroed(); MAX_DETECTIONS]);

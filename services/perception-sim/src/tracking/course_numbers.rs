@@ -48,7 +48,7 @@ parameters! {
         post_reach_m: f64 = 2.0, "m", 0.5..=6.0, "Chosen: the strip's half and an error.";
         /// The same with three standard deviations of the course, up to which an object counts.
         post_reach_most_m: f64 = 8.0, "m", 1.0..=10.0, "Chosen: less than half of the distance between the edges, so that an object is not taken for one of the other side.";
-        /// Cross section from which an object is no post.
+        /// Cross section from which an object is not a post.
         post_area_m2: f64 = 2.0, "m²", 0.1..=100.0, "Chosen: a post has 1 m² in the mean, and one of seven echoes is stronger. The rear of a car has 6 m², and four of five echoes are. At 100 time without the lead +590 % (roads 1 to 8 of `campaign curves`, with 5 m for the number above).";
         /// Distance from the course beyond which a standing object may be of the edge.
         edge_from_m: f64 = 5.0, "m", 3.0..=8.0, "Chosen: the next lane is nearer.";

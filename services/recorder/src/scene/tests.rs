@@ -92,5 +92,5 @@ fn a_curved_road_has_a_strip_for_each_line_of_its_lanes() {
     assert_eq!(lanes.len(), 4, "three lanes");
     let nowhere = EgoPose { x_m: f64::NAN, ..pose };
     let mut scene = self::scene(CURVED, Some(nowhere));
-    assert!(scene.drawn().is_empty(), "a pose that is no number is not drawn");
+    assert!(scene.drawn().is_empty(), "a pose that is not a number is not drawn");
 }

@@ -1,8 +1,8 @@
 //! Counts and histograms of a service that go on over all its processes.
 //!
 //! A process that is killed cannot report, and percentiles of two processes cannot be added. So the processes of a
-//! service record in one file, one after the other, and nowhere else: whatever ends a process, at most the cycle that was
-//! running is missing. A standby records nothing until it takes over.
+//! service record in one file, one after the other, and nowhere else. When a process ends in any way, at most its
+//! running cycle is missing. A standby records nothing until it takes over.
 //!
 //! A name is a hash, 0 for a free place. It takes its place by compare-and-swap, because the active process and its
 //! standby open the file at the same time. A histogram gets memory when it is opened.
@@ -94,7 +94,7 @@ impl Kept {
     }
 }
 
-/// Never 0, which is no name.
+/// Never 0, which is not a name.
 fn hash(name: &str) -> u32 {
     xxh3_64(name.as_bytes()) as u32 | 1
 }

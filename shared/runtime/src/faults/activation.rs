@@ -1,4 +1,4 @@
-//! Which fault acts on which message, and how often it did.
+//! Choice of the faults that act on a message, and their counts.
 
 use messages::{Drive, Service, TOPICS, Topic};
 use scenario::Scenario;

@@ -35,9 +35,8 @@ impl Pause {
     /// If the caller is not the task that this belongs to.
     pub(crate) fn wait(&self) {
         let yielder = self.0.take().expect("only a running task waits");
-        // SAFETY: `Task::new` put the yielder there when the task began and takes it away before it
-        // ends; a wait takes it for as long as the task does not run. So this is the running task's,
-        // on its own stack.
+        // SAFETY: `Task::new` put the yielder there when the task began and takes it away before it ends. A wait takes
+        // it for the time in which the task does not run. So this is the running task's, on its own stack.
         unsafe { yielder.as_ref() }.suspend(());
         self.0.set(Some(yielder));
     }

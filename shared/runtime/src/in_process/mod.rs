@@ -205,8 +205,8 @@ impl InProcess {
     /// Gives every service a turn and hands what they say to `said`, a failure included. False when
     /// all have ended.
     ///
-    /// Call it again only after all listeners and taps have taken their messages: when a whole round
-    /// moves none, the services wait for each other for ever, and receive an error.
+    /// Call it again only after all listeners and taps have taken their messages. When a whole round moves no message,
+    /// the services wait for each other for ever, and receive an error.
     pub fn take_turns(&mut self, said: &mut dyn FnMut(Service, FromService)) -> bool {
         let before = self.bus.moved();
         let (mut alive, mut changed) = (false, false);

@@ -1,10 +1,10 @@
 //! Work beside a loop that takes longer than a cycle may, in a thread that is not real-time.
 //!
-//! A loop asks at a release. The answer takes effect a fixed time later, at the release that is due then: in
-//! lockstep that release waits for it, so that the same run gives the same bytes. In realtime it takes an answer
-//! that is there; a missing one is late. The thread holds the two locks of the handover for a copy.
-//! The loop only ever *tries* them, and allocates nothing. If all services share one thread, the work is
-//! done when it is asked for: its time does not count there.
+//! A loop asks at a release. The answer takes effect a fixed time later, at the release that is due then. In lockstep
+//! that release waits for it, so that the same run gives the same bytes. In realtime it takes an answer that is there;
+//! a missing one is late. The thread holds the two locks of the handover for a copy. The loop only ever *tries* them,
+//! and allocates nothing. If all services share one thread, the work is done when it is asked for: its time does not
+//! count there.
 
 use crate::counts::statistics::{Latencies, Percentiles};
 use crate::{Carrier, Count, Mode, Release, Runtime, RuntimeError, monotonic_ns};
@@ -71,7 +71,7 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
     /// must not inherit the loop's place on a core. Answers take effect `delay_ns` after the question.
     ///
     /// # Errors
-    /// [`RuntimeError::Setup`] when there can be no thread.
+    /// [`RuntimeError::Setup`] when no thread can be made.
     pub fn start(
         runtime: &Runtime,
         name: &str,

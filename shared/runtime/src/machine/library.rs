@@ -22,7 +22,7 @@ type Create = unsafe extern "C" fn() -> *mut c_void;
 type Step = unsafe extern "C" fn(*mut c_void, *const LawInput, *mut LawAnswer);
 type Destroy = unsafe extern "C" fn(*mut c_void);
 
-/// Reasons why a file is no law.
+/// Reasons why a file is not a law.
 #[derive(Debug, thiserror::Error)]
 #[error("{}, expected {}", self.message(), self.expected())]
 pub enum LibraryError {

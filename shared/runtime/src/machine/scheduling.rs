@@ -152,9 +152,8 @@ pub fn give_up_priority() {
     let _ = set_policy(libc::SCHED_OTHER, 0);
 }
 
-/// Lends process `pid`, which computes for a service, a share of the services' scheduling: their core, and
-/// a priority below them all, so that it delays none of them whatever it does. Settings that the machine
-/// does not grant are not lent.
+/// Lends process `pid`, which computes for a service, a share of the services' scheduling: their core, and a priority
+/// below them all. So it never delays a service. Settings that the machine does not grant are not lent.
 pub fn lend_to(pid: u32, scenario: &Scenario, service: Service) {
     let Ok(raw) = i32::try_from(pid) else { return };
     let request = Request::of(scenario, service);

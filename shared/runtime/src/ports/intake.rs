@@ -85,7 +85,7 @@ impl<T: Message> Wire<T> {
             }
             let mut tally = self.tally.borrow_mut();
             if let Some(last) = self.last.get_mut(source as usize) {
-                // A new incarnation counts from 1 again; the first sample of a late joiner is no loss.
+                // A new incarnation counts from 1 again; the first sample of a late joiner is not a loss.
                 if last.0 == incarnation && last.1 > 0 {
                     tally.lost += sequence.saturating_sub(last.1 + 1);
                 }

@@ -1,10 +1,9 @@
 //! Members of the group: which process is which restart of which service, and which processes only
 //! listen.
 //!
-//! The launcher writes down every process that it starts, and itself. A consumer looks a sender up at
-//! its first message; in lockstep a sender looks a listener up before it waits for it. A process of the
-//! same user that opens a topic on its own is not one of them: its messages are not used, and a sender does
-//! not wait for it.
+//! The launcher writes down every process that it starts, and itself. A consumer looks a sender up at its first
+//! message; in lockstep a sender looks a listener up before it waits for it. A process of the same user that opens a
+//! topic on its own is not a member. Its messages are not used, and no sender waits for it.
 
 use crate::RuntimeError;
 use messages::Service;

@@ -1,8 +1,8 @@
 //! A recorded run's releases: when a service began each cycle, and with which samples.
 //!
-//! A service that finds a schedule in the run's root takes its releases and its inputs from there alone: no
-//! clock, no arrival time of samples, and no end-to-end check has a part. That check acted when the run was
-//! recorded. So a cycle sees again exactly what it saw then.
+//! A service that finds a schedule in the run's root takes its releases and its inputs from there alone. Clock, arrival
+//! times of samples and end-to-end checks play no part. That check acted when the run was recorded. So a cycle sees
+//! again exactly what it saw then.
 
 use crate::RuntimeError;
 use bytemuck::{Pod, Zeroable};

@@ -1,4 +1,4 @@
-//! Which service is due in which step.
+//! Services that are due in a step.
 
 use messages::{Pace, Service, Topic};
 use scenario::Scenario;

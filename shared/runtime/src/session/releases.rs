@@ -90,7 +90,7 @@ impl Runtime {
     /// Connects to processes that joined since the last time, and takes in new faults.
     fn look_around(&self) {
         if self.life.link.joined.swap(false, Ordering::Relaxed) {
-            // A peer that died again at once is no error: the next message tries anew.
+            // A peer that died again at once is not an error: the next message tries anew.
             let _ = self.ports.connect();
         }
         self.injection.faults.refresh();

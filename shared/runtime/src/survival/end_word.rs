@@ -1,9 +1,9 @@
 //! A word in shared memory that the kernel marks as soon as a process begins to end.
 //!
-//! A pidfd shows an end when the kernel has given back the process's memory: 1.4 ms after a SIGKILL where
-//! 160 MB are locked. The kernel walks a thread's list of robust futexes before that (set_robust_list(2)): it
-//! sets a bit in each word that holds the thread's id, and wakes one who waits for it. A thread that does
-//! nothing else keeps one such word for its process, and ends with it alone.
+//! A pidfd shows an end when the kernel has given back the process's memory: 1.4 ms after a SIGKILL where 160 MB are
+//! locked. The kernel walks a thread's list of robust futexes before that (set_robust_list(2)). It sets a bit in each
+//! word that holds the thread's id, and wakes a waiter. A thread that does nothing else keeps one such word for its
+//! process, and ends with it alone.
 
 #![allow(unsafe_code, reason = "no crate registers a robust futex that is not a mutex")]
 
@@ -112,7 +112,7 @@ pub(crate) fn wait(page: &SharedWords, service: Service, incarnation: u32) -> bo
         if owner == 0 || owner & OWNER_DIED != 0 {
             return owner != 0;
         }
-        // Whatever ends the wait, the word is looked at again.
+        // The word is read again after every wait.
         let _ = futex::wait(word, futex::Flags::empty(), owner, None);
     }
 }

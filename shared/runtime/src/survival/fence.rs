@@ -1,4 +1,4 @@
-//! Which process may speak for a service: one word in shared memory, its epoch.
+//! The process that may speak for a service: one word in shared memory, its epoch.
 //!
 //! The word holds the incarnation of the one process of a service whose messages count. A standby takes the
 //! service over by a compare-and-swap from the present epoch to its own, a later one:

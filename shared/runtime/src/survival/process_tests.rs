@@ -60,7 +60,7 @@ fn wait_until(mut is_so: impl FnMut() -> bool) -> bool {
     true
 }
 
-/// How often those who wait for the topics that can release a loop were woken.
+/// Number of wake-ups of the waiters on the topics that can release a loop.
 fn woken(run: &Run) -> [String; 3] {
     let words = WakeWords::map(&run.0.prefix).expect("shared memory");
     [Topic::RadarTracks, Topic::RadarDetections, Topic::Odometry]

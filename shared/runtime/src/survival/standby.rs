@@ -31,7 +31,7 @@ use std::time::Duration;
 /// The process that a standby stands by for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ActiveProcess {
-    /// Which process of the service it is.
+    /// Index of the process in its service.
     pub incarnation: u32,
     /// Its process id.
     pub pid: i32,
@@ -214,7 +214,7 @@ impl Standby {
     /// Waits for the take-over, at most for `timeout`; a signal ends the wait early.
     pub(crate) fn wait(&self, timeout: Duration) {
         if let Ok(timeout) = timeout.try_into() {
-            // Whatever ends the wait, the caller looks at the time and at the state.
+            // The caller looks at the time and at the state after every wait.
             let (word, private) = (&self.order.state, futex::Flags::PRIVATE);
             let _ = futex::wait(word, private, STANDING_BY, Some(&timeout));
         }

@@ -18,7 +18,7 @@ pub enum TransportError {
         #[source]
         reason: io::Error,
     },
-    /// The run's root is no path for iceoryx2.
+    /// The run's root is not a path for iceoryx2.
     #[error("the path is not UTF-8")]
     Path,
     /// The ids of iceoryx2's ports do not name their process.
@@ -34,7 +34,7 @@ pub enum TransportError {
     #[error("a message of another carrier")]
     OtherCarrier,
     /// Bytes are played that no message of the topic has.
-    #[error("{0} bytes are no such message")]
+    #[error("{0} bytes are not such a message")]
     Length(usize),
 }
 

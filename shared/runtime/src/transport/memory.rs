@@ -128,8 +128,8 @@ impl Seat {
 
 /// The turns of one service in a run in one process.
 ///
-/// Code of the service that needs something from the run's caller leaves word for it and waits for a turn:
-/// the caller looks between two calls of [`InProcess::take_turns`](crate::InProcess::take_turns).
+/// Code of a service that needs something from the run's caller leaves a note for it and waits for a turn. The caller
+/// looks between two calls of [`InProcess::take_turns`](crate::InProcess::take_turns).
 #[derive(Clone, Debug)]
 pub struct Turns {
     pause: Pause,
@@ -142,7 +142,7 @@ impl Turns {
     /// # Panics
     /// If the service whose turns these are does not run.
     pub fn wait(&self) {
-        // The caller answers between the rounds: the round is no standstill.
+        // The caller answers between the rounds: the round is not a standstill.
         self.moved.set(self.moved.get() + 1);
         self.pause.wait();
     }

@@ -65,8 +65,8 @@ impl<T: Message> Sender<T> for iceoryx2::port::publisher::Publisher<Ipc, T, ()> 
     #[expect(unsafe_code, reason = "a message is not written twice to please the type")]
     fn loan(&self) -> Result<Loan<T>, TransportError> {
         let sample = self.loan_uninit().map_err(TransportError::iceoryx2)?;
-        // SAFETY: the payload is a part of a file in memory, mapped by this process: it holds zeros or an
-        // earlier message, and any bytes are a `T`, which is `Pod`.
+        // SAFETY: the payload is a part of a file in memory that this process has mapped. It holds zeros or an earlier
+        // message, and any bytes are a `T`, which is `Pod`.
         Ok(Loan(Place::SharedMemory(unsafe { sample.assume_init() })))
     }
 
@@ -203,7 +203,7 @@ impl SharedMemory {
         Ok(Rc::new(port))
     }
 
-    /// Begins to open an iceoryx2 service that is no topic.
+    /// Begins to open an iceoryx2 service that is not a topic.
     pub(crate) fn service(&self, name: &ServiceName) -> Builder<Ipc> {
         self.node.service_builder(name)
     }

@@ -111,8 +111,8 @@ impl Waiter {
         }
     }
 
-    /// Waits until a sender woke the topic's waiters since `ticket` was taken, at most for
-    /// `timeout`; a signal ends the wait early, and so does another service's wait in this thread.
+    /// Waits until a sender woke the topic's waiters since `ticket` was taken, at most for `timeout`. A signal ends the
+    /// wait early, and so does another service's wait in this thread.
     ///
     /// # Errors
     /// If the system refuses.

@@ -8,7 +8,7 @@ use super::topic::{BiasedField, TopicName};
 use crate::quantity::{Core, Count, DelayMs, Duration, Megabytes, Probability, Shift};
 use crate::schema::Schema;
 
-/// What happens.
+/// Act of the fault.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
     /// To processes, by the launcher's hand.
@@ -52,7 +52,7 @@ kinds! {
             /// Time from the start of each next process to its kill, ms; absent: it is killed as soon as it takes part.
             after_start_ms: Option<DelayMs>,
         }
-        /// A process of the run that is no service is killed (SIGKILL).
+        /// A process of the run that is not a service is killed (SIGKILL).
         KillHelper = "kill-helper", on Target::Helper(*helper) => {
             /// The process that is killed; the recorder only where the run is recorded.
             helper: Helper,
@@ -137,7 +137,7 @@ pub struct ChannelFault {
     pub disturbance: Disturbance,
     /// The topic.
     pub topic: TopicName,
-    /// Which messages.
+    /// Messages that it acts on.
     pub extent: Extent,
 }
 
@@ -146,11 +146,11 @@ pub struct ChannelFault {
 pub struct SenderFault {
     /// The false content.
     pub falsification: Falsification,
-    /// Which messages.
+    /// Messages that it acts on.
     pub extent: Extent,
 }
 
-/// Which messages a fault acts on.
+/// Messages that a fault acts on.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Extent {
     /// Probability of each message to be affected.
@@ -160,7 +160,7 @@ pub struct Extent {
     pub for_s: Option<Duration>,
 }
 
-/// A process of a run that is no service.
+/// A process of a run that is not a service.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Helper {
@@ -192,7 +192,7 @@ impl Helper {
 pub enum Target {
     /// A service: its process, or all its messages.
     Service(Service),
-    /// A process that is no service.
+    /// A process that is not a service.
     Helper(Helper),
     /// A topic's messages.
     Topic(Topic),
@@ -224,7 +224,7 @@ impl Effect {
         own.unwrap_or(Target::Machine)
     }
 
-    /// Which messages it acts on, if it acts on messages.
+    /// Messages that it acts on, if it acts on messages.
     #[must_use]
     pub const fn extent(&self) -> Option<Extent> {
         match self {

@@ -1,8 +1,8 @@
 //! `[[faults]]`: what goes wrong, when, and for how long.
 //!
-//! A kind of fault is one row in `effect.rs`. A fault of a process is carried out by the launcher, one of a channel
-//! between a message's arrival and the receiver's check, one of a sender before the message is protected. `file` reads
-//! a fault's table and writes it.
+//! A kind of fault is one row in `effect.rs`. The launcher carries out a fault of a process. A fault of a channel acts
+//! between a message's arrival and the receiver's check. A fault of a sender acts before the message is protected.
+//! `file` reads a fault's table and writes it.
 //!
 //! ```
 //! use scenario::faults::{self, Kind, Target};
@@ -44,6 +44,6 @@ pub(super) fn taken<'de, D: Deserializer<'de>>(_: D) -> Result<Vec<Fault>, D::Er
 pub struct Fault {
     /// When it begins.
     pub begin: Begin,
-    /// What happens.
+    /// Act of the fault.
     pub effect: Effect,
 }

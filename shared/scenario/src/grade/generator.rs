@@ -1,9 +1,8 @@
 //! Seeded hilly highways, made the way highways are: tangents of constant grade joined by vertical
 //! curves.
 //!
-//! A mean over a window of length `R` of a grade that is constant by pieces is continuous and changes
-//! by at most `2 g_max / R` per metre: the window is the length of the vertical curves, and with it
-//! the curvature is bounded.
+//! Take the mean over a window of length `R` of a grade that is constant by pieces. It is continuous and changes by at
+//! most `2 g_max / R` per metre. The window is the length of the vertical curves, so the curvature is bounded.
 
 use super::profile::{GradeProfile, Point};
 use rand_core::SeedableRng;
@@ -14,7 +13,7 @@ const SPACING_M: f64 = 50.0;
 /// Step in which the grades are averaged, m.
 const FINE_M: f64 = 5.0;
 
-/// How a generated road is laid out.
+/// Recipe of a generated road.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Alignment {
     /// Length, m.

@@ -3,7 +3,7 @@
 /// Steepest grade that is believed, as a fraction: the steepest streets of the world have 0.35,
 /// the steepest motorways 0.1.
 pub const MAX_GRADE: f64 = 0.2;
-/// Longest distance between two points that is believed to be no gap in the data, m.
+/// Longest distance between two points that does not count as a gap in the data, m.
 pub const MAX_SPACING_M: f64 = 500.0;
 /// Most points of a profile.
 pub const MAX_POINTS: usize = 20_000;
@@ -17,7 +17,7 @@ pub struct Point {
     pub height_m: f64,
 }
 
-/// Why points are no profile.
+/// Why points are not a profile.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ProfileError {
     /// A road has two ends.
@@ -72,7 +72,7 @@ impl ProfileError {
         }
     }
 
-    /// What would have been right.
+    /// Expected value.
     #[must_use]
     pub fn expected(&self) -> String {
         match self {
@@ -132,7 +132,7 @@ impl GradeProfile {
         &self.points
     }
 
-    /// Where the profile ends, m; 0 for a level road.
+    /// End of the profile, m; 0 for a level road.
     #[must_use]
     pub fn end_m(&self) -> f64 {
         self.points.last().map_or(0.0, |point| point.distance_m)

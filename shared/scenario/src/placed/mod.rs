@@ -22,7 +22,7 @@ pub(super) struct Placed {
 
 #[derive(Clone, Debug)]
 enum Content {
-    /// Text that is no value: a number of too many digits.
+    /// Text that is not a value: a number of too many digits.
     Unreadable(String),
     Scalar(toml::Value),
     Array(Vec<Placed>),

@@ -120,7 +120,7 @@ fn along(plan: &Plan, axis: &road::Axis) -> Result<(), Problem> {
     if !lines.is_sound() {
         let expected =
             "stations [p_m, right edge, .., left edge] in order, each from right to left";
-        return Err(Problem::new(PATH, "these are no lines of lanes", expected));
+        return Err(Problem::new(PATH, "these are not lines of lanes", expected));
     }
     for station in lines.stations() {
         let p_m = station[0];

@@ -216,7 +216,7 @@ impl Plan {
     /// The pieces as the road's geometry takes them; none for a lane of a file, which has none of its own.
     ///
     /// # Errors
-    /// The place of what is no road.
+    /// The place of what is not a road.
     pub fn geometry(&self) -> Result<Vec<road::Piece>, Problem> {
         if let Some(generated) = &self.generated {
             return generated.geometry();

@@ -63,16 +63,16 @@ pub struct PieceKeys {
     pub turn: Option<Turn>,
 }
 
-/// Keys that are no piece of a road.
+/// Keys that are not a piece of a road.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("these keys are no piece of a road, expected {FORMS}")]
+#[error("these keys are not a piece of a road, expected {FORMS}")]
 pub struct NoPiece;
 
 const FORMS: &str = "{ line_m }, { spiral_m } or { arc_m, radius_m, turn }";
 
 impl Explained for NoPiece {
     fn message(&self) -> String {
-        "these keys are no piece of a road".to_owned()
+        "these keys are not a piece of a road".to_owned()
     }
 
     fn expected(&self) -> String {

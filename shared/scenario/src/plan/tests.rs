@@ -78,8 +78,14 @@ fn what_is_no_road_is_refused_at_its_place() {
         ("[road.plan]\npieces = [{ line_m = nan }]", "4:22: NaN is out of range"),
         ("[road.plan]\npieces = [{ line_m = 9 }, { spiral_m = 9 }]", "4:27: this spiral lacks"),
         ("[road.plan]\npieces = [{ spiral_m = 9 }, { line_m = 9 }]", "4:11: this spiral lacks"),
-        ("[road.plan]\npieces = [{ line_m = 9, spiral_m = 9 }]", "4:11: these keys are no piece"),
-        ("[road.plan]\npieces = [{ arc_m = 50, radius_m = 50 }]", "4:11: these keys are no piece"),
+        (
+            "[road.plan]\npieces = [{ line_m = 9, spiral_m = 9 }]",
+            "4:11: these keys are not a piece",
+        ),
+        (
+            "[road.plan]\npieces = [{ arc_m = 50, radius_m = 50 }]",
+            "4:11: these keys are not a piece",
+        ),
         (
             "[road.plan]\npieces = [{ arc_m = 150, radius_m = 21, turn = \"left\" }]",
             "4:11: the road crosses itself",

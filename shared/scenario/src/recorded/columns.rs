@@ -87,7 +87,7 @@ impl Columns {
             let letter = letter.trim();
             let letters = LETTERS.iter().map(|(letter, _)| *letter);
             let index = letters.clone().position(|known| known == letter).ok_or_else(|| {
-                let message = format!("`{letter}` is no quantity of a motion");
+                let message = format!("`{letter}` is not a quantity of a motion");
                 RecordedError::key("columns", message, accepted(letter, letters))
             })?;
             if found[index].is_some() {
@@ -157,7 +157,7 @@ mod tests {
     fn refusals_name_what_is_known() {
         for (text, message, expected) in [
             ("t=a, v=b:kmh", "unknown unit `kmh` of `b`", "did you mean `km/h`?"),
-            ("t=a, w=b", "`w` is no quantity of a motion", "`lat`"),
+            ("t=a, w=b", "`w` is not a quantity of a motion", "`lat`"),
             ("v=b", "no column of times", "t=NAME"),
             ("t=a, x=b", "does not give one motion", "x=NAME and y=NAME"),
             ("t=a, v=b, s=c", "does not give one motion", "one of"),

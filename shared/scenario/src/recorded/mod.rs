@@ -112,7 +112,7 @@ pub fn read(path: &Path, keys: &CsvFile) -> Result<Record, RecordedError> {
 /// When a key or a row does not fit.
 pub fn read_text(source: &str, text: &str, keys: &CsvFile) -> Result<Record, RecordedError> {
     if keys.topic.is_some() {
-        let message = format!("{source} is no bag and has no topics");
+        let message = format!("{source} is not a bag and has no topics");
         return Err(RecordedError::key("topic", message, "an MCAP file or a ROS bag"));
     }
     let columns = match &keys.columns {
@@ -247,7 +247,7 @@ fn steps(t: &[f64]) -> Vec<f64> {
     steps
 }
 
-/// Longest step that is no gap, s.
+/// Longest step that is not a gap, s.
 fn longest_step_s(steps: &[f64], keys: &CsvFile) -> f64 {
     if let Some(longest) = keys.max_gap_s {
         return longest.value();

@@ -70,7 +70,7 @@ fn rows_of_one_vehicle_are_chosen() {
     assert_eq!(points(text, &of("2")), [(0.0, 9.0), (1.0, 8.0)]);
     let shown = refusal(text, &of("3"));
     assert!(shown.contains("no row of lead.csv has id=3"), "{shown}");
-    // All rows together are no record of one vehicle.
+    // All rows together are not a record of one vehicle.
     assert!(refusal(text, &keys("t=t,v=v")).contains("lead.csv:3:3: times must increase"));
 }
 

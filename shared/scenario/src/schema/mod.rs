@@ -158,7 +158,7 @@ impl Shape {
     }
 }
 
-/// The keys of the table that is read into a `T`; none if it is no table.
+/// The keys of the table that is read into a `T`; none if it is not a table.
 #[must_use]
 pub fn keys_of<T: Schema>() -> Vec<Key> {
     match T::shape() {

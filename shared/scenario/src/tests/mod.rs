@@ -61,7 +61,7 @@ fn one_key_makes_the_controller_fast() {
     assert_eq!(scenario.plant.period_ms.value(), 1);
     assert_eq!(scenario.controller.release, controller::Release::Timer);
     assert_eq!(scenario.controller.prediction_step().value(), 100);
-    // What is written stays, and is refused where it does not fit.
+    // A written value stays, and is refused if it does not fit.
     assert!(open(SHORT, &["controller.period_ms=1", "plant.period_ms=10"]).is_err());
     assert!(open(SHORT, &["controller.period_ms=1", "controller.release=radar"]).is_err());
 }
@@ -128,7 +128,7 @@ fn a_radar_has_one_model() {
     {
         let (found, effective) = model(one).expect("one model");
         assert_eq!(found, perception::RadarModel::Ideal, "{one}");
-        // What took effect can be opened again.
+        // The effective scenario can be opened again.
         Scenario::build("x.toml", &effective, &Overrides::new(), Place::BuiltIn(None), &|_| {
             Ok(Default::default())
         })

@@ -59,8 +59,8 @@ fn a_wrong_override_is_shown_as_it_was_typed() {
         ("seed", "no `=`", "      ^^^^ expected KEY=VALUE"),
         ("a..b=1", "`` cannot be a key", "        ^ expected names"),
         ("controller.name=a/b", "not a name", "^^^ expected 1 to 64"),
-        ("duration_s=30s", "`30s` is no number", "^^^ expected a number alone, such as 30"),
-        ("set_speed_mps=20mps", "`20mps` is no number", "a number alone, such as 20"),
+        ("duration_s=30s", "`30s` is not a number", "^^^ expected a number alone, such as 30"),
+        ("set_speed_mps=20mps", "`20mps` is not a number", "a number alone, such as 20"),
         (
             "controller.command=python3 law.py",
             "invalid type",

@@ -1,4 +1,4 @@
-//! What is refused, with its place and what was expected.
+//! Refusals, with their place and the expected value.
 
 use super::*;
 

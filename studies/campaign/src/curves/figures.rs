@@ -44,7 +44,7 @@ pub struct Figures {
     pub lead_lost: Often,
     /// A neighbour was the target.
     pub neighbour_taken: Often,
-    /// Share of the time with a target that is no vehicle.
+    /// Share of the time with a target that is not a vehicle.
     pub nothing_taken_share: f64,
     /// Interventions on random roads and beside queues.
     pub phantom_interventions: u64,
@@ -176,7 +176,7 @@ const fn sums<R>() -> [Column<R>; 5] {
 /// Columns of [`Figures`].
 pub fn columns() -> Vec<Column<Figures>> {
     let rest = [
-        share("nothing_taken_share", "nothing taken", "Share of the time in which the target is no vehicle").less().weight(1),
+        share("nothing_taken_share", "nothing taken", "Share of the time in which the target is not a vehicle").less().weight(1),
         count("phantom_interventions", "phantom brakings", "Interventions of the emergency brake on random roads and beside queues").less(),
         count("beside", "", "Drives beside a queue").hidden(),
         share("braked_share", "braked beside", "Share of the drives beside a queue with a request below -1.5 m/s²").less(),

@@ -123,7 +123,7 @@ impl Kept {
     /// The run ended in a collision that braking from sight avoids.
     pub fn is_avoidable(&self) -> bool {
         let stops = |sight: &Sight| sight.speed_mps.powi(2) / (2.0 * FROM_SIGHT_MPS2) < sight.gap_m;
-        // A collision without sight of the vehicle is no queue's: nothing had to be hit.
+        // A collision without sight of the vehicle is not the queue's: nothing had to be hit.
         self.outcome == Outcome::Collision && self.sight.as_ref().is_none_or(stops)
     }
 

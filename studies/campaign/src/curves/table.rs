@@ -119,7 +119,7 @@ fn drives() -> Vec<Column<Kept>> {
         number("taken_s", "", "s", 2, "Time with a neighbour as the target")
             .of(|run| json!(run.sums().taken_s)),
         count("takings", "", "Number of such times").of(|run| json!(run.sums().takings)),
-        number("nothing_s", "", "s", 2, "Time with a target that is no vehicle")
+        number("nothing_s", "", "s", 2, "Time with a target that is not a vehicle")
             .of(|run| json!(run.sums().nothing_s)),
         count("interventions", "", "Interventions of the emergency brake"),
         number("lowest_request_mps2", "", "m/s²", 2, "Lowest request of the law"),

@@ -171,7 +171,7 @@ pub fn document(runs: &[Kept], processes_sample: ProcessesSample) -> Document {
         .about(format!("{} corridors, lockstep", results.corridors))
         .verdict(results.ok, verdict)
         .table(Table::new("Laws", &columns, &lines).blocks("kind"))
-        // A goal is no requirement.
+        // A goal is not a requirement.
         .table(Table::new("Goals", GOALS, &results.goals).without_cases())
         .table(Table::new("Runs that broke a requirement", FAILURES, &failed))
         .file("signals.csv", Table::new("", DRIVES, runs).csv());

@@ -160,7 +160,7 @@ impl Study for Grid {
         job: &Job,
         result: Result<Done, Error>,
     ) -> Result<(Run, ()), Error> {
-        // A program that cannot start is no result of a point.
+        // A program that cannot start is not a result of a point.
         if let Err(error @ Error::NotReady { foreign: true, .. }) = result {
             return Err(error);
         }

@@ -30,7 +30,7 @@ impl Shard {
 
 /// A shard that is not one of `I/N`.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("`{0}` is no shard, expected I/N with I from 1 to N, auto or auto/N")]
+#[error("`{0}` is not a shard, expected I/N with I from 1 to N, auto or auto/N")]
 pub struct ShardError(String);
 
 impl FromStr for Shard {
@@ -89,7 +89,7 @@ impl FromStr for ShardChoice {
 pub enum ArrayJobError {
     /// No engine's variables are there.
     #[error(
-        "--shard auto: this is no array job: neither SLURM_ARRAY_TASK_ID nor JOB_COMPLETION_INDEX nor \
+        "--shard auto: this is not an array job: neither SLURM_ARRAY_TASK_ID nor JOB_COMPLETION_INDEX nor \
          AWS_BATCH_JOB_ARRAY_INDEX is set, expected --shard I/N"
     )]
     None,
@@ -307,7 +307,7 @@ mod tests {
     #[test]
     fn outside_an_array_job_auto_is_refused_in_one_sentence() {
         let said = auto("auto", &[]).expect_err("no array job");
-        assert!(said.contains("no array job") && !said.contains('\n'), "{said}");
+        assert!(said.contains("not an array job") && !said.contains('\n'), "{said}");
         assert_eq!(auto("2/5", &[]), Ok("2/5".into()));
     }
 }

@@ -343,7 +343,7 @@ mod tests {
         let (matched, others) = aligned(&changes);
         assert_eq!(matched[4..], [Some(17.7), None]);
         assert_eq!(others, [(6, (2, 5, 32.0))]);
-        // A later pair is no match for an earlier switch of the paper.
+        // A later pair is not a match for an earlier switch of the paper.
         let (matched, others) = aligned(&[(4, 2, 1.0), (6, 1, 4.0)]);
         assert_eq!((matched[0], matched[4]), (Some(4.0), None));
         assert_eq!(others, [(1, (4, 2, 1.0))]);

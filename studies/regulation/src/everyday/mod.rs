@@ -114,7 +114,7 @@ pub struct Verdict {
     pub interventions_s: Vec<f64>,
     /// Those of them where 1.5 m/s² was enough, s.
     pub needless_s: Vec<f64>,
-    /// Times that the ego's target was no vehicle in its path, where the radar is judged.
+    /// Times that the ego's target was not a vehicle in its path, where the radar is judged.
     pub false_targets: u64,
     /// Least acceleration, m/s².
     pub hardest_mps2: f64,

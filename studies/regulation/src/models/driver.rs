@@ -29,7 +29,7 @@ impl Driver {
     /// The ego's speed \[m/s\] after one step of [`STEP_S`]. The step begins at `speed_mps`; `view` is of the relevant
     /// vehicle, if there is one.
     ///
-    /// A vehicle whose centre is behind the ego's is no reason to brake.
+    /// A vehicle whose centre is behind the ego's is not a reason to brake.
     pub fn step(&mut self, speed_mps: f64, view: Option<&View>) -> f64 {
         let braking =
             view.filter(|view| is_ahead(view.gap_m)).and_then(|view| self.trigger(speed_mps, view));

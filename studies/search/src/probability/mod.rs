@@ -7,7 +7,7 @@
 //! ```
 //!
 //! A unit is what the frame calls a run: it is driven in one thread and kept in one line of the journal. A point that
-//! the reference driver does not avoid is no failure and costs no drive. Every drive has a seed of its own, so that
+//! the reference driver does not avoid is not a failure and costs no drive. Every drive has a seed of its own, so that
 //! noise is a part of the probability.
 
 mod model;

@@ -45,7 +45,7 @@ pub enum ModelError {
         /// The variables.
         known: Vec<String>,
     },
-    /// A variable that is no number.
+    /// A variable that is not a number.
     #[error(
         "probability.distributions.{0}: the variable's values are words, expected numbers; fix it by --set"
     )]
@@ -74,7 +74,7 @@ pub enum ModelError {
     /// A pair of one variable, or a pair again.
     #[error("probability.correlations: {0} and {1}: expected each pair of two variables once")]
     Pair(String, String),
-    /// The exposure is no rate.
+    /// The exposure is not a rate.
     #[error("probability.exposure.events = {0}, expected a number above 0")]
     Exposure(f64),
 }

@@ -38,7 +38,7 @@ enum Operation {
     Over,
 }
 
-/// A text that is no formula.
+/// A text that is not a formula.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[error("column {column}: {problem}\n  | {text}\n  | {marks}", marks = self.marks())]
 pub struct ArithmeticError {
@@ -87,7 +87,7 @@ impl ArithmeticError {
 }
 
 impl Arithmetic {
-    /// Reads a formula over the variables `names`; a name that is `None` is no number.
+    /// Reads a formula over the variables `names`; a name that is `None` is not a number.
     ///
     /// # Errors
     /// [`ArithmeticError`] with the column.

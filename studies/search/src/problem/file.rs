@@ -52,7 +52,7 @@ const MAX_BYTES: u64 = 1 << 20;
 /// Keys of a fault that are words.
 const WORDS: [&str; 6] = ["kind", "topic", "service", "field", "helper", "name"];
 
-/// A file that is no problem.
+/// A file that is not a problem.
 #[derive(Debug, Error)]
 #[error("{}: {fault}", path.display())]
 pub struct FileError {
@@ -87,7 +87,7 @@ enum Fault {
 enum VaryFault {
     #[error(transparent)]
     Domain(#[from] DomainError),
-    #[error("{0} is no domain")]
+    #[error("{0} is not a domain")]
     Form(String),
     #[error("the name is kept for the choice among [[faults]]")]
     Kept,
@@ -353,7 +353,7 @@ mod tests {
     fn mistakes_name_their_key_and_column() {
         for (rest, what) in [
             ("[vary]\nv = \"2..1\"", "vary.v: the range is empty"),
-            ("[vary]\nv = 3", "vary.v: 3 is no domain"),
+            ("[vary]\nv = 3", "vary.v: 3 is not a domain"),
             (
                 "[vary]\nv = \"1..2\"\n[set]\na = \"v*w\"",
                 "set.\"a\": column 3: unknown variable `w`",

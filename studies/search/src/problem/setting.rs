@@ -66,7 +66,7 @@ impl Term {
             Self::Constant(text) => Some(text.clone()),
             Self::Variable(place) => match &values[*place] {
                 Value::Number(value) => number(*value),
-                // A truth value is no word to TOML.
+                // A truth value is not a word to TOML.
                 Value::Word(word) if matches!(word.as_str(), "true" | "false") => {
                     Some(word.clone())
                 }

@@ -42,7 +42,7 @@ pub enum Value {
     Word(String),
 }
 
-/// A text that is no domain.
+/// A text that is not a domain.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DomainError {
     /// A part of a range is not a number.

@@ -1,4 +1,4 @@
-//! A map that ends, that is late, that describes another road, that is no map: plain cruise, never an
+//! A map that ends, that is late, that describes another road, that is not a map: plain cruise, never an
 //! invented slope.
 
 use crate::roads::{SET_MPS, generated};

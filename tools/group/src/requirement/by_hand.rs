@@ -130,7 +130,7 @@ fn the_reference_is_followed_past_the_records_end() {
     assert!(weak.met && !avoidable(&hit).met);
 }
 
-/// A need long ago, from which the ego fell back, is no excuse and no advantage for the reference.
+/// A need long ago, from which the ego fell back, is neither an excuse nor an advantage for the reference.
 #[test]
 fn an_encounter_ends_when_the_ego_no_longer_approaches() {
     // 3 s at constant distance lie before the same scene.

@@ -53,7 +53,7 @@ pub(super) fn finding(evidence: &Evidence<'_>, closest: Option<&Closest>) -> Fin
             time_s: time_s(closest.map_or(steps.last(), |closest| steps.get(closest.step))),
             met: false,
         },
-        // The referee judges bodies: a gap along the lane that is used up is no contact by itself.
+        // The referee judges bodies: a gap along the lane that is used up is not a contact by itself.
         (None, Some(closest)) => Finding {
             value: closest.gap_m.max(0.0),
             time_s: time_s(steps.get(closest.step)),

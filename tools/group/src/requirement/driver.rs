@@ -41,7 +41,7 @@ impl ReferenceDriver {
     /// ```
     #[must_use]
     pub fn braking_mps2(&self, since_need_s: f64) -> Option<f64> {
-        // The rounding of a sum of steps is no delay.
+        // The rounding of a sum of steps is not a delay.
         let braked_s = since_need_s - self.reaction_s;
         if braked_s < -1e-9 {
             return None;

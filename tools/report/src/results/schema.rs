@@ -20,7 +20,7 @@ use super::head::{Format, Head, Kind};
 /// let result = json!({"schema_version": 1, "ok": true, "rows": [{"law": "acc-mpc", "gap_m": null}]});
 /// assert_eq!(check(&schema, &result), [""; 0]);
 /// let wrong = json!({"schema_version": 1, "ok": true, "rows": [{"law": 7, "gap_m": 1.0}]});
-/// assert_eq!(check(&schema, &wrong), ["rows.0.law: 7 is no string"]);
+/// assert_eq!(check(&schema, &wrong), ["rows.0.law: 7 is not of type string"]);
 /// ```
 #[derive(Clone, Debug)]
 pub struct Schema {
@@ -198,7 +198,7 @@ fn walk(schema: &Value, value: &Value, place: &str, wrong: &mut Vec<String>) {
         _ => Vec::new(),
     };
     if !types.is_empty() && !types.iter().any(|kind| is_of(kind, value)) {
-        wrong.push(format!("{place}: {value} is no {}", types[0]));
+        wrong.push(format!("{place}: {value} is not of type {}", types[0]));
         return;
     }
     if let Value::Object(object) = value {
@@ -254,7 +254,7 @@ mod tests {
         let absent = with(json!({"id": "a", "limits": {}}));
         assert_eq!(check(&schema, &absent), [""; 0]);
         let wrong = with(json!({"id": "a", "limits": {"least": "b"}}));
-        assert_eq!(check(&schema, &wrong), ["rows.0.limits.least: \"b\" is no number"]);
+        assert_eq!(check(&schema, &wrong), ["rows.0.limits.least: \"b\" is not of type number"]);
     }
 
     #[test]
@@ -286,8 +286,8 @@ mod tests {
             [
                 "papers.0.more: not declared",
                 "papers.0.rows.0.control.gap_m: missing",
-                "papers.0.rows.0.name: 1 is no string",
-                "parts.low.laws.0.hits: 3.5 is no integer",
+                "papers.0.rows.0.name: 1 is not of type string",
+                "parts.low.laws.0.hits: 3.5 is not of type integer",
                 "schema_version: 2 is not 1",
             ]
         );

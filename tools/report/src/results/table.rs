@@ -114,7 +114,7 @@ impl Table {
         self.place != Place::Pages && !self.rows.is_empty()
     }
 
-    /// The same whose rows are no cases of a job.
+    /// The same whose rows are not cases of a job.
     #[must_use]
     pub fn without_cases(mut self) -> Self {
         self.has_cases = false;

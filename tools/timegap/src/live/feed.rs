@@ -276,7 +276,7 @@ mod tests {
         assert!(enter(Level::Full, 0.0).is_empty());
         let begun = enter(Level::LeadPredicted, 2.0);
         assert_eq!(begun, ["degraded to lead-predicted"]);
-        assert_eq!(enter(Level::LeadPredicted, 2.1), begun, "the same level is no news");
+        assert_eq!(enter(Level::LeadPredicted, 2.1), begun, "the same level is not news");
         let stopped = enter(Level::StopInLane, 3.0);
         assert_eq!(stopped, ["degraded to lead-predicted for 1.00 s", "degraded to stop-in-lane"]);
         assert_eq!(enter(Level::Full, 5.5)[1], "degraded to stop-in-lane for 2.50 s");

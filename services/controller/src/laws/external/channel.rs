@@ -20,7 +20,7 @@ pub(super) enum ChannelError {
     /// It ended, or closed its output.
     #[error("ended")]
     Closed,
-    /// Its output is no answer to the question.
+    /// Its output is not an answer to the question.
     #[error(
         "wrote {shown} where an answer of {ANSWER} bytes was expected that begins with the question's \
          number, {expected}, as 8 bytes"

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! The dynamics of xc (Ac, L) are lost, so its term is left out. Its gains are a thousandth of the others: with an xc
-//! of the size of y it adds some thousandths of a m/s². The coordinates of xc are lost too, so this is no proof. Lost
+//! of the size of y it adds some thousandths of a m/s². The coordinates of xc are lost too, so this is not a proof. Lost
 //! as well are the bounds, the desired gap, the sample time and the Lyapunov matrix. Desired gap, sample time and the
 //! clamps of request and increment are those of the [`Design`](super::Design). u(0) is the measured acceleration. It is
 //! the paper's 0 if a drive begins without one. So a process that is restarted while the car brakes goes on braking.

@@ -122,7 +122,7 @@ pub(super) fn robust(
     if s.gap_m < b.warning_m + when(Mode::Decelerate, p.warning_hysteresis_m) {
         return (Mode::Decelerate, Reason::GapBelowWarning);
     }
-    // Steady driving corrects this itself: it is no approach.
+    // Steady driving corrects this itself: it is not an approach.
     let regulated = match p.spacing {
         Spacing::Paper => 0.0,
         Spacing::TimeGap => b.closing_mps(p, s.gap_m).max(0.0),

@@ -1,6 +1,6 @@
 //! A car under the truck's law: the plan sets the speed, a comfortable driver keeps the distance.
 //!
-//! A truck's accelerations are no car's: 0.3 m/s² behind a target leaves a car 9 s behind in town. So the
+//! A truck's accelerations are not a car's: 0.3 m/s² behind a target leaves a car 9 s behind in town. So the
 //! driver model of [`Driver`] follows with the time headway and the gap at standstill of `[controller]`.
 //! [`SafeGap`] has the last word.
 

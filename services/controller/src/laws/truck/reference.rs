@@ -6,7 +6,7 @@
 
 use truck_model::{GEARS, Truck};
 
-/// Slowest speed, m/s: starting is no part of a cruise.
+/// Slowest speed, m/s: starting is not part of a cruise.
 const SLOWEST_MPS: f64 = 3.0;
 /// Longest step, m: over it forces are constant.
 const STEP_M: f64 = 5.0;

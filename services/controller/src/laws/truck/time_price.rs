@@ -7,7 +7,7 @@
 //! v_ref is the speed, on the same metre, of a truck that keeps m times the set speed wherever its engine can
 //! (`reference`). No price makes up for a climb that full load cannot hold. A lag counted from the set speed itself
 //! would swing the price with every long wave of the road. The rest is the planner's own lateness. The servo is slow on
-//! purpose: a hill makes a lag and the dip after it takes it back, so the lag is no reason to hurry. A mean speed m
+//! purpose: a hill makes a lag and the dip after it takes it back, so the lag is not a reason to hurry. A mean speed m
 //! that is asked for moves the price at once, not by a lag that builds up.
 
 /// k_p, 1/s.

@@ -70,7 +70,7 @@ impl OwnBuckets {
     fn add(&mut self, bucket: usize, count: u64) {
         let place = &mut self.places[bucket / PAGE];
         if *place == 0 {
-            // Once for a whole histogram: recording is no place to allocate.
+            // Once for a whole histogram: recording is not a place to allocate.
             self.counts.reserve(PAGES * PAGE - self.counts.len());
             self.counts.resize(self.counts.len() + PAGE, 0);
             *place = u8::try_from(self.counts.len() / PAGE).expect("there are few pages");
