@@ -157,6 +157,8 @@ impl Loop {
                 }
                 hosted.start().map_err(|e| RuntimeError::Program(e.into()))?;
             }
+            // In one thread its code and data come into memory with the first of many runs.
+            None if runtime.turns().is_some() => {}
             // Brings its code and data into memory before the loop; then forgets it.
             None => law.step(&Input { period_s: 0.1, ..Input::default() }, &mut output),
         }
