@@ -32,7 +32,7 @@
 
 /// Time constant of the curvature's low-pass, s. Chosen: a car answers its steering in about as long.
 const LAG_S: f64 = 0.2;
-/// Speed below which a yaw rate says nothing of a curvature, m/s. Chosen: 0.1 °/s of offset is 1/1,700 m there.
+/// Speed below which a yaw rate does not show a curvature, m/s. Chosen: 0.1 °/s of offset is 1/1,700 m there.
 const SLOWEST_MPS: f64 = 3.0;
 
 /// Standard deviation of the road's curvature around that of the circle, 1/m. Chosen: the driver's own steering, 0.2 m of

@@ -33,7 +33,7 @@ use crate::object::Object;
 use crate::prediction::{Authority, Beside, Ego, Plan, Threat};
 use messages::BrakeState;
 
-/// The ego's swept path and how far ahead lateral motion is believed.
+/// The ego's swept path and the time ahead for which lateral motion is trusted.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Path {
     /// Half of the ego's width, m.

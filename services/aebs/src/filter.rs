@@ -1,6 +1,6 @@
 //! The filter of a lateral motion: how probable each lateral speed is, and where the object is with it.
 //!
-//! A vehicle keeps its lane most of the time, and then changes it. The filter asks whether it has begun to. One state
+//! A vehicle keeps its lane most of the time, and then changes it. The filter tests whether it has begun to. One state
 //! is for a vehicle that keeps its lane, others for lateral speeds [`STEP_MPS`] apart. Each has a probability, and mean
 //! and variance of the position.
 //!

@@ -14,7 +14,7 @@
 //! ([`mod@circle`]). It uses no other estimate of the road: a fault of the controller's perception does not reach it.
 //! An object that stands on a row across this circle is braked for late (`row`).
 //!
-//! Beside the objects as they are it looks at each that is about to hit another one as it will stand there
+//! It also looks at each object that is about to hit another one, as it will stand there
 //! ([`Objects::threats`](objects::Objects::threats)).
 //!
 //! Everything but `service` is plain code: state and time are arguments.

@@ -1,7 +1,7 @@
 //! Whether the radar still shows what it should show.
 //!
-//! An echo that is well above the threshold comes again in the next scan, moved on by its own range rate. A scan in
-//! which such echoes are missing is one in which the radar does not see. The share of those that came again, with a
+//! An echo that is well above the threshold comes again in the next scan, moved on by its own range rate. In a scan
+//! without such echoes the radar is blind. The share of those that came again, with a
 //! memory of [`MEMORY_S`], is what the radar sees:
 //!
 //! ```text

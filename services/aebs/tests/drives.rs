@@ -62,7 +62,8 @@ fn traction_and_brakes_change_with_the_stated_jerk_alone() {
     }
 }
 
-/// Prints what a fifth less and a fifth more of each number does, for the origins in the table.
+/// Prints what a fifth less and a fifth more of each number does, for the origins in the table. `NUMBERS=a,b` in the
+/// environment names some of them.
 #[test]
 #[ignore = "it takes minutes: DRIVES=40 cargo test -p aebs --test drives -- --ignored --nocapture"]
 fn what_each_number_does() {
@@ -79,7 +80,12 @@ fn what_each_number_does() {
     };
     let now = judge(Numbers::DEFAULT);
     println!("avoidable, needless, braked: {now:?}");
-    for (row, Row { name, .. }) in Numbers::ROWS.iter().enumerate() {
+    let asked = std::env::var("NUMBERS").ok();
+    let is_asked = |name: &str| {
+        asked.as_ref().is_none_or(|asked| asked.split(',').any(|asked| asked == name))
+    };
+    let rows = Numbers::ROWS.iter().enumerate().filter(|(_, row)| is_asked(row.name));
+    for (row, Row { name, .. }) in rows {
         let [less, more] = [0.8, 1.2].map(|factor| judge(Numbers::DEFAULT.scaled(row, factor)));
         println!("{name}: less {less:?}, more {more:?}");
     }

@@ -1,11 +1,11 @@
 //! The controller's part of the degradation ladder: what its inputs still allow.
 //!
-//! In each cycle [`Ladder::look`] takes the ages of the newest *valid* samples, and says how far signal
-//! timing can be trusted. [`Ladder::admit`] decides on the law's other inputs. After the step
+//! In each cycle [`Ladder::look`] takes the ages of the newest *valid* samples, and the trust in signal timing.
+//! [`Ladder::admit`] decides on the law's other inputs. After the step
 //! [`Ladder::settle`] names the level. The table of entries and ways back is at [`messages::level`].
 //!
 //! No law receives a target or a light from a sample that is older than the level's bound. Each level has a way back
-//! to full function. [`Ladder::restrain`] bounds what a law asks for while the road ahead is not seen.
+//! to full function. [`Ladder::restrain`] bounds a law's request while the road ahead is not seen.
 
 use self::caution::Caution;
 use self::departure::Departure;
@@ -32,14 +32,14 @@ const PREDICT_S: f64 = 2.0;
 /// Time for which announced signal timing is trusted without a new announcement, s.
 const BELIEVE_SIGNALS_S: f64 = 5.0;
 
-/// Ages of the newest samples that can be believed, s; none without one.
+/// Ages of the newest trusted samples, s; `None` without one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ages {
     /// `vehicle/odometry`.
     pub odometry_s: Option<f64>,
     /// `radar/tracks`.
     pub radar_s: Option<f64>,
-    /// `v2x/spat`; `None` also where there is no signal ahead to be told of.
+    /// `v2x/spat`; `None` also without a signal ahead.
     pub spat_s: Option<f64>,
     /// The ego's motion is estimated without its odometry.
     pub ego_is_estimated: bool,
@@ -52,7 +52,7 @@ pub struct Ages {
 pub enum Admission {
     /// The law steps, with the input as it now is.
     Law,
-    /// Braking for what was last seen, see [`Ladder::brake`]. It is also the last command before silence: the plant
+    /// Braking for the last seen lead, see [`Ladder::brake`]. It is also the last command before silence: the plant
     /// follows its plan.
     Brake,
     /// No command.
@@ -135,7 +135,7 @@ impl Ladder {
         }
     }
 
-    /// Takes the ages at the release at `time_s`; says how far signal timing may be believed.
+    /// Takes the ages at the release at `time_s`; returns the trust in signal timing.
     pub fn look(&mut self, ages: &Ages, time_s: f64) -> SignalTrust {
         let fresh = |age: Option<f64>, limit: f64| age.is_some_and(|age| age <= limit);
         let odometry = fresh(ages.odometry_s, self.stale_odometry_s);
@@ -200,14 +200,14 @@ impl Ladder {
         if self.level == Level::LeadLost { Admission::Brake } else { Admission::Law }
     }
 
-    /// Enters a level unless one that asks for more holds: lost signals and an estimated ego ask for less.
+    /// Enters a level unless a stricter one holds: lost signals and an estimated ego are milder.
     fn enter_if_mild(&mut self, level: Level) {
         if matches!(self.level, Level::Full | Level::SignalsLost | Level::EgoEstimated) {
             self.level = level;
         }
     }
 
-    /// Bounds what the law asks for while the road ahead is not seen, and for a while after.
+    /// Bounds the law's request while the road ahead is not seen, and for a while after.
     pub fn restrain(&self, output: &mut Output) {
         output.bound_from_above(self.caution.most_mps2().min(self.departure.most_mps2()));
     }

@@ -29,7 +29,7 @@ impl PlanningThread {
         let mut planner = planning.planner();
         let work = move |request: &PlanRequest| {
             let mut plan = Plan::default();
-            // An empty plan says that there is none.
+            // An empty plan stands for none.
             planner.plan(request, &mut plan);
             plan
         };

@@ -1,4 +1,4 @@
-//! From the newest samples to what a law is told: every figure brought to the time of the release.
+//! From the newest samples to a law's input: every figure is brought to the time of the release.
 
 use crate::law::{
     self, Ego, Input, MAX_PHASES, MAX_SIGNALS, Phase, PhaseInterval, SignalAhead, Target,
@@ -18,7 +18,7 @@ pub struct Setting {
     pub set_speed_mps: f64,
     /// Legal limit, m/s, infinite when unknown.
     pub speed_limit_mps: f64,
-    /// Whether the law filters the radar itself, and so is told gap and relative speed as measured.
+    /// Whether the law filters the radar itself, and so receives gap and relative speed as measured.
     pub raw_target: bool,
     /// By how much an announced end may be off because clocks are, s.
     pub clock_tolerance_s: f64,

@@ -317,7 +317,7 @@ impl Loop {
         let used = runtime.usage().since(&before);
         let mut command = self.command.loan()?;
         self.write_command(&mut command, header, &release, radar_release_ns, &used);
-        // By the command's own stamp, so that a recording tells it again.
+        // By the command's own stamp, so that a recording repeats it.
         let in_time = self.command.send(command)? - release.scheduled_ns <= self.deadline_ns;
         self.account.deadline_misses += u64::from(!in_time);
         let level = self.ladder.settle(&self.output, in_time);

@@ -25,8 +25,8 @@ pub(crate) struct Assignment {
 impl Assignment {
     /// The assignment with the least GOSPA.
     ///
-    /// Vehicle after vehicle takes one of the tracks or none. The best of all ways to one set of taken tracks is kept
-    /// in `sets`, so that the effort grows only in proportion to the vehicles.
+    /// Vehicle after vehicle takes one of the tracks or none. `sets` keeps the best of all ways to one set of taken
+    /// tracks. So the effort grows only in proportion to the vehicles.
     pub(crate) fn best(
         scene: &Scene,
         in_view: &[bool],

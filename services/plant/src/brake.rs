@@ -37,7 +37,7 @@ impl BrakePath {
     }
 
     /// Ceiling on the acceleration, m/s², in the plant's period that starts at `now_ns`; `None` while the path is
-    /// released. The vehicle's acceleration is `now_mps2`. A request that is not a positive number asks for nothing.
+    /// released. The vehicle's acceleration is `now_mps2`. A request that is not a positive number is ignored.
     /// Called once in each period.
     pub fn step(&mut self, now_ns: u64, asked_mps2: f64, now_mps2: f64) -> Option<f64> {
         let asks = asked_mps2 > 0.0;

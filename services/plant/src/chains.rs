@@ -1,4 +1,4 @@
-//! Cause-effect chains as the plant sees them end: from radar acquisition to actuation.
+//! Cause-effect chains that end in the plant: from radar acquisition to actuation.
 //!
 //! *Reaction time*: radar acquisition to the first actuation that uses it, once per radar sample
 //! that reaches the actuators. *Data age*: every actuation back to the radar sample behind it. The
@@ -235,7 +235,7 @@ mod tests {
 
     #[test]
     fn a_busy_controller_queues_by_accident_and_a_timer_by_design() {
-        // Idle 40 after the sample was published: no design asks for it.
+        // Idle 40 after the sample was published: no designed wait.
         let busy = command(radar(1, 100, 130), 100, 170, 174, 190);
         let parts = Parts::of(&(&busy).into(), &at(200, 200, 200));
         assert_eq!((parts.controller_queue_ns, parts.radar_transport_ns), (40, 4));

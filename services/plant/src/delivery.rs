@@ -5,8 +5,8 @@
 //! cycle had missed. A command that a newer one overtook is dropped. Each command takes two numbers of the random
 //! stream, so that jitter and misses do not depend on each other.
 //!
-//! The stamps of a command are of its sender's clock, which may differ from the plant's. The plant corrects a
-//! stamp that contradicts what it knows: no command was sent after it was here.
+//! The stamps of a command are of its sender's clock, which may differ from the plant's. The plant corrects an
+//! impossible stamp: no command was sent after its arrival.
 
 use messages::{Command, Origins};
 use rand_core::SeedableRng;

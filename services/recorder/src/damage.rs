@@ -85,8 +85,7 @@ pub enum Damage {
         /// Ours.
         topic: Topic,
     },
-    /// Behind its first messages the file says that a topic has another layout; its messages were left
-    /// out.
+    /// Behind its first messages the file declares another layout of a topic, whose messages were left out.
     Layout {
         /// The topic.
         topic: String,

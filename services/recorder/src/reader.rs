@@ -34,7 +34,7 @@ pub struct TopicSummary {
     pub messages: u64,
 }
 
-/// A recording: what it says of itself, and a way to its messages.
+/// A recording: its own description, and a way to its messages.
 #[derive(Clone, Debug)]
 pub struct Recording {
     path: PathBuf,

@@ -11,7 +11,7 @@ pub struct Record {
     pub topic: Topic,
     /// Time of its publication, ns of run time, as far as its sender's clock is right: this is the order of the file.
     pub log_time_ns: i64,
-    /// When its sender says that it published it, ns of run time.
+    /// Time of publication by its sender, ns of run time.
     pub publish_time_ns: i64,
     pub(crate) chunk: Arc<Vec<u8>>,
     pub(crate) range: Range<usize>,

@@ -106,7 +106,7 @@ fn play(root: &Path, file: &Path, take: &Take) -> Result<(), PlayError> {
             }
         }
     }
-    // The controller waits for room until what it says is taken.
+    // The controller waits for room until its messages are taken.
     loop {
         taken(&answers)?;
         match input.recv_timeout(Duration::from_millis(1)) {

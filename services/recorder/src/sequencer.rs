@@ -1,7 +1,7 @@
 //! Messages of all topics in the order of their publication, whatever order they were taken in.
 //!
-//! In realtime a message is held back until any that was published before it must have come. In lockstep the wall's
-//! clock says nothing: there a message waits until every service was received at a later instant of simulated time.
+//! In realtime a message is held back until any that was published before it must have come. In lockstep the wall clock
+//! has no meaning: a message waits until every service was received at a later instant of simulated time.
 //! So the same run gives the same order. Messages of one instant follow the order of topics, senders and their own
 //! numbers.
 

@@ -1,7 +1,7 @@
 //! The recorder's process: taps all topics, and lets a thread of its own write.
 //!
 //! Taking messages and writing them are apart: memory absorbs a slow disk, not the short buffers of the topics. When
-//! that memory is full as well, the topics' own rules hold: in lockstep the senders wait, in realtime the oldest
+//! that memory is full as well, the topics' own rules hold. In lockstep the senders wait. In realtime the oldest
 //! messages are lost, and counted.
 
 use crate::bag;
@@ -204,7 +204,7 @@ impl Disk {
         let _ = self.work.send(Work::Messages(messages));
     }
 
-    /// Writes the rest and the end; says what went wrong.
+    /// Writes the rest and the end; reports errors.
     fn end(self, tally: &Tally) -> Option<String> {
         // As above.
         let _ = self.work.send(Work::End(tally.clone()));
@@ -244,7 +244,7 @@ fn write(
             Err(RecvTimeoutError::Disconnected) => return writer.flush(),
         }
         if flushed.elapsed() >= FLUSH_PERIOD {
-            // In lockstep the file itself says where it is flushed: its bytes repeat.
+            // In lockstep the content decides where the file is flushed: its bytes repeat.
             if metadata.mode == Mode::Realtime {
                 writer.flush()?;
             }

@@ -51,7 +51,7 @@ fn file(end: bool) -> Vec<u8> {
     if end {
         writer.finish(&Tally::default()).expect("memory");
     } else {
-        // As after SIGKILL: the writer never says goodbye.
+        // As after SIGKILL: the writer is never closed.
         std::mem::forget(writer);
     }
     file
@@ -194,7 +194,7 @@ fn a_recovered_file_is_whole_and_counts_what_is_missing() {
     assert_eq!(result.tally.messages(), broken.records().count() as u64);
     assert_eq!((result.tally.lost(), result.damage.len()), (0, 1));
     assert!(broken.records().eq(again.records()));
-    // The file's own statistics say the same, without a look at any message.
+    // The file's own statistics agree, without a look at any message.
     let statistics = again.statistics().expect("it was ended");
     assert_eq!(statistics, again.survey());
     let summary = mcap::Summary::read(recovered.get_ref()).expect("readable").expect("there");

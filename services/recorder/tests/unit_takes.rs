@@ -29,7 +29,7 @@ fn recording(processes: &[u32], lost: &[(Topic, u64)]) -> Recording {
         let (mut map, mut spat) = (Map::zeroed(), Spat::zeroed());
         map.header = header(Service::Obu, incarnation, k, origins);
         spat.header = map.header;
-        // In simulated time the order of what a cycle says is any.
+        // In simulated time the messages of a cycle have any order.
         write(Topic::Spat, k, bytemuck::bytes_of(&spat));
         write(Topic::Map, k, bytemuck::bytes_of(&map));
     }

@@ -14,7 +14,7 @@ pub enum BagError {
     /// A bag of ROS 2 that is an SQLite database, in a build without feature `sqlite`.
     #[error("{}, expected {}", self.message(), self.expected().unwrap_or_default())]
     Sqlite,
-    /// A record is shorter than its lengths say.
+    /// A record is shorter than its stated lengths.
     #[error("a record in it is not whole")]
     Malformed,
     /// An SQLite database is damaged or is not a bag.
@@ -52,7 +52,7 @@ pub enum BagError {
         /// Numbers of the type.
         fields: Vec<String>,
     },
-    /// A message is shorter than its definition says.
+    /// A message is shorter than its definition.
     #[error("message {index} of topic `{topic}` does not fit its definition")]
     Message {
         /// The topic.

@@ -15,9 +15,9 @@
 //!
 //! [`fit`] maximises the marginal likelihood of the values, with a weak prior on the lengths. A [`Process`] grows by
 //! one point in O(n²): its Cholesky factor gains a row. [`Watched`] points are asked again and again meanwhile.
-//! [`expected_improvement`] says how much lower than a target a
-//! value is expected to be. The same numbers on every x86-64: transcendental functions are those of `libm` or the
-//! crate's own, and wide registers do the same operations in the same order.
+//! [`expected_improvement`] is the expected distance of a value below a target. The numbers are the same on every
+//! x86-64. Transcendental functions are those of `libm` or the crate's own, and wide registers do the same operations
+//! in the same order.
 //!
 //! Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2, 4 and 5; Jones, Schonlau,
 //! Welch, Efficient Global Optimization of Expensive Black-Box Functions (1998), equation 15.

@@ -27,8 +27,8 @@
 //! soft:  ψ(z) = min_{σ ≥ max(z, 0)} λ σ + ½ κ σ² = λ max(z, 0) + ½ κ max(z, 0)²
 //! ```
 //!
-//! The soft form is an exact penalty: a penalty weight `λ` above the multiplier of the hard row gives the
-//! hard row's solution wherever it exists. Elsewhere it gives a least violation.
+//! The soft form is an exact penalty. A penalty weight `λ` above the multiplier of the hard row gives the hard row's
+//! solution wherever it exists. Elsewhere it gives a least violation.
 //!
 //! The *light* is the convex form of a barrier on the predicted margin `D` before the switch (He, Xi, Huang,
 //! Chen and Huang 2024, doi 10.3969/j.issn.2095-1469.2024.06.06):

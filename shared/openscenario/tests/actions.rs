@@ -1,4 +1,4 @@
-//! Each action does what its shape and dimension say.
+//! Each action follows its shape and dimension.
 
 #![allow(clippy::approx_constant, reason = "a number as files have it")]
 

@@ -1,7 +1,7 @@
 //! A writer of flat Parquet files: numbers, whole numbers and texts, any of which may be absent.
 //!
-//! It writes what tables of results need and no more: plain encoding, one page a column and row group, compressed
-//! with LZ4. pandas, polars, DuckDB and Arrow read it. The crates `parquet` and `arrow` are complete and take minutes of
+//! It writes only the needs of tables of results: plain encoding, one page a column and row group, compressed with LZ4.
+//! pandas, polars, DuckDB and Arrow read it. The crates `parquet` and `arrow` are complete and take minutes of
 //! a first build; a test reads the files of this one with pyarrow.
 //!
 //! ```text

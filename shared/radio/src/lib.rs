@@ -9,7 +9,7 @@
 //! [`Carrier`] is opened from a [`CarrierAddress`](scenario::carrier::CarrierAddress):
 //!
 //! * UDP, to a multicast group or to one vehicle;
-//! * zenoh (feature `zenoh`), as its configuration file says;
+//! * zenoh (feature `zenoh`), by its configuration file;
 //! * a capture, whose frames become due as run time passes.
 //!
 //! [`Carrier::send`] and [`Carrier::receive`] neither wait nor allocate. Frames without room are dropped and

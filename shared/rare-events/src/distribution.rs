@@ -65,7 +65,7 @@ pub enum DistributionError {
     Few(usize),
 }
 
-/// Least number of different measured values: fewer say nothing about a tail.
+/// Least number of different measured values: fewer show nothing of a tail.
 const LEAST_VALUES: usize = 10;
 
 impl Distribution {

@@ -5,8 +5,8 @@
 //! figures of law B over the seeds ─┴─► A - B, seed by seed ─► Interval: [low, high]
 //! ```
 //!
-//! A mean over seeds says little without its spread. Two laws that met the same seeds are compared seed by seed:
-//! what a seed does to both then falls out of the difference.
+//! A mean over seeds means little without its spread. Two laws that met the same seeds are compared seed by seed. The
+//! common effect of a seed then cancels in the difference.
 //!
 //! ```
 //! let differences = [0.4, 0.1, 0.3, 0.2, 0.6, 0.3];

@@ -37,8 +37,8 @@ pub struct TooManyRuns {
 
 impl Failure for TooManyRuns {}
 
-/// All runs of a campaign. Neighbours belong to different combinations, so that a part of the campaign says something
-/// about each combination.
+/// All runs of a campaign. Neighbours belong to different combinations, so that a part of the campaign covers each
+/// combination.
 pub fn plan(campaign: &Campaign) -> Result<Plan, Error> {
     let variants = campaign.variation.as_deref().map(Variants::open).transpose()?;
     let named: Vec<_> = campaign.controllers.iter().cloned().map(Some).collect();

@@ -37,7 +37,7 @@ impl Failure for TemplateError {}
 pub enum Drawing {
     /// The run has no faults.
     None,
-    /// One template, as often as it says.
+    /// One template, as often as it states.
     One(Template),
     /// A number of faults, each from any of the templates.
     Mixed {

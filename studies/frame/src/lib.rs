@@ -5,8 +5,9 @@
 //!                     └─ workers, parts, resume, sample in process groups ─┘        every output
 //! ```
 //!
-//! A study implements [`Study`]. The frame does the rest: workers, `--shard`, `--resume` and `--merge`, the sample
-//! that is repeated as separate processes, the progress bar, interrupts, the exit status, and every output. It also
+//! A study implements [`Study`]. The frame does the rest: workers, `--shard`, `--resume` and `--merge`, and the sample
+//! that is repeated as separate processes. It also has the progress bar, interrupts, the exit status, and every output.
+//! It also
 //! writes the summary figures of every drive as one tidy table ([`drives`]), and keeps trajectories ([`keep`]).
 //!
 //! # A new study

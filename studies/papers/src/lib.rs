@@ -62,7 +62,7 @@ struct Paper {
 /// Arguments of `reproduce`.
 #[derive(Debug, Args)]
 pub struct ReproduceArguments {
-    /// Which paper; all when omitted
+    /// Paper [default: all]
     #[arg(value_enum)]
     pub paper: Option<PaperName>,
     /// Standard deviation of the skilled driver's aimed speed, km/h

@@ -44,7 +44,7 @@ const STEP_S: f64 = 0.01;
 const STEP_NS: u64 = 10_000_000;
 /// Steps between two scans.
 const SCAN_STEPS: u64 = 5;
-/// Steps by which the simple rule sees late.
+/// Delay of the simple rule's perception, steps.
 const LATE_STEPS: usize = 15;
 /// The law of the scenarios in which none drives.
 const FIRST_LAW: &str = "acc-mpc";

@@ -80,7 +80,7 @@ pub struct SearchArguments {
     /// A key that varies: `KEY=A..B`, `KEY=A..B:log` or `KEY=a,b,c` (repeatable)
     #[arg(long, value_name = "KEY=VALUES")]
     pub vary: Vec<String>,
-    /// Instead of varying keys: every such fault that the scenario can have, and what each breaks
+    /// Search faults instead of keys: try each fault of this kind, and show what it breaks
     #[arg(long, value_enum, value_name = "WHICH", conflicts_with_all = ["vary", "method", "replicas", "cases"])]
     pub faults: Option<FaultsName>,
     /// Number of runs, without those for minimal cases [default: 500, or 4 for each fault of processes]
@@ -92,7 +92,8 @@ pub struct SearchArguments {
     /// Independent searches that share the budget (`gp`); a part does whole ones
     #[arg(long, value_name = "N", default_value = "1")]
     pub replicas: NonZeroUsize,
-    /// Seeds on which a minimal case is tried; it must fail on 80 % of them. Of processes: most repetitions of a fault
+    /// Seeds on which a minimal case is tried; it must fail on 80 % of them; with `--faults processes`: most
+    /// repetitions of a fault
     #[arg(long, value_name = "N", default_value = "10")]
     pub seeds: NonZeroUsize,
     /// Failures that are reduced to minimal cases, 0 to 5
@@ -101,7 +102,7 @@ pub struct SearchArguments {
     /// Estimate how often the requirements are broken under the distributions of the file's `[probability]`
     #[arg(long, conflicts_with_all = ["faults", "method", "replicas"])]
     pub probability: bool,
-    /// Driver who must be able to avoid a scene that counts [default: regulation]
+    /// Driver that decides which scenes count: those that it avoids [default: regulation]
     #[arg(long, value_enum)]
     pub reference: Option<ReferenceName>,
     /// Options of all runs.

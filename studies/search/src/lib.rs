@@ -6,7 +6,8 @@
 //! ```
 //!
 //! A [`problem::Problem`] is a scenario with variables and a requirement. A method ([`method`]) chooses points one
-//! after the other; a [`mod@reference`] driver says which are worth a run. [`value`] is what is made small: below 0 a run
+//! after the other; a [`mod@reference`] driver decides which are worth a run. [`value`] is what is made small: below 0
+//! a run
 //! is a failure. The command is a study of `frame`: journals, parts and results are the frame's.
 //!
 //! docs/search.md has the files, the methods and what they found.

@@ -29,7 +29,7 @@ const MAX_RUNS: usize = 1_000_000;
 /// Arguments of `string`.
 #[derive(Debug, Args)]
 pub struct StringArguments {
-    /// Name of a built-in scenario (see `timegap list`), or a TOML file: what the first car meets
+    /// Scenario of the first car: name of a built-in one (see `timegap list`), or a TOML file
     pub scenario: String,
     /// Cars in the string
     #[arg(long, value_name = "N")]

@@ -6,8 +6,8 @@
 //!               └────── speeds and gap errors, as norms or as a sine's amplitude ──► gains
 //! ```
 //!
-//! The first car drives the scenario as it stands. Each one after it drives the same scenario with one
-//! other vehicle: the car before it, with the motion that it really had. A string is stable when no car makes
+//! The first car drives the scenario as it stands. Each one after it drives the same scenario with one other vehicle:
+//! the car before it, in its real motion. A string is stable when no car makes
 //! the disturbance larger (Swaroop and Hedrick, 1996, in the sense of the norms that are printed).
 
 mod arguments;

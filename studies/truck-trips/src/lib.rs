@@ -6,8 +6,9 @@
 //!               └── Seen ◄───┘ truck_model
 //! ```
 //!
-//! Drivers: constant speed ([`Cruise`]), a human ([`Human`]), the law `predictive` ([`Assisted`]), an ordinary ACC
-//! ([`OrdinaryAcc`]), and the optimum of the whole route ([`Bound`]). [`Comparison`] compares them at equal trip
+//! Five drivers are compared: constant speed ([`Cruise`]), a human ([`Human`]), the law `predictive` ([`Assisted`]), an
+//! ordinary ACC ([`OrdinaryAcc`]), and the optimum of the whole route ([`Bound`]). [`Comparison`] compares them at
+//! equal trip
 //! time. Everything is plain code in one thread: the same inputs give the same bits.
 //!
 //! ```

@@ -134,7 +134,7 @@ fn outside_an_array_job_auto_is_refused() {
     let corner = Corner::new(PROGRAM);
     std::fs::write(corner.path().join("small.toml"), CAMPAIGN).expect("our own directory");
     for study in [&SWEEP[..], &["campaign", "small.toml"]] {
-        let words = ["no array job", "SLURM_ARRAY_TASK_ID", "expected --shard I/N"];
+        let words = ["not an array job", "SLURM_ARRAY_TASK_ID", "expected --shard I/N"];
         refused(&corner, &[study, &["--shard", "auto", "--out", "x"]].concat(), &words);
     }
     assert!(!corner.path().join("x").exists(), "nothing was begun");

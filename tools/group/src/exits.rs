@@ -17,8 +17,9 @@
 //! | it does not report at the run's end | 3 s | `did not report` | aborted | the same |
 //!
 //! With a standby "replaced" means: by the standby, at once, and the next standby is started. "Replaced" is within
-//! `[supervision]`'s budget. Beyond it the plant is ordered to stop in lane: the outcome is `safe_stop` once the
-//! vehicle stands, `aborted` if the run ends before that, never `completed`. The run ends at once as `aborted` when
+//! `[supervision]`'s budget. Beyond it the plant is ordered to stop in lane. The outcome is `safe_stop` once the
+//! vehicle stands. It is `aborted` if the run ends before that, and never `completed`. The run ends at once as
+//! `aborted` when
 //! the plant itself is beyond its budget or its policy is `never`. The figures are those of the last cycle that the
 //! plant kept.
 

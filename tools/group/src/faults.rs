@@ -51,8 +51,8 @@ pub enum Act {
 }
 
 impl Planned {
-    /// True if a kill strikes this process at `now_ns`: one that it has not killed yet, and that takes part,
-    /// or that a storm leaves out.
+    /// True if a kill strikes this process at `now_ns`. The kill has not struck it yet, and the process takes part, or
+    /// a storm leaves it out.
     fn is_to_kill(&self, one: Living, now_ns: i64) -> bool {
         let after_ns = match &self.process_fault {
             ProcessFault::RestartStorm { after_start_ms: Some(after), .. }

@@ -1,7 +1,7 @@
 //! A lockstep run in the calling thread: the services take turns, and memory carries their messages.
 //!
-//! The results are those of a group of processes, to the byte; what is left out is the machine between
-//! the services: processes, shared memory, files. Faults of processes need processes.
+//! The results are those of a group of processes, to the byte. Only the machine between the services is left out:
+//! processes, shared memory, files. Faults of processes need processes.
 
 use super::drive_log::DriveLog;
 use super::exits::Exit;
@@ -53,8 +53,8 @@ pub fn run_watched(
     run_behind(scenario, Sealing::Sealed, Box::new(|_, _| {}), interrupted, watch)
 }
 
-/// The same of a run whose messages nothing compares with another run's: their CRCs and digests are not computed,
-/// and the summary has no digests. All else is the same.
+/// The same for a run whose messages are not compared with another run's. CRCs and digests are not computed, and the
+/// summary has no digests. All else is the same.
 ///
 /// # Errors
 /// As [`run`].

@@ -14,8 +14,8 @@ const GRACE: Duration = Duration::from_secs(2);
 /// Word of a launcher that has already cleaned up.
 pub const DONE: &str = "done";
 
-/// Runs the janitor of the run at `root`: reads lines from the launcher, the number of the services'
-/// process group first, until [`DONE`] or the launcher's death.
+/// Runs the janitor of the run at `root`. It reads lines from the launcher until [`DONE`] or the launcher's death. The
+/// first line is the number of the services' process group.
 pub fn run(root: &Path) -> ExitCode {
     // Opened while the run is certainly alive.
     let Ok(lock) = open_lock(root) else { return ExitCode::FAILURE };

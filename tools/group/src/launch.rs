@@ -117,7 +117,7 @@ pub struct Moment<'a> {
     pub faults: &'a [FaultRecord],
 }
 
-/// The scenario as the services read it: with the gap that the law aims at, so that the referee can measure against
+/// The scenario as the services read it. It has the gap that the law aims at, so that the referee can measure against
 /// it without knowing any law. The aim of a program in the controller's place is known only from the scenario.
 pub(super) fn for_services(scenario: &Scenario, is_replaced: bool) -> Scenario {
     let mut scenario = scenario.clone();

@@ -20,8 +20,8 @@ const LIBRARY: &str = "library:";
 /// ```
 #[derive(Clone, Debug, Default, Args)]
 pub struct LawOptions {
-    /// A law of your own under a name: a program, split as a shell does, or `library:FILE`, a shared library, which can
-    /// crash or block timegap (repeatable)
+    /// A law of your own: NAME=COMMAND starts a program, with words as in a shell; NAME=library:FILE loads a shared
+    /// library, which can crash or block timegap (repeatable)
     #[arg(long = "law", value_name = "NAME=COMMAND")]
     pub laws: Vec<NamedLaw>,
 }

@@ -10,8 +10,8 @@
 //!
 //! In lockstep the same services can also take turns in the launcher's own thread: [`in_process`].
 //!
-//! During a realtime run the supervisor keeps the group whole: it replaces a service that dies or hangs,
-//! within its budget ([`exits`] is the table of all ends). [`faults`] applies the faults of the scenario
+//! During a realtime run the supervisor keeps the group whole. It replaces a service that dies or hangs, within its
+//! budget. [`exits`] is the table of all ends. [`faults`] applies the faults of the scenario
 //! and those that come in at [`control`].
 
 mod attached;

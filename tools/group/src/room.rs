@@ -1,5 +1,4 @@
-//! Needs of a run, checked before anything is started: a refusal then is one line, and a process that runs into it
-//! later dies of it.
+//! Needs of a run, checked before the start. A refusal is then one line; a process that met the lack later would die.
 
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
 use std::io;

@@ -57,8 +57,8 @@ impl Silence {
         self.suspect = None;
     }
 
-    /// Meaning of the silence at `now_ns` with a limit of `limit_ns`. `share` asks the kernel what the process had of
-    /// the processor so far; without an answer a silent process is taken for hung. A starved one is silent from now
+    /// Meaning of the silence at `now_ns` with a limit of `limit_ns`. `share` reads the process's processor time from
+    /// the kernel. Without it a silent process counts as hung. A starved one is silent from now
     /// on.
     pub fn meaning(
         &mut self,

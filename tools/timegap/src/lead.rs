@@ -23,7 +23,7 @@ a scenario refuses this record because of its gaps."
 pub struct LeadArguments {
     /// A CSV file, an MCAP file or a ROS bag
     pub file: PathBuf,
-    /// Columns by what they hold, with units: `t=stamp, v=speed:km/h` [default: time_s and speed_mps]
+    /// Column of each quantity, with its unit: `t=stamp, v=speed:km/h` [default: time_s and speed_mps]
     #[arg(long, value_name = "LIST")]
     pub columns: Option<String>,
     /// Rows of one vehicle in a file of several

@@ -18,7 +18,7 @@
 //! | a target was lost in a curve | the present speed for [`HELD_S`] |
 //!
 //! [`RoadAhead`] is what is known: the map, the course that perception estimates, or the ego's own yaw rate. In a curve
-//! the acceleration a_x is at most √(a_tot² - a_y²). Laws know nothing of all this: they get a lower set speed.
+//! the acceleration a_x is at most √(a_tot² - a_y²). The laws are not involved: they get a lower set speed.
 //!
 //! Sources: ISO 15622 (design values of a, from secondary sources); a_tot as in openpilot: 1.7 m/s² at 20 m/s, 3.2 at
 //! 40 m/s.
@@ -49,7 +49,7 @@ pub const HELD_S: f64 = 2.0;
 /// The road is a curve from this curvature on, 1/m. Chosen: a path that goes straight on leaves half of a lane after
 /// 72 m.
 const CURVE_PERM: f64 = 1.0 / 1500.0;
-/// Time by which the cap comes before the road asks for it, s. Chosen: the laws follow a falling set speed 1 to 2 s late.
+/// Time by which the cap precedes the curve, s. Chosen: the laws follow a falling set speed 1 to 2 s late.
 const LEAD_S: f64 = 2.0;
 /// Total acceleration, m/s², at these speeds, m/s.
 const TOTAL_MPS2: (f64, f64) = (1.7, 3.2);
@@ -147,7 +147,7 @@ impl CurveSpeed {
         self.bound(speed_mps, road.here_perm(), period_s, requested_mps2);
     }
 
-    /// Bounds what the law asks for in a curve.
+    /// Bounds the law's request in a curve.
     pub fn restrain(&self, output: &mut Output) {
         if self.most_mps2 < FREE_MPS2 {
             output.bound_from_above(self.most_mps2);

@@ -4,7 +4,7 @@
 const LAG_S: f64 = 0.5;
 /// A yaw rate within this is none, rad/s. Chosen: three standard deviations of the sensor's offset and noise, 0.14 °/s.
 const NONE_RADPS: f64 = 0.0075;
-/// Speed below which a yaw rate says nothing of a curvature, m/s.
+/// Speed below which a yaw rate does not show a curvature, m/s.
 const SLOWEST_MPS: f64 = 3.0;
 
 /// The curvature of the ego's own way, as far as its yaw rate surely shows it.

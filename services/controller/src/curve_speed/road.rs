@@ -1,6 +1,6 @@
 //! The curvature ahead, as the controller knows it.
 
-/// No road bends more, 1/m: what says so is wrong.
+/// Largest curvature of a road, 1/m: a larger one is an error.
 const SHARPEST_PERM: f64 = 1.0 / 15.0;
 /// Distance between two looks at a clothoid, m.
 const STEP_M: f64 = 5.0;

@@ -24,7 +24,7 @@
 //! ```
 //!
 //! Both react late to a lead that brakes hard while the gap is still ample. Beyond a deceleration
-//! of 1 m/s² the driver therefore takes what the heuristic asks for, in full from 2 m/s² on:
+//! of 1 m/s² the driver therefore takes the heuristic's request, in full from 2 m/s² on:
 //!
 //! ```text
 //! a_driver = a_acc + clamp(-a_lead / (1 m/s²) - 1, 0, 1) min(0, a_cah - a_acc)

@@ -53,7 +53,7 @@ fn an_input_is_stale_above_its_bound() {
         (Ages { odometry_s: Option::None, ..ages(0.0, 0.0, 0.0) }, Level::Silent, Announced),
         (Ages { spat_s: Option::None, ..ages(0.0, 0.0, 0.0) }, Level::SignalsLost, None),
         (Ages { radar_s: Option::None, ..ages(0.0, 0.0, 0.0) }, Level::LeadPredicted, Announced),
-        // The level that asks for most comes first.
+        // The strictest level comes first.
         (ages(9.0, 9.0, 9.0), Level::Silent, None),
         (ages(0.0, 9.0, 9.0), Level::LeadLost, None),
         (ages(0.0, 0.5, 9.0), Level::LeadPredicted, None),
@@ -73,7 +73,7 @@ fn bounds_follow_the_periods_of_the_sources() {
         ladder.look(&ages(0.0, radar_s, 9.0), 0.0);
         ladder.level()
     };
-    // Without a signal ahead nothing is to be told of one.
+    // Without a signal ahead none is reported.
     assert_eq!(level("", 0.0), Level::Full);
     let slow = "[perception]\nperiod_ms = 100\nradar.latency_ms = 100";
     assert_eq!((level(slow, 0.4), level(slow, 0.401)), (Level::Full, Level::LeadPredicted));

@@ -8,11 +8,11 @@
 //! | then | rises with 2.5 m/s³ |
 //! | the radar sees next to nothing, and the ego is faster than that allows | -2 |
 //!
-//! A radar that sees less than it should bounds the set speed: to what stops within the distance at which it still finds
-//! a vehicle in time.
+//! A radar with reduced sight bounds the set speed. From this speed the ego stops within the distance at which the
+//! radar still finds a vehicle in time.
 //!
-//! The radar estimates its own sight, with noise. Worse sight counts at once, better sight when it has
-//! lasted for 5 s: near a threshold the set speed would else change several times a second.
+//! The radar estimates its own sight, with noise. Worse sight counts at once, better sight when it has lasted for 5 s.
+//! Otherwise, near a threshold, the set speed would change several times a second.
 //!
 //! A radar that is blind half of the time is so never accelerated on. While blind, the set speed is at most
 //! the speed at which the ego became blind. So the laws do not work against the bound.
@@ -84,7 +84,7 @@ impl Caution {
         self.sight
     }
 
-    /// Bounds the set speed by what the radar sees; true if that is less than it should be.
+    /// Bounds the set speed by the radar's sight; true if that is less than it should be.
     pub(super) fn heed(sight: Sight, input: &mut Input) -> bool {
         let most_mps = match sight {
             Sight::Full => return false,
@@ -115,7 +115,7 @@ impl Caution {
         }
     }
 
-    /// Takes how much the radar sees; slows down an ego that is too fast for a blind one.
+    /// Takes the radar's sight; slows down an ego that is too fast for a blind one.
     pub(super) fn slow_down(&mut self, sight: Sight, input: &Input) {
         let is_too_fast = sight == Sight::Blind && input.ego.speed_mps > BLIND_MPS;
         let harder_mps2 = self.slows_mps2.unwrap_or(0.0) - SLOWS_JERK_MPS3 * input.period_s;

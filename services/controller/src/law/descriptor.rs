@@ -11,8 +11,8 @@ use crate::settings::Table;
 
 /// A law as data: the registry ([`crate::laws::ALL`]) is a list of these.
 ///
-/// The command line, the scenario check, the referee's desired gap, the report and the conformance
-/// suite read the descriptor; only the control loop calls [`Descriptor::build`].
+/// The command line, the scenario check, the referee's desired gap, the report and the conformance suite read the
+/// descriptor. Only the control loop calls [`Descriptor::build`].
 #[derive(Debug)]
 pub struct Descriptor {
     /// Name in scenarios and on the command line.

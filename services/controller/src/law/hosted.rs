@@ -1,4 +1,4 @@
-//! A law that a foreign program computes: what the control loop asks of its host.
+//! A law that a foreign program computes: the control loop's requests to its host.
 
 use super::{Input, Output};
 use crate::report::ProgramReport;
@@ -35,8 +35,8 @@ pub trait Hosted {
         let _ = scenario;
     }
 
-    /// One step of the law. `left` is the wall time in which it must be done: what has not been answered
-    /// by then is answered by the law's backup. None: in simulated time, in which the answer is waited
+    /// One step of the law. `left` is the wall time for the answer. Without an answer by then the law's backup answers.
+    /// None: in simulated time, in which the answer is waited
     /// for.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 
 use super::preview::Preview;
 
-/// Most signals a law is told about, nearest first.
+/// Largest number of signals in a law's input, nearest first.
 pub const MAX_SIGNALS: usize = 4;
 /// Most future phases a signal announces, the current one included.
 pub const MAX_PHASES: usize = 8;
@@ -82,7 +82,7 @@ pub struct Powertrain {
     pub grade: f64,
 }
 
-/// Everything a law is told at one release.
+/// Input of a law at one release.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Input {
     /// Time of the release since the start of the run, s.

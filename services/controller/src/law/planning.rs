@@ -146,8 +146,8 @@ impl Plan {
 
 /// Plans speed, torque and gear over the road ahead. Allocates only when it is made.
 pub trait Planner: Send {
-    /// Answers a request. `false`, and an empty plan, when there is none: the road is not known far
-    /// enough, or the truck is too slow or too fast to plan for.
+    /// Answers a request. Returns `false` and an empty plan if the road is not known far enough, or if the truck is too
+    /// slow or too fast to plan for.
     fn plan(&mut self, request: &PlanRequest, plan: &mut Plan) -> bool;
 }
 
@@ -159,6 +159,6 @@ pub trait Planning {
     /// The plan that is wanted after the last step, if any.
     fn request(&mut self) -> Option<PlanRequest>;
 
-    /// Takes a plan; an empty one says that there is none.
+    /// Takes a plan; an empty one stands for none.
     fn accept(&mut self, plan: &Plan);
 }

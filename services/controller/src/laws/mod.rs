@@ -121,8 +121,8 @@ pub fn mode_names(scenario: &Scenario) -> &'static [&'static str] {
     formulation(scenario).map_or(&[], |formulation| formulation.modes)
 }
 
-/// The gap that gap errors are measured against: the scenario's own, else the one that its law aims
-/// at, as far as the scenario tells.
+/// The gap that gap errors are measured against: the scenario's own, else the one that its law aims at, if the scenario
+/// shows it.
 #[must_use]
 pub fn desired_gap(scenario: &Scenario) -> Option<DesiredGap> {
     scenario.referee.desired_gap.or_else(|| match of(scenario).ok()?.gap {
@@ -167,7 +167,7 @@ mod tests {
         assert!(ranges > 40, "{ranges}");
     }
 
-    /// Numbers with a range below a table; each key is held to what it must say.
+    /// Numbers with a range below a table; each key is checked.
     fn ranges(table: &str, keys: Vec<Key>) -> usize {
         let mut ranges = 0;
         for key in keys {

@@ -1,8 +1,8 @@
-//! Whether signal timing can be believed.
+//! Plausibility of signal timing.
 //!
 //! A certain announcement of a roadside unit stays certain: a later announcement with another end contradicts it. The
-//! two do not show which of them is wrong. So the phase is green only where both say so, until one is refuted by what
-//! the signal shows. New messages can contradict what is known of other signals. A signal that they name for the first
+//! two do not show which of them is wrong. So the phase is green only where both agree, until the shown phase refutes
+//! one. New messages can contradict what is known of other signals. A signal that they name for the first
 //! time is taken to be off by as much.
 
 use super::{Check, Findings};
@@ -32,7 +32,7 @@ pub struct Countdown {
     overdue_s: f64,
     /// By how much the ends of known signals are off, s, while they are.
     offset_s: Option<f64>,
-    /// Step and acquisition, ns, of the last message: one that is as old as the one before may say more.
+    /// Step and acquisition, ns, of the last message: one of the same age as the last one may contain more.
     last: Option<(u64, i64)>,
     believed: Box<Spat>,
     contradicts: bool,
@@ -70,8 +70,7 @@ impl Countdown {
         Self { overdue_s: OVERDUE_S + clocks_s, ..Self::default() }
     }
 
-    /// Takes the newest message; returns what of it can be believed, and whether that is less than it
-    /// says.
+    /// Takes the newest message; returns its trusted part, and whether that is less than the whole.
     pub fn look<'a>(
         &'a mut self,
         sample: &'a Spat,

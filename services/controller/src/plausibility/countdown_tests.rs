@@ -30,7 +30,7 @@ fn spat(now_s: f64, signals: &[Signal]) -> Spat {
     spat
 }
 
-/// Looks at one message after another; returns what was believed of each one and whether that is less than it says.
+/// Looks at one message after another; returns the trusted part of each, and whether that is less than the whole.
 fn looked(messages: &[Spat]) -> Vec<(Spat, bool)> {
     let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
     let mut results = Vec::new();
@@ -84,7 +84,7 @@ fn a_phase_may_outlast_its_end_by_the_time_of_a_message() {
         assert_eq!(found, contradicts, "{late_s}");
         assert_eq!(ends(&believed, 0), [10.0, 20.0]);
     }
-    // A new signal whose phase is over says nothing.
+    // A new signal whose phase is over shows nothing.
     let (believed, _) = last(&[spat(11.0, &[signal(1, &[(RED, 10.0), (GREEN, 20.0)])])]);
     assert_eq!(believed.signals[0].count, 0);
 }
@@ -120,7 +120,7 @@ fn around_a_switch_the_phase_before_and_the_one_after_agree() {
     assert!(at(20.3, &[(RED, 20.25), (GREEN, 30.3)]).1, "0.25 s late and still red");
     assert!(at(19.7, &[(GREEN, 28.0), (RED, 50.0)]).1, "early green that ends early");
     assert!(!at(19.7, &[(GREEN, 30.1), (RED, 50.0)]).1);
-    // Farther from it another phase refutes what was known, and is believed.
+    // Farther from it another phase refutes the known one, and is trusted.
     let (believed, contradicts) = at(19.6, &[(GREEN, 28.0), (RED, 50.0)]);
     assert_eq!((ends(&believed, 0), contradicts), (vec![28.0, 50.0], false));
 }

@@ -1,4 +1,4 @@
-//! The ego's motion while its odometry is missing or cannot be believed.
+//! The ego's motion while its odometry is missing or not trusted.
 //!
 //! It goes on from the last odometry. It takes the speed that the radar measures by standing objects beside the road.
 //! Without these it takes, for a short time, the speed that the commands make. Only odometry ends the estimate: the
@@ -19,13 +19,13 @@ const LAG_S: f64 = 0.5;
 pub struct EgoEstimate {
     /// The motion, as a message from this time.
     now: Option<Odometry>,
-    /// When odometry was last believed, and when it or the radar last gave the speed, s.
+    /// Times of the last trusted odometry, and of the last speed from it or the radar, s.
     believed_s: f64,
     measured_s: f64,
 }
 
 impl EgoEstimate {
-    /// Takes odometry that is fresh and believed.
+    /// Takes fresh and trusted odometry.
     pub fn believe(&mut self, odometry: &Odometry, time_s: f64) {
         self.now = Some(*odometry);
         (self.believed_s, self.measured_s) = (time_s, time_s);

@@ -1,4 +1,4 @@
-//! Whether what the inputs say can be believed.
+//! Plausibility of the inputs.
 //!
 //! The end-to-end protection finds what was changed on the way, not what its sender made up. A sender may
 //! repeat itself under fresh stamps, or its figures may be off. It then contradicts itself, another sensor or
@@ -137,7 +137,7 @@ impl Findings {
     }
 }
 
-/// The inputs as far as they can be believed.
+/// The trusted parts of the inputs.
 #[derive(Debug)]
 pub struct Believed<'a> {
     /// Odometry; `None` if it contradicts something.

@@ -1,4 +1,4 @@
-//! Whether odometry can be believed.
+//! Plausibility of odometry.
 
 use super::{Check, Findings};
 use messages::{Odometry, RadarTracks};
@@ -56,7 +56,7 @@ impl Motion {
     ) -> bool {
         let Some(last) = self.last.replace(*sample) else { return true };
         let elapsed_ns = sample.header.acquisition_ns - last.header.acquisition_ns;
-        // The same sample again says nothing new; an older one is the age's concern.
+        // The same sample again adds nothing; an older one is judged by its age.
         if elapsed_ns > 0 {
             let elapsed_s = elapsed_ns as f64 / 1e9;
             let by_itself = self.by_itself(&last, sample, elapsed_s, time_s, findings);

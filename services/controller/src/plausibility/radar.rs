@@ -1,4 +1,4 @@
-//! Whether the radar's tracks can be believed.
+//! Plausibility of the radar's tracks.
 //!
 //! | check | a contradiction | not one |
 //! |---|---|---|

@@ -83,7 +83,7 @@ impl CurveTopics {
         self.speed.cap(input, &road, requested_mps2);
     }
 
-    /// Bounds what the law asks for in a curve.
+    /// Bounds the law's request in a curve.
     pub(super) fn restrain(&self, output: &mut Output) {
         self.speed.restrain(output);
     }

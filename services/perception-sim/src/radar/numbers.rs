@@ -1,7 +1,7 @@
 //! Numbers of the sensor model beside a scenario's keys, each with its origin.
 //!
-//! The keys of `[perception.radar.detections]` say how strong and how exact the radar is. These numbers say how
-//! bodies reflect and what the receiver does with noise. [`crate::tracking::numbers`] says how their effects were
+//! The keys of `[perception.radar.detections]` set the radar's strength and accuracy. These numbers set the reflections
+//! of bodies and the receiver's noise. [`crate::tracking::numbers`] says how their effects were
 //! measured.
 
 use parameters::parameters;

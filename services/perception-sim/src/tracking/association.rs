@@ -1,8 +1,8 @@
 //! Assignment of detections to tracks.
 //!
 //! A vehicle gives several detections, so a track may take any number of them. A detection belongs to one track at
-//! most. The assignment with the least total distance is then that of every detection to its nearest track within the
-//! gate: each choice leaves all others free.
+//! most. Each choice then leaves all others free. So the least total distance assigns every detection to its nearest
+//! track within the gate.
 //!
 //! Distance is measured from the outline that the track predicts. Its units are the standard deviations of range,
 //! lateral position and range rate.

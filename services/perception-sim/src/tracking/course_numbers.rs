@@ -33,7 +33,7 @@ parameters! {
         own_way_perm: f64 = 3e-4, "1/m", 1e-5..=1e-2, "Chosen: a wander of 0.2 m within the lane.";
         /// Angle between the ego's way and the lane.
         own_angle_rad: f64 = 0.012, "rad", 0.001..=0.1, "Chosen: the same wander.";
-        /// Speed below which the yaw rate says nothing of the curvature.
+        /// Speed below which the yaw rate does not show the curvature.
         slow_mps: f64 = 3.0, "m/s", 0.5..=10.0, "Chosen: the sensor's offset of 0.1 °/s makes 6e-4 1/m there.";
 
         // Standing objects beside the road.

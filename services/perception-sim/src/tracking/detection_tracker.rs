@@ -55,7 +55,7 @@ pub struct DetectionTracker {
     next_id: u32,
 }
 
-/// The longitudinal model that a scenario asks for.
+/// The longitudinal model of a scenario.
 #[must_use]
 pub fn model_of(scenario: &Scenario, numbers: &Numbers) -> Model {
     let keys = &scenario.perception.tracker;
@@ -71,7 +71,7 @@ pub fn model_of(scenario: &Scenario, numbers: &Numbers) -> Model {
 }
 
 impl DetectionTracker {
-    /// The tracker of a scenario, which knows how exact the receiver is.
+    /// The tracker of a scenario, with the receiver's accuracy.
     #[must_use]
     pub fn new(scenario: &Scenario, receiver: &Receiver) -> Self {
         Self::with(scenario, receiver, &Numbers::DEFAULT)

@@ -12,7 +12,7 @@ use super::slip::Slip;
 use crate::radar::echo::Antenna;
 use crate::radar::receiver::{Receiver, snr_of};
 
-/// The radar as perception knows it.
+/// Perception's model of the radar.
 #[derive(Clone, Copy, Debug)]
 pub struct Radar {
     /// Its receiver.

@@ -1,6 +1,6 @@
 //! The referee: what truly happened, from the ground truth alone.
 //!
-//! Once in each period of the plant it sees the ego, the vehicle ahead and the signals as they are. It keeps the
+//! Once in each period of the plant it takes the true ego, vehicle ahead and signals. It keeps the
 //! figures of the run's summary. A collision or a red light ends the run.
 //!
 //! Between two samples the ego moves evenly. So two figures are interpolated, as in the papers: the time at a stop
@@ -108,8 +108,8 @@ impl Referee {
         *self = Self { numbers: self.numbers, ..kept };
     }
 
-    /// Takes the truth at `now_ns`: the ego, the vehicle ahead in its lane if there is one, and the
-    /// signals not yet far behind, nearest first. A sample that is not later than the one before, or
+    /// Takes the truth at `now_ns`: the ego, the vehicle ahead in its lane, and the signals not yet far behind, nearest
+    /// first. A sample that is not later than the one before, or
     /// not finite, is passed over.
     ///
     /// Returns the violation that this sample shows, once.

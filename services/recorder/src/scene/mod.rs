@@ -31,7 +31,7 @@ use scenario::event::VEHICLE_WIDTH_M;
 
 /// Time between two drawings, ns.
 const PERIOD_NS: i64 = 50_000_000;
-/// Length of a vehicle whose length the scenario does not say, m.
+/// Length of a vehicle without a length in the scenario, m.
 const USUAL_LENGTH_M: f64 = 4.5;
 /// Height of vehicles, and of lights above the road, m.
 const VEHICLE_HEIGHT_M: f64 = 1.5;

@@ -1,4 +1,4 @@
-//! C: a header whose structs are the messages' bytes, with assertions that say so.
+//! C: a header whose structs are the messages' bytes, with assertions of that.
 
 use super::all;
 use messages::{Element, Field, LAYOUT_VERSION, Layout, Scalar, TOPICS};

@@ -39,7 +39,7 @@ pub mod opcode {
     pub const DATA_END: u8 = 0x0F;
 }
 
-/// A body is shorter than what it says it holds, or holds no text where one belongs.
+/// A body is shorter than its stated content, or has no text where one belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Malformed;
 

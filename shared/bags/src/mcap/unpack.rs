@@ -12,10 +12,10 @@ pub enum UnpackError {
     /// It would need more memory than a reader gives.
     #[error("it unpacks to {0} bytes; a chunk may have {LONGEST_CHUNK}")]
     TooLong(u64),
-    /// It is longer than it says.
+    /// It is longer than stated.
     #[error("it is longer than the {0} bytes that it says")]
     Longer(u64),
-    /// It is shorter than it says.
+    /// It is shorter than stated.
     #[error("it has {0} bytes of the {1} that it says")]
     Shorter(u64, u64),
     /// Its compression is none that is known.

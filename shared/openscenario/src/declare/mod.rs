@@ -13,7 +13,7 @@
 //! }
 //! ```
 //!
-//! Types say how often something stands: `T` once, `Option<T>` at most once, `Vec<T>` any number,
+//! Types give the number of occurrences: `T` once, `Option<T>` at most once, `Vec<T>` any number,
 //! [`AtLeastOne<T>`](AtLeastOne). [`OneOf<(A, B)>`](OneOf) is a choice. [`check`] holds a file against these
 //! declarations; then the readers find what they ask for, and report an error otherwise.
 

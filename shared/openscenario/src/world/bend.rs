@@ -30,7 +30,7 @@ impl Bend {
 }
 
 impl World {
-    /// Lays a curved axis under the world: from now on entities cover `s` as their offset from it says.
+    /// Lays a curved axis under the world: from now on entities cover `s` by their offset from it.
     pub fn bend(&mut self, bend: Bend) {
         self.bend = Some(bend);
     }

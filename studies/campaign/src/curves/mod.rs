@@ -1,9 +1,9 @@
 //! `campaign curves`: whom the ego follows on curved roads, by ground truth.
 //!
-//! Perception has to say which vehicle is in the ego's lane, and on a curve the lane is not straight ahead. Each scene
+//! Perception has to find the vehicle in the ego's lane, and on a curve the lane is not straight ahead. Each scene
 //! is driven with five sets of sources of the course. The first is empty (a straight path), and the second has the yaw
-//! rate. The other three add standing objects, trails and the map one after the other. `docs/curves.md` says how the
-//! figures are meant.
+//! rate. The other three add standing objects, trails and the map one after the other. `docs/curves.md` explains the
+//! figures.
 //!
 //! ```text
 //! number ─ road, queue ─► scenario x sources ─► drive ─ report::targets ─► sums by part of a curve ─► table, limits

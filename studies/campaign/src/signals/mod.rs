@@ -1,7 +1,7 @@
 //! `timegap campaign signals`: corridors of signals, `cacc-mpc` against an ACC whose driver stops for them.
 //!
 //! Each corridor is driven by both laws and by those of `--law`, and beside them stands the fastest legal trip. The radar is imperfect,
-//! and the signals come as frames. `docs/signals.md` says how the figures are meant.
+//! and the signals come as frames. `docs/signals.md` explains the figures.
 //!
 //! ```text
 //! number ─ draw ─► scenario ─► cacc-mpc, acc-signal-stop ─ judge ─► table, goals

@@ -84,7 +84,7 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
     frame::study::run::<Laws>(arguments)
 }
 
-/// A scenario would be driven twice, in rows that cannot be told apart.
+/// A scenario would be driven twice, in rows that look the same.
 #[derive(Debug, thiserror::Error)]
 #[error("{name} is there twice, expected each scenario once")]
 pub struct Twice {

@@ -23,7 +23,7 @@ pub fn name(key: &str) -> (String, Option<&'static str>) {
     let last = key.rsplit('.').next().unwrap_or(key);
     let unit = UNITS.iter().find_map(|(suffix, unit)| Some((last.strip_suffix(suffix)?, *unit)));
     let (words, unit) = unit.map_or((last, None), |(words, unit)| (words, Some(unit)));
-    // A last part that says nothing alone stands with the one before it: `controller.name`.
+    // A last part without a meaning of its own stands with the one before it: `controller.name`.
     let words = match key.rsplit('.').nth(1) {
         Some(before) if matches!(words, "name" | "vehicle" | "model" | "kind") => {
             format!("{before} {words}")

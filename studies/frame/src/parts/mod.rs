@@ -37,11 +37,11 @@ pub const FILE: &str = "part.json";
 /// Options of a study that can be done in parts.
 #[derive(Clone, Debug, Default, Args)]
 pub struct PartOptions {
-    /// Do only part I of N of the runs, or the part that the array job's environment names (`auto`,
-    /// or `auto/N` where that does not give the number); `--merge` joins the parts
+    /// Do only part I of N of the runs; `auto` takes both numbers from the array job's environment, `auto/N` only I;
+    /// `--merge` joins the parts
     #[arg(long, value_name = "I/N|auto")]
     pub shard: Option<ShardChoice>,
-    /// Continue the study in this directory; begin it there if there is none
+    /// Continue the study in this directory, or begin a new one there
     #[arg(long, value_name = "DIR", conflicts_with = "out")]
     pub resume: Option<PathBuf>,
     /// Join the parts in these directories

@@ -93,7 +93,7 @@ pub enum ArrayJobError {
          AWS_BATCH_JOB_ARRAY_INDEX is set, expected --shard I/N"
     )]
     None,
-    /// The engine does not say how many tasks the job has.
+    /// The engine does not give the number of the job's tasks.
     #[error(
         "--shard auto: {engine} does not give the number of its tasks, expected --shard auto/N"
     )]
@@ -147,7 +147,7 @@ pub enum ArrayJobError {
 impl Failure for ArrayJobError {}
 
 impl ShardChoice {
-    /// The shard, by this process's environment where it says so.
+    /// The shard, by this process's environment where it is asked for.
     ///
     /// # Errors
     /// [`ArrayJobError`].

@@ -36,7 +36,7 @@ pub const CURVE_LATERAL_MARGIN_MPS2: f64 = 0.3;
 pub const LEAST_SHARE_OF_TIME_GAP: f64 = 2.0 / 3.0;
 /// Time for which the ego follows in the curve before the target slows down, s. Since 2026-11-26; the same source.
 pub const STEADY_S: f64 = 10.0;
-/// Deceleration from which the ego slows down, m/s². Since 2026-11-26. Chosen: more than following asks for.
+/// Deceleration from which the ego slows down, m/s². Since 2026-11-26. Chosen: more than following needs.
 pub const BEGINS_TO_SLOW_MPS2: f64 = 0.3;
 /// Time for which the target may be lost, or the neighbour followed, s. Since 2026-11-26. Chosen.
 pub const MAX_TARGET_LOST_S: f64 = 0.0;

@@ -1,6 +1,6 @@
 //! Braking of the models.
 
-/// Braking that a model asks for after its reaction time.
+/// Braking of a model after its reaction time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Braking {
     /// Deceleration \[m/s²\], positive.

@@ -5,7 +5,7 @@ use super::{Model, Situation, View, careful_driver, fuzzy, regulation, rss};
 use crate::STEP_S;
 use crate::contact::is_ahead;
 
-/// A model that drives the ego: the speed it asks for, step by step.
+/// A model that drives the ego: its requested speed, step by step.
 #[derive(Clone, Debug)]
 pub struct Driver {
     model: Model,

@@ -1,4 +1,4 @@
-//! An ego at constant speed among scripted vehicles, as a scenario. All vehicles are as long as the regulation says.
+//! An ego at constant speed among scripted vehicles, as a scenario. All vehicles have the regulation's length.
 
 use crate::VEHICLE_LENGTH_M;
 use controller::laws;

@@ -55,7 +55,7 @@ pub struct R157Arguments {
     /// Laws of the user's own.
     #[command(flatten)]
     pub laws: LawOptions,
-    /// Drive the regulation's models alone, no controller and no process
+    /// Drive the regulation's models alone, without controllers and processes
     #[arg(
         long,
         conflicts_with_all = ["laws", "require", "processes", "programs", "ready_timeout", "shard", "resume", "merge"]

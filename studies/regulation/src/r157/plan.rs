@@ -62,7 +62,7 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// The study that the arguments ask for.
+    /// The study of the arguments.
     ///
     /// # Errors
     /// [`Error::Scenario`] for an unknown law; [`Refused`](super::asked::Refused).

@@ -84,8 +84,8 @@ pub struct Avoidable {
     pub regulation: Option<u32>,
     /// Both of them.
     pub both: u32,
-    /// Collisions of `both` in cases whose contact at constant speeds is shorter than a step of the models. The
-    /// models may not see it; null without cut-ins.
+    /// Collisions of `both` in cases whose contact at constant speeds is shorter than a step of the models. The models
+    /// may miss it; null without cut-ins.
     pub both_within_a_step: Option<u32>,
 }
 

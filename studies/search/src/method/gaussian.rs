@@ -6,7 +6,7 @@
 //! score(x) = EI(x) · Π over violations v (1 − exp(−|x − v|² / (2 (0.1 √d)²)))      words: |x − v| infinite if they differ
 //! ```
 //!
-//! Values enter as `asinh`: margins far from 0 say little about where it is. A point whose nearest known one is not
+//! Values enter as `asinh`: margins far from 0 show little of its place. A point whose nearest known one is not
 //! admissible is hardly tried: its score counts a twentieth.
 
 use gaussian_process::{Hyperparameters, Kind, Process, Watched, expected_improvement, fit};

@@ -10,7 +10,7 @@
 //! evenly to a stand. The other vehicles move as they did ([`Others`]). The encounter is the time for which the ego has
 //! been as fast as the vehicle or faster without a break. An encounter without a need counts from its beginning.
 //!
-//! The margin is that of "the reference has no contact, implies no collision": the larger one of `no-collision`'s
+//! The margin is that of "the reference has no contact, implies no collision". It is the larger one of `no-collision`'s
 //! margin and minus the reference's. Both of its units have a tolerance of one half, so that their numbers compare.
 //!
 //! The driver is [`ReferenceDriver::REGULATION`]. Brakes that give less than 6 m/s², as a truck's, limit it too.

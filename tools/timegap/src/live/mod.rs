@@ -5,8 +5,8 @@
 //!                                                   └─► server thread ─► browsers
 //! ```
 //!
-//! The supervisor never waits for a view: at most ten times a second it copies what is new, and a
-//! view that does not keep up misses it.
+//! The supervisor never waits for a view. At most ten times a second it copies the news, and a view that does not keep
+//! up misses them.
 
 mod feed;
 mod ground;

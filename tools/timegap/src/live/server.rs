@@ -1,8 +1,8 @@
 //! `--serve`: the run in browsers of this machine.
 //!
 //! A token begins both paths: `/TOKEN/` is the page, `/TOKEN/events` the stream of frames (server-sent
-//! events). The server listens on the loopback interface and answers requests that name it, so that no page of
-//! another origin can read along. The token keeps other users of this machine out.
+//! events). The server listens on the loopback interface and answers only requests that name it. So no page of another
+//! origin can read along. The token keeps other users of this machine out.
 //!
 //! A browser cannot hold the run up: [`MAX_CLIENTS`], [`BACKLOG`] and the limits of [`super::http`] bound it, and
 //! all connections are closed [`END_PATIENCE`] after the run.

@@ -1,9 +1,8 @@
 //! The model-predictive laws `acc-mpc` and `cacc-mpc` (He, Xi, Huang, Chen and Huang, 2024,
 //! doi 10.3969/j.issn.2095-1469.2024.06.06).
 //!
-//! `acc-mpc` follows and ignores signals, `cacc-mpc` uses them. The spacing policy picks the
-//! formulation: the paper's own ([`paper`]), which its figures need, or the one for the road
-//! ([`road`]), which is the default.
+//! `acc-mpc` follows and ignores signals, `cacc-mpc` uses them. The spacing policy picks the formulation. The paper's
+//! own ([`paper`]) reproduces its figures. The one for the road ([`road`]) is the default.
 
 pub mod config;
 mod descriptors;

@@ -13,8 +13,8 @@
 //!
 //! `D_k` is the paper's `D_R = C_s (d_p(k) - d_l(k))` written in the stage's state; `1/D` on
 //! `D > 0` is convex, and its literal jump to zero at `d_th` is taken out by subtracting `1/d_th`.
-//! The light counts before the stop line and before its first switch only; after that, and in
-//! `acc-mpc` throughout, the cost is the following one alone.
+//! The light counts before the stop line and before its first switch only. After that, and always in `acc-mpc`, the
+//! cost is the following one alone.
 //!
 //! The paper's program can have no solution. Then, in this order: the same without the light; the same with `e_k <=
 //! d_b` softened from `k = 3`, the first stage that an input reaches, and `E_N` weighted instead of fixed; the previous
@@ -48,8 +48,8 @@ use crate::law::{
 const MAX_PLAN_AGE_S: f64 = 1.0;
 /// Shortest time before the switch at which the light still counts, s.
 const SWITCH_S: f64 = 1e-6;
-/// An iterate whose scaled residuals are below this is as good as solved for driving: a tenth of a
-/// millimetre, or of a mm/s.
+/// An iterate whose scaled residuals are below this counts as solved for driving: a tenth of a millimetre, or of a
+/// mm/s.
 const USABLE_RESIDUAL: f64 = 1e-4;
 
 /// The meaning of the numbers in the output.

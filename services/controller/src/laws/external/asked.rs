@@ -117,7 +117,7 @@ pub struct Asked {
 }
 
 impl Asked {
-    /// The law that the scenario names. Without `turns` there is nobody to ask, and the run does not begin.
+    /// The law that the scenario names. Without `turns` nobody can answer, and the run does not begin.
     pub(crate) fn new(questions: Questions, turns: Option<Turns>, scenario: &Scenario) -> Self {
         let controller = &scenario.controller;
         Self {

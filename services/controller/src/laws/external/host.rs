@@ -58,7 +58,7 @@ pub(super) enum HostError {
     /// The budget of starts is used up.
     #[error("{subject} failed too often and is not started again")]
     TooOften { subject: String },
-    /// The thread says nothing in time.
+    /// The thread does not answer in time.
     #[error("the host of the law does not answer")]
     Silent,
 }
@@ -225,7 +225,7 @@ impl Thread {
         }
     }
 
-    /// Starts a program and hears its first answer.
+    /// Starts a program and reads its first answer.
     fn begin(&mut self) -> Result<(Process, Channel), HostError> {
         let subject = || self.plan.subject();
         let (mut process, mut channel) = Process::start(&self.plan)

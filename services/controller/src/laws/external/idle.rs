@@ -1,6 +1,6 @@
 //! Programs that wait for the next run of this thread: many short runs start each program once.
 //!
-//! The next run's first question tells the program to forget its history. A program that does not forget
+//! The next run's first question makes the program forget its history. A program that does not forget
 //! gives another drive than in a process of its own. The runs that studies repeat show this.
 
 use super::channel::Channel;

@@ -91,7 +91,7 @@ impl External {
         self.backup.drive(reason, self.bounds, input, output);
     }
 
-    /// Asks and hears, until `deadline`.
+    /// Asks, and waits for the answer until `deadline`.
     fn ask(&mut self, input: &Input, deadline: Instant) -> Result<Reply, ChannelError> {
         let Some(channel) = &mut self.channel else { return Ok(Reply::NoProgram) };
         // An answer to an earlier question comes too late to be used.

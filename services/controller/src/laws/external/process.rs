@@ -93,7 +93,7 @@ impl Process {
         }
     }
 
-    /// Takes its pipes: the channel, and a thread that hears its words.
+    /// Takes its pipes: the channel, and a thread that reads its standard error.
     fn open(&mut self) -> Result<Channel, StartError> {
         let questions = self.child.stdin.take().ok_or(StartError::NoPipe)?;
         let answers = self.child.stdout.take().ok_or(StartError::NoPipe)?;
@@ -145,7 +145,7 @@ impl Process {
 
     /// Its last lines on standard error.
     pub(super) fn last_words(&self) -> String {
-        // The thread that hears them may be a moment behind the program's end.
+        // The reading thread may be a moment behind the program's end.
         std::thread::sleep(Duration::from_millis(20));
         let words = self.words.lock().expect("no holder panics");
         words.iter().map(String::as_str).collect::<Vec<_>>().join(" / ")
@@ -180,7 +180,7 @@ fn read_errors(errors: ChildStderr, words: &Mutex<VecDeque<String>>) {
         }
         lines += 1;
         if lines <= KEPT_LINES {
-            // A standard error that is gone hears nothing.
+            // A closed standard error is ignored.
             let _ = writeln!(std::io::stderr(), "law: {text}");
         }
         let mut words = words.lock().expect("no holder panics");

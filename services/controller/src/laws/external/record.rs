@@ -1,4 +1,4 @@
-//! From what a law is told to the question's record, and from the answer's record to what a law returns.
+//! From a law's input to the question's record, and from the answer's record to a law's output.
 
 use super::bounds::Bounds;
 use crate::law::{Input, MAX_PLAN, Output, Phase, TorqueRequest};

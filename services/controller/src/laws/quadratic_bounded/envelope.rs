@@ -6,8 +6,8 @@
 //! | the speed is between those of the two rules, and the lead's not below | it is not |
 //! | the lead brakes within the design's bound | it brakes harder by 0.1 m/s² |
 //!
-//! The fall-back is the explicit follower of [`crate::following`], with the design's desired gap and brakes
-//! of its own: the certificate's bound on the request is one of comfort. The law takes over again when all of
+//! The fall-back is the explicit follower of [`crate::following`], with the design's desired gap and brakes of its own.
+//! The certificate's bound on the request is one of comfort only. The law takes over again when all of
 //! it has held for a second with a margin. Its controller state is reset.
 
 use super::model::Parameters;

@@ -232,8 +232,8 @@ impl QuadraticBounded {
         self.candidate(Mode::Cruise, &x, speed)
     }
 
-    /// The real lead, its gap error cut off above: without that a lead that is far away and slower
-    /// would be outside of what the design promises anything about.
+    /// The real lead, its gap error cut off above. Otherwise a slower lead far away would be outside of the design's
+    /// range.
     fn follow(&self, mut x: State, speed: f64) -> Candidate {
         x[0] = x[0].min(self.settings.gap_error_limit_m);
         if self.is_printed() {

@@ -1,11 +1,11 @@
 //! Quadratic-bounded cruise control (`quadratic-bounded`).
 //!
 //! Gao, Yan, Li, Hu: "Multi-objective adaptive cruise control by quadratic boundedness and dynamic
-//! output feedback", 2015. Four indices describe what a driver wants: safety (gap error, speed
-//! error), comfort (acceleration, request), handiness (change of the request) and efficiency (rate
-//! of the gap error). The law keeps each inside its bound for every bounded acceleration of the
-//! lead: the state cannot leave an ellipsoid that is within all bounds. That is said of the state that the law
-//! takes: a gap error beyond the ellipsoid is cut off first, so the real one can be larger.
+//! output feedback", 2015. Four indices describe a driver's wishes. They are safety (gap error, speed error), comfort
+//! (acceleration, request), handiness (change of the request) and efficiency (rate of the gap error). The law keeps
+//! each inside its bound for every bounded acceleration of the lead, since the state cannot leave an ellipsoid that is
+//! within all bounds. This holds for the state that the law takes. A gap error beyond the ellipsoid is cut off first,
+//! so the real one can be larger.
 //!
 //! `gains = "printed"` takes the output gains of the paper in the place of the design (`printed`).
 //!
@@ -68,8 +68,8 @@
 //! | start set from 8 m, c0 = 5 m: hardest within the ellipsoid | -1.32 | following starts at 11.7 s, departing at 25.3 s | 1.00 |
 //! | shipped, the whole gap error hidden from it | -1.05 | it leaves the ellipsoid, and the fall-back drives | 6.0 |
 //!
-//! So within the certificate "large" is at most about 1.3 m/s². A harder law slows down long before the gap asks for
-//! it. The gap then closes late or never. The command is `cargo test --release -p synthesis --features openblas --
+//! So within the certificate "large" is at most about 1.3 m/s². A harder law slows down long before the gap needs it.
+//! The gap then closes late or never. The command is `cargo test --release -p synthesis --features openblas --
 //! --nocapture`, with `--ignored search` for the search itself.
 
 mod certificate;

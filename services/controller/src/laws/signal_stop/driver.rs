@@ -158,7 +158,7 @@ impl Law for StoppingLaw {
         if let Some(line_m) = stop_at_m {
             let (low, high) = self.request_bounds_mps2();
             let request = self.stop_mps2(input, line_m, output.request_mps2()).clamp(low, high);
-            // The follower's plan knows no line: what is left of it must not undo the braking.
+            // The follower's plan ignores the line: its rest must not undo the braking.
             for planned in &mut output.plan_mps2[..output.plan_len] {
                 *planned = planned.min(request);
             }

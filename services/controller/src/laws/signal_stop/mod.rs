@@ -20,7 +20,7 @@
 //! | `tau` | `Config::actuator_lag_s` | s |
 //! | margin | [`SignalStop::stop_margin_m`] | m |
 //!
-//! A signal that is not heard counts as red: a colour is not guessed.
+//! A silent signal counts as red: a colour is not guessed.
 
 mod driver;
 mod settings;

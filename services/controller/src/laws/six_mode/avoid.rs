@@ -13,8 +13,8 @@
 //! While gentle braking is enough for what the target does, the request is tempered: see
 //! [`SafeGap`](crate::following::safe_gap). A car that cuts in and pulls away is so met with little braking.
 //!
-//! The request follows with a comfortable jerk (ISO 15622), unless full braking after it would not keep R0:
-//! then as fast as the emergency limit allows.
+//! The request follows with a comfortable jerk (ISO 15622). If full braking after it would not keep R0, it follows as
+//! fast as the emergency limit allows.
 //!
 //! | symbol | field | unit |
 //! | --- | --- | --- |
@@ -83,7 +83,7 @@ pub(super) fn enough(
 
 /// Whether a target that brakes harder than the law does for comfort asks for this mode already, whatever the boundaries
 /// say, which go by its speed alone: `demand`, held for what t1 leaves beside the actuator's lag, would leave too little
-/// room for full braking. Behind a target that was the faster the speeds still say nothing when it is nearly too late.
+/// room for full braking. Behind a target that was faster, the speeds show nothing until it is nearly too late.
 #[must_use]
 pub(super) fn is_needed(
     p: &Parameters,

@@ -62,7 +62,7 @@ impl Boundaries {
     }
 }
 
-/// R_x, the paper's fit of its table 1 over speed in km/h; continuous at 80 km/h. The table says 70 m at 60 km/h, the
+/// R_x, the paper's fit of its table 1 over speed in km/h; continuous at 80 km/h. The table has 70 m at 60 km/h, the
 /// printed fit gives 75 m. Eq (5) lost its sign of comparison above 80 km/h.
 fn desired(speed: f64) -> f64 {
     let kmh = 3.6 * speed;

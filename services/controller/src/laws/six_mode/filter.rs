@@ -2,8 +2,8 @@
 
 use crate::law::{Ego, Target};
 
-/// Filters what is uncertain, the gap and the target's own speed; the ego's speed is known, so the
-/// ego's braking passes without delay.
+/// Filters the gap and the target's own speed, which are uncertain. The ego's speed is known, so the ego's braking
+/// passes without delay.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TargetFilter {
     track: Option<u32>,

@@ -1,4 +1,4 @@
-//! The law: observe, decide, ask, smooth, limit.
+//! The law: observe, decide, request, smooth, limit.
 
 use super::avoid::{self, LAG_S};
 use super::boundaries::Boundaries;

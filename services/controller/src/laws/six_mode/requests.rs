@@ -1,4 +1,4 @@
-//! The acceleration that each mode asks for, m/s².
+//! The requested acceleration of each mode, m/s².
 
 use super::boundaries::Boundaries;
 use super::deceleration::level_mps2;

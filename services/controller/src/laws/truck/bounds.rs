@@ -1,4 +1,4 @@
-//! Bounds of what the law takes in and asks for: believable inputs, the torque guard, the brakes that it may use.
+//! Bounds of the law's input and requests: plausible inputs, the torque guard, the permitted brakes.
 
 use super::settings::{Brakes, PlannerKind, Settings};
 use super::speed_band::{max_speed_mps, min_speed_mps};

@@ -46,7 +46,7 @@ pub(crate) fn acceleration_mps2(
             let wanted_mps2 = per_s * (aim_mps - speed_mps)
                 + keys.pull_per_s2 * error_m
                 + keys.outside_per_s2 * outside_m;
-            // With room left, no more deceleration than the room asks for.
+            // With room left, no more deceleration than the room needs.
             let closing_mps = (-target.relative_speed_mps).max(0.0);
             let gentle_mps2 = if wanted_mps2 < 0.0 && closing_mps > 0.0 && error_m > 2.0 {
                 wanted_mps2.max(-1.3 * closing_mps * closing_mps / (2.0 * error_m) - 0.02)

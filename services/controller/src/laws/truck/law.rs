@@ -7,8 +7,8 @@
 //! | `follow` | 2 | inverse dynamics (6) of (18), between drag and full load; below the band the engine brake |
 //! | `warn` | 3 | the same; what engine and engine brake cannot give, the service brakes do |
 //!
-//! The service brakes are the last resort: too close to the target, when it takes much to stay away from it,
-//! and to hold the limit downhill. The published law has none: it commands engine torque, and warns; the key
+//! The service brakes are the last resort: too close to the target, when much braking is needed, and to hold the limit
+//! downhill. The published law has none: it commands engine torque, and warns; the key
 //! `brakes` takes them away.
 
 use super::bounds::{believable, guarded_nm, permitted, powertrain};

@@ -88,13 +88,13 @@ pub static PREDICTIVE: Descriptor = Descriptor {
     build,
 };
 
-/// The truck as the law believes it to be; on a car it drives as the heavier one would.
+/// The law's model of the truck; a car is driven like the heavier truck.
 fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
     let keys: Keys = reader.table(TABLE.name)?;
     let vehicle = reader.plant().vehicle;
     let preset = Preset::named(vehicle.as_str()).unwrap_or(Preset::Jh6At49T);
     reader.without(TABLE.name, keys.planner.unused());
-    // A car brakes as its own driver model says, not by the truck's estimates of risk.
+    // A car brakes by its own driver model, not by the truck's estimates of risk.
     let of_the_other_vehicle: &[&str] = match vehicle.is_truck() {
         true => &["lead_deceleration_mps2"],
         false => &["gap.stopping_mps2", "gap.drag_mps2"],

@@ -1,8 +1,8 @@
 //! The truck that keeps its speed: the time that a road takes without a plan.
 //!
 //! It drives over the same metres as the real truck. It keeps its set speed if engine and drag can hold it. Uphill it
-//! is slower at full load, and downhill it goes up to the limit. It is always in its strongest gear and never shifts:
-//! on a long climb of 3 % that makes it up to 8 % faster than the plant's truck.
+//! is slower at full load, and downhill it goes up to the limit. It is always in its strongest gear and never shifts.
+//! On a long climb of 3 % that makes it up to 8 % faster than the plant's truck.
 
 use truck_model::{GEARS, Truck};
 

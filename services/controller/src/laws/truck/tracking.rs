@@ -2,8 +2,8 @@
 //!
 //! The torque of the first segment is held to its end. A new plan is asked for there, at a gear change, and
 //! when the set speed changes. It is asked for when the speed is too far off (0.6 m/s, if nothing else is
-//! set). Until it arrives the plan in hand goes on, into its later segments if need be; beyond its end, or
-//! far off it, there is no plan.
+//! set). Until it arrives, the plan in hand goes on, into its later segments if need be. Beyond its end, or far off it,
+//! there is no plan.
 
 use crate::law::{Input, Plan, PlanRequest, Powertrain, Preview};
 
@@ -42,7 +42,7 @@ pub(crate) struct Guidance {
 }
 
 impl Tracking {
-    /// Takes a plan, unless a newer one is in hand. An empty one says that there is none.
+    /// Takes a plan, unless a newer one is in hand. An empty one stands for none.
     pub(crate) fn accept(&mut self, plan: &Plan) {
         if plan.number <= self.answered || plan.number > self.number {
             return;

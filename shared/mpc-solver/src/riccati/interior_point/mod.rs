@@ -192,8 +192,8 @@ impl InteriorPoint {
         // Remaining fraction of the sum of the products, see [`pairs`].
         let left = ((1.0 - dual) + (primal - dual) * moved - primal * dual * neglected).max(0.0);
 
-        // Corrector: towards products of τ. A short predictor step says little about the products
-        // at full length. The root of its length, used here in place of the length, saves some 3 %
+        // Corrector: towards products of τ. A short predictor step shows little of the products at full length. The
+        // root of its length, used here in place of the length, saves some 3 %
         // of the iterations.
         let targets = Targets {
             product: (mu * (left * left * left).clamp(LEAST_CENTRING, 1.0)).max(LEAST_TARGET),

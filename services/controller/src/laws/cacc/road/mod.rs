@@ -31,12 +31,12 @@
 //! ```
 //!
 //! So the vehicle closes up to its lead before the line and falls back behind it. Each cycle takes the slope
-//! anew, and the program stays quadratic. A red that ends is glided to (see the reference), so that the line is
-//! crossed rolling.
+//! anew, and the program stays quadratic. The vehicle glides to a red that ends (see the reference), so that it crosses
+//! the line rolling.
 //!
 //! The lines behind the nearest are in the references and in the filter, and become the nearest in turn.
-//! Programs of their own would gain a green that this drive misses, and there is none: each green that the
-//! drive without later lines reaches is driven through. The 60 scenes begin with a standstill, a glide or a
+//! Programs of their own could only gain a green that this drive misses. There is no such green: it drives through each
+//! green that a drive without later lines reaches. The 60 scenes begin with a standstill, a glide or a
 //! running start, before two later lines 40 to 250 m apart (`later_signals` among the tests).
 //!
 //! When a program is not solved, the law follows the rest of the previous plan. After it the law follows the

@@ -26,8 +26,8 @@
 //! | 2 | `v >= -0.1 m/s` | the same |
 //! | 3 | `p >= line` at the last stage of green | `a >= -comfort` |
 //!
-//! All rows are soft with an exact linear price: a measured state, a cut-in or a jumping countdown can make
-//! any of them impossible. Then the least violation is wanted, not a failed solve.
+//! All rows are soft with an exact linear price, since a measured state, a cut-in or a jumping countdown can make any
+//! of them impossible. Then the least violation is wanted, not a failed solve.
 
 use mpc_solver::{Problem, ProblemError, Row, Softness};
 
@@ -56,8 +56,8 @@ const PASS_M: f64 = 0.3;
 const LEAST_MARGIN_M: f64 = 4.0;
 /// Band of speed below the limit in which the light's pull fades, m/s.
 const PULL_BAND_MPS: f64 = 1.0;
-/// By how much the limits of the speed are beyond what the reference drives, m/s. A reference on a limit, above all one
-/// that stands, would make the limit hold without a force: no method finds such a solution quickly.
+/// By how much the limits of the speed are beyond what the reference drives, m/s. If the reference lay on a limit
+/// (above all at a stand), the limit would hold without a force. No method finds such a solution quickly.
 const SPEED_MARGIN_MPS: f64 = 0.1;
 
 /// The same for a reference above the limit, m/s.

@@ -143,7 +143,7 @@ impl SafeGapTable {
 }
 
 impl Scene<'_> {
-    /// The time headway, or what the safe gap asks for where that is more.
+    /// The time headway, or the safe gap if that is larger.
     fn headway_at(&self, v: f64) -> f64 {
         self.headway_s.max((self.safe_gap.at(v) - self.standstill_m) / v.max(1.0))
     }

@@ -63,7 +63,7 @@ impl Line {
         let mut first = true;
         for interval in intervals {
             let to = now_s + interval.ends_in_s;
-            // An interval that is over, or one out of order, says nothing about the future.
+            // An interval that is over, or one out of order, shows nothing about the future.
             if !(interval.ends_in_s > 0.0 && to >= from) {
                 continue;
             }
@@ -165,7 +165,8 @@ impl SignalMemory {
     }
 }
 
-/// True if a line's intersection is told of without it: another map is in force. In a full list it may only have been
+/// True if the map of a line's intersection no longer has it: another map is in force. In a full list it may only have
+/// been
 /// left out.
 fn is_replaced(id: u32, input: &Input) -> bool {
     let is_full = input.signals.iter().all(Option::is_some);

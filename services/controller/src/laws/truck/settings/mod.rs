@@ -158,7 +158,7 @@ impl settings::Settings for Keys {
 /// Settings of the law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// The truck as the law knows it.
+    /// The law's model of the truck.
     pub truck: Truck,
     /// Settings of a scenario.
     pub keys: Keys,
@@ -194,7 +194,7 @@ impl Settings {
 }
 
 impl TruckKeys {
-    /// The truck, with what the keys say of it.
+    /// The truck, with the keys laid over it.
     fn believed(&self, truck: &Truck) -> Truck {
         let p = truck.parameters();
         Truck::new(Parameters {
