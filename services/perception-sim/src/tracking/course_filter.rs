@@ -389,4 +389,6 @@ fn square(value: f64) -> f64 {
 }
 
 #[cfg(test)]
+mod exact;
+#[cfg(test)]
 mod tests;

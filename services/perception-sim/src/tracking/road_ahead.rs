@@ -155,3 +155,29 @@ impl RoadAhead {
         self.filter.used()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_it_says_is_what_the_filter_says() {
+        let trails = Sources { yaw_rate: true, trails: true, ..Sources::default() };
+        let mut ahead = RoadAhead::new(trails, &CourseNumbers::DEFAULT);
+        let motion = ahead.motion(20.0, Some(0.02));
+        for _ in 0..40 {
+            let before = *ahead.course();
+            assert_ne!(ahead.find_blind(0.05, &motion, None), before, "the ego has moved");
+            ahead.leave_trail(7, (60.0, 0.0), 0.0);
+        }
+        let (posts, pairs) = ahead.used();
+        assert_eq!((posts, pairs), (0, 2), "two pairs of the trail");
+        assert!(ahead.is_used() && !ahead.course().is_straight());
+        assert_eq!(ahead.sigma_m(50.0), ahead.filter.sigma_m(50.0));
+        assert!(ahead.sigma_m(50.0) > 0.05 && ahead.sigma_m(100.0) > 2.0 * ahead.sigma_m(50.0));
+        assert_eq!(ahead.path_sigma_m(50.0), ahead.sigma_m(50.0));
+        assert_eq!(ahead.heading_sigma_rad(50.0), ahead.filter.heading_sigma_rad(50.0));
+        assert_eq!(ahead.clothoid(), ahead.filter.clothoid());
+        assert!(ahead.clothoid()[1] > 1e-4, "a curve to the left");
+    }
+}

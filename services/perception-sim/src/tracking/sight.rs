@@ -200,6 +200,59 @@ mod tests {
     }
 
     #[test]
+    fn the_share_is_what_came_of_what_was_expected() {
+        // The sound radar that is assumed counts as four scans.
+        let mut share = Share::new(&Numbers::DEFAULT);
+        assert_eq!(share.value(), 1.0);
+        share.observe(0.5, false);
+        share.observe(0.25, false);
+        assert!((share.value() - 4.0 / 4.75).abs() < 1e-12);
+        share.observe(0.75, true);
+        assert!((share.value() - 5.0 / 5.5).abs() < 1e-12);
+        // The past counts as little as e^-1 after the memory; the share stays.
+        share.forget(1.0);
+        assert!((share.value() - 5.0 / 5.5).abs() < 1e-12);
+        share.observe(1.0, false);
+        let kept = libm::exp(-1.0);
+        assert!((share.value() - 5.0 * kept / (5.5 * kept + 1.0)).abs() < 1e-12);
+        share.observe(0.1, true);
+        (0..9).for_each(|_| share.observe(0.0, true));
+        assert_eq!(share.value(), 1.0, "no more than all");
+    }
+
+    /// The share after a scan with a post at one place and one with a post at another, 0.05 s later at 20 m/s.
+    fn seen_again(first: (f64, f64), snr_db: f64, then: (f64, f64)) -> f64 {
+        let mut sight = Sight::new(12.0, 0.0, &Numbers::DEFAULT);
+        let echo = [Detection { snr_db, ..Detection::zeroed() }];
+        for (x_m, y_m) in [first, then] {
+            let post = Point { ground_speed_mps: 0.0, ..point(x_m, y_m, -20.0) };
+            sight.take_scan(0.05, 20.0, &[post], &echo, (&VIEW, &Course::STRAIGHT));
+        }
+        sight.share()
+    }
+
+    #[test]
+    fn a_post_comes_again_where_the_ego_has_moved_it() {
+        // Four assumed scans that fade, and one post of which 0.9 are expected.
+        let faded = 4.0 * libm::exp(-0.1);
+        let missed = faded / (faded + 0.9);
+        let at = |x_m: f64, y_m: f64| seen_again((40.0, 8.0), 30.0, (x_m, y_m));
+        for (x_m, y_m) in [(39.0, 8.0), (39.9, 8.0), (38.1, 8.0), (39.0, 9.9), (39.0, 6.1)] {
+            assert_eq!(at(x_m, y_m), 1.0, "{x_m} {y_m}");
+        }
+        for (x_m, y_m) in [(40.1, 8.0), (37.9, 8.0), (39.0, 10.1), (39.0, 5.9), (39.0, -8.0)] {
+            assert!((at(x_m, y_m) - missed).abs() < 1e-12, "{x_m} {y_m}: {}", at(x_m, y_m));
+        }
+        // What is weak, far, in the lanes or at the edge of the view is not expected again.
+        for (first, snr_db) in
+            [((40.0, 8.0), 21.9), ((80.1, 8.0), 30.0), ((40.0, 4.9), 30.0), ((12.0, 8.0), 30.0)]
+        {
+            assert_eq!(seen_again(first, snr_db, (60.0, -8.0)), 1.0, "{first:?} {snr_db}");
+        }
+        assert!(seen_again((79.9, 8.0), 22.1, (60.0, -8.0)) < 1.0);
+    }
+
+    #[test]
     fn a_radar_that_sees_every_post_again_sees_all() {
         assert_eq!(drive(|_| true), 1.0);
     }

@@ -126,6 +126,7 @@ fn square(value: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::association::tests::point;
     use super::*;
 
     const NUMBERS: Numbers = Numbers::DEFAULT;
@@ -149,6 +150,35 @@ mod tests {
     fn assert_measured(found: Measured, value: f64, variance: f64) {
         let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
         assert!(near(found.value, value) && near(found.variance, variance), "{found:?}");
+    }
+
+    #[test]
+    fn the_rear_is_measured_by_its_own_points_and_the_speed_by_all() {
+        let points = [point(40.0, 2.0, -3.0), point(40.2, 3.2, -2.0), point(44.0, 1.0, -1.0)];
+        let seen = Sighting::of(points.iter(), 0.0, &NUMBERS).expect("points");
+        assert_measured(seen.range(&NUMBERS), 40.1, 0.005 + 0.1 * 0.1);
+        assert_measured(seen.relative_speed(&NUMBERS), -2.0, 0.01 / 3.0 + 0.02 * 0.02);
+        assert_eq!((seen.right_m, seen.left_m, seen.farthest_m), (2.0, 3.2, 44.0));
+        assert_measured(seen.lateral(1.2, &NUMBERS), 2.6, 0.08 / 4.0);
+        assert!((seen.ground_mps() - 18.0).abs() < 1e-12);
+        // The rear is 0.8 m deep, and three deviations of the range deeper.
+        let deep = [point(40.0, 0.0, 0.0), point(41.0, 0.0, 0.0)];
+        let seen = Sighting::of(deep.iter(), 0.0, &NUMBERS).expect("points");
+        assert_measured(seen.range(&NUMBERS), 40.5, 0.005 + 0.1 * 0.1);
+        let deeper = [point(40.0, 0.0, 0.0), point(41.2, 0.0, 0.0)];
+        let seen = Sighting::of(deeper.iter(), 0.0, &NUMBERS).expect("points");
+        assert_measured(seen.range(&NUMBERS), 40.0, 0.01 + 0.1 * 0.1);
+        assert!(Sighting::of([].iter(), 0.0, &NUMBERS).is_none());
+    }
+
+    #[test]
+    fn a_lateral_speed_is_no_part_of_the_relative_speed() {
+        let aside = Point { direction: (0.8, 0.6), ..point(30.0, 22.5, -2.0) };
+        let seen = Sighting::of([aside].iter(), 1.0, &NUMBERS).expect("a point");
+        assert_measured(seen.relative_speed(&NUMBERS), -3.25, 0.01 + 0.02 * 0.02);
+        // Nearly square to the road the speed is not divided by nothing.
+        let square = Point { direction: (0.05, 1.0), ..point(1.0, 20.0, -0.5) };
+        assert_eq!(square.relative_speed_mps(0.0), -5.0);
     }
 
     #[test]

@@ -155,6 +155,28 @@ mod tests {
     }
 
     #[test]
+    fn a_place_is_left_every_five_metres_and_four_of_them_are_used() {
+        let motion = Motion { speed_mps: 20.0, ..Motion::default() };
+        let pairs = |scans: u32, pause_m: f64| {
+            let mut trails = Trails::default();
+            for scan in 0..scans {
+                // A metre a scan; once a pause in which the vehicle is not seen.
+                trails.advance(0.05, 0.0, &motion);
+                trails.advance(if scan == 12 { pause_m / 20.0 } else { 0.0 }, 0.0, &motion);
+                trails.leave(1, (140.0, 2.0));
+            }
+            let mut pairs = Vec::new();
+            trails.pairs(|near, far| pairs.push((near, far)));
+            pairs
+        };
+        assert!(pairs(15, 0.0).is_empty(), "three places");
+        // The first place is 15 m behind the last one, and the middle one 5 m behind it.
+        assert_eq!(pairs(16, 0.0), [((125.0, 2.0), (140.0, 2.0)), ((125.0, 2.0), (135.0, 2.0))]);
+        assert!(!pairs(20, 57.0).is_empty(), "it goes on after 59 m");
+        assert!(pairs(20, 62.0).is_empty(), "it begins anew");
+    }
+
+    #[test]
     fn more_vehicles_than_trails_leave_the_first_ones_in_peace() {
         let mut trails = Trails::default();
         let motion = Motion { speed_mps: 20.0, ..Motion::default() };

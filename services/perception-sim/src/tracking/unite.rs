@@ -46,3 +46,76 @@ fn same(older: &DetectedTrack, newer: &DetectedTrack, course: &Course, numbers: 
         && (a.relative_speed_mps - b.relative_speed_mps).abs() < rate_mps
         && (older.unseen_s <= newer.unseen_s || newer.id == 0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::association::tests::point;
+    use super::super::longitudinal::{Kind, Maneuver, Model};
+    use super::super::sighting::Sighting;
+    use super::*;
+
+    const NUMBERS: Numbers = Numbers::DEFAULT;
+    const COAST_S: f64 = 1.0;
+
+    fn track(gap_m: f64, lateral_m: f64, relative_mps: f64) -> DetectedTrack {
+        let quiet = Maneuver { sigma_mps2: 1.0, tau_s: 2.0 };
+        let model = Model::new(Kind::Interacting, quiet, 4.0, &NUMBERS);
+        let points = [point(gap_m, lateral_m, relative_mps)];
+        let sighting = Sighting::of(points.iter(), 0.0, &NUMBERS).expect("a point");
+        DetectedTrack::begin(&model, &sighting, true)
+    }
+
+    /// Tracks that are left of a lead 60 m ahead, 4.5 m long, and another one.
+    fn left(mut lead: DetectedTrack, other: DetectedTrack) -> usize {
+        (lead.id, lead.length_m) = (1, 4.5);
+        let mut tracks = vec![lead, other];
+        unite(&mut tracks, &Course::STRAIGHT, COAST_S, &NUMBERS);
+        assert_eq!(tracks[0].id, 1, "the older one stays");
+        tracks.len()
+    }
+
+    #[test]
+    fn a_track_on_another_one_that_moves_with_it_is_the_same_vehicle() {
+        let lead = track(60.0, 0.0, -2.0);
+        for (gap_m, lateral_m, relative_mps, count) in [
+            (60.0, 0.0, -2.0, 1),
+            (58.1, 0.0, -2.0, 1),
+            (57.9, 0.0, -2.0, 2),
+            (64.4, 0.0, -2.0, 1),
+            (64.6, 0.0, -2.0, 2),
+            (60.0, 1.1, -2.0, 1),
+            (60.0, -1.1, -2.0, 1),
+            (60.0, 1.3, -2.0, 2),
+            (60.0, 0.0, -0.6, 1),
+            (60.0, 0.0, -3.4, 1),
+            (60.0, 0.0, -0.4, 2),
+        ] {
+            let found = left(lead, track(gap_m, lateral_m, relative_mps));
+            assert_eq!(found, count, "{gap_m} {lateral_m} {relative_mps}");
+        }
+    }
+
+    #[test]
+    fn what_is_lost_is_not_what_is_found_and_a_confirmed_track_is_not_given_to_an_unseen_one() {
+        let (lead, same) = (track(60.0, 0.0, -2.0), track(60.0, 0.0, -2.0));
+        let unseen = |unseen_s: f64| {
+            let mut lead = lead;
+            lead.unseen_s = unseen_s;
+            lead
+        };
+        assert_eq!(left(unseen(COAST_S), same), 1);
+        assert_eq!(left(unseen(1.01 * COAST_S), same), 2);
+        let mut confirmed = same;
+        confirmed.id = 2;
+        assert_eq!(left(lead, confirmed), 1);
+        assert_eq!(left(unseen(0.5), confirmed), 2);
+    }
+
+    #[test]
+    fn on_another_lane_the_rear_of_a_lorry_comes_into_view_last() {
+        let lead = track(60.0, 3.5, -2.0);
+        assert_eq!(left(lead, track(52.0, 3.5, -2.0)), 1, "eight metres before its first echo");
+        assert_eq!(left(lead, track(52.0, 3.5, -1.4)), 2, "with another speed");
+        assert_eq!(left(track(60.0, 0.0, -2.0), track(52.0, 0.0, -2.0)), 2, "in the own lane");
+    }
+}

@@ -84,6 +84,19 @@ fn a_constant_target_is_found() {
 }
 
 #[test]
+fn the_braking_behind_a_vehicle_uses_up_the_gap() {
+    let at = |gap_m: f64, relative_speed_mps: f64| {
+        let covariance = [[0.0; 3]; 3];
+        Estimate { gap_m, relative_speed_mps, acceleration_mps2: 0.0, covariance }.braking_mps2()
+    };
+    // 10 m/s are gone over 50 m with 1 m/s².
+    assert_eq!(at(50.0, -10.0), 1.0);
+    assert_eq!(at(25.0, -10.0), 2.0);
+    assert_eq!(at(0.5, -10.0), 50.0, "a gap counts as a metre at least");
+    assert_eq!(at(50.0, 10.0), 0.0);
+}
+
+#[test]
 fn the_egos_own_acceleration_is_not_taken_for_the_leads() {
     let model = model(Kind::Interacting);
     let step = model.step(0.05, -2.0);
