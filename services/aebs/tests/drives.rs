@@ -81,9 +81,8 @@ fn what_each_number_does() {
     let now = judge(Numbers::DEFAULT);
     println!("avoidable, needless, braked: {now:?}");
     let asked = std::env::var("NUMBERS").ok();
-    let is_asked = |name: &str| {
-        asked.as_ref().is_none_or(|asked| asked.split(',').any(|asked| asked == name))
-    };
+    let is_asked =
+        |name: &str| asked.as_ref().is_none_or(|asked| asked.split(',').any(|asked| asked == name));
     let rows = Numbers::ROWS.iter().enumerate().filter(|(_, row)| is_asked(row.name));
     for (row, Row { name, .. }) in rows {
         let [less, more] = [0.8, 1.2].map(|factor| judge(Numbers::DEFAULT.scaled(row, factor)));
