@@ -305,6 +305,7 @@ impl Perception {
             detections: counts.then_some(self.detections),
             detections_left_out: counts.then_some(self.detections_left_out),
             unstarted_acts: self.traffic.unstarted_acts(),
+            road_ended: self.traffic.has_road_ended(),
             ..self.quality.figures()
         }
     }

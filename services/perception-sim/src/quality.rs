@@ -204,6 +204,7 @@ impl Quality {
             detections: None,
             detections_left_out: None,
             unstarted_acts: Vec::new(),
+            road_ended: false,
         }
     }
 }

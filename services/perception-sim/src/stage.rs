@@ -84,6 +84,11 @@ impl Stage {
         self.world.is_stopped()
     }
 
+    /// The ego came to the end of the file's road.
+    pub(crate) fn has_road_ended(&self) -> bool {
+        self.world.has_road_ended()
+    }
+
     /// Names of the storyboard's acts that have not started.
     pub(crate) fn unstarted_acts(&self) -> Vec<String> {
         self.world.unstarted_acts().map(str::to_owned).collect()

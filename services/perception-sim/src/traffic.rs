@@ -131,6 +131,12 @@ impl Traffic {
         self.stage.as_ref().is_some_and(Stage::is_over)
     }
 
+    /// The ego came to the end of the road of an OpenSCENARIO file.
+    #[must_use]
+    pub fn has_road_ended(&self) -> bool {
+        self.stage.as_ref().is_some_and(Stage::has_road_ended)
+    }
+
     /// Names of the storyboard's acts that have not started.
     #[must_use]
     pub fn unstarted_acts(&self) -> Vec<String> {

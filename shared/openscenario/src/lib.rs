@@ -65,4 +65,5 @@ pub use expression::Value;
 pub use library::{Disk, Source};
 pub use model::Script;
 pub use parameter::Assignment;
+pub use read::{Choices, LaneHeadings};
 pub use world::{Motion, World, WorldError};

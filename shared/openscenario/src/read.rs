@@ -38,6 +38,25 @@ pub struct Spots {
     pub stop: Option<Spot>,
 }
 
+/// The direction from which the headings of lane positions count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LaneHeadings {
+    /// The road's reference line, in every lane, as in the standard.
+    #[default]
+    Road,
+    /// The traffic of the lane, as in esmini and CARLA.
+    Traffic,
+}
+
+/// A reader's choices for a file.
+#[derive(Clone, Debug, Default)]
+pub struct Choices {
+    /// Values that replace the declared ones.
+    pub assigned: Vec<Assignment>,
+    /// The direction from which headings count.
+    pub headings: LaneHeadings,
+}
+
 /// Reads a scenario file with its catalogs and its road. `assigned` values replace the declared ones.
 ///
 /// ```no_run
@@ -59,11 +78,25 @@ pub fn scenario(
     source: &dyn Source,
     assigned: &[Assignment],
 ) -> Result<Scenario, ReadError> {
+    let choices = Choices { assigned: assigned.to_vec(), ..Choices::default() };
+    scenario_by(path, source, &choices)
+}
+
+/// Reads a scenario file as [`scenario`] does, by the user's choices.
+///
+/// # Errors
+/// As [`scenario`].
+pub fn scenario_by(
+    path: &Path,
+    source: &dyn Source,
+    choices: &Choices,
+) -> Result<Scenario, ReadError> {
     let document = open_scenario(path, source)?;
     let (scene, outside) = (Scene::new(source, path), Scope::default());
+    scene.headings.set(choices.headings);
     let root = &document.root;
     let node = Node { file: &document.file, element: root, scope: &outside, scene: &scene };
-    let scope = opened(node, assigned)?;
+    let scope = opened(node, &choices.assigned)?;
     let node = Node { scope: &scope, ..node };
     match ScenarioFile::read(node)? {
         ScenarioParts { description, entities: Some(entities), storyboard: Some(board) } => {

@@ -11,6 +11,7 @@ use crate::ground::Ground;
 use crate::library::Source;
 use crate::model::element::ElementKind;
 use crate::model::{Entity, Named};
+use crate::read::LaneHeadings;
 use crate::road::{self, Road};
 use crate::xml::{self, Document};
 
@@ -29,6 +30,7 @@ pub(crate) struct Scene<'a> {
     /// Names that stand for several entities.
     pub selections: RefCell<Vec<(String, Vec<usize>)>>,
     pub ego: Cell<usize>,
+    pub headings: Cell<LaneHeadings>,
     /// The actors of the maneuver group that is read.
     pub actors: RefCell<Vec<usize>>,
     pub values: RefCell<Vec<Named>>,
@@ -71,6 +73,7 @@ impl<'a> Scene<'a> {
             entities: RefCell::default(),
             selections: RefCell::default(),
             ego: Cell::default(),
+            headings: Cell::default(),
             actors: RefCell::default(),
             values: RefCell::default(),
             references: RefCell::default(),

@@ -152,9 +152,13 @@ mod tests {
     #[test]
     fn a_storyboard_survives_the_way_through_bytes() {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/openscenario/cut_in.xosc");
-        let scenario =
-            Scenario::open_openscenario(Path::new(path), &[], &Overrides::new(), &everything)
-                .expect("an example");
+        let scenario = Scenario::open_openscenario(
+            Path::new(path),
+            &Default::default(),
+            &Overrides::new(),
+            &everything,
+        )
+        .expect("an example");
         assert!(scenario.storyboard.is_some());
         assert_eq!(Scenario::from_bytes(&scenario.to_bytes()), Ok(scenario));
     }

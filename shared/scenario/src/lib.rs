@@ -83,6 +83,7 @@ mod placed;
 mod problem;
 mod reads;
 mod refusal;
+mod start_notices;
 mod table;
 
 pub use accepted::accepted;

@@ -54,18 +54,18 @@ impl Scenario {
     }
 
     /// Opens an OpenSCENARIO file with its catalogs and its road, as a scenario with `overrides` laid
-    /// over it. `parameters` take the place of the values that the file declares.
+    /// over it. The `choices` have values that replace the declared ones.
     ///
     /// # Errors
     /// When a file cannot be read or is outside the subset of the standard that is read here, or when
     /// an override does not fit.
     pub fn open_openscenario(
         path: &Path,
-        parameters: &[openscenario::Assignment],
+        choices: &openscenario::Choices,
         overrides: &Overrides,
         check: &dyn Fn(&Self) -> Result<Reads, Problem>,
     ) -> Result<Self, translation::OpenError> {
-        Ok(Self::from_foreign(&translation::keys_of(path, parameters)?, overrides, check)?)
+        Ok(Self::from_foreign(&translation::keys_of(path, choices)?, overrides, check)?)
     }
 
     /// Builds a scenario from the keys of a file of another format, with `overrides` laid over them.

@@ -6,9 +6,9 @@
 use std::path::{Path, PathBuf};
 
 use openscenario::model::condition::{Condition, Test, Trigger};
-use openscenario::model::{Category, Drive, Script};
+use openscenario::model::{Drive, Script};
 use openscenario::read;
-use openscenario::{Assignment, Disk, Motion, ReadError, Rule, Spot, World, WorldError};
+use openscenario::{Choices, Disk, ReadError, Rule, Spot, World, WorldError};
 use road::AxisError;
 
 use super::SCHEMA_VERSION;
@@ -62,9 +62,9 @@ pub enum OpenError {
 }
 
 /// Reads an OpenSCENARIO file as the keys of the scenario that runs it.
-pub(super) fn keys_of(path: &Path, parameters: &[Assignment]) -> Result<ForeignKeys, OpenError> {
+pub(super) fn keys_of(path: &Path, choices: &Choices) -> Result<ForeignKeys, OpenError> {
     let file = path.display().to_string();
-    let read = read::scenario(path, &Disk, parameters)?;
+    let read = read::scenario_by(path, &Disk, choices)?;
     let (script, spots) = (read.script, read.spots);
     let place_of = |spot: Spot| format!("{file}:{spot}");
     let world = World::new(script.clone()).map_err(|cause| {
@@ -72,6 +72,11 @@ pub(super) fn keys_of(path: &Path, parameters: &[Assignment]) -> Result<ForeignK
         let place = entity.map_or(file.clone(), |entity| place_of(spots.starts[entity]));
         OpenError::Start { place, cause }
     })?;
+    if let Some(index) = overlaps_the_ego(&script, &world) {
+        let (place, entity) = (place_of(spots.starts[index]), script.entities[index].name.clone());
+        let reason = "it overlaps the ego at the start";
+        return Err(OpenError::Start { place, cause: WorldError::Placement { entity, reason } });
+    }
     let count = script.entities.len() - 1;
     if count > MAX_ACTORS {
         return Err(OpenError::Actors { file, count });
@@ -122,7 +127,9 @@ pub(super) fn keys_of(path: &Path, parameters: &[Assignment]) -> Result<ForeignK
     }
     keys.set_storyboard(Storyboard {
         source: file,
-        notices: read.notices.into_iter().chain(against_its_lane(&script, &world)).collect(),
+        notices: (read.notices.into_iter())
+            .chain(super::start_notices::of(&script, &world, choices.headings))
+            .collect(),
         parameters: read.parameters.into_iter().collect(),
         script,
     });
@@ -173,29 +180,12 @@ fn value_of(value: &impl serde::Serialize) -> toml::Value {
     toml::Value::try_from(value).expect("keys of a scenario are values")
 }
 
-/// Notices of vehicles that begin against the direction of their lane. The standard counts an
-/// orientation from the road's reference line, in every lane, and some files count it from the lane.
-fn against_its_lane(script: &Script, world: &World) -> Vec<String> {
-    let mut notices = Vec::new();
-    for (index, entity) in script.entities.iter().enumerate() {
-        let motion = world.motion(index);
-        let (road, Motion { s_m, t_m, .. }) = (&script.road, motion);
-        let lane = road.lane_at(s_m, t_m);
-        let Some(lane) = lane.filter(|_| motion.present && road.holds(s_m, t_m)) else {
-            continue;
-        };
-        if entity.category == Category::Vehicle && motion.direction() != road.direction(&lane) {
-            let (name, id) = (&entity.name, lane.id);
-            let part = road.parts.iter().rev().find(|part| part.from_m <= s_m);
-            let is_along = (motion.direction() > 0.0) != part.is_some_and(|part| part.reversed);
-            let h = if is_along { "3.14159" } else { "0" };
-            notices.push(format!(
-                "`{name}` begins in lane {id} and faces against its traffic: orientations count from \
-                 the road's reference line, and h=\"{h}\" would face with the lane"
-            ));
-        }
-    }
-    notices
+/// The first entity whose body lies in the ego's at the start.
+fn overlaps_the_ego(script: &Script, world: &World) -> Option<usize> {
+    let (ego, has_place) = (script.ego, |index: &usize| world.motion(*index).present);
+    let others = (0..script.entities.len()).filter(|&index| index != ego).filter(has_place);
+    let mut touching = others.filter(|&index| world.extent(index).overlaps(&world.extent(ego)));
+    touching.next().filter(|_| has_place(&ego))
 }
 
 /// The entities that the storyboard moves.
@@ -245,6 +235,7 @@ fn ends_after(script: &Script) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::Scenario;
+    use openscenario::Assignment;
     use openscenario::model::condition::Edge;
 
     fn at(value: f64, delay_s: f64) -> Condition {
@@ -292,7 +283,8 @@ mod tests {
         let directory = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/openscenario");
         let path = Path::new(directory).join(FILE);
         let assigned = Assignment { name: "Ego_Speed_mps".to_owned(), value: "200".to_owned() };
-        let said = Scenario::open_openscenario(&path, &[assigned], &Default::default(), &|_| {
+        let choices = Choices { assigned: vec![assigned], ..Choices::default() };
+        let said = Scenario::open_openscenario(&path, &choices, &Default::default(), &|_| {
             Ok(Default::default())
         })
         .expect_err("too fast")
@@ -308,7 +300,8 @@ mod tests {
         let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/openscenario/cut_in.xosc");
         let mut overrides = crate::Overrides::new();
         overrides.set("actors=[]").expect("an option");
-        let said = Scenario::open_openscenario(Path::new(path), &[], &overrides, &|_| {
+        let choices = Choices::default();
+        let said = Scenario::open_openscenario(Path::new(path), &choices, &overrides, &|_| {
             Ok(Default::default())
         })
         .expect_err("the storyboard moves one")

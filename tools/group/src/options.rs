@@ -3,6 +3,7 @@
 use crate::{Failure, LawOptions};
 use clap::{Args, ValueEnum};
 use messages::{Service, UnknownService};
+use openscenario::LaneHeadings;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -28,6 +29,10 @@ pub struct ScenarioOptions {
     /// (repeatable; docs/requirements.md)
     #[arg(long = "require", value_name = "FORMULA")]
     pub require: Vec<String>,
+    /// What headings of lane positions count from in an OpenSCENARIO file: the road's reference line, as in the
+    /// standard, or the lane's traffic, as in esmini and CARLA
+    #[arg(long, value_enum, default_value_t, value_name = "DIRECTION")]
+    pub lane_headings: HeadingsName,
     /// Parameters of an OpenSCENARIO file, `NAME=VALUE`: an option of the commands that take one.
     #[arg(skip)]
     pub parameters: Vec<String>,
@@ -40,6 +45,25 @@ pub struct ScenarioOptions {
     /// Refuses a fault of a process at its place: in simulated time it shows nothing.
     #[arg(skip)]
     pub is_in_lockstep: bool,
+}
+
+/// Names of the directions from which headings of lane positions count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub enum HeadingsName {
+    /// The road's reference line.
+    #[default]
+    Road,
+    /// The lane's traffic.
+    Traffic,
+}
+
+impl From<HeadingsName> for LaneHeadings {
+    fn from(name: HeadingsName) -> Self {
+        match name {
+            HeadingsName::Road => Self::Road,
+            HeadingsName::Traffic => Self::Traffic,
+        }
+    }
 }
 
 /// Settings of a group's start.

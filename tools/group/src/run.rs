@@ -3,7 +3,7 @@
 use crate::refusal::check_faults_in_lockstep;
 use crate::{Error, Failure, GroupOptions, GroupOutcome, Launch, Moment, ScenarioOptions, launch};
 use controller::laws;
-use openscenario::Assignment;
+use openscenario::{Assignment, Choices, LaneHeadings};
 use runtime::Mode;
 use scenario::radio::Radio;
 use scenario::{Overrides, Scenario, Source};
@@ -24,6 +24,12 @@ pub enum ParameterError {
     NoOpenScenario {
         /// The argument.
         argument: String,
+        /// The scenario.
+        name: String,
+    },
+    /// Other scenarios have no lane positions.
+    #[error("--lane-headings traffic: {name} is no OpenSCENARIO file, expected one (.xosc)")]
+    NoLanePositions {
         /// The scenario.
         name: String,
     },
@@ -58,7 +64,7 @@ pub struct Opening {
 #[derive(Clone, Debug)]
 enum File {
     Own(Box<Source>),
-    OpenScenario(PathBuf, Vec<Assignment>),
+    OpenScenario(PathBuf, Choices),
 }
 
 impl Opening {
@@ -92,12 +98,15 @@ impl Opening {
             overrides.option("--radio", "v2x.radio", &from_here(radio));
         }
         let parameters = options.parameters.iter().map(|argument| assignment(argument));
-        let parameters = parameters.collect::<Result<Vec<_>, _>>()?;
+        let assigned = parameters.collect::<Result<Vec<_>, _>>()?;
+        let choices = Choices { assigned, headings: options.lane_headings.into() };
         let file = if is_openscenario(name) {
-            File::OpenScenario(name.into(), parameters)
+            File::OpenScenario(name.into(), choices)
         } else if let Some(argument) = options.parameters.first() {
             let (argument, name) = (argument.clone(), name.to_owned());
             return Err(ParameterError::NoOpenScenario { argument, name }.into());
+        } else if choices.headings != LaneHeadings::Road {
+            return Err(ParameterError::NoLanePositions { name: name.to_owned() }.into());
         } else {
             File::Own(Box::new(Source::read(name)?))
         };
@@ -123,8 +132,8 @@ impl Opening {
         };
         let mut scenario = match file {
             File::Own(source) => source.open(&overrides, &check)?,
-            File::OpenScenario(path, parameters) => {
-                Scenario::open_openscenario(path, parameters, &overrides, &check)
+            File::OpenScenario(path, choices) => {
+                Scenario::open_openscenario(path, choices, &overrides, &check)
                     .map_err(|error| Error::OpenScenario(Box::new(error)))?
             }
         };

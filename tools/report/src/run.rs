@@ -54,9 +54,9 @@ fn requirements(summary: &Summary) -> String {
     section("Requirements", &stacked_table(&head, &rows))
 }
 
-/// Acts of the storyboard that never started: the drive was not the one of the file.
+/// Remarks on the storyboard: where they stand, the drive was not the one of the file.
 fn storyboard(summary: &Summary) -> String {
-    let text = print::unstarted_acts(summary);
+    let text = print::storyboard_remarks(summary);
     text.map_or_else(String::new, |text| format!("<p>{}</p>", escape(&text)))
 }
 

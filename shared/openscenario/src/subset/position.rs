@@ -8,6 +8,7 @@ use crate::declare::{
 };
 use crate::error::ReadError;
 use crate::model::position::{self, From, Heading};
+use crate::read::LaneHeadings;
 use crate::road::Part;
 use crate::scene::Scenery;
 
@@ -142,7 +143,25 @@ elements! { "Positions";
             return Err(node.wrong("laneId", reason, row.lane_names(at_m)));
         };
         let from = From::Road { s_m, t_m: found.center_m + offset_m };
-        Ok(oriented(from, turn, |h_rad| Heading::Road(h_rad + part.heading_rad())))
+        let headings = node.scene.headings.get();
+        if let Some(Turn::Relative(h_rad)) = turn
+            && headings == LaneHeadings::Road
+            && row.direction(&found) < 0.0
+            && libm::cos(h_rad) < -0.9
+        {
+            node.scene.notice(format!(
+                "{}: h={h_rad} in lane {} faces with the lane's traffic: it counts from the road's \
+                 reference line. A file made for esmini or CARLA counts from the lane's traffic: \
+                 `--lane-headings traffic`",
+                node.place(), found.id
+            ));
+        }
+        let ahead_rad = match headings {
+            LaneHeadings::Road => part.heading_rad(),
+            LaneHeadings::Traffic if row.direction(&found) < 0.0 => std::f64::consts::PI,
+            LaneHeadings::Traffic => 0.0,
+        };
+        Ok(oriented(from, turn, |h_rad| Heading::Road(h_rad + ahead_rad)))
     }
 
     /// dLane counts lanes to the left of the other entity, without lane 0; ds or dsLane, not both

@@ -26,6 +26,7 @@ use serde::{Deserialize, Serialize};
 use crate::expression::Value;
 use crate::ground::Ground;
 use crate::model::action::{Action, SpeedTarget, Transition};
+use crate::model::condition::{EntityTest, Test};
 use crate::model::{Drive, Script};
 pub use bend::Bend;
 use condition::ConditionMemory;
@@ -108,6 +109,12 @@ pub struct State {
     time_ns: u64,
     step: u64,
     stopped: bool,
+    /// The ego came to the end of its road, and the drive ends there.
+    #[serde(default)]
+    road_ended: bool,
+    /// The ego has been on its road.
+    #[serde(default)]
+    was_on_road: bool,
     /// Triggers are being evaluated.
     evaluating: bool,
     movers: Vec<Mover>,
@@ -174,6 +181,8 @@ impl World {
             time_ns: 0,
             step: 0,
             stopped: false,
+            road_ended: false,
+            was_on_road: false,
             evaluating: false,
             movers: vec![Mover::default(); script.entities.len()],
             progress: vec![Progress::default(); plan.elements.len()],
@@ -213,6 +222,14 @@ impl World {
         let time_ns = time_ns.max(self.state.time_ns);
         self.state.step += 1;
         self.advance(time_ns);
+        match self.is_ego_on_road() {
+            true => self.state.was_on_road = true,
+            false if self.state.was_on_road && !self.state.stopped && !self.awaits_road_end() => {
+                self.state.road_ended = true;
+                self.state.stopped = true;
+            }
+            false => {}
+        }
         self.state.time_ns = time_ns;
         if !self.state.stopped {
             self.storyboard();
@@ -254,10 +271,32 @@ impl World {
         Extent::of(&self.script.entities[entity].body, &self.motion(entity))
     }
 
-    /// The storyboard's stop trigger has fired.
+    /// The drive has come to its end: the stop trigger has fired, or the ego's road has ended.
     #[must_use]
     pub fn is_stopped(&self) -> bool {
         self.state.stopped
+    }
+
+    /// The ego's front came to the end of its road. What lies beyond is in no file.
+    #[must_use]
+    pub fn has_road_ended(&self) -> bool {
+        self.state.road_ended
+    }
+
+    /// The stop trigger waits for an end of the road itself.
+    fn awaits_road_end(&self) -> bool {
+        let is_end =
+            |test: &Test| matches!(test, Test::Entity { is: EntityTest::EndOfRoad(_), .. });
+        let groups = self.script.stop.iter().flat_map(|trigger| &trigger.0);
+        groups.flatten().any(|condition| is_end(&condition.test))
+    }
+
+    /// The ego's front is between the road's ends. An assumed road has none.
+    fn is_ego_on_road(&self) -> bool {
+        let Some(length_m) = self.script.road.length_m else { return true };
+        let (ego, extent) = (self.motion(self.script.ego), self.extent(self.script.ego));
+        let front_m = if ego.direction() > 0.0 { extent.to_s_m } else { extent.from_s_m };
+        ego.present && (0.0..=length_m).contains(&front_m)
     }
 
     /// A speed that Init sets at once: [`Self::first_speeds`] does it.

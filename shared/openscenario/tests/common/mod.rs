@@ -9,8 +9,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use openscenario::read::{Scenario, scenario};
-use openscenario::{Assignment, Motion, ReadError, Source, World};
+use openscenario::read::{Scenario, scenario_by};
+use openscenario::{Assignment, Choices, LaneHeadings, Motion, ReadError, Source, World};
 
 /// Period of the steps, s.
 pub const STEP_S: f64 = 0.01;
@@ -47,6 +47,7 @@ pub struct Parts {
     pub stop: String,
     pub files: Vec<(String, String)>,
     pub assigned: Vec<(String, String)>,
+    pub headings: LaneHeadings,
 }
 
 impl Parts {
@@ -96,7 +97,8 @@ impl Parts {
             .iter()
             .map(|(name, value)| Assignment { name: name.clone(), value: value.clone() })
             .collect();
-        scenario(Path::new("dir/a.xosc"), &Files(files), &assigned)
+        let choices = Choices { assigned, headings: self.headings };
+        scenario_by(Path::new("dir/a.xosc"), &Files(files), &choices)
     }
 
     pub fn run(&self) -> Run {

@@ -155,9 +155,17 @@ pub(super) fn radar(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     line("radar", parts.join(", "));
 }
 
-/// Acts of the storyboard that never started, in words.
-pub(crate) fn unstarted_acts(summary: &Summary) -> Option<String> {
-    let acts = &summary.perception.as_ref()?.unstarted_acts;
+/// Remarks on the storyboard: the end of its road, and acts that never started.
+pub(crate) fn storyboard_remarks(summary: &Summary) -> Option<String> {
+    let perception = summary.perception.as_ref()?;
+    let end = perception.road_ended.then(|| "ended where the ego's road ends".to_owned());
+    let remarks: Vec<String> =
+        end.into_iter().chain(unstarted_acts(&perception.unstarted_acts)).collect();
+    (!remarks.is_empty()).then(|| remarks.join(", "))
+}
+
+/// Acts that never started, in words.
+fn unstarted_acts(acts: &[String]) -> Option<String> {
     let named: Vec<String> = acts.iter().take(5).map(|act| format!("`{act}`")).collect();
     let more = acts.len() - named.len();
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
@@ -166,7 +174,7 @@ pub(crate) fn unstarted_acts(summary: &Summary) -> Option<String> {
 }
 
 pub(super) fn storyboard(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
-    if let Some(text) = unstarted_acts(summary) {
+    if let Some(text) = storyboard_remarks(summary) {
         line("storyboard", text);
     }
 }

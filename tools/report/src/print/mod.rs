@@ -5,8 +5,8 @@ mod machine;
 mod timing;
 
 pub use crate::duration::{carries, duration, p99};
+pub(crate) use drive::storyboard_remarks;
 pub use drive::trip;
-pub(crate) use drive::unstarted_acts;
 
 use crate::summary::Summary;
 use drive::{drive, emergency_brake, radar, storyboard};
