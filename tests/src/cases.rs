@@ -19,18 +19,25 @@ pub struct Case {
     name: &'static str,
     needs: fn() -> Needed,
     run: fn(),
+    is_long: bool,
 }
 
 /// A test without further needs.
 #[must_use]
 pub const fn case(name: &'static str, run: fn()) -> Case {
-    Case { name, needs: || Ok(()), run }
+    Case { name, needs: || Ok(()), run, is_long: false }
 }
 
 /// A test with a need.
 #[must_use]
 pub const fn needing(needs: fn() -> Needed, name: &'static str, run: fn()) -> Case {
-    Case { name, needs, run }
+    Case { name, needs, run, is_long: false }
+}
+
+/// A test with a need that takes a minute: it runs with `--ignored` only, as in `.ci/extended`.
+#[must_use]
+pub const fn long(needs: fn() -> Needed, name: &'static str, run: fn()) -> Case {
+    Case { name, needs, run, is_long: true }
 }
 
 /// Runs the cases like Rust's own harness; checks the needs of the requested ones.
@@ -44,15 +51,22 @@ pub fn run(cases: &[Case]) -> ExitCode {
         None => true,
     };
     let trial = |case: &Case| {
-        let missing = if asked(case) && looks { (case.needs)().err() } else { None };
+        let left_out = case.is_long && (arguments.list || !arguments.ignored);
+        let looks = looks && asked(case) && !left_out;
+        let missing = if looks { (case.needs)().err() } else { None };
         let run = case.run;
         let trial = Trial::test(case.name, move || {
             run();
             Ok(())
         });
         match missing {
+            // With `--ignored` this leaves it out.
+            Some(reason) if case.is_long => {
+                println!("test {} [SKIPPED: {reason}]", case.name);
+                trial
+            }
             Some(reason) => trial.with_kind(format!("SKIPPED: {reason}")).with_ignored_flag(true),
-            None => trial,
+            None => trial.with_ignored_flag(case.is_long),
         }
     };
     libtest_mimic::run(&arguments, cases.iter().map(trial).collect()).exit_code()

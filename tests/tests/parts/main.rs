@@ -2,7 +2,7 @@
 
 use rustix::process::{Pid, Signal, kill_process};
 use std::process::{Command, ExitCode};
-use system_tests::cases::{self, case, needing};
+use system_tests::cases::{self, case, long, needing};
 use system_tests::{Corner, text, wait_for};
 
 mod slurm;
@@ -362,7 +362,7 @@ fn main() -> ExitCode {
             "a_journal_survives_a_full_disk",
             a_journal_survives_a_full_disk,
         ),
-        needing(
+        long(
             slurm,
             "an_array_of_eight_with_a_killed_task_gives_the_bytes_of_one_machine",
             an_array_of_eight_with_a_killed_task_gives_the_bytes_of_one_machine,
