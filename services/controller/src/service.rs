@@ -13,7 +13,7 @@ use crate::law::{
 use crate::laws::external::{Asked, EXTERNAL, Questions};
 use crate::planning_thread::PlanningThread;
 use crate::plausibility::estimate::EgoEstimate;
-use crate::plausibility::{Believed, Plausibility};
+use crate::plausibility::{Plausibility, TrustedInputs};
 use crate::report::ControllerReport;
 use crate::sampling::{Samples, Setting, input};
 use messages::level::Level;
@@ -238,7 +238,7 @@ impl Loop {
         };
         let header = Header::new(release.step, release.scheduled_ns, origins);
         let commanded_mps2 = self.output.request_mps2();
-        let Believed { odometry, radar, spat, signals_contradict } = self.plausibility.look(
+        let TrustedInputs { odometry, radar, spat, signals_contradict } = self.plausibility.look(
             self.odometry.newest(),
             self.radar.newest(),
             self.spat.newest(),

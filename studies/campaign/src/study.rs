@@ -14,7 +14,7 @@ use super::sums::Sums;
 use super::targets::Targets;
 use super::verdict::{Scope, Verdict};
 use frame::batch::{Done, Job};
-use frame::{Crew, Found, Gave, Options, Study};
+use frame::{Crew, Found, Options, RunResult, Study};
 use group::{Error, GroupOptions};
 use report::results::Document;
 use runtime::Mode;
@@ -139,14 +139,14 @@ impl Study for FileCampaign {
         Ok(self.may_kill_launcher && launcher_death::is_planned(&self.job(run)?.scenario))
     }
 
-    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<Record, ()>, Error> {
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<RunResult<Record, ()>, Error> {
         let job = self.job(run)?;
         if !launcher_death::is_planned(&job.scenario) {
             return crew.drive_and_record(self, run, &job);
         }
         let (planned, mode) = (self.plan.at(run), self.campaign.mode);
         let record = launcher_death::run(&planned, &job.scenario, mode, crew.going_on())?;
-        Ok(Gave { record, seen: (), repetition: None })
+        Ok(RunResult { record, seen: (), repetition: None })
     }
 
     fn keys(&self, run: usize) -> Vec<(String, String)> {

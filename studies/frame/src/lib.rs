@@ -109,4 +109,4 @@ pub mod parts;
 pub mod seeds;
 pub mod study;
 
-pub use study::{Crew, Found, Gave, Needs, Options, Study, ok, schema};
+pub use study::{Crew, Found, Needs, Options, RunResult, Study, ok, schema};

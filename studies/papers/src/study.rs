@@ -2,7 +2,7 @@
 
 use frame::batch::ProcessesSample;
 use frame::keep::Keep;
-use frame::{Crew, Found, Gave, Needs, Options, Study};
+use frame::{Crew, Found, Needs, Options, RunResult, Study};
 use group::Error;
 use report::results::Document;
 
@@ -59,12 +59,12 @@ impl Study for Papers {
         Ok(String::new())
     }
 
-    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<Vec<Row>, Pictures>, Error> {
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<RunResult<Vec<Row>, Pictures>, Error> {
         let (paper, piece) = &self.pieces[run];
         let names = (paper.as_str(), piece.name.as_str());
         let runner = Runner::new(crew, run, names, self.driver_spread_mps);
         let Part { rows, pictures } = piece.reproduce(&runner)?;
-        Ok(Gave { record: rows, seen: pictures, repetition: runner.repetition() })
+        Ok(RunResult { record: rows, seen: pictures, repetition: runner.repetition() })
     }
 
     fn describe(&self, run: usize) -> String {

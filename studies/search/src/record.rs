@@ -3,7 +3,7 @@
 use group::report::Outcome;
 use serde::{Deserialize, Serialize};
 
-use crate::method::{Refused, Told};
+use crate::method::{Evaluation, Refused};
 use crate::problem::Value;
 use crate::value::Judged;
 
@@ -47,13 +47,17 @@ impl Record {
 
     /// The result as the choice of later runs needs it. The last digit of a number may differ where it comes from a
     /// journal: values count in millionths.
-    pub(crate) fn told(&self) -> Told {
+    pub(crate) fn told(&self) -> Evaluation {
         let rough = |number: f64| (number * 1e6).round() / 1e6;
         let place = |point: &[f64]| point.iter().map(|at| rough(*at)).collect();
         let refused = self
             .refused
             .iter()
             .map(|one| Refused { point: place(&one.point), value: rough(one.value) });
-        Told { point: place(&self.point), value: rough(self.value()), refused: refused.collect() }
+        Evaluation {
+            point: place(&self.point),
+            value: rough(self.value()),
+            refused: refused.collect(),
+        }
     }
 }

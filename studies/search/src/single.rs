@@ -3,7 +3,7 @@
 use frame::batch;
 use group::{Error, GroupOptions};
 
-use crate::method::{Admission, Chooser, MethodName, Told, seed_of};
+use crate::method::{Admission, Chooser, Evaluation, MethodName, seed_of};
 use crate::problem::Problem;
 use crate::value::judge;
 
@@ -38,7 +38,7 @@ pub fn first_violation(
         if value < 0.0 {
             return Ok(Some(run + 1));
         }
-        chooser.tell(run, Told { point: proposal.point, value, refused: proposal.refused });
+        chooser.tell(run, Evaluation { point: proposal.point, value, refused: proposal.refused });
     }
     Ok(None)
 }

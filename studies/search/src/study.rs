@@ -9,7 +9,7 @@ use std::time::Duration;
 use frame::batch::{Done, Job};
 use frame::keep::Key;
 use frame::parts::{self, ShardChoice};
-use frame::{Crew, Found, Gave, Needs, Options, Study};
+use frame::{Crew, Found, Needs, Options, RunResult, Study};
 use group::{Error, Failure, GroupOptions};
 use indicatif::ProgressBar;
 use report::results::Document;
@@ -189,7 +189,7 @@ impl Study for Runs {
         self.problem.columns()
     }
 
-    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<Record, ()>, Error> {
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<RunResult<Record, ()>, Error> {
         let proposal = self.proposal(run, crew.going_on())?;
         let values = self.problem.values(&proposal.point);
         let scenario = self.problem.scenario(&values, seed_of(self.seed, 6, run as u64))?;

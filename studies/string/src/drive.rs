@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use frame::batch::{self, Done};
 use frame::keep::Keep;
-use frame::{Crew, Found, Gave, Needs, Options, Study};
+use frame::{Crew, Found, Needs, Options, RunResult, Study};
 use group::Error;
 use group::in_process::Ahead;
 use report::results::Document;
@@ -97,7 +97,7 @@ impl Study for Strings {
         Ok(self.task.plan.first().to_toml())
     }
 
-    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<(), Driven>, Error> {
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<RunResult<(), Driven>, Error> {
         let car = &self.cars[run];
         let plan = &self.strings[car.string];
         // However it ends, the car behind does not wait for it any longer.
@@ -112,7 +112,7 @@ impl Study for Strings {
             true => Some(batch::repeat(&scenario, &done.summary, crew.group(), crew.going_on())?),
             false => None,
         };
-        Ok(Gave { record: (), seen, repetition })
+        Ok(RunResult { record: (), seen, repetition })
     }
 
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {

@@ -49,9 +49,9 @@ impl Complex {
 }
 
 /// Input of the law: gap, relative speed, acceleration of the lead, speed and acceleration.
-type Told = [f64; 5];
+type Gains = [f64; 5];
 
-fn request(law: &mut dyn Law, scenario: &Scenario, told: Told) -> f64 {
+fn request(law: &mut dyn Law, scenario: &Scenario, told: Gains) -> f64 {
     let [gap_m, relative_speed_mps, lead_mps2, speed_mps, acceleration_mps2] = told;
     let target =
         Target { track_id: 1, gap_m, relative_speed_mps, acceleration_mps2: lead_mps2, age_s: 0.0 };
@@ -71,9 +71,9 @@ fn request(law: &mut dyn Law, scenario: &Scenario, told: Told) -> f64 {
 }
 
 /// The law's gains at a speed, around the gap at which it asks for nothing.
-fn gains(scenario: &Scenario, speed_mps: f64) -> Told {
+fn gains(scenario: &Scenario, speed_mps: f64) -> Gains {
     let mut law = laws::build(scenario).expect("the scenario was checked");
-    let mut request = |told: Told| request(law.as_mut(), scenario, told);
+    let mut request = |told: Gains| request(law.as_mut(), scenario, told);
     let (mut near, mut far) = (10.0, 120.0);
     for _ in 0..50 {
         let middle = 0.5 * (near + far);
@@ -93,7 +93,7 @@ fn gains(scenario: &Scenario, speed_mps: f64) -> Told {
     })
 }
 
-fn transfer(gains: Told, tau_s: f64, period_s: f64, hz: f64) -> f64 {
+fn transfer(gains: Gains, tau_s: f64, period_s: f64, hz: f64) -> f64 {
     let [k_gap, k_rate, k_lead, k_speed, k_acceleration] = gains;
     let decay = libm::exp(-period_s / tau_s);
     let (c_speed, c_position) = (tau_s * (1.0 - decay), tau_s * (period_s - tau_s * (1.0 - decay)));

@@ -37,7 +37,7 @@ pub struct Answer {
 
 /// A process of the group: its service, and which process of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Who {
+pub struct ServiceProcess {
     /// The service.
     pub service: Service,
     /// Index of the process in its service, from 0.
@@ -48,13 +48,13 @@ pub struct Who {
 #[derive(Debug)]
 pub enum Event {
     /// A message of a process.
-    Message(Who, FromService),
+    Message(ServiceProcess, FromService),
     /// A process wrote a line other than a message: a warning, a panic.
-    Output(Who, String),
+    Output(ServiceProcess, String),
     /// A process writes more than a service does.
-    Flooded(Who),
+    Flooded(ServiceProcess),
     /// A process is gone, or closed its output; its status waits to be taken.
-    Gone(Who),
+    Gone(ServiceProcess),
     /// Ctrl-C, SIGTERM or SIGHUP asks for an end.
     Signal,
     /// A fault from outside, and where its answer goes.
@@ -66,7 +66,7 @@ pub enum Event {
 /// Follows what a service says and writes, until its streams end; then does `on_end`, in a thread that waits
 /// for nothing else. Returns where that thread leaves its id, by which it can be raised.
 pub fn follow(
-    who: Who,
+    who: ServiceProcess,
     on_end: impl FnOnce() + Send + 'static,
     out: ChildStdout,
     err: ChildStderr,
@@ -90,7 +90,7 @@ pub fn follow(
 }
 
 /// Hands on messages and text until the stream ends or its reader does not listen any more.
-fn follow_stream(who: Who, stream: impl Read, events: &Sender<Event>) {
+fn follow_stream(who: ServiceProcess, stream: impl Read, events: &Sender<Event>) {
     let mut reader = BufReader::new(stream);
     let (mut line, mut chatter, mut lines) = (Vec::new(), 0, 0);
     loop {
@@ -196,7 +196,7 @@ mod tests {
 
     fn events(stream: impl Read) -> Vec<Event> {
         let (sender, receiver) = channel();
-        let who = Who { service: Service::Controller, incarnation: 0 };
+        let who = ServiceProcess { service: Service::Controller, incarnation: 0 };
         follow_stream(who, stream, &sender);
         drop(sender);
         receiver.into_iter().collect()

@@ -26,7 +26,7 @@ struct Planned {
 
 /// A service's active process that lives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Living {
+pub struct LiveProcess {
     /// Index of the process in its service.
     pub incarnation: u32,
     /// Begin of its start, run time in ns; `None`: it takes part in the run.
@@ -53,7 +53,7 @@ pub enum Act {
 impl Planned {
     /// True if a kill strikes this process at `now_ns`. The kill has not struck it yet, and the process takes part, or
     /// a storm leaves it out.
-    fn is_to_kill(&self, one: Living, now_ns: i64) -> bool {
+    fn is_to_kill(&self, one: LiveProcess, now_ns: i64) -> bool {
         let after_ns = match &self.process_fault {
             ProcessFault::RestartStorm { after_start_ms: Some(after), .. }
                 if self.killed.is_some() =>
@@ -137,7 +137,7 @@ impl Faults {
         &mut self,
         now_ns: i64,
         ego: Option<Drive>,
-        living: impl Fn(Service) -> Option<Living>,
+        living: impl Fn(Service) -> Option<LiveProcess>,
     ) -> Vec<(usize, Act)> {
         let up = |service| living(service).filter(|one| one.starting_since_ns.is_none());
         let mut acts = Vec::new();
@@ -234,8 +234,8 @@ mod tests {
         Faults::of(&Scenario::parse("faults", &text).expect("a scenario"))
     }
 
-    fn running(incarnation: u32) -> Option<Living> {
-        Some(Living { incarnation, starting_since_ns: None })
+    fn running(incarnation: u32) -> Option<LiveProcess> {
+        Some(LiveProcess { incarnation, starting_since_ns: None })
     }
 
     #[test]
@@ -278,8 +278,9 @@ mod tests {
             "[[faults]]\nkind = \"restart-storm\"\nservice = \"plant\"\nat_s = 1\ntimes = 2\n\
              after_start_ms = 3",
         );
-        let starting =
-            |incarnation, since_ns| Some(Living { incarnation, starting_since_ns: Some(since_ns) });
+        let starting = |incarnation, since_ns| {
+            Some(LiveProcess { incarnation, starting_since_ns: Some(since_ns) })
+        };
         assert_eq!(faults.due(1_000_000_000, None, |_| starting(0, 0)), [], "the first takes part");
         assert_eq!(faults.due(1_000_000_000, None, |_| running(0)).len(), 1);
         assert_eq!(faults.due(1_003_000_000, None, |_| starting(1, 1_001_000_000)), []);

@@ -1,6 +1,6 @@
 //! The group's processes.
 
-use super::events::{Event, Who, follow};
+use super::events::{Event, ServiceProcess, follow};
 use super::janitor::DONE;
 use super::root::RunRoot;
 use super::unfinished::remove_unfinished;
@@ -92,7 +92,7 @@ impl Process {
         let err = child.stderr.take().expect("piped");
         let (prefix, id) = (root.prefix().to_owned(), child.id());
         let on_end = move || remove_unfinished(&prefix, id);
-        let follower = follow(Who { service, incarnation }, on_end, out, err, events)
+        let follower = follow(ServiceProcess { service, incarnation }, on_end, out, err, events)
             .map_err(SpawnError::Thread)?;
         let group = if group == 0 { pid(&child) } else { group };
         Ok(Self { child, group, orders, status: None, follower })

@@ -139,7 +139,7 @@ impl Findings {
 
 /// The trusted parts of the inputs.
 #[derive(Debug)]
-pub struct Believed<'a> {
+pub struct TrustedInputs<'a> {
     /// Odometry; `None` if it contradicts something.
     pub odometry: Option<&'a Odometry>,
     /// Tracks; `None` if they contradict something.
@@ -183,7 +183,7 @@ impl Plausibility {
         spat: Option<&'a Spat>,
         commanded_mps2: f64,
         time_s: f64,
-    ) -> Believed<'a> {
+    ) -> TrustedInputs<'a> {
         let Self { motion, radar: radars, countdown, findings } = self;
         let radar = radar.and_then(|sample| radars.look(sample, odometry, time_s, findings));
         let odometry = odometry
@@ -192,7 +192,7 @@ impl Plausibility {
             Some((believed, contradicts)) => (Some(believed), contradicts),
             None => (None, false),
         };
-        Believed { odometry, radar, spat, signals_contradict }
+        TrustedInputs { odometry, radar, spat, signals_contradict }
     }
 
     /// Findings of the checks so far.

@@ -116,7 +116,7 @@ impl Measured {
 
 /// Measurements that passed their gates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Believed {
+pub struct PassedGates {
     /// The range passed its gate.
     pub range: bool,
     /// The range rate passed its gate.
@@ -215,8 +215,8 @@ impl Filter {
         step: &Step,
         range: Measured,
         range_rate: Measured,
-    ) -> Believed {
-        let mut believed = Believed {
+    ) -> PassedGates {
+        let mut believed = PassedGates {
             range: self.passes(model, 0, range),
             range_rate: self.passes(model, 1, range_rate),
         };

@@ -87,11 +87,11 @@ pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
 /// A scenario would be driven twice, in rows that look the same.
 #[derive(Debug, thiserror::Error)]
 #[error("{name} is there twice, expected each scenario once")]
-pub struct Twice {
+pub struct RepeatedScenario {
     name: String,
 }
 
-impl Failure for Twice {}
+impl Failure for RepeatedScenario {}
 
 /// Every row would be of the same program.
 #[derive(Debug, thiserror::Error)]
@@ -197,7 +197,7 @@ impl Study for Laws {
         }
         let twice = |(place, name): &(usize, &String)| arguments.scenarios[..*place].contains(name);
         if let Some((_, name)) = arguments.scenarios.iter().enumerate().find(twice) {
-            return Err(Twice { name: name.clone() }.into());
+            return Err(RepeatedScenario { name: name.clone() }.into());
         }
         let mode = arguments.mode.into();
         let seeds = arguments.seeds.as_deref().map(seeds::read).transpose()?.unwrap_or_default();

@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use group::{Error, GroupOptions};
 
-use super::{Gave, Study};
+use super::{RunResult, Study};
 use crate::batch::{self, Done, Job};
 use crate::drives::Drive;
 use crate::keep::Keeper;
@@ -95,7 +95,7 @@ impl<'a> Crew<'a> {
         study: &S,
         run: usize,
         job: &Job,
-    ) -> Result<Gave<S::Record, S::Seen>, Error> {
+    ) -> Result<RunResult<S::Record, S::Seen>, Error> {
         let result = match self.drive(run, job) {
             result @ (Ok(_) | Err(Error::NotReady { .. } | Error::Runtime(_))) => result,
             Err(error) => return Err(error),
@@ -105,6 +105,6 @@ impl<'a> Crew<'a> {
         }
         let repetition = result.as_ref().ok().and_then(|done| done.repetition.clone());
         let (record, seen) = study.record(run, job, result)?;
-        Ok(Gave { record, seen, repetition })
+        Ok(RunResult { record, seen, repetition })
     }
 }

@@ -38,7 +38,7 @@ pub struct Options<'a> {
 
 /// Results of one run.
 #[derive(Debug)]
-pub struct Gave<R, S> {
+pub struct RunResult<R, S> {
     /// Its record, which goes into the journal too.
     pub record: R,
     /// Data for pictures, which stays in memory alone.
@@ -182,7 +182,11 @@ pub trait Study: Sized + Sync {
     ///
     /// # Errors
     /// Errors that end the study.
-    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<Self::Record, Self::Seen>, Error> {
+    fn drive(
+        &self,
+        run: usize,
+        crew: &Crew<'_>,
+    ) -> Result<RunResult<Self::Record, Self::Seen>, Error> {
         crew.drive_and_record(self, run, &self.job(run)?)
     }
 

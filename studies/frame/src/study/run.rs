@@ -8,7 +8,7 @@ use indicatif::ProgressBar;
 use report::output::OutputDirectory;
 
 use super::crew::Observed;
-use super::{Crew, Found, Gave, Needs, Options, Study};
+use super::{Crew, Found, Needs, Options, RunResult, Study};
 use crate::batch::{self, ProcessesSample};
 use crate::drives;
 use crate::keep::{self, Keeper, Key};
@@ -102,8 +102,8 @@ fn all<S: Study>(
     let sampled = part.sampled(study.seed());
     let mut sample = ProcessesSample::default();
     let observed = Observed::new(keeper);
-    let mut keep = |run: usize, gave: Result<Gave<S::Record, S::Seen>, Error>| {
-        let Gave { record, seen: picture, repetition } = gave?;
+    let mut keep = |run: usize, gave: Result<RunResult<S::Record, S::Seen>, Error>| {
+        let RunResult { record, seen: picture, repetition } = gave?;
         if let Some(line) = study.notice(&record) {
             bar.suspend(|| report::print::note(&line));
         }

@@ -29,7 +29,7 @@ use crate::table;
 use clap::Args;
 use frame::batch::{Done, Job};
 use frame::parts::{self, PartOptions};
-use frame::{Crew, Found, Gave, Needs, Options, Study};
+use frame::{Crew, Found, Needs, Options, RunResult, Study};
 use group::{Error, Failure, GroupOptions, LawOptions};
 use judged::Judged;
 use kept::Kept;
@@ -138,13 +138,13 @@ impl Study for Plan {
         Ok((Kept::alone(&result?), ()))
     }
 
-    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<Kept, ()>, Error> {
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<RunResult<Kept, ()>, Error> {
         let observe = |aebs: bool, scenario: &Scenario, done: &Done| {
             crew.observe(run, &self.keys_of(run, aebs), scenario, done);
         };
         let (record, repetition) =
             self.drive_case(run, crew.repeats(run), crew.group(), crew.going_on(), &observe)?;
-        Ok(Gave { record, seen: (), repetition })
+        Ok(RunResult { record, seen: (), repetition })
     }
 
     fn keys(&self, run: usize) -> Vec<(String, String)> {

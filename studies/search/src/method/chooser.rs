@@ -24,7 +24,7 @@ const EVEN_EVERY: usize = 4;
 
 /// Result of a run, as the choice of later ones needs it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Told {
+pub struct Evaluation {
     /// The point.
     pub point: Vec<f64>,
     /// Its value; below 0: a failure.
@@ -36,7 +36,7 @@ pub struct Told {
 /// Chooses points.
 ///
 /// ```
-/// use search::method::{Admission, Chooser, MethodName, Told};
+/// use search::method::{Admission, Chooser, MethodName, Evaluation};
 /// use search::problem::{Domain, Value, Variable};
 ///
 /// let domain = Domain::parse("0..1").unwrap();
@@ -49,7 +49,7 @@ pub struct Told {
 ///     let [x, y] = proposal.point[..] else { panic!("two variables") };
 ///     let value = (x - 0.3).hypot(y - 0.8) * 10.0 - 0.1;
 ///     best = best.min(value);
-///     chooser.tell(run, Told { point: proposal.point, value, refused: proposal.refused });
+///     chooser.tell(run, Evaluation { point: proposal.point, value, refused: proposal.refused });
 /// }
 /// assert!(best < 0.0, "the failure takes 0.03 % of the square");
 /// ```
@@ -66,7 +66,7 @@ pub struct Chooser {
 struct Replica {
     scan: Scan,
     model: Model,
-    told: BTreeMap<usize, Told>,
+    told: BTreeMap<usize, Evaluation>,
     chosen: BTreeMap<usize, Proposal>,
     start: usize,
     /// Data of the told runs as far as they follow each other from 0.
@@ -129,7 +129,7 @@ impl Chooser {
     }
 
     /// Takes the result of a run.
-    pub fn tell(&mut self, run: usize, told: Told) {
+    pub fn tell(&mut self, run: usize, told: Evaluation) {
         let count = self.replicas.len();
         self.replicas[run % count].tell(run / count, told);
     }
@@ -150,7 +150,7 @@ impl Replica {
         self.ends.len() >= runs
     }
 
-    fn tell(&mut self, place: usize, told: Told) {
+    fn tell(&mut self, place: usize, told: Evaluation) {
         self.told.insert(place, told);
         while let Some(told) = self.told.get(&self.ends.len()) {
             self.data.push(Datum { point: told.point.clone(), value: told.value });
@@ -250,7 +250,7 @@ mod tests {
             let Proposal { point, refused, .. } = chooser.propose(run, &admit).expect("admissible");
             let value = value(&point);
             values.push(value);
-            chooser.tell(run, Told { point, value, refused });
+            chooser.tell(run, Evaluation { point, value, refused });
         }
         values
     }
@@ -274,11 +274,11 @@ mod tests {
             all.push(proposal.clone());
             let Proposal { point, refused, .. } = proposal;
             let value = value(&point);
-            chooser.tell(run, Told { point, value, refused });
+            chooser.tell(run, Evaluation { point, value, refused });
         }
         let told = |run: usize| {
             let Proposal { point, refused, .. } = all[run].clone();
-            Told { value: value(&point), point, refused }
+            Evaluation { value: value(&point), point, refused }
         };
         // As after an interrupt: the last half batch is missing two of its runs.
         let mut resumed = Chooser::new(MethodName::Gp, &variables(3), 5, 1);
@@ -299,7 +299,7 @@ mod tests {
         let mut chooser = Chooser::new(MethodName::Gp, &variables(2), 5, 2);
         for run in (0..40).step_by(2) {
             let Proposal { point, refused, .. } = chooser.propose(run, &admit).expect("one");
-            chooser.tell(run, Told { value: point[0], point, refused });
+            chooser.tell(run, Evaluation { value: point[0], point, refused });
         }
         assert!(chooser.is_ready(40) && chooser.is_ready(1) && !chooser.is_ready(41));
     }

@@ -16,7 +16,7 @@ mod gaussian;
 mod scan;
 mod sobol;
 
-pub use chooser::{Chooser, Told};
+pub use chooser::{Chooser, Evaluation};
 pub(crate) use scan::random as independent;
 pub use scan::{Admission, Admit, NoneAdmissible, Proposal, Refused};
 pub use sobol::Sobol;

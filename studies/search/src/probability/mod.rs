@@ -23,7 +23,7 @@ use std::sync::Mutex;
 
 use frame::batch::{self, Repetition};
 use frame::keep::{Keep, Key};
-use frame::{Crew, Found, Gave, Needs, Options, Study};
+use frame::{Crew, Found, Needs, Options, RunResult, Study};
 use group::{Error, Failure};
 use rare_events::{Budget, REPLICAS, replica, sobol};
 use report::results::Document;
@@ -111,7 +111,7 @@ impl Study for Probability {
         self.problem.columns()
     }
 
-    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<Gave<Unit, ()>, Error> {
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<RunResult<Unit, ()>, Error> {
         let mut points = Points { study: self, run, crew, unit: Unit::default(), repetition: None };
         match self.units.kind(run) {
             Kind::Replica { number, runs } => {
@@ -142,7 +142,7 @@ impl Study for Probability {
         }
         let Points { unit, repetition, .. } = points;
         self.tell(run, &unit);
-        Ok(Gave { record: unit, seen: (), repetition })
+        Ok(RunResult { record: unit, seen: (), repetition })
     }
 
     fn describe(&self, run: usize) -> String {

@@ -5,7 +5,7 @@ use crate::Error;
 use crate::disturbance::Disturbance;
 use crate::drive_log::DriveLog;
 use crate::events::Answer;
-use crate::faults::{Act, Living};
+use crate::faults::{Act, LiveProcess};
 use crate::refusal::absent;
 use crate::succession::Phase;
 use messages::Service;
@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 impl Supervisor<'_> {
     /// Applies the faults of processes that are due.
     pub(super) fn apply_faults(&mut self, log: &DriveLog, now_ns: i64) {
-        let living: BTreeMap<Service, Living> = (self.roster.iter())
+        let living: BTreeMap<Service, LiveProcess> = (self.roster.iter())
             .filter(|member| member.report.is_none())
             .filter_map(|member| {
                 let starting_since_ns = match member.phase() {
@@ -26,7 +26,7 @@ impl Supervisor<'_> {
                     Phase::Vacant { .. } | Phase::Waiting { .. } | Phase::GivenUp => return None,
                 };
                 let incarnation = member.incarnation();
-                Some((member.service(), Living { incarnation, starting_since_ns }))
+                Some((member.service(), LiveProcess { incarnation, starting_since_ns }))
             })
             .collect();
         let due = self.faults.due(now_ns, log.ego(), |service| living.get(&service).copied());

@@ -9,7 +9,7 @@ mod watch;
 use crate::Error;
 use crate::control;
 use crate::drive_log::DriveLog;
-use crate::events::{Event, Who, follow_signals};
+use crate::events::{Event, ServiceProcess, follow_signals};
 use crate::faults::Faults;
 use crate::launch::{GroupOutcome, Launch, Moment, for_services};
 use crate::life;
@@ -221,7 +221,7 @@ impl Supervisor<'_> {
     }
 
     /// Keeps the counts of a process that is gone, unless it reported them itself.
-    fn keep_account(&mut self, who: Who, has_told: bool) {
+    fn keep_account(&mut self, who: ServiceProcess, has_told: bool) {
         let Some(granted) = self.journal.granted.get(who.service.name()).cloned() else { return };
         let left = life::left_by(&self.group, who.service, who.incarnation, granted);
         if !has_told {

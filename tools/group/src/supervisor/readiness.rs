@@ -3,7 +3,7 @@
 use super::{EXIT_GRACE, Supervisor};
 use crate::Error;
 use crate::control;
-use crate::events::{Event, Who};
+use crate::events::{Event, ServiceProcess};
 use crate::exits::Exit;
 use crate::programs::is_foreign;
 use crate::succession::{self, Step};
@@ -36,9 +36,9 @@ impl Supervisor<'_> {
     pub(super) fn wait_until_ready(&mut self, spawned: Instant) -> Result<(), Error> {
         let processes = |&service: &Service| {
             let of = self.group.standby.contains(&service);
-            (0..=u32::from(of)).map(move |incarnation| Who { service, incarnation })
+            (0..=u32::from(of)).map(move |incarnation| ServiceProcess { service, incarnation })
         };
-        let mut waiting: Vec<Who> =
+        let mut waiting: Vec<ServiceProcess> =
             self.launch.scenario.services().iter().flat_map(processes).collect();
         while let Some(first) = waiting.first().map(|who| who.service) {
             let left = self.launch.ready_timeout.saturating_sub(spawned.elapsed());
@@ -58,7 +58,7 @@ impl Supervisor<'_> {
                     let what = "wrote endless text instead of messages: it is not a service".into();
                     return Err(self.not_ready(who.service, what));
                 }
-                Ok(Event::Gone(Who { service, incarnation })) => {
+                Ok(Event::Gone(ServiceProcess { service, incarnation })) => {
                     let process = self.roster.of(service).attached(incarnation);
                     let process = process.expect("it has just been started");
                     let exit = process.exit(EXIT_GRACE, Exit::OutputClosed);

@@ -3,7 +3,7 @@
 use super::Supervisor;
 use super::watch::{Course, LAST_MOMENT};
 use crate::drive_log::DriveLog;
-use crate::events::Who;
+use crate::events::ServiceProcess;
 use crate::exits::Exit;
 use crate::launch::Ended;
 use crate::succession::{self, Phase, Standby, Step};
@@ -17,7 +17,7 @@ impl Supervisor<'_> {
     /// A process is gone: the succession says what follows.
     pub(super) fn on_exit(
         &mut self,
-        who: Who,
+        who: ServiceProcess,
         log: &mut DriveLog,
         course: &mut Course,
         now_ns: i64,
@@ -61,7 +61,7 @@ impl Supervisor<'_> {
     /// A standby has become the active process.
     pub(super) fn on_take_over(
         &mut self,
-        who: Who,
+        who: ServiceProcess,
         told: TakeOver,
         course: &mut Course,
         now_ns: i64,
@@ -105,14 +105,14 @@ impl Supervisor<'_> {
                 }
                 Step::Replaced { old, new } => {
                     // A stopped process cannot end itself.
-                    self.roster.kill(Who { service, incarnation: old }, Exit::Replaced);
+                    self.roster.kill(ServiceProcess { service, incarnation: old }, Exit::Replaced);
                     let member = self.roster.of(service);
                     member.active().begin(now_ns);
                     debug_assert_eq!(member.incarnation(), new);
                     self.faults.replaced(service);
                 }
                 Step::Kill(incarnation) => {
-                    self.roster.kill(Who { service, incarnation }, Exit::Hung);
+                    self.roster.kill(ServiceProcess { service, incarnation }, Exit::Hung);
                 }
                 Step::GiveUp if service != Service::Plant => {
                     let how = self.roster.of(service).active().exit_in_run(LAST_MOMENT);
@@ -138,7 +138,7 @@ impl Supervisor<'_> {
             self.follow(service, succession::Event::Tick, course, now_ns);
             if let Some(incarnation) = self.roster.of(service).overdue(now_ns, RESTART_TIMEOUT_NS) {
                 // Its end is the next event.
-                self.roster.kill(Who { service, incarnation }, Exit::NotReady);
+                self.roster.kill(ServiceProcess { service, incarnation }, Exit::NotReady);
             }
         }
     }

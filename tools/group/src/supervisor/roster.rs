@@ -1,7 +1,7 @@
 //! The processes of a group: one member for each service, the janitor beside them, and how another one starts.
 
 use crate::Error;
-use crate::events::{Event, Who};
+use crate::events::{Event, ServiceProcess};
 use crate::exits::Exit;
 use crate::launch::Launch;
 use crate::member::Member;
@@ -110,12 +110,12 @@ impl<'a> Roster<'a> {
     }
 
     /// True if a process is the active one of its service.
-    pub(super) fn is_active(&mut self, who: Who) -> bool {
+    pub(super) fn is_active(&mut self, who: ServiceProcess) -> bool {
         self.of(who.service).incarnation() == who.incarnation
     }
 
     /// Kills a process; `cause` is how it ended.
-    pub(super) fn kill(&mut self, who: Who, cause: Exit) {
+    pub(super) fn kill(&mut self, who: ServiceProcess, cause: Exit) {
         if let Some(process) = self.of(who.service).attached(who.incarnation) {
             process.kill(cause);
         }
@@ -140,13 +140,13 @@ impl<'a> Roster<'a> {
     }
 
     /// The process for which `gave_up` waited in lockstep, directly or not, if the kernel knows it.
-    pub(super) fn culprit(&mut self, gave_up: Service) -> Option<Who> {
+    pub(super) fn culprit(&mut self, gave_up: Service) -> Option<ServiceProcess> {
         let others = self.members.iter().filter(|member| member.service() != gave_up);
-        let looked: Vec<(Who, i32, Share)> = others
+        let looked: Vec<(ServiceProcess, i32, Share)> = others
             .filter_map(|member| {
                 let (service, incarnation) = (member.service(), member.incarnation());
                 let pid = member.pid_of(incarnation);
-                Some((Who { service, incarnation }, pid, Share::of(pid)?))
+                Some((ServiceProcess { service, incarnation }, pid, Share::of(pid)?))
             })
             .collect();
         let before_ns = monotonic_ns();

@@ -4,7 +4,7 @@
 use super::Supervisor;
 use crate::Error;
 use crate::drive_log::DriveLog;
-use crate::events::{Event, Who};
+use crate::events::{Event, ServiceProcess};
 use crate::exits::Exit;
 use crate::launch::{Ended, Moment};
 use crate::member::Member;
@@ -271,7 +271,7 @@ impl Supervisor<'_> {
             // A heartbeat comes with the service's cycle, and at most ten times a second.
             let period_ns = self.group.timetable.period_ns(service).max(100_000_000);
             for incarnation in self.roster.of(service).hung(now_ns, timeout + period_ns) {
-                let who = Who { service, incarnation };
+                let who = ServiceProcess { service, incarnation };
                 let heard_ns =
                     self.roster.of(service).attached(incarnation).map(|one| one.heard_ns());
                 self.roster.kill(who, Exit::Hung);

@@ -16,7 +16,7 @@ fn start(model: &Model, gap_m: f64, rate_mps: f64) -> Filter {
     model.start(Measured::new(gap_m, SIGMA[0]), Measured::new(rate_mps, SIGMA[1]))
 }
 
-fn see(filter: &mut Filter, model: &Model, step: &Step, gap_m: f64, rate_mps: f64) -> Believed {
+fn see(filter: &mut Filter, model: &Model, step: &Step, gap_m: f64, rate_mps: f64) -> PassedGates {
     filter.predict(model, step);
     let range = Measured::new(gap_m, SIGMA[0]);
     filter.update(model, step, range, Measured::new(rate_mps, SIGMA[1]))
@@ -119,11 +119,11 @@ fn the_gate_keeps_outliers_out_and_lets_the_rest_in() {
         for _ in 0..100 {
             see(&mut filter, &model, &step, 50.0, 0.0);
         }
-        let neither = Believed { range: false, range_rate: false };
+        let neither = PassedGates { range: false, range_rate: false };
         assert_eq!(see(&mut filter, &model, &step, 60.0, 8.0), neither);
         assert_eq!(see(&mut filter, &model, &step, f64::NAN, f64::INFINITY), neither);
         let believed = see(&mut filter, &model, &step, 60.0, 0.1);
-        assert_eq!(believed, Believed { range: false, range_rate: true });
+        assert_eq!(believed, PassedGates { range: false, range_rate: true });
         let estimate = filter.estimate();
         assert!(estimate.relative_speed_mps > 0.0 && (estimate.gap_m - 50.0).abs() < 0.2);
     }
