@@ -97,8 +97,8 @@ fn backward_lanes(rows: &[Vec<f64>], first: usize, z: &mut [Lanes]) {
         let row = &rows[place][first..];
         let (before, rest) = z.split_at_mut(place);
         let x = &mut rest[0];
-        for lane in 0..LANES {
-            x[lane] /= row[place];
+        for x in x.iter_mut() {
+            *x /= row[place];
         }
         for (z, l) in before.iter_mut().zip(row) {
             for lane in 0..LANES {

@@ -10,15 +10,17 @@
 //! of the dimensions and at least one.
 
 use crate::factor::Factor;
-use crate::kernel::{Hyperparameters, Kind, covariances_and_slopes};
+use crate::kernel::{Hyperparameters, Kind, covariances_and_slopes, words};
 use crate::lanes::{LANES, Lanes};
 
 /// Lengths at which the search begins.
 const STARTS: [f64; 2] = [0.3, 1.0];
 /// Steps from each start.
 const STEPS: usize = 30;
-/// Bounds of a length, the signal and the noise.
-const BOUNDS: [(f64, f64); 3] = [(0.02, 20.0), (0.05, 20.0), (0.003, 1.0)];
+/// Bounds of a length, the signal, the noise and a part.
+const BOUNDS: [(f64, f64); 4] = [(0.02, 20.0), (0.05, 20.0), (0.003, 1.0), (0.02, 20.0)];
+/// Median of the prior of a part, and the part at which the search begins.
+const PART: f64 = 0.5;
 
 /// Hyperparameters for values with mean 0 and deviation 1 at points of the unit cube.
 ///
@@ -35,8 +37,13 @@ pub fn fit(kinds: &[Kind], points: &[Vec<f64>], values: &[f64]) -> Hyperparamete
 }
 
 struct Problem<'a> {
+    kinds: &'a [Kind],
     values: &'a [f64],
     dimensions: usize,
+    /// The word of the branch that both points of a pair have, of each pair; empty without a branch.
+    both: Vec<Option<usize>>,
+    /// Words of the points.
+    words: Vec<Option<usize>>,
     /// Squared differences of each pair of points: for each lane of pairs one row a coordinate.
     squares: Vec<Lanes>,
     prior: f64,
@@ -57,18 +64,39 @@ impl<'a> Problem<'a> {
             }
         }
         let quarter = (kinds.len() as f64 / 4.0).max(1.0);
-        Self { values, dimensions: kinds.len(), squares, prior: libm::log(0.5 * quarter.sqrt()) }
+        let branch = kinds.iter().position(|kind| matches!(kind, Kind::Branch(_)));
+        let word = |point: &Vec<f64>| branch.map(|at| kinds[at].mark(point[at]) as usize);
+        let words: Vec<Option<usize>> = points.iter().map(word).collect();
+        let mut both = Vec::new();
+        if branch.is_some() {
+            for (place, a) in words.iter().enumerate() {
+                both.extend(words[..place].iter().map(|b| a.filter(|_| a == b)));
+            }
+        }
+        let prior = libm::log(0.5 * quarter.sqrt());
+        Self { kinds, values, dimensions: kinds.len(), both, words, squares, prior }
     }
 
     fn bounds(&self, place: usize) -> (f64, f64) {
-        let (low, high) = BOUNDS[place.saturating_sub(self.dimensions.saturating_sub(1)).min(2)];
+        let (low, high) = match place.checked_sub(self.dimensions) {
+            None => BOUNDS[0],
+            Some(after) => BOUNDS[1 + after.min(2)],
+        };
         (libm::log(low), libm::log(high))
     }
 
+    /// Squared differences by which a part of the covariance falls: `has` says which coordinates count.
+    fn inverse(&self, lengths: &[f64], has: impl Fn(&Kind) -> bool) -> Vec<f64> {
+        let of =
+            |(kind, length): (&Kind, &f64)| if has(kind) { 1.0 / (length * length) } else { 0.0 };
+        self.kinds.iter().zip(lengths).map(of).collect()
+    }
+
     fn climb(&self, length: f64) -> (Vec<f64>, f64) {
-        let count = self.dimensions + 2;
         let mut at = vec![libm::log(length); self.dimensions];
         at.extend([0.0, libm::log(0.1)]);
+        at.extend(std::iter::repeat_n(libm::log(PART), words(self.kinds)));
+        let count = at.len();
         let (mut value, mut gradient) = self.likelihood(&at);
         let mut best = (at.clone(), value);
         let mut steps = vec![0.3_f64; count];
@@ -104,69 +132,119 @@ impl<'a> Problem<'a> {
     fn parameters(&self, at: &[f64]) -> Hyperparameters {
         let lengths = at[..self.dimensions].iter().map(|log| libm::exp(*log)).collect();
         let of = |place: usize| libm::exp(at[self.dimensions + place]);
-        Hyperparameters { lengths, signal: of(0), noise: of(1) }
+        let parts = (self.dimensions + 2..at.len()).map(|place| libm::exp(at[place])).collect();
+        Hyperparameters { lengths, signal: of(0), noise: of(1), parts }
     }
 
     /// The logarithm of likelihood times prior, and its gradient.
     fn likelihood(&self, at: &[f64]) -> (f64, Vec<f64>) {
         let (n, d) = (self.values.len(), self.dimensions);
-        let Hyperparameters { lengths, signal, noise } = self.parameters(at);
-        let inverse: Vec<f64> = lengths.iter().map(|length| 1.0 / (length * length)).collect();
+        let Hyperparameters { lengths, signal, noise, parts } = self.parameters(at);
         let variance = signal * signal;
-        let mut factor = Factor::default();
-        let blocks = self.squares.len() / d.max(1);
-        let mut found = [Vec::with_capacity(blocks), Vec::with_capacity(blocks)];
-        covariances_and_slopes(&self.squares, &inverse, variance, &mut found);
-        let [covariances, slopes] = &found;
-        let covariances = covariances.as_flattened();
+        let common = self.inverse(&lengths, |kind| matches!(kind, Kind::Number | Kind::Word(_)));
+        let all = self.inverse(&lengths, |kind| !matches!(kind, Kind::Branch(_)));
+        let mut terms = vec![self.term(common, variance, None)];
+        if !self.both.is_empty() {
+            let variances: Vec<f64> = parts.iter().map(|part| part * part).collect();
+            terms.push(self.term(all, 1.0, Some(&variances)));
+        }
         let first = |row: usize| row * row.saturating_sub(1) / 2;
+        let mut factor = Factor::default();
+        let mut with = Vec::with_capacity(n);
         for row in 0..n {
-            factor.push(&covariances[first(row)..first(row) + row], variance + noise * noise);
+            let pairs = first(row)..first(row) + row;
+            with.clear();
+            with.extend(pairs.map(|pair| {
+                terms.iter().map(|term| term.covariances.as_flattened()[pair]).sum::<f64>()
+            }));
+            let part = self.words[row].map_or(0.0, |word| parts[word] * parts[word]);
+            factor.push(&with, variance + part + noise * noise);
         }
         let half = factor.forward(self.values);
         let fitted: f64 = half.iter().map(|z| z * z).sum();
         let alpha = factor.backward(half);
         let value = -0.5 * fitted - factor.half_log_determinant();
         // tr((α αᵀ − K⁻¹) dK): of the symmetric matrices twice the lower part, and the diagonal.
-        let mut gradient = vec![0.0; d + 2];
-        let mut diagonal = 0.0;
-        let mut weights = vec![[0.0; LANES]; blocks];
+        let mut gradient = vec![0.0; at.len()];
+        let mut weights = vec![[0.0; LANES]; self.squares.len() / d.max(1)];
         let mut columns = Vec::with_capacity(n);
         for block in (0..n).step_by(LANES) {
             factor.inverse_lanes(block, &mut columns);
             for before in block..(block + LANES).min(n) {
                 let column = |row: usize| columns[row - block][before - block];
-                diagonal += alpha[before] * alpha[before] - column(before);
+                let diagonal = alpha[before] * alpha[before] - column(before);
+                gradient[d] += diagonal * variance;
+                gradient[d + 1] += diagonal * noise * noise;
+                if let Some(word) = self.words[before] {
+                    gradient[d + 2 + word] += diagonal * parts[word] * parts[word];
+                }
                 for row in before + 1..n {
                     let weight = alpha[row] * alpha[before] - column(row);
                     weights.as_flattened_mut()[first(row) + before] = weight;
                 }
             }
         }
-        let products = weights.as_flattened().iter().zip(covariances);
-        gradient[d] += 2.0 * products.map(|(weight, covariance)| weight * covariance).sum::<f64>();
-        for ((weights, slopes), squares) in
-            weights.iter().zip(slopes).zip(self.squares.chunks_exact(d))
-        {
-            for ((gradient, square), inverse) in gradient[..d].iter_mut().zip(squares).zip(&inverse)
-            {
-                let mut sum = 0.0;
-                for lane in 0..LANES {
-                    sum += weights[lane] * slopes[lane] * square[lane];
+        for (place, term) in terms.iter().enumerate() {
+            let products = weights.as_flattened().iter().zip(term.covariances.as_flattened());
+            let products = products.map(|(weight, covariance)| 2.0 * weight * covariance);
+            if place == 0 {
+                gradient[d] += products.sum::<f64>();
+            } else {
+                for (product, word) in products.zip(&self.both) {
+                    if let Some(word) = word {
+                        gradient[d + 2 + word] += product;
+                    }
                 }
-                *gradient += sum * inverse;
+            }
+            for ((weights, slopes), squares) in
+                weights.iter().zip(&term.slopes).zip(self.squares.chunks_exact(d))
+            {
+                for ((gradient, square), inverse) in
+                    gradient[..d].iter_mut().zip(squares).zip(&term.inverse)
+                {
+                    let mut sum = 0.0;
+                    for lane in 0..LANES {
+                        sum += weights[lane] * slopes[lane] * square[lane];
+                    }
+                    *gradient += sum * inverse;
+                }
             }
         }
-        gradient[d] += diagonal * variance;
-        gradient[d + 1] = diagonal * noise * noise;
         let mut prior = 0.0;
-        for (gradient, log) in gradient[..d].iter_mut().zip(at) {
-            let off = log - self.prior;
+        for (place, log) in at.iter().enumerate() {
+            let off = match place.checked_sub(d) {
+                None => log - self.prior,
+                Some(0 | 1) => continue,
+                Some(_) => log - libm::log(PART),
+            };
             prior -= 0.5 * off * off;
-            *gradient -= off;
+            gradient[place] -= off;
         }
         (value + prior, gradient)
     }
+
+    /// A term of the covariance of all pairs. With `parts` a pair of one word has its part, and other pairs have none.
+    fn term(&self, inverse: Vec<f64>, variance: f64, parts: Option<&[f64]>) -> Term {
+        let blocks = self.squares.len() / self.dimensions.max(1);
+        let mut found = [Vec::with_capacity(blocks), Vec::with_capacity(blocks)];
+        covariances_and_slopes(&self.squares, &inverse, variance, &mut found);
+        if let Some(parts) = parts {
+            for values in &mut found {
+                for (value, word) in values.as_flattened_mut().iter_mut().zip(&self.both) {
+                    *value *= word.map_or(0.0, |word| parts[word]);
+                }
+            }
+        }
+        let [covariances, slopes] = found;
+        Term { inverse, covariances, slopes }
+    }
+}
+
+/// A term of the covariance: of each pair the covariance and its slope.
+struct Term {
+    inverse: Vec<f64>,
+    covariances: Vec<Lanes>,
+    slopes: Vec<Lanes>,
 }
 
 #[cfg(test)]
@@ -200,6 +278,48 @@ mod tests {
                 "{place}: {gradient:?} {by_difference}"
             );
         }
+    }
+
+    #[test]
+    fn the_gradient_is_that_of_the_likelihood_with_a_branch() {
+        let points: Vec<Vec<f64>> = points(18)
+            .into_iter()
+            .map(|x| vec![x[0], x[1], (3.0 * x[0] + 7.0 * x[1]).fract()])
+            .collect();
+        let values: Vec<f64> = points.iter().map(|x| libm::sin(6.0 * x[0]) - 0.3 * x[1]).collect();
+        let kinds = [Kind::Number, Kind::Branch(3), Kind::Own];
+        let problem = Problem::new(&kinds, &points, &values);
+        let at = [-0.5, 0.2, -0.9, 0.1, -2.0, -0.3, 0.4, -1.0];
+        let (_, gradient) = problem.likelihood(&at);
+        for place in 0..at.len() {
+            let moved = |by: f64| {
+                let mut at = at;
+                at[place] += by;
+                problem.likelihood(&at).0
+            };
+            let by_difference = (moved(1e-5) - moved(-1e-5)) / 2e-5;
+            let off = (gradient[place] - by_difference).abs();
+            assert!(
+                off < 1e-4 * (1.0 + by_difference.abs()),
+                "{place}: {gradient:?} {by_difference}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_word_that_matters_has_the_largest_part() {
+        let points: Vec<Vec<f64>> = points(60)
+            .into_iter()
+            .map(|x| vec![x[0], (5.0 * x[0] + 3.0 * x[1]).fract(), x[1]])
+            .collect();
+        let value = |x: &Vec<f64>| {
+            let part = if (0.25..0.5).contains(&x[1]) { libm::sin(9.0 * x[2]) } else { 0.0 };
+            0.5 * libm::sin(3.0 * x[0]) + part
+        };
+        let values: Vec<f64> = points.iter().map(value).collect();
+        let found = fit(&[Kind::Number, Kind::Branch(4), Kind::Own], &points, &values);
+        let others = [0, 2, 3].map(|word| found.parts[word]);
+        assert!(others.iter().all(|part| found.parts[1] > 3.0 * part), "{found:?}");
     }
 
     #[test]

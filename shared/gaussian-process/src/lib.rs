@@ -12,6 +12,11 @@
 //! | `s` | [`Hyperparameters::signal`] | standard deviation of the function |
 //! | `n` | [`Hyperparameters::noise`] | standard deviation of the noise |
 //! | `l_d` | [`Hyperparameters::lengths`] | length over which coordinate d matters |
+//! | `p_b` | [`Hyperparameters::parts`] | standard deviation of the part of word b of a branch |
+//!
+//! A [`Kind::Branch`] is a word that decides which numbers matter: each of its words adds a part of its own to the function,
+//! with numbers ([`Kind::Own`]) that only these parts read. What is common to all words is learnt from all points, and
+//! a word without effect gets a small part.
 //!
 //! [`fit`] maximises the marginal likelihood of the values, with a weak prior on the lengths. A [`Process`] grows by
 //! one point in O(n²): its Cholesky factor gains a row. [`Watched`] points are asked again and again meanwhile.

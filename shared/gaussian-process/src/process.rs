@@ -1,16 +1,15 @@
 //! A process over points that may grow.
 
 use crate::factor::{Factor, dot};
-use crate::kernel::{Hyperparameters, Kind, covariances, distance, matern};
+use crate::kernel::{Hyperparameters, Kernel, Kind};
 use crate::lanes::{LANES, Lanes};
 
 /// A Gaussian process with its points.
 #[derive(Clone, Debug)]
 pub struct Process {
-    kinds: Vec<Kind>,
-    parameters: Hyperparameters,
-    /// Inverse squares of the lengths.
-    inverse: Vec<f64>,
+    kernel: Kernel,
+    /// Variance of the noise.
+    noise: f64,
     points: Vec<Vec<f64>>,
     values: Vec<f64>,
     factor: Factor,
@@ -30,11 +29,9 @@ impl Process {
         points: Vec<Vec<f64>>,
         values: Vec<f64>,
     ) -> Self {
-        let inverse = parameters.lengths.iter().map(|length| 1.0 / (length * length)).collect();
         let mut process = Self {
-            kinds: kinds.to_vec(),
-            parameters,
-            inverse,
+            kernel: Kernel::new(kinds, &parameters),
+            noise: parameters.noise * parameters.noise,
             points: Vec::with_capacity(points.len()),
             values: Vec::with_capacity(values.len()),
             factor: Factor::default(),
@@ -104,7 +101,7 @@ impl Process {
     pub fn predict(&self, point: &[f64]) -> (f64, f64) {
         let covariances = self.covariances(point);
         let solved = self.factor.forward(&covariances);
-        let variance = self.variance() - dot(&solved, &solved);
+        let variance = self.kernel.variance(point) - dot(&solved, &solved);
         (dot(&covariances, &self.weights), variance.max(0.0))
     }
 
@@ -118,15 +115,9 @@ impl Process {
         watched.known = self.len() - self.expected;
         let mut predictions = Vec::with_capacity(watched.points.len());
         let blocks = watched.points.chunks(LANES).zip(&mut watched.blocks);
-        let kernel = (&self.kinds[..], &self.inverse[..], self.variance());
-        let mut marks = vec![[0.0; LANES]; self.kinds.len()];
         for (points, Block { covariances: known, solved }) in blocks {
-            for (lane, point) in points.iter().enumerate() {
-                for ((marks, kind), at) in marks.iter_mut().zip(&self.kinds).zip(point) {
-                    marks[lane] = kind.mark(*at);
-                }
-            }
-            covariances(kernel, &marks, &self.points[known.len()..], known);
+            let marks = self.kernel.marks(points);
+            self.kernel.covariances(&marks, &self.points[known.len()..], known);
             self.factor.forward_lanes(solved, known);
             let (mut means, mut explained) = ([0.0; LANES], [0.0; LANES]);
             for ((covariance, solved), weight) in known.iter().zip(&*solved).zip(&self.weights) {
@@ -135,16 +126,17 @@ impl Process {
                     explained[lane] += solved[lane] * solved[lane];
                 }
             }
-            let of = |lane: usize| (means[lane], (self.variance() - explained[lane]).max(0.0));
-            predictions.extend((0..points.len()).map(of));
+            let all = points.iter().zip(means).zip(explained);
+            predictions.extend(all.map(|((point, mean), explained)| {
+                (mean, (self.kernel.variance(point) - explained).max(0.0))
+            }));
         }
         predictions
     }
 
     fn add(&mut self, point: Vec<f64>, value: f64) {
         let with = self.covariances(&point);
-        let noise = self.parameters.noise;
-        self.factor.push(&with, self.variance() + noise * noise);
+        self.factor.push(&with, self.kernel.variance(&point) + self.noise);
         self.points.push(point);
         self.values.push(value);
     }
@@ -153,16 +145,8 @@ impl Process {
         self.weights = self.factor.backward(self.factor.forward(&self.values));
     }
 
-    fn variance(&self) -> f64 {
-        self.parameters.signal * self.parameters.signal
-    }
-
-    fn covariance(&self, a: &[f64], b: &[f64]) -> f64 {
-        self.variance() * matern(distance(&self.kinds, &self.inverse, a, b))
-    }
-
     fn covariances(&self, point: &[f64]) -> Vec<f64> {
-        self.points.iter().map(|other| self.covariance(point, other)).collect()
+        self.points.iter().map(|other| self.kernel.covariance(point, other)).collect()
     }
 }
 
@@ -212,7 +196,7 @@ mod tests {
     use super::*;
 
     fn parameters() -> Hyperparameters {
-        Hyperparameters { lengths: vec![0.3, 0.5], signal: 1.5, noise: 0.1 }
+        Hyperparameters { lengths: vec![0.3, 0.5], signal: 1.5, noise: 0.1, parts: vec![] }
     }
 
     const KINDS: [Kind; 2] = [Kind::Number, Kind::Word(2)];
@@ -260,7 +244,8 @@ mod tests {
     /// Two points, by hand: K = s² [[1, c], [c, 1]].
     #[test]
     fn two_points_by_hand() {
-        let parameters = Hyperparameters { lengths: vec![1.0], signal: 2.0, noise: 0.5 };
+        let parameters =
+            Hyperparameters { lengths: vec![1.0], signal: 2.0, noise: 0.5, parts: vec![] };
         let points = vec![vec![0.0], vec![1.0]];
         let process = Process::new(&[Kind::Number], parameters, points, vec![1.0, -1.0]);
         let covariance = |r: f64| {

@@ -28,7 +28,7 @@ pub fn first_violation(
     group: &GroupOptions,
     going_on: &dyn Fn() -> bool,
 ) -> Result<Option<usize>, Error> {
-    let mut chooser = Chooser::new(method, &problem.variables, seed, 1);
+    let mut chooser = Chooser::new(method, &problem.kinds(), seed, 1);
     for run in 0..budget {
         let proposal = chooser.propose(run, &|point| admit(problem, point))?;
         let values = problem.values(&proposal.point);

@@ -142,7 +142,7 @@ impl Study for Runs {
         }
         let seed = arguments.seed()?;
         let problem = Problem::open(arguments)?;
-        let chooser = Chooser::new(method, &problem.variables, seed, replicas);
+        let chooser = Chooser::new(method, &problem.kinds(), seed, replicas);
         Ok(Self {
             method,
             budget: arguments.budget(),

@@ -87,7 +87,7 @@ fn a_box_that_the_reference_never_avoids_is_refused() {
     let words =
         ["tight-brake", "--vary", "actors.0.gap_m=1..2", "--set", "actors.0.initial_speed_mps=0"];
     let problem = open(&words).expect("a problem");
-    let mut chooser = Chooser::new(MethodName::Sobol, &problem.variables, 1, 1);
+    let mut chooser = Chooser::new(MethodName::Sobol, &problem.kinds(), 1, 1);
     // The admission of one point is that of all: the others need not be driven.
     let one = admit(&problem, &[0.5]).expect("it can be driven");
     let said = chooser.propose(0, &|_| Ok(one)).expect_err("refused").to_string();

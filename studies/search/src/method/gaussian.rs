@@ -230,9 +230,9 @@ impl Choice<'_> {
             let mut squared = 0.0;
             for ((kind, a), b) in self.kinds.iter().zip(point).zip(violation.iter()) {
                 match kind {
-                    Kind::Number => squared += (a - b) * (a - b),
-                    Kind::Word(count) if same_word(*count, *a, *b) => {}
-                    Kind::Word(_) => return 1.0,
+                    Kind::Number | Kind::Own => squared += (a - b) * (a - b),
+                    Kind::Word(count) | Kind::Branch(count) if same_word(*count, *a, *b) => {}
+                    Kind::Word(_) | Kind::Branch(_) => return 1.0,
                 }
             }
             1.0 - libm::exp(-0.5 * squared / radius)
@@ -248,9 +248,9 @@ impl Choice<'_> {
                 (random::normal(&mut self.random), random::uniform(&mut self.random));
             let drawn = random::uniform(&mut self.random);
             near.push(match kind {
-                Kind::Number => (at + spread * moved).clamp(0.0, 1.0),
-                Kind::Word(_) if jump < 0.15 => drawn,
-                Kind::Word(_) => *at,
+                Kind::Number | Kind::Own => (at + spread * moved).clamp(0.0, 1.0),
+                Kind::Word(_) | Kind::Branch(_) if jump < 0.15 => drawn,
+                Kind::Word(_) | Kind::Branch(_) => *at,
             });
         }
         near

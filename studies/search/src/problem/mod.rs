@@ -21,6 +21,7 @@ pub use setting::{Setting, Term};
 pub use variable::{Domain, DomainError, Value, Variable, rounded};
 
 use frame::keep::Key;
+use gaussian_process::Kind;
 use group::{Error, Failure, GroupOptions, Opening, ScenarioOptions};
 use runtime::Mode;
 use scenario::Scenario;
@@ -132,6 +133,22 @@ impl Problem {
     #[must_use]
     pub fn dimensions(&self) -> usize {
         self.variables.len()
+    }
+
+    /// The variables as a Gaussian process sees them: a number that only faults read matters where a fault acts.
+    #[must_use]
+    pub fn kinds(&self) -> Vec<Kind> {
+        let kind = |(place, variable): (usize, &Variable)| match &variable.domain {
+            Domain::Words(words) if variable.name == FAULT => Kind::Branch(words.len()),
+            Domain::Words(words) => Kind::Word(words.len()),
+            _ => {
+                let mut keys = self.faults.iter().flat_map(|fault| &fault.keys);
+                let is_read = |setting: &Setting| setting.term.reads(place);
+                let is_own = keys.any(is_read) && !self.settings.iter().any(is_read);
+                if is_own { Kind::Own } else { Kind::Number }
+            }
+        };
+        self.variables.iter().enumerate().map(kind).collect()
     }
 
     /// The values at a point.

@@ -79,6 +79,15 @@ impl Term {
         }
     }
 
+    /// True if the term reads this variable.
+    pub(crate) fn reads(&self, variable: usize) -> bool {
+        match self {
+            Self::Constant(_) => false,
+            Self::Variable(place) => *place == variable,
+            Self::Formula(formula) => formula.reads(variable),
+        }
+    }
+
     /// The formula's text; empty for other terms.
     pub(crate) fn formula(&self) -> &str {
         match self {
