@@ -61,31 +61,13 @@ impl Circle {
     /// Length along the circle and distance left of it, m, of a point of the body.
     #[must_use]
     pub fn to_way(&self, x_m: f64, y_m: f64) -> (f64, f64) {
-        let (sine, cosine) = libm::sincos(self.heading_rad);
-        let (x_m, y_m) = (x_m * cosine + y_m * sine, y_m * cosine - x_m * sine);
-        let k = self.curvature_perm;
-        if k == 0.0 {
-            return (x_m, y_m);
-        }
-        let q_m = k * (x_m * x_m + y_m * y_m) - 2.0 * y_m;
-        let off_m = -q_m / (1.0 + (1.0 + k * q_m).max(0.0).sqrt());
-        (libm::atan2(k * x_m, 1.0 - k * y_m) / k, off_m)
+        Turned::of(self).to_way(x_m, y_m)
     }
 
     /// The point of the body that is `along_m` along the circle and `off_m` left of it.
     #[must_use]
     pub fn to_body(&self, along_m: f64, off_m: f64) -> (f64, f64) {
-        let turn_rad = self.curvature_perm * along_m;
-        let (half_sine, half_cosine) = libm::sincos(0.5 * turn_rad);
-        // A chord has the heading of half of its turn.
-        let chord_m =
-            if turn_rad == 0.0 { along_m } else { along_m * half_sine / (0.5 * turn_rad) };
-        let (turn_sine, turn_cosine) =
-            (2.0 * half_sine * half_cosine, 1.0 - 2.0 * half_sine * half_sine);
-        let (x_m, y_m) =
-            (chord_m * half_cosine - off_m * turn_sine, chord_m * half_sine + off_m * turn_cosine);
-        let (sine, cosine) = libm::sincos(self.heading_rad);
-        (x_m * cosine - y_m * sine, y_m * cosine + x_m * sine)
+        Turned::of(self).to_body(along_m, off_m)
     }
 
     /// Heading of the way at `along_m`, rad to the left of the body.
@@ -99,21 +81,78 @@ impl Circle {
     pub fn sigma_m(along_m: f64) -> f64 {
         0.5 * SIGMA_PERM * along_m * along_m
     }
+}
 
-    /// A place given on this circle as seen from another one, after the ego drove `way_m` and turned by `turn_rad`. The
-    /// place has been moved back by the way already.
-    #[must_use]
-    pub(crate) fn seen_from(
-        &self,
-        next: &Self,
-        (along_m, off_m): (f64, f64),
-        way_m: f64,
-        turn_rad: f64,
-    ) -> (f64, f64) {
-        let (x_m, y_m) = self.to_body(along_m, off_m);
+/// A circle with the sine and cosine of its heading, for many points.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Turned {
+    pub(crate) circle: Circle,
+    sine: f64,
+    cosine: f64,
+}
+
+impl Turned {
+    pub(crate) fn of(circle: &Circle) -> Self {
+        let (sine, cosine) = libm::sincos(circle.heading_rad);
+        Self { circle: *circle, sine, cosine }
+    }
+
+    /// As [`Circle::to_way`].
+    pub(crate) fn to_way(&self, x_m: f64, y_m: f64) -> (f64, f64) {
+        let Self { circle, sine, cosine } = *self;
+        let (x_m, y_m) = (x_m * cosine + y_m * sine, y_m * cosine - x_m * sine);
+        let k = circle.curvature_perm;
+        if k == 0.0 {
+            return (x_m, y_m);
+        }
+        let q_m = k * (x_m * x_m + y_m * y_m) - 2.0 * y_m;
+        let off_m = -q_m / (1.0 + (1.0 + k * q_m).max(0.0).sqrt());
+        (libm::atan2(k * x_m, 1.0 - k * y_m) / k, off_m)
+    }
+
+    /// As [`Circle::to_body`].
+    fn to_body(&self, along_m: f64, off_m: f64) -> (f64, f64) {
+        let Self { circle, sine, cosine } = *self;
+        let turn_rad = circle.curvature_perm * along_m;
+        let (half_sine, half_cosine) = libm::sincos(0.5 * turn_rad);
+        // A chord has the heading of half of its turn.
+        let chord_m =
+            if turn_rad == 0.0 { along_m } else { along_m * half_sine / (0.5 * turn_rad) };
+        let (turn_sine, turn_cosine) =
+            (2.0 * half_sine * half_cosine, 1.0 - 2.0 * half_sine * half_sine);
+        let (x_m, y_m) =
+            (chord_m * half_cosine - off_m * turn_sine, chord_m * half_sine + off_m * turn_cosine);
+        (x_m * cosine - y_m * sine, y_m * cosine + x_m * sine)
+    }
+}
+
+/// The step from the circle of one scan to that of the next.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Step {
+    before: Turned,
+    next: Turned,
+    sine: f64,
+    cosine: f64,
+}
+
+impl Step {
+    /// The step of an ego that drove `way_m` and turned by `turn_rad`.
+    pub(crate) fn new(before: &Circle, next: &Circle, way_m: f64, turn_rad: f64) -> Self {
         // The body turned by as much more than the circle does on this way.
-        let (sine, cosine) = libm::sincos(turn_rad - self.curvature_perm * way_m);
-        next.to_way(x_m * cosine + y_m * sine, y_m * cosine - x_m * sine)
+        let (sine, cosine) = libm::sincos(turn_rad - before.curvature_perm * way_m);
+        Self { before: Turned::of(before), next: Turned::of(next), sine, cosine }
+    }
+
+    /// A place given on the first circle as seen from the next one. It has been moved back by the way already.
+    pub(crate) fn seen(&self, (along_m, off_m): (f64, f64)) -> (f64, f64) {
+        let Self { sine, cosine, .. } = *self;
+        let (x_m, y_m) = self.before.to_body(along_m, off_m);
+        self.next.to_way(x_m * cosine + y_m * sine, y_m * cosine - x_m * sine)
+    }
+
+    /// The next circle.
+    pub(crate) fn next(&self) -> &Turned {
+        &self.next
     }
 }
 
@@ -224,7 +263,7 @@ mod tests {
         let place = (40.0, -3.5);
         let (x_m, y_m) = truth.to_body(place.0, place.1);
         let (along_m, off_m) = before.to_way(x_m, y_m);
-        let seen = before.seen_from(&next, (along_m - 1.0, off_m), 1.0, 1.0 / 125.0);
+        let seen = Step::new(&before, &next, 1.0, 1.0 / 125.0).seen((along_m - 1.0, off_m));
         assert!((seen.0 - 39.0).abs() < 0.03 && (seen.1 + 3.5).abs() < 0.01, "{seen:?}");
     }
 

@@ -30,14 +30,14 @@
 //! circle changes, every object is counted anew from it: it stays where it is in the plane, and the estimate of the
 //! curvature makes no lateral speed.
 
-use crate::circle::{Circle, OwnWay};
+use crate::circle::{Circle, OwnWay, Step, Turned};
 use crate::collision_ahead::where_it_stands;
 use crate::decision::Path;
 use crate::object::Object;
 use crate::point::{Place, Point};
 use crate::row::Places;
 use crate::sighting::{Sums, correct};
-use messages::Detection;
+use messages::{Detection, MAX_DETECTIONS};
 
 /// Most objects that are followed at a time.
 pub const MAX_OBJECTS: usize = 48;
@@ -67,6 +67,8 @@ pub struct Objects {
     /// The circle of the last scan, on a road with a plan.
     circle: Option<Circle>,
     places: Places,
+    /// Places of the scan's standing detections along the way and left of it, m, on a road with a plan.
+    standing: Vec<(f64, f64)>,
 }
 
 impl Objects {
@@ -81,6 +83,7 @@ impl Objects {
             share: 1.0,
             circle: None,
             places: Places::new(),
+            standing: Vec::with_capacity(MAX_DETECTIONS),
         }
     }
 
@@ -119,14 +122,19 @@ impl Objects {
         detections: &[Detection],
     ) {
         let Some(period_s) = self.advance(scan_ns, ego_mps) else { return };
-        let circle = way.map(|way| self.turn(way, period_s, ego_mps));
+        let way = way.map(|way| self.turn(way, period_s, ego_mps));
         let half_field_of_view_rad = self.half_field_of_view_rad;
         self.sums.clear();
         self.sums.resize(self.list.len(), Sums::NONE);
-        let circle = circle.as_ref();
+        let circle = way.as_ref().map(|way| &way.circle);
+        self.standing.clear();
         for detection in detections {
-            if let Some(point) = Point::of(detection, ego_mps, circle) {
+            let Some(place) = Place::of(detection, ego_mps, way.as_ref()) else { continue };
+            if let Some(point) = Point::of(detection, &place) {
                 self.assign(&point, circle);
+            }
+            if circle.is_some() && place.stands() {
+                self.standing.push((place.x_m, place.y_m));
             }
         }
         for (object, sums) in self.list.iter_mut().zip(&self.sums) {
@@ -135,7 +143,7 @@ impl Objects {
         }
         self.see_what_is_driven_through();
         if circle.is_some() {
-            self.see_rows(detections, ego_mps);
+            self.see_rows();
         }
         let share = self.share;
         self.list.retain(|object| {
@@ -175,29 +183,26 @@ impl Objects {
 
     /// Counts all places along the circle of the way as it is now; returns it. The ego has driven on for `period_s`,
     /// and has turned by its yaw rate meanwhile. A standing object stays in its place in the plane.
-    fn turn(&mut self, way: &OwnWay, period_s: f64, ego_mps: f64) -> Circle {
+    fn turn(&mut self, way: &OwnWay, period_s: f64, ego_mps: f64) -> Turned {
         let circle = way.circle();
         let before = self.circle.replace(circle).unwrap_or(circle);
         let (way_m, turn_rad) = (ego_mps * period_s, way.yaw_rate_radps() * period_s);
+        let step = Step::new(&before, &circle, way_m, turn_rad);
         for object in &mut self.list {
             let off_m = object.lateral.position_m;
-            let (along_m, now_m) =
-                before.seen_from(&circle, (object.distance_m, off_m), way_m, turn_rad);
+            let (along_m, now_m) = step.seen((object.distance_m, off_m));
             object.distance_m = along_m;
             object.lateral.shift(now_m - off_m);
             object.see_along(&circle);
         }
-        self.places.move_on((&before, &circle), period_s, way_m, turn_rad);
-        circle
+        self.places.move_on(&step, period_s, way_m);
+        *step.next()
     }
 
     /// Marks objects on rows along which the road may bend.
-    fn see_rows(&mut self, detections: &[Detection], ego_mps: f64) {
-        let places = detections
-            .iter()
-            .filter_map(|detection| Place::of(detection, ego_mps, self.circle.as_ref()));
-        for place in places.filter(Place::stands) {
-            self.places.take(place.x_m, place.y_m);
+    fn see_rows(&mut self) {
+        for &(along_m, off_m) in &self.standing {
+            self.places.take(along_m, off_m);
         }
         for object in &mut self.list {
             object.is_on_row = object.stands()

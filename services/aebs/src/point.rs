@@ -2,7 +2,7 @@
 
 use messages::Detection;
 
-use crate::circle::Circle;
+use crate::circle::Turned;
 use crate::object::STANDING_MPS;
 
 /// Standing points farther off the path than this are left out, m: what stands beyond the neighbouring lanes. Selecting
@@ -41,8 +41,9 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    /// `None` for what is behind the antenna, or moves across the line of sight.
-    pub(crate) fn of(detection: &Detection, ego_mps: f64, way: Option<&Circle>) -> Option<Self> {
+    /// `None` for what is behind the antenna, or moves across the line of sight. Without a `way` the road goes
+    /// straight on.
+    pub(crate) fn of(detection: &Detection, ego_mps: f64, way: Option<&Turned>) -> Option<Self> {
         let (sine, cosine) = libm::sincos(detection.azimuth_rad);
         if cosine < LEAST_COSINE {
             return None;
@@ -60,6 +61,7 @@ impl Place {
             });
         };
         let (x_m, y_m) = way.to_way(ahead_m, left_m);
+        let way = &way.circle;
         let road_rad = way.heading_at_rad(x_m);
         let (sine, road_cosine) = libm::sincos(detection.azimuth_rad - road_rad);
         if road_cosine < LEAST_COSINE {
@@ -101,13 +103,12 @@ pub(crate) struct Point {
 }
 
 impl Point {
-    /// `None` for what is behind the antenna or stands beside the road. Without a `way` the road goes straight on.
-    pub(crate) fn of(detection: &Detection, ego_mps: f64, way: Option<&Circle>) -> Option<Self> {
-        let place = Place::of(detection, ego_mps, way)?;
+    /// The point of a detection at its place; `None` for what stands beside the road.
+    pub(crate) fn of(detection: &Detection, place: &Place) -> Option<Self> {
         if place.y_m.abs() > STANDING_OFFSET_M && place.stands() {
             return None;
         }
-        let Place { x_m, y_m, speed_mps, sine, cosine, ahead_m, ahead_cosine } = place;
+        let Place { x_m, y_m, speed_mps, sine, cosine, ahead_m, ahead_cosine } = *place;
         let weak = libm::exp10(-0.05 * detection.snr_db.clamp(0.0, 60.0));
         let (weak_rad, weak_mps) = (WEAK_SIGMA_RAD * weak, WEAK_SIGMA_MPS * weak);
         let along_m2 = RANGE_SIGMA_M * RANGE_SIGMA_M * sine * sine;

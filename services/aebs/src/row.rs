@@ -15,7 +15,7 @@
 //! [`Places`] keeps what stood in the last scans. A place is on such a row if two places nearer to the ego lie on one
 //! line of that form with it. All three are more than [`APART_M`] from one another.
 
-use crate::circle::Circle;
+use crate::circle::Step;
 
 /// Most places that are kept.
 const MAX_PLACES: usize = 96;
@@ -69,17 +69,10 @@ impl Places {
         self.list.clear();
     }
 
-    /// Moves on by `period_s`, in which the ego drove `way_m` and turned by `turn_rad`, to another circle.
-    pub(crate) fn move_on(
-        &mut self,
-        (from, to): (&Circle, &Circle),
-        period_s: f64,
-        way_m: f64,
-        turn_rad: f64,
-    ) {
+    /// Moves on by `period_s`, in which the ego drove `way_m`, to the circle behind `step`.
+    pub(crate) fn move_on(&mut self, step: &Step, period_s: f64, way_m: f64) {
         for place in &mut self.list {
-            let behind = (place.along_m - way_m, place.off_m);
-            (place.along_m, place.off_m) = from.seen_from(to, behind, way_m, turn_rad);
+            (place.along_m, place.off_m) = step.seen((place.along_m - way_m, place.off_m));
             place.unseen_s += period_s;
             place.is_fresh = false;
         }
@@ -141,6 +134,7 @@ impl Places {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::circle::Circle;
 
     const STRAIGHT: Circle = Circle { curvature_perm: 0.0, heading_rad: 0.0 };
 
@@ -158,7 +152,7 @@ mod tests {
                 };
                 kept.take(x_m, y_m);
             }
-            kept.move_on((&STRAIGHT, &STRAIGHT), 0.05, 0.0, 0.0);
+            kept.move_on(&Step::new(&STRAIGHT, &STRAIGHT, 0.0, 0.0), 0.05, 0.0);
         }
         kept
     }
@@ -246,11 +240,11 @@ mod tests {
         }
         assert!(!places.lead_to(29.0, 0.0), "seen once");
         for _ in 0..3 {
-            places.move_on((&STRAIGHT, &STRAIGHT), 0.05, 0.0, 0.0);
+            places.move_on(&Step::new(&STRAIGHT, &STRAIGHT, 0.0, 0.0), 0.05, 0.0);
         }
         assert!(places.list.is_empty());
         let mut places = before_a_curve(0.0, 125.0, &row(5.0, 8.0, -3.5));
-        places.move_on((&STRAIGHT, &STRAIGHT), 1.0, 40.0, 0.0);
+        places.move_on(&Step::new(&STRAIGHT, &STRAIGHT, 40.0, 0.0), 1.0, 40.0);
         assert!(places.list.iter().all(|place| place.along_m > -BEHIND_M));
         assert!(!places.list.is_empty());
     }

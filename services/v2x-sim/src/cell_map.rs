@@ -51,8 +51,8 @@ impl Mapped for Axis {
 
     fn mean(&self, from_m: f64, length_m: f64) -> f64 {
         // A mean curvature is the change of the heading.
-        let begin = self.pose(from_m).heading_rad;
-        let turn = self.pose(from_m + length_m).heading_rad - begin;
+        let begin = self.heading_rad(from_m);
+        let turn = self.heading_rad(from_m + length_m) - begin;
         libm::remainder(turn, std::f64::consts::TAU) / length_m
     }
 
@@ -115,9 +115,14 @@ impl<R: Mapped> CellMap<R> {
         self.cell_m
     }
 
+    /// The number of the cell in which a place of the road lies.
+    pub(crate) fn cell_of(&self, place_m: f64) -> f64 {
+        (place_m / self.cell_m).floor()
+    }
+
     /// The road from the ego's cell on; writes the means of the known cells.
     pub fn ahead(&self, ego_m: f64, means: &mut [f64]) -> Ahead {
-        let first = (ego_m / self.cell_m).floor();
+        let first = self.cell_of(ego_m);
         let mut count = 0;
         for (index, mean) in means.iter_mut().enumerate() {
             let cell = first + index as f64;

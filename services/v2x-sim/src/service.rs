@@ -1,15 +1,15 @@
 //! The roadside unit's loop: present and coming phases, by radio and as ground truth.
 
 use crate::air::Air;
-use crate::cell_map::{CurveMap, GradeMap};
+use crate::cell_map::{Ahead, CurveMap, GradeMap};
 use crate::frames::Frames;
 use crate::link::Link;
 use crate::report::LinkReport;
 use crate::roadside_unit::{Event, Lane, Movement, RoadsideUnit, Signals};
 use its::EncodeError;
 use messages::{
-    self, Curves, EgoTruth, Header, Interval, Map, Origins, PhaseState, Preview, RadioFrames,
-    ServiceState, Signal, SignalTruth, Spat,
+    self, Curves, EgoTruth, Header, Interval, MAX_CURVE_CELLS, Map, Origins, PhaseState, Preview,
+    RadioFrames, ServiceState, Signal, SignalTruth, Spat,
 };
 use runtime::{Cycle, Overrun, Publisher, Runtime, RuntimeError};
 use scenario::v2x::Phase;
@@ -219,23 +219,35 @@ impl Previews {
 /// The map of the road's curves, on a road with a plan.
 struct Bends {
     map: CurveMap,
+    /// The curvatures known from the ego's cell on: the same all along that cell.
+    known: Option<(f64, Ahead)>,
+    curvatures: [f64; MAX_CURVE_CELLS],
     publisher: Publisher<Curves>,
 }
 
 impl Bends {
     fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Option<Self>, RuntimeError> {
         let Some(map) = CurveMap::new(scenario) else { return Ok(None) };
-        Ok(Some(Self { map, publisher: runtime.publisher()? }))
+        let curvatures = [0.0; MAX_CURVE_CELLS];
+        Ok(Some(Self { map, known: None, curvatures, publisher: runtime.publisher()? }))
     }
 
     fn send(&mut self, header: Header, ego_m: f64) -> Result<(), RuntimeError> {
-        let map = &self.map;
+        let cell = self.map.cell_of(ego_m);
+        let ahead = match self.known {
+            Some((known, ahead)) if known == cell => ahead,
+            _ => {
+                self.curvatures.fill(0.0);
+                self.map.ahead(ego_m, &mut self.curvatures)
+            }
+        };
+        self.known = Some((cell, ahead));
         self.publisher.send_with(|message: &mut Curves| {
             message.header = header;
-            let ahead = map.ahead(ego_m, &mut message.curvatures);
+            message.curvatures = self.curvatures;
             message.count = ahead.count as u64;
             message.first_cell_m = ahead.first_cell_m;
-            message.cell_m = map.cell_m();
+            message.cell_m = self.map.cell_m();
         })?;
         Ok(())
     }

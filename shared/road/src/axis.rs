@@ -175,7 +175,13 @@ impl Axis {
     /// The curvature, 1/m: positive to the left, 0 outside the ends.
     #[must_use]
     pub fn curvature_perm(&self, p_m: f64) -> f64 {
-        self.place(p_m).curvature_perm
+        if p_m <= self.straight_m { 0.0 } else { self.cell(p_m).curvature_at(p_m) }
+    }
+
+    /// The heading of the tangent, rad, as in [`Self::pose`].
+    #[must_use]
+    pub fn heading_rad(&self, p_m: f64) -> f64 {
+        if p_m <= self.straight_m { 0.0 } else { self.cell(p_m).heading_at(p_m) }
     }
 
     /// The change of the curvature along the axis, 1/m².

@@ -31,6 +31,19 @@ pub(crate) struct Place {
 }
 
 impl Cell {
+    /// The curvature alone, to the bit that of [`Self::at`].
+    #[inline]
+    pub fn curvature_at(&self, p_m: f64) -> f64 {
+        self.curvature_perm + self.rate_perm2 * (self.pace * (p_m - self.middle_m))
+    }
+
+    /// The heading alone, to the bit that of [`Self::at`].
+    #[inline]
+    pub fn heading_at(&self, p_m: f64) -> f64 {
+        let d = self.pace * (p_m - self.middle_m);
+        self.pose.heading_rad + d * (self.curvature_perm + 0.5 * self.rate_perm2 * d)
+    }
+
     /// The series for a clothoid, up to the sixth power of the distance from the middle.
     #[inline]
     pub fn at(&self, p_m: f64) -> Place {

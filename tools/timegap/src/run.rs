@@ -19,6 +19,9 @@ use scenario::Scenario;
 use std::process::ExitCode;
 use std::time::Instant;
 
+/// Simulated time between two positions of the progress bar, ms: a call costs as much as a message.
+const SHOWN_EACH_MS: u64 = 100;
+
 /// Arguments of `run`.
 #[derive(Debug, Args)]
 pub struct RunArguments {
@@ -79,10 +82,14 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
 
     let mut live = Live::open(&arguments.live, &scenario, &driver(&scenario, arguments))?;
     let bar = progress_bar(&scenario, arguments.json || arguments.live.watch);
-    let mut drove = false;
+    let (mut drove, mut shown_ms) = (false, 0);
     let mut watch = |moment: &Moment<'_>| {
         drove = true;
-        bar.set_position(moment.time_ns.unsigned_abs() / 1_000_000);
+        let at_ms = moment.time_ns.unsigned_abs() / 1_000_000;
+        if at_ms >= shown_ms + SHOWN_EACH_MS {
+            shown_ms = at_ms;
+            bar.set_position(at_ms);
+        }
         live.look(moment);
     };
     let result = if arguments.in_process {

@@ -1,9 +1,15 @@
 //! A detection's place, speed and accuracy, reckoned by hand.
 
 use super::*;
+use crate::circle::Circle;
 
 fn detection(range_m: f64, azimuth_rad: f64, range_rate_mps: f64, snr_db: f64) -> Detection {
     Detection { range_m, azimuth_rad, range_rate_mps, snr_db, ..bytemuck::Zeroable::zeroed() }
+}
+
+/// The point of a detection of an ego with 20 m/s on a straight road.
+fn point_of(detection: &Detection) -> Option<Point> {
+    Point::of(detection, &Place::of(detection, 20.0, None)?)
 }
 
 #[track_caller]
@@ -18,8 +24,7 @@ fn assert_near(found: f64, expected: f64) {
 fn a_point_on_a_straight_has_the_accuracy_of_its_echo() {
     for (azimuth_rad, snr_db) in [(0.3, 20.0), (-0.3, 20.0), (0.5, 40.0), (0.1, -5.0), (0.1, 80.0)]
     {
-        let point =
-            Point::of(&detection(50.0, azimuth_rad, -5.0, snr_db), 20.0, None).expect("ahead");
+        let point = point_of(&detection(50.0, azimuth_rad, -5.0, snr_db)).expect("ahead");
         let (sine, cosine) = (libm::sin(azimuth_rad), libm::cos(azimuth_rad));
         assert_near(point.x_m, 50.0 * cosine);
         assert_near(point.y_m, 50.0 * sine);
@@ -48,13 +53,13 @@ fn along_a_circle_a_place_and_its_speed_count_by_the_road_there() {
         let rate_mps =
             12.0 * libm::cos(azimuth_rad - road_rad) - 20.0 * libm::cos(azimuth_rad - 0.01);
         let echo = detection(range_m, azimuth_rad, rate_mps, 25.0);
-        let place = Place::of(&echo, 20.0, Some(&way)).expect("ahead");
+        let place = Place::of(&echo, 20.0, Some(&Turned::of(&way))).expect("ahead");
         assert!(
             (place.x_m - along_m).abs() < 1e-9 && (place.y_m - off_m).abs() < 1e-9,
             "{place:?}"
         );
         assert!((place.speed_mps - 12.0).abs() < 1e-9 && !place.stands(), "{place:?}");
-        let point = Point::of(&echo, 20.0, Some(&way)).expect("it drives");
+        let point = Point::of(&echo, &place).expect("it drives");
         assert!((point.tangent - libm::tan(azimuth_rad - road_rad)).abs() < 1e-9, "{point:?}");
     }
 }
@@ -64,7 +69,7 @@ fn what_stands_beside_the_road_and_what_is_across_is_left_out() {
     let is_there = |x_m: f64, y_m: f64, speed_mps: f64| {
         let (range_m, azimuth_rad) = (libm::hypot(x_m, y_m), libm::atan2(y_m, x_m));
         let rate_mps = (speed_mps - 20.0) * libm::cos(azimuth_rad);
-        Point::of(&detection(range_m, azimuth_rad, rate_mps, 20.0), 20.0, None).is_some()
+        point_of(&detection(range_m, azimuth_rad, rate_mps, 20.0)).is_some()
     };
     assert!(is_there(40.0, 4.9, 0.0) && is_there(40.0, -4.9, 0.0));
     assert!(!is_there(40.0, 5.1, 0.0) && !is_there(40.0, -5.1, 0.0));

@@ -15,7 +15,7 @@
 //! propagation in uncertain environments (ITSC 2018). The strengths of the places and of the detours are chosen, not
 //! measured.
 
-use super::body::{Body, hidden};
+use super::body::{Body, Outlines};
 use super::echo::{Antenna, Echo, Fluctuation};
 use super::numbers::Numbers;
 use super::rail::{self, Rail};
@@ -59,24 +59,25 @@ pub struct UnderBody {
 
 impl Bodies {
     /// Adds the echoes of all vehicles of a scene.
-    pub fn reflect(
+    pub(super) fn reflect(
         &self,
         seed: u64,
-        scene: &Scene,
+        (scene, outlines): (&Scene, &Outlines),
         road: Option<&Axis>,
         antenna: &Antenna,
         echoes: &mut Echoes,
     ) {
         for (index, vehicle) in scene.vehicles.iter().enumerate() {
-            let body = Body::of(scene, index);
-            if !vehicle.present || !body.is_ahead() || body.rear_m > antenna.max_range_m {
+            let Some(body) = outlines.get(index) else { continue };
+            if !body.is_ahead() || body.rear_m > antenna.max_range_m {
                 continue;
             }
             let mut random = Random::of_scan(seed, index as u64 + 1, scene.time_ns);
             if random.uniform() < self.dropout_probability {
                 continue;
             }
-            let mut sight = Sight { bodies: self, seed, scene, road, antenna, random, echoes };
+            let mut sight =
+                Sight { bodies: self, seed, scene, outlines, road, antenna, random, echoes };
             sight.vehicle(index, vehicle, &body);
         }
     }
@@ -87,6 +88,7 @@ struct Sight<'a> {
     bodies: &'a Bodies,
     seed: u64,
     scene: &'a Scene,
+    outlines: &'a Outlines,
     road: Option<&'a Axis>,
     antenna: &'a Antenna,
     random: Random,
@@ -142,7 +144,7 @@ impl Sight<'_> {
         let seen = body.seen_from_ego(place);
         let velocity = body.velocity_at(place);
         let mut echo = self.antenna.echo(seen, velocity, || area_m2 * fluctuation())?;
-        if self.bodies.hidden_factor < 1.0 && hidden(self.scene, index, seen) {
+        if self.bodies.hidden_factor < 1.0 && self.outlines.hide(index, seen) {
             echo.power *= self.bodies.hidden_factor;
         }
         self.echoes.add(echo);
@@ -214,7 +216,15 @@ mod tests {
         let ego = Ego { position_m: 0.0, speed_mps: 25.0, acceleration_mps2: 0.0 };
         let scene = Scene::new(0, ego, vehicles);
         let mut echoes = Echoes::new(64, &Numbers::DEFAULT);
-        bodies.reflect(1, &scene, None, &Antenna::new(15.0, 6.0, 60.0, 150.0), &mut echoes);
+        let mut outlines = Outlines::with_room(vehicles.len());
+        outlines.take(&scene);
+        bodies.reflect(
+            1,
+            (&scene, &outlines),
+            None,
+            &Antenna::new(15.0, 6.0, 60.0, 150.0),
+            &mut echoes,
+        );
         echoes.list().to_vec()
     }
 

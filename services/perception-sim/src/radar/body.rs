@@ -127,6 +127,14 @@ impl Body {
                 }
                 continue;
             }
+            // Most bodies are behind the radar, or beyond the point: no need to divide.
+            let is_apart = match way_m > 0.0 {
+                true => high_m <= 0.0 || low_m >= way_m,
+                false => low_m >= 0.0 || high_m <= way_m,
+            };
+            if is_apart {
+                return false;
+            }
             let (a, b) = (low_m / way_m, high_m / way_m);
             enter = a.min(b).max(enter);
             leave = a.max(b).min(leave);
@@ -138,11 +146,37 @@ impl Body {
 /// Distance before a point within which nothing hides it: it is on the body itself, m.
 const NEAR_M: f64 = 0.01;
 
-/// True if a vehicle other than number `itself` stands between the radar and a point of the ego's axes.
-pub(super) fn hidden(scene: &Scene, itself: usize, point: (f64, f64)) -> bool {
-    scene.vehicles.iter().enumerate().any(|(index, vehicle)| {
-        index != itself && vehicle.present && Body::of(scene, index).hides(point)
-    })
+/// The outlines of a scene's vehicles, for one scan.
+#[derive(Clone, Debug)]
+pub(super) struct Outlines {
+    /// In the scene's order; `None` of a vehicle that is not present.
+    list: Vec<Option<Body>>,
+}
+
+impl Outlines {
+    /// Room for `count` vehicles.
+    pub(super) fn with_room(count: usize) -> Self {
+        Self { list: Vec::with_capacity(count) }
+    }
+
+    /// Takes the vehicles of a scene.
+    pub(super) fn take(&mut self, scene: &Scene) {
+        let bodies = scene.vehicles.iter().enumerate();
+        self.list.clear();
+        self.list
+            .extend(bodies.map(|(index, vehicle)| vehicle.present.then(|| Body::of(scene, index))));
+    }
+
+    /// The outline of the vehicle number `index`, if it is present.
+    pub(super) fn get(&self, index: usize) -> Option<Body> {
+        self.list[index]
+    }
+
+    /// True if a vehicle other than number `itself` stands between the radar and a point of the ego's axes.
+    pub(super) fn hide(&self, itself: usize, point: (f64, f64)) -> bool {
+        let others = self.list.iter().enumerate().filter(|(index, _)| *index != itself);
+        others.filter_map(|(_, body)| body.as_ref()).any(|body| body.hides(point))
+    }
 }
 
 #[cfg(test)]

@@ -17,6 +17,7 @@ use scenario::perception::{Detections, Radar, Swerling};
 use scenario::plan::Lanes;
 
 use super::bodies::{Bodies, UnderBody};
+use super::body::Outlines;
 use super::echo::{Antenna, Fluctuation, ratio};
 use super::numbers::Numbers;
 use super::rail::Rail;
@@ -37,6 +38,7 @@ pub struct DetectionRadar {
     /// The lanes of a road with a plan.
     lanes: Lanes,
     receiver: Receiver,
+    outlines: Outlines,
     echoes: Echoes,
 }
 
@@ -77,6 +79,7 @@ impl DetectionRadar {
             },
             lanes: scenario.road.plan().map(|plan| plan.lanes.clone()).unwrap_or_default(),
             receiver: receiver(keys, numbers),
+            outlines: Outlines::with_room(scenario.actors.len()),
             echoes: Echoes::new(ECHOES, numbers),
         }
     }
@@ -97,11 +100,12 @@ impl DetectionRadar {
         scene: &Scene,
         detections: &mut [Detection; MAX_DETECTIONS],
     ) -> Received {
-        let echoes = &mut self.echoes;
+        let (echoes, outlines) = (&mut self.echoes, &mut self.outlines);
         echoes.clear();
-        self.bodies.reflect(self.seed, scene, road, &self.antenna, echoes);
+        outlines.take(scene);
+        self.bodies.reflect(self.seed, (scene, outlines), road, &self.antenna, echoes);
         let road = road.map(|road| (road, &self.lanes));
-        self.roadside.reflect(self.seed, scene, road, &self.antenna, echoes);
+        self.roadside.reflect(self.seed, (scene, outlines), road, &self.antenna, echoes);
         self.receiver.detect(self.seed, scene.time_ns, &self.antenna, echoes, detections)
     }
 

@@ -4,7 +4,7 @@
 //! and the cell alone: it is the same in every scan. On a curve the sides bend with the road. If the lanes of a plan
 //! reach farther, the objects stand beside them.
 
-use super::body::hidden;
+use super::body::Outlines;
 use super::echo::{Antenna, Fluctuation};
 use super::receiver::Echoes;
 use super::scene::Scene;
@@ -39,10 +39,10 @@ pub struct Roadside {
 
 impl Roadside {
     /// Adds the echoes of what stands within range.
-    pub fn reflect(
+    pub(super) fn reflect(
         &self,
         seed: u64,
-        scene: &Scene,
+        (scene, outlines): (&Scene, &Outlines),
         road: Option<(&Axis, &Lanes)>,
         antenna: &Antenna,
         echoes: &mut Echoes,
@@ -71,7 +71,7 @@ impl Roadside {
                         let [right_m, left_m] = lanes.edges_m(along_m);
                         let edge_m = if side == 0 { left_m } else { -right_m };
                         let from_m = self.offset_m.max(edge_m + CLEAR_M);
-                        plane.pose(road, along_m, sign * (from_m + depth_m)).at_m
+                        plane.point(road, along_m, sign * (from_m + depth_m))
                     }
                     None => (along_m - ego.position_m, sign * (self.offset_m + depth_m)),
                 };
@@ -88,7 +88,7 @@ impl Roadside {
                 if is_missing {
                     continue;
                 }
-                if self.hidden_factor < 1.0 && hidden(scene, usize::MAX, place) {
+                if self.hidden_factor < 1.0 && outlines.hide(usize::MAX, place) {
                     echo.power *= self.hidden_factor;
                 }
                 echoes.add(echo);
@@ -118,7 +118,14 @@ mod tests {
         let ego = Ego { position_m, speed_mps: 30.0, acceleration_mps2: 0.0 };
         let scene = Scene::new(0, ego, &[]);
         let mut echoes = Echoes::new(100, &Numbers::DEFAULT);
-        ROADSIDE.reflect(7, &scene, None, &Antenna::new(40.0, 0.0, 60.0, 150.0), &mut echoes);
+        let outlines = Outlines::with_room(0);
+        ROADSIDE.reflect(
+            7,
+            (&scene, &outlines),
+            None,
+            &Antenna::new(40.0, 0.0, 60.0, 150.0),
+            &mut echoes,
+        );
         let place = |echo: &super::super::echo::Echo| {
             let (sine, cosine) = libm::sincos(echo.azimuth_rad);
             assert!((echo.range_rate_mps + 30.0 * cosine).abs() < 1e-9, "it stands");

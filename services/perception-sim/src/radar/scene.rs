@@ -103,6 +103,12 @@ impl Plane {
         }
     }
 
+    /// A point beside the road in the ego's axes, m.
+    pub(super) fn point(&self, road: &Axis, p_m: f64, l_m: f64) -> (f64, f64) {
+        let there = road.point(p_m, l_m);
+        seen(&self.ego.pose, self.heading, (there.x_m, there.y_m))
+    }
+
     /// A place of the road in the ego's axes.
     pub(super) fn pose(&self, road: &Axis, p_m: f64, l_m: f64) -> Place {
         let there = road.point(p_m, l_m);

@@ -44,21 +44,44 @@ pub struct Point {
     pub owner: Option<usize>,
 }
 
+/// A detection in the body's axes, with the accuracy that the receiver has at its signal-to-noise ratio.
+#[derive(Clone, Copy, Debug)]
+pub struct Reading {
+    /// Sine and cosine of the azimuth.
+    pub sine: f64,
+    /// See `sine`.
+    pub cosine: f64,
+    /// Distance ahead and to the left, m.
+    pub ahead_m: f64,
+    /// See `ahead_m`.
+    pub left_m: f64,
+    /// Signal-to-noise ratio.
+    pub snr: f64,
+}
+
+impl Reading {
+    /// A detection's direction, place and signal-to-noise ratio.
+    #[must_use]
+    pub fn new(detection: &Detection) -> Self {
+        let (sine, cosine) = libm::sincos(detection.azimuth_rad);
+        let (ahead_m, left_m) = (detection.range_m * cosine, detection.range_m * sine);
+        Self { sine, cosine, ahead_m, left_m, snr: snr_of(detection) }
+    }
+}
+
 impl Point {
-    /// A detection, with the accuracy that the receiver has at its signal-to-noise ratio.
+    /// The detection number `index` on a course.
     #[must_use]
     pub fn new(
         index: usize,
-        detection: &Detection,
+        (detection, reading): (&Detection, &Reading),
         ego: &Motion,
         receiver: &Receiver,
         course: &Course,
     ) -> Self {
         let ego_mps = ego.speed_mps;
-        let (sine, cosine) = libm::sincos(detection.azimuth_rad);
-        let snr = snr_of(detection);
+        let Reading { sine, cosine, ahead_m, left_m, snr } = *reading;
         let cross_m = detection.range_m / cosine.max(0.1);
-        let (ahead_m, left_m) = (detection.range_m * cosine, detection.range_m * sine);
         let straight = Self {
             x_m: ahead_m,
             y_m: left_m,

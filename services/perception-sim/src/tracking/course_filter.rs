@@ -27,7 +27,7 @@
 
 use std::array::from_fn;
 
-use kalman::Gaussian;
+use kalman::{Gaussian, Innovation};
 
 use super::course::Course;
 use super::course_numbers::CourseNumbers;
@@ -158,7 +158,7 @@ impl CourseFilter {
     /// The course of the state.
     fn bent(&self) -> Course {
         let (state, passed_m) = (&self.state.mean, self.passed_m);
-        Course::bent(state[0], |sigma_m| sum(&knots::curvature(sigma_m, passed_m), state))
+        Course::bent(state[0], |sigma_m| knots::curvature_of(state, sigma_m, passed_m))
     }
 
     /// Takes in a scan: the ego's motion, the map, and the standing echoes in the body's axes, in the order of their
@@ -207,7 +207,13 @@ impl CourseFilter {
 
     /// Takes in `residual` of the sum `h · state`, if it is within the gate.
     fn see(&mut self, h: [f64; STATES], residual: f64, sigma: f64) -> bool {
-        let innovation = self.state.innovation_along(&h, residual, sigma * sigma);
+        let variance = self.state.variance_along(&h);
+        self.see_known(h, variance, residual, sigma)
+    }
+
+    /// The same where the variance of the sum is known.
+    fn see_known(&mut self, h: [f64; STATES], variance: f64, residual: f64, sigma: f64) -> bool {
+        let innovation = Innovation { residual, variance: variance + sigma * sigma };
         let passes = innovation.passes(self.numbers.gate);
         if passes {
             self.state.correct_along(&h, &innovation);
@@ -256,7 +262,8 @@ impl CourseFilter {
             let weights = knots::place(there.sigma_m, self.passed_m);
             let moved_m = sum(&weights, &self.state.mean) - sum(&weights, before);
             let d_m = there.d_m - moved_m;
-            let doubt_m = 3.0 * self.state.variance_along(&weights).max(0.0).sqrt();
+            let variance = self.state.variance_along(&weights);
+            let doubt_m = 3.0 * variance.max(0.0).sqrt();
             let reach_m = numbers.post_reach_m + doubt_m;
             // With a course so doubtful the object may be of the other side.
             if reach_m > numbers.post_reach_most_m {
@@ -280,7 +287,7 @@ impl CourseFilter {
             let sigma_m = (square(numbers.post_sigma_m) * numbers.post_scans
                 + square(numbers.post_azimuth_rad * there.sigma_m))
             .sqrt();
-            if self.see(weights, off_m, sigma_m) {
+            if self.see_known(weights, variance, off_m, sigma_m) {
                 taken += 1;
             }
         }

@@ -24,13 +24,25 @@ pub const STATES: usize = KNOTS + 1;
 /// Weights in the curvature at σ.
 #[must_use]
 pub fn curvature(sigma_m: f64, passed_m: f64) -> [f64; STATES] {
-    let place = ((sigma_m + passed_m) / APART_M).clamp(0.0, (KNOTS - 1) as f64);
-    let index = (place as usize).min(KNOTS - 2);
-    let share = place - index as f64;
+    let (index, share) = between_knots(sigma_m, passed_m);
     let mut weights = [0.0; STATES];
     weights[1 + index] = 1.0 - share;
     weights[2 + index] = share;
     weights
+}
+
+/// The curvature of a state at σ.
+#[must_use]
+pub fn curvature_of(state: &[f64; STATES], sigma_m: f64, passed_m: f64) -> f64 {
+    let (index, share) = between_knots(sigma_m, passed_m);
+    (1.0 - share) * state[1 + index] + share * state[2 + index]
+}
+
+/// The knot before σ, and the share of the next one.
+fn between_knots(sigma_m: f64, passed_m: f64) -> (usize, f64) {
+    let place = ((sigma_m + passed_m) / APART_M).clamp(0.0, (KNOTS - 1) as f64);
+    let index = (place as usize).min(KNOTS - 2);
+    (index, place - index as f64)
 }
 
 /// Weights in the heading at σ.

@@ -12,7 +12,7 @@ use messages::Detection;
 use scenario::Scenario;
 use scenario::perception::TrackingFilter;
 
-use super::association::{Outline, Point, associate, part};
+use super::association::{Outline, Point, Reading, associate, part};
 use super::birth;
 use super::course_filter::{MapAhead, Sources};
 use super::course_numbers::CourseNumbers;
@@ -46,6 +46,8 @@ pub struct DetectionTracker {
     radar: Radar,
     view: FieldOfView,
     tracks: Vec<DetectedTrack>,
+    /// Of the scan's detections.
+    readings: Vec<Reading>,
     points: Vec<Point>,
     outlines: Vec<Outline>,
     edge: RoadEdge,
@@ -99,6 +101,7 @@ impl DetectionTracker {
                 edge_rad: numbers.edge_rad,
             },
             tracks: Vec::with_capacity(MAX_KEPT),
+            readings: Vec::with_capacity(messages::MAX_DETECTIONS),
             points: Vec::with_capacity(messages::MAX_DETECTIONS),
             outlines: Vec::with_capacity(MAX_KEPT),
             edge: RoadEdge::default(),
@@ -136,10 +139,13 @@ impl DetectionTracker {
         let dt_s = self.last_ns.map_or(0.0, |last| (time_ns - last) as f64 * 1e-9);
         self.last_ns = Some(time_ns);
         self.predict(dt_s, ego.acceleration_mps2);
+        self.readings.clear();
+        self.readings.extend(detections.iter().map(Reading::new));
         if self.ahead.is_used() {
             let motion = self.ahead.motion(ego.speed_mps, yaw_rate_radps);
-            let read = (detections, &self.radar, self.model.numbers());
-            let before = self.ahead.find(dt_s, &motion, map, read);
+            let read = (detections, self.readings.as_slice());
+            let known = (&self.radar, self.model.numbers());
+            let before = self.ahead.find(dt_s, &motion, map, read, known);
             self.tracks.iter_mut().for_each(|track| track.shift(&before, self.ahead.course()));
         }
         self.read(detections, ego);
@@ -189,8 +195,8 @@ impl DetectionTracker {
     fn read(&mut self, detections: &[Detection], ego: &Ego) {
         let (course, motion) = (self.ahead.course(), self.ahead.motion(ego.speed_mps, None));
         self.points.clear();
-        for (index, detection) in detections.iter().enumerate() {
-            let point = Point::new(index, detection, &motion, &self.radar.receiver, course);
+        for (index, read) in detections.iter().zip(&self.readings).enumerate() {
+            let point = Point::new(index, read, &motion, &self.radar.receiver, course);
             if !birth::moves(&point, self.model.numbers()) {
                 self.edge.observe(point.y_m, self.model.numbers());
             }

@@ -2,7 +2,7 @@
 
 use messages::{Detection, MAX_DETECTIONS};
 
-use super::association::Point;
+use super::association::{Point, Reading};
 use super::birth;
 use super::course::Course;
 use super::course_filter::{CourseFilter, MapAhead, Motion, Sources};
@@ -10,7 +10,7 @@ use super::course_numbers::CourseNumbers;
 use super::numbers::Numbers;
 use super::slip::Slip;
 use crate::radar::echo::Antenna;
-use crate::radar::receiver::{Receiver, snr_of};
+use crate::radar::receiver::Receiver;
 
 /// Perception's model of the radar.
 #[derive(Clone, Copy, Debug)]
@@ -36,9 +36,9 @@ impl Radar {
 
     /// Cross section that makes an echo as strong as this one, m².
     #[must_use]
-    pub fn area_m2(&self, detection: &Detection) -> f64 {
+    pub fn area_m2(&self, detection: &Detection, snr: f64) -> f64 {
         let Detection { range_m, azimuth_rad, .. } = *detection;
-        snr_of(detection) / self.antenna.power_of_square_metre(range_m, azimuth_rad)
+        snr / self.antenna.power_of_square_metre(range_m, azimuth_rad)
     }
 }
 
@@ -77,21 +77,22 @@ impl RoadAhead {
         dt_s: f64,
         motion: &Motion,
         map: Option<&MapAhead>,
-        (detections, radar, numbers): (&[Detection], &Radar, &Numbers),
+        (detections, readings): (&[Detection], &[Reading]),
+        (radar, numbers): (&Radar, &Numbers),
     ) -> Course {
         self.filter.advance(dt_s, motion);
         let before = *self.filter.course();
         self.rates.clear();
         self.places.clear();
-        for (index, detection) in detections.iter().enumerate() {
-            let point = Point::new(index, detection, motion, &radar.receiver, &before);
+        for (index, (detection, reading)) in detections.iter().zip(readings).enumerate() {
+            let read = (detection, reading);
+            let point = Point::new(index, read, motion, &radar.receiver, &before);
             if birth::moves(&point, numbers) || point.y_m.abs() < numbers.off_lane_m {
                 continue;
             }
-            let (sine, cosine) = libm::sincos(detection.azimuth_rad);
-            self.rates.push((cosine, sine, detection.range_rate_mps));
-            if radar.area_m2(detection) < self.filter.numbers().post_area_m2 {
-                self.places.push((detection.range_m * cosine, detection.range_m * sine));
+            self.rates.push((reading.cosine, reading.sine, detection.range_rate_mps));
+            if radar.area_m2(detection, reading.snr) < self.filter.numbers().post_area_m2 {
+                self.places.push((reading.ahead_m, reading.left_m));
             }
         }
         self.slip.take_scan(dt_s, motion.speed_mps, &self.rates);

@@ -143,9 +143,10 @@ impl Sight {
             let is_in_view =
                 ahead_m > 0.0 && libm::atan2(left_m.abs(), ahead_m) < view.half_rad - view.edge_rad;
             if is_in_view {
-                let again = points.iter().filter(stands).any(|point| {
+                let again = points.iter().any(|point| {
                     (point.x_m - x_m).abs() < numbers.post_along_m
                         && (point.y_m - y_m).abs() < numbers.post_across_m
+                        && stands(&point)
                 });
                 self.share.observe(numbers.post_again, again);
             }

@@ -162,18 +162,18 @@ pub fn judge(drive: &Drive, curvature: &dyn Fn(f64) -> f64) -> Vec<JudgedScan> {
 /// Owners of the targets of these scans.
 fn owners(scenes: &[&PlaneScene]) -> Vec<Option<Owner>> {
     let echoes: Vec<_> = scenes.iter().map(|scene| echo(scene)).collect();
-    let times = || scenes.iter().map(|scene| scene.time_s);
-    let owner = |(index, time_s): (usize, f64)| {
-        let (track, own) = echoes[index]?;
-        let from = times().take(index).rev().take_while(|t| time_s - t <= ECHOES_S + 1e-9).count();
-        let to = times().skip(index).take_while(|t| t - time_s <= ECHOES_S + 1e-9).count();
+    let owner = |(index, echo): (usize, &Option<(u32, Owner)>)| {
+        let ((track, own), time_s) = ((*echo)?, scenes[index].time_s);
+        let is_near = |scene: &&&PlaneScene| (scene.time_s - time_s).abs() <= ECHOES_S + 1e-9;
+        let from = scenes[..index].iter().rev().take_while(is_near).count();
+        let to = scenes[index..].iter().take_while(is_near).count();
         let around = echoes[index - from..index + to].iter().flatten();
         let votes = |owner: Owner| around.clone().filter(|echo| **echo == (track, owner)).count();
         let others = around.clone().filter(|echo| echo.0 == track).map(|echo| echo.1);
         // With equal numbers the scan's own echo decides.
         Some(others.fold(own, |most, other| if votes(other) > votes(most) { other } else { most }))
     };
-    times().enumerate().map(owner).collect()
+    echoes.iter().enumerate().map(owner).collect()
 }
 
 /// Track of a scan's target, and the body that its echo is on.
