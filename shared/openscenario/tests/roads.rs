@@ -1,5 +1,6 @@
-//! Roads of our own, read and evaluated, against CARLA's reader: `roads/roads.py` makes the table. Public files are
-//! compared too where `OPENDRIVE_FILES` names a folder with them and `OPENDRIVE_TABLE` the table that it printed.
+//! Roads of our own, read and evaluated, against CARLA's reader and against pyclothoids and scipy: `roads/roads.py` makes
+//! the tables. Public files are compared too where `OPENDRIVE_FILES` names a folder with them, and `OPENDRIVE_TABLE` and
+//! `OPENDRIVE_LINES` the tables that it printed (of lane middles by CARLA, of lines by the libraries).
 
 use openscenario::road::{Found, read};
 use openscenario::xml;
@@ -45,8 +46,56 @@ fn deviations(
     worst
 }
 
+/// Distances of the reference lines and the lanes' lines from a table, m, by file: points, worst, and where that is.
+fn lines_apart(
+    table: &str,
+    text_of: impl Fn(&str) -> Option<String>,
+) -> BTreeMap<String, (usize, f64, String)> {
+    let mut worst: BTreeMap<String, (usize, f64, String)> = BTreeMap::new();
+    let mut roads: BTreeMap<(String, String), _> = BTreeMap::new();
+    for line in table.lines() {
+        let fields: Vec<&str> = line.split(',').collect();
+        let [file, id, which] = [fields[0], fields[1], fields[2]];
+        let number = |i: usize| fields[i].parse::<f64>().expect("a number");
+        let road = roads.entry((file.to_owned(), id.to_owned())).or_insert_with(|| {
+            let found = row(file, &text_of(file)?, id).ok()?;
+            let axis = found.road.axis().expect("it was read");
+            Some((found.road, axis))
+        });
+        let Some((road, axis)) = road else { continue };
+        let (s_m, _) = road.part(id).expect("the road was asked for").place(number(3), 0.0);
+        // A lane's outer line; the line of lane 0 is the inner one of a lane beside it.
+        let edge = |id: i32, outwards: f64| {
+            let strip = road.lane(s_m, id)?;
+            let to_left = if strip.is_left { outwards } else { -outwards };
+            Some(strip.center_m + to_left * 0.5 * strip.width_m)
+        };
+        let t_m = match which {
+            "r" => Some(0.0),
+            "0" => edge(-1, -1.0).or_else(|| edge(1, -1.0)),
+            _ => edge(which.parse().expect("an id"), 1.0),
+        };
+        let at = axis.point(s_m, t_m.expect("the lane is there")).placed(&road.start());
+        let away_m = (at.x_m - number(4)).hypot(at.y_m - number(5));
+        let entry = worst.entry(file.to_owned()).or_default();
+        entry.0 += 1;
+        if away_m > entry.1 {
+            (entry.1, entry.2) = (away_m, line.to_owned());
+        }
+    }
+    worst
+}
+
 fn own() -> String {
     include_str!("roads/own.xodr").to_owned()
+}
+
+#[test]
+fn reference_and_lane_lines_lie_where_other_libraries_have_them() {
+    let worst = lines_apart(include_str!("roads/lines.csv"), |_| Some(own()));
+    println!("{worst:?}");
+    let (points, away_m, _) = &worst["own.xodr"];
+    assert!(*points == 324 && *away_m < TOLERANCE_M, "{worst:?}");
 }
 
 #[test]
@@ -118,10 +167,15 @@ fn public_files_agree_with_another_reader() {
         }
     }
     assert!(files > 0, "no .xodr file in {folder}");
+    let text_of = |file: &str| std::fs::read_to_string(Path::new(&folder).join(file)).ok();
+    if let Ok(table) = std::env::var("OPENDRIVE_LINES") {
+        let worst = lines_apart(&std::fs::read_to_string(table).expect("the table"), text_of);
+        println!("lines {worst:#?}");
+        assert!(worst.values().all(|(_, away_m, _)| *away_m < TOLERANCE_M), "{worst:?}");
+    }
     // Each road by its id: ways through junctions too.
     let Ok(table) = std::env::var("OPENDRIVE_TABLE") else { return };
     let table = std::fs::read_to_string(table).expect("the table");
-    let text_of = |file: &str| std::fs::read_to_string(Path::new(&folder).join(file)).ok();
     let worst = deviations(&table, text_of);
     println!("{worst:#?}");
     assert!(worst.values().all(|(_, away_m)| *away_m < 2.5e-3), "{worst:?}");

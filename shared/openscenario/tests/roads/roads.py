@@ -1,9 +1,12 @@
-"""Writes own.xodr, roads of our own, and lanes.csv, the middles of their lanes by CARLA's reader.
+"""Writes own.xodr, roads of our own, and two tables of its lines.
 
     python3 -m venv venv && venv/bin/pip install numpy scipy pyclothoids carla==0.9.16 && venv/bin/python roads.py
-    venv/bin/python roads.py FILE.xodr ...        # the same table for other files, on the standard output
+    venv/bin/python roads.py FILE.xodr ...          # lanes.csv for other files, on the standard output
+    venv/bin/python roads.py --lines FILE.xodr ...  # lines.csv for other files, likewise
 
-A line of the table: file, road, lane, s along the road, x, y. CARLA computes in single precision: expect 0.6 mm.
+lanes.csv has the middles of the lanes by CARLA's reader, which computes in single precision: expect 0.6 mm. lines.csv has
+the reference line (`r`), the line of lane 0 and the outer line of each other lane, by pyclothoids and scipy from the
+file's own numbers. A line of both tables: file, road, lane, s along the road, x, y.
 """
 
 import csv
@@ -13,7 +16,7 @@ import sys
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
-import carla
+from scipy.optimize import brentq
 
 sys.path.insert(0, str(Path(__file__).parent / "../../../road/tests/oracle"))
 from oracle import Clothoids, Cubic  # noqa: E402
@@ -138,6 +141,8 @@ def scaled(u, v, end):
 
 
 def table(path):
+    import carla
+
     text = path.read_text()
     there = carla.Map(path.stem, re.sub(r'encoding="[^"]*"', "", text))
     for road in ET.fromstring(text.encode()).iter("road"):
@@ -156,8 +161,100 @@ def table(path):
                             yield [path.name, road.get("id"), lane.get("id"), repr(s), f"{at.x:.6f}", f"{-at.y:.6f}"]
 
 
+class Piece:
+    """A geometry of a file: place and heading at a distance from its start."""
+
+    def __init__(self, element):
+        number = lambda name: float(element.get(name))
+        self.s, self.length = number("s"), number("length")
+        self.pose = number("x"), number("y"), number("hdg")
+        shape = next(child for child in element if child.tag != "userData")
+        get = lambda name: float(shape.get(name))
+        self.curve = None
+        if shape.tag == "line":
+            self.curve = Clothoids(self.pose, self.length, 0.0, 0.0)
+        elif shape.tag == "arc":
+            self.curve = Clothoids(self.pose, self.length, get("curvature"), get("curvature"))
+        elif shape.tag == "spiral":
+            self.curve = Clothoids(self.pose, self.length, get("curvStart"), get("curvEnd"))
+        else:
+            u, v = [0.0, 1.0], []
+            if shape.tag == "poly3":
+                v = [get(n) for n in "abcd"]
+            else:
+                u, v = ([get(n + side) for n in "abcd"] for side in "UV")
+            self.cubic = Cubic((0.0, 0.0, 0.0), self.length, u, v)
+            if shape.tag == "poly3":
+                self.share = 1.0
+            else:
+                # The whole parameter's range has the declared length.
+                end = self.length if shape.get("pRange") == "arcLength" else 1.0
+                self.share = self.cubic.arc(end) / self.length
+
+    def at(self, s):
+        q = s - self.s
+        if self.curve:
+            return self.curve.at(q)
+        cubic, way = self.cubic, (s - self.s) * self.share
+        top = 1.0
+        while cubic.arc(top) < way:
+            top *= 2.0
+        t = brentq(lambda t: cubic.arc(t) - way, 0.0, top, xtol=1e-14) if way > 0 else 0.0
+        x, y, h = self.pose
+        u, v = cubic.u(t), cubic.v(t)
+        heading = h + math.atan2(cubic.dv(t), cubic.du(t))
+        return x + u * math.cos(h) - v * math.sin(h), y + u * math.sin(h) + v * math.cos(h), heading
+
+
+def value(elements, key, s):
+    """Value at s of a list of cubics, each from its own start on; 0 before the first."""
+    begun = [e for e in elements if float(e.get(key)) <= s + 1e-12]
+    if not begun:
+        return 0.0
+    last = max(begun, key=lambda e: float(e.get(key)))
+    d = s - float(last.get(key))
+    return sum(float(last.get(n)) * d**k for k, n in enumerate("abcd"))
+
+
+def lines(path):
+    """The reference line, lane 0 and the outer line of each lane, at twelve places of each section."""
+    for road in ET.fromstring(path.read_bytes()).iter("road"):
+        pieces = [Piece(element) for element in road.find("planView")]
+        length = float(road.get("length"))
+        offsets = road.find("lanes").findall("laneOffset")
+        sections = road.find("lanes").findall("laneSection")
+        ends = [float(s.get("s")) for s in sections[1:]] + [length]
+        for one, end in zip(sections, ends):
+            start = float(one.get("s"))
+            for k in range(12):
+                s = start + (end - start) * (k + 0.37) / 12
+                piece = max((p for p in pieces if p.s <= s), key=lambda p: p.s)
+                x, y, heading = piece.at(s)
+                row = lambda lane, t: [
+                    path.name, road.get("id"), lane, repr(s),
+                    f"{x - t * math.sin(heading):.6f}", f"{y + t * math.cos(heading):.6f}",
+                ]
+                middle = value(offsets, "s", s)
+                yield row("r", 0.0)
+                yield row("0", middle)
+                for side, sign in (("left", 1), ("right", -1)):
+                    t = middle
+                    lanes = one.findall(f"{side}/lane")
+                    for lane in sorted(lanes, key=lambda lane: abs(int(lane.get("id")))):
+                        borders = lane.findall("border")
+                        if borders and not lane.findall("width"):
+                            t = middle + sign * abs(value(borders, "sOffset", s - start))
+                        else:
+                            t += sign * value(lane.findall("width"), "sOffset", s - start)
+                        yield row(lane.get("id"), t)
+
+
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
+    if len(sys.argv) > 1 and sys.argv[1] == "--lines":
+        write = csv.writer(sys.stdout, lineterminator="\n")
+        for name in sys.argv[2:]:
+            write.writerows(lines(Path(name)))
+    elif len(sys.argv) > 1:
         write = csv.writer(sys.stdout, lineterminator="\n")
         for name in sys.argv[1:]:
             write.writerows(table(Path(name)))
@@ -166,3 +263,5 @@ if __name__ == "__main__":
         (folder / "own.xodr").write_text(own())
         with open(folder / "lanes.csv", "w", newline="") as file:
             csv.writer(file, lineterminator="\n").writerows(table(folder / "own.xodr"))
+        with open(folder / "lines.csv", "w", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows(lines(folder / "own.xodr"))
