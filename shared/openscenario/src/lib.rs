@@ -65,5 +65,6 @@ pub use expression::Value;
 pub use library::{Disk, Source};
 pub use model::Script;
 pub use parameter::Assignment;
-pub use read::{Choices, LaneHeadings};
+pub use read::Choices;
+pub use scene::LaneHeadings;
 pub use world::{Motion, World, WorldError};

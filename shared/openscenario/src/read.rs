@@ -7,7 +7,7 @@ use crate::error::{Place, ReadError, Spot};
 use crate::library::Source;
 use crate::model::Script;
 use crate::parameter::{Assignment, opened};
-use crate::scene::Scene;
+use crate::scene::{LaneHeadings, Scene};
 use crate::scope::Scope;
 use crate::subset::{ScenarioFile, ScenarioParts};
 use crate::xml::{self, Document};
@@ -36,16 +36,6 @@ pub struct Spots {
     pub starts: Vec<Spot>,
     /// The storyboard's stop trigger.
     pub stop: Option<Spot>,
-}
-
-/// The direction from which the headings of lane positions count.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum LaneHeadings {
-    /// The road's reference line, in every lane, as in the standard.
-    #[default]
-    Road,
-    /// The traffic of the lane, as in esmini and CARLA.
-    Traffic,
 }
 
 /// A reader's choices for a file.

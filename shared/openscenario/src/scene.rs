@@ -11,9 +11,18 @@ use crate::ground::Ground;
 use crate::library::Source;
 use crate::model::element::ElementKind;
 use crate::model::{Entity, Named};
-use crate::read::LaneHeadings;
 use crate::road::{self, Road};
 use crate::xml::{self, Document};
+
+/// The direction from which the headings of lane positions count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LaneHeadings {
+    /// The road's reference line, in every lane, as in the standard.
+    #[default]
+    Road,
+    /// The traffic of the lane, as in esmini and CARLA.
+    Traffic,
+}
 
 /// A scenario while it is read. The elements of a file come in an order in which each refers to earlier ones.
 pub(crate) struct Scene<'a> {

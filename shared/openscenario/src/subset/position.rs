@@ -8,9 +8,8 @@ use crate::declare::{
 };
 use crate::error::ReadError;
 use crate::model::position::{self, From, Heading};
-use crate::read::LaneHeadings;
 use crate::road::Part;
-use crate::scene::Scenery;
+use crate::scene::{LaneHeadings, Scenery};
 
 /// A road by its id: all positions are on one row of roads.
 struct RoadId;
