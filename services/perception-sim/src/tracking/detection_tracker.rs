@@ -160,11 +160,11 @@ impl DetectionTracker {
         self.update(dt_s, ego.acceleration_mps2);
         self.watch();
         self.begin();
-        let course = self.ahead.course();
-        unite(&mut self.tracks, course, self.life.coast_s, self.model.numbers());
+        let life = self.life.with_sight(self.sight.share());
+        unite(&mut self.tracks, self.ahead.course(), &life, self.model.numbers());
         self.end_images(ego.speed_mps);
         self.lose(dt_s, ego);
-        self.confirm(dt_s, ego.speed_mps);
+        self.confirm(&life, dt_s, ego.speed_mps);
         self.leave_trails();
         self.list(time_ns, ego, detections)
     }
@@ -228,8 +228,6 @@ impl DetectionTracker {
             };
             seen[place] =
                 Some(track.see(&self.model, &step, &sighting, &self.view, self.ahead.course()));
-            let moving = sighting.ground_mps().abs() > numbers.moving_mps;
-            track.moved |= moving;
         }
         self.share(&seen);
     }
@@ -331,25 +329,22 @@ impl DetectionTracker {
 
     /// Carries on what is lost in the path, until it is found again: a track there that is seen.
     fn lose(&mut self, dt_s: f64, ego: &Ego) {
-        let seen_share = self.sight.share();
-        let numbers = self.model.numbers();
+        let (seen_share, numbers) = (self.sight.share(), self.model.numbers());
         let found_m = (self.tracks.iter())
             .filter(|track| track.id != 0 && track.is_seen() && track.membership.in_path())
             .map(|track| track.along.estimate().gap_m)
             .fold(f64::INFINITY, f64::min);
         self.tracks.iter_mut().for_each(|track| track.watch(dt_s, ego, seen_share, numbers));
-        let coast_s = self.life.coast_s;
         self.tracks.retain(|track| {
             let reach_m = |lost: &Lost| lost.gap_m + numbers.found_m;
             let is_found = track.lost(numbers).is_some_and(|lost| found_m < reach_m(lost));
-            !(is_found && track.unseen_s > coast_s)
+            !(is_found && track.unseen_s > self.life.coast_s)
         });
     }
 
-    fn confirm(&mut self, dt_s: f64, ego_mps: f64) {
-        let life = &self.life.with_sight(self.sight.share());
+    fn confirm(&mut self, life: &Life, dt_s: f64, ego_mps: f64) {
         let numbers = self.model.numbers();
-        self.tracks.retain(|track| !track.is_over(life, numbers));
+        self.tracks.retain(|track| !track.is_over(life, numbers) && !track.is_roadside(numbers));
         for place in 0..self.tracks.len() {
             let nearest_m = self.nearest_of_several_m(&self.tracks[place]);
             let track = &mut self.tracks[place];
@@ -400,3 +395,6 @@ impl DetectionTracker {
         list
     }
 }
+
+#[cfg(test)]
+mod tests;

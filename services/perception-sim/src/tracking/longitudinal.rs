@@ -235,6 +235,7 @@ impl Filter {
             Models::Singer(bank) => bank.correct(taken),
             Models::Interacting(bank) => bank.correct(taken),
         }
+        self.bound(model.numbers.hardest_mps2);
         self.combine();
         believed
     }
@@ -250,6 +251,18 @@ impl Filter {
         match &self.bank {
             Models::Singer(bank) => bank.widest(element, value, variance).passes(model.gate),
             Models::Interacting(bank) => bank.widest(element, value, variance).passes(model.gate),
+        }
+    }
+
+    /// No vehicle accelerates or brakes harder than this: a greater jump of the speed was a wrong measurement, now or
+    /// before.
+    fn bound(&mut self, hardest_mps2: f64) {
+        let bound = |state: &mut Gaussian<3>| {
+            state.mean[2] = state.mean[2].clamp(-hardest_mps2, hardest_mps2);
+        };
+        match &mut self.bank {
+            Models::Singer(bank) => bank.for_each(bound),
+            Models::Interacting(bank) => bank.for_each(bound),
         }
     }
 

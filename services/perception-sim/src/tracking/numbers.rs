@@ -31,6 +31,8 @@ parameters! {
         hard_mps2: f64 = 7.0, "m/s²", 4.0..=12.0, "Chosen. At 4 GOSPA +1 %, error of the target's acceleration +11 %; at 12 GOSPA -1 %.";
         /// Correlation time of that acceleration.
         hard_s: f64 = 1.5, "s", 0.3..=10.0, "Chosen. At 0.75 and 3 nothing changes.";
+        /// Hardest braking and acceleration of a vehicle, which bound the estimate.
+        hardest_mps2: f64 = 10.0, "m/s²", 6.0..=15.0, "Chosen: tyres on a dry road give about 1 g.";
         /// Mean time that a lead stays in the quiet model.
         quiet_sojourn_s: f64 = 5.0, "s", 1.0..=60.0, "Chosen. At 2.5 and 10 nothing changes.";
         /// Mean time that a lead stays in the moderate model.

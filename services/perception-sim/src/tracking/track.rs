@@ -138,6 +138,7 @@ impl DetectedTrack {
         let numbers = model.numbers();
         let seen = sighting.lateral(self.width_m, numbers);
         self.unseen_s = 0.0;
+        self.observe_motion(sighting.ground_mps().abs(), numbers);
         self.history |= 1;
         self.nearest = sighting.nearest;
         let estimate = self.along.estimate();
@@ -173,6 +174,24 @@ impl DetectedTrack {
         seen
     }
 
+    /// Takes its speed over ground in this scan. One echo that moves may be noise: a new track has moved only as long as
+    /// all its echoes do, at half of the speed from which one begins.
+    pub fn observe_motion(&mut self, ground_mps: f64, numbers: &Numbers) {
+        if self.id == 0 {
+            self.moved &= ground_mps > 0.5 * numbers.standing_mps;
+        } else {
+            self.moved |= ground_mps > numbers.moving_mps;
+        }
+    }
+
+    /// It stands beside the lane, as what is beside the road does.
+    #[must_use]
+    pub fn is_roadside(&self, numbers: &Numbers) -> bool {
+        self.id == 0
+            && !self.moved
+            && self.across.position_m().abs() > numbers.standing_half_width_m
+    }
+
     /// Lateral position by a sighting of the rear.
     fn lateral(
         &self,
@@ -194,12 +213,16 @@ impl DetectedTrack {
         Some(sighting.lateral(self.width_m, numbers))
     }
 
-    /// Takes over the motion of a younger track of the same vehicle, if that one is nearer to the rear.
+    /// Takes over the motion of a younger track of the same vehicle, if that one is nearer to the rear, or is seen
+    /// while this one is not.
     pub fn take_over(&mut self, younger: &Self, numbers: &Numbers) {
         let nearer_m = self.along.estimate().gap_m - younger.along.estimate().gap_m;
-        if nearer_m > numbers.rear_depth_m {
-            self.along = younger.along;
+        let is_unseen = self.unseen_s > 0.0;
+        if nearer_m > numbers.rear_depth_m && !is_unseen {
             self.length_m = (self.length_m + nearer_m).min(numbers.longest_m);
+        }
+        if nearer_m > numbers.rear_depth_m || is_unseen {
+            self.along = younger.along;
             self.misfits = 0;
         }
         self.history |= younger.history & 1;

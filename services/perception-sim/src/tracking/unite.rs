@@ -4,21 +4,21 @@ use scenario::event::VEHICLE_WIDTH_M;
 
 use super::course::Course;
 use super::numbers::Numbers;
-use super::track::DetectedTrack;
+use super::track::{DetectedTrack, Life};
 
 /// Unites tracks of one vehicle; the older one stays.
 pub(super) fn unite(
     tracks: &mut Vec<DetectedTrack>,
     course: &Course,
-    coast_s: f64,
+    life: &Life,
     numbers: &Numbers,
 ) {
     let mut newer = 1;
     while newer < tracks.len() {
         // One that is lost is not what is found: its place is a guess.
         let same = (0..newer).find(|&older| {
-            tracks[older].unseen_s <= coast_s
-                && same(&tracks[older], &tracks[newer], course, numbers)
+            tracks[older].unseen_s <= life.coast_s
+                && same(&tracks[older], &tracks[newer], course, life, numbers)
         });
         match same {
             Some(older) => {
@@ -32,19 +32,37 @@ pub(super) fn unite(
 
 /// Two tracks are of one vehicle: the newer one is on the older one and moves with it. On another lane it may be
 /// before the older one by the length of a lorry: its rear comes into view last.
-fn same(older: &DetectedTrack, newer: &DetectedTrack, course: &Course, numbers: &Numbers) -> bool {
+///
+/// If the older one is not seen, the speeds do not count. Two bodies cannot be in one place, and its speed is a
+/// prediction. In both cases the newer one gives its motion to the older one. So it has to be sure first: one echo
+/// before a rear, or beside a vehicle that is not seen once, may be noise.
+fn same(
+    older: &DetectedTrack,
+    newer: &DetectedTrack,
+    course: &Course,
+    life: &Life,
+    numbers: &Numbers,
+) -> bool {
     let (a, b) = (older.along.estimate(), newer.along.estimate());
     let along_m = b.gap_m - a.gap_m;
+    let is_sure = newer.id != 0 || newer.deserves_confirmation(life);
+    let is_unseen = older.unseen_s > 0.0;
+    let gives_its_motion = is_unseen || along_m < -numbers.rear_depth_m;
+    if gives_its_motion && !is_sure {
+        return false;
+    }
     let (a_y, b_y) = (older.across.position_m(), newer.across.position_m());
     let aspect_m = older.aspect_m(course).abs().min(newer.aspect_m(course).abs());
     let aside = aspect_m > VEHICLE_WIDTH_M;
     let before_m = if aside { numbers.lorry_m } else { numbers.same_before_m };
     let is_far_before = along_m <= -numbers.same_before_m && aside;
     let rate_mps = if is_far_before { numbers.same_lorry_mps } else { numbers.same_mps };
+    let moves_alike = (a.relative_speed_mps - b.relative_speed_mps).abs() < rate_mps;
+    let took_its_place = is_unseen && newer.unseen_s == 0.0;
     (-before_m..older.length_m).contains(&along_m)
         && (a_y - b_y).abs() < numbers.same_across_m
-        && (a.relative_speed_mps - b.relative_speed_mps).abs() < rate_mps
-        && (older.unseen_s <= newer.unseen_s || newer.id == 0)
+        && (moves_alike || took_its_place && !is_far_before)
+        && (older.unseen_s <= newer.unseen_s || took_its_place)
 }
 
 #[cfg(test)]
@@ -65,13 +83,19 @@ mod tests {
         DetectedTrack::begin(&model, &sighting, true)
     }
 
-    /// Tracks that are left of a lead 60 m ahead, 4.5 m long, and another one.
-    fn left(mut lead: DetectedTrack, other: DetectedTrack) -> usize {
+    /// Tracks that are left of a lead 60 m ahead, 4.5 m long, and another one, which is sure after `hits`.
+    fn left_after(hits: u32, mut lead: DetectedTrack, other: DetectedTrack) -> usize {
         (lead.id, lead.length_m) = (1, 4.5);
         let mut tracks = vec![lead, other];
-        unite(&mut tracks, &Course::STRAIGHT, COAST_S, &NUMBERS);
+        let life = Life { hits, scans: hits, coast_s: COAST_S };
+        unite(&mut tracks, &Course::STRAIGHT, &life, &NUMBERS);
         assert_eq!(tracks[0].id, 1, "the older one stays");
         tracks.len()
+    }
+
+    /// The same with another one that is sure at once.
+    fn left(lead: DetectedTrack, other: DetectedTrack) -> usize {
+        left_after(1, lead, other)
     }
 
     #[test]
@@ -96,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_lost_is_not_what_is_found_and_a_confirmed_track_is_not_given_to_an_unseen_one() {
+    fn a_sure_track_in_the_place_of_an_unseen_one_is_that_vehicle_unless_that_is_lost() {
         let (lead, same) = (track(60.0, 0.0, -2.0), track(60.0, 0.0, -2.0));
         let unseen = |unseen_s: f64| {
             let mut lead = lead;
@@ -108,7 +132,13 @@ mod tests {
         let mut confirmed = same;
         confirmed.id = 2;
         assert_eq!(left(lead, confirmed), 1);
-        assert_eq!(left(unseen(0.5), confirmed), 2);
+        assert_eq!(left(unseen(0.5), confirmed), 1);
+        let slower = track(60.0, 0.0, -9.0);
+        assert_eq!(left(unseen(0.5), slower), 1, "the unseen one's speed is a guess");
+        assert_eq!(left(lead, slower), 2);
+        assert_eq!(left_after(3, unseen(0.5), same), 2, "one echo is not sure");
+        assert_eq!(left_after(3, lead, same), 1, "it gives no motion");
+        assert_eq!(left_after(3, lead, track(59.0, 0.0, -2.0)), 2, "one echo before the rear");
     }
 
     #[test]

@@ -252,3 +252,21 @@ proptest! {
         }
     }
 }
+
+/// A jump of the range rate by 0.8 m/s between two scans would be 16 m/s².
+#[test]
+fn no_vehicle_brakes_harder_than_its_tyres_allow() {
+    for kind in [Kind::Singer, Kind::Interacting] {
+        let model = model(kind);
+        let step = model.step(0.05, 0.0);
+        let exactly = |value: f64| Measured::new(value, 0.02);
+        let mut filter = model.start(exactly(20.0), exactly(1.0));
+        let hardest_mps2 = Numbers::DEFAULT.hardest_mps2;
+        for (scan, rate_mps) in [0.2, 0.2, -0.6, -1.4, -2.2].into_iter().enumerate() {
+            filter.predict(&model, &step);
+            filter.update(&model, &step, exactly(20.0), exactly(rate_mps));
+            let found_mps2 = filter.estimate().acceleration_mps2;
+            assert!(found_mps2.abs() <= hardest_mps2 + 1e-9, "{kind:?} {scan}: {found_mps2}");
+        }
+    }
+}
