@@ -26,20 +26,21 @@ pub(crate) fn where_it_stands(first: &Object, second: &Object, path: Path) -> Op
     let reach_m = first.half_width_m + second.half_width_m;
     let second_sigma_m = second.lateral.position_sigma_m();
     let carried_s = time_s.min(path.horizon_s);
-    let (mut probability, mut moment_m) = (0.0, 0.0);
+    let (mut touching, mut moment_m) = (0.0, 0.0);
     for h in first.lateral.hypotheses() {
         let position_m = h.position_m + h.rate_mps * carried_s;
         let off_m = (position_m - second.lateral.position_m).abs();
         let sigma_m = libm::hypot(h.sigma_after_m(carried_s), second_sigma_m);
         let touches = overlap(reach_m, off_m, sigma_m);
-        probability += h.probability * touches;
+        touching += h.probability * touches;
         moment_m += h.probability * touches * position_m;
     }
+    let probability = touching * first.probability * second.probability;
     (probability > LEAST_PROBABILITY).then(|| Object {
         distance_m: second.distance_m - first.length_m,
         speed_mps: second.speed_mps,
         acceleration_mps2: second.acceleration_mps2,
-        lateral: Lateral::known(moment_m / probability, 0.0),
+        lateral: Lateral::known(moment_m / touching, 0.0),
         probability,
         // The first may hit something beside a curve ahead, and drive through that curve.
         is_on_row: second.is_on_row,

@@ -2,6 +2,7 @@
 
 use crate::circle::Circle;
 use crate::filter::Lateral;
+use crate::one_body::OneBody;
 
 /// Below this speed over ground an object stands, m/s.
 pub(crate) const STANDING_MPS: f64 = 1.0;
@@ -50,6 +51,8 @@ pub struct Object {
     pub is_confirmed: bool,
     /// Probability that it is there.
     pub probability: f64,
+    /// How probable it is that it is not two abreast ([`mod@crate::one_body`]).
+    pub(crate) one_body: OneBody,
     /// A vehicle in the ego's path drove through its place: it is not there.
     pub(crate) is_driven_through: bool,
     /// The side on which its face is behind a nearer object, 1 left, -1 right, or 0: neither.
@@ -87,6 +90,7 @@ impl Object {
             length_m: LEAST_LENGTH_M,
             is_confirmed: true,
             probability: 1.0,
+            one_body: OneBody::default(),
             is_driven_through: false,
             hidden_side: 0.0,
             scans: 1,
@@ -242,6 +246,7 @@ impl Object {
             length_m: LEAST_LENGTH_M,
             is_confirmed: false,
             probability: 1.0,
+            one_body: OneBody::default(),
             is_driven_through: false,
             hidden_side: 0.0,
             scans: 0,

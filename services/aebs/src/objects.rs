@@ -24,6 +24,8 @@
 //! the neighbouring lanes: posts beside the road are left out. A standing object through which a lead in the path
 //! drives does not count: it is an echo of several vehicles beside the path.
 //!
+//! Far off an object may be two vehicles abreast ([`mod@crate::one_body`]): how probable it is that it is one counts.
+//!
 //! While the radar shows little ([`Objects::expect`]) an object has as many scans longer to be seen.
 //!
 //! On a road with curves x and y are counted along the ego's own circle and left of it ([`mod@crate::circle`]). When the
@@ -34,6 +36,7 @@ use crate::circle::{Circle, OwnWay, Step, Turned};
 use crate::collision_ahead::where_it_stands;
 use crate::decision::Path;
 use crate::object::Object;
+use crate::one_body::OneBody;
 use crate::point::{Place, Point};
 use crate::row::Places;
 use crate::sighting::{Sums, correct};
@@ -46,6 +49,8 @@ pub const MAX_OBJECTS: usize = 48;
 const REACH_M: f64 = 6.0;
 /// Points of one object differ from it by no more than this: speed, m/s, and lateral position, m.
 const SAME: (f64, f64) = (2.5, 1.9);
+/// One of two vehicles in the lanes beside the ego's is at most this far from a place between them, m.
+const WIDEST_PAIR_M: f64 = 7.5;
 /// Farther beside the path an object is not a threat, whatever row it is on, m.
 const NEAR_PATH_M: f64 = 4.0;
 /// An object that counts is dropped after this time without a point, s.
@@ -62,6 +67,8 @@ pub struct Objects {
     sums: Vec<Sums>,
     last_scan_ns: Option<i64>,
     half_field_of_view_rad: f64,
+    /// Azimuths that are nearer to each other may come out as one, rad.
+    resolution_rad: f64,
     /// Share of the scans in which what is there is expected to be seen.
     share: f64,
     /// The circle of the last scan, on a road with a plan.
@@ -80,11 +87,18 @@ impl Objects {
             sums: Vec::with_capacity(MAX_OBJECTS),
             last_scan_ns: None,
             half_field_of_view_rad,
+            resolution_rad: 0.0,
             share: 1.0,
             circle: None,
             places: Places::new(),
             standing: Vec::with_capacity(MAX_DETECTIONS),
         }
+    }
+
+    /// The same of a radar that may see two as one whose azimuths are nearer to each other than this, rad.
+    #[must_use]
+    pub fn resolving(self, resolution_rad: f64) -> Self {
+        Self { resolution_rad, ..self }
     }
 
     /// Expects what is there to be seen in this share of the scans from now on, 0 to 1.
@@ -139,7 +153,9 @@ impl Objects {
         }
         for (object, sums) in self.list.iter_mut().zip(&self.sums) {
             let shows_its_face = object.shows_its_face(half_field_of_view_rad);
-            correct(object, sums, period_s, shows_its_face, self.share);
+            let may_be_two = OneBody::is_doubtful(object.distance_m, self.resolution_rad);
+            correct(object, sums, period_s, shows_its_face, (self.share, may_be_two));
+            object.probability = if may_be_two { object.one_body.probability() } else { 1.0 };
         }
         self.see_what_is_driven_through();
         if circle.is_some() {
@@ -231,7 +247,11 @@ impl Objects {
                 (point.y_m - object.lateral.position_m).abs(),
             );
             let slack_m = 1.5 + object.unseen_s * 3.0;
-            if dx < -slack_m || dx > REACH_M || dv > SAME.0 || dy > SAME.1 {
+            if dx < -slack_m || dx > REACH_M || dv > SAME.0 {
+                continue;
+            }
+            if dy > SAME.1 {
+                self.sums[index].is_elsewhere |= dx < slack_m && dy < WIDEST_PAIR_M;
                 continue;
             }
             let cost = dv / SAME.0 + dy / SAME.1 + dx.abs() / REACH_M;

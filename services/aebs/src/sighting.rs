@@ -32,6 +32,8 @@ const ACCELERATION_S: f64 = 0.2;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sums {
     points: f64,
+    /// A point of its range and speed was too far beside it.
+    pub(crate) is_elsewhere: bool,
     speed_mps: f64,
     farthest_m: f64,
     missed_points: f64,
@@ -52,6 +54,7 @@ pub(crate) struct Sums {
 impl Sums {
     pub(crate) const NONE: Self = Self {
         points: 0.0,
+        is_elsewhere: false,
         speed_mps: 0.0,
         farthest_m: 0.0,
         missed_points: 0.0,
@@ -153,14 +156,18 @@ impl Sums {
 }
 
 /// Corrects an object by the points of a scan, if there are any. It is expected to be seen in a `share` of the scans.
+/// If it `may_be_two`, the scan says how probable that is.
 pub(crate) fn correct(
     object: &mut Object,
     sums: &Sums,
     period_s: f64,
     shows_its_face: bool,
-    share: f64,
+    (share, may_be_two): (f64, bool),
 ) {
     if sums.points == 0.0 {
+        if may_be_two && sums.is_elsewhere {
+            object.one_body.miss();
+        }
         object.coast();
         return;
     }
@@ -193,6 +200,10 @@ pub(crate) fn correct(
         if first {
             object.lateral = Lateral::first(middle_m, FIRST_SIGMA_M);
         } else {
+            if may_be_two {
+                let expected = object.lateral.expects(middle_m, variance_m2);
+                object.one_body.see(middle_m, variance_m2, expected);
+            }
             object.lateral.update(middle_m, variance_m2);
         }
     }

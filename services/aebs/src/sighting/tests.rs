@@ -100,7 +100,7 @@ fn a_scan_corrects_speed_acceleration_place_and_length() {
     let far = Point { speed_mps: 11.1, tangent: -0.1, ..point(25.0, 0.0, 1.0) };
     // What moves to the right with 1 m/s looks 0.1 m/s slower on the left: 11.0 and 11.0 m/s.
     let sums = sums(&object, &[faster, far]);
-    correct(&mut object, &sums, 0.05, true, 1.0);
+    correct(&mut object, &sums, 0.05, true, (1.0, false));
     assert!((object.speed_mps - 10.6).abs() < 1e-6, "{object:?}");
     // 0.6 m/s in 0.05 s are 12 m/s², of which a fifth is taken.
     assert!((object.acceleration_mps2 - 2.4).abs() < 1e-4, "{object:?}");
@@ -109,10 +109,10 @@ fn a_scan_corrects_speed_acceleration_place_and_length() {
     assert_eq!((object.scans, object.unseen_s), (10, 0.0));
     // Without its face the distance stays, and the first scan is taken as it is.
     let mut hidden = Object { scans: 9, ..Object::at(20.0, 10.0, 0.0, 0.0, 0.95) };
-    correct(&mut hidden, &sums, 0.05, false, 1.0);
+    correct(&mut hidden, &sums, 0.05, false, (1.0, false));
     assert_eq!(hidden.distance_m, 20.0);
     let mut new = Object { scans: 0, ..Object::at(20.0, 10.0, 0.0, 0.0, 0.95) };
-    correct(&mut new, &sums, 0.05, false, 1.0);
+    correct(&mut new, &sums, 0.05, false, (1.0, false));
     assert!((new.distance_m - 20.4).abs() < 1e-9 && (new.speed_mps - 11.0).abs() < 1e-6);
     assert_eq!(new.acceleration_mps2, 0.0);
     // No vehicle accelerates or brakes beyond its limits.
@@ -121,7 +121,7 @@ fn a_scan_corrects_speed_acceleration_place_and_length() {
         let speed_mps = if limit_mps2 > 0.0 { 60.0 } else { 10.0 };
         let jump = Point { speed_mps, ..point(20.0, 0.0, 1.0) };
         let sums = super::tests::sums(&wild, &[jump]);
-        correct(&mut wild, &sums, 0.05, true, 1.0);
+        correct(&mut wild, &sums, 0.05, true, (1.0, false));
         assert_eq!(wild.acceleration_mps2, limit_mps2);
     }
 }
@@ -134,7 +134,7 @@ fn what_moves_counts_after_three_of_four_scans_and_what_stands_after_four_of_fiv
             object.history <<= 1;
             let points = [Point { speed_mps, ..point(20.0, 0.0, 1.0) }];
             let sums = if *is_seen { sums(&object, &points) } else { Sums::NONE };
-            correct(&mut object, &sums, 0.05, true, 1.0);
+            correct(&mut object, &sums, 0.05, true, (1.0, false));
         }
         object.is_confirmed
     };

@@ -292,6 +292,24 @@ pub(super) fn clock_ahead(draws: &mut Draws) -> Scene {
     scene
 }
 
+/// A vehicle in the next lane that brakes 0 to 40 m ahead of an ego which then passes it, or farther ahead.
+pub(super) fn brakes_beside(draws: &mut Draws) -> Scene {
+    let speed_mps = draws.between(10.0, 34.0);
+    let other_mps = speed_mps * draws.between(0.7, 1.3);
+    let from_s = draws.between(2.0, 6.0);
+    // Nothing starts behind the ego.
+    let gap_m = (draws.between(0.0, 40.0) + (speed_mps - other_mps) * from_s).max(0.0);
+    let rate_mps2 = draws.between(2.0, 8.0);
+    let slows = SpeedChange { from_s, to_mps: other_mps * draws.between(0.0, 0.5), rate_mps2 };
+    let mut scene = Scene::new(speed_mps, speed_mps, from_s + other_mps / rate_mps2 + 8.0);
+    scene.actors.push(Actor {
+        lateral_m: draws.side() * draws.between(3.2, 3.75),
+        speeds: vec![slows],
+        ..Actor::car("beside", gap_m, other_mps)
+    });
+    scene
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::scene::CAR_WIDTH_M;

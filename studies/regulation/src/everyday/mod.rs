@@ -24,6 +24,7 @@
 //! | [`Kind::ClockAhead`] | a lead brakes while the controller's clock is ahead by 0.1 to 2 ms |
 //! | [`Kind::CurveQueue`] | vehicles that stand beside an empty lane where a curve begins or ends |
 //! | [`Kind::CurveQueueAhead`] | the same in the ego's lane |
+//! | [`Kind::BrakesBeside`] | a vehicle in the next lane brakes with 2 to 8 m/s² and is passed |
 //!
 //! A scene is a function of its kind and its number alone.
 //!
@@ -98,6 +99,8 @@ pub enum Kind {
     CurveQueue,
     /// A queue in the ego's lane where a curve begins or ends.
     CurveQueueAhead,
+    /// A vehicle in the next lane that brakes.
+    BrakesBeside,
 }
 
 /// Result of a drive.
@@ -164,6 +167,7 @@ impl Kind {
             Self::ClockAhead => draw::clock_ahead(draws),
             Self::CurveQueue => curves::queue(draws, false),
             Self::CurveQueueAhead => curves::queue(draws, true),
+            Self::BrakesBeside => draw::brakes_beside(draws),
         }
     }
 
