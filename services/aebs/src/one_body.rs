@@ -17,10 +17,11 @@
 //! The price: the middle one of three that are exactly abreast counts late, from where two would be told apart.
 
 use crate::filter::density;
-use crate::object::SIDE_M;
 
 /// Least distance between the middles of vehicles in the lanes beside the ego's, m: two lanes of 3 m.
 const LEAST_APART_M: f64 = 6.0;
+/// Distance between the corners of a rear that reflect, m.
+const CORNERS_M: f64 = 1.8;
 /// Standard deviation of the place of the echo of two, m. Calculated: 7 m times that of the share of one of two powers.
 /// Each is the sum of three exponential ones, of the middle of a rear (0.6) and its corners (0.2). So each is like a
 /// gamma variable of shape 1 / 0.44, the share like a beta variable with the variance 0.045.
@@ -41,7 +42,7 @@ pub(crate) struct OneBody {
 impl OneBody {
     /// True if a radar of this azimuth resolution may see two as one at this distance.
     pub(crate) fn is_doubtful(distance_m: f64, resolution_rad: f64) -> bool {
-        distance_m * resolution_rad > LEAST_APART_M - 2.0 * SIDE_M
+        distance_m * resolution_rad > LEAST_APART_M - CORNERS_M
     }
 
     /// It was seen at `place_m`, with a variance, m², where one body was expected with this density, 1/m.
