@@ -171,13 +171,23 @@ impl Object {
             && (middle_m - nearer.lateral.position_m).abs() < 2.0 * nearer.half_width_m
             && (self.speed_mps - nearer.speed_mps).abs() < STANDING_MPS;
         if goes_on || nearer.hides(self.distance_m, self.sight_m()) {
-            return self.shown_side().map_or(0.0, |(side, _)| side);
+            return self.shown_side().map_or_else(|| self.side_towards(nearer), |(side, _)| side);
         }
         if middle_m.abs() > self.half_width_m + HALF_WIDTH_M {
             return 0.0;
         }
         let is_hidden = |side: f64| nearer.hides(self.distance_m, self.sight_m() + side * SIDE_M);
         f64::from(is_hidden(1.0)) - f64::from(is_hidden(-1.0))
+    }
+
+    /// The side on which `nearer` is as seen from the ego. On a curve that is the side which it hides of a standing
+    /// vehicle, whichever way that one points. On a straight way neither hides a side of the other.
+    fn side_towards(&self, nearer: &Self) -> f64 {
+        if self.bow_m == 0.0 || !self.stands() || nearer.distance_m <= 0.0 {
+            return 0.0;
+        }
+        let slope = |object: &Self| object.sight_m() / object.distance_m;
+        (slope(nearer) - slope(self)).signum()
     }
 
     /// True if the straight line to a place passes through it.
@@ -223,8 +233,14 @@ impl Object {
 
     /// The side of the line of sight on which it is, 1 left, -1 right, and where the side is that it shows, m left of
     /// the way; `None` if it shows none.
+    ///
+    /// What stands need not point along the ego's circle: the road ahead may be straight. It shows a side for sure if it
+    /// shows the same one then.
     pub(crate) fn shown_side(&self) -> Option<(f64, f64)> {
         let side = self.aspect_m().signum();
+        if self.stands() && side * self.sight_m() < 0.0 {
+            return None;
+        }
         let shows = self.aspect_m().abs() - SIDE_M > SIDE_SHOWS_M;
         shows.then_some((side, self.lateral.position_m - side * SIDE_M))
     }
@@ -256,5 +272,39 @@ impl Object {
             way_sigma_m: 0.0,
             is_on_row: false,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An object on the circle of this curvature.
+    fn on_circle(curvature_perm: f64, distance_m: f64, speed_mps: f64, off_m: f64) -> Object {
+        let mut object = Object::at(distance_m, speed_mps, off_m, 0.0, 0.95);
+        object.see_along(&Circle { curvature_perm, heading_rad: 0.0 });
+        object
+    }
+
+    #[test]
+    fn in_a_queue_beside_a_curve_the_vehicle_before_hides_its_own_side_of_the_next_one() {
+        for side in [1.0, -1.0] {
+            let queue =
+                |distance_m, off_m: f64| on_circle(side * 1.6e-3, distance_m, 0.0, side * off_m);
+            let (last, next) = (queue(46.6, 3.0), queue(54.3, 2.1));
+            assert_eq!(next.side_hidden_by(&last), side);
+            assert_eq!(last.side_hidden_by(&next), 0.0, "it is the nearer one");
+        }
+        let driving = |distance_m, off_m| on_circle(-1.6e-3, distance_m, 20.0, off_m);
+        assert_eq!(driving(54.3, -2.1).side_hidden_by(&driving(46.6, -3.0)), 0.0);
+    }
+
+    #[test]
+    fn what_stands_shows_a_side_if_it_is_the_same_one_on_a_straight_road() {
+        // A place straight ahead of the body, and on the left of a right curve.
+        assert_eq!(on_circle(-6e-3, 34.0, 0.0, 0.5).shown_side(), None);
+        assert!(on_circle(-6e-3, 34.0, 15.0, 0.5).shown_side().is_some(), "a lead drives along");
+        let beside = on_circle(-6e-3, 20.0, 0.0, -3.5).shown_side().expect("it is beside");
+        assert!(beside.0 == -1.0 && (beside.1 + 2.6).abs() < 1e-9, "{beside:?}");
     }
 }

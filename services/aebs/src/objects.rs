@@ -51,8 +51,8 @@ const REACH_M: f64 = 6.0;
 const SAME: (f64, f64) = (2.5, 1.9);
 /// One of two vehicles in the lanes beside the ego's is at most this far from a place between them, m.
 const WIDEST_PAIR_M: f64 = 7.5;
-/// Farther beside the path an object is not a threat, whatever row it is on, m.
-const NEAR_PATH_M: f64 = 4.0;
+/// Farther beside the path an object is not a threat, whatever row it is on, m: both half widths, and 0.6 m.
+const NEAR_PATH_M: f64 = 2.5;
 /// An object that counts is dropped after this time without a point, s.
 const COAST_S: f64 = 0.4;
 /// The same of one that is beside the ego, outside of the field of view, s, and at most, of one that is seldom seen.

@@ -12,8 +12,9 @@
 //!    o o o                       a queue in the own lane begins in the path and never comes from beside it
 //! ```
 //!
-//! [`Places`] keeps what stood in the last scans. A place is on such a row if two places nearer to the ego lie on one
-//! line of that form with it. All three are more than [`APART_M`] from one another.
+//! [`Places`] keeps what stood in the last scans. Lines of that form go through a place and a second one, and hold others.
+//! All are more than [`APART_M`] from one another. The place is on such a row if a line from beside the lane holds more
+//! of them than any line from within it. They may be farther: the last car of a queue behind a curve is the nearest one.
 
 use crate::circle::Step;
 
@@ -32,10 +33,17 @@ const KEPT_S: f64 = 3.0;
 const BEHIND_M: f64 = 15.0;
 /// Places of a row are at least this far apart, m: one vehicle shows several echoes.
 const APART_M: f64 = 6.0;
+/// They are at most this far apart, m. Chosen: the length of a queue of six cars.
+const REACH_M: f64 = 45.0;
 /// A place is on a line if it is this near, m: a car reflects at its corners and in its middle.
 const ON_LINE_M: f64 = 0.8;
-/// A line begins beside the lane if it is this far from the middle of the way, m: half a lane and 0.45 m.
-const BESIDE_M: f64 = 2.2;
+/// A line begins beside the lane if it is this far from the middle of the way, m: half a lane. The inner side of a lorry
+/// in the next lane is 2.2 m off, and the ego wanders.
+const BESIDE_M: f64 = 1.75;
+/// Half of the width of a vehicle, m.
+const HALF_WIDTH_M: f64 = 0.9;
+/// A line begins in the ego's lane if it is this near to the middle of the way, m: half a car, and both wander.
+const IN_LANE_M: f64 = 1.25;
 /// No road bends more against the ego's way, 1/m.
 const SHARPEST_PERM: f64 = 1.0 / 100.0;
 /// Step of the begin of the bend, m.
@@ -105,29 +113,74 @@ impl Places {
         }
     }
 
-    /// True if the road may bend before this place, along a row of standing places that begins beside the lane.
+    /// True if this place is on a row of standing places that begins beside the lane, along which the road may bend.
+    ///
+    /// A line from beside the lane then holds more places than any from the middle of the ego's own lane: a queue in the
+    /// own lane is on such a line. In a queue the inner edge of a vehicle is seen, so that its middle may be half a
+    /// width farther out.
     pub(crate) fn lead_to(&self, along_m: f64, off_m: f64) -> bool {
-        let seen = || self.list.iter().filter(|place| place.seen >= SEEN);
-        let nearer = seen().filter(|place| place.along_m < along_m - APART_M);
-        nearer.into_iter().any(|near| {
-            let begins = (0..).map(|step| f64::from(step) * BEGIN_STEP_M);
-            begins.take_while(|begin_m| *begin_m < along_m - APART_M).any(|begin_m| {
-                let (p, q) = ((near.along_m - begin_m).max(0.0), along_m - begin_m);
-                let bend_perm = 2.0 * (off_m - near.off_m) / (q * q - p * p);
-                let beside_m = near.off_m - 0.5 * bend_perm * p * p;
-                let is_beside = beside_m.abs() > BESIDE_M && beside_m * bend_perm < 0.0;
-                if !is_beside || bend_perm.abs() > SHARPEST_PERM {
-                    return false;
+        let outer_m = off_m + HALF_WIDTH_M * off_m.signum();
+        let (mut most_beside, mut most_own) = (0, 0);
+        for place in [(along_m, off_m), (along_m, outer_m)] {
+            for second in self.seen_apart(along_m) {
+                let begins = (0..).map(|step| f64::from(step) * BEGIN_STEP_M);
+                for begin_m in begins.take_while(|begin_m| *begin_m < along_m - APART_M) {
+                    let Some(line) = Line::through(begin_m, place, second) else { continue };
+                    let most = if line.begins_beside() {
+                        &mut most_beside
+                    } else if line.begins_in_lane() {
+                        &mut most_own
+                    } else {
+                        continue;
+                    };
+                    let held = self.seen_apart(along_m).filter(|third| {
+                        (third.along_m - second.along_m).abs() > APART_M && line.holds(third)
+                    });
+                    *most = held.count().max(*most);
                 }
-                seen().any(|third| {
-                    let t = (third.along_m - begin_m).max(0.0);
-                    let line_m = beside_m + 0.5 * bend_perm * t * t;
-                    (third.off_m - line_m).abs() < ON_LINE_M
-                        && (third.along_m - near.along_m).abs() > APART_M
-                        && third.along_m < along_m - APART_M
-                })
-            })
-        })
+            }
+        }
+        most_beside > most_own
+    }
+
+    /// The places that count, apart from one at this distance.
+    fn seen_apart(&self, along_m: f64) -> impl Iterator<Item = &Place> {
+        self.list
+            .iter()
+            .filter(move |place| place.seen >= SEEN)
+            .filter(move |place| (APART_M..REACH_M).contains(&(place.along_m - along_m).abs()))
+    }
+}
+
+/// The line `d(σ) = begins at + bend / 2 max(0, σ - begin)²`.
+struct Line {
+    begin_m: f64,
+    at_m: f64,
+    bend_perm: f64,
+}
+
+impl Line {
+    /// The line through two places that bends from `begin_m` on; `None` if no road bends like that.
+    fn through(begin_m: f64, (along_m, off_m): (f64, f64), second: &Place) -> Option<Self> {
+        let (p, q) = ((second.along_m - begin_m).max(0.0), along_m - begin_m);
+        let bend_perm = 2.0 * (off_m - second.off_m) / (q * q - p * p);
+        let at_m = off_m - 0.5 * bend_perm * q * q;
+        (bend_perm.abs() <= SHARPEST_PERM).then_some(Self { begin_m, at_m, bend_perm })
+    }
+
+    /// It comes from beside the lane.
+    fn begins_beside(&self) -> bool {
+        self.at_m.abs() > BESIDE_M
+    }
+
+    fn begins_in_lane(&self) -> bool {
+        self.at_m.abs() < IN_LANE_M
+    }
+
+    fn holds(&self, place: &Place) -> bool {
+        let bent_m = (place.along_m - self.begin_m).max(0.0);
+        let line_m = self.at_m + 0.5 * self.bend_perm * bent_m * bent_m;
+        (place.off_m - line_m).abs() < ON_LINE_M
     }
 }
 
@@ -153,6 +206,30 @@ mod tests {
                 kept.take(x_m, y_m);
             }
             kept.move_on(&Step::new(&STRAIGHT, &STRAIGHT, 0.0, 0.0), 0.05, 0.0);
+        }
+        kept
+    }
+
+    /// Places as an ego in a curve sees them that ends `end_m` ahead, on the circle that it drives.
+    fn in_a_curve(end_m: f64, radius_m: f64, places: &[(f64, f64)]) -> Places {
+        let curve = Circle { curvature_perm: 1.0 / radius_m, heading_rad: 0.0 };
+        let (sine, cosine) = libm::sincos(curve.heading_at_rad(end_m));
+        let (end_x_m, end_y_m) = curve.to_body(end_m, 0.0);
+        let mut kept = Places::new();
+        for _ in 0..3 {
+            for &(along_m, off_m) in places {
+                let beyond_m = along_m - end_m;
+                let place = if beyond_m < 0.0 {
+                    (along_m, off_m)
+                } else {
+                    curve.to_way(
+                        end_x_m + beyond_m * cosine - off_m * sine,
+                        end_y_m + beyond_m * sine + off_m * cosine,
+                    )
+                };
+                kept.take(place.0, place.1);
+            }
+            kept.move_on((&curve, &curve), 0.05, 0.0, 0.0);
         }
         kept
     }
@@ -187,6 +264,33 @@ mod tests {
         let places = before_a_curve(10.0, -125.0, &row(5.0, 8.0, 3.5));
         let ahead = in_path(&places);
         assert!(!ahead.is_empty() && ahead.iter().all(|(x, y)| places.lead_to(*x, *y)));
+    }
+
+    #[test]
+    fn the_last_car_of_a_queue_beside_the_road_behind_a_curve_is_on_its_row() {
+        for (radius_m, end_m) in [(125.0, 2.0), (150.0, 2.0), (-160.0, 0.0)] {
+            let inner_m = 3.5 * f64::signum(radius_m);
+            let places = in_a_curve(end_m, radius_m, &row(22.0, 7.5, inner_m));
+            let last = places.list[0];
+            assert!(last.off_m.abs() < 2.6, "{radius_m}: in the way, {last:?}");
+            assert!(places.lead_to(last.along_m, last.off_m), "{radius_m} {places:?}");
+        }
+    }
+
+    #[test]
+    fn a_queue_in_the_own_lane_is_no_such_row_on_an_arc_or_behind_it() {
+        for radius_m in [125.0, -250.0, 500.0] {
+            for end_m in [10.0, 30.0, 500.0] {
+                for off_m in [-0.4, 0.0, 0.4] {
+                    let places = in_a_curve(end_m, radius_m, &row(25.0, 7.5, off_m));
+                    let last = places.list[0];
+                    if last.off_m.abs() < 1.9 {
+                        let leads = places.lead_to(last.along_m, last.off_m);
+                        assert!(!leads, "{radius_m} {end_m} {off_m}");
+                    }
+                }
+            }
+        }
     }
 
     #[test]
