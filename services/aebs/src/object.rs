@@ -274,37 +274,3 @@ impl Object {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// An object on the circle of this curvature.
-    fn on_circle(curvature_perm: f64, distance_m: f64, speed_mps: f64, off_m: f64) -> Object {
-        let mut object = Object::at(distance_m, speed_mps, off_m, 0.0, 0.95);
-        object.see_along(&Circle { curvature_perm, heading_rad: 0.0 });
-        object
-    }
-
-    #[test]
-    fn in_a_queue_beside_a_curve_the_vehicle_before_hides_its_own_side_of_the_next_one() {
-        for side in [1.0, -1.0] {
-            let queue =
-                |distance_m, off_m: f64| on_circle(side * 1.6e-3, distance_m, 0.0, side * off_m);
-            let (last, next) = (queue(46.6, 3.0), queue(54.3, 2.1));
-            assert_eq!(next.side_hidden_by(&last), side);
-            assert_eq!(last.side_hidden_by(&next), 0.0, "it is the nearer one");
-        }
-        let driving = |distance_m, off_m| on_circle(-1.6e-3, distance_m, 20.0, off_m);
-        assert_eq!(driving(54.3, -2.1).side_hidden_by(&driving(46.6, -3.0)), 0.0);
-    }
-
-    #[test]
-    fn what_stands_shows_a_side_if_it_is_the_same_one_on_a_straight_road() {
-        // A place straight ahead of the body, and on the left of a right curve.
-        assert_eq!(on_circle(-6e-3, 34.0, 0.0, 0.5).shown_side(), None);
-        assert!(on_circle(-6e-3, 34.0, 15.0, 0.5).shown_side().is_some(), "a lead drives along");
-        let beside = on_circle(-6e-3, 20.0, 0.0, -3.5).shown_side().expect("it is beside");
-        assert!(beside.0 == -1.0 && (beside.1 + 2.6).abs() < 1e-9, "{beside:?}");
-    }
-}
