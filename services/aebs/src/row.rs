@@ -229,7 +229,7 @@ mod tests {
                 };
                 kept.take(place.0, place.1);
             }
-            kept.move_on((&curve, &curve), 0.05, 0.0, 0.0);
+            kept.move_on(&Step::new(&curve, &curve, 0.0, 0.0), 0.05, 0.0);
         }
         kept
     }
