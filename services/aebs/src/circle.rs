@@ -99,8 +99,8 @@ impl Turned {
     }
 
     /// As [`Circle::to_way`].
-    pub(crate) fn to_way(&self, x_m: f64, y_m: f64) -> (f64, f64) {
-        let Self { circle, sine, cosine } = *self;
+    pub(crate) fn to_way(self, x_m: f64, y_m: f64) -> (f64, f64) {
+        let Self { circle, sine, cosine } = self;
         let (x_m, y_m) = (x_m * cosine + y_m * sine, y_m * cosine - x_m * sine);
         let k = circle.curvature_perm;
         if k == 0.0 {
@@ -112,8 +112,8 @@ impl Turned {
     }
 
     /// As [`Circle::to_body`].
-    fn to_body(&self, along_m: f64, off_m: f64) -> (f64, f64) {
-        let Self { circle, sine, cosine } = *self;
+    fn to_body(self, along_m: f64, off_m: f64) -> (f64, f64) {
+        let Self { circle, sine, cosine } = self;
         let turn_rad = circle.curvature_perm * along_m;
         let (half_sine, half_cosine) = libm::sincos(0.5 * turn_rad);
         // A chord has the heading of half of its turn.

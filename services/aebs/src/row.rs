@@ -119,10 +119,17 @@ impl Places {
     /// own lane is on such a line. In a queue the inner edge of a vehicle is seen, so that its middle may be half a
     /// width farther out.
     pub(crate) fn lead_to(&self, along_m: f64, off_m: f64) -> bool {
+        let mut apart = [(0.0, 0.0); MAX_PLACES];
+        let mut count = 0;
+        for place in self.seen_apart(along_m) {
+            apart[count] = (place.along_m, place.off_m);
+            count += 1;
+        }
+        let apart = &apart[..count];
         let outer_m = off_m + HALF_WIDTH_M * off_m.signum();
         let (mut most_beside, mut most_own) = (0, 0);
         for place in [(along_m, off_m), (along_m, outer_m)] {
-            for second in self.seen_apart(along_m) {
+            for &second in apart {
                 let begins = (0..).map(|step| f64::from(step) * BEGIN_STEP_M);
                 for begin_m in begins.take_while(|begin_m| *begin_m < along_m - APART_M) {
                     let Some(line) = Line::through(begin_m, place, second) else { continue };
@@ -133,8 +140,8 @@ impl Places {
                     } else {
                         continue;
                     };
-                    let held = self.seen_apart(along_m).filter(|third| {
-                        (third.along_m - second.along_m).abs() > APART_M && line.holds(third)
+                    let held = apart.iter().filter(|third| {
+                        (third.0 - second.0).abs() > APART_M && line.holds(third.0, third.1)
                     });
                     *most = held.count().max(*most);
                 }
@@ -161,9 +168,13 @@ struct Line {
 
 impl Line {
     /// The line through two places that bends from `begin_m` on; `None` if no road bends like that.
-    fn through(begin_m: f64, (along_m, off_m): (f64, f64), second: &Place) -> Option<Self> {
-        let (p, q) = ((second.along_m - begin_m).max(0.0), along_m - begin_m);
-        let bend_perm = 2.0 * (off_m - second.off_m) / (q * q - p * p);
+    fn through(
+        begin_m: f64,
+        (along_m, off_m): (f64, f64),
+        (second_along_m, second_off_m): (f64, f64),
+    ) -> Option<Self> {
+        let (p, q) = ((second_along_m - begin_m).max(0.0), along_m - begin_m);
+        let bend_perm = 2.0 * (off_m - second_off_m) / (q * q - p * p);
         let at_m = off_m - 0.5 * bend_perm * q * q;
         (bend_perm.abs() <= SHARPEST_PERM).then_some(Self { begin_m, at_m, bend_perm })
     }
@@ -177,10 +188,10 @@ impl Line {
         self.at_m.abs() < IN_LANE_M
     }
 
-    fn holds(&self, place: &Place) -> bool {
-        let bent_m = (place.along_m - self.begin_m).max(0.0);
+    fn holds(&self, along_m: f64, off_m: f64) -> bool {
+        let bent_m = (along_m - self.begin_m).max(0.0);
         let line_m = self.at_m + 0.5 * self.bend_perm * bent_m * bent_m;
-        (place.off_m - line_m).abs() < ON_LINE_M
+        (off_m - line_m).abs() < ON_LINE_M
     }
 }
 
