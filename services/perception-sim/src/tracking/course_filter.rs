@@ -18,8 +18,7 @@
 //! Only weak objects near the known edge count, and only trails of confirmed tracks: a mirror image or a queue must not
 //! bend the course. The course grows from the ego on: an object counts where the nearer ones leave no doubt of its side.
 //!
-//! The yaw rate alone shows nothing of the road ahead. The course is then the circle of its curvature, as a
-//! conventional cruise control has it.
+//! The yaw rate alone shows nothing of the road ahead. The course is then the circle of its curvature.
 //!
 //! Sources: Zomotor and Franke, Sensor fusion for improved vision based lane recognition and object tracking with
 //! range-finders (IV 1997); Lundquist and Schön, Joint ego-motion and road geometry estimation, Information Fusion 12
