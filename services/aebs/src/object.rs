@@ -234,7 +234,7 @@ impl Object {
     /// The side of the line of sight on which it is, 1 left, -1 right, and where the side is that it shows, m left of
     /// the way; `None` if it shows none.
     ///
-    /// What stands need not point along the ego's circle: the road ahead may be straight. It shows a side for sure if it
+    /// A standing object need not point along the ego's circle: the road ahead may be straight. It shows a side for sure if it
     /// shows the same one then.
     pub(crate) fn shown_side(&self) -> Option<(f64, f64)> {
         let side = self.aspect_m().signum();

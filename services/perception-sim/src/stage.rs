@@ -49,7 +49,7 @@ impl Stage {
         let start = world.motion(ego);
         let extent = world.extent(ego);
         let direction = start.direction();
-        let front_s_m = if direction > 0.0 { extent.to_s_m } else { extent.from_s_m };
+        let front_s_m = extent.front_s_m(direction);
         let middle_t_m = 0.5 * (extent.from_t_m + extent.to_t_m);
         let line = scenario.road.plan().and_then(|plan| plan.opendrive.as_ref()?.line.as_ref());
         let way = line.filter(|_| scenario.storyboard.is_some()).map(|line| {

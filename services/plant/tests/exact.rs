@@ -92,7 +92,7 @@ fn a_body_closes_with_the_speed_that_it_has_by_now() {
     // 2.5 m farther with the acceleration.
     near(closing(2.0, 1.0, 0.0, 3.01), 12.0);
     assert_eq!(closing(2.0, 1.0, 0.0, 2.99), None);
-    // Of a motion at 60° half counts.
+    // Half of a motion at 60° counts.
     near(closing(2.0, 0.0, std::f64::consts::FRAC_PI_3, 30.0), 14.0);
 }
 

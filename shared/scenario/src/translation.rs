@@ -145,7 +145,7 @@ fn plan_of(script: &Script, world: &World) -> Result<Vec<(&'static str, toml::Va
         return Ok(keys);
     }
     let direction = start.direction();
-    let front_s_m = if direction > 0.0 { extent.to_s_m } else { extent.from_s_m };
+    let front_s_m = extent.front_s_m(direction);
     let middle_t_m = 0.5 * (extent.from_t_m + extent.to_t_m);
     let Some(lane) = road.lane_at(front_s_m, middle_t_m) else { return Ok(keys) };
     let line = road.driven(&lane, front_s_m, middle_t_m - lane.center_m, direction);

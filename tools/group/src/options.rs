@@ -29,8 +29,8 @@ pub struct ScenarioOptions {
     /// (repeatable; docs/requirements.md)
     #[arg(long = "require", value_name = "FORMULA")]
     pub require: Vec<String>,
-    /// What headings of lane positions count from in an OpenSCENARIO file: the road's reference line, as in the
-    /// standard, or the lane's traffic, as in esmini and CARLA
+    /// Direction from which headings of lane positions count in an OpenSCENARIO file: the road's reference line, as in
+    /// the standard, or the lane's traffic, as in esmini and CARLA
     #[arg(long, value_enum, default_value_t, value_name = "DIRECTION")]
     pub lane_headings: HeadingsName,
     /// Parameters of an OpenSCENARIO file, `NAME=VALUE`: an option of the commands that take one.

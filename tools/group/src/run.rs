@@ -57,7 +57,7 @@ pub fn open_with(
 pub struct Opening {
     file: File,
     options: ScenarioOptions,
-    /// What the options set.
+    /// The keys that the options set.
     overrides: Overrides,
 }
 
@@ -116,7 +116,7 @@ impl Opening {
     /// The scenario with more keys set, on behalf of the option that errors name.
     ///
     /// # Errors
-    /// What is wrong in the file, the options or the keys.
+    /// Mistakes in the file, the options or the keys.
     pub fn with(&self, option: &str, keys: &[String]) -> Result<Scenario, Error> {
         let Self { file, options, overrides } = self;
         let mut overrides = overrides.clone();

@@ -46,7 +46,7 @@ pub struct DetectionTracker {
     radar: Radar,
     view: FieldOfView,
     tracks: Vec<DetectedTrack>,
-    /// Of the scan's detections.
+    /// Readings of the scan's detections.
     readings: Vec<Reading>,
     points: Vec<Point>,
     outlines: Vec<Outline>,

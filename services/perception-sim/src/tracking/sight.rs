@@ -244,7 +244,7 @@ mod tests {
         for (x_m, y_m) in [(40.1, 8.0), (37.9, 8.0), (39.0, 10.1), (39.0, 5.9), (39.0, -8.0)] {
             assert!((at(x_m, y_m) - missed).abs() < 1e-12, "{x_m} {y_m}: {}", at(x_m, y_m));
         }
-        // What is weak, far, in the lanes or at the edge of the view is not expected again.
+        // An object that is weak, far, in the lanes or at the edge of the view is not expected again.
         for (first, snr_db) in
             [((40.0, 8.0), 21.9), ((80.1, 8.0), 30.0), ((40.0, 4.9), 30.0), ((12.0, 8.0), 30.0)]
         {

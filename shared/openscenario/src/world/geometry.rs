@@ -26,6 +26,12 @@ impl Extent {
         Self { from_s_m: s.from, to_s_m: s.to, from_t_m: t.from, to_t_m: t.to }
     }
 
+    /// The end that a body shows which faces along the road (`direction` above 0) or against it, m.
+    #[must_use]
+    pub fn front_s_m(&self, direction: f64) -> f64 {
+        if direction > 0.0 { self.to_s_m } else { self.from_s_m }
+    }
+
     /// Whether two extents overlap.
     #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {

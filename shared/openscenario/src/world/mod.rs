@@ -294,8 +294,8 @@ impl World {
     /// The ego's front is between the road's ends. An assumed road has none.
     fn is_ego_on_road(&self) -> bool {
         let Some(length_m) = self.script.road.length_m else { return true };
-        let (ego, extent) = (self.motion(self.script.ego), self.extent(self.script.ego));
-        let front_m = if ego.direction() > 0.0 { extent.to_s_m } else { extent.from_s_m };
+        let ego = self.motion(self.script.ego);
+        let front_m = self.extent(self.script.ego).front_s_m(ego.direction());
         ego.present && (0.0..=length_m).contains(&front_m)
     }
 
