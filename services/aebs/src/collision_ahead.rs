@@ -123,4 +123,41 @@ mod tests {
         assert_eq!(where_it_stands(&lead(3.5, 0.0), &standing(3.5)), None);
         assert!(where_it_stands(&lead(1.5, 0.0), &standing(1.5)).is_some());
     }
+
+    #[test]
+    fn the_time_to_the_contact_is_that_of_the_constant_braking() {
+        let time_s = |first: Object, second: Object| time_to_contact_s(&first, &second);
+        assert_eq!(time_s(lead(0.0, 0.0), standing(0.0)), Some(2.0));
+        // 6.2 of the 6.25 m/s² that would be enough: 25 m/s become √5 m/s over 50 m.
+        let braking = Object { acceleration_mps2: -6.2, ..lead(0.0, 0.0) };
+        let found_s = time_s(braking, standing(0.0)).expect("it gets there");
+        assert!((found_s - (25.0 - f64::sqrt(5.0)) / 6.2).abs() < 1e-9, "{found_s}");
+        let enough = Object { acceleration_mps2: -6.25, ..lead(0.0, 0.0) };
+        assert_eq!(time_s(enough, standing(0.0)), None);
+        let faster = Object { acceleration_mps2: 3.0, ..lead(0.0, 0.0) };
+        assert_eq!(time_s(faster, standing(0.0)), Some(2.0), "it may stop to accelerate");
+        // 2 m/s are a collision.
+        for (speed_mps, expected) in [(2.0, Some(25.0)), (1.99, None)] {
+            assert_eq!(time_s(Object { speed_mps, ..lead(0.0, 0.0) }, standing(0.0)), expected);
+        }
+        let touching = Object { distance_m: 72.0, ..lead(0.0, 0.0) };
+        assert_eq!(time_s(touching, standing(0.0)), Some(0.0), "they overlap");
+        let beside = Object { distance_m: 74.3, ..lead(0.0, 0.0) };
+        assert_eq!(time_s(beside, standing(0.0)), None);
+    }
+
+    #[test]
+    fn a_collision_counts_that_is_in_the_path_and_not_improbable() {
+        // Half a width of both is 1.9 m.
+        assert!(where_it_stands(&lead(1.89, 0.0), &standing(1.89)).is_some());
+        assert_eq!(where_it_stands(&lead(1.91, 0.0), &standing(1.91)), None);
+        assert!(where_it_stands(&lead(-1.89, 0.0), &standing(-1.89)).is_some());
+        let hits = |probability: f64| {
+            let first = Object { probability, ..lead(0.0, 0.0) };
+            let second = Object { probability: 0.5, ..standing(0.0) };
+            where_it_stands(&first, &second).map(|there| there.probability)
+        };
+        assert_eq!(hits(0.09), None);
+        assert!(hits(0.11).is_some_and(|found| (found - 0.055).abs() < 1e-3));
+    }
 }

@@ -274,3 +274,6 @@ impl Object {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

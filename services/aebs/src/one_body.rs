@@ -115,4 +115,30 @@ mod tests {
         assert!(!OneBody::is_doubtful(75.0, resolution_rad));
         assert!(!OneBody::is_doubtful(150.0, 1f64.to_radians()));
     }
+
+    #[test]
+    fn a_scan_multiplies_the_odds_by_how_much_better_one_body_explains_it() {
+        let (mut one, two_perm) = (OneBody::default(), |place_m: f64| {
+            let variance = 1.5 * 1.5 + VARIANCE_M2;
+            libm::exp(-0.5 * place_m * place_m / variance)
+                / libm::sqrt(2.0 * std::f64::consts::PI * variance)
+        });
+        assert_eq!(one.probability(), 0.5);
+        one.see(1.0, VARIANCE_M2, 0.5);
+        let odds = 0.5 / two_perm(1.0);
+        assert!((one.probability() - odds / (1.0 + odds)).abs() < 1e-12);
+        one.miss();
+        assert!((one.probability() - 0.2 * odds / (1.0 + 0.2 * odds)).abs() < 1e-12);
+        // No more than e³ to one, either way.
+        (0..9).for_each(|_| one.see(0.0, VARIANCE_M2, 5.0));
+        assert!((one.probability() - 1.0 / (1.0 + libm::exp(-3.0))).abs() < 1e-12);
+        one.see(0.0, VARIANCE_M2, 0.0);
+        assert!((one.probability() - 1.0 / (1.0 + libm::exp(3.0))).abs() < 1e-12);
+    }
+
+    #[test]
+    fn two_abreast_are_told_apart_where_their_corners_are() {
+        // 6 m between the middles less 1.8 m between the corners.
+        assert!(OneBody::is_doubtful(42.1, 0.1) && !OneBody::is_doubtful(41.9, 0.1));
+    }
 }

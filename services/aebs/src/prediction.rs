@@ -269,4 +269,17 @@ mod tests {
             prop_assert!(first_s(wait + 0.1) <= first_s(wait) + STEP_S);
         }
     }
+
+    #[test]
+    fn the_closing_speed_is_between_that_of_the_begin_and_that_of_the_end() {
+        let beside = Beside { first_s: 1.0, last_s: 3.0, first_mps: 10.0, last_mps: 4.0 };
+        for (in_s, mps) in
+            [(0.0, 10.0), (1.0, 10.0), (1.5, 8.5), (2.0, 7.0), (3.0, 4.0), (9.0, 4.0)]
+        {
+            assert_eq!(beside.closing_mps(in_s), mps, "{in_s}");
+        }
+        let endless = Beside { last_s: f64::INFINITY, ..beside };
+        let at_once = Beside { last_s: 1.0, ..beside };
+        assert_eq!((endless.closing_mps(2.0), at_once.closing_mps(2.0)), (10.0, 10.0));
+    }
 }

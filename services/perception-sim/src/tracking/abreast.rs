@@ -191,4 +191,65 @@ mod tests {
         (0..12).for_each(|_| two.observe(at(3.3), at(3.2), resolved_m, NUMBERS));
         assert!(two.is_one(), "it has settled on one of them");
     }
+
+    /// 0.25 m² of one body; 0.25 m² and the mean of D²/12 for 6 to 8 m of two.
+    #[test]
+    fn evidence_is_the_likelihood_ratio_of_one_body_to_two() {
+        let two_m2 = 0.25 + (36.0 + 48.0 + 64.0) / 36.0;
+        let (measured, predicted) = (Measured::new(1.0, 0.4), Measured::new(0.0, 0.3));
+        let mut abreast = Abreast::default();
+        abreast.observe(measured, predicted, 6.2, NUMBERS);
+        let once = 0.5 * libm::log(two_m2 / 0.25) - 0.5 / 0.25 + 0.5 / two_m2;
+        assert!((abreast.evidence - once).abs() < 1e-12, "{abreast:?}");
+        assert_eq!((abreast.right_m, abreast.left_m, abreast.scans), (1.0, 1.0, 1));
+        abreast.observe(Measured::new(-1.0, 0.4), predicted, 6.2, NUMBERS);
+        assert!((abreast.evidence - 2.0 * once).abs() < 1e-12, "{abreast:?}");
+        assert_eq!((abreast.right_m, abreast.left_m, abreast.scans), (-1.0, 1.0, 2));
+        abreast.shift(0.5);
+        assert_eq!((abreast.right_m, abreast.left_m), (-0.5, 1.5));
+        // A cell with room for less than 6 m counts as one of 6 m.
+        let mut narrow = Abreast { evidence: -1.0, ..Abreast::default() };
+        narrow.observe(predicted, predicted, 1.0, NUMBERS);
+        let two_m2 = 0.18 + 3.0;
+        assert!((narrow.evidence + 1.0 - 0.5 * libm::log(two_m2 / 0.18)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn it_becomes_one_body_at_four_and_stops_being_one_below_nought() {
+        let at = |value: f64| Measured::new(value, 0.3);
+        let after = |one: bool, evidence: f64, off_m: f64| {
+            let mut abreast = Abreast { one, evidence, ..Abreast::default() };
+            abreast.observe(at(off_m), at(0.0), 6.2, NUMBERS);
+            (abreast.is_one(), abreast.evidence)
+        };
+        // An echo in the middle speaks for one body by 0.5 ln(4.291 / 0.18) = 1.586.
+        assert!(after(false, 2.43, 0.0).0 && !after(false, 2.40, 0.0).0);
+        assert!(after(true, -1.57, 0.0).0 && !after(true, -1.60, 0.0).0);
+        assert_eq!((after(true, 5.9, 0.0).1, after(false, -3.9, 6.0).1), (6.0, -4.0));
+    }
+
+    #[test]
+    fn neighbouring_lanes_are_resolved_below_six_metres_less_a_vehicles_width() {
+        let at = Measured::new(0.0, 0.3);
+        let one = |cell_m: f64, evidence: f64| {
+            let mut abreast = Abreast { evidence, ..Abreast::default() };
+            abreast.observe(at, at, cell_m, NUMBERS);
+            abreast.is_one()
+        };
+        assert!(one(4.19, 0.0) && !one(4.21, 0.0) && !one(4.19, -0.1));
+    }
+
+    #[test]
+    fn the_nearest_of_several_is_known_after_enough_scans_that_speak_for_two() {
+        let two = Abreast { evidence: -1.0, right_m: -2.0, left_m: 3.0, scans: 24, one: false };
+        let nearest = |abreast: Abreast| abreast.nearest_of_several_m((false, false), NUMBERS);
+        assert_eq!(nearest(two), Some(-2.0));
+        assert_eq!(nearest(Abreast { right_m: -4.0, ..two }), Some(3.0));
+        assert_eq!(nearest(Abreast { scans: 23, ..two }), None);
+        assert_eq!(nearest(Abreast { evidence: 0.0, ..two }), None);
+        let beside = |others: (bool, bool)| two.nearest_of_several_m(others, NUMBERS);
+        assert_eq!(beside((true, false)), Some(3.0));
+        assert_eq!(beside((false, true)), Some(-2.0));
+        assert_eq!(beside((true, true)), None);
+    }
 }

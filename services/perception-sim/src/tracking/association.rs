@@ -371,3 +371,6 @@ pub(super) mod tests {
         assert_eq!(owners(&points, &[tentative, outline(0, 40.0, 0.0)]), [Some(0)]);
     }
 }
+
+#[cfg(test)]
+mod exact;

@@ -134,4 +134,93 @@ mod tests {
         assert_eq!(begun(&[point(60.0, -10.0, -2.0)], &edge), 1);
         assert_eq!(begun(&[point(60.0, -16.0, -2.0)], &edge), 0, "more than three lanes off");
     }
+
+    const NUMBERS: Numbers = Numbers::DEFAULT;
+
+    /// A point whose range rate has a deviation of 0.1 m/s.
+    #[test]
+    fn an_echo_moves_from_three_deviations_above_walking_speed_on() {
+        for (ground_speed_mps, expected) in
+            [(1.29, false), (1.31, true), (-1.29, false), (-1.31, true)]
+        {
+            let point = Point { ground_speed_mps, ..point(40.0, 0.0, 0.0) };
+            assert_eq!(moves(&point, &NUMBERS), expected, "{ground_speed_mps}");
+        }
+    }
+
+    /// Two lateral deviations of a pair are 2 · 0.2828 m, three of their speeds 3 · 0.1414 m/s.
+    #[test]
+    fn points_of_one_vehicle_are_near_each_other_and_as_fast() {
+        let seed = point(40.0, 0.0, 0.0);
+        let (width_m, rate_mps) = (2.0 + 2.0 * f64::sqrt(0.08), 1.0 + 3.0 * f64::sqrt(0.02));
+        for (share, expected) in [(0.99, true), (-0.99, true), (1.01, false), (-1.01, false)] {
+            let is_one = |point: Point| together(&seed, &point, &NUMBERS);
+            assert_eq!(is_one(point(40.0 + 5.0 * share, 0.0, 0.0)), expected, "{share} along");
+            assert_eq!(is_one(point(40.0, width_m * share, 0.0)), expected, "{share} across");
+            assert_eq!(is_one(point(40.0, 0.0, rate_mps * share)), expected, "{share} faster");
+        }
+    }
+
+    #[test]
+    fn points_on_the_side_of_a_long_vehicle_are_a_chain() {
+        let seed = point(40.0, 3.5, 0.0);
+        let (width_m, rate_mps) = (0.5 + 2.0 * f64::sqrt(0.08), 0.5 + 3.0 * f64::sqrt(0.02));
+        for (share, expected) in [(0.99, true), (-0.99, true), (1.01, false), (-1.01, false)] {
+            let is_one = |point: Point| chained(&seed, &point, &NUMBERS);
+            assert_eq!(is_one(point(40.0 + 8.0 * share, 3.5, 0.0)), expected, "{share} along");
+            assert_eq!(is_one(point(40.0, 3.5 + width_m * share, 0.0)), expected, "{share} across");
+            assert_eq!(is_one(point(40.0, 3.5, rate_mps * share)), expected, "{share} faster");
+        }
+        // A vehicle in the ego's lane shows no side.
+        for (aspect_m, expected) in [(1.9, false), (2.1, true), (-2.1, true)] {
+            let seed = Point { aspect_m, ..seed };
+            assert_eq!(chained(&seed, &point(47.0, 3.5, 0.0), &NUMBERS), expected, "{aspect_m}");
+        }
+    }
+
+    /// A lorry in the next lane of which five places along its side are seen, each 7 m from the one before.
+    #[test]
+    fn a_chain_goes_on_from_its_last_place() {
+        let edge = RoadEdge::default();
+        let side: Vec<Point> = (0..5).map(|k| point(40.0 + 7.0 * f64::from(k), 3.5, 0.0)).collect();
+        assert_eq!(begun(&side, &edge), 1);
+        assert_eq!(begun(&[side[0], side[2], side[4]], &edge), 3, "14 m apart");
+    }
+
+    #[test]
+    fn a_new_vehicle_has_all_its_points_and_says_whether_it_moves() {
+        let mut points = [point(40.0, 0.5, 0.0), point(42.0, -0.5, 0.0), point(80.0, 0.0, -20.0)];
+        points[2].detection = 5;
+        let mut seen = Vec::new();
+        find(&mut points, &[], &RoadEdge::default(), &NUMBERS, |sighting, moves| {
+            seen.push((sighting.nearest, sighting.farthest_m, moves));
+        });
+        assert_eq!(seen, [(0, 42.0, true), (5, 80.0, false)]);
+    }
+
+    #[test]
+    fn nothing_begins_on_a_track_that_was_seen() {
+        let outline = Outline {
+            place: 0,
+            confirmed: true,
+            rear_m: 40.0,
+            lateral_m: 0.0,
+            aspect_m: 0.0,
+            length_m: 4.5,
+            half_width_m: 0.9,
+            relative_speed_mps: 0.0,
+            lateral_speed_mps: 0.0,
+            variances: [0.1; 4],
+        };
+        let mut points = [point(41.0, 0.0, -5.0), point(60.0, 0.0, -5.0)];
+        let mut seen = Vec::new();
+        find(&mut points, &[outline], &RoadEdge::default(), &NUMBERS, |sighting, _| {
+            seen.push(sighting.farthest_m);
+        });
+        assert_eq!(seen, [60.0]);
+        // A point that a track has taken begins nothing either.
+        let mut taken = [Point { owner: Some(0), ..point(60.0, 0.0, -5.0) }];
+        find(&mut taken, &[], &RoadEdge::default(), &NUMBERS, |_, _| panic!("it is taken"));
+        assert_eq!(taken[0].owner, Some(0));
+    }
 }

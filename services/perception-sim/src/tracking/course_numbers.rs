@@ -103,3 +103,19 @@ impl CourseNumbers {
         (ordinary_perm / self.first_curvature_perm).clamp(1.0, SHARPEST)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 1 m/s² are a curvature of 1e-3 1/m at 31.6 m/s.
+    #[test]
+    fn curves_of_slow_roads_are_sharper_by_the_square_of_the_speed() {
+        let sharper = |speed_mps: f64| CourseNumbers::DEFAULT.sharper(speed_mps);
+        for (speed_mps, factor) in
+            [(0.0, 10.0), (9.0, 10.0), (12.5, 6.4), (20.0, 2.5), (25.0, 1.6), (40.0, 1.0)]
+        {
+            assert!((sharper(speed_mps) - factor).abs() < 1e-12, "{speed_mps}");
+        }
+    }
+}

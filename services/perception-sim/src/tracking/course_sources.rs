@@ -37,3 +37,23 @@ pub struct MapAhead<'a> {
     /// Length of a cell, m.
     pub cell_m: f64,
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_source_is_one_and_all_but_the_yaw_rate_look_ahead() {
+        let none = Sources::default();
+        assert!(!none.any() && !none.looks_ahead());
+        let yaw_rate = Sources { yaw_rate: true, ..none };
+        assert!(yaw_rate.any() && !yaw_rate.looks_ahead());
+        for source in [
+            Sources { standing: true, ..none },
+            Sources { trails: true, ..none },
+            Sources { map: true, ..none },
+        ] {
+            assert!(source.any() && source.looks_ahead(), "{source:?}");
+        }
+    }
+}

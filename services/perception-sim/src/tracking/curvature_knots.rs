@@ -119,4 +119,24 @@ mod tests {
         let expected = 0.01 * sigma_m + 1e-3 * sigma_m.powi(2) / 2.0 + 1e-5 * sigma_m.powi(3) / 6.0;
         assert!((dot(&place(sigma_m, 0.0), &state) - expected).abs() < 1e-9);
     }
+
+    #[test]
+    fn a_curvature_is_linear_between_knots_and_constant_beyond_them() {
+        let state = [0.0, 1.0, 3.0, 4.0, 4.0, 5.0, 5.0, 6.0, 9.0];
+        for (sigma_m, passed_m, expected) in [
+            (0.0, 0.0, 1.0),
+            (5.0, 0.0, 1.4),
+            (5.0, 20.0, 3.0),
+            (5.0, 22.5, 3.1),
+            (170.0, 0.0, 8.4),
+            (175.0, 0.0, 9.0),
+            (400.0, 0.0, 9.0),
+            (-30.0, 10.0, 1.0),
+        ] {
+            let found = curvature_of(&state, sigma_m, passed_m);
+            assert!((found - expected).abs() < 1e-12, "{sigma_m} {passed_m}: {found}");
+            let by_weights = dot(&curvature(sigma_m, passed_m), &state);
+            assert!((by_weights - expected).abs() < 1e-12, "{sigma_m} {passed_m}: {by_weights}");
+        }
+    }
 }

@@ -211,4 +211,101 @@ mod tests {
         assert_eq!(speed.measured(), None);
         assert_eq!(speed.take_scan(50_000_000, told(26.0), &[]).speed_mps, 26.0);
     }
+
+    #[test]
+    fn a_median_is_of_the_votes_within_reach_and_the_densest_window_has_most() {
+        let votes = [1.0, 2.0, 3.0, 4.0, 5.0];
+        assert_eq!(median_near(&votes, 3.0, 1.0), Some((3.0, 3)), "both ends count");
+        assert_eq!(median_near(&votes, 3.0, 0.9), Some((3.0, 1)));
+        assert_eq!(median_near(&votes, 2.5, 0.5), Some((3.0, 2)), "the upper one of two");
+        assert_eq!(median_near(&votes, 8.0, 2.9), None);
+        assert_eq!(densest(&[1.0, 5.0, 5.1, 5.3, 9.0, 9.1], 0.5), Some((5.1, 3)));
+        assert_eq!(densest(&[], 0.5), None);
+    }
+
+    /// A detection at a place of the body's axes that stands, for an ego with 20 m/s.
+    fn stands(x_m: f64, y_m: f64) -> Detection {
+        let (range_m, azimuth_rad) = (libm::hypot(x_m, y_m), libm::atan2(y_m, x_m));
+        let range_rate_mps = -20.0 * libm::cos(azimuth_rad);
+        Detection { range_m, azimuth_rad, range_rate_mps, ..Detection::zeroed() }
+    }
+
+    #[test]
+    fn what_is_off_the_lane_and_ahead_votes() {
+        let votes = |detection: Detection| {
+            let mut speed = EgoSpeed::default();
+            speed.vote(&Course::STRAIGHT, &[detection]);
+            speed.votes_mps
+        };
+        let vote = votes(stands(40.0, 8.0));
+        assert!(vote.len() == 1 && (vote[0] - 20.0).abs() < 1e-12, "{vote:?}");
+        // 4.5 m and 0.015 rad: 5.25 m at a range of 50 m.
+        let at = |off_m: f64| stands(libm::sqrt(2500.0 - off_m * off_m), off_m);
+        for (off_m, count) in [(5.24, 0), (5.26, 1), (-5.24, 0), (-5.26, 1)] {
+            assert_eq!(votes(at(off_m)).len(), count, "{off_m}");
+        }
+        // Up to 60° from the axis.
+        assert_eq!(votes(stands(10.0, 17.2)).len(), 1);
+        assert_eq!(votes(stands(10.0, 17.4)).len(), 0);
+        let ambiguous = Detection { ambiguity_group: 1, ..stands(40.0, 8.0) };
+        assert!(votes(ambiguous).is_empty());
+        // On a left curve of 100 m radius what is straight ahead is beside the road.
+        let mut speed = EgoSpeed::default();
+        speed.vote(&Course::bent(0.0, |_| 0.01), &[stands(40.0, 0.0)]);
+        assert_eq!(speed.votes_mps.len(), 1);
+    }
+
+    /// Detections that vote for these speeds.
+    fn votes(speeds_mps: &[f64]) -> Vec<Detection> {
+        let vote = |mps: &f64| {
+            let there = stands(40.0, 8.0);
+            Detection { range_rate_mps: there.range_rate_mps * mps / 20.0, ..there }
+        };
+        speeds_mps.iter().map(vote).collect()
+    }
+
+    /// What is measured `after_ns` after a measurement of 20 m/s.
+    fn measured_after(after_ns: i64, speeds_mps: &[f64]) -> Option<f64> {
+        let mut speed = EgoSpeed { last: Some((20.0, 0)), ..EgoSpeed::default() };
+        speed.take_scan(after_ns, None, &votes(speeds_mps));
+        speed.measured().map(|(mps, points)| {
+            assert!(points >= 3);
+            (mps * 1e6).round() / 1e6
+        })
+    }
+
+    #[test]
+    fn three_votes_within_reach_are_a_measurement() {
+        // After 50 ms the reach is 0.6 and 0.6 m/s.
+        let scan_ns = 50_000_000;
+        assert_eq!(measured_after(scan_ns, &[21.19; 3]), Some(21.19));
+        assert_eq!(measured_after(scan_ns, &[18.81; 3]), Some(18.81));
+        assert_eq!(measured_after(scan_ns, &[21.21; 3]), None);
+        assert_eq!(measured_after(scan_ns, &[21.19; 2]), None);
+        assert_eq!(measured_after(scan_ns, &[19.5, 19.9, 20.4, 25.0, 25.0]), Some(19.9));
+        // After a second it is bound no more, and six have to agree.
+        assert_eq!(measured_after(1_000_000_000, &[32.5; 3]), Some(32.5));
+        assert_eq!(measured_after(1_000_000_000, &[32.7; 9]), None);
+        assert_eq!(measured_after(1_010_000_000, &[40.0; 6]), Some(40.0));
+        assert_eq!(measured_after(1_010_000_000, &[40.0; 5]), None);
+        assert_eq!(measured_after(scan_ns, &[-0.5; 3]), None, "out of reach");
+        let mut slow = EgoSpeed { last: Some((0.0, 0)), ..EgoSpeed::default() };
+        slow.take_scan(scan_ns, None, &votes(&[-0.5; 3]));
+        assert_eq!(slow.measured(), Some((0.0, 3)), "no vehicle drives backwards");
+    }
+
+    #[test]
+    fn odometry_gives_way_after_two_scans_of_more_than_a_metre_a_second() {
+        let mut speed = EgoSpeed { last: Some((20.0, 0)), ..EgoSpeed::default() };
+        let mut chosen = |scan: i64, told_mps: f64, speeds_mps: &[f64]| {
+            speed.take_scan(scan * 50_000_000, told(told_mps), &votes(speeds_mps)).speed_mps
+        };
+        assert_eq!(chosen(1, 20.9, &[20.0; 3]), 20.9);
+        assert_eq!(chosen(2, 20.9, &[20.0; 3]), 20.9);
+        assert_eq!(chosen(3, 21.1, &[20.0; 3]), 21.1, "the first one");
+        assert_eq!(chosen(4, 18.9, &[]), 18.9, "no measurement");
+        assert!((chosen(5, 18.9, &[20.0; 3]) - 20.0).abs() < 1e-12, "the second one");
+        assert_eq!(chosen(6, 19.1, &[20.0; 3]), 19.1, "it agrees again");
+        assert_eq!(chosen(7, 18.9, &[20.0; 3]), 18.9, "the first one again");
+    }
 }

@@ -51,3 +51,53 @@ pub(super) fn entry(
     }
     entry
 }
+
+#[cfg(test)]
+mod tests {
+    use bytemuck::Zeroable;
+
+    use super::super::association::tests::point;
+    use super::super::longitudinal::{Kind, Maneuver, Model};
+    use super::super::sighting::Sighting;
+    use super::*;
+
+    const NUMBERS: Numbers = Numbers::DEFAULT;
+
+    #[test]
+    fn what_is_seen_has_its_detection_and_what_is_not_the_direction_in_which_it_is_expected() {
+        let model =
+            Model::new(Kind::Singer, Maneuver { sigma_mps2: 1.0, tau_s: 2.0 }, 4.0, &NUMBERS);
+        let points = [point(40.0, 3.0, -2.0)];
+        let sighting = Sighting::of(points.iter(), 0.0, &NUMBERS).expect("a point");
+        let mut track = DetectedTrack::begin(&model, &sighting, true);
+        track.id = 9;
+        let seen = Detection {
+            range_m: 40.2,
+            range_rate_mps: -1.9,
+            azimuth_rad: 0.07,
+            ..Detection::zeroed()
+        };
+        let ego = Ego { speed_mps: 20.0, ..Ego::default() };
+        let of =
+            |track: &DetectedTrack, course: &Course| entry(track, &ego, course, &[seen], &NUMBERS);
+        let found = of(&track, &Course::STRAIGHT);
+        assert!(found.measured && !found.in_path && found.id == 9);
+        assert_eq!((found.range_m, found.range_rate_mps, found.azimuth_rad), (40.2, -1.9, 0.07));
+        assert_eq!((found.gap_m, found.relative_speed_mps, found.lateral_m), (40.0, -2.0, 3.0));
+        assert_eq!((found.length_m, found.width_m), (4.5, 1.8));
+        track.predict(&model, &model.step(0.5, 0.0));
+        let found = of(&track, &Course::STRAIGHT);
+        assert!(!found.measured && (found.gap_m - 39.0).abs() < 1e-12);
+        assert!((found.range_m - libm::hypot(39.0, 3.0)).abs() < 1e-12);
+        assert!((found.azimuth_rad - libm::atan2(3.0, 39.0)).abs() < 1e-12);
+        assert_eq!(found.range_rate_mps, -2.0);
+        // On a left curve of 200 m it is farther to the left.
+        let curve = of(&track, &Course::bent(0.0, |_| 0.005));
+        let turn = 39.0 / 200.0;
+        let (x_m, y_m) = (197.0 * libm::sin(turn), 200.0 - 197.0 * libm::cos(turn));
+        assert!((curve.azimuth_rad - libm::atan2(y_m, x_m)).abs() < 1e-6, "{curve:?}");
+        // A gap is never negative.
+        track.predict(&model, &model.step(30.0, 0.0));
+        assert_eq!(of(&track, &Course::STRAIGHT).gap_m, 0.0);
+    }
+}

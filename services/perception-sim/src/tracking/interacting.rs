@@ -224,4 +224,78 @@ mod tests {
             assert_eq!(bank.combined(), plain);
         }
     }
+
+    #[track_caller]
+    fn assert_near(found: f64, expected: f64) {
+        assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
+    }
+
+    /// A bank whose two filters are at 0 and at 2 with these variances.
+    fn apart(variances: [f64; 2]) -> Bank<1, 2> {
+        let at = |mean: f64, variance: f64| Gaussian::independent([mean], [variance]);
+        Bank::new([at(0.0, variances[0]), at(2.0, variances[1])])
+    }
+
+    #[test]
+    fn the_first_model_is_the_likely_one() {
+        assert_near(bank().weights()[0], 0.95);
+        assert_near(bank().weights()[1], 0.05);
+        let three = Bank::<1, 3>::new([Gaussian::independent([0.0], [1.0]); 3]);
+        assert_near(three.weights()[0], 0.9 + 0.1 / 3.0);
+        assert_near(three.weights()[2], 0.1 / 3.0);
+    }
+
+    #[test]
+    fn filters_are_mixed_by_the_changes_of_model() {
+        let mut bank = apart([1.0, 3.0]);
+        bank.predict(&[0.1, 0.4], |model, filter| filter.mean[0] += [10.0, 20.0][model]);
+        // From the second model come 0.02 of 0.875, and stay 0.03 of 0.125.
+        assert_near(bank.weights()[0], 0.875);
+        assert_near(bank.weights()[1], 0.125);
+        let (into_first, into_second) = (0.02 / 0.875, 0.03 / 0.125);
+        for (model, share, moved) in [(0, into_first, 10.0), (1, into_second, 20.0)] {
+            let filter = &bank.filters[model];
+            assert_near(filter.mean[0], 2.0 * share + moved);
+            let within = 1.0 * (1.0 - share) + 3.0 * share;
+            assert_near(filter.covariance[0][0], within + 4.0 * share * (1.0 - share));
+        }
+        let mean = 0.875 * bank.filters[0].mean[0] + 0.125 * bank.filters[1].mean[0];
+        assert_near(bank.combined().mean[0], mean);
+        // Of three models every other one is equally likely to follow.
+        let mut three = Bank::<1, 3>::new([Gaussian::independent([0.0], [1.0]); 3]);
+        three.predict(&[0.3, 0.0, 0.0], |_, _| ());
+        let first = 0.9 + 0.1 / 3.0;
+        assert_near(three.weights()[0], 0.7 * first);
+        assert_near(three.weights()[1], 0.1 / 3.0 + 0.15 * first);
+    }
+
+    #[test]
+    fn a_measurement_weights_the_filters_by_its_likelihood() {
+        let mut bank = apart([1.0, 3.0]);
+        bank.correct(&[(0, 1.0, 1.0)]);
+        // Variances of 2 and 4, residuals of 1 and -1.
+        assert_near(bank.filters[0].mean[0], 0.5);
+        assert_near(bank.filters[1].mean[0], 2.0 - 0.75);
+        let likelihoods =
+            [0.95 * libm::exp(-0.25) / f64::sqrt(2.0), 0.05 * libm::exp(-0.125) / f64::sqrt(4.0)];
+        let first = likelihoods[0] / (likelihoods[0] + likelihoods[1]);
+        assert_near(bank.weights()[0], first);
+        assert_near(bank.weights()[1], 1.0 - first);
+    }
+
+    #[test]
+    fn what_a_gate_lets_through_is_by_the_least_certain_model() {
+        for (variances, residual, variance) in [([1.0, 3.0], 3.0, 3.5), ([3.0, 1.0], 5.0, 3.5)] {
+            let widest = apart(variances).widest(0, 5.0, 0.5);
+            assert_eq!((widest.residual, widest.variance), (residual, variance));
+        }
+    }
+
+    #[test]
+    fn all_filters_are_changed_alike() {
+        let mut bank = apart([1.0, 1.0]);
+        bank.change(|filter| filter.mean[0] += 1.0);
+        bank.for_each(|filter| filter.mean[0] *= 2.0);
+        assert_eq!(bank.filters.map(|filter| filter.mean[0]), [2.0, 6.0]);
+    }
 }

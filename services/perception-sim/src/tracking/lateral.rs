@@ -173,4 +173,55 @@ mod tests {
         filter.update(Measured::new(f64::NAN, 0.2), &Numbers::DEFAULT);
         assert_eq!(filter, before);
     }
+
+    #[track_caller]
+    fn assert_near(found: f64, expected: f64) {
+        assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
+    }
+
+    /// Both models begin alike. In 0.05 s the vehicle begins a lane change with 0.01, and ends one with 0.025.
+    #[test]
+    fn a_step_spreads_the_position_by_speed_and_noise() {
+        let mut filter = Filter::start(Measured::new(1.0, 0.2), &Numbers::DEFAULT);
+        filter.predict(DT_S, &Numbers::DEFAULT);
+        let in_lane = 0.95 * 0.99 + 0.05 * 0.025;
+        let kept = 1.0 / 1.05;
+        // The noise is an acceleration along [0.025 s, 1].
+        let noise = [0.01 * 0.05, 2.0 * 0.05];
+        let position = |noise: f64| 0.04 + 0.05 * 0.05 + noise * 0.025 * 0.025;
+        let mean = |of: [f64; 2]| in_lane * of[0] + (1.0 - in_lane) * of[1];
+        let expected_m2 = mean(noise.map(position));
+        assert_near(filter.position().variance, expected_m2);
+        assert_near(filter.position_sigma_m(), expected_m2.sqrt());
+        let expected_m2ps2 = mean([kept * kept + noise[0], 1.0 + noise[1]]);
+        assert_near(filter.speed_sigma_mps(), expected_m2ps2.sqrt());
+        assert_eq!(
+            (filter.position().value, filter.position_m(), filter.speed_mps()),
+            (1.0, 1.0, 0.0)
+        );
+    }
+
+    #[test]
+    fn a_speed_moves_the_position_and_fades_in_the_lane() {
+        let mut filter = Filter::start(Measured::new(1.0, 0.2), &Numbers::DEFAULT);
+        filter.bank.change(|state| state.mean[1] = 2.0);
+        filter.predict(DT_S, &Numbers::DEFAULT);
+        assert_near(filter.position_m(), 1.1);
+        let in_lane = 0.95 * 0.99 + 0.05 * 0.025;
+        assert_near(filter.speed_mps(), 2.0 * (in_lane / 1.05 + (1.0 - in_lane)));
+    }
+
+    #[test]
+    fn a_position_counts_up_to_three_deviations() {
+        let after = |position_m: f64| {
+            let mut filter = Filter::start(Measured::new(1.0, 0.2), &Numbers::DEFAULT);
+            filter.update(Measured::new(position_m, 0.2), &Numbers::DEFAULT);
+            filter.position_m()
+        };
+        // Both are equally sure of it.
+        assert_near(after(1.4), 1.2);
+        let limit_m = 3.0 * f64::sqrt(0.08);
+        assert_near(after(9.0), 1.0 + 0.5 * limit_m);
+        assert_near(after(-9.0), 1.0 - 0.5 * limit_m);
+    }
 }

@@ -175,4 +175,74 @@ mod tests {
         }
         assert!(!is_image(&track(60.0, 7.0, 0.0), &track(60.0, 3.5, 0.0)));
     }
+
+    #[test]
+    fn a_rail_is_outside_the_next_lane_and_leaves_its_vehicle_room() {
+        // The rail is in the middle between the two, for a vehicle in the ego's lane at 4.5 m or farther.
+        for (vehicle_m, image_m, expected) in [
+            (0.0, 9.1, true),
+            (0.0, 8.9, false),
+            (0.0, -9.1, true),
+            (0.0, -8.9, false),
+            // From a vehicle at 3.5 m it is 2.5 m away.
+            (3.5, 8.6, true),
+            (3.5, 8.4, false),
+            (-3.5, -8.6, true),
+            (-3.5, -8.4, false),
+            // Beyond the ego's own lane: the rail would be at 4.6 or 4.4 m.
+            (-3.5, 12.7, true),
+            (-3.5, 12.3, false),
+        ] {
+            let found = is_image(&track(60.0, image_m, -2.0), &track(60.0, vehicle_m, -2.0));
+            assert_eq!(found, expected, "{vehicle_m} {image_m}");
+        }
+        // The image is not nearer than its vehicle.
+        assert!(!is_image(&track(60.0, 11.9, -2.0), &track(60.0, -12.0, -2.0)));
+    }
+
+    /// Each gap has the variance 0.1² + 0.1², each speed 0.1² + 0.02².
+    #[test]
+    fn an_image_agrees_with_its_vehicle_within_three_deviations() {
+        let lead = track(60.0, 0.0, -2.0);
+        let (along_m, rate_mps) = (2.0 + 3.0 * f64::sqrt(0.04), 0.5 + 3.0 * f64::sqrt(0.0208));
+        for (share, expected) in [(0.99, true), (1.01, false), (-0.99, true), (-1.01, false)] {
+            let along = track(60.0 + share * along_m, 16.0, -2.0);
+            assert_eq!(is_image(&along, &lead), expected, "{share} along");
+            let faster = track(60.0, 16.0, -2.0 + share * rate_mps);
+            assert_eq!(is_image(&faster, &lead), expected, "{share} faster");
+        }
+    }
+
+    /// On a curve of so large a radius that it is straight the rules are those of the straight road.
+    #[test]
+    fn on_a_course_without_a_curve_the_rules_are_those_of_the_straight_road() {
+        let flat = Course::bent(0.0, |_| 0.0);
+        let is_image_on = |track: &DetectedTrack, vehicle: &DetectedTrack| {
+            super::is_image(track, vehicle, (&flat, 20.0), &Numbers::DEFAULT)
+        };
+        // A far vehicle: the line of sight to the image is nearly along the road.
+        let (gap_m, along_m, rate_mps) = (100.0, 2.0 + 3.0 * 0.2, 0.5 + 3.0 * f64::sqrt(0.0208));
+        for (vehicle_m, image_m, expected) in [
+            (0.0, 9.3, true),
+            (0.0, 8.7, false),
+            (0.0, -9.3, true),
+            (3.5, 8.8, true),
+            (3.5, 8.2, false),
+            (-3.5, -8.8, true),
+            (-3.5, 12.9, true),
+            (-3.5, 12.1, false),
+            (-12.0, 11.8, false),
+        ] {
+            let found = is_image_on(&track(gap_m, image_m, -2.0), &track(gap_m, vehicle_m, -2.0));
+            assert_eq!(found, expected, "{vehicle_m} {image_m}");
+        }
+        // What stands has no motion that the rail could turn.
+        let (lead, post) = (track(gap_m, 0.0, -2.0), track(30.0, 0.0, -20.0));
+        for (share, expected) in [(0.97, true), (1.03, false), (-0.97, true), (-1.03, false)] {
+            let along = track(30.0 + share * along_m, 16.0, -20.0);
+            assert_eq!(is_image_on(&along, &post), expected, "{share} along");
+            let faster = track(gap_m, 16.0, -2.0 + share * rate_mps);
+            assert_eq!(is_image_on(&faster, &lead), expected, "{share} faster");
+        }
+    }
 }

@@ -283,3 +283,6 @@ fn along_course(course: &Course, measurement: &Measurement, ego_mps: f64) -> f64
     let stretch = (1.0 - there.curvature_perm * there.d_m).clamp(0.5, 2.0);
     (measurement.range_rate_mps + ego_mps * cosine) / (along * stretch) - ego_mps
 }
+
+#[cfg(test)]
+mod tests;

@@ -323,4 +323,55 @@ mod tests {
         assert!(limits().long_known(-1.0).in_path());
         assert!(!limits().long_known(2.0).in_path());
     }
+
+    #[test]
+    fn an_approach_ends_beside_the_track_or_behind_it() {
+        let approach = Approach { gap_m: 10.0, relative_speed_mps: -10.0, length_m: 4.5 };
+        let passed = |time_s: f64| approach.is_passed_in(time_s, &Numbers::DEFAULT);
+        // Both lengths are 9 m.
+        assert!(passed(1.91) && !passed(1.89) && !passed(-1.91));
+        let beside = |gap_m: f64, time_s: f64| {
+            Approach { gap_m, ..approach }.is_beside_in(time_s, &Numbers::DEFAULT)
+        };
+        // From 0.5 s on the ego brakes with 5 m/s²: it gains 2.5 m in a second.
+        assert!(beside(12.4, 1.5) && !beside(12.6, 1.5));
+        assert!(beside(3.9, 0.4) && !beside(4.1, 0.4));
+    }
+
+    #[test]
+    fn a_doubtful_path_is_entered_at_four_fifths_and_left_at_one() {
+        let within = |lateral_m: f64, path_sigma_m: f64| {
+            limits().within(&Across { path_sigma_m, ..Across::resting(lateral_m) })
+        };
+        // Half a lane is 1.75 m: 1.2816 deviations of 1.3656 m have four fifths, 0.2533 of 6.908 m have one.
+        assert_eq!(within(0.0, 1.36), (true, true));
+        assert_eq!(within(0.0, 1.37), (false, true));
+        assert_eq!(within(0.0, 6.90), (false, true));
+        assert_eq!(within(0.0, 6.92), (false, false));
+        // Beyond the line: 0.75 deviations have 0.2266, 0.85 have 0.1977.
+        assert_eq!((within(2.5, 1.0), within(-2.5, 1.0)), ((false, true), (false, true)));
+        assert_eq!((within(2.6, 1.0), within(-2.6, 1.0)), ((false, false), (false, false)));
+        // A path known to 0.3 m has limits in metres.
+        assert_eq!((within(1.6, 0.3), within(1.6, 0.31)), ((true, true), (false, true)));
+    }
+
+    #[test]
+    fn a_heading_that_is_not_known_makes_a_lateral_speed_uncertain() {
+        let across = Across { speed_sigma_mps: 0.3, ..Across::resting(1.0) };
+        let on_course = across.on_course(0.2, 0.4);
+        assert!((on_course.speed_sigma_mps - 0.5).abs() < 1e-12 && on_course.path_sigma_m == 0.2);
+        assert_eq!(across.on_course(0.0, 0.4), across, "the path is known");
+    }
+
+    /// In the path for its motion: it goes on at half of the speed, and for twice the time.
+    #[test]
+    fn what_came_for_its_motion_still_comes_if_more_slowly() {
+        let comes = |lateral_m: f64, speed_mps: f64| {
+            let across = Across { speed_mps, ..Across::resting(lateral_m) };
+            limits().still_comes(&across)
+        };
+        // 1.8 m, the bodies' width, and 2.4 s.
+        assert!(comes(2.3, -0.25) && !comes(2.5, -0.25) && comes(-2.3, 0.25) && !comes(-2.5, 0.25));
+        assert!(comes(1.9, -0.16) && !comes(1.9, -0.14) && !comes(2.3, 0.25));
+    }
 }

@@ -53,4 +53,24 @@ mod tests {
         let is_beyond = |lateral_m| edge.is_beyond(lateral_m, &Numbers::DEFAULT);
         assert!(is_beyond(10.0) && !is_beyond(8.5) && !is_beyond(-40.0));
     }
+
+    #[test]
+    fn an_edge_comes_in_fast_goes_out_slowly_and_has_a_margin() {
+        let numbers = &Numbers::DEFAULT;
+        let mut edge = RoadEdge::default();
+        let mut after = |lateral_m: f64| {
+            edge.observe(lateral_m, numbers);
+            (edge.left_m, edge.right_m)
+        };
+        assert_eq!(after(4.4), (None, None), "the next lane");
+        assert_eq!(after(8.0), (Some(8.0), None));
+        assert_eq!(after(-4.5), (Some(8.0), Some(4.5)));
+        // 0.3 of the way in, 0.005 of the way out.
+        assert_eq!(after(7.0).0, Some(8.0 - 0.3));
+        assert_eq!(after(9.7).0, Some(7.7 + 0.005 * 2.0));
+        let edge = RoadEdge { left_m: Some(8.0), right_m: Some(5.0) };
+        for (lateral_m, beyond) in [(8.9, false), (9.1, true), (-5.9, false), (-6.1, true)] {
+            assert_eq!(edge.is_beyond(lateral_m, numbers), beyond, "{lateral_m}");
+        }
+    }
 }

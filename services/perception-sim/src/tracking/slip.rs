@@ -146,4 +146,70 @@ mod tests {
         slip.take_scan(0.05, 0.1, &objects(0.0, &mut Random::of_run(1, 1), 0.0));
         assert_eq!(slip.slip_rad(), 0.0);
     }
+
+    /// Objects that stand before an ego with these speeds along and across.
+    fn stand(v: f64, w: f64, azimuths: &[f64]) -> Vec<(f64, f64, f64)> {
+        let object = |azimuth: &f64| {
+            let (sine, cosine) = libm::sincos(*azimuth);
+            (cosine, sine, -v * cosine - w * sine)
+        };
+        azimuths.iter().map(object).collect()
+    }
+
+    #[test]
+    fn a_fit_finds_both_speeds_and_its_information() {
+        let (v, w, information) =
+            fit(&stand(20.0, 0.5, &[0.3, -0.3, 0.1]), |_| true).expect("three objects");
+        assert!((v - 20.0).abs() < 1e-9 && (w - 0.5).abs() < 1e-9, "{v} {w}");
+        // The sines' squares less what the speed along explains.
+        let (c, s) = (libm::cos, libm::sin);
+        let cc = 2.0 * c(0.3) * c(0.3) + c(0.1) * c(0.1);
+        let expected = 2.0 * s(0.3) * s(0.3) + s(0.1) * s(0.1) - square(s(0.1) * c(0.1)) / cc;
+        assert!((information - expected).abs() < 1e-9, "{information} {expected}");
+        assert!(fit(&stand(20.0, 0.5, &[0.3, -0.3]), |_| true).is_none(), "two");
+        assert!(fit(&stand(20.0, 0.5, &[0.1, 0.1, 0.1]), |_| true).is_none(), "one direction");
+    }
+
+    fn square(value: f64) -> f64 {
+        value * value
+    }
+
+    #[test]
+    fn a_scan_is_weighted_by_its_information() {
+        let azimuths = [0.3, -0.3, 0.2, -0.2];
+        let of_all: f64 = azimuths.iter().map(|azimuth| square(libm::sin(*azimuth))).sum();
+        // 0.02 rad are assumed at first, and are the most.
+        let noise = square(0.08 / 20.0) / of_all;
+        let gain = 4e-4 / (4e-4 + noise);
+        let mut slip = Slip::default();
+        slip.take_scan(0.05, 20.0, &stand(20.0, 0.2, &azimuths));
+        assert!((slip.slip_rad() - gain * 0.01).abs() < 1e-12, "{}", slip.slip_rad());
+        let kept = 4e-4 * (1.0 - gain);
+        assert!((slip.variance - kept).abs() < 1e-15);
+        // Between two scans the angle may change by 0.01 rad/s.
+        slip.take_scan(0.05, 20.0, &[]);
+        assert!((slip.variance - kept - 1e-4 * 0.05).abs() < 1e-15);
+        let mut slow = Slip::default();
+        slow.take_scan(0.05, 2.9, &stand(2.9, 0.1, &azimuths));
+        assert_eq!(slow.slip_rad(), 0.0);
+        slow.take_scan(0.05, 3.1, &stand(3.1, 0.1, &azimuths));
+        let gain = 4e-4 / (4e-4 + square(0.08 / 3.1) / of_all);
+        assert!((slow.slip_rad() - gain * 0.1 / 3.1).abs() < 1e-12, "{}", slow.slip_rad());
+    }
+
+    /// One of nine objects moves; the fit of all nine is off by a part of its speed.
+    #[test]
+    fn what_is_farther_than_0_3_mps_from_the_fit_is_left_out() {
+        let azimuths = [0.4, -0.4, 0.35, -0.35, 0.3, -0.3, 0.25, -0.25, 0.0];
+        let angle = |mover_mps: f64| {
+            let mut objects = stand(20.0, 0.0, &azimuths);
+            objects[0].2 += mover_mps;
+            let mut slip = Slip::default();
+            slip.take_scan(0.05, 20.0, &objects);
+            slip.slip_rad()
+        };
+        assert_eq!(angle(0.0), 0.0);
+        assert!(angle(0.3).abs() > 1e-4, "it counts");
+        assert!(angle(0.6).abs() < 1e-12 && angle(-0.6).abs() < 1e-12, "it does not");
+    }
 }

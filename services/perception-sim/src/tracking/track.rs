@@ -364,3 +364,6 @@ impl DetectedTrack {
         self.unseen_s > life.coast_s + 1e-9 || rarely
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,6 +2,8 @@
 
 use super::*;
 
+mod sources;
+
 const POSTS: Sources = Sources { yaw_rate: true, standing: true, trails: false, map: false };
 const NUMBERS: CourseNumbers = CourseNumbers::DEFAULT;
 

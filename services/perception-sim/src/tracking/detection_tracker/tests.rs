@@ -3,6 +3,9 @@
 use super::*;
 use crate::radar::detections::DetectionRadar;
 
+mod merged;
+mod sight;
+
 const PERIOD_NS: i64 = 50_000_000;
 const EGO_MPS: f64 = 10.0;
 

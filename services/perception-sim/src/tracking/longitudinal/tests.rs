@@ -270,3 +270,76 @@ fn no_vehicle_brakes_harder_than_its_tyres_allow() {
         }
     }
 }
+
+#[track_caller]
+fn assert_near(found: f64, expected: f64) {
+    assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
+}
+
+/// A filter of one model that knows of an acceleration, after a step of 0.1 s in which the ego has 1 m/s².
+fn advanced() -> (Model, Filter) {
+    let model = model(Kind::Singer);
+    let mut filter = start(&model, 50.0, -3.0);
+    if let Models::Singer(bank) = &mut filter.bank {
+        bank.change(|state| state.mean[2] = 2.0);
+    }
+    filter.predict(&model, &model.step(0.1, 1.0));
+    (model, filter)
+}
+
+#[test]
+fn a_step_is_that_of_singers_model() {
+    let estimate = advanced().1.estimate();
+    let r = libm::exp(-0.1 / 2.5);
+    assert_near(estimate.gap_m, 50.0 - 0.3 + 0.005);
+    assert_near(estimate.relative_speed_mps, -2.9);
+    assert_near(estimate.acceleration_mps2, 2.0 * r);
+    // Range, rate and acceleration have 0.16, 0.0225 and 0.25; the noise has 0.25 (1 - r²) along [0.005, 0.1, 1].
+    let (p, q) = (&estimate.covariance, 0.25 * (1.0 - r * r));
+    assert_near(p[0][0], 0.16 + 0.01 * 0.0225 + 2.5e-5 * (0.25 + q));
+    assert_near(p[0][1], 0.1 * 0.0225 + 5e-4 * (0.25 + q));
+    assert_near(p[0][2], 0.005 * (r * 0.25 + q));
+    assert_near(p[1][1], 0.0225 + 0.01 * (0.25 + q));
+    assert_near(p[1][2], 0.1 * (r * 0.25 + q));
+    assert_near(p[2][2], 0.25);
+}
+
+#[test]
+fn the_models_change_within_their_sojourns() {
+    let step = model(Kind::Interacting).step(0.1, 0.0);
+    assert_eq!((step.dt_s(), step.change), (0.1, [0.1 / 5.0, 0.1, 0.1]));
+    assert_eq!(model(Kind::Interacting).step(0.8, 0.0).change, [0.8 / 5.0, 0.5, 0.5]);
+    for (kept, tau_s) in step.kept.into_iter().zip([2.5, 1.5, 1.5]) {
+        assert_near(kept, libm::exp(-0.1 / tau_s));
+    }
+}
+
+#[test]
+fn one_model_expects_the_hard_manoeuvre_that_it_would_assume() {
+    let (model, mut filter) = advanced();
+    let before = filter.estimate().covariance;
+    // Hard braking of 7 m/s² changes the speed by 1.4 m/s in 0.2 s.
+    assert_near(filter.range_rate_variance(&model, 0.01, 0.2), before[1][1] + 0.01 + 1.4 * 1.4);
+    filter.open(&model, 0.1);
+    filter.combine();
+    let (after, missing) = (filter.estimate().covariance, 49.0 - before[2][2]);
+    assert_near(after[2][2], 49.0);
+    assert_near(after[1][1], before[1][1] + 0.01 * missing);
+    assert_near(after[1][2], before[1][2] + 0.1 * missing);
+    assert_near(after[2][1], after[1][2]);
+    assert_eq!(after[0], before[0]);
+    let three = self::model(Kind::Interacting);
+    let filter = start(&three, 50.0, -3.0);
+    assert_near(filter.range_rate_variance(&three, 0.01, 0.2), 0.0225 + 0.01);
+}
+
+#[test]
+fn the_side_of_a_vehicle_measures_its_speed_alone() {
+    let (model, mut filter) = advanced();
+    let before = filter.estimate();
+    filter.see_range_rate(&model, &model.step(0.1, 0.0), Measured::new(-2.8, 0.15));
+    let after = filter.estimate();
+    let gain = |entry: usize| before.covariance[entry][1] / (before.covariance[1][1] + 0.0225);
+    assert_near(after.relative_speed_mps, -2.9 + 0.1 * gain(1));
+    assert_near(after.gap_m, before.gap_m + 0.1 * gain(0));
+}

@@ -1,0 +1,219 @@
+//! What an object hides, shows and does, by places that follow by hand.
+
+use super::*;
+
+/// A car, 4.3 m long, that stands at a place.
+fn stands(distance_m: f64, off_m: f64) -> Object {
+    Object::at(distance_m, 0.0, off_m, 0.0, 0.95)
+}
+
+#[test]
+fn it_is_seen_in_the_last_scans_or_in_more_of_a_radar_that_shows_little() {
+    let seen = Object { history: 0b1_0000_1011, ..stands(40.0, 0.0) };
+    for (scans, share, times) in [
+        (4, 1.0, 3),
+        (3, 1.0, 2),
+        (8, 1.0, 3),
+        (9, 1.0, 4),
+        (4, 0.5, 3),
+        (4, 0.45, 4),
+        (4, 0.01, 4),
+    ] {
+        assert_eq!(seen.times_seen(scans, share), times, "{scans} {share}");
+    }
+}
+
+#[test]
+fn it_moves_on_and_stops_but_does_not_turn_round() {
+    let moved = |speed_mps: f64, acceleration_mps2: f64, ego_mps: f64| {
+        let mut object = Object { speed_mps, acceleration_mps2, ..stands(40.0, 0.0) };
+        object.move_on(0.5, ego_mps);
+        (object.distance_m, object.speed_mps)
+    };
+    assert_eq!(moved(10.0, 2.0, 12.0), (40.0 + 5.25 - 6.0, 11.0));
+    assert_eq!(moved(2.0, -8.0, 0.0), (40.5, 0.0));
+    assert_eq!(moved(-3.0, -8.0, 4.0), (40.0 - 3.5, -3.0), "it comes towards the ego");
+    let aside = Object::at(40.0, 10.0, 2.0, -1.0, 0.95).moved_on(0.5, 12.0);
+    assert_eq!((aside.distance_m, aside.speed_mps), (39.0, 10.0));
+    assert!((aside.lateral.position_m - 1.5).abs() < 1e-6);
+}
+
+#[test]
+fn it_stands_below_a_metre_a_second() {
+    for (speed_mps, expected) in [(0.99, true), (1.0, false), (-0.99, true), (-1.0, false)] {
+        assert_eq!(Object { speed_mps, ..stands(40.0, 0.0) }.stands(), expected, "{speed_mps}");
+    }
+}
+
+#[test]
+fn a_lead_that_keeps_to_the_path_takes_the_place_of_what_is_not_there() {
+    let lead = Object::at(38.0, 10.0, 0.0, 0.0, 0.95);
+    let there = stands(40.0, 0.0);
+    let takes = |there: Object, lead: Object| there.is_in_the_place_of(&lead);
+    assert!(takes(there, lead));
+    // Its rear is before the object, and its front, 4.3 m farther, behind.
+    for (distance_m, expected) in [(37.9, false), (38.1, true), (42.2, true), (42.4, false)] {
+        assert_eq!(takes(Object { distance_m, ..there }, lead), expected, "{distance_m}");
+    }
+    // Both are 1.9 m wide: 0.4 m of overlap are left 1.5 m beside it.
+    for (off_m, expected) in [(1.49, true), (1.51, false), (-1.49, true), (-1.51, false)] {
+        assert_eq!(takes(stands(40.0, off_m), lead), expected, "{off_m}");
+    }
+    for (off_m, rate_mps, speed_mps, expected) in [
+        (0.49, 0.0, 10.0, true),
+        (0.51, 0.0, 10.0, false),
+        (-0.51, 0.0, 10.0, false),
+        (0.0, 0.39, 10.0, true),
+        (0.0, 0.41, 10.0, false),
+        (0.0, -0.41, 10.0, false),
+        (0.0, 0.0, 3.1, true),
+        (0.0, 0.0, 3.0, false),
+    ] {
+        let lead = Object::at(38.0, speed_mps, off_m, rate_mps, 0.95);
+        assert_eq!(takes(there, lead), expected, "{off_m} {rate_mps} {speed_mps}");
+    }
+    assert!(!takes(Object { speed_mps: 5.0, ..there }, lead), "it moves itself");
+}
+
+/// The field of view reaches a metre to the side in two.
+#[test]
+fn a_face_shows_where_its_nearer_corner_is_in_the_field_of_view() {
+    let shows = |distance_m: f64, off_m: f64| stands(distance_m, off_m).shows_its_face(0.5);
+    // Half a metre nearer than it is: 5 m to the side at 10.5 m, and the corner is 0.9 m nearer.
+    assert!(shows(10.5, 5.8) && !shows(10.5, 6.0) && shows(10.5, -5.8) && !shows(10.5, -6.0));
+    assert!(shows(0.6, 0.0) && !shows(0.5, 0.0) && !shows(-3.0, 0.0));
+    // Where the way bows to the left it is seen there.
+    let bowed = Object { bow_m: 1.0, ..stands(10.5, 4.8) };
+    assert!(bowed.shows_its_face(0.5) && !Object { bow_m: 1.2, ..bowed }.shows_its_face(0.5));
+}
+
+#[test]
+fn beside_the_ego_it_is_hidden_once_its_last_place_is_out_of_sight() {
+    // What reflects ends 0.9 m before the end of the body, and half a metre is doubtful: 2.9 m behind the face.
+    let hidden = |distance_m: f64, off_m: f64| stands(distance_m, off_m).is_hidden_beside(0.5);
+    assert!(hidden(-2.9, 0.0) && hidden(-9.0, 0.0) && !hidden(-2.8, 0.0));
+    // At 2 m ahead, 1 m to the side, the corner 0.9 m nearer.
+    assert!(
+        !hidden(-0.9, 1.89) && hidden(-0.9, 1.91) && !hidden(-0.9, -1.89) && hidden(-0.9, -1.91)
+    );
+}
+
+#[test]
+fn what_has_come_to_the_axis_stays_there_unseen() {
+    let coasts = |off_m: f64, rate_mps: f64| {
+        let mut object = Object::at(20.0, 10.0, off_m, rate_mps, 0.95);
+        object.acceleration_mps2 = -3.0;
+        object.coast();
+        assert_eq!(object.acceleration_mps2, 0.0);
+        object.lateral.rate_mps == 0.0
+    };
+    assert!(coasts(0.5, 0.4) && coasts(-0.5, -0.4), "it is beyond the axis");
+    assert!(!coasts(0.5, -0.4) && !coasts(-0.5, 0.4), "it still comes");
+    assert!(coasts(0.89, 0.4) && !coasts(0.91, 0.4));
+}
+
+#[test]
+fn a_side_shows_beside_the_line_of_sight() {
+    let shown = |object: Object| object.shown_side();
+    // 0.9 m are half of what reflects, and 0.15 m more show the side.
+    assert_eq!(shown(stands(40.0, 1.04)), None);
+    let (side, shown_m) = shown(stands(40.0, 1.06)).expect("its right side");
+    assert!(side == 1.0 && (shown_m - 0.16).abs() < 1e-6);
+    let (side, shown_m) = shown(stands(40.0, -3.5)).expect("its left side");
+    assert!(side == -1.0 && (shown_m + 2.6).abs() < 1e-6);
+    // On a left curve a lead in the middle is right of the line of sight.
+    let lead = Object { bow_m: 3.0, ..Object::at(40.0, 10.0, 0.0, 0.0, 0.95) };
+    let (side, shown_m) = shown(lead).expect("its left side");
+    assert!(side == -1.0 && (shown_m - 0.9).abs() < 1e-6);
+    // What stands there may point along a straight road: it shows the other side then.
+    assert_eq!(shown(Object { bow_m: 3.0, ..stands(40.0, 0.0) }), None);
+    assert!(shown(Object { bow_m: 1.0, ..stands(40.0, 3.5) }).is_some(), "the same side both ways");
+}
+
+#[test]
+fn a_way_bows_by_half_of_its_curvature_and_the_square_of_the_distance() {
+    let mut object = stands(40.0, 0.0);
+    object.see_along(&Circle { curvature_perm: 0.005, heading_rad: 0.0 });
+    assert!((object.bow_m - 4.0).abs() < 1e-9);
+    assert!((object.way_sigma_m - 0.24).abs() < 1e-9);
+}
+
+#[test]
+fn a_line_of_sight_is_hidden_by_a_body_that_it_passes_through() {
+    // A body from 10 to 14.3 m, from -0.95 to 0.95 m.
+    let nearer = stands(10.0, 0.0);
+    let hides = |x_m: f64, slope: f64| nearer.hides(x_m, x_m * slope);
+    assert!(hides(30.0, 0.094) && !hides(30.0, 0.096), "past its rear corner");
+    assert!(hides(30.0, -0.094) && !hides(30.0, -0.096));
+    // A place half way along it.
+    assert!(hides(12.0, 0.0) && !hides(0.0, 0.0) && !hides(-5.0, 0.0));
+    // A body beside the line is met where its nearer side ends.
+    let beside = stands(10.0, 2.0);
+    assert!(beside.hides(30.0, 30.0 * 0.0735) && !beside.hides(30.0, 30.0 * 0.0733));
+    assert!(beside.hides(30.0, 30.0 * 0.294) && !beside.hides(30.0, 30.0 * 0.296));
+    // One beside the ego, from the bumper to 2.3 m: at its end the line is to be 1.05 m to the side.
+    assert!(stands(-2.0, 2.0).hides(30.0, 13.8) && !stands(-2.0, 2.0).hides(30.0, 13.6));
+    assert!(!stands(-4.4, 0.0).hides(30.0, 0.0), "it is passed");
+}
+
+/// The side of a car 30 m ahead that another one hides.
+fn hidden_side(off_m: f64, nearer: Object) -> f64 {
+    stands(30.0, off_m).side_hidden_by(&nearer)
+}
+
+#[test]
+fn a_nearer_object_hides_one_corner_the_outer_side_or_nothing() {
+    // The line to the left corner, 0.9 m at 30 m, is 0.3 m to the left at 10 m.
+    assert_eq!(hidden_side(0.0, stands(10.0, 1.2)), 1.0);
+    assert_eq!(hidden_side(0.0, stands(10.0, -1.2)), -1.0);
+    assert_eq!(hidden_side(0.0, stands(10.0, 1.4)), 0.0, "beside all lines");
+    assert_eq!(hidden_side(0.0, stands(10.0, 0.0)), 0.0, "all of a straight way: no side");
+    // The middle of one that shows its right side: the outer one is hidden.
+    assert_eq!(hidden_side(3.0, stands(10.0, 1.0)), 1.0);
+    assert_eq!(hidden_side(-3.0, stands(10.0, -1.0)), -1.0);
+    // One corner is enough in the path, up to 1.9 m, and not beside it.
+    assert_eq!(hidden_side(1.85, stands(10.0, 2.1)), 1.0);
+    assert_eq!(hidden_side(1.95, stands(10.0, 2.1)), 0.0);
+    // Not nearer by half a metre, or passed.
+    assert_eq!(hidden_side(0.0, stands(29.6, 1.2)), 0.0);
+    assert_eq!(hidden_side(0.0, stands(-8.4, 1.2)), 0.0);
+}
+
+#[test]
+fn a_long_vehicle_goes_on_behind_its_first_part() {
+    // From 22 to 26.3 m: the next part begins within 4 m, and less than a width farther out.
+    let first = stands(22.0, 1.0);
+    let goes_on = |distance_m: f64, off_m: f64, speed_mps: f64| {
+        Object { speed_mps, ..stands(distance_m, off_m) }.side_hidden_by(&first)
+    };
+    assert_eq!(goes_on(30.2, 2.8, 0.0), 1.0);
+    assert_eq!(goes_on(30.4, 2.8, 0.0), 0.0);
+    assert_eq!(goes_on(30.2, 3.0, 0.0), 0.0, "more than its width aside");
+    assert_eq!(
+        (goes_on(30.2, 2.8, 0.9), goes_on(30.2, 2.8, 1.1)),
+        (1.0, 0.0),
+        "it moves otherwise"
+    );
+}
+
+#[test]
+fn on_a_curve_what_stands_is_hidden_on_the_side_of_the_nearer_one() {
+    let on_curve = |object: Object| Object { bow_m: 2.0, ..object };
+    let far = on_curve(stands(30.0, 0.0));
+    // Seen from the ego the far one is at 2 m in 30 m, the nearer ones at 1.7 or 0.3 m in 10 m.
+    assert_eq!(far.side_towards(&stands(10.0, 1.7)), 1.0);
+    assert_eq!(far.side_towards(&stands(10.0, 0.3)), -1.0);
+    assert_eq!(far.side_towards(&stands(-1.0, 1.7)), 0.0);
+    assert_eq!(stands(30.0, 0.0).side_towards(&stands(10.0, 1.7)), 0.0, "a straight way");
+    let moving = Object { speed_mps: 5.0, ..far };
+    assert_eq!(moving.side_towards(&stands(10.0, 1.7)), 0.0);
+}
+
+#[test]
+fn an_object_begins_unconfirmed_with_a_cars_size() {
+    let begun = Object::begin(40.0, 1.0, 12.0);
+    assert_eq!((begun.distance_m, begun.speed_mps, begun.length_m), (40.0, 12.0, 4.3));
+    assert_eq!((begun.lateral.position_m, begun.half_width_m, begun.scans), (1.0, 0.95, 0));
+    assert!(!begun.is_confirmed && begun.history == 0 && begun.probability == 1.0);
+    assert!((begun.lateral.position_sigma_m() - 0.7).abs() < 1e-9);
+}
