@@ -120,6 +120,7 @@ fn a_wrong_requirement_is_refused_at_its_place_before_the_run() {
         ("gap_m > speed_mps", "m and m/s cannot be added or compared"),
         ("always[0,900] gap_m > 2", "the window ends after the run"),
         ("min-gap:two", "expected min-gap:METRES"),
+        ("min-gop:2", "unknown requirement `min-gop`"),
     ] {
         let output = run(&corner, &["--require", formula]);
         let printed = text(&output);

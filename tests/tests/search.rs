@@ -129,6 +129,21 @@ fn trajectories_are_kept_with_the_variables() {
     assert_eq!(runs.lines().count(), 7);
 }
 
+/// A lead that stands a metre ahead is avoided by nobody.
+#[test]
+fn a_search_without_a_run_has_an_error_and_no_result() {
+    let corner = Corner::new(PROGRAM);
+    let words =
+        ["search", "tight-brake", "--vary", "actors.0.gap_m=1..2", "--budget", "5", "--json"];
+    let standing = ["--set", "actors.0.initial_speed_mps=0", "--out", "a"];
+    let output = corner.run(&[&words[..], &standing].concat());
+    assert_eq!(output.status.code(), Some(2), "{}", system_tests::text(&output));
+    assert!(output.stdout.is_empty(), "{}", system_tests::text(&output));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("none of 10000 points"), "{said}");
+    assert!(!corner.path().join("a/search.json").exists());
+}
+
 #[test]
 fn a_part_of_one_process_is_refused() {
     let corner = Corner::new(PROGRAM);

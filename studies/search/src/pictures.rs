@@ -3,7 +3,7 @@
 
 use group::DriveStep;
 use report::chart::{
-    Axis, Cells, Curve, Edges, FilledCell, Parallel, Picture, Plot, Polyline, Stroke, Tone,
+    Axis, Curve, Dot, Edges, Mark, Parallel, Picture, Plot, Polyline, Scatter, Stroke, Tone,
 };
 
 use crate::effect::effects;
@@ -17,8 +17,8 @@ const MOST_LINES: usize = 300;
 const MOST_OTHERS: usize = 40;
 /// Largest value that the picture of values shows, tolerances: twice the median, within these bounds.
 const MOST_SHOWN: (f64, f64) = (2.0, 20.0);
-/// Size of a point in a scatter, as a share of the axis.
-const POINT: f64 = 0.012;
+/// Room beyond the ends of a variable, as a share of its range: a point at an end is whole.
+const ROOM: f64 = 0.02;
 /// A value below this is near a failure, tolerances.
 const NEAR: f64 = 2.0;
 /// Kinds of runs: legend and colour.
@@ -34,11 +34,13 @@ pub struct Drives {
     pub lead_mps: Vec<(f64, f64)>,
     /// Samples of the reference; empty without one.
     pub reference: Vec<Sample>,
+    /// Instant that decides the broken requirement, s.
+    pub decided_s: Option<f64>,
 }
 
 impl Drives {
     /// The drives of a case.
-    pub fn new(steps: &[DriveStep], reference: Vec<Sample>) -> Self {
+    pub fn new(steps: &[DriveStep], reference: Vec<Sample>, decided_s: Option<f64>) -> Self {
         let sample = |step: &DriveStep| Sample {
             time_s: step.time_s,
             speed_mps: step.speed_mps,
@@ -46,7 +48,7 @@ impl Drives {
         };
         let lead = steps.iter().map(|step| (step.time_s, step.lead_speed_mps));
         let lead_mps = lead.filter_map(|(time_s, speed)| Some((time_s, speed?))).collect();
-        Self { own: steps.iter().map(sample).collect(), lead_mps, reference }
+        Self { own: steps.iter().map(sample).collect(), lead_mps, reference, decided_s }
     }
 }
 
@@ -91,7 +93,7 @@ fn parallel(problem: &Problem, records: &[(usize, Record)]) -> Parallel {
 }
 
 /// The value of each run, and the least one so far.
-fn best_so_far(records: &[(usize, Record)]) -> Cells {
+fn best_so_far(records: &[(usize, Record)]) -> Scatter {
     let mut values: Vec<f64> = records.iter().map(|(_, record)| record.value()).collect();
     values.sort_by(f64::total_cmp);
     let most = (2.0 * values[values.len() / 2]).clamp(MOST_SHOWN.0, MOST_SHOWN.1).ceil();
@@ -99,19 +101,15 @@ fn best_so_far(records: &[(usize, Record)]) -> Cells {
     let last = records.last().map_or(1.0, |(run, _)| (run + 1) as f64);
     let worst = values[0].min(0.0);
     let x = Axis::linear("run", 0.0, last + 1.0);
-    let y = Axis::linear("value, tolerances", worst.floor(), most);
-    let (wide, high) = (POINT * (last + 1.0), 2.0 * POINT * (most - worst.floor()));
-    let cells = records.iter().map(|one| {
-        let (run, value) = place(one);
-        FilledCell {
-            from: (run - wide / 2.0, value - high / 2.0),
-            to: (run + wide / 2.0, value + high / 2.0),
-            kind: match &one.1 {
-                record if record.is_failure() => 0,
-                record if record.is_even => 2,
-                _ => 1,
-            },
-        }
+    let room = 2.0 * ROOM * (most - worst.floor());
+    let y = Axis::linear("value, tolerances", worst.floor() - room, most + room);
+    let dots = records.iter().map(|one| Dot {
+        at: place(one),
+        kind: match &one.1 {
+            record if record.is_failure() => 0,
+            record if record.is_even => 2,
+            _ => 1,
+        },
     });
     let mut least: Vec<[(f64, f64); 2]> = Vec::new();
     let mut from = records.first().map(place);
@@ -128,12 +126,12 @@ fn best_so_far(records: &[(usize, Record)]) -> Cells {
         ("point of the process", Tone::Series(2)),
         ("even point", Tone::Muted),
     ];
-    Cells {
-        title: format!("Value by run (above {most}: {most})"),
+    Scatter {
+        title: format!("Value by run (a larger value than {most} is drawn there)"),
         x,
         y,
         kinds: kinds.map(|(name, tone)| (name.to_owned(), tone)).to_vec(),
-        cells: cells.collect(),
+        dots: dots.collect(),
         edges: vec![
             edges("least value so far", Tone::Series(0), Stroke::Solid, least),
             edges("limit", Tone::Stop, Stroke::Dashed, vec![[(0.0, 0.0), (last + 1.0, 0.0)]]),
@@ -142,58 +140,52 @@ fn best_so_far(records: &[(usize, Record)]) -> Cells {
 }
 
 /// The runs over the two variables that matter most; none with fewer than two numbers.
-fn scatter(problem: &Problem, records: &[(usize, Record)]) -> Option<Cells> {
+fn scatter(problem: &Problem, records: &[(usize, Record)]) -> Option<Scatter> {
     let effects = effects(&problem.variables, records);
     let is_number = |place: &usize| !problem.variables[*place].domain.is_of_words();
     let mut places: Vec<usize> = (0..effects.len()).filter(is_number).collect();
     places.sort_by(|a, b| effects[*b].unwrap_or(0.0).total_cmp(&effects[*a].unwrap_or(0.0)));
     let [across, up, ..] = places[..] else { return None };
     let (x, y) = (&problem.variables[across], &problem.variables[up]);
-    let (x_axis, y_axis) = (axis(x), axis(y));
-    let cells = records.iter().map(|(_, record)| {
-        let (a, b) = (record.point[across], record.point[up]);
-        let at = |axis: &Axis, share: f64| unshare(axis, share);
-        FilledCell {
-            from: (at(&x_axis, a - POINT / 2.0), at(&y_axis, b - POINT)),
-            to: (at(&x_axis, a + POINT / 2.0), at(&y_axis, b + POINT)),
-            kind: kind(record.value()),
-        }
+    let dots = records.iter().map(|(_, record)| Dot {
+        at: (drawn_at(x, record.point[across]), drawn_at(y, record.point[up])),
+        kind: kind(record.value()),
     });
-    let mut cells: Vec<FilledCell> = cells.collect();
-    // Failures are drawn last.
-    cells.sort_by_key(|cell| std::cmp::Reverse(cell.kind));
-    Some(Cells {
+    Some(Scatter {
         title: format!("{} over {}", y.name, x.name),
-        x: x_axis.clone(),
-        y: y_axis.clone(),
+        x: axis(x),
+        y: axis(y),
         kinds: KINDS.map(|(name, tone)| (name.to_owned(), tone)).to_vec(),
-        cells,
+        dots: dots.collect(),
         edges: Vec::new(),
     })
 }
 
 /// The axis of a variable's numbers.
 fn axis(variable: &Variable) -> Axis {
+    let (low, high) = (drawn_at(variable, -ROOM), drawn_at(variable, 1.0 + ROOM));
     match &variable.domain {
-        Domain::Range { from, to, is_log: false } => Axis::linear(&variable.name, *from, *to),
-        Domain::Range { from, to, is_log: true } => {
-            Axis { label: variable.name.clone(), ..Axis::frequencies("", *from, *to) }
+        Domain::Range { is_log: true, .. } => {
+            Axis { label: variable.name.clone(), ..Axis::frequencies("", low, high) }
         }
-        Domain::Numbers(numbers) => Axis::linear(&variable.name, 0.0, numbers.len() as f64),
-        Domain::Words(words) => Axis::linear(&variable.name, 0.0, words.len() as f64),
+        _ => Axis::linear(&variable.name, low, high),
     }
 }
 
-/// The value at a share of an axis.
-fn unshare(axis: &Axis, share: f64) -> f64 {
-    match axis.ends() {
-        (low, high, false) => low + share * (high - low),
-        (low, high, true) => libm::exp(libm::log(low) + share * (libm::log(high) - libm::log(low))),
+/// The place on its variable's axis of a point of the unit interval, or of one a little outside.
+fn drawn_at(variable: &Variable, share: f64) -> f64 {
+    match &variable.domain {
+        Domain::Range { from, to, is_log: false } => from + share * (to - from),
+        Domain::Range { from, to, is_log: true } => {
+            libm::exp(libm::log(*from) + share * (libm::log(*to) - libm::log(*from)))
+        }
+        Domain::Numbers(numbers) => share * numbers.len() as f64,
+        Domain::Words(words) => share * words.len() as f64,
     }
 }
 
-/// A failing drive beside the reference's.
-pub fn of_drives(file: &str, drives: &Drives) -> Vec<Box<dyn Picture>> {
+/// A failing drive beside the reference's, with the instant that decides its requirement.
+pub fn of_drives(file: &str, requirement: &str, drives: &Drives) -> Vec<Box<dyn Picture>> {
     let end_s = drives.own.last().map_or(1.0, |sample| sample.time_s);
     let end_s = drives.reference.last().map_or(end_s, |sample| sample.time_s.max(end_s));
     let speed = |samples: &[Sample]| samples.iter().map(|s| (s.time_s, s.speed_mps)).collect();
@@ -210,8 +202,14 @@ pub fn of_drives(file: &str, drives: &Drives) -> Vec<Box<dyn Picture>> {
         Curve::new("ego", Tone::Series(0), gap(&drives.own)),
         Curve::new("reference", Tone::Series(2), gap(&drives.reference)),
     ];
+    let title = |what: &str| match drives.decided_s {
+        Some(_) => format!("{file}: {what} (A: {requirement} is broken)"),
+        None => format!("{file}: {what}"),
+    };
+    let mark = |x| Mark { x, label: "A".to_owned(), tone: Tone::Alarm };
+    let marks: Vec<Mark> = drives.decided_s.into_iter().map(mark).collect();
     vec![
-        Box::new(Plot::over_time(&format!("{file}: speed"), end_s, "m/s", speeds)),
-        Box::new(Plot::over_time(&format!("{file}: gap"), end_s, "m", gaps)),
+        Box::new(Plot::over_time(&title("speed"), end_s, "m/s", speeds).marked(&marks)),
+        Box::new(Plot::over_time(&title("gap"), end_s, "m", gaps).marked(&marks)),
     ]
 }

@@ -247,15 +247,15 @@ impl Search {
         let (place, method) = (&self.problem, self.method);
         let requirements = self.requirements.join(", ");
         let about = format!(
-            "{place} ({}, {method}): {} variables, {} of {} runs, {requirements}",
+            "{place} ({}, {method}): {}, {} of {} runs, {requirements}",
             self.controller,
-            self.variables.len(),
+            problem.count_in_words(),
             self.runs,
             self.planned,
         );
         let mut pictures = pictures::of_runs(problem, records);
         for (row, drives) in self.failures.iter().zip(&self.drives) {
-            pictures.extend(pictures::of_drives(&row.file, drives));
+            pictures.extend(pictures::of_drives(&row.file, &row.requirement, drives));
         }
         let pictures: String = pictures.iter().map(|picture| figure(picture.as_ref())).collect();
         let pictures = match pictures.as_str() {

@@ -27,7 +27,7 @@ use crate::problem::Problem;
 use crate::record::Record;
 use crate::results::Search;
 use crate::single::admit;
-use crate::trial::Seeds;
+use crate::trial::{Seeds, repeatable};
 use crate::value::judge;
 
 /// Longest wait for a result before an interrupt is looked for.
@@ -322,10 +322,13 @@ impl Runs {
         let scenario = self.problem.scenario(&case.values, seed)?;
         let from = (group.members.len(), run);
         let mut row = FailureRow::new(&self.problem, &case.values, &case.held, from);
-        row.text = scenario.to_toml();
-        let steps = trial.repeat(&case.values, seed)?.steps;
+        row.text = repeatable(&scenario);
+        let done = trial.repeat(&case.values, seed)?;
+        let mut verdicts = done.summary.requirements.iter();
+        let decided = verdicts.find(|verdict| verdict.requirement == row.requirement);
+        let decided_s = decided.map(|verdict| verdict.at_s);
         let reference = self.problem.reference.as_ref();
         let reference = reference.map(|driver| driver.drive(&scenario, true).samples);
-        Ok((row, Drives::new(&steps, reference.unwrap_or_default())))
+        Ok((row, Drives::new(&done.drive.steps, reference.unwrap_or_default(), decided_s)))
     }
 }

@@ -4,9 +4,10 @@ use std::num::NonZeroUsize;
 use std::sync::Mutex;
 
 use frame::batch::{self, Done};
-use group::{Drive, Error, GroupOptions};
+use group::{Error, GroupOptions};
 use indicatif::ProgressBar;
 use runtime::Mode;
+use scenario::Scenario;
 
 use crate::method::seed_of;
 use crate::minimal::{Held, Trial};
@@ -29,6 +30,14 @@ pub struct Seeds<'a> {
     pub bar: &'a ProgressBar,
 }
 
+/// The text of a file that `timegap run` repeats. A fault with nothing to act on has no effect, and a single run
+/// refuses it: the file does not have it.
+pub fn repeatable(scenario: &Scenario) -> String {
+    let mut repeatable = scenario.clone();
+    repeatable.faults.retain(|fault| group::absent(fault, scenario).is_none());
+    repeatable.to_toml()
+}
+
 impl Seeds<'_> {
     fn run(&self, values: &[Value], seed: u64, going_on: &dyn Fn() -> bool) -> Result<Done, Error> {
         let scenario = self.problem.scenario(values, seed)?;
@@ -39,8 +48,8 @@ impl Seeds<'_> {
     ///
     /// # Errors
     /// If it cannot be done.
-    pub fn repeat(&self, values: &[Value], seed: u64) -> Result<Drive, Error> {
-        Ok(self.run(values, seed, &|| true)?.drive)
+    pub fn repeat(&self, values: &[Value], seed: u64) -> Result<Done, Error> {
+        self.run(values, seed, &|| true)
     }
 
     fn seed(&self, index: usize) -> u64 {
@@ -88,5 +97,22 @@ impl Trial for Seeds<'_> {
         failed.sort_by_key(|(index, _)| *index);
         let first = failed.first().map(|(index, judged)| (self.seed(*index), judged.clone()));
         Ok(Held { failed: failed.len(), tried: done, first })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_has_the_faults_that_act() {
+        let text = |brake: bool| {
+            let head = "schema_version = 1\nname = \"a\"\n[aebs]\n";
+            let fault = "[[faults]]\nkind = \"drop\"\ntopic = \"radar/detections\"\nat_s = 1\n";
+            let text = format!("{head}enabled = {brake}\n{fault}");
+            repeatable(&Scenario::parse("a.toml", &text).expect("a scenario"))
+        };
+        assert!(text(true).contains("radar/detections"));
+        assert!(!text(false).contains("radar/detections"), "nothing receives it");
     }
 }

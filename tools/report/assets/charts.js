@@ -85,7 +85,12 @@
       own.splits = () => [0, 0.5, ...tail];
       own.filter = (u, splits) => splits;
     }
-    if (axis.rows) own.splits = () => [];
+    if (axis.rows) {
+      const line = (row) => axis.high - 1 - row + axis.row_line;
+      own.splits = () => (axis.row_line === undefined ? [] : axis.rows.map((_, row) => line(row)));
+      own.values = (u, splits) => splits.map(() => "");
+      own.ticks = { show: false };
+    }
     return own;
   };
 
@@ -106,6 +111,22 @@
       before = at[1];
     });
     return path(drawn, null);
+  };
+
+  // Points of a scatter: squares, diamonds or circles, so that kinds differ in grey too.
+  const pointPath = (series) => (u) => {
+    const drawn = new Path2D(), half = (series.shape === 0 ? 4.5 : 3.5) * uPlot.pxRatio;
+    series.x.forEach((value, index) => {
+      const [x, y] = place(u, value, series.y[index]);
+      if (series.shape === 0) drawn.rect(x - half, y - half, 2 * half, 2 * half);
+      if (series.shape === 1) {
+        drawn.moveTo(x, y - 1.3 * half);
+        for (const [across, down] of [[1.3, 0], [0, 1.3], [-1.3, 0]]) drawn.lineTo(x + across * half, y + down * half);
+        drawn.closePath();
+      }
+      if (series.shape === 2) { drawn.moveTo(x + half, y); drawn.arc(x, y, half, 0, 7); }
+    });
+    return path(null, drawn);
   };
 
   // Boxes between two corners; a box without width is still visible.
@@ -220,6 +241,10 @@
         else if (y >= series.y[box] && y <= series.y2[box])
           parts.push([0, `${series.label}: ${here(from, series.x2[box])}, ${told(chart.y, series.y[box])} to ${told(chart.y, series.y2[box])}`]);
       });
+      if (series.kind === "point") series.x.forEach((value, point) => {
+        if (Math.hypot(u.valToPos(value, "x") - u.cursor.left, u.valToPos(series.y[point], "y") - u.cursor.top) < 7)
+          parts.push([0, `${series.label}: ${told(chart.x, value)}, ${told(chart.y, series.y[point])}`]);
+      });
       if (series.kind === "bar") series.x.forEach((from, bar) => {
         if (x >= from && x <= series.x2[bar] && Math.abs(u.valToPos(series.y[bar], "y") - u.cursor.top) < 12)
           parts.push([0, `${series.label}, ${here(from, series.x2[bar])}`]);
@@ -312,6 +337,7 @@
     const declared = [...chart.series].sort((a, b) => a.order - b.order);
     const solid = [...new Set(declared.filter((s) => s.stroke === "solid").map((s) => s.tone))];
     const boxes = declared.filter((s) => s.kind === "box");
+    const scattered = declared.filter((s) => s.kind === "point");
     const facets = [{ scale: "x", auto: false }, { scale: "y", auto: false }];
     return chart.series.map((series) => {
       const common = { facets, label: series.label, points: { show: false }, value: () => "", width: 0, class: series.kind };
@@ -320,9 +346,14 @@
         return { ...common, paths: boxPath(series), width: chart.y.rows ? 1 : 0, alpha: chart.y.rows ? 0.45 : 1,
           stroke: () => colour(series.tone), fill: () => hatched(series.tone, kind) };
       }
+      if (series.kind === "point") {
+        series.shape = scattered.indexOf(series) % 3;
+        return { ...common, paths: pointPath(series), fill: () => colour(series.tone) };
+      }
       if (series.kind === "bar") return { ...common, paths: barPath(series), fill: () => colour(series.tone) };
       if (series.kind === "shade") return { ...common, paths: shadePath(chart.map, series.step), fill: () => colour(series.tone) };
-      const dash = series.dash = DECLARED[series.stroke] || DASHES[solid.indexOf(series.tone) % DASHES.length];
+      // Lines over rows differ by their widths: there may be hundreds.
+      const dash = series.dash = chart.y.rows ? [] : DECLARED[series.stroke] || DASHES[solid.indexOf(series.tone) % DASHES.length];
       return { ...common, paths: linePath(series), width: series.width, cap: dash.length ? "butt" : "round",
         dash: dash.map((length) => length * uPlot.pxRatio), stroke: () => colour(series.tone),
         value: (u, _, own, index) => series.repeated ? "" : told(chart.y, index === null ? null : sample(u, own, series)?.y) };
@@ -349,7 +380,8 @@
       for (const key of ["x", "y", "x2", "y2"]) if (series[key]) series[key] = column(series[key]);
       series.turns = series.kind === "line" && series.x.some((x, k) => k && x < series.x[k - 1]);
     });
-    if (!chart.y.rows) chart.series.sort((a, b) => rank(a) - rank(b) || (b.width || 0) - (a.width || 0) || b.order - a.order);
+    if (chart.y.rows) chart.series.sort((a, b) => b.order - a.order);
+    else chart.series.sort((a, b) => rank(a) - rank(b) || (b.width || 0) - (a.width || 0) || b.order - a.order);
     return chart;
   };
 
@@ -385,7 +417,7 @@
       axes: [ticks("x", chart.x, 24), ticks("y", chart.y, wide ? 60 : chart.y.format === "percent" ? 58 : 46)],
       series: [null, ...seriesOf(chart)],
       legend: {
-        live: chart.series.some((series) => series.kind === "line"),
+        live: !chart.y.rows && chart.series.some((series) => series.kind === "line"),
         markers: { fill: (u, index) => swatch(chart.series[index - 1]) },
       },
       cursor: {
@@ -405,6 +437,7 @@
     u.root.querySelectorAll(".u-series").forEach((row, index) => {
       row.style.order = chart.series[index].order;
       row.hidden = repeats(index)[0] !== index;
+      if (chart.series[index].kind === "point") row.querySelector(".u-marker").classList.add("shape" + chart.series[index].shape);
       if (chart.series[index].px) row.querySelector(".u-marker").style.height = chart.series[index].px + "px";
     });
     whole.onclick = () => u.setScale("x", { min: low, max: high });

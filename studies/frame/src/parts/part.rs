@@ -79,7 +79,7 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
     }
 
     /// The runs of this part.
-    fn mine(&self) -> impl Iterator<Item = usize> {
+    pub fn mine(&self) -> impl Iterator<Item = usize> {
         (0..self.study.runs).filter(|run| holds(self.shard, *run))
     }
 

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 
 use group::{Error, GroupOptions};
+use indicatif::ProgressBar;
 
 use super::{RunResult, Study};
 use crate::batch::{self, Done, Job};
@@ -20,17 +21,26 @@ pub struct Crew<'a> {
 }
 
 /// Values taken of drives as they end, beside their records.
-#[derive(Default)]
 pub(super) struct Observed<'a> {
     /// Keeps trajectories.
     pub keeper: Option<&'a Keeper>,
+    /// Counts the steps of all runs.
+    bar: &'a ProgressBar,
     /// Figures of the drives of runs that are not settled.
     drives: Mutex<BTreeMap<usize, Vec<Drive>>>,
+    /// Steps that these runs have reported.
+    steps: Mutex<BTreeMap<usize, u64>>,
 }
 
 impl<'a> Observed<'a> {
-    pub fn new(keeper: Option<&'a Keeper>) -> Self {
-        Self { keeper, drives: Mutex::default() }
+    pub fn new(keeper: Option<&'a Keeper>, bar: &'a ProgressBar) -> Self {
+        Self { keeper, bar, drives: Mutex::default(), steps: Mutex::default() }
+    }
+
+    /// A run of this number of steps ended: those that it did not report are over too.
+    pub fn end(&self, run: usize, steps: u64) {
+        let reported = self.steps.lock().expect("no worker panics here").remove(&run);
+        self.bar.inc(steps.saturating_sub(reported.unwrap_or(0)));
     }
 
     /// The figures of the drives of a run that ended.
@@ -78,6 +88,13 @@ impl<'a> Crew<'a> {
         drives.entry(run).or_default().push(drive);
     }
 
+    /// Reports a step of run `run`, which goes on: the progress bar moves.
+    pub fn step(&self, run: usize) {
+        let mut steps = self.observed.steps.lock().expect("no worker panics here");
+        *steps.entry(run).or_default() += 1;
+        self.observed.bar.inc(1);
+    }
+
     /// Drives, and repeats what is in the sample.
     ///
     /// # Errors
@@ -106,5 +123,27 @@ impl<'a> Crew<'a> {
         let repetition = result.as_ref().ok().and_then(|done| done.repetition.clone());
         let (record, seen) = study.record(run, job, result)?;
         Ok(RunResult { record, seen, repetition })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_move_the_bar_before_their_run_ends() {
+        let bar = ProgressBar::hidden();
+        let observed = Observed::new(None, &bar);
+        let group = GroupOptions { programs: Vec::new(), ready_timeout: 1.0, processes: false };
+        let sample = BTreeSet::new();
+        let crew = Crew::new(&group, &sample, &|| true, &observed);
+        crew.step(7);
+        crew.step(7);
+        assert_eq!(bar.position(), 2);
+        // A run that reports no steps, and one that skips two of five.
+        observed.end(3, 1);
+        crew.step(7);
+        observed.end(7, 5);
+        assert_eq!(bar.position(), 6);
     }
 }

@@ -190,6 +190,12 @@ pub trait Study: Sized + Sync {
         crew.drive_and_record(self, run, &self.job(run)?)
     }
 
+    /// Steps of a run, as the progress bar counts them. A run of several reports each by [`Crew::step`].
+    fn steps(&self, run: usize) -> usize {
+        let _ = run;
+        1
+    }
+
     /// True if no other run may go on beside this one. Such runs come last.
     ///
     /// # Errors

@@ -61,7 +61,7 @@ fn drive<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
         study.recall(run, record);
         Ok(())
     })?;
-    let bar = report::progress::count_bar(part.runs(), results.json);
+    let bar = report::progress::count_bar(steps(&study, part.mine()), results.json);
     bar.set_message(study.label());
     let mut seen = BTreeMap::new();
     let keeper = S::keep(arguments)
@@ -76,7 +76,8 @@ fn drive<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
     if end.is_err() {
         part.print_how_to_continue(&output);
     }
-    if S::NEEDS != Needs::Any {
+    // Without a run there is nothing to judge.
+    if S::NEEDS != Needs::Any || part.records().is_empty() {
         end?;
         return conclude(&study, options, part, seen, &output, Ok(()));
     }
@@ -93,7 +94,8 @@ fn all<S: Study>(
     bar: &ProgressBar,
 ) -> Result<(), Error> {
     let left = part.left();
-    bar.set_position((part.runs() - left.len()) as u64);
+    let before = steps(study, part.mine()) - steps(study, left.iter().copied());
+    bar.set_position(before as u64);
     bar.reset_eta();
     let (mut together, mut alone) = (Vec::new(), Vec::new());
     for &run in &left {
@@ -101,7 +103,7 @@ fn all<S: Study>(
     }
     let sampled = part.sampled(study.seed());
     let mut sample = ProcessesSample::default();
-    let observed = Observed::new(keeper);
+    let observed = Observed::new(keeper, bar);
     let mut keep = |run: usize, gave: Result<RunResult<S::Record, S::Seen>, Error>| {
         let RunResult { record, seen: picture, repetition } = gave?;
         if let Some(line) = study.notice(&record) {
@@ -112,6 +114,7 @@ fn all<S: Study>(
             keeper.settle(run)?;
         }
         seen.insert(run, picture);
+        observed.end(run, study.steps(run) as u64);
         part.keep(run, record, observed.take(run), repetition.as_ref())
     };
     let at_once = batch::at_once(options.jobs, study.mode());
@@ -121,10 +124,16 @@ fn all<S: Study>(
             study.drive(runs[place], &crew)
         };
         let mut each = |place: usize, gave| keep(runs[place], gave);
-        batch::share(runs.len(), at_once, bar, &work, &mut each)?;
+        // The runs count their own steps.
+        batch::share(runs.len(), at_once, &ProgressBar::hidden(), &work, &mut each)?;
     }
     sample.print(left.len(), bar);
     Ok(())
+}
+
+/// Steps of runs, as the progress bar counts them.
+fn steps<S: Study>(study: &S, runs: impl Iterator<Item = usize>) -> usize {
+    runs.map(|run| study.steps(run)).sum()
 }
 
 /// Joins parts. Pictures are not kept in parts.

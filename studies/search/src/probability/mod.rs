@@ -111,6 +111,10 @@ impl Study for Probability {
         self.problem.columns()
     }
 
+    fn steps(&self, run: usize) -> usize {
+        self.units.points(run, self.problem.dimensions())
+    }
+
     fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<RunResult<Unit, ()>, Error> {
         let mut points = Points { study: self, run, crew, unit: Unit::default(), repetition: None };
         match self.units.kind(run) {
@@ -183,8 +187,14 @@ struct Points<'a> {
 }
 
 impl Points<'_> {
-    /// The value of a point, as a search has it.
+    /// The value of a point, as a search has it. It is a step of the unit.
     fn value(&mut self, point: &[f64]) -> Result<f64, Error> {
+        let value = self.evaluate(point)?;
+        self.crew.step(self.run);
+        Ok(value)
+    }
+
+    fn evaluate(&mut self, point: &[f64]) -> Result<f64, Error> {
         let Probability { problem, model, seed, .. } = self.study;
         let (values, is_clipped): (Vec<Value>, bool) = model.values(problem, point);
         self.unit.clipped += usize::from(is_clipped);

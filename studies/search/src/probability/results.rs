@@ -202,10 +202,10 @@ impl Answer {
         let found = (self.json(problem, model), ok);
         let whole = Search::of_probability(problem, found, self.points, sample);
         let about = format!(
-            "{} ({}): {} variables, {}",
+            "{} ({}): {}, {}",
             problem.name,
             problem.nominal.controller.name.as_str(),
-            problem.dimensions(),
+            problem.count_in_words(),
             problem.nominal.require.formulas.join(", ")
         );
         let mut document =

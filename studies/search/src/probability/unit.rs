@@ -51,6 +51,15 @@ impl Units {
         REPLICAS + self.points.div_ceil(POINTS) + self.rows.div_ceil(ROWS)
     }
 
+    /// Points of a unit, for the progress bar.
+    pub(super) fn points(&self, unit: usize, dimensions: usize) -> usize {
+        match self.kind(unit) {
+            Kind::Replica { runs, .. } => runs,
+            Kind::MonteCarlo { count, .. } => count,
+            Kind::Rows { count, .. } => count * (dimensions + 2),
+        }
+    }
+
     /// The unit of a number.
     pub(super) fn kind(&self, unit: usize) -> Kind {
         let Some(after) = unit.checked_sub(REPLICAS) else {
@@ -132,5 +141,8 @@ mod tests {
         assert_eq!(kinds[4], Kind::Replica { number: 4, runs: 200 });
         assert_eq!(kinds[5..].last(), Some(&Kind::MonteCarlo { first: 100, count: 20 }));
         assert_eq!(units.enough(), usize::MAX);
+        let points =
+            |units: Units| -> usize { (0..units.count()).map(|unit| units.points(unit, 3)).sum() };
+        assert_eq!([units, Units::new(1_000, None, 7)].map(points), [1_000 + 120, 1_000 + 7 * 5]);
     }
 }

@@ -91,6 +91,8 @@ enum VaryFault {
     Form(String),
     #[error("the name is kept for the choice among [[faults]]")]
     Kept,
+    #[error("the nominal value {nominal} is none of {domain}")]
+    Nominal { nominal: Value, domain: Domain },
 }
 
 /// A search file.
@@ -255,6 +257,9 @@ fn varied(value: &Toml) -> Result<(Domain, Option<Value>), VaryFault> {
                 Some(other) => Some(Value::Word(word(other).ok_or_else(form)?)),
                 None => None,
             };
+            if let Some(nominal) = nominal.clone().filter(|value| domain.nearest(value) != *value) {
+                return Err(VaryFault::Nominal { nominal, domain });
+            }
             Ok((domain, nominal))
         }
         _ => Err(form()),
@@ -354,6 +359,11 @@ mod tests {
         for (rest, what) in [
             ("[vary]\nv = \"2..1\"", "vary.v: the range is empty"),
             ("[vary]\nv = 3", "vary.v: 3 is not a domain"),
+            (
+                "[vary]\nv = { values = \"1..2\", nominal = 3 }",
+                "vary.v: the nominal value 3 is none of 1..2",
+            ),
+            ("[vary]\nv = { values = \"a,b\", nominal = \"c\" }", "value c is none of a,b"),
             (
                 "[vary]\nv = \"1..2\"\n[set]\na = \"v*w\"",
                 "set.\"a\": column 3: unknown variable `w`",

@@ -151,6 +151,14 @@ impl Problem {
         self.variables.iter().enumerate().map(kind).collect()
     }
 
+    /// Number of variables, in words.
+    pub(crate) fn count_in_words(&self) -> String {
+        match self.dimensions() {
+            1 => "1 variable".to_owned(),
+            many => format!("{many} variables"),
+        }
+    }
+
     /// The values at a point.
     #[must_use]
     pub fn values(&self, point: &[f64]) -> Vec<Value> {

@@ -61,6 +61,17 @@ pub enum RequirementError {
         /// The form of the name.
         expected: &'static str,
     },
+    /// A word that is no name.
+    #[error(
+        "require.formulas.{index}: unknown requirement `{name}`, expected a formula or one of {}",
+        scenario::accepted(name, names::NAMES)
+    )]
+    Unknown {
+        /// Name of the requirement.
+        index: usize,
+        /// The word.
+        name: String,
+    },
 }
 
 impl Failure for RequirementError {}
@@ -98,6 +109,9 @@ pub struct RequirementVerdict {
 pub fn requirements(scenario: &Scenario) -> Result<Vec<Requirement>, RequirementError> {
     let known = signals::signals();
     let read = |(index, text): (usize, &String)| {
+        if let Some(name) = names::unknown(text) {
+            return Err(RequirementError::Unknown { index, name: name.to_owned() });
+        }
         let formula = match names::named(text) {
             None => text.clone(),
             Some(Ok(Named::Formula(formula))) => formula,

@@ -15,6 +15,20 @@
 //! A vehicle whose time gap is above 6 s is not followed. Comfort's accelerations are ISO 15622's limits above 20 m/s, its
 //! jerk is the limit below 5 m/s; all from secondary sources.
 
+/// All names.
+pub(super) const NAMES: [&str; 10] = [
+    "no-collision",
+    "no-avoidable-collision",
+    "no-red-light",
+    "min-gap",
+    "ttc",
+    "time-gap",
+    "jerk",
+    "braking",
+    "comfort",
+    "string-stable",
+];
+
 /// Time gap above which a vehicle ahead is not followed, s.
 const FOLLOWED_S: f64 = 6.0;
 
@@ -46,6 +60,13 @@ impl Rule {
             Self::RedLight => "way to a stop line when its signal turned red",
         }
     }
+}
+
+/// The name that `text` seems to mean, where it is no known one: a word without operators and signals is no formula.
+pub(super) fn unknown(text: &str) -> Option<&str> {
+    let name = text.split(':').next().unwrap_or_default().trim();
+    let is_word = !name.is_empty() && name.bytes().all(|b| b.is_ascii_lowercase() || b == b'-');
+    (is_word && !NAMES.contains(&name)).then_some(name)
 }
 
 /// The meaning of a named requirement; `None` if `text` is not one, the form of the name if its values are wrong.
@@ -94,4 +115,21 @@ fn band(value: Option<&str>) -> Option<(f64, f64)> {
 
 fn positive(text: &str) -> Option<f64> {
     text.trim().parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_is_known_and_no_formula_is_a_name() {
+        for name in NAMES {
+            assert!(named(name).is_some() && unknown(name).is_none(), "{name}");
+        }
+        assert_eq!(unknown("min-gop:2"), Some("min-gop"));
+        assert_eq!(unknown("confort"), Some("confort"));
+        for formula in ["always gap_m > 2", "is_red", "gap_m>2", "(is_red)", "not is_red", ""] {
+            assert_eq!(unknown(formula), None, "{formula}");
+        }
+    }
 }

@@ -113,16 +113,6 @@ impl Axis {
         Self { label: label.into(), scale, format: Format::Percent }
     }
 
-    /// Its ends, and whether the logarithm is spread evenly between them.
-    #[must_use]
-    pub fn ends(&self) -> (f64, f64, bool) {
-        match self.scale {
-            Scale::Linear { low, high } => (low, high, false),
-            Scale::Log { low, high } => (low, high, true),
-            Scale::Percentile { .. } => (0.0, 1.0, false),
-        }
-    }
-
     /// Place of a value: 0 to 1 inside the axis.
     pub fn share(&self, value: f64) -> f64 {
         match self.scale {

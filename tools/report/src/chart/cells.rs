@@ -33,6 +33,15 @@ pub struct Edges {
     pub pieces: Vec<[(f64, f64); 2]>,
 }
 
+impl Edges {
+    pub(super) fn series(&self, axes: (&Axis, &Axis)) -> Series {
+        // A gap after each piece.
+        let points = self.pieces.iter().flat_map(|[from, to]| [*from, *to, (to.0, f64::NAN)]);
+        let points: Vec<_> = points.collect();
+        Series::line((&self.label, self.tone, self.stroke), (EDGE_PX, false), &points, axes)
+    }
+}
+
 /// Cells of a grid with edges drawn in.
 #[derive(Clone, Debug)]
 pub struct Cells {
@@ -62,12 +71,7 @@ impl Picture for Cells {
             let boxes: Vec<_> = cells.map(|cell| [cell.from, cell.to]).collect();
             Series::boxes(label, *tone, &boxes, axes)
         });
-        let edges = self.edges.iter().map(|edges| {
-            // A gap after each piece.
-            let points = edges.pieces.iter().flat_map(|[from, to]| [*from, *to, (to.0, f64::NAN)]);
-            let points: Vec<_> = points.collect();
-            Series::line((&edges.label, edges.tone, edges.stroke), (EDGE_PX, false), &points, axes)
-        });
+        let edges = self.edges.iter().map(|edges| edges.series(axes));
         Chart { series: kinds.chain(edges).collect(), ..Chart::new(&self.x, &self.y, HEIGHT) }
     }
 }

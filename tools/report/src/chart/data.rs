@@ -75,6 +75,9 @@ pub struct AxisData {
     /// Names of rows that replace the values of an axis, from top to bottom.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rows: Option<Vec<String>>,
+    /// Height of each row's own line, as a share of the row.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub row_line: Option<f64>,
 }
 
 impl From<&Axis> for AxisData {
@@ -90,7 +93,16 @@ impl From<&Axis> for AxisData {
             Format::DurationUs => "duration",
             Format::Percent => "percent",
         };
-        Self { label: axis.label.clone(), low, high, scale, format, nines, rows: None }
+        Self {
+            label: axis.label.clone(),
+            low,
+            high,
+            scale,
+            format,
+            nines,
+            rows: None,
+            row_line: None,
+        }
     }
 }
 
@@ -130,6 +142,17 @@ pub enum Series {
         /// Upper edges.
         y2: Column,
     },
+    /// Points of a scatter.
+    Point {
+        /// Name.
+        label: String,
+        /// Colour.
+        tone: &'static str,
+        /// Horizontal values.
+        x: Column,
+        /// Vertical values.
+        y: Column,
+    },
     /// Bars of a fixed height at values of the vertical axis.
     Bar {
         /// Name.
@@ -158,6 +181,16 @@ impl Series {
         let (x, y) = columns(points, steps, (x, y), (COLUMNS, PLACES));
         let (tone, stroke) = (tone.name(), stroke.name());
         Self::Line { label: label.into(), tone, stroke, width, steps, x, y }
+    }
+
+    /// Points of a scatter.
+    pub fn points(label: &str, tone: Tone, points: &[(f64, f64)], (x, y): (&Axis, &Axis)) -> Self {
+        Self::Point {
+            label: label.into(),
+            tone: tone.name(),
+            x: Column::new(points.iter().map(|point| point.0), x),
+            y: Column::new(points.iter().map(|point| point.1), y),
+        }
     }
 
     /// Boxes by their lower left and upper right corners.

@@ -4,6 +4,7 @@
 //!   letters, and strips, such as a signal's phases at its stop line. A curve need not be a function of the horizontal
 //!   value.
 //! * [`Cells`]: filled cells of a grid over two axes, with edges.
+//! * [`Scatter`]: points of some kinds over two axes.
 //! * [`Bands`]: rows of labelled spans over one axis: modes over time, the parts of a chain.
 //! * [`Parallel`]: lines through one value a row, such as the variables of many runs.
 //! * [`Ribbons`]: rows coloured by a value along one axis: speeds of many vehicles over time.
@@ -29,6 +30,7 @@ mod decimate;
 mod parallel;
 mod plot;
 mod ribbons;
+mod scatter;
 
 pub use axis::{Axis, number};
 pub use bands::{Bands, Row, Span};
@@ -37,6 +39,7 @@ pub use data::{Chart, Point, escape, script_json};
 pub use parallel::{Parallel, Polyline};
 pub use plot::{Curve, Plot, Strip};
 pub use ribbons::{Ribbon, Ribbons};
+pub use scatter::{Dot, Scatter};
 
 /// A colour by its meaning; the style sheet defines how it looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

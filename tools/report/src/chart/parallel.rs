@@ -8,8 +8,8 @@ use super::{Picture, Stroke, Tone};
 const ROW_PX: f64 = 42.0;
 /// Height of a row's line in it, as a share of the row.
 const LINE: f64 = 0.2;
-/// Width of a line, px.
-const WIDTH_PX: f64 = 1.1;
+/// Widths of the lines of the first kinds, px; further kinds have the last one. They differ in grey too.
+const WIDTHS_PX: [f64; 3] = [2.0, 1.4, 0.7];
 
 /// A line: one value in each row.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +56,7 @@ impl Picture for Parallel {
             (Axis::linear("share of the range", 0.0, 1.0), Axis::linear("", 0.0, count.max(1.0)));
         let mut chart = Chart::new(&x, &y, ROW_PX * count);
         chart.y.rows = Some(self.rows.clone());
+        chart.y.row_line = Some(LINE);
         for (kind, (label, tone)) in self.kinds.iter().enumerate() {
             let lines = self.lines.iter().filter(|line| line.kind == kind);
             let points: Vec<(f64, f64)> = lines
@@ -68,7 +69,8 @@ impl Picture for Parallel {
                 .collect();
             if !points.is_empty() {
                 let name = (label.as_str(), *tone, Stroke::Solid);
-                chart.series.push(Series::line(name, (WIDTH_PX, false), &points, (&x, &y)));
+                let width = WIDTHS_PX[kind.min(WIDTHS_PX.len() - 1)];
+                chart.series.push(Series::line(name, (width, false), &points, (&x, &y)));
             }
         }
         chart
