@@ -14,7 +14,7 @@ pub struct Law {
     name: String,
 }
 
-/// An exception that is not an answer to a question: it belongs to whoever started the run.
+/// An exception that is not an answer to a question. It goes to the caller that started the run.
 pub struct Raised(pub PyErr);
 
 impl Law {

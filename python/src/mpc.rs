@@ -1,6 +1,6 @@
 //! `timegap.mpc`: the solver of the predictive laws, built once and solved each cycle.
 //!
-//! Vectors cross the border as bytes of 64-bit floats, which `timegap/mpc.py` makes of numpy arrays and back: the
+//! Vectors cross the border as bytes of 64-bit floats, and `timegap/mpc.py` converts numpy arrays to them and back. The
 //! stable interface of Python 3.9 has no buffers.
 
 use mpc_solver::{
@@ -20,7 +20,7 @@ type LightArgument = (f64, f64, Option<f64>);
 #[pyclass(module = "timegap._timegap")]
 pub struct Mpc {
     problem: Problem,
-    /// On Rust's heap: its vectors are aligned to 32 bytes, and Python aligns its objects to 16.
+    /// It is on Rust's heap: its vectors are aligned to 32 bytes, and Python aligns its objects to 16.
     solver: Box<Riccati>,
     last: Option<Report>,
 }

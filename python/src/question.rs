@@ -14,7 +14,7 @@ impl Question {
     }
 }
 
-/// A part of a question's bytes, for numpy's array interface. It keeps the question alive.
+/// A part of a question's bytes, for numpy's array interface. It owns the question.
 #[pyclass(frozen, module = "timegap._timegap")]
 struct Part {
     _question: Py<Question>,
@@ -89,8 +89,8 @@ macro_rules! fields {
                 view(slf, q.cell_grades.as_ptr() as usize, q.cell_count, false)
             }
 
-            /// Seven figures, as numpy takes them at once: speed, acceleration, set speed, 1 with a target, gap, relative
-            /// speed, acceleration of the target. `farthest_m` is the gap without a target.
+            /// Seven figures, as numpy takes them at once: speed, acceleration, set speed, 1 with a target, gap, and
+            /// relative speed and acceleration of the target. `farthest_m` is the gap without a target.
             fn observation(&self, farthest_m: f64) -> (f64, f64, f64, f64, f64, f64, f64) {
                 let q = &self.0;
                 let has_target = q.has_target == 1;
@@ -122,7 +122,7 @@ fields! {
     time_s: f64 = |q| q.time_s;
     /// Control period, s.
     period_s: f64 = |q| q.period_s;
-    /// The law is to forget all history before it answers.
+    /// The law must clear its history before it answers.
     is_reset: bool = |q| q.reset == 1;
     /// Distance travelled since the start of the run, m.
     position_m: f64 = |q| q.position_m;

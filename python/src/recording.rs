@@ -82,7 +82,8 @@ impl Recording {
         named.map(|(topic, count)| (topic.name().to_owned(), count)).collect()
     }
 
-    /// The messages of a topic as columns, a row for each message; with `list` a row for each valid entry of that list.
+    /// The messages of a topic as columns, a row for each message. With `list` it is a row for each valid entry of that
+    /// list.
     #[pyo3(signature = (name, list=None))]
     fn topic<'py>(
         &self,

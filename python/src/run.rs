@@ -79,7 +79,7 @@ impl Driven {
     }
 }
 
-/// For a run without a vehicle whose motion grows.
+/// Makes it for a run without a vehicle whose motion grows.
 pub fn nothing_ahead() -> group::in_process::Ahead {
     Box::new(|_, _| {})
 }

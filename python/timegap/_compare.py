@@ -101,7 +101,7 @@ class Comparison(Rows):
     def means(self) -> Table:
         """Figures over the seeds as a `pyarrow.Table`: scenario, law, runs, completed, figure, mean, deviation, n.
 
-        The deviation is that of a sample, and None of one seed. n is the number of seeds in which the figure applies.
+        The deviation is that of a sample, and None for one seed. n is the number of seeds for which the figure exists.
         """
         rows = [
             {
@@ -123,7 +123,7 @@ class Comparison(Rows):
         """Each law minus the first one, seed by seed, as a `pyarrow.Table`; empty for one seed.
 
         Columns: scenario, law, reference, figure, mean, low, high, n, real, better. `rule` says when a difference is
-        called real. Of too few seeds low, high and real are None.
+        called real. With too few seeds low, high and real are None.
         """
         rows = [{"law": one.pop("controller"), **one} for one in map(dict, self._over_seeds["differences"])]
         names = ["scenario", "law", "reference", "figure", "mean", "low", "high", "n", "real", "better"]
@@ -199,7 +199,7 @@ Done = tuple[dict[str, Any], Union[Run, None], dict[str, Any]]
 def _one(job: tuple[Any, ...]) -> Done:
     first, scenario, name, law, keys, options, keep = job
     own = None if isinstance(law, str) else name
-    # Runs at once do not share what a law remembers.
+    # Runs at once do not share a law's state.
     result = run(scenario, law if isinstance(law, str) else copy.deepcopy(law), keys, name=own, **options)
     summary = result.summary
     row = {**first, "law": result.law, "outcome": result.outcome, "error": result.error, **flat(summary["control"])}
@@ -253,8 +253,8 @@ def compare(
             functions of a module. The runs are not kept.
 
     Returns:
-        A row for each run, in the order of scenarios, laws and seeds. With several seeds `.means` has the figures
-        over the seeds, and `.differences` each law against the first one, seed by seed.
+        A row for each run, in the order of scenarios, laws and seeds. With several seeds `.means` has the figures over
+        the seeds. `.differences` has each law against the first one, seed by seed.
     """
     by_name = named(laws)
     if processes:

@@ -1,17 +1,17 @@
-//! Tests that need more than a Rust toolchain: a Python with packages from PyPI, a browser, a kernel that
+//! Tests that need more than a Rust toolchain, such as a Python with packages from PyPI, a browser, or a kernel that
 //! grants mount namespaces.
 //!
 //! Rust's own harness cannot skip a running test, and a test that returns early counts as passed. Files with this
 //! module have `harness = false` and check the needs first. A test without them is *ignored*, with the reason in its
 //! line and in the count of the closing line. `.ci/run` repeats these lines at its end, and fails on an unexpected one.
-//! cargo-nextest skips tests that its list marks as ignored, so needs are checked when it asks for the list.
+//! cargo-nextest skips tests that its list marks as ignored. So needs are checked when it asks for the list.
 
 use crate::missing::Missing;
 use libtest_mimic::{Arguments, Trial};
 use std::path::Path;
 use std::process::{Command, ExitCode};
 
-/// Whether a need is met, or the reason why not.
+/// Result of the check of a need: met, or the reason why not.
 pub type Needed = Result<(), Missing>;
 
 /// A test and its need.

@@ -1,5 +1,5 @@
-//! One function for each reader of bytes from outside. None may panic on any input, and each reports the fault
-//! in one error. The targets in `fuzz/` call them with libFuzzer, a test calls them with mutated examples.
+//! One function for each reader of bytes from outside. They may not panic on any input, and each reports the fault in
+//! one error. The targets in `fuzz/` call them with libFuzzer, a test calls them with mutated examples.
 
 use crate::storyboards;
 use messages::e2e::{Channel, Outcomes, profile7};

@@ -1,7 +1,7 @@
 //! Random OpenSCENARIO files from a stream of bytes: valid ones, mostly, with extreme values.
 //!
-//! A mutation of single bytes seldom leaves a file readable. Here each byte chooses an action, a condition,
-//! a word or a number, so that nearly all files reach the moving world.
+//! A mutation of single bytes rarely leaves a file readable. Here each byte chooses an action, a condition, a word or a
+//! number. So nearly all files reach the moving world.
 
 use std::fmt::Write;
 

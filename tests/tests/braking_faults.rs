@@ -1,6 +1,6 @@
-//! A 49 t truck downhill behind a lead that brakes to standstill at 6 m/s², while messages are disturbed: no
-//! contact, with a detecting radar and the emergency brake. In an earlier version each case ended in a contact, or less
-//! than 0.1 m from one.
+//! A 49 t truck downhill behind a lead that brakes to standstill at 6 m/s², while messages are disturbed. With a
+//! detecting radar and the emergency brake there is no contact. In an earlier version each case ended in a contact, or
+//! less than 0.1 m from one.
 
 use system_tests::Corner;
 

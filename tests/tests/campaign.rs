@@ -1,5 +1,5 @@
-//! A campaign comes to the same verdict in one go, interrupted and resumed, and in shards; what it
-//! blames can be repeated.
+//! A campaign comes to the same verdict in one go, interrupted and resumed, and in shards. Each run
+//! that it blames can be repeated.
 
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;

@@ -25,7 +25,7 @@ fn corridor() -> Scenario {
     Scenario::parse("corridor", text).expect("it is right")
 }
 
-/// Frames of `corridor`'s units in `seconds`. Each second adds a frame of another profile (version 2 in its
+/// Frames of `corridor`'s units in `seconds`. Each second adds two frames: one of another profile (version 2 in its
 /// first header) and one of another message (BTP port 2002).
 fn capture(path: &Path, seconds: u64) {
     let units = Frames::new(&corridor().v2x);

@@ -1,5 +1,5 @@
-//! Rules for the whole workspace: dependence points one way between its crates and between the files of each,
-//! and errors are types.
+//! Rules for the whole workspace. Dependence points one way between its crates and between the files of each, and
+//! errors are types.
 
 use serde_json::Value;
 use std::collections::BTreeMap;

@@ -57,8 +57,7 @@ fn packages() -> Vec<Value> {
     }
 }
 
-/// Whether a licence expression can be met with the allowed ones: `OR`, `AND`, `WITH`, brackets, and the old
-/// `/` for `OR`.
+/// True if the allowed licences meet a licence expression: `OR`, `AND`, `WITH`, brackets, and the old `/` for `OR`.
 fn is_allowed(expression: &str, allowed: &BTreeSet<String>) -> bool {
     let spaced = expression.replace('/', " OR ").replace('(', " ( ").replace(')', " ) ");
     let mut words = spaced.split_whitespace().peekable();

@@ -181,7 +181,7 @@ fn a_message_is_two_edits_and_a_service_a_folder_a_row_and_a_line() {
     let reference = copy.timegap(&["generate", "reference-messages"]);
     assert!(text(&reference).contains("probe/position"), "the reference reads the row");
 
-    // A service that sends it: its folder, its row, and the line that cargo needs in the manifest of the launcher.
+    // A service that sends it: its folder, its row, and the line in the launcher's manifest, which cargo needs.
     let topics = copy.root.join("shared/messages/src/topic.rs");
     let rows = std::fs::read_to_string(&topics).expect("a file of the workspace");
     let rows = rows

@@ -58,7 +58,7 @@ fn every_service_is_killed_once_and_the_drive_goes_on() {
         let recovered = fault["recovered_after_us"].as_f64().expect("it came back");
         assert!(0.0 < detected && detected < recovered, "{fault}");
     }
-    // No vehicle vanished with its process: the drive's gap continues.
+    // No vehicle disappeared with its process: the drive's gap continues.
     let text = std::fs::read_to_string(corner.path().join("out/trajectory.csv")).expect("kept");
     let gaps: Vec<f64> = (csv(&text, &["gap_m"]).iter().map(|row| row[0]))
         .filter(|gap_m| gap_m.is_finite())
@@ -120,7 +120,7 @@ fn a_stopped_service_is_replaced_and_a_short_stop_is_not() {
     let corner = corner(3.0, &faults);
     let (status, summary) = run(&corner, "realtime");
     assert_eq!(status, Some(0), "{summary}");
-    // In order of the data flow: plant, perception-sim, v2x-sim, controller, aebs.
+    // Services in order of the data flow: plant, perception-sim, v2x-sim, controller, aebs.
     assert_eq!(restarts(&summary)[1], 1, "{summary}");
     assert_eq!(restarts(&summary)[2], 0, "{summary}");
     let hung = &summary["faults"].as_array().expect("a list")[1];
@@ -183,7 +183,7 @@ fn message_faults_repeat_byte_by_byte_and_no_corruption_passes() {
     assert!(disturbed("corrupt") > 0 && disturbed("drop") > 40);
     let future = &first.1["messages"]["v2x/spat"]["e2e"]["from_the_future"];
     assert!(future.as_u64() > Some(5), "{future}");
-    // 2.5 s without radar: the lead is predicted, then the vehicle brakes, then it trusts the radar again.
+    // 2.5 s without radar: the lead is predicted, then the vehicle brakes, then it uses the radar again.
     let rungs = &first.1["rungs"]["controller"];
     assert!(rungs["time_s"]["lead-predicted"].as_f64() > Some(0.5), "{rungs}");
     assert!(rungs["time_s"]["lead-lost"].as_f64() > Some(0.5), "{rungs}");

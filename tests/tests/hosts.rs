@@ -81,8 +81,8 @@ fn pause(seconds: u64) {
     std::thread::sleep(Duration::from_secs(seconds));
 }
 
-/// The vehicle starts before the unit, so that it receives all; the unit ends before the vehicle, over good
-/// air. Between them: 10 % loss, 30 % for 2 s, no link for 2 s, 10 % again.
+/// The vehicle starts before the unit, so that it receives all; the unit ends before the vehicle, over good air. The
+/// link between them: 10 % loss, 30 % for 2 s, no link for 2 s, 10 % again.
 fn drive(hosts: &mut Hosts, unit: &str, vehicle: &str) -> Result<(Value, Value), Failed> {
     let corner = Corner::new("ip");
     let arguments = ["run", "corridor", "--radio", vehicle, "--duration", "26"];

@@ -27,8 +27,8 @@ fn digests(scenario: &Scenario) -> Value {
     Value::Object(digests.collect())
 }
 
-/// The figures that wall clocks do not affect. In a run that ends early, counts of received messages are
-/// affected too: a stopped service may have read the last message or not.
+/// The figures that wall clocks do not affect. In a run that ends early, counts of received messages are affected too.
+/// A stopped service may have read the last message or not.
 fn repeatable(summary: &Value) -> Value {
     let control = &summary["control"];
     let [faults, rungs] = ["faults", "rungs"].map(|key| &summary[key]);

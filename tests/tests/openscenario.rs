@@ -44,7 +44,7 @@ fn a_cut_in_happens_at_its_gap_and_ends_the_run() {
     assert_eq!(summary["outcome"], "completed");
     let duration_s = summary["duration_s"].as_f64().expect("a time");
     assert!((10.0..60.0).contains(&duration_s), "the stop trigger ends the run: {duration_s}");
-    // The cut-in is in the path from about half of the lane change, while most of the 30 m gap is left.
+    // The cut-in is in the path from about half of the lane change. Most of the 30 m gap is left then.
     let gap_m = summary["control"]["min_gap_m"].as_f64().expect("a gap");
     assert!((5.0..30.0).contains(&gap_m), "{gap_m}");
     // The effective scenario is kept, and runs by itself.

@@ -5,7 +5,7 @@ use system_tests::{Corner, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
-/// A following with a gap at the start below a limit: the probability is that of the gap, known in closed form.
+/// A following drive whose gap at the start is below a limit. The probability is that of the gap, known in closed form.
 const GAP: &str = r#"
 schema_version = 1
 name = "gap"

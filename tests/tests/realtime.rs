@@ -99,8 +99,8 @@ fn the_timer_releases_as_well_as_the_radar() {
     assert_eq!(drive("timer"), drive("radar"));
 }
 
-/// Loops and message transport allocate nothing: iceoryx2's reference counts come from a pool, which is filled
-/// after the first message of each port. Encoding and decoding of frames allocates outside the control loop.
+/// Loops and message transport allocate nothing. iceoryx2's reference counts come from a pool, which is filled after
+/// the first message of each port. Encoding and decoding of frames allocates outside the control loop.
 #[test]
 fn the_loops_allocate_nothing() {
     /// Blocks of the pool that a loop may be the first to need: one for each message that it writes at a time.

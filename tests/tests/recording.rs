@@ -19,8 +19,8 @@ fn sent(summary: &Value) -> u64 {
     topics.values().map(|topic| topic["sent"].as_u64().expect("a count")).sum()
 }
 
-/// A run with a recording that holds messages. In lockstep a second of it takes milliseconds, and it is long enough
-/// for the recorder's end to come in the drive.
+/// A run with a recording that holds messages. In lockstep a second of it takes milliseconds. It is long enough for the
+/// recorder's end to come in the drive.
 fn started(corner: &Corner, mode: &str) -> Child {
     let arguments =
         ["run", "following", "--mode", mode, "--duration", "800", "--out", "out", "--json"];

@@ -1,5 +1,5 @@
-//! The search for failures: minimal cases that repeat, an interrupted search that goes on the same way, a table of
-//! faults.
+//! The search for failures: minimal cases that repeat, an interrupted search that continues in the same way, and a
+//! table of faults.
 
 use serde_json::{Value, json};
 use system_tests::Corner;

@@ -62,7 +62,7 @@ fn a_truck_stands_and_goes_on_the_level_and_downhill() {
     stands("jh6-25t", -10.0, true);
 }
 
-/// The model has the top six of twelve gears: its greatest force balances 49 t on 3.7 %, 25 t on 5.7 %.
+/// The model has the top six of twelve gears. Its greatest force balances 49 t on 3.7 %, and 25 t on 5.7 %.
 #[test]
 fn a_truck_stands_uphill_and_goes_where_its_lowest_gear_can() {
     stands("jh6-49t", 2.0, true);

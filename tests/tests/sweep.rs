@@ -1,4 +1,4 @@
-//! A sweep gives the same bytes each time, on any number of cores, and refuses a bad key before any run.
+//! A sweep gives the same bytes each time, on any number of cores. It refuses a bad key before any run.
 
 use rustix::process::{Pid, Signal, kill_process};
 use system_tests::{Corner, csv, text, wait_for};

@@ -19,7 +19,7 @@ enum Step {
     Save { file: String, text: String, appends: bool },
 }
 
-/// The steps that a page asks for: indented lines are typed, blocks below a sentence that names a file are saved.
+/// The steps that a page asks for. Indented lines are typed; blocks below a sentence that names a file are saved.
 fn steps(page: &str) -> Vec<Step> {
     let mut steps = Vec::new();
     let (mut before, mut lines) = ("", page.lines());

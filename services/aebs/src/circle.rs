@@ -8,7 +8,7 @@
 //!
 //! behind a low-pass of [`LAG_S`]. Below [`SLOWEST_MPS`] the quotient is worthless: the curvature stays as it was.
 //!
-//! A point (x, y) of the *body* has x along the body from the middle of the front bumper, and y to the left. It becomes
+//! A point (x, y) of the *body* counts from the middle of the front bumper: x along the body, y to the left. It becomes
 //! (σ, d): the length along the circle and the distance left of it. With the circle's centre at (0, 1/κ)
 //!
 //! ```text
@@ -17,9 +17,9 @@
 //! σ = atan2(κ x, 1 - κ y) / κ
 //! ```
 //!
-//! which is (x, y) where κ = 0. The body does not point along the way of its bumper: it turns about its rear axle, and
-//! the tyres slip. The way's heading there is κ (l - k v²). l is the bumper's distance from the rear axle, and k the
-//! slip of the rear tyres per lateral acceleration ([`Body`]).
+//! which is (x, y) where κ = 0. The body does not point along the way of its bumper. It turns about its rear axle, and
+//! the tyres slip. The way's heading there is κ (l - k v²). l is the distance from the bumper to the rear axle. k is
+//! the slip of the rear tyres per lateral acceleration ([`Body`]).
 //!
 //! ```
 //! use aebs::circle::Circle;
@@ -31,13 +31,13 @@
 //! ```
 
 /// Time constant of the curvature's low-pass, s. Chosen: five samples of the sensor. Its noise of 0.1 °/s would be 3 cm
-/// at the last point to brake, and a curve that begins or ends is to show at once.
+/// at the last point to brake. A curve that begins or ends must show at once.
 const LAG_S: f64 = 0.05;
 /// Speed below which a yaw rate does not show a curvature, m/s. Chosen: 0.1 °/s of offset is 1/1,700 m there.
 const SLOWEST_MPS: f64 = 3.0;
 
-/// Standard deviation of the road's curvature around that of the circle, 1/m. Chosen: the driver's own steering, 0.2 m of
-/// wander in 3 s, and a yaw rate that is off by 0.1 °/s.
+/// Standard deviation of the road's curvature around that of the circle, 1/m. Chosen: the driver's own steering (0.2 m
+/// of wander in 3 s), and a yaw rate that is off by 0.1 °/s.
 const SIGMA_PERM: f64 = 3e-4;
 
 /// Heading and bumper of the ego's body beside its way.
@@ -259,7 +259,7 @@ mod tests {
 
     #[test]
     fn what_stands_is_carried_to_its_place_on_the_next_circle() {
-        // The ego drives 1 m on a circle of 125 m; its filter still had 200 m, and has 125 m then.
+        // The ego drives 1 m on a circle of 125 m. Its filter still had 200 m before, and has 125 m then.
         let (before, next, truth) = (circle(200.0, 0.0), circle(125.0, 0.0), circle(125.0, 0.0));
         let place = (40.0, -3.5);
         let (x_m, y_m) = truth.to_body(place.0, place.1);

@@ -1,9 +1,10 @@
-//! A vehicle ahead that is about to hit another one in the ego's path stands there at once: nearer than the other, by
-//! its own length.
+//! A vehicle ahead is about to hit another one in the ego's path. It then stands at once, nearer than the other by its
+//! own length.
 //!
 //! The ego may have to stop behind either of the two. The probability of the first is a sum over its lateral speeds
-//! ([`crate::filter`]): the probability that it is still before the second when it gets there. On the way it keeps its
-//! acceleration; one that brakes enough to stop short hits nothing. From the contact on it moves with the second.
+//! ([`crate::filter`]). Each term is the probability that the first is still before the second when it gets there. On
+//! the way it keeps its acceleration; one that brakes enough to stop short hits nothing. From the contact on it moves
+//! with the second.
 //!
 //! With that probability the first is an object where it will stand.
 

@@ -12,10 +12,10 @@
 //! | [`BrakeState::Braking`] | a contact is likely, braking makes it less likely or milder, and one cycle later it may leave less than the margin | letting go is safe, or surely passes; the ego stands |
 //! | [`BrakeState::Holding`] | the ego stands after braking | after `hold_s` |
 //!
-//! The margin is reckoned with less than the brakes' authority (`counted_on_mps2` of [`Numbers`]): the rest is the
+//! The margin is computed with less than the brakes' authority (`counted_on_mps2` of [`Numbers`]). The rest is the
 //! reserve for another vehicle that begins to brake. A lead, which moves in the path, may do so with
-//! `lead_may_brake_mps2`. If a driver's braking (`answer_mps2`) is no longer enough, the whole authority must still
-//! leave the margin when that is noticed (`notices_s`).
+//! `lead_may_brake_mps2`. A driver's braking (`answer_mps2`) may no longer be enough. The whole authority must then
+//! still leave the margin when that is noticed (`notices_s`).
 //!
 //! Letting go is safe if two things hold. Without brakes the ego comes no nearer than the margin and `clear_m`. And if
 //! the other vehicle brakes on, as hard as it did during the intervention, braking anew leaves the margin.
@@ -33,7 +33,7 @@ use crate::object::Object;
 use crate::prediction::{Authority, Beside, Ego, Plan, Threat};
 use messages::BrakeState;
 
-/// The ego's swept path and the time ahead for which lateral motion is trusted.
+/// The ego's swept path, and the time ahead for which lateral motion is extrapolated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Path {
     /// Half of the ego's width, m.
@@ -178,7 +178,7 @@ impl Decision {
     fn assess(&self, ego: &Ego, object: &Object, braking: bool) -> Option<Assessment> {
         let Settings { authority, period_s, margin_m, warning_s, ego_length_m, .. } =
             &self.settings;
-        // The noise of a range rate is not a motion: over some seconds it would reach an ego that stops closely behind.
+        // The noise of a range rate is not a motion. Over some seconds it would reach an ego that stops closely behind.
         let stands = object.speed_mps.abs() <= self.numbers.standstill_mps;
         let threat = Threat {
             gap_m: object.distance_m,

@@ -10,11 +10,11 @@
 //! | it ends the change | [`ENDS`] |
 //! | its speed becomes the next one, up or down | [`VARIES`] each |
 //!
-//! No vehicle moves faster across the lanes than along them, and what stands does not move at all. What crawls turns
-//! slowly: on its smallest circle its lateral speed grows with v²/R ([`TURNS_M`]).
+//! No vehicle moves faster across the lanes than along them, and what stands does not move at all. A crawling object
+//! turns slowly: on its smallest circle its lateral speed grows with v²/R ([`TURNS_M`]).
 //!
-//! A measured position corrects the states by Kalman's formulas and their probabilities by Bayes' rule; a
-//! measured lateral speed corrects the probabilities. Either is an outlier with probability [`OUTLIER`].
+//! A measured position corrects the states by Kalman's formulas, and their probabilities by Bayes' rule. A measured
+//! lateral speed corrects the probabilities. Either is an outlier with probability [`OUTLIER`].
 //!
 //! Source: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation (2001),
 //! 11.6 (multiple models with switching).
@@ -25,8 +25,9 @@ const STEP_MPS: f64 = 0.2;
 const SIDE: usize = 10;
 /// States: the one that keeps its lane, then the speeds.
 const STATES: usize = 2 * SIDE + 1;
-/// Rates of changes, 1/s. A vehicle on a motorway begins to change its lane each 250 s or so (Krajewski et al., The highD
-/// dataset, ITSC 2018: 5,600 changes in 44,500 km). Chosen: 40 times as often, as a change that is seen late costs more.
+/// Rates of changes, 1/s. A vehicle on a motorway begins to change its lane about every 250 s. Source: Krajewski et
+/// al., The highD dataset, ITSC 2018: 5,600 changes in 44,500 km. Chosen: 40 times as often, as a change that is seen
+/// late costs more.
 const BEGINS: f64 = 0.15;
 const ENDS: f64 = 0.3;
 const VARIES: f64 = 4.0;
@@ -92,8 +93,8 @@ impl Hypothesis {
     }
 }
 
-/// Probability that two overlap whose half widths are `reach_m` together and whose middles are `off_m` apart, with
-/// a standard deviation of `sigma_m`.
+/// Probability that two vehicles overlap. `reach_m` is the sum of their half widths; their middles are `off_m` apart,
+/// with a standard deviation of `sigma_m`.
 pub(crate) fn overlap(reach_m: f64, off_m: f64, sigma_m: f64) -> f64 {
     let deviates = (reach_m - off_m) / sigma_m.max(LEAST_SIGMA_M);
     0.5 * libm::erfc(-deviates * std::f64::consts::FRAC_1_SQRT_2)
@@ -168,8 +169,8 @@ impl Lateral {
         self.position_m += self.rate_mps * time_s;
     }
 
-    /// The way that its position is counted from has moved by this to the right, m: it moves to the left, and keeps its
-    /// rate.
+    /// Distance by which the origin of its position moved to the right, m. The object moves to the left by it, and
+    /// keeps its rate.
     pub fn shift(&mut self, by_m: f64) {
         for state in &mut self.states {
             state.mean_m += by_m;

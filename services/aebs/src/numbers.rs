@@ -23,7 +23,7 @@ parameters! {
     pub struct Numbers {
         /// Time for which the brakes are held after a stop.
         hold_s: f64 = 1.0, "s", 0.0..=10.0, "Chosen: the driver has that time to take over; no contact depends on it. A fifth more or less leaves the totals of 300 random drives unchanged.";
-        /// Time for which a threat that is no longer seen is braked for.
+        /// Time for which the brake acts on a threat that is no longer seen.
         unseen_s: f64 = 0.3, "s", 0.0..=2.0, "Chosen: six scans of 50 ms, as long as an object outlives its last echo. A fifth more or less leaves the totals of 300 random drives unchanged.";
         /// Deceleration that the last point counts on.
         counted_on_mps2: f64 = 6.0, "m/s²", 3.0..=12.0, "Chosen: braking that any dry road gives; the rest of the authority is the reserve for a lead that begins to brake. A fifth less: 6 avoidable collisions of 300 random drives instead of 7; a fifth more: 10.";

@@ -20,8 +20,8 @@ const BLIND_MARGIN_M: f64 = 0.5;
 const PLACES_M: f64 = 4.0;
 /// Standard deviation of the middle of a vehicle of which one point is known, m.
 pub(crate) const FIRST_SIGMA_M: f64 = 0.7;
-/// A lead keeps to the ego's path if it is this near to the ego's axis, m, and moves across no faster, m/s. Chosen: a
-/// vehicle that swerves around a standing one is 1.8 m off when it gets there.
+/// Greatest distance of a lead from the ego's axis, m, and greatest speed across, m/s, with which it keeps to the ego's
+/// path. Chosen: a vehicle that swerves around a standing one is 1.8 m off when it gets there.
 const LEAD_OFF_M: f64 = 0.5;
 const LEAD_RATE_MPS: f64 = 0.4;
 /// It drives from this speed on, m/s.
@@ -51,7 +51,7 @@ pub struct Object {
     pub is_confirmed: bool,
     /// Probability that it is there.
     pub probability: f64,
-    /// How probable it is that it is not two abreast ([`mod@crate::one_body`]).
+    /// Probability that it is not two abreast ([`mod@crate::one_body`]).
     pub(crate) one_body: OneBody,
     /// A vehicle in the ego's path drove through its place: it is not there.
     pub(crate) is_driven_through: bool,
@@ -59,7 +59,7 @@ pub struct Object {
     pub(crate) hidden_side: f64,
     /// Scans in which it was seen.
     pub(crate) scans: u32,
-    /// Whether it was seen in each of the last scans, the newest in the lowest bit.
+    /// Bits of the last scans in which it was seen, the newest in the lowest bit.
     pub(crate) history: u32,
     /// Time since it was last seen, s.
     pub(crate) unseen_s: f64,
@@ -102,7 +102,8 @@ impl Object {
         }
     }
 
-    /// In how many of the last `scans` it was seen; of as many more as only a `share` of them shows what is there.
+    /// Number of the last `scans` in which it was seen. If only a `share` of them shows what is there, as many more
+    /// scans count.
     pub(crate) fn times_seen(&self, scans: u32, share: f64) -> u32 {
         let looked = (f64::from(scans) / share).round().min(f64::from(u32::BITS)) as u32;
         (self.history << (u32::BITS - looked)).count_ones()
@@ -116,8 +117,8 @@ impl Object {
 
     /// True if `lead`, a vehicle that keeps to the ego's path, is in the place of this standing object.
     ///
-    /// Two bodies cannot be in one place. An echo of two vehicles abreast, which the radar does not resolve, stands
-    /// between them; a lead that drives through proves the path free there.
+    /// Two bodies cannot be in one place. An echo between two vehicles abreast is a merged one: the radar does not
+    /// resolve them. A lead that drives through it proves that the path is free there.
     pub(crate) fn is_in_the_place_of(&self, lead: &Self) -> bool {
         let keeps_to_the_path = lead.lateral.position_m.abs() < LEAD_OFF_M
             && lead.lateral.rate_mps.abs() < LEAD_RATE_MPS
@@ -157,10 +158,10 @@ impl Object {
 
     /// The side on which `nearer` hides its face, 1 left, -1 right, or 0: neither.
     ///
-    /// That is the outer side where the line to its middle passes through `nearer`, or where it goes on as the side of
-    /// `nearer` ends: a long vehicle comes out as several. Otherwise it is the side of the one corner to which the line
-    /// passes through `nearer`, of an object that is in the ego's path already: one beside the path that seems
-    /// to reach behind what is in it may as well be seen as a whole.
+    /// That is the outer side where the line to its middle passes through `nearer`, or where it continues as the side
+    /// of `nearer` ends. A long vehicle comes out as several objects. Otherwise it is the side of the one corner to
+    /// which the line passes through `nearer`. This holds only for an object that is in the ego's path already. One
+    /// beside the path may be seen as a whole, although it seems to reach behind what is in the path.
     pub(crate) fn side_hidden_by(&self, nearer: &Self) -> f64 {
         let middle_m = self.lateral.position_m;
         let end_m = nearer.distance_m + nearer.length_m;
@@ -180,8 +181,8 @@ impl Object {
         f64::from(is_hidden(1.0)) - f64::from(is_hidden(-1.0))
     }
 
-    /// The side on which `nearer` is as seen from the ego. On a curve that is the side which it hides of a standing
-    /// vehicle, whichever way that one points. On a straight way neither hides a side of the other.
+    /// The side on which `nearer` is as seen from the ego. On a curve that is the side of a standing vehicle that it
+    /// hides, in whatever direction that vehicle points. On a straight way neither hides a side of the other.
     fn side_towards(&self, nearer: &Self) -> f64 {
         if self.bow_m == 0.0 || !self.stands() || nearer.distance_m <= 0.0 {
             return 0.0;
@@ -231,8 +232,8 @@ impl Object {
         self.lateral.position_m - self.bow_m
     }
 
-    /// The side of the line of sight on which it is, 1 left, -1 right, and where the side is that it shows, m left of
-    /// the way; `None` if it shows none.
+    /// The side of the line of sight on which it is (1 left, -1 right), and the place of the side that it shows, m left
+    /// of the way. `None` if it shows none.
     ///
     /// A standing object need not point along the ego's circle: the road ahead may be straight. It shows a side for sure if it
     /// shows the same one then.

@@ -16,21 +16,21 @@
 //! The face's echoes merge and fluctuate, so that their middle wanders by 0.3 m. The points of a side differ in range
 //! and are as exact as the radar's azimuth. So a vehicle beside the path is located by the side that it shows.
 //!
-//! If a nearer object hides its face, only one side shows: the inner one of an object beside the path, the one with the
-//! free corner of an object in the path. Its middle is up to half a width farther to the other side than what is seen.
+//! If a nearer object hides its face, only one side shows. An object beside the path shows its inner side, one in the
+//! path the side with its free corner. Its middle is up to half a width farther to the other side than what is seen.
 //! The part of a vehicle beyond [`REACH_M`] along its side becomes further objects, which show their inner side.
 //!
-//! An object counts once it was seen in three of four scans. A standing one counts after four of five, and only up to
-//! the neighbouring lanes: posts beside the road are left out. A standing object through which a lead in the path
-//! drives does not count: it is an echo of several vehicles beside the path.
+//! An object counts once it was seen in three of four scans. A standing one counts after four of five. It counts only
+//! up to the neighbouring lanes, so that posts beside the road are left out. A standing object through which a lead in
+//! the path drives does not count. It is an echo of several vehicles beside the path.
 //!
 //! Far off an object may be two vehicles abreast ([`mod@crate::one_body`]): how probable it is that it is one counts.
 //!
 //! While the radar shows little ([`Objects::expect`]) an object has as many scans longer to be seen.
 //!
-//! On a road with curves x and y are counted along the ego's own circle and left of it ([`mod@crate::circle`]). When the
-//! circle changes, every object is counted anew from it: it stays where it is in the plane, and the estimate of the
-//! curvature makes no lateral speed.
+//! On a road with curves x and y are counted along the ego's own circle and left of it ([`mod@crate::circle`]). When
+//! the circle changes, the position of every object is computed anew from it. The object stays where it is in the
+//! plane, so the estimate of the curvature makes no lateral speed.
 
 use crate::circle::{Circle, OwnWay, Step, Turned};
 use crate::collision_ahead::where_it_stands;
@@ -49,13 +49,15 @@ pub const MAX_OBJECTS: usize = 48;
 const REACH_M: f64 = 6.0;
 /// Points of one object differ from it by no more than this: speed, m/s, and lateral position, m.
 const SAME: (f64, f64) = (2.5, 1.9);
-/// One of two vehicles in the lanes beside the ego's is at most this far from a place between them, m.
+/// Greatest distance from a place between two vehicles to either of them, in the lanes beside the ego's, m.
 const WIDEST_PAIR_M: f64 = 7.5;
-/// Farther beside the path an object is not a threat, whatever row it is on, m: both half widths, and 0.6 m.
+/// Distance beside the path beyond which an object is not a threat, whatever row it is on, m: both half widths, and 0.6
+/// m.
 const NEAR_PATH_M: f64 = 2.5;
 /// An object that counts is dropped after this time without a point, s.
 const COAST_S: f64 = 0.4;
-/// The same of one that is beside the ego, outside of the field of view, s, and at most, of one that is seldom seen.
+/// The same of an object beside the ego, outside of the field of view, s. It is also the most for one that is rarely
+/// seen.
 const BESIDE_S: f64 = 3.0;
 /// Scans in which one that does not count yet must be seen once.
 const LATELY: u32 = 2;
@@ -95,7 +97,7 @@ impl Objects {
         }
     }
 
-    /// The same of a radar that may see two as one whose azimuths are nearer to each other than this, rad.
+    /// The same for a radar that may merge two echoes whose azimuths differ by less than this, rad.
     #[must_use]
     pub fn resolving(self, resolution_rad: f64) -> Self {
         Self { resolution_rad, ..self }

@@ -1,20 +1,21 @@
-//! One vehicle, or two abreast that the radar does not tell apart.
+//! One vehicle, or two abreast that the radar does not resolve.
 //!
-//! Echoes of one range and one speed that are nearer to each other than the azimuth's resolution come out as one, between
-//! them. Two vehicles in the lanes beside the ego's then look as one in the ego's lane. The place of such an echo scatters
-//! around the middle between the two, as their powers fluctuate from scan to scan. That of one vehicle stays on its body.
+//! Two echoes of one range and one speed come out as one, between them, if they are nearer to each other than the
+//! azimuth's resolution. Two vehicles in the lanes beside the ego's then look as one in the ego's lane. The place of
+//! such an echo scatters around the middle between the two. Their powers fluctuate from scan to scan. That of one
+//! vehicle stays on its body.
 //!
-//! So an object that is that far off has odds: how much better one body explains the places where it was seen than two
-//! do. Each scan multiplies them by
+//! So an object that is that far off has odds. They compare one body with two as the explanation of the places where it
+//! was seen. Each scan multiplies them by
 //!
 //! ```text
 //! seen at y:                    p(y | the lateral filter) / N(y; 0, s²)     s: scatter around the middle of the ego's lane
 //! not seen, but in its range and speed elsewhere:  MISSED
 //! ```
 //!
-//! From where the radar tells the two apart an object is one body.
+//! From where the radar resolves the two, an object is one body.
 //!
-//! The price: the middle one of three that are exactly abreast counts late, from where two would be told apart.
+//! The price: the middle one of three that are exactly abreast counts late, from where two would be resolved.
 
 use crate::filter::density;
 
@@ -24,15 +25,15 @@ const LEAST_APART_M: f64 = 6.0;
 const CORNERS_M: f64 = 1.8;
 /// Standard deviation of the place of the echo of two, m. Calculated: 7 m times that of the share of one of two powers.
 /// Each is the sum of three exponential ones, of the middle of a rear (0.6) and its corners (0.2). So each is like a
-/// gamma variable of shape 1 / 0.44, the share like a beta variable with the variance 0.045.
+/// gamma variable of shape 1 / 0.44. The share is like a beta variable with the variance 0.045.
 const SCATTER_M: f64 = 1.5;
 /// Odds that an echo of one body is missing in a scan, to those of one between two. Chosen: one in ten of a vehicle's
-/// echoes is too weak; two bodies come out as two in every other scan.
+/// echoes is too weak. Two bodies come out as two in every other scan.
 const MISSED: f64 = 0.1 / 0.5;
 /// Limits of the odds' logarithm: 20 to 1. Another vehicle may come abreast at any time.
 const MOST: f64 = 3.0;
 
-/// How probable it is that an object is one body.
+/// Probability that an object is one body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct OneBody {
     /// Logarithm of the odds; at first both are alike.

@@ -17,7 +17,7 @@ const RATE_SIGMA_MPS: f64 = 0.04;
 const WEAK_SIGMA_MPS: f64 = 0.078;
 /// Standard deviation of a range, m.
 const RANGE_SIGMA_M: f64 = 0.1;
-/// Least cosine of the angle between a line of sight and a motion: beyond, a range rate shows little of it.
+/// Least cosine of the angle between a line of sight and a motion. Below it, a range rate shows little of the motion.
 const LEAST_COSINE: f64 = 0.1;
 /// Largest amplitude's signal-to-noise ratio in the weights, dB: one strong echo does not decide alone.
 const STRONGEST_DB: f64 = 30.0;

@@ -1,9 +1,9 @@
 //! When the ego is beside an object, depending on what the ego does.
 //!
 //! If it brakes, it first keeps its acceleration until the brakes bite (dead time). Then its deceleration grows by the
-//! brake's jerk up to its authority, until it is no faster than the object and far enough behind it. The object keeps
-//! the acceleration that was estimated, until it stands. Both are integrated in steps of [`STEP_S`]. The time ends when
-//! the ego has passed, or has fallen back behind the object.
+//! brake's jerk up to its authority. It ends when the ego is no faster than the object and far enough behind it. The
+//! object keeps the acceleration that was estimated, until it stands. Both are integrated in steps of [`STEP_S`]. The
+//! time ends when the ego has passed, or has fallen back behind the object.
 
 /// Step of the prediction, s.
 const STEP_S: f64 = 0.02;
@@ -75,7 +75,7 @@ pub struct Beside {
 }
 
 impl Beside {
-    /// Speed of the ego over the other when they touch, if the other is in the way from `in_s` on, m/s.
+    /// Speed of the ego over the other when they touch, m/s, if the other is in the way from `in_s` on.
     #[must_use]
     pub fn closing_mps(&self, in_s: f64) -> f64 {
         let span_s = self.last_s - self.first_s;
@@ -89,7 +89,7 @@ impl Beside {
 }
 
 impl Authority {
-    /// When the ego is beside `threat`, or nearer behind it than `clear_m`; `None`: never, or it has passed.
+    /// Time when the ego is beside `threat`, or nearer behind it than `clear_m`. `None`: never, or it has passed.
     #[must_use]
     pub fn beside(&self, ego: &Ego, threat: &Threat, plan: Plan, clear_m: f64) -> Option<Beside> {
         self.predict(ego, threat, plan, clear_m, true)

@@ -1,7 +1,7 @@
 //! Rows of standing places, and whether the road bends along one.
 //!
-//! Before a curve what stands beside it stands straight ahead: posts, a guard rail, a queue in the next lane. One echo
-//! of them looks as a car that stands in the ego's lane. All of them together do not: they are on a line that comes
+//! Objects beside the road stand straight ahead before a curve: posts, a guard rail, a queue in the next lane. One echo
+//! of them looks as a car that stands in the ego's lane. All of them together do not. They are on a line that comes
 //! from *beside* the ego's lane and crosses the path ahead.
 //!
 //! ```text
@@ -12,9 +12,10 @@
 //!    o o o                       a queue in the own lane begins in the path and never comes from beside it
 //! ```
 //!
-//! [`Places`] keeps what stood in the last scans. Lines of that form go through a place and a second one, and hold others.
-//! All are more than [`APART_M`] from one another. The place is on such a row if a line from beside the lane holds more
-//! of them than any line from within it. They may be farther: the last car of a queue behind a curve is the nearest one.
+//! [`Places`] keeps what stood in the last scans. Lines of that form go through a place and a second one, and hold
+//! others. All are more than [`APART_M`] from one another. The best line from beside the lane competes with
+//! the best one from within it. The place is on such a row if the first holds more places. They may be farther: the last
+//! car of a queue behind a curve is the nearest one.
 
 use crate::circle::Step;
 
@@ -28,21 +29,21 @@ const SAME_M: (f64, f64) = (1.5, 1.2);
 const GAIN: f64 = 0.3;
 /// Times that a place must be seen to count: one false alarm is not a place.
 const SEEN: u32 = 2;
-/// A place is forgotten so long after it was seen, s, and so far behind the bumper, m.
+/// A place is dropped after this time, s, and this far behind the bumper, m.
 const KEPT_S: f64 = 3.0;
 const BEHIND_M: f64 = 15.0;
 /// Places of a row are at least this far apart, m: one vehicle shows several echoes.
 const APART_M: f64 = 6.0;
 /// They are at most this far apart, m. Chosen: the length of a queue of six cars.
 const REACH_M: f64 = 45.0;
-/// A place is on a line if it is this near, m: a car reflects at its corners and in its middle.
+/// Greatest distance of a place from its line, m: a car reflects at its corners and in its middle.
 const ON_LINE_M: f64 = 0.8;
-/// A line begins beside the lane if it is this far from the middle of the way, m: half a lane. The inner side of a lorry
-/// in the next lane is 2.2 m off, and the ego wanders.
+/// Distance from the middle of the way from which a line begins beside the lane, m: half a lane. The inner side of a
+/// lorry in the next lane is 2.2 m off, and the ego wanders.
 const BESIDE_M: f64 = 1.75;
 /// Half of the width of a vehicle, m.
 const HALF_WIDTH_M: f64 = 0.9;
-/// A line begins in the ego's lane if it is this near to the middle of the way, m: half a car, and both wander.
+/// Distance from the middle of the way within which a line begins in the ego's lane, m: half a car, and both wander.
 const IN_LANE_M: f64 = 1.25;
 /// No road bends more against the ego's way, 1/m.
 const SHARPEST_PERM: f64 = 1.0 / 100.0;
@@ -72,7 +73,7 @@ impl Places {
         Self { list: Vec::with_capacity(MAX_PLACES) }
     }
 
-    /// Forgets all.
+    /// Drops all places.
     pub(crate) fn clear(&mut self) {
         self.list.clear();
     }
@@ -113,11 +114,11 @@ impl Places {
         }
     }
 
-    /// True if this place is on a row of standing places that begins beside the lane, along which the road may bend.
+    /// True if this place is on a row of standing places that begins beside the lane. The road may bend along it.
     ///
-    /// A line from beside the lane then holds more places than any from the middle of the ego's own lane: a queue in the
-    /// own lane is on such a line. In a queue the inner edge of a vehicle is seen, so that its middle may be half a
-    /// width farther out.
+    /// A line from beside the lane then holds more places than any from the middle of the ego's own lane. A queue in
+    /// the ego's lane is on a line from that middle. The inner edge of a vehicle in a queue is seen. So its middle may
+    /// be half a width farther out.
     pub(crate) fn lead_to(&self, along_m: f64, off_m: f64) -> bool {
         let mut apart = [(0.0, 0.0); MAX_PLACES];
         let mut count = 0;

@@ -1,23 +1,23 @@
 //! Whether the radar still shows what it should show.
 //!
-//! An echo that is well above the threshold comes again in the next scan, moved on by its own range rate. In a scan
-//! without such echoes the radar is blind. The share of those that came again, with a
-//! memory of [`MEMORY_S`], is what the radar sees:
+//! An echo well above the threshold comes again in the next scan, moved on by its own range rate. In a scan without
+//! such echoes the radar is blind. The share of those that came again, with a memory of [`MEMORY_S`], is what the radar
+//! sees:
 //!
 //! ```text
 //! scan k:      x         x     x        x      strong echoes
 //! scan k+1:    x               x        x      where range + rate · period is: 3 of 4 came again
 //! ```
 //!
-//! A radar without any strong echo has nothing to compare. If the map promises posts beside the road, it is blind
-//! after [`DARK_S`].
+//! A radar without any strong echo has nothing to compare. If the map shows posts beside the road, it is blind after
+//! [`DARK_S`].
 
 use messages::Detection;
 
 /// Memory of the share, s. Chosen: 20 scans of 50 ms.
 const MEMORY_S: f64 = 1.0;
-/// An echo is strong from this signal-to-noise ratio on, dB. Chosen: 10 dB above the usual threshold of 12 dB, where
-/// nine of ten echoes of Swerling's case 1 come again.
+/// An echo is strong from this signal-to-noise ratio on, dB. Chosen: 10 dB above the usual threshold of 12 dB. Nine of
+/// ten such echoes of Swerling's case 1 come again.
 const STRONG_DB: f64 = 22.0;
 /// Nearer echoes are left out, m: their direction changes much from scan to scan.
 const NEAREST_M: f64 = 15.0;
@@ -28,7 +28,7 @@ const GATE: (f64, f64, f64) = (1.5, 1.5, 0.06);
 /// Echoes are left out this near to the edge of the field of view, rad.
 const EDGE_RAD: f64 = 0.1;
 /// Share below which the emergency brake is blind. Chosen: with one echo in three scans an object needs half a second
-/// to be confirmed, as long as a warning precedes the braking at least (UN R152, 5.2.1.1).
+/// to be confirmed. A warning precedes the braking by at least as much (UN R152, 5.2.1.1).
 const BLIND_BELOW: f64 = 0.33;
 /// Share from which it sees again.
 const SEES_FROM: f64 = 0.5;
@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn half_of_the_scans_in_pairs_keep_a_state_between_its_two_limits() {
         let mut sight = Sight::new(0.52, true);
-        // Of two scans in a row the second one shows what the first one did; then two show nothing.
+        // In two scans in a row the second one shows what the first one did; then two show nothing.
         assert!(!drive(&mut sight, 0..200, |scan| scan % 4 < 2), "{}", sight.share());
         assert!((BLIND_BELOW..SEES_FROM + 0.1).contains(&sight.share()), "{}", sight.share());
     }

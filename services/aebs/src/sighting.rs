@@ -16,7 +16,7 @@ const BOTH_CORNERS_M: f64 = 1.4;
 const FACE_SIGMA_M: f64 = 0.3;
 const CORNERS_SIGMA_M: f64 = 0.1;
 const FACE_SIGMA_RAD: f64 = 0.0025;
-/// A point of a side is within so many standard deviations of where the side is expected.
+/// A point of a side is within this many standard deviations of the side's expected place.
 const SIDE_GATE: f64 = 3.0;
 /// Standard deviation of a lateral speed from range rates that more points do not improve, m/s.
 const SLOPE_SIGMA_MPS: f64 = 0.1;
@@ -122,8 +122,8 @@ impl Sums {
             .then(|| ((vt - t * v / w) / information, variance))
     }
 
-    /// Lateral position of the middle, m, with its variance, m², from the side and the face. `hidden_side`:
-    /// the side, 1 left, -1 right, on which the face is hidden from its middle or from beyond on, else 0.
+    /// Lateral position of the middle, m, with its variance, m², from the side and the face. `hidden_side`: the side on
+    /// which the face is hidden, from its middle or from beyond on (1 left, -1 right); else 0.
     fn lateral(
         &self,
         distance_m: f64,

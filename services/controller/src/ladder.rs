@@ -1,8 +1,8 @@
 //! The controller's part of the degradation ladder: what its inputs still allow.
 //!
-//! In each cycle [`Ladder::look`] takes the ages of the newest *valid* samples, and the trust in signal timing.
-//! [`Ladder::admit`] decides on the law's other inputs. After the step
-//! [`Ladder::settle`] names the level. The table of entries and ways back is at [`messages::level`].
+//! In each cycle [`Ladder::look`] takes the ages of the newest *valid* samples, and the validity of signal timing.
+//! [`Ladder::admit`] decides on the law's other inputs. After the step [`Ladder::settle`] names the level. The table of
+//! entries and ways back is at [`messages::level`].
 //!
 //! No law receives a target or a light from a sample that is older than the level's bound. Each level has a way back
 //! to full function. [`Ladder::restrain`] bounds a law's request while the road ahead is not seen.
@@ -26,13 +26,13 @@ mod lead;
 const STALE_PERIODS: f64 = 3.0;
 /// Shortest age at which an input is stale, s: releases are not exact.
 const SHORTEST_STALE_S: f64 = 0.1;
-/// Time for which a target is predicted, s. Chosen: with 1 s, losses of 2 s in a row alternate with braking, and a law
+/// Time for which a target is predicted, s. Chosen: with 1 s, losses of 2 s in a row alternate with braking. A law then
 /// brakes with 6 m/s² for a lead that brakes with 1.5. The emergency brake does not depend on the tracks.
 const PREDICT_S: f64 = 2.0;
-/// Time for which announced signal timing is trusted without a new announcement, s.
+/// Time for which announced signal timing is used without a new announcement, s.
 const BELIEVE_SIGNALS_S: f64 = 5.0;
 
-/// Ages of the newest trusted samples, s; `None` without one.
+/// Ages of the newest valid samples, s; `None` without one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ages {
     /// `vehicle/odometry`.
@@ -135,7 +135,7 @@ impl Ladder {
         }
     }
 
-    /// Takes the ages at the release at `time_s`; returns the trust in signal timing.
+    /// Takes the ages at the release at `time_s`; returns the validity of signal timing.
     pub fn look(&mut self, ages: &Ages, time_s: f64) -> SignalTrust {
         let fresh = |age: Option<f64>, limit: f64| age.is_some_and(|age| age <= limit);
         let odometry = fresh(ages.odometry_s, self.stale_odometry_s);

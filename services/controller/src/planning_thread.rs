@@ -1,8 +1,8 @@
 //! Planning in the background, in a thread of its own.
 //!
 //! A plan takes longer than a cycle may. The law asks for one after a step; a background thread makes it;
-//! [`DELAY_CYCLES`] releases later it takes effect. Until then, and when it is late, the law drives by its
-//! present plan. It knows how old that is.
+//! [`DELAY_CYCLES`] releases later it takes effect. Until then, and when it is late, the law drives by its present
+//! plan. It takes the age of that into account.
 
 use crate::law::{Law, Plan, PlanRequest};
 use crate::report::PlanningReport;
@@ -29,7 +29,7 @@ impl PlanningThread {
         let mut planner = planning.planner();
         let work = move |request: &PlanRequest| {
             let mut plan = Plan::default();
-            // An empty plan stands for none.
+            // An empty plan means "no plan".
             planner.plan(request, &mut plan);
             plan
         };
@@ -46,7 +46,7 @@ impl PlanningThread {
         }
     }
 
-    /// After a step: asks for the plan that the law wants.
+    /// After a step: asks for the plan that the law needs.
     pub(crate) fn after_step(&mut self, law: &mut dyn Law, release: &Release) {
         if self.worker.is_busy() {
             return;

@@ -6,7 +6,7 @@ use crate::law::{
 use messages::{Map, Odometry, PhaseState, Powertrain, Preview, RadarTracks, Signal, Spat};
 use scenario::Scenario;
 
-/// A stop line is forgotten when it is this far behind, m.
+/// A stop line is dropped when it is this far behind, m.
 const PASSED_M: f64 = 50.0;
 
 /// Part of the input that does not come from samples.
@@ -18,14 +18,14 @@ pub struct Setting {
     pub set_speed_mps: f64,
     /// Legal limit, m/s, infinite when unknown.
     pub speed_limit_mps: f64,
-    /// Whether the law filters the radar itself, and so receives gap and relative speed as measured.
+    /// True if the law filters the radar itself, and so receives gap and relative speed as measured.
     pub raw_target: bool,
-    /// By how much an announced end may be off because clocks are, s.
+    /// Largest error of an announced end because of the clocks, s.
     pub clock_tolerance_s: f64,
 }
 
 impl Setting {
-    /// The setting of a scenario; `raw_target` as the law wants it.
+    /// The setting of a scenario; `raw_target` as the law needs it.
     #[must_use]
     pub fn of(scenario: &Scenario, raw_target: bool) -> Self {
         Self {
@@ -63,8 +63,8 @@ pub struct Samples<'a> {
 pub enum SignalTrust {
     /// All of it: greens and yellows up to their earliest end, reds up to their latest.
     Announced,
-    /// As far as it holds without another announcement: up to the earliest end of the first interval
-    /// whose end is not certain.
+    /// The part that holds without another announcement: up to the earliest end of the first interval whose end is not
+    /// certain.
     Proven,
     /// Nothing: all phases are unknown.
     None,
@@ -124,8 +124,8 @@ fn ego_at(odometry: &Odometry, time_s: f64) -> Ego {
     Ego { position_m, speed_mps, acceleration_mps2: odometry.acceleration_mps2 }
 }
 
-/// The target at constant relative speed since the sample: as measured where `raw` and the scan has
-/// it, as tracked otherwise. Two filters in a row would see a lead brake too late.
+/// The target at constant relative speed since the sample. It is as measured if `raw` and the scan has it, else as
+/// tracked. Two filters in a row would see a lead brake too late.
 fn target_at(radar: &RadarTracks, raw: bool, time_s: f64) -> Option<Target> {
     let target = &radar.target;
     let age_s = age_s(radar.header.acquisition_ns, time_s);
@@ -181,7 +181,7 @@ fn signals_ahead(
 
 /// The intervals that have not ended yet. If a phase ends before the known begin of its announced successor, the phase
 /// is unknown: it is never guessed. A phase other than green or yellow lasts until a message shows another one,
-/// whatever was announced: the next release is the soonest time for that.
+/// whatever was announced. The next release is the soonest time for that.
 fn announce(
     setting: &Setting,
     timing: &Signal,

@@ -159,7 +159,7 @@ impl Loop {
             }
             // In one thread its code and data come into memory with the first of many runs.
             None if runtime.turns().is_some() => {}
-            // Brings its code and data into memory before the loop; then forgets it.
+            // Brings its code and data into memory before the loop; then clears it.
             None => law.step(&Input { period_s: 0.1, ..Input::default() }, &mut output),
         }
         law.reset();

@@ -69,7 +69,7 @@ fn behind(target: Target) -> Input {
     }
 }
 
-/// The light has a solution at 2.1 s and 2.2 s of Table 3: rolled out by hand, the plan meets every
+/// The light has a solution at 2.1 s and 2.2 s of Table 3. Rolled out by hand, the plan meets every
 /// constraint of the paper's program. At 2.1 s its margin is 17 mm.
 #[test]
 fn the_light_has_a_solution_where_the_reference_found_none() {

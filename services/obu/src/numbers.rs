@@ -24,7 +24,7 @@ parameters! {
 
         // Intersections.
 
-        /// Silence after which an intersection that is not ahead is forgotten.
+        /// Silence after which an intersection that is not ahead is dropped.
         forgotten_s: f64 = 30.0, "s", 5.0..=300.0, "Chosen: longer than a unit is out of sight behind a lorry. At 15 and 60 nothing changes.";
         /// Greatest age of the first map of an intersection: stop lines rarely move.
         oldest_map_s: f64 = 600.0, "s", 1.0..=3600.0, "Chosen: a map changes with works on the road, not within minutes. At 300 and 1200 nothing changes.";
@@ -43,7 +43,7 @@ parameters! {
         map_silent_s: f64 = 5.0, "s", 1.0..=30.0, "Chosen: four lost maps in a row are not chance. At 2.5 and 10 nothing changes.";
         /// Time for which a single message stands against another sender.
         once_stands_s: f64 = 2.0, "s", 0.5..=10.0, "Chosen: a real sender repeats its message within a second. At 1 right line with timing +1.0 s, right line without timing -1.0 s; at 4 right line with timing -2.0 s, right line without timing +2.0 s.";
-        /// Largest difference between two announcements of the same end: marks are tenths of a second, and a countdown
+        /// Largest difference between two announcements of the same end. Marks are tenths of a second, and a countdown
         /// slides a little.
         same_end_s: f64 = 0.35, "s", 0.1..=2.0, "Chosen: three marks of a tenth of a second. At 0.175 and 0.7 nothing changes.";
 

@@ -28,7 +28,7 @@ const REMEMBERED_FRAMES: usize = 512;
 /// Most intersections.
 const MOST_INTERSECTIONS: usize = 64;
 
-/// The intersections that the unit knows, and its verdicts on the frames.
+/// The intersections that the unit has, and its verdicts on the frames.
 #[derive(Debug)]
 pub struct Receiver {
     numbers: Numbers,
@@ -80,7 +80,7 @@ impl Receiver {
         &self.verdicts
     }
 
-    /// Forgets intersections that are passed and silent. `ego_m` is the vehicle's position on its path.
+    /// Drops intersections that are passed and silent. `ego_m` is the vehicle's position on its path.
     pub fn forget(&mut self, now_ns: i64, ego_m: f64) {
         let numbers = &self.numbers;
         let forgotten_ns = Numbers::nanoseconds(numbers.forgotten_s);

@@ -1,12 +1,13 @@
 //! Effect of each number of the sensor model and of the tracker.
 //!
 //! ```sh
-//! cargo run --release -p perception-sim --example perception_numbers -- [SCENES]
+//! cargo run --release -p perception-sim --example perception_numbers -- [SCENES [NAMES]]
 //! ```
 //!
-//! Each number is halved and doubled, within its range, while all others keep their values. The scenes are those of
-//! the example `quality`. A quarter each has a sound radar, a radar that misses three vehicles and posts of ten,
-//! odometry that is 1.5 m/s fast from 8 s on, and a radar that is blind for 1.5 s.
+//! Each number is halved and doubled, within its range, while all others keep their values. `NAMES` lists some of them,
+//! as `a,b`. The scenes are those of the example `quality`. A quarter each has a sound radar, a radar that misses three
+//! vehicles and posts of ten, fast odometry, and a blind radar. Odometry is 1.5 m/s fast from 8 s on; the radar is
+//! blind for 1.5 s.
 
 use bytemuck::Zeroable;
 use messages::{Detection, MAX_DETECTIONS};
@@ -28,7 +29,7 @@ mod scenes;
 
 use scenes::{PERIOD_NS, SCANS, follow, scene};
 
-/// Scans before the figures begin: the tracker gets to know the traffic.
+/// Scans before the figures begin: the tracker finds the traffic.
 const SETTLING: usize = 20;
 
 /// Fault in a scene.
@@ -175,19 +176,33 @@ fn add_acceleration(scene: &Scene, list: &TrackList, sum: &mut (f64, f64)) {
     }
 }
 
+/// Rows of a table that `names` lists, or all of them.
+fn rows<T: Table>(names: Option<&str>) -> impl Iterator<Item = usize> {
+    (0..T::ROWS.len()).filter(move |row| {
+        names.is_none_or(|names| names.split(',').any(|name| name == T::ROWS[*row].name))
+    })
+}
+
 /// The sums with each row of a table halved and doubled.
-fn vary<T: Table>(default: T, mut run: impl FnMut(&T, &mut Sums), sums: &mut [[Sums; 2]]) {
-    for (row, sums) in sums.iter_mut().enumerate() {
+fn vary<T: Table>(
+    default: T,
+    names: Option<&str>,
+    mut run: impl FnMut(&T, &mut Sums),
+    sums: &mut [[Sums; 2]],
+) {
+    for row in rows::<T>(names) {
+        let sums = &mut sums[row];
         for (factor, sums) in [0.5, 2.0].into_iter().zip(sums) {
             run(&default.scaled(row, factor), sums);
         }
     }
 }
 
-fn print<T: Table>(default: T, base: &Sums, sums: &[[Sums; 2]]) {
-    for (row, (Row { name, .. }, sums)) in T::ROWS.iter().zip(sums).enumerate() {
+fn print<T: Table>(default: T, names: Option<&str>, base: &Sums, sums: &[[Sums; 2]]) {
+    for row in rows::<T>(names) {
+        let Row { name, .. } = &T::ROWS[row];
         let values = [0.5, 2.0].map(|factor| default.scaled(row, factor).value(row));
-        let tried = [0, 1].map(|k| (values[k], sums[k].figures()));
+        let tried = [0, 1].map(|k| (values[k], sums[row][k].figures()));
         println!("{}", line(name, &FIGURES, &base.figures(), &tried));
     }
 }
@@ -196,6 +211,8 @@ fn main() {
     let scenes = std::env::args().nth(1).map_or(160, |argument| {
         argument.parse().unwrap_or_else(|_| panic!("`{argument}` is not a number of scenes"))
     });
+    let names = std::env::args().nth(2);
+    let names = names.as_deref();
     let mut base = Sums::default();
     let mut radar = vec![[Sums::default(); 2]; RadarNumbers::ROWS.len()];
     let mut tracker = vec![[Sums::default(); 2]; TrackerNumbers::ROWS.len()];
@@ -206,17 +223,17 @@ fn main() {
         let with_radar = |numbers: &RadarNumbers, sums: &mut Sums| {
             drive.track(&drive.scan(numbers), &TrackerNumbers::DEFAULT, sums);
         };
-        vary(RadarNumbers::DEFAULT, with_radar, &mut radar);
+        vary(RadarNumbers::DEFAULT, names, with_radar, &mut radar);
         let with_tracker =
             |numbers: &TrackerNumbers, sums: &mut Sums| drive.track(&seen, numbers, sums);
-        vary(TrackerNumbers::DEFAULT, with_tracker, &mut tracker);
+        vary(TrackerNumbers::DEFAULT, names, with_tracker, &mut tracker);
     }
     println!("{scenes} scenes of {} s", SCANS / 20);
     for (figure, value) in FIGURES.iter().zip(base.figures()) {
         println!("{}", figure.text(value));
     }
     println!("\nSensor model");
-    print(RadarNumbers::DEFAULT, &base, &radar);
+    print(RadarNumbers::DEFAULT, names, &base, &radar);
     println!("\nTracker");
-    print(TrackerNumbers::DEFAULT, &base, &tracker);
+    print(TrackerNumbers::DEFAULT, names, &base, &tracker);
 }

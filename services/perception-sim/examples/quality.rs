@@ -16,7 +16,7 @@ mod scenes;
 
 use scenes::{PERIOD_NS, SCANS, follow, scene};
 
-/// A row of the table: its name and the keys that differ from the defaults, in
+/// A row of the table: its name, and the keys that differ from the defaults. They are in
 /// `perception.radar.detections` if they do not say otherwise.
 const ROWS: [(&str, &[&str]); 11] = [
     ("all", &[]),

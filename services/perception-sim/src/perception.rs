@@ -1,7 +1,7 @@
 //! One step of perception: traffic, radar, tracks, target.
 //!
-//! The radar is on before the run begins. Its latency holds back scans of that time, and the tracker knows the
-//! traffic from them. Every vehicle keeps its initial speed in that time.
+//! The radar is on before the run begins. Its latency holds back scans of that time, and the tracker gets the traffic
+//! from them. Every vehicle keeps its initial speed in that time.
 
 use std::array::from_fn;
 use std::sync::Arc;
@@ -34,7 +34,7 @@ use crate::vehicle::Vehicle;
 /// Scans held back at most, and the newest one.
 const HELD: usize = MAX_LATENCY_SCANS as usize + 1;
 
-/// Scans before the start from which a tracker of detections knows the traffic.
+/// Scans before the start from which a tracker of detections gets the traffic.
 const SETTLING_SCANS: u64 = 30;
 
 /// The other vehicles and all that the ego perceives of them.

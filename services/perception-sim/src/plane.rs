@@ -1,4 +1,4 @@
-//! The service's part of a road with a plan: where the ego is in the plane, and the course that is sent.
+//! The service's part of a road with a plan: the ego's place in the plane, and the course that is sent.
 
 use std::sync::Arc;
 
@@ -27,7 +27,7 @@ const HEADING_STEP_RAD: f64 = 1e-9;
 pub(crate) struct PlanePorts {
     axis: Arc<Axis>,
     start: Pose,
-    /// From the centre of gravity to the front bumper, m.
+    /// Distance from the centre of gravity to the front bumper, m.
     to_bumper_m: f64,
     lateral: Subscriber<LateralMotion>,
     pose: Subscriber<EgoPose>,

@@ -1,17 +1,17 @@
 //! Quality of the tracks by ground truth.
 //!
 //! * GOSPA (generalised optimal sub-pattern assignment) has c = 10 m, p = 2, alpha = 2. It is taken on the positions
-//!   (gap, lateral) of all vehicles whose rear is in range and field of view, hidden ones included. A track on the body
-//!   of any other vehicle, which is in view in part at most, is neither right nor false:
+//!   (gap, lateral) of all vehicles whose rear is in range and field of view. Hidden ones are included. A track on the
+//!   body of any other vehicle is neither right nor false. At most a part of that vehicle is in view:
 //!
 //! ```text
 //! d² = min over assignments  Σ assigned |x - y|²  +  c²/2 · (missed + false)
 //! ```
 //!
-//!   The figures are root mean squares over the scans, so that the squares of localisation, missed and
-//!   false add up to that of the whole.
+//! The figures are root mean squares over the scans. So the squares of localisation, missed and false add up to that of
+//! the whole.
 //! * Time to confirm a cut-in: from the overlap of the bodies' lanes to the publication of a track of it that is in the
-//!   path; negative for an earlier recognition.
+//!   path. It is negative for an earlier recognition.
 //! * False targets: selected targets without a vehicle, or with a vehicle that neither overlaps the ego's lane nor
 //!   moves towards it.
 //!
@@ -61,7 +61,7 @@ struct Targets {
 struct CutIn {
     /// It has been beside the lane.
     outside: bool,
-    /// When it began to overlap, if it has not been confirmed since.
+    /// Begin of its overlap, if it has not been confirmed since.
     overlaps_ns: Option<i64>,
     /// Begin of the time for which a track of it has been in the path.
     in_path_ns: Option<i64>,

@@ -1,7 +1,7 @@
 //! Random draws of the radar, the same on every machine: a named generator (PCG64) and `libm`.
 //!
 //! Not `rand_distr`: its normal and Poisson deviates call `num_traits`. The `exp` and `ln` of that crate become the
-//! system's as soon as any crate of the program enables its feature `std`.
+//! system's as soon as any crate of the program enables its `std`.
 
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
@@ -79,8 +79,8 @@ pub fn exponential(uniform: f64) -> f64 {
     -libm::log(1.0 - uniform)
 }
 
-/// A number in [0, 1) that belongs to `index` of the stream `seed`: for what stands in the world and has
-/// to be the same in every scan.
+/// A number in [0, 1) that belongs to `index` of the stream `seed`. It serves what stands in the world and must be the
+/// same in every scan.
 #[must_use]
 pub fn fixed(seed: u64, index: u64) -> f64 {
     random::unit(hash(seed, index))

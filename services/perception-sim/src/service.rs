@@ -128,7 +128,7 @@ fn follow(perception: &mut Perception, kept: Option<&mut Checkpoint<Snapshot>>, 
 /// Room for the radar's detections, and their publisher.
 struct DetectionOutput {
     port: Option<Publisher<RadarDetections>>,
-    /// Room for a model that has none.
+    /// Room for the output of a radar model without detections.
     unused: Box<[Detection; MAX_DETECTIONS]>,
 }
 

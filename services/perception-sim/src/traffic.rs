@@ -10,7 +10,7 @@
 //!
 //! and samples inside a step are on its straight lines, as the ego's do.
 //!
-//! On a road with a plan a vehicle at the offset l covers the way p' = v / (1 − κ l) of the axis: the inner lane of a
+//! On a road with a plan a vehicle at the offset l covers the way p' = v / (1 − κ l) of the axis. The inner lane of a
 //! curve is shorter.
 
 use std::sync::Arc;
@@ -143,7 +143,7 @@ impl Traffic {
         self.stage.as_ref().map(Stage::unstarted_acts).unwrap_or_default()
     }
 
-    /// State of all vehicles for a process that takes this one's place: they do not vanish with who simulates them.
+    /// State of all vehicles for a process that takes this one's place. The vehicles outlive their simulator.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         let mut kept = Snapshot::default();

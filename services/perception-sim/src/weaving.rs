@@ -1,6 +1,6 @@
 //! Lateral position of a vehicle that does one lateral motion after the other.
 //!
-//! A vehicle that wanders on a long drive has many motions, and few of them are in progress at a time. The others are
+//! A vehicle that wanders on a long drive has many motions. Few of them are in progress at a time. The others are
 //! summed up once: where the vehicle is after the first one, two, three and so on.
 
 use scenario::actor::{Actor, LateralMotion};

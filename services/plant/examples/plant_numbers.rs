@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Each number is halved and doubled, within its range, while all others keep their values. A car drives a stop-and-go
-//! cycle behind a lead, a truck stops on slopes and moves off, a vehicle cuts in, and a car drives through curves.
+//! cycle behind a lead. A truck stops on slopes and moves off. A vehicle cuts in, and a car drives through curves.
 
 use bytemuck::Zeroable;
 use messages::{AllVehicles, VehicleTruthItem};
@@ -74,7 +74,8 @@ fn scenario(keys: &str) -> Scenario {
     Scenario::parse("sensitivity", &text).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// A car of limited power pulls away, drives stop and go and creeps, behind a lead that it closes up to at the end.
+/// A car of limited power pulls away, drives stop and go, and creeps. It is behind a lead that it closes up to at the
+/// end.
 fn car(numbers: &Numbers) -> (f64, f64, f64, f64, f64) {
     let power = "[plant.powertrain]\nmass_kg = 1600\nmax_power_kw = 30";
     let mut limited = Vehicle::with(&scenario(power).plant, numbers);

@@ -12,8 +12,8 @@
 //!                                                            actuate ──────────────────────────┘
 //! ```
 //!
-//! Three waits are designed. The radar has a modelled latency, the controller waits for a release of its own timer, and
-//! the command waits for the plant's next release (with the scenario's extra delay). They end at *scheduled* instants:
+//! Three waits are designed. The radar has a modelled latency. The controller waits for a release of its own timer. The
+//! command waits for the plant's next release, with the scenario's extra delay. They end at *scheduled* instants:
 //! lateness is not part of the design. The rest, the *net* reaction time, is the cost of the deployment.
 
 use crate::parts::{Actuated, Parts, Stamps};

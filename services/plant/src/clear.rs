@@ -7,8 +7,8 @@ use scenario::Scenario;
 /// Watches for the end of a run whose verdict cannot change any more.
 ///
 /// A contact needs a distance that shrinks. It does not shrink while the ego is no faster than a vehicle ahead and no
-/// slower than one behind. Only an ego that turns to the other vehicle again could change that: the state has to last
-/// for a while first.
+/// slower than one behind. Only an ego that turns to the other vehicle again could change that. So the state has to
+/// last for a while first.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClearWatch {
     after_ns: i64,
@@ -101,7 +101,7 @@ mod tests {
 
     #[test]
     fn the_others_are_moved_on_from_their_sample() {
-        // Sampled 0.5 s ago at 7 m behind the ego's rear and its own length: 4 m beside it by now, or 10 m behind.
+        // Sampled 0.5 s ago at 7 m behind the ego's rear and its own length. Now it is 4 m beside it, or 10 m behind.
         for (other_mps, clear) in [(10.0, false), (-6.0, true)] {
             let mut others = AllVehicles::with_room(1);
             others.vehicles.push(VehicleTruthItem::zeroed());

@@ -55,7 +55,7 @@ impl Rectangle {
         Self { x_m: self.x_m + way_m * cosine, y_m: self.y_m + way_m * sine, ..self }
     }
 
-    /// True if the bodies overlap. Those that only touch along the sides do not; those that touch at the ends do, as a
+    /// True if the bodies overlap. Those that only touch along the sides do not. Those that touch at the ends do, as a
     /// gap of 0 is a collision on the axis.
     #[must_use]
     pub fn meets(&self, other: &Self) -> bool {
@@ -80,8 +80,8 @@ impl Rectangle {
     }
 }
 
-/// Speed, m/s, at which the ego's body comes upon another that it touches; `None` without contact. The others are moved
-/// on from their sample, which is `age_s` old.
+/// Speed, m/s, at which the ego's body meets another that it touches; `None` without contact. The others are moved on
+/// from their sample, which is `age_s` old.
 #[must_use]
 pub fn closing_at_contact<'a>(
     ego: &Rectangle,

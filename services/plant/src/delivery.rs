@@ -22,11 +22,11 @@ const STREAM: u64 = 0x5851_f42d_4c95_7f2d;
 pub struct Arrival {
     /// The command.
     pub command: Command,
-    /// By how much it was delayed, ns.
+    /// Delay, ns.
     pub delay_ns: i64,
     /// True if it has the content of the command before it, under new stamps.
     pub is_repeated: bool,
-    /// When the plant found it on the topic, ns of run time.
+    /// Time when the plant found it on the topic, ns of run time.
     taken_ns: i64,
 }
 
@@ -53,7 +53,7 @@ impl Arrival {
         }
     }
 
-    /// When it reaches the actuators, ns of run time.
+    /// Time when it reaches the actuators, ns of run time.
     fn due_ns(&self) -> i64 {
         self.command.header.publish_ns.min(self.taken_ns) + self.delay_ns
     }

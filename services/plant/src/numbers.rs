@@ -40,7 +40,7 @@ parameters! {
 
         /// Speed from which the single track has dynamics of its own; below, its steady state.
         dynamic_mps: f64 = 5.0, "m/s", 1.0..=10.0, "Chosen: its time constants are below 0.05 s there. At 2.5 and 10 nothing changes.";
-        /// Time constant from the wanted to the real angle of the wheels.
+        /// Time constant from the desired to the real angle of the wheels.
         steering_lag_s: f64 = 0.15, "s", 0.02..=0.5, "Chosen: a driver's arms and the steering's play (0.1 to 0.2 s in driver models). At 0.075 no change; at 0.3 offset in curves 0.49 instead of 0.46 m, lateral jerk in curves 0.60 instead of 0.63 m/s³, offset before a stand in a curve 0.20 instead of 0.17 m.";
         /// Speed below which a driver corrects an offset on the way of this speed.
         steers_from_mps: f64 = 3.0, "m/s", 0.5..=10.0, "Chosen: keeps corrections finite at a stand. At 1.5 and 6 nothing changes.";

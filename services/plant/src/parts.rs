@@ -2,7 +2,7 @@
 
 use messages::{Brake, Command, Header};
 
-/// When and how late the plant acts.
+/// Instant and lateness of the plant's act.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Actuated {
     /// Scheduled release of the plant's cycle, ns of run time.
@@ -22,7 +22,7 @@ pub struct Stamps {
     pub radar_release_ns: i64,
     /// Begin of its service's wait for the release, ns of run time.
     pub idle_ns: i64,
-    /// When the cycle began to work on its inputs, ns of run time.
+    /// Time when the cycle began to work on its inputs, ns of run time.
     pub start_ns: i64,
 }
 

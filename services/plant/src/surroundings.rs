@@ -21,7 +21,7 @@ pub struct Meets {
     pub cut_in: bool,
 }
 
-/// Looks around, once in each period, and remembers where the others were.
+/// Looks around, once in each period, and keeps the places of the others.
 #[derive(Clone, Debug)]
 pub struct Surroundings {
     numbers: Numbers,

@@ -1,7 +1,7 @@
 //! Late and missing commands, counted where they are missed.
 //!
-//! A controller counts its own misses, but it may die or count wrongly. So the plant has a schedule of its own. In each
-//! control period a command for this or a later period must arrive within the deadline after the period's start.
+//! A controller counts its own misses, but it may die or count wrongly. So the plant has a schedule of its own. A
+//! command for each control period, or for a later one, must arrive within the deadline after the period's start.
 //! Otherwise the period is missed, whatever became of the command.
 
 use serde::{Deserialize, Serialize};

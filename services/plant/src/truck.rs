@@ -1,5 +1,5 @@
-//! The truck as the plant drives it: the model, the road under it, brakes with a lag, and the inner
-//! loop that turns an acceleration into torque.
+//! The truck as the plant drives it: the model, the road under it, brakes with a lag, and the inner loop. That loop
+//! turns an acceleration into torque.
 //!
 //! The brakes hold a truck that is about to stand, as "stop and hold" does (ISO 15622, full speed range). Below
 //! [`Numbers::hold_mps`], and while the request is not positive, their force grows steadily. At its end it holds the
@@ -143,7 +143,7 @@ impl Truck {
                     grade,
                 ),
             };
-            // The emergency brake overrules engine and brakes where it wants less acceleration.
+            // The emergency brake overrules engine and brakes where it asks for less acceleration.
             let emergency = ceiling_mps2
                 .filter(|ceiling| {
                     *ceiling < actuation.request_mps2 || *ceiling < self.motion.acceleration_mps2

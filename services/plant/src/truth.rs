@@ -21,8 +21,7 @@ impl Lengths {
         Self { ego_m: scenario.plant.length_m.value(), others_m }
     }
 
-    /// Greatest distance from the ego's front back to the rear of a vehicle that is beside the ego, m; one of
-    /// `count`.
+    /// Greatest distance from the ego's front back to the rear of one of `count` vehicles beside the ego, m.
     fn beside_m(&self, index: usize, count: usize) -> f64 {
         let length_m = if count == self.others_m.len() {
             self.others_m[index]
@@ -89,7 +88,7 @@ pub(crate) fn signals(
     count
 }
 
-/// A state that no simulator sends counts as red: the referee gives no benefit of the doubt.
+/// A state that no simulator sends counts as red.
 fn phase(state: u32) -> Phase {
     match PhaseState::from_wire(state) {
         PhaseState::ProtectedMovementAllowed => Phase::Green,
@@ -138,7 +137,7 @@ mod tests {
         let gap = |lengths: &Lengths, position_m| {
             ahead(&truth, lengths, position_m, 0.0).map(|ahead| ahead.gap_m)
         };
-        // The ego is 5 m long: its rear is at 95 m, the front of a vehicle of 4.1 m at 95.1 m.
+        // The ego is 5 m long. Its rear is at 95 m, and the front of a vehicle of 4.1 m at 95.1 m.
         let long = lengths(&[12.0, 4.1]);
         assert_eq!(gap(&long, 100.0), Some(-9.0));
         assert_eq!(gap(&long, 100.2), None, "its front is behind the ego's rear");

@@ -70,7 +70,7 @@ fn a_steady_state_rests_and_its_steering_angle_is_that_of_the_circle() {
     assert_eq!(track.front_m(), keys.cg_share.value() * keys.wheelbase_m.value());
 }
 
-/// Closing speed of an ego at 15 m/s upon a body at its own place, sampled a second ago.
+/// Closing speed of an ego at 15 m/s on a body at its own place, sampled a second ago.
 fn closing(speed_mps: f64, acceleration_mps2: f64, heading_rad: f64, within_m: f64) -> Option<f64> {
     let pose = VehiclePose { x_m: 0.5, y_m: 0.0, heading_rad, length_m: 20.0, width_m: 20.0 };
     let truth = VehicleTruthItem { speed_mps, acceleration_mps2, ..VehicleTruthItem::zeroed() };

@@ -1,5 +1,5 @@
-//! Little-endian CDR, as ROS 2 writes it: each scalar on a multiple of its size, counted from behind
-//! the four bytes of encapsulation.
+//! Little-endian CDR, as ROS 2 writes it. Each scalar stands on a multiple of its size, counted
+//! from behind the four bytes of encapsulation.
 
 /// Little-endian CDR without options: what precedes every body.
 pub(crate) const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];

@@ -4,7 +4,7 @@ use messages::Topic;
 use std::fmt;
 use std::path::PathBuf;
 
-/// Why a file cannot be read as a recording at all.
+/// Reason why a file cannot be read as a recording at all.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
     /// It cannot be opened.
@@ -77,8 +77,7 @@ pub enum Damage {
         /// Their number.
         messages: u64,
     },
-    /// A topic of the file has the type of one of ours, which the file does not have; its messages were left
-    /// out.
+    /// A topic of the file has the type of one of our topics, which the file lacks. Its messages were left out.
     Renamed {
         /// The topic.
         name: String,

@@ -55,7 +55,7 @@ pub struct Report {
     pub tally: Tally,
     /// Size of the file, bytes.
     pub bytes: u64,
-    /// Why the file ends early, if it does.
+    /// Reason why the file ends early, if it does.
     pub failed: Option<String>,
 }
 

@@ -170,7 +170,7 @@ impl Metadata {
         mcap::records::Metadata { name: RUN.into(), metadata: map }
     }
 
-    /// From a record of the file; `None` if it is another's, or not whole.
+    /// Reads it from a record of the file; `None` if it is another's, or not whole.
     pub(crate) fn of_record(name: &str, map: &BTreeMap<String, String>) -> Option<Self> {
         let text = |key: &str| map.get(key).cloned();
         let scheduling = map.iter().filter_map(|(key, value)| {

@@ -1,5 +1,5 @@
-//! Outline of a file, made from record to record without unpacking any: enough for `info`, and to read the messages
-//! in the order of their log times afterwards.
+//! Outline of a file, made from record to record without unpacking. It is enough for `info`, and to read the messages
+//! later in the order of their log times.
 
 use crate::definitions::Definitions;
 use crate::source::{Source, Spot, Window};

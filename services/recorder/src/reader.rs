@@ -116,8 +116,8 @@ impl Recording {
         }
     }
 
-    /// Looks for the topics in the chunks, where no summary repeats them: up to the first message, or in
-    /// all of a file that is not in order.
+    /// Looks for the topics in the chunks, where no summary repeats them. It reads up to the first message, or all of a
+    /// file that is not in order.
     fn find_definitions(&mut self) {
         let in_order = self.segments.len() < 2;
         let mut records = self.records();
@@ -202,8 +202,7 @@ impl Recording {
         })
     }
 
-    /// All topics that the file's own statistics know, those for viewers among them; none in a file
-    /// without.
+    /// All topics of the file's own statistics, those for viewers among them. Empty for a file without statistics.
     #[must_use]
     pub fn topics(&self) -> Vec<TopicSummary> {
         let Some(statistics) = &self.statistics else { return Vec::new() };

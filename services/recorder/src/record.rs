@@ -9,7 +9,7 @@ use std::sync::Arc;
 pub struct Record {
     /// The topic.
     pub topic: Topic,
-    /// Time of its publication, ns of run time, as far as its sender's clock is right: this is the order of the file.
+    /// Time of its publication by its sender's clock, ns of run time. The file is in this order.
     pub log_time_ns: i64,
     /// Time of publication by its sender, ns of run time.
     pub publish_time_ns: i64,

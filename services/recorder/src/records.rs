@@ -1,7 +1,8 @@
 //! The messages of a file, one after another in the order of their log times, in bounded memory.
 //!
-//! A file of ours is in that order, and one chunk at a time is in memory. Files of other writers need
-//! not be: their parts in order ([`Segment`]) are merged, with one chunk of each part that overlaps.
+//! A file of ours is in that order, and one chunk at a time is in memory. Files of other writers
+//! need not be. Their parts in order ([`Segment`]) are merged, with one chunk of each part that
+//! overlaps.
 
 use crate::cdr::ENCAPSULATION;
 use crate::definitions::Definitions;
@@ -40,7 +41,7 @@ pub struct Records {
     damage: Vec<Damage>,
 }
 
-/// Why a part of the file gives no messages.
+/// Reason why a part of the file gives no messages.
 #[derive(Debug, thiserror::Error)]
 enum BrokenPart {
     #[error("it is longer than a chunk may be")]

@@ -59,7 +59,7 @@ pub fn replay(arguments: &[OsString]) -> ExitCode {
     }
 }
 
-/// Why a recording cannot be played.
+/// Reason why a recording cannot be played.
 #[derive(Debug, thiserror::Error)]
 enum PlayError {
     #[error(transparent)]

@@ -1,9 +1,8 @@
 //! Messages of all topics in the order of their publication, whatever order they were taken in.
 //!
 //! In realtime a message is held back until any that was published before it must have come. In lockstep the wall clock
-//! has no meaning: a message waits until every service was received at a later instant of simulated time.
-//! So the same run gives the same order. Messages of one instant follow the order of topics, senders and their own
-//! numbers.
+//! has no meaning. A message waits until every service was received at a later instant of simulated time. So the same
+//! run gives the same order. Messages of one instant follow the order of topics, senders and their own numbers.
 
 use messages::{Header, TOPICS, Topic};
 use runtime::Mode;
@@ -18,8 +17,7 @@ const MOST_HELD: usize = 64 << 20;
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Placed {
     pub(crate) topic: Topic,
-    /// Time of its publication as far as its sender's clock is right, ns of run time; never earlier than the previous
-    /// message's.
+    /// Time of its publication by its sender's clock, ns of run time. It is never earlier than the previous message's.
     pub(crate) log_time_ns: i64,
     pub(crate) bytes: Vec<u8>,
 }
@@ -45,7 +43,7 @@ pub(crate) struct Sequencer {
 }
 
 impl Sequencer {
-    /// For a run with these senders.
+    /// Makes it for a run with these senders.
     pub(crate) fn new(mode: Mode, senders: impl IntoIterator<Item = u32>) -> Self {
         Self {
             mode,

@@ -52,7 +52,7 @@ pub fn run(arguments: &[OsString]) -> ExitCode {
     }
 }
 
-/// Why a run is not recorded.
+/// Reason why a run is not recorded.
 #[derive(Debug, thiserror::Error)]
 enum RecordError {
     #[error(transparent)]
@@ -143,7 +143,7 @@ fn follow(
     }
 }
 
-/// The tally of a file whose end could not be written: what is in it, and that the rest is lost.
+/// Tally of a file whose end could not be written. It gives the content, and that the rest is lost.
 fn kept(path: &Path, sent: &Tally) -> Tally {
     let in_file =
         Recording::open(path).map_or_else(|_| Tally::default(), |file| file.survey().tally);

@@ -88,7 +88,7 @@ impl Window {
         Self { source: source.clone(), buffer: Vec::new(), at: 0, ahead: AHEAD }
     }
 
-    /// For a reader that passes over most of the file.
+    /// Opens it for a reader that passes over most of the file.
     pub(crate) fn of_heads(source: &Source) -> Self {
         Self { ahead: AHEAD_OF_HEADS, ..Self::new(source) }
     }

@@ -1,4 +1,4 @@
-//! A controller's part of a recording: each cycle with its inputs and its outputs, in one pass over the file and in
+//! A controller's part of a recording: each cycle with its inputs and its outputs. It takes one pass over the file and
 //! bounded memory.
 
 use crate::{Record, Recording, Records};
@@ -22,7 +22,7 @@ pub struct Take {
     pub cycles: u64,
     /// Commands among them: none in a cycle in which the controller kept silent.
     pub commands: u64,
-    /// Why it ends before the process did, if it does.
+    /// Reason why it ends before the process did, if it does.
     pub cut_short: Option<String>,
 }
 
@@ -33,8 +33,7 @@ pub struct Cycle {
     pub diagnostics: Diagnostics,
     /// Its command.
     pub command: Option<Command>,
-    /// The samples that it used, by the topics of [`INPUTS`]; none where it used none, or where it was not
-    /// recorded.
+    /// The samples that it used, by the topics of [`INPUTS`]. `None` where it used none, or where it was not recorded.
     pub samples: [Option<Arc<[u8]>>; INPUTS.len()],
 }
 
@@ -83,7 +82,7 @@ impl Cycle {
         }
     }
 
-    /// Why it cannot be replayed as cycle `number` of its process, counted from 1.
+    /// Reason why it cannot be replayed as cycle `number` of its process, counted from 1.
     fn gap(&self, number: u64) -> Option<String> {
         let cycle = &self.diagnostics;
         if cycle.header.sequence != number {

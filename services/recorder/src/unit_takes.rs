@@ -21,7 +21,7 @@ pub struct UnitTake {
     pub cycles: u64,
     /// Cycles among them that name a batch of frames.
     pub with_frames: u64,
-    /// Why it ends before the run did, if it does.
+    /// Reason why it ends before the run did, if it does.
     pub cut_short: Option<String>,
 }
 
@@ -59,7 +59,7 @@ impl UnitCycle {
         }
     }
 
-    /// Why it cannot be replayed as cycle `number` of the unit, counted from 1.
+    /// Reason why it cannot be replayed as cycle `number` of the unit, counted from 1.
     fn gap(&self, number: u64) -> Option<String> {
         let header = &self.map.header;
         if header.incarnation > 0 {
@@ -109,8 +109,8 @@ impl Recording {
     }
 }
 
-/// The cycles of the on-board unit. A group without one has none: there the roadside unit sends the same
-/// topics.
+/// The cycles of the on-board unit. A group without an on-board unit does not have them: there the roadside unit sends
+/// the same topics.
 struct UnitCycles {
     records: Records,
     frames: Window,

@@ -12,8 +12,8 @@ use runtime::Mode;
 use std::collections::BTreeMap;
 use std::io::{BufWriter, Seek, Write};
 
-/// Uncompressed size of a chunk, the unit in which a file grows: more than a second brings, so that a flush ends most
-/// of them. The writer keeps an index of every chunk, some 1.1 KiB, until the end.
+/// Uncompressed size of a chunk, the unit in which a file grows. A second brings less, so that a flush ends most of
+/// them. The writer keeps an index of every chunk, some 1.1 KiB, until the end.
 const CHUNK_BYTES: u64 = 4 * 1024 * 1024;
 /// Simulated time after which a lockstep recording is flushed, ns.
 const FLUSH_PERIOD_NS: i64 = 1_000_000_000;
@@ -24,7 +24,7 @@ pub struct Writer<W: Write + Seek> {
     channels: BTreeMap<Topic, u16>,
     payload: Vec<u8>,
     epoch_ns: i64,
-    /// When the file is flushed next, ns of run time; only in lockstep.
+    /// Time when the file is flushed next, ns of run time; only in lockstep.
     flush_ns: Option<i64>,
     scene: Scene,
     scene_channels: [u16; scene::TOPICS.len()],
@@ -80,8 +80,7 @@ impl<W: Write + Seek> Writer<W> {
         })
     }
 
-    /// Adds a message: the bytes of `topic`'s struct, and its place in time, ns of run time, which must
-    /// not go back.
+    /// Adds a message: the bytes of `topic`'s struct, and its time, ns of run time, which must not go back.
     ///
     /// # Errors
     /// If the file cannot be written.

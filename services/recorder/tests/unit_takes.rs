@@ -8,8 +8,8 @@ use scenario::{Overrides, Scenario};
 use std::io::Cursor;
 use std::path::PathBuf;
 
-/// A recording in which cycle `k`, of this process, uses batch `k`, without the messages that `lost` names by
-/// topic and number.
+/// A recording in which cycle `k`, of this process, uses batch `k`. The messages that `lost` names by topic and number
+/// are missing.
 fn recording(processes: &[u32], lost: &[(Topic, u64)]) -> Recording {
     let scenario = Scenario::open("corridor", &Overrides::new(), &|_| Ok(Default::default()))
         .expect("built in");

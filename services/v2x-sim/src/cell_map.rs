@@ -1,7 +1,7 @@
 //! Maps of the road ahead in cells of one length: grades and curvatures, with the faults of the scenario.
 //!
-//! Both maps have the faults of `[v2x.preview]`: they are shifted along the road, each cell has an error of its own, and
-//! they end.
+//! Both maps have the faults of `[v2x.preview]`: they are shifted along the road, they end, and each cell has an error
+//! of its own.
 
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;

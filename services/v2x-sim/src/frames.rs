@@ -1,4 +1,4 @@
-//! The roadside units' frames: one unit at each intersection, with a SPATEM in each period and a MAPEM in each second.
+//! The roadside units' frames. Each intersection has one unit, with a SPATEM in each period and a MAPEM in each second.
 //!
 //! Plain code: the frames are a function of the scenario, the time and UTC.
 //!
@@ -95,8 +95,8 @@ impl Frames {
         }
     }
 
-    /// The frames at `time_ns` of the run, which started at `utc_start_ns`: of all units, or of those that reach a
-    /// vehicle at `ego_m`.
+    /// The frames at `time_ns` of the run, which started at `utc_start_ns`. They are of all units, or of those that
+    /// reach a vehicle at `ego_m`.
     ///
     /// # Errors
     /// [`EncodeError`] if a value of the scenario does not fit into the standards' messages.

@@ -1,5 +1,5 @@
-//! A carrier instead of simulated roadside units and their air: frames of another host's units, or of a capture,
-//! become `radio/frames`. It also sends the vehicle's own frames.
+//! A carrier instead of simulated roadside units and their air. Frames of another host's units, or of a capture, become
+//! `radio/frames`. It also sends the vehicle's own frames.
 
 use crate::report::{LinkReport, StationReport};
 use crate::unit_clock::UnitClock;

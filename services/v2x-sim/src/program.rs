@@ -101,7 +101,7 @@ impl Program {
         })
     }
 
-    /// Start of the current cycle in the program's own time, which is ahead by the offset, and index of the current
+    /// Start of the current cycle in the program's own time (which is ahead by the offset), and index of the current
     /// phase.
     fn locate(&self, time_ns: u64) -> (u64, usize) {
         let program_ns = time_ns.saturating_add(self.offset_ns);

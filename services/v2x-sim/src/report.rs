@@ -1,4 +1,4 @@
-//! Figures that v2x-sim reports at its end, of a run whose roadside units are on other hosts or in a capture.
+//! Figures that v2x-sim reports at its end, if the run's roadside units are on other hosts or in a capture.
 
 use serde::{Deserialize, Serialize};
 
@@ -19,8 +19,8 @@ pub struct LinkReport {
     pub dropped: u64,
     /// Packets that are not frames.
     pub malformed: u64,
-    /// Whether the true state of the signals is known: the unit runs the same scenario and sends when it
-    /// began. Else the referee does not judge red lights.
+    /// True if the true state of the signals is known: the unit runs the same scenario and sends when it began. Else
+    /// the referee does not judge red lights.
     pub truth_known: bool,
     /// Each sender that was received and names itself, vehicles too.
     pub stations: Vec<StationReport>,

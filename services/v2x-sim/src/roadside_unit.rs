@@ -101,8 +101,7 @@ impl RoadsideUnit {
         self.signals_within(self.range_m, time_ns, ego_position_m)
     }
 
-    /// Signals without regard to the radio's range: the next ones ahead and those just passed, up to the room of a
-    /// message.
+    /// Signals without regard to the radio's range: the next ones ahead and those just passed, up to a message's room.
     #[must_use]
     pub fn truth(&self, time_ns: u64, ego_position_m: f64) -> Signals {
         self.signals_within(f64::INFINITY, time_ns, ego_position_m)

@@ -1,4 +1,4 @@
-//! The counts over some runs, each in one row: its field, its name in results, its column, and how a run adds to it.
+//! The counts over some runs, each in one row: its field, its name in results, its column, and what a run adds.
 
 use group::report::Outcome;
 use report::results::{Column, count};

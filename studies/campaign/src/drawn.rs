@@ -46,8 +46,8 @@ fn range(values: &[Value]) -> Option<(f64, f64)> {
     (from < to && (to - from).is_finite()).then_some((from, to))
 }
 
-/// A fixed value as it is, one of a list, or a number in a range: whole if both ends are, else with three decimals.
-/// In a table each value is drawn.
+/// A fixed value, one of a list, or a number in a range. The number is whole if both ends are, else it has three
+/// decimals. In a table each value is drawn.
 pub fn drawn(value: &Value, random: &mut Pcg64) -> Value {
     if let Value::Table(table) = value {
         let each = table.iter().map(|(key, value)| (key.clone(), drawn(value, random)));

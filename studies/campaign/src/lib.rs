@@ -2,7 +2,7 @@
 //!
 //! A campaign file names scenarios, controllers, faults and limits. Each combination has a number of runs, and each run
 //! draws its faults from its own seed. A run keeps one record, and the verdict is made of the records alone. So a
-//! campaign comes to the same verdict when it is interrupted and continued, or done in parts that are merged.
+//! campaign comes to the same verdict if it is interrupted and continued, or done in parts that are merged.
 //!
 //! ```text
 //! file ─ plan ─► run 0 … run N-1 ─ job ─► drive ─ record ─► journal (a line per run, on the disk) ─► verdict

@@ -1,5 +1,5 @@
-//! The measured figures over some runs, each in one row: its field, the name of its limits, its columns, and the share of
-//! a run. The counts stand in [`counts`](super::counts).
+//! The measured figures over some runs, each in one row: its field, the name of its limits, its columns, and a run's
+//! share. The counts stand in [`counts`](super::counts).
 
 use super::record::Record;
 use report::results::{Column, Kind, count, micros, nested, number};
@@ -97,7 +97,7 @@ macro_rules! times {
             $(#[doc = $meaning] pub $field: Option<Percentiles>,)+
         }
 
-        /// Their histograms while runs are added. A histogram is large, and most campaigns have none.
+        /// Their histograms while runs are added. A histogram is large, and most campaigns do not need one.
         #[derive(Debug, Default)]
         pub struct Histograms {
             $(#[doc = $meaning] pub $field: Option<Latencies>,)+

@@ -1,4 +1,5 @@
-//! From the command's argument to a campaign: a built-in one, a file, or an OpenSCENARIO variation.
+//! Way from the command's argument to a campaign: a built-in one, a file, or an OpenSCENARIO
+//! variation.
 
 use super::builtin::BUILTIN;
 use super::file::Campaign;
@@ -22,7 +23,7 @@ pub enum VariationNameError {
     /// The file's name has no letters that a name may have.
     #[error(transparent)]
     Name(NotAName),
-    /// Its description is none.
+    /// It has no description.
     #[error(transparent)]
     Description(NotALine),
 }

@@ -1,4 +1,5 @@
-//! From a campaign to its runs: every combination of scenario, controller and fault, with every seed.
+//! Way from a campaign to its runs: every combination of scenario, controller and fault, with every
+//! seed.
 
 use super::drawn::{check, drawn};
 use super::file::Campaign;
@@ -191,7 +192,7 @@ fn draw_runs(all: usize, count: usize, seed: u32) -> Vec<usize> {
     let mut random = Pcg64::seed_from_u64(seed.into());
     let mut left = all;
     let mut wanted = count.min(left);
-    // Knuth's algorithm S: a run is kept with the probability wanted / left.
+    // Knuth's algorithm S: a run is kept with the probability needed / left.
     let mut keep = |_: &usize| {
         let uniform = random::uniform(&mut random);
         let keep = uniform * (left as f64) < wanted as f64;

@@ -28,12 +28,12 @@ pub struct Record {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub parameters: Vec<String>,
     pub outcome: Outcome,
-    /// Why the outcome is `aborted`.
+    /// Reason why the outcome is `aborted`.
     pub aborted_because: Option<String>,
     /// Verdicts on the requirements.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub requirements: Vec<RequirementVerdict>,
-    /// Whether its repetition in a process group gave the same bytes; none: it was not repeated.
+    /// True if its repetition in a process group gave the same bytes. `None`: it was not repeated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub same_in_processes: Option<bool>,
     #[serde(flatten)]

@@ -92,7 +92,7 @@ const OF_FILES: &[&str] = &[
     "--resume DIR",
 ];
 
-/// Why no campaign is chosen.
+/// Reason why no campaign is chosen.
 #[derive(Debug, thiserror::Error)]
 pub enum SelectionError {
     /// Nothing names one.

@@ -6,7 +6,7 @@ use rand_core::Rng;
 use rand_pcg::Pcg64;
 use toml::{Table, Value};
 
-/// Why no fault can be drawn from a table.
+/// Reason why no fault can be drawn from a table.
 #[derive(Debug, thiserror::Error)]
 pub enum TemplateError {
     /// A number of faults.
@@ -17,7 +17,7 @@ pub enum TemplateError {
         /// Its value.
         value: Value,
     },
-    /// Whether a fault has runs of its own.
+    /// True if a fault has runs of its own.
     #[error("faults: alone = {0}, expected true or false")]
     Alone(Value),
     /// Too few services to strike together.

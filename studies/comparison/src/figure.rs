@@ -68,10 +68,10 @@ pub const INTERVENTIONS: &str = "interventions";
 pub const COUNT: usize = 19;
 const KWH: &str = "kWh/100 km";
 
-/// Declares [`ALL`]. A row has the fold of the seeds, panel and label in the picture, the column, and the value of a run.
+/// Declares [`ALL`]. A row has the fold of the seeds, panel and label in the picture, the column, and a run's value.
 macro_rules! figures {
     ($($fold:ident $panel:literal / $label:literal: $column:expr, $of:expr;)+) => {
-        /// All figures, in the order of the columns. None of them depends on the wall clock in lockstep.
+        /// All figures, in the order of the columns. They do not depend on the wall clock in lockstep.
         pub static ALL: [Figure; COUNT] = [$(
             Figure { column: $column, panel: $panel, label: $label, fold: Fold::$fold, of: $of },
         )+];

@@ -14,7 +14,7 @@ use group::{Failure, ScenarioOptions};
 /// Most values of one key.
 const MAX_VALUES: usize = 10_000;
 
-/// Why a list of values cannot be read.
+/// Reason why a list of values cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ValuesError {
     /// Values without a key.

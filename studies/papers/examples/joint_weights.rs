@@ -5,9 +5,9 @@
 //! ```
 //!
 //! The score is the mean over all published figures of `((ours - paper) / joint tolerance)²`. The search is over `Q1`,
-//! `Q2`, `Q3`, `w`, `d_th` and the lead's acceleration in Table 3, which the paper does not give. `R` only scales the
-//! cost and stays 1. Nelder-Mead works in the logarithms. It starts in turn from the best point with a fresh simplex,
-//! and from the best of a random sample of all plausible weights. The same arguments give the same result.
+//! `Q2`, `Q3`, `w`, `d_th` and the lead's acceleration in Table 3. The paper does not give that acceleration. `R` only
+//! scales the cost and stays 1. Nelder-Mead works in the logarithms. It starts in turn from the best point with a fresh
+//! simplex, and from the best of a random sample of plausible weights. The same arguments give the same result.
 
 use controller::laws::cacc::config::Config;
 use controller::laws::cacc::paper::PaperLaw;

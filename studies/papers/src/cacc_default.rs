@@ -1,7 +1,7 @@
 //! The paper's four scenes under the laws as they come: `cacc-mpc` for the road beside its blind baseline.
 //!
-//! The paper's figures belong to its own formulation. These rows hold the road's formulation to the paper's
-//! purpose: it passes the light sooner, and farther from the switch, than the blind law.
+//! The paper's figures belong to its own formulation. These rows hold the road's formulation to the paper's purpose. It
+//! passes the light sooner than the blind law, and farther from the switch.
 
 use super::row::{Kind, Row, requirement, within};
 use super::runner::{Driven, Part, Piece, Runner};
@@ -15,7 +15,7 @@ const SPACING: [&str; 2] =
 /// Long enough that every drive passes the line.
 const DURATION: &str = "duration_s=20";
 
-/// A scene: name in the rows, scenario, stop line in m, time of the switch in s, whether it turns green then.
+/// A scene: name in the rows, scenario, stop line, m, time of the switch, s, and whether it turns green then.
 type Scene = (&'static str, &'static str, f64, f64, bool);
 
 const SCENES: [Scene; 4] = [
@@ -89,7 +89,7 @@ fn between(pair: &[DriveStep], share: f64, of: impl Fn(&DriveStep) -> f64) -> f6
     of(&pair[0]) + share * (of(&pair[1]) - of(&pair[0]))
 }
 
-/// When the line is crossed, s.
+/// Time when the line is crossed, s.
 fn crossing_s(driven: &Driven, line_m: f64) -> Option<f64> {
     let pair = driven.drive.steps.windows(2).find(|pair| pair[1].position_m >= line_m)?;
     let share = (line_m - pair[0].position_m) / (pair[1].position_m - pair[0].position_m);

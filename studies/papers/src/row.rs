@@ -5,8 +5,8 @@
 //! controller.
 //!
 //! A row belongs to a set: one variant of law, scene and weights. A printed figure keeps its id in
-//! all sets, so that it counts once ([`super::tally`]). A row outside its tolerance fails, in a set
-//! of an uncertified law too: it makes the reproduction's verdict false and the exit status 1.
+//! all sets, so that it counts once ([`super::tally`]). A row outside its tolerance fails, also in
+//! a set of an uncertified law. The reproduction's verdict is then false, and the exit status 1.
 //! `docs/papers.md` names each such row with its reason.
 
 use report::chart::number;
@@ -43,9 +43,9 @@ impl Kind {
 pub enum Check {
     /// Ours is within the tolerance on both sides.
     Near,
-    /// Ours is no larger than the expected value and the tolerance.
+    /// Our figure is at most the expected value plus the tolerance.
     AtMost,
-    /// Ours is no smaller than the expected value less the tolerance.
+    /// Our figure is at least the expected value minus the tolerance.
     AtLeast,
     /// Not compared.
     Shown,
@@ -119,10 +119,10 @@ pub struct Row {
     pub check: Check,
     /// Largest accepted difference; null where nothing is compared.
     pub tolerance: Option<f64>,
-    /// Why the tolerance is that large.
+    /// Reason why the tolerance is that large.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tolerance_reason: Option<Cow<'static, str>>,
-    /// Whether ours is accepted.
+    /// True if ours is accepted.
     pub ok: bool,
     /// Origin of ours, or a remark beside the number.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -74,8 +74,8 @@ fn scenario_c_agrees_at_every_step() {
 fn table_3_agrees_as_far_as_the_reference_solved_it() {
     let scene = cacc::table_3(cacc::TABLE_3_LEAD_JOINT_MPS2);
     agrees(&scene, false, reference!("table3-acc"));
-    // From 2.1 s to 2.3 s the reference calls the light infeasible and follows without it; it has a
-    // solution there, as the next test shows. The two loops part by these requests.
+    // From 2.1 s to 2.3 s the reference calls the light infeasible and follows without it. There is
+    // a solution, as the next test shows. The two loops part by these requests.
     let ours = drive(&scene, weights::JOINT, true);
     let reference = reference!("table3-cacc");
     let early = Recording { time_s: ours.time_s[..21].to_vec(), ..ours.clone() };

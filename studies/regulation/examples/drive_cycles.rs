@@ -13,8 +13,8 @@
 //! | changes | changes of the law's mode |
 //! | fall-back | share of the commands that the law's fall-back gave |
 //!
-//! A drive is marked after a collision or an emergency braking. It is also marked if the stop jerk is above 5 m/s³, or if
-//! the mean time gap of `six-mode` is above 3 s.
+//! A drive is marked after a collision or an emergency braking. It is also marked if the stop jerk is above 5 m/s³, or
+//! if the mean time gap of `six-mode` exceeds 3 s.
 
 use std::process::ExitCode;
 use std::sync::Mutex;
@@ -188,7 +188,7 @@ fn drive(arguments: &Arguments, cycle: Cycle, law: &str) -> Option<Figures> {
     Some(figures)
 }
 
-/// Jerk from one step to the next; the step in which the vehicle comes to a stand has none.
+/// Jerk from one step to the next, without the step in which the vehicle comes to a stand.
 fn jerk_mps3(pair: &[DriveStep]) -> f64 {
     if pair[1].speed_mps <= 0.0 {
         return 0.0;

@@ -6,8 +6,8 @@
 //! cargo run --release -p regulation --example law_numbers -- acc-mpc following
 //! ```
 //!
-//! Each number is halved and doubled while all others keep their values. A value that the law refuses is replaced by
-//! the nearest of 0.8 and 1.25 times the number that it accepts; shared numbers stay within their ranges. The law drives
+//! Each number is halved and doubled while all others keep their values. If the law refuses a value, the nearest of 0.8
+//! and 1.25 times the number that it accepts replaces it. Shared numbers stay within their ranges. The law drives
 //! everyday scenes without the emergency brake, or the built-in scenarios that are named. A process can replace shared
 //! numbers once, so each value of them is driven by a process of its own.
 

@@ -4,8 +4,8 @@ use crate::{Outcome, VEHICLE_LENGTH_M};
 
 /// The contact of the ego with another vehicle.
 ///
-/// `gap_m` is the distance from the ego's front bumper to the other's rear bumper, `clearance_m` the distance between
-/// their sides \[m\]. Both are negative in overlap.
+/// `gap_m` is the distance from the ego's front bumper to the other's rear bumper \[m\]. `clearance_m` is the distance
+/// between their sides \[m\]. Both are negative in overlap.
 pub fn contact(gap_m: f64, clearance_m: f64) -> Outcome {
     let overlap = clearance_m < 0.0 && gap_m < 0.0 && gap_m > -2.0 * VEHICLE_LENGTH_M;
     if !overlap {
@@ -17,7 +17,7 @@ pub fn contact(gap_m: f64, clearance_m: f64) -> Outcome {
     }
 }
 
-/// Whether the other vehicle's centre is ahead of the ego's.
+/// True if the other vehicle's centre is ahead of the ego's.
 pub(crate) fn is_ahead(gap_m: f64) -> bool {
     gap_m > -VEHICLE_LENGTH_M
 }

@@ -1,7 +1,7 @@
 //! Cut-in: a slower vehicle beside the ego comes into its lane.
 //!
-//! Its lateral speed rises by 1.5 m/s² and stays until it is centred. The distance of the case holds at the instant at
-//! which the lateral speed is reached, 1.6 m beside the ego.
+//! Its lateral speed rises by 1.5 m/s² and stays until it is centred. The distance of the case holds at the instant
+//! when the lateral speed is reached, 1.6 m beside the ego.
 
 use crate::contact::contact;
 use crate::travel::Travel;

@@ -18,7 +18,7 @@ const LONGEST_S: f64 = 100.0;
 pub struct Case {
     /// Speed of the ego and the lead \[km/h\].
     pub speed_kmh: u32,
-    /// From the lead's front bumper to the standing vehicle's rear bumper \[m\].
+    /// Distance from the lead's front bumper to the standing vehicle's rear bumper \[m\].
     pub standing_distance_m: u32,
     /// Lateral speed of the lead in tenths \[0.1 m/s\].
     pub lateral_tenths_mps: u32,
@@ -30,7 +30,7 @@ impl Case {
         f64::from(self.lateral_tenths_mps) * 0.1
     }
 
-    /// Whether the lead hits the standing vehicle and stands there: whether they touch at the end of a step.
+    /// True if the lead hits the standing vehicle and stands there: whether they touch at the end of a step.
     pub fn lead_hits(&self) -> bool {
         let mut lead = Lead::new(self, 0.0);
         let standing = self.standing_from(0.0);
@@ -45,8 +45,8 @@ impl Case {
         Travel::from_m(distance_m + f64::from(self.standing_distance_m) + 2.0 * VEHICLE_LENGTH_M)
     }
 
-    /// End of the case when `model` drives the ego from the distance that it keeps behind the lead;
-    /// `None` if the model keeps none.
+    /// End of the case if `model` drives the ego from the distance that it keeps behind the lead. `None` if the model
+    /// keeps no distance.
     pub fn drive(&self, model: Model) -> Option<Verdict> {
         let distance_m = model.following_distance_m(mps(self.speed_kmh))?;
         Some(self.drive_from(model, distance_m))
@@ -110,7 +110,7 @@ struct Lead {
     travel: Travel,
     offset: Travel,
     stands: bool,
-    /// Whether it already stood a step ago: only then can a driver behind see it.
+    /// True if it already stood a step ago: only then can a driver behind see it.
     known_to_stand: bool,
 }
 

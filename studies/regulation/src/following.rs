@@ -22,8 +22,8 @@ impl Case {
         f64::from(self.lead_hundredths_g) / 100.0 * GRAVITY_MPS2
     }
 
-    /// End of the case when `model` drives the ego from the distance that it keeps; `None` if the
-    /// model keeps none.
+    /// End of the case if `model` drives the ego from the distance that it keeps. `None` if the
+    /// model keeps no distance.
     pub fn drive(&self, model: Model) -> Option<Verdict> {
         let mut speed_mps = mps(self.speed_kmh);
         let mut lead_mps = speed_mps;

@@ -18,10 +18,9 @@
 //! [`r157`] drives our laws through these matrices and judges them by the models. [`iso15622`] runs the tests of
 //! adaptive cruise control. [`everyday`] draws scenes in which an emergency brake has nothing to do.
 //!
-//! Sources: UN R157, paragraph 5.2.5.2 and annex 4, appendix 3; Mattas and others, "Fuzzy surrogate
-//! safety metrics for real-time assessment of rear-end collision risk", Accident Analysis &
-//! Prevention 148 (2020) 105794; Shalev-Shwartz and others, "On a formal model of safe and scalable
-//! self-driving cars" (2017).
+//! Sources: UN R157, paragraph 5.2.5.2 and annex 4, appendix 3. Mattas and others, "Fuzzy surrogate safety metrics for
+//! real-time assessment of rear-end collision risk", Accident Analysis & Prevention 148 (2020) 105794. Shalev-Shwartz
+//! and others, "On a formal model of safe and scalable self-driving cars" (2017).
 
 #![forbid(unsafe_code)]
 

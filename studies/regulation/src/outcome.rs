@@ -31,7 +31,7 @@ impl Outcome {
         }
     }
 
-    /// Whether the vehicles touched.
+    /// True if the vehicles touched.
     pub fn is_collision(self) -> bool {
         self != Outcome::None
     }

@@ -1,5 +1,5 @@
 //! The classic picture of the cut-ins. For each pair of speeds it shows the cases that end in a collision, over
-//! distance and lateral speed, with the edges of the models' regions.
+//! distance and lateral speed. It also shows the edges of the models' regions.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -37,8 +37,7 @@ pub struct Collision {
 /// A straight piece of an edge between two cells: its two ends, (distance \[m\], lateral speed \[m/s\]).
 pub type Edge = [(f64, f64); 2];
 
-/// The panels of `cases`, which are in the order of the tables, with `outcome` of the vehicle that is
-/// judged in each case.
+/// The panels of `cases`, which are in the order of the tables. `outcome` is that of the vehicle judged in each case.
 pub fn panels(
     cases: impl IntoIterator<Item = Case>,
     mut outcome: impl FnMut(&Case) -> Outcome,
@@ -128,7 +127,7 @@ impl Region {
         Region { columns, rows, cells }
     }
 
-    /// Whether a cell is in the region; outside of the grid none is.
+    /// True if a cell is in the region; outside of the grid none is.
     fn has(&self, column: isize, row: isize) -> bool {
         let within = |value: isize, end: usize| usize::try_from(value).ok().filter(|v| *v < end);
         match (within(column, self.columns), within(row, self.rows)) {
@@ -158,8 +157,8 @@ impl Region {
     }
 }
 
-/// The boundaries of cells around `centres`, half a cell before the first to half a cell after the
-/// last, times `unit`.
+/// The boundaries of cells around `centres`, times `unit`. They go from half a cell before the first to half a cell
+/// after the last.
 fn boundaries(centres: &[u32], unit: f64) -> Vec<f64> {
     let half = match centres {
         [first, second, ..] => f64::from(second - first) / 2.0,

@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use crate::cut_in::Case;
 use crate::{Model, Outcome};
 
-/// Writes the outcome of each cut-in with each model as comma-separated values: the case, then one
-/// digit per model (0 none, 1 side, 2 rear-end).
+/// Writes the outcome of each cut-in with each model as comma-separated values. A row is the case,
+/// then one digit per model (0 none, 1 side, 2 rear-end).
 pub fn write_cut_ins(
     out: &mut impl Write,
     cases: impl IntoIterator<Item = Case>,

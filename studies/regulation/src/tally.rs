@@ -29,7 +29,7 @@ impl Tally {
     }
 }
 
-/// Whether both of the regulation's models end the case without a collision.
+/// True if both of the regulation's models end the case without a collision.
 pub fn is_mastered_by_both(verdicts: &PerModel<Option<Verdict>>) -> bool {
     [Model::CarefulDriver, Model::Regulation]
         .into_iter()

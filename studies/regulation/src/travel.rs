@@ -33,7 +33,7 @@ impl Travel {
         self.start_m + self.speeds_mps * STEP_S
     }
 
-    /// From the front bumper of a vehicle `behind` to this one's rear bumper \[m\].
+    /// Distance from the front bumper of a vehicle `behind` to this one's rear bumper \[m\].
     pub(crate) fn gap_to_m(&self, behind: &Travel) -> f64 {
         self.position_m() - behind.position_m() - VEHICLE_LENGTH_M
     }

@@ -1,8 +1,8 @@
 //! Weight of variables: the share of the values' variance that each explains alone.
 //!
-//! The correlation ratio (Pearson 1903): the variance of the means in six equal parts of the variable's interval, or of
-//! each word, over the whole variance. Values enter as `asinh`. It misses an effect that two variables have only
-//! together, and a search that gathers points in one region weighs that region.
+//! The correlation ratio (Pearson 1903): the variance of the means over the whole variance. The means are those in six
+//! equal parts of the variable's interval, or of each word. Values enter as `asinh`. It misses an effect that two
+//! variables have only together. A search that gathers points in one region weighs that region.
 
 use crate::problem::Variable;
 use crate::record::Record;

@@ -102,7 +102,7 @@ fn smallest(row: &FaultRow) -> Json {
 }
 
 impl FaultRow {
-    /// A fault whose worst run was judged so: its name, the unit of its size, its runs and those that broke a
+    /// A fault with the judgement of its worst run: its name, the unit of its size, its runs, and those that broke a
     /// requirement.
     pub fn new(
         (fault, size_unit): (&str, &'static str),

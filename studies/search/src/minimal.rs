@@ -4,7 +4,7 @@
 //! for each variable: nominal? ─ else halve the way to it, thrice ─ then fewest digits
 //! ```
 //!
-//! Each change is kept if the failure still holds on 8 of 10 seeds. One seed is not enough: noise turns verdicts near
+//! Each change is kept if the failure still holds on 8 of 10 seeds. One seed is not enough. Noise turns verdicts near
 //! the limit, and a case that was reduced on one seed holds on few others.
 
 use group::Error;
@@ -152,7 +152,7 @@ mod tests {
     use crate::arguments::SearchArguments;
     use clap::{Args, FromArgMatches};
 
-    /// Fails where the gap is below 30 and the set speed above 20, on nine of ten seeds; the mass does not matter.
+    /// Fails if the gap is below 30 and the set speed above 20, on nine of ten seeds. The mass does not matter.
     struct Fake;
 
     impl Trial for Fake {

@@ -1,5 +1,5 @@
-//! Pictures of a search: all runs at once, the best so far, the two variables that matter most, and the failing drives
-//! beside the reference's.
+//! Pictures of a search: all runs at once, the best so far, and the two variables that matter most. The failing drives
+//! stand beside the reference's.
 
 use group::DriveStep;
 use report::chart::{

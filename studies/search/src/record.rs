@@ -32,7 +32,7 @@ pub struct Record {
 }
 
 impl Record {
-    /// The value that the search makes small; below 0 the run is a failure: the reference avoids each point that is
+    /// The value that the search makes small. Below 0 the run is a failure, as the reference avoids each point that is
     /// driven.
     #[must_use]
     pub fn value(&self) -> f64 {

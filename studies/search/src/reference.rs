@@ -6,7 +6,7 @@
 //! brakes:   `reaction_s` after the need, with `deceleration_mps2`, until the need is over
 //! ```
 //!
-//! It knows the true traffic, and nothing of radar, faults and delays. Its drive needs no services: the traffic of the
+//! It uses the true traffic, and nothing of radar, faults and delays. Its drive needs no services: the traffic of the
 //! scenario moves, and the driver among it. Following: Treiber, Hennecke, Helbing, Congested traffic states in
 //! empirical observations and microscopic simulations, Phys. Rev. E 62 (2000), equations 3 and 4. Braking:
 //! [`ReferenceDriver`].
@@ -86,7 +86,8 @@ impl Driven {
         self.clearance_m > CLEARANCE_M
     }
 
-    /// Value of the scene by the driver alone, in tolerances of 0.5 m: above 0 where the driver does not avoid it.
+    /// Value of the scene by the driver alone, in tolerances of 0.5 m. It is above 0 where the driver does not avoid
+    /// it.
     #[must_use]
     pub fn value(&self) -> f64 {
         ((CLEARANCE_M - self.clearance_m) / 0.5).clamp(-200.0, 200.0)
@@ -210,7 +211,7 @@ mod tests {
         )
     }
 
-    /// It appears ahead of the ego, which keeps its speed. From 20 m/s: 7 m in 0.35 s, then 400/12 = 33.3 m; or 15 m in
+    /// It appears ahead of the ego, which keeps its speed. From 20 m/s: 7 m in 0.35 s, then 400/12 = 33.3 m. Or 15 m in
     /// 0.75 s, 11.5 m while the braking grows, then 20.7 m. 0.5 m must be left.
     #[test]
     fn the_driver_brakes_after_its_reaction_time() {

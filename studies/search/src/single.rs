@@ -7,7 +7,7 @@ use crate::method::{Admission, Chooser, Evaluation, MethodName, seed_of};
 use crate::problem::Problem;
 use crate::value::judge;
 
-/// Whether the reference avoids a point.
+/// True if the reference avoids a point.
 ///
 /// # Errors
 /// A point that the scenario refuses.

@@ -58,7 +58,7 @@ impl Failure for PlanError {}
 /// # Errors
 /// Mistakes in the arguments or the file, else as [`frame::study::run`].
 pub fn run(arguments: &SearchArguments) -> Result<ExitCode, Error> {
-    // A part that is continued or joined knows what it is a part of.
+    // A part that is continued or joined names the whole of which it is a part.
     let held = parts::held(&arguments.parts)?;
     let has = |option: &str| {
         let words = held.iter().flat_map(|study| &study.words);
@@ -249,7 +249,7 @@ impl Study for Runs {
 
 /// Failures of a group that are tried until one holds on enough seeds.
 const MOST_STARTS: usize = 4;
-/// Groups that are tried, for each case that is wanted.
+/// Groups that are tried, for each desired case.
 const GROUPS_PER_CASE: usize = 3;
 
 impl Runs {

@@ -1,4 +1,4 @@
-//! The published problems, and problems that are none.
+//! The published problems, and files that are not problems.
 
 use std::path::{Path, PathBuf};
 

@@ -67,7 +67,7 @@ pub struct StringArguments {
     pub results: ResultOptions,
 }
 
-/// Why a string is not driven.
+/// Reason why a string is not driven.
 #[derive(Debug, thiserror::Error)]
 pub enum StringError {
     /// It has too many cars.

@@ -1,7 +1,7 @@
 //! Strings as a study: car by car, several cars at a time.
 //!
 //! The workers take the cars in their order. In one process a car drives a moment behind the one before it
-//! ([`super::growing`]); in process groups each waits for the whole motion of that one.
+//! ([`super::growing`]). In process groups each waits for the whole motion of that one.
 
 use std::sync::Arc;
 
@@ -240,7 +240,7 @@ impl Car {
     }
 }
 
-/// For a table that is whole from the start.
+/// Makes it for a table that is whole from the start.
 fn nothing_new() -> Ahead {
     Box::new(|_, _| {})
 }

@@ -7,8 +7,8 @@
 //! ```
 //!
 //! The first car drives the scenario as it stands. Each one after it drives the same scenario with one other vehicle:
-//! the car before it, in its real motion. A string is stable when no car makes
-//! the disturbance larger (Swaroop and Hedrick, 1996, in the sense of the norms that are printed).
+//! the car before it, in its real motion. A string is stable if no car makes the disturbance larger. This is the sense
+//! of Swaroop and Hedrick (1996), in the norms that are printed.
 
 mod arguments;
 mod car_by_car;

@@ -11,7 +11,7 @@ use controller::laws;
 use group::Drive;
 use scenario::Scenario;
 
-/// A signal whose largest deviation is below this is not a disturbance, and its gain is noise over noise, m/s or m. Cars
+/// Largest deviation, m/s or m, below which a signal is not a disturbance. Its gain would be noise over noise. Cars
 /// behind a constant speed deviate by 0.1 m/s by their radars' noise.
 const QUIET: f64 = 0.2;
 
@@ -66,7 +66,7 @@ pub fn samples(drive: &Drive) -> impl Iterator<Item = Sample> + '_ {
     })
 }
 
-/// The norms of a drive; a signal that the drive does not have gives none.
+/// The norms of a drive; `None` for a signal that the drive does not have.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
     /// Norms of the car's speed.

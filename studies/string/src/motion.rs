@@ -16,8 +16,8 @@ const MAX_POINTS: usize = MAX_PROFILE_POINTS - 1_000;
 pub struct Motion(Vec<SpeedPoint>);
 
 impl Motion {
-    /// The motion in a drive: a point for every step of the plant, or as many as a table of speeds may have. A car
-    /// that collided brakes as hard as it can, since a vehicle stands in its way.
+    /// The motion in a drive. It has a point for every step of the plant, or as many as a table of speeds may have. A
+    /// car that collided brakes as hard as it can, since a vehicle stands in its way.
     pub fn of(scenario: &Scenario, drive: &Drive, outcome: Outcome) -> Self {
         let steps = &drive.steps;
         let point_of = |step: &DriveStep| point(step.time_s, step.speed_mps);

@@ -19,7 +19,7 @@ const FIRST_TIME_GAP_S: f64 = 2.0;
 /// Distance added to that, m.
 const FIRST_DISTANCE_M: f64 = 5.0;
 
-/// Why a car of a string has no scenario.
+/// Reason why a car of a string has no scenario.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// The string is longer than any road.

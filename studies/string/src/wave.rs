@@ -7,8 +7,8 @@
 //! v(t) ~ m + p cos(2 pi f t) + q sin(2 pi f t),     amplitude = sqrt(p² + q²)
 //! ```
 //!
-//! over whole periods. The samples need not be in step with the sine. The car's other motion, from its radar's noise,
-//! is fitted in the same way at the neighbouring frequencies of the same window.
+//! over whole periods. The samples need not be in step with the sine. The car's other motion comes from its radar's
+//! noise. It is fitted in the same way at the neighbouring frequencies of the same window.
 
 use std::f64::consts::TAU;
 
@@ -21,7 +21,7 @@ use super::measure::{Sample, samples};
 const MAX_AMPLITUDE_MPS: f64 = 1.0;
 /// Largest acceleration of the lead, m/s²: below every law's bound of comfort.
 const MAX_ACCELERATION_MPS2: f64 = 0.5;
-/// Time in which a law forgets the start, s.
+/// Time after which the start has no effect on a law, s.
 const SETTLE_S: f64 = 60.0;
 /// The same that each car adds, since the start travels along the string, s.
 const SETTLE_EACH_S: f64 = 5.0;
@@ -49,8 +49,8 @@ pub struct Wave {
 }
 
 impl Wave {
-    /// Around the scenario's speed, as far as the set speed leaves room on both sides; before a string of
-    /// this many vehicles.
+    /// Around the scenario's speed, as far as the set speed leaves room on both sides. It goes before a string of this
+    /// many vehicles.
     ///
     /// # Errors
     /// [`TooSlow`].
@@ -150,8 +150,8 @@ fn basis(hz: f64, time_s: f64) -> [f64; 3] {
     [1.0, libm::cos(angle), libm::sin(angle)]
 }
 
-/// The sine of a frequency that is nearest to a signal, by Gauss's elimination; the matrix is positive
-/// definite when three samples differ.
+/// The sine of a frequency that is nearest to a signal, by Gauss's elimination. The matrix is positive definite if
+/// three samples differ.
 fn fit(hz: f64, signal: impl Iterator<Item = (f64, f64)>) -> Option<Sine> {
     // Each row with its right-hand side.
     let mut rows = [[0.0; 4]; 3];

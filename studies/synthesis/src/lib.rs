@@ -1,4 +1,4 @@
-//! From parameters to a certified design of the law `quadratic-bounded`, by semidefinite programming.
+//! Synthesis from parameters to a certified design of the law `quadratic-bounded`, by semidefinite programming.
 //!
 //! The law verifies each design that it loads; it does not need this crate. The crate is empty without the feature
 //! `openblas`, since its solver needs that library. `timegap synthesize` runs it.
@@ -7,9 +7,8 @@
 //! DesignRequest (TOML) ──► line search over alpha ──► semidefinite program ──► Design, verified
 //! ```
 //!
-//! Unknown are X, Y (symmetric, 4 by 4), per rule Ah_i, Bh_i, Ch_i, Dh_i, and multipliers a, b >= 0;
-//! alpha and beta are fixed in each solve. With Theta = [[X, I], [I, Y]] > 0 and everything scaled by
-//! its bound,
+//! Unknown are X, Y (symmetric, 4 by 4), per rule Ah_i, Bh_i, Ch_i, Dh_i, and multipliers a, b >= 0. alpha and beta are
+//! fixed in each solve. With Theta = [[X, I], [I, Y]] > 0 and everything scaled by its bound,
 //!
 //! ```text
 //! minimise  sum weight_j X_jj + 1e-3 tr Y  subject to, for each rule i,
@@ -22,8 +21,8 @@
 //! 4. [[1, x0'], [x0, X]] >= 0 for every start state.
 //! ```
 //!
-//! The gains follow from a factorisation U N' = I - X Y. The result is not trusted: the design passes the same
-//! verification as one that is read from a file.
+//! The gains follow from a factorisation U N' = I - X Y. The result is checked: the design passes the same verification
+//! as one that is read from a file.
 //!
 //! Alpha, the rate at which the ellipsoid contracts, enters the problem nonlinearly. A line search comes down from the
 //! greatest alpha and ends at the first one with a certified design.
@@ -49,12 +48,12 @@ pub struct Options {
     pub alphas: usize,
     /// beta of the condition on the increment.
     pub beta: f64,
-    /// Least eigenvalue asked of Theta and of condition 1, and what is kept free of every scaled
-    /// bound, so that rounding cannot spoil the certificate.
+    /// Least eigenvalue asked of Theta and of condition 1, and room kept free at every scaled
+    /// bound. So rounding cannot spoil the certificate.
     pub margin: f64,
     /// Weights of the four states' ellipsoid widths in the objective.
     pub weights: [f64; STATES],
-    /// Whether Fx and Fy may differ between the rules.
+    /// True if Fx and Fy may differ between the rules.
     pub rule_outputs: bool,
 }
 
@@ -131,7 +130,7 @@ pub struct Trial {
     pub iterations: u32,
 }
 
-/// Why an alpha gave no certified design.
+/// Reason why an alpha gave no certified design.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TrialFailure {
     /// The solver ended without a solution; its status.
@@ -151,7 +150,7 @@ pub struct Synthesis {
     pub trials: Vec<Trial>,
 }
 
-/// Why there is no design.
+/// Reason why there is no design.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SynthesisError {
     /// The parameter file cannot be read.

@@ -1,5 +1,5 @@
-//! Synthesis of designs: the shipped ones again, what cannot be had, and how hard a certified
-//! design can brake for a car that cuts in.
+//! Synthesis of designs: the shipped ones again, designs that do not exist, and the hardest
+//! certified braking for a car that cuts in.
 //!
 //! `cargo test --release -p synthesis --features openblas`
 #![cfg(feature = "openblas")]
@@ -30,7 +30,7 @@ fn design(request: &DesignRequest) -> Design {
     synthesize(request).expect("these bounds can be met").design
 }
 
-/// The solver's last digits depend on the BLAS, so the gains are compared, not the bytes; the
+/// The solver's last digits depend on the BLAS. So the gains are compared, not the bytes, and the
 /// certificate is verified anew in both.
 #[test]
 fn the_parameter_files_give_the_shipped_designs() {
@@ -121,8 +121,9 @@ impl Published {
         }
     }
 
-    /// Whether the paper's other figures hold: 10 s, 30 s, 27.5 s, 54 s, 18 s, no overshoot,
-    /// and a gap that is closed within the minute; and whether all happened within the ellipsoid.
+    /// True if the paper's other figures hold: 10 s, 30 s, 27.5 s, 54 s, 18 s, no overshoot, and a
+    /// gap that is closed within the minute. The second value is whether all happened within the
+    /// ellipsoid.
     fn holds(&self) -> bool {
         (self.follow_start - 10.0).abs() <= 0.5
             && self.follow_steady <= 30.5

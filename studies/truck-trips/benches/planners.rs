@@ -1,8 +1,7 @@
 //! Time that planning takes: `cargo bench -p truck-trips --bench planners`.
 //!
-//! Requests along a generated road of 60 km, every 100 m, at the speeds that the law drives there: 2 km of
-//! preview each. Each is planned `REPEATS` times; its time is the median of these. The bound is solved
-//! once per repeat.
+//! Requests along a generated road of 60 km, every 100 m, at the law's speeds there. Each has 2 km of preview. Each is
+//! planned `REPEATS` times; its time is the median of these. The bound is solved once per repeat.
 
 use std::time::Instant;
 

@@ -62,7 +62,7 @@ impl Comparison {
         100.0 * (self.l_per_100_km(trip) / self.l_per_100_km(&self.baseline) - 1.0)
     }
 
-    /// The law with a planner; it believes the truck to be `believed` and the road to be `map`.
+    /// The law with a planner; it assumes the truck to be `believed` and the road to be `map`.
     #[must_use]
     pub fn assisted(&self, planner: PlannerKind, believed: &Truck, map: &Map) -> Option<Trip> {
         at_equal_time(self.baseline.time_s, MEAN_SPEEDS, |mean_speed| {

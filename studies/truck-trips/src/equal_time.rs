@@ -10,14 +10,14 @@ const CLOSE: f64 = 1e-4;
 const ATTEMPTS: usize = 18;
 /// Number of moves of the range while the trip is not in it.
 const WIDENINGS: usize = 3;
-/// Trips nearby when the one that is wanted was jumped over, and how far apart, as a share of the range.
+/// Number of trips nearby when the desired one was jumped over, and their distance, as a share of the range.
 const NEARBY: u32 = 16;
 const NEAR: f64 = 0.01;
 
 /// The trip whose time is nearest to `time_s`, within [`EQUAL_TIME`].
 ///
-/// `trip(x)` is faster for a larger x, at least on the whole; without a trip (the truck got stuck) x was too
-/// small. It is looked for between the bounds first, then beyond.
+/// `trip(x)` is faster for a larger x, at least on the whole. Without a trip (the truck got stuck) x was too small. It
+/// is looked for between the bounds first, then beyond.
 pub fn at_equal_time(
     time_s: f64,
     (low, high): (f64, f64),
@@ -25,8 +25,7 @@ pub fn at_equal_time(
 ) -> Option<Trip> {
     let mut search = Search { time_s, trip, best: None };
     let x = search.bracketed(low, high);
-    // Trip time may jump over the one that is wanted: somewhere another decision was taken. Nearby there
-    // are others.
+    // Trip time may jump over the desired one: somewhere another decision was taken. Nearby there are others.
     for step in 0..NEARBY {
         if search.found() {
             break;

@@ -6,10 +6,9 @@
 //!               └── Seen ◄───┘ truck_model
 //! ```
 //!
-//! Five drivers are compared: constant speed ([`Cruise`]), a human ([`Human`]), the law `predictive` ([`Assisted`]), an
-//! ordinary ACC ([`OrdinaryAcc`]), and the optimum of the whole route ([`Bound`]). [`Comparison`] compares them at
-//! equal trip
-//! time. Everything is plain code in one thread: the same inputs give the same bits.
+//! Five drivers are compared. They are constant speed ([`Cruise`]), a human ([`Human`]), the law `predictive`
+//! ([`Assisted`]), an ordinary ACC ([`OrdinaryAcc`]), and the optimum of the whole route ([`Bound`]). [`Comparison`]
+//! compares them at equal trip time. Everything is plain code in one thread: the same inputs give the same bits.
 //!
 //! ```
 //! use truck_model::{Preset, Truck};

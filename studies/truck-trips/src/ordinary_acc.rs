@@ -1,7 +1,7 @@
 //! A well-tuned ordinary ACC: the baseline behind a lead.
 //!
 //! It has the same headway, the same filter and the same truck. It is linear in gap, relative speed and the lead's
-//! acceleration. It brakes when the engine is not enough, and knows no slope ahead.
+//! acceleration. It brakes when the engine is not enough, and uses no slope ahead.
 
 use super::chase::Follower;
 use super::{CONTROL_PERIOD_S, Driver, Seen};

@@ -1,6 +1,6 @@
-//! A foreign law for tests. It follows like `examples/my_law.py`, or misbehaves as its first argument says,
-//! from the question on whose number is its second argument (1 is the first). `--gain=X` or the variable GAIN is its
-//! gain on speed errors.
+//! A foreign law for tests. It follows like `examples/my_law.py`, or misbehaves as its first argument says. It does so
+//! from the question whose number is its second argument (1 is the first). `--gain=X` or the variable GAIN is its gain
+//! on speed errors.
 
 use bytemuck::Zeroable;
 use messages::{LawAnswer, LawInput};
@@ -47,7 +47,7 @@ fn main() {
                     eprintln!("I die at question {}", input.sequence);
                     std::process::exit(7);
                 }
-                // A reset is not obeyed.
+                // A reset has no effect.
                 "remember" => answer.request_mps2 -= 1e-3 * asked,
                 "nan" => answer.request_mps2 = f64::NAN,
                 "deaf" => loop {

@@ -1,5 +1,5 @@
-//! Bad input gets one clear error with its place and the expected value, exit status 2 (3 for a fault of the
-//! machine), and leaves nothing.
+//! Bad input gets one clear error with its place and the expected value, and leaves nothing. The exit status is 2 (3
+//! for a fault of the machine).
 
 use std::path::Path;
 use std::process::{Command, ExitCode};

@@ -89,8 +89,8 @@ pub(super) fn a_peer_that_is_not_there() {
     corner.expect_nothing_left(&[]);
 }
 
-/// A router that requires client certificates: one of an unknown issuer, one that does not trust the
-/// router, and missing files.
+/// A router that requires client certificates. The cases are one of an unknown issuer, one that
+/// does not accept the router, and missing files.
 pub(super) fn wrong_certificates() {
     let (socket, port) = free_port();
     drop(socket);

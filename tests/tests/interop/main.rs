@@ -235,8 +235,8 @@ fn wireshark_reads_the_frames_of_a_run() {
     assert!(lines.starts_with("1780315200.000000"), "{lines}");
 }
 
-/// An independent implementation of AUTOSAR E2E profile 7 accepts every recorded message and no message with a
-/// flipped bit, and protects each with the same bytes.
+/// An independent implementation of AUTOSAR E2E profile 7 accepts every recorded message, and no message with a flipped
+/// bit. It protects each with the same bytes.
 fn another_implementation_of_the_end_to_end_protection_agrees() {
     let python = interpreter().expect("looked for before");
     let corner = Corner::new(PROGRAM);

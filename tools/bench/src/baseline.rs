@@ -21,7 +21,7 @@ pub struct Change {
     pub then: f64,
     /// Ratio to the floor of this run.
     pub now: f64,
-    /// Whether the ratio grew by the factor.
+    /// True if the ratio grew by the factor.
     pub worse: bool,
 }
 

@@ -30,13 +30,13 @@ pub struct Chain {
     pub floor: Outcome,
     /// Requests of the group that the kernel refused.
     pub refused: Vec<String>,
-    /// Whether every process ran under the cell's conditions.
+    /// True if every process ran under the cell's conditions.
     pub as_asked: bool,
 }
 
 impl Chain {
-    /// Late releases of a reference process: it sleeps, then computes for the law's median time, on the
-    /// controller's core during the same seconds. A release that ends after the controller's deadline is late.
+    /// Late releases of a reference process. It sleeps, then computes for the law's median time, on the controller's
+    /// core during the same seconds. A release that ends after the controller's deadline is late.
     pub fn floor_events(&self) -> Option<Events> {
         let slack_us = self.timing.deadline_us? - self.timing.solve_us?.p50;
         let slack_ns = (slack_us.max(0.0) * 1e3) as u64;

@@ -9,10 +9,10 @@
 //! First it answers which loops hold on this machine, as `timegap doctor` does ([`doctor::wake_ups`]). Then it
 //! measures, for each scheduling, placement and load:
 //!
-//! 1. the machine's floor: lateness of absolute sleeps as in cyclictest, and the time for one process to wake
-//!    another by futex, by eventfd and by iceoryx2's event service;
-//! 2. the transport: publish, wake and read through the services' own ports, and payloads of 64 B to 4 MiB,
-//!    loaned and borrowed, bare or protected;
+//! 1. the machine's floor: lateness of absolute sleeps as in cyclictest, and the time for one process to wake another.
+//!    The means are futex, eventfd and iceoryx2's event service;
+//! 2. the transport: publish, wake and read through the services' own ports. Payloads have 64 B to 4 MiB, loaned and
+//!    borrowed, bare or protected;
 //! 3. the chain of the four services, with its reaction time and hops;
 //! 4. deadline misses of the controller with the 100-step problem in its loop at periods from 100 ms to 1 ms.
 //!    Beside them stand those of a process that sleeps and computes for the law's time on the same core;

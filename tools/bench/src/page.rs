@@ -96,7 +96,7 @@ fn gap() -> String {
 const WIDEST: f64 = 2.0;
 const WIDEST_OF_ALL: f64 = 5.0;
 
-/// The intervals as bars over their limits: a bar left of 1 is met, a bar right of 1 is missed.
+/// The intervals as bars over their limits. A bar left of 1 is met, and a bar right of 1 is missed.
 fn intervals(report: &Report) -> String {
     if report.goals.is_empty() {
         return String::new();

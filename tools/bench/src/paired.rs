@@ -70,7 +70,7 @@ impl Comparison {
         Self::CycloneDds,
     ];
 
-    /// Whether it compares with an alternative: shown, but no goal.
+    /// True if it compares with an alternative: shown, but no goal.
     pub const fn is_peer(self) -> bool {
         match self {
             Self::FloorItself | Self::Message | Self::Detections | Self::Payload => false,

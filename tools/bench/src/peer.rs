@@ -65,7 +65,7 @@ pub struct Job {
 /// File below the stage's root with the samples of all blocks.
 pub const BLOCKS_FILE: &str = "bench-blocks.json";
 
-/// Why a process of the benchmark cannot start.
+/// Reason why a process of the benchmark cannot start.
 #[derive(Debug, thiserror::Error)]
 pub enum PeerError {
     /// Its argument is not a job.

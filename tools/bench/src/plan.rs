@@ -10,7 +10,7 @@ use std::time::Duration;
 pub enum Measure {
     /// Jitter of absolute sleeps.
     Sleep,
-    /// From before the sender's first action until the receiver has the message.
+    /// Time from before the sender's first action until the receiver has the message.
     Wake(Mechanism),
     /// The four services with the 100-step problem in their loop.
     Chain,

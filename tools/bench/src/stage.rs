@@ -31,7 +31,7 @@ const LOOK: Duration = Duration::from_millis(2);
 /// Shared memory for the largest payloads, bytes.
 const ROOM: u64 = 64 << 20;
 
-/// Why a measurement failed.
+/// Reason why a measurement failed.
 #[derive(Debug, thiserror::Error)]
 pub enum StageError {
     /// A process cannot be started.
@@ -79,7 +79,7 @@ pub struct Peer {
 }
 
 impl Peer {
-    /// Whether it has ended and, if so, whether successfully.
+    /// End of the process, if it has ended: true if it was successful.
     fn ended(&mut self) -> Option<bool> {
         self.child.try_wait().ok().flatten().map(|status| status.success())
     }

@@ -1,7 +1,7 @@
 //! The two ends of each way to wake a process.
 //!
-//! Every wake-up carries the instant before the sender's first action, so that a stalled sink is charged for
-//! each late wake-up. An end may hold several ways open and use them in turn; equal mechanisms share one.
+//! Every wake-up carries the instant before the sender's first action. So a stalled sink is charged for each late
+//! wake-up. An end may hold several ways open and use them in turn; equal mechanisms share one.
 
 use super::middleware::event::{EventReceiver, EventSender};
 use super::middleware::payload::{Contents, PayloadReceiver, PayloadSender};
@@ -24,7 +24,7 @@ use std::time::Duration;
 /// Longest wait before the sink checks whether the source has ended.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Why a wake-up failed.
+/// Reason why a wake-up failed.
 #[derive(Debug, thiserror::Error)]
 pub enum WakeError {
     /// This build lacks the mechanism.

@@ -79,7 +79,7 @@ pub fn processor_time(limits: &Limits, cores: usize) -> Finding {
     Finding::warn(CHECK, found, costs, Some(format!("echo {open} | sudo tee {}", limit.path)))
 }
 
-/// Whether the group may use real-time priorities.
+/// True if the group may use real-time priorities.
 pub fn real_time_time(limits: &Limits) -> Finding {
     const CHECK: &str = "real-time quota";
     let Some(own) = limits.rt_runtime_us.first() else { return Finding::ok(CHECK, "none") };

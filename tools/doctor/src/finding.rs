@@ -28,7 +28,7 @@ pub struct Finding {
     pub costs: Option<String>,
     /// The command that improves it; null if none can.
     pub fix: Option<String>,
-    /// Whether no run can start in this state.
+    /// True if no run can start in this state.
     pub prevents_runs: bool,
 }
 

@@ -1,4 +1,4 @@
-//! `timegap doctor`: the state of this machine, the cost of each flaw, and the command that mends it.
+//! `timegap doctor`: the state of this machine, the cost of each flaw, and the command that corrects it.
 //!
 //! ```text
 //! /proc, /sys, a probe thread ─ machine ─► contents ─ checks ─► Finding ─► console, JSON, exit status
@@ -64,7 +64,7 @@ struct Report {
     schema_version: u32,
     /// No finding is worse than "ok".
     ok: bool,
-    /// Whether runs can start.
+    /// True if runs can start.
     can_run: bool,
     host: Host,
     findings: Vec<Finding>,

@@ -14,7 +14,7 @@ pub struct IdleState {
     pub name: String,
     /// Time to leave it, µs.
     pub latency_us: u64,
-    /// Whether it is never entered.
+    /// True if it is never entered.
     pub disabled: bool,
 }
 
@@ -83,7 +83,7 @@ pub fn idle_states(states: &[IdleState]) -> Finding {
     Finding::warn(CHECK, found, costs, Some(fix))
 }
 
-/// Whether the scheduler keeps other programs off the controller's core, the last usable one.
+/// True if the scheduler keeps other programs off the controller's core, the last usable one.
 pub fn isolation(usable: &[usize], isolated: Option<&str>) -> Finding {
     const CHECK: &str = "isolated cores";
     let isolated = list(isolated.unwrap_or_default());

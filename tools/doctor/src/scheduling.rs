@@ -17,7 +17,7 @@ fn refusal(granted: &Granted, is_meant: impl Fn(Asked) -> bool) -> Option<&str> 
     Some(&refused.why)
 }
 
-/// Whether a thread of `program` gets the requested `SCHED_FIFO`.
+/// True if a thread of `program` gets the requested `SCHED_FIFO`.
 pub fn policy(granted: &Granted, root: bool, program: &Path) -> Finding {
     const CHECK: &str = "real-time priority";
     if granted.granted == granted.requested {
@@ -71,7 +71,7 @@ pub fn throttling(runtime_us: Option<&str>, period_us: Option<&str>) -> Finding 
     }
 }
 
-/// Whether memory of `program` stays resident.
+/// True if memory of `program` stays resident.
 pub fn locked_memory(granted: &Granted, limits: &str, program: &Path) -> Finding {
     const CHECK: &str = "locked memory";
     if granted.memory_locked {
@@ -87,7 +87,7 @@ pub fn locked_memory(granted: &Granted, limits: &str, program: &Path) -> Finding
     )
 }
 
-/// Whether a sleep can be exact without real-time priority.
+/// True if a sleep can be exact without real-time priority.
 pub fn timer_slack(granted: &Granted) -> Finding {
     const CHECK: &str = "timer slack";
     match refusal(granted, |what| what == Asked::TimerSlack) {

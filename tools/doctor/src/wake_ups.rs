@@ -73,7 +73,7 @@ pub struct WakeUps {
 }
 
 impl LoopFigures {
-    /// Whether no wake-up was later than the budget.
+    /// True if no wake-up was later than the budget.
     #[must_use]
     pub fn holds(&self) -> bool {
         self.wakes > 0 && self.late == 0

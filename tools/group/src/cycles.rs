@@ -1,4 +1,4 @@
-//! Counts of a controller's cycles over all its processes; a run of a day takes as much memory as one of a minute.
+//! Counts of a controller's cycles over all its processes. A run of a day takes as much memory as one of a minute.
 
 use messages::Diagnostics;
 use messages::level::{Level, LevelLog};

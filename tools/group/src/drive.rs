@@ -89,7 +89,7 @@ impl DriveStep {
         }
     }
 
-    /// Time gap to the vehicle ahead, s; 0 in a contact, `None` below 1 m/s or without a gap in this step.
+    /// Time gap to the vehicle ahead, s. It is 0 in a contact, and `None` below 1 m/s or without a gap in this step.
     #[must_use]
     pub fn time_gap_s(&self) -> Option<f64> {
         let moves = self.speed_mps >= SLOWEST_MPS;

@@ -35,7 +35,7 @@ pub struct DriveLog {
     heartbeat: Observed<Heartbeat>,
     /// On a road with a plan.
     plane: Option<PlaneTopics>,
-    /// In realtime: topics that show the first messages of restarted services, beside those above.
+    /// Topics that show the first messages of restarted services in realtime, beside those above.
     others: Vec<Box<dyn Headers>>,
     observer: Observer,
     steps: Vec<DriveStep>,

@@ -117,7 +117,7 @@ fn is_the_machines(reason: &std::io::Error) -> bool {
 }
 
 impl Error {
-    /// Exit status as promised by `--help`.
+    /// Exit status as `--help` states it.
     #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {

@@ -1,8 +1,7 @@
 //! Events of a running group as one stream.
 //!
-//! A service's output is bounded: a line by [`LONGEST_LINE`], other text by [`CHATTER`] in all, of which
-//! [`KEPT_LINES`] lines are handed on. A service that says more than that is broken ([`Event::Flooded`]), whatever it
-//! says.
+//! A service's output is bounded: a line by [`LONGEST_LINE`], other text by [`CHATTER`] in all. [`KEPT_LINES`] lines of
+//! that text are handed on. A service that says more than that is broken ([`Event::Flooded`]), whatever it says.
 
 use crate::SignalsError;
 use messages::Service;
@@ -63,8 +62,8 @@ pub enum Event {
     Knock,
 }
 
-/// Follows what a service says and writes, until its streams end; then does `on_end`, in a thread that waits
-/// for nothing else. Returns where that thread leaves its id, by which it can be raised.
+/// Follows a service's output until its streams end. Then it does `on_end`, in a thread that waits for nothing else.
+/// Returns where that thread leaves its id, by which it can be raised.
 pub fn follow(
     who: ServiceProcess,
     on_end: impl FnOnce() + Send + 'static,
@@ -129,7 +128,7 @@ fn kept(line: &[u8]) -> String {
     text.trim_end().chars().take(KEPT_CHARACTERS).collect()
 }
 
-/// The signals that ask this process for an end: SIGINT, SIGTERM, and SIGHUP unless this process was
+/// The signals that ask this process for an end: SIGINT, SIGTERM and SIGHUP. SIGHUP does not count if this process was
 /// started to ignore it (`nohup`).
 #[must_use]
 pub fn end_signals() -> Vec<i32> {

@@ -38,7 +38,7 @@ pub enum Exit {
     Status(i32),
     /// By this signal, which the launcher did not send.
     Signal(i32),
-    /// Killed for want of a sign of life.
+    /// Killed for lack of a sign of life.
     Hung,
     /// Killed for what it wrote.
     Flooded,

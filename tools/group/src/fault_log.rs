@@ -26,10 +26,10 @@ pub struct FaultRecord {
     /// Messages that it corrupted and a receiver took for intact.
     #[serde(skip_serializing_if = "is_zero")]
     pub undetected: u64,
-    /// Until the launcher knew that the service was gone or hung, µs; null for a death whose instant
-    /// is not known.
+    /// Time until the launcher found that the service was gone or hung, µs. It is null for a death at an unknown
+    /// instant.
     pub detected_after_us: Option<f64>,
-    /// Until the first fresh message of the service's next process, µs.
+    /// Time until the first fresh message of the service's next process, µs.
     pub recovered_after_us: Option<f64>,
     /// Whose message that was.
     pub recovered_by: Option<Recovery>,

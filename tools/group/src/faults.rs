@@ -13,7 +13,7 @@ struct Planned {
     number: u32,
     fault: Fault,
     process_fault: ProcessFault,
-    /// When it begins, ns of run time; unknown while it waits for its condition.
+    /// Time when it begins, ns of run time; unknown while it waits for its condition.
     begin_ns: Option<i64>,
     /// Kills left of a storm.
     left: u16,
@@ -183,8 +183,8 @@ impl Faults {
         acts
     }
 
-    /// Run time after `now_ns` at which something is due next, ns, as far as it is known. An overdue act waits for
-    /// its service, which may never come: it is looked at as often as the run is.
+    /// Run time after `now_ns` at which something is due next, ns, as far as it is known. An overdue act waits for its
+    /// service, which may never come. It is looked at as often as the run is.
     pub fn next_ns(&self, now_ns: i64) -> Option<i64> {
         let next = |planned: &Planned| {
             let begin_ns = planned.begin_ns.filter(|_| !planned.done);

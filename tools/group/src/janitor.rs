@@ -17,7 +17,7 @@ pub const DONE: &str = "done";
 /// Runs the janitor of the run at `root`. It reads lines from the launcher until [`DONE`] or the launcher's death. The
 /// first line is the number of the services' process group.
 pub fn run(root: &Path) -> ExitCode {
-    // Opened while the run is certainly alive.
+    // Opened while the run certainly exists.
     let Ok(lock) = open_lock(root) else { return ExitCode::FAILURE };
     let mut group = None;
     for line in std::io::stdin().lock().lines().map_while(Result::ok) {

@@ -7,7 +7,7 @@ pub const MOST_IN_REALTIME: usize = 60_000;
 /// The same in lockstep: an hour.
 const MOST_IN_LOCKSTEP: usize = 360_000;
 
-/// Keeps every n-th step. n is 1 in a short drive and grows with a long one, so that the launcher's memory does not.
+/// Keeps every n-th step. n is 1 in a short drive and grows with a long one, so that memory does not grow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct KeptSteps {
     every: u64,
@@ -17,7 +17,7 @@ pub struct KeptSteps {
 }
 
 impl KeptSteps {
-    /// For a run with these steps between two releases of the radar and of the controller.
+    /// Makes it for a run with these steps between two releases of the radar and of the controller.
     pub fn new(mode: Mode, radar_stride: u64, controller_stride: u64) -> Self {
         let most = match mode {
             Mode::Realtime => MOST_IN_REALTIME,

@@ -36,7 +36,7 @@ pub struct Launch {
     pub recording: Option<PathBuf>,
 }
 
-/// Why a group ended.
+/// Reason why a group ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Ended {
     /// All services reached the announced end.
@@ -66,7 +66,7 @@ pub struct GroupOutcome {
     pub carrier: Carrier,
     /// Root of the run, which is gone.
     pub root: PathBuf,
-    /// Why it ended.
+    /// Reason why it ended.
     pub ended: Ended,
     /// Reports of the services.
     pub reports: BTreeMap<Service, ServiceReport>,
@@ -74,7 +74,7 @@ pub struct GroupOutcome {
     pub exits: BTreeMap<Service, Exit>,
     /// Number of replacements of each service.
     pub restarts: BTreeMap<Service, u32>,
-    /// In how many of these the service's standby took over, of services that have one.
+    /// Number of these in which the service's standby took over, of services that have one.
     pub take_overs: BTreeMap<Service, u32>,
     /// Cost of each standby that was present at the end.
     pub standby_costs: BTreeMap<Service, StandbyCost>,
@@ -84,9 +84,9 @@ pub struct GroupOutcome {
     pub faults: Vec<FaultRecord>,
     /// The drive as the launcher received it.
     pub drive: Drive,
-    /// From the first spawn until all services were ready.
+    /// Time from the first spawn until all services were ready.
     pub ready_after: Duration,
-    /// From the start instant until all services had reported.
+    /// Time from the start instant until all services had reported.
     pub ran_for: Duration,
     /// Fate of the recording.
     pub recording: Option<RecordingSummary>,
@@ -117,8 +117,8 @@ pub struct Moment<'a> {
     pub faults: &'a [FaultRecord],
 }
 
-/// The scenario as the services read it. It has the gap that the law aims at, so that the referee can measure against
-/// it without knowing any law. The aim of a program in the controller's place is known only from the scenario.
+/// The scenario as the services read it. It has the gap at which the law aims. So the referee can measure against it
+/// without any law. The aim of a program in the controller's place is known only from the scenario.
 pub(super) fn for_services(scenario: &Scenario, is_replaced: bool) -> Scenario {
     let mut scenario = scenario.clone();
     if !is_replaced {

@@ -46,13 +46,13 @@ pub enum LawSource {
     Caller,
 }
 
-/// Why an argument names no law.
+/// Reason why an argument names no law.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LawError {
     /// It has no `=`.
     #[error("no `=`, expected NAME=COMMAND")]
     NoCommand,
-    /// The name is none.
+    /// The name is not a valid one.
     #[error("`{0}` is not a name, expected 1 to 64 letters, digits, `-` or `_`")]
     Name(String),
     /// The name is of a law of timegap's own.

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! The launcher holds a lock on the run's root and every service inherits it. The lock is free when the last of them is
-//! gone, for whatever reason. The janitor is a process of its own: it waits for the lock when the launcher dies, and
+//! gone, for whatever reason. The janitor is a process of its own. It waits for the lock when the launcher dies, and
 //! removes the remains of the run. The next run removes the rest that even the janitor could not.
 //!
 //! In lockstep the same services can also take turns in the launcher's own thread: [`in_process`].

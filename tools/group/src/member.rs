@@ -43,7 +43,7 @@ pub struct Member {
 pub struct Heartbeats {
     /// Their number.
     pub count: u64,
-    /// In how many the service said of itself that some input was missing or stale.
+    /// Number of these in which the service reported a missing or stale input.
     pub degraded: u64,
     /// Longest time without one, ms.
     pub longest_silence_ms: f64,

@@ -1,7 +1,7 @@
 //! A drive seen from above, on a road with a plan.
 //!
-//! One scene for each scan of the radar. Poses are the ground truth at the scan; the target is the track that
-//! perception selected from it, placed in the plane by the ego's true pose.
+//! One scene for each scan of the radar. Poses are the ground truth at the scan. The target is the track that
+//! perception selected from it; the ego's true pose places it in the plane.
 //!
 //! ```text
 //! truth/pose ──────────┐
@@ -28,7 +28,7 @@ pub struct PlaneScene {
     pub ego: EgoPlace,
     /// The other vehicles, in the order of `truth/vehicles`.
     pub bodies: Vec<Body>,
-    /// Result of the scan; none: `radar/tracks` has none of this time.
+    /// Result of the scan; `None` if `radar/tracks` has no result of this time.
     pub seen: Option<Seen>,
 }
 

@@ -1,6 +1,7 @@
 //! The vehicles that a ground truth lists.
 //!
-//! A ground truth lists the vehicles that are on the road, in the order of the scenario's actors, without their names.
+//! A ground truth lists the vehicles that are on the road, without their names. Their order is that of the scenario's
+//! actors.
 
 use messages::AllVehicles;
 use scenario::Scenario;
@@ -29,8 +30,8 @@ impl Present {
         Self { actors: actors.collect() }
     }
 
-    /// Place in the scenario of the vehicle at `place` in `truth`; `None` if the truth lists other vehicles than the
-    /// scenario's times say, as behind a storyboard.
+    /// Place in the scenario of the vehicle at `place` in `truth`. `None` if the truth lists other vehicles than the
+    /// scenario's times do, as with a storyboard.
     pub(crate) fn actor(&self, truth: &AllVehicles, place: usize) -> Option<u32> {
         let time_ns = truth.header.acquisition_ns.unsigned_abs();
         let is_present = |actor: &Actor| (actor.appears_ns..actor.leaves_ns).contains(&time_ns);

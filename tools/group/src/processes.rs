@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
-/// Why a process of timegap's own does not start.
+/// Reason why a process of timegap's own does not start.
 #[derive(Debug, thiserror::Error)]
 pub enum SpawnError {
     /// The file that it would run.

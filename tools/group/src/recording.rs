@@ -29,7 +29,7 @@ pub struct RecordingSummary {
     pub lost: Option<u64>,
     /// Its size, bytes.
     pub bytes: u64,
-    /// Why it ends before the run's end, if it does.
+    /// Reason why it ends before the run's end, if it does.
     pub failed: Option<String>,
 }
 

@@ -11,7 +11,7 @@ use scenario::{Problem, Scenario};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-/// Why a scenario is not run in this way.
+/// Reason why a scenario is not run in this way.
 #[derive(Debug, thiserror::Error)]
 pub enum Refusal {
     /// In simulated time all services wait for each other: a process fault shows nothing.

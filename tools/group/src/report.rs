@@ -40,7 +40,7 @@ pub enum Details {
 /// Reader of one service's details.
 type Reader = fn(&Payload) -> Option<Details>;
 
-/// Readers of the services' own figures. A service that is not here has none.
+/// Readers of the services' own figures. A service that is not here has no report.
 const READERS: [(Service, Reader); 6] = [
     (Service::Plant, |payload| payload.read().map(Box::new).map(Details::Plant)),
     (Service::PerceptionSim, |payload| payload.read().map(Box::new).map(Details::Perception)),

@@ -15,7 +15,7 @@ const OPEN_FILES: u64 = 128;
 /// reserves some, and uses next to none of it.
 const ADDRESS_SPACE: u64 = 1536 << 20;
 
-/// Why the machine has no room for a run.
+/// Reason why the machine has no room for a run.
 #[derive(Debug, thiserror::Error)]
 pub enum RoomError {
     /// The file system for shared memory is missing.

@@ -1,7 +1,7 @@
 //! A run's private corner: a directory in memory, a prefix in `/dev/shm`, a lock.
 //!
-//! The directory is `$XDG_RUNTIME_DIR/timegap-<uid>/<id>`, or the same below `/dev/shm`. Both are file
-//! systems in memory: iceoryx2 makes some hundred small files for a run and waits for the disk with each.
+//! The directory is `$XDG_RUNTIME_DIR/timegap-<uid>/<id>`, or the same below `/dev/shm`. Both are file systems in
+//! memory. iceoryx2 makes some hundred small files for a run, and waits for the disk with each.
 
 use super::room::SHARED_MEMORY;
 use rustix::fs::{FlockOperation, flock};
@@ -23,7 +23,7 @@ const ATTEMPTS: usize = 100;
 /// Time for which a root without a lock is left alone: its owner may be about to lock it.
 const GRACE: Duration = Duration::from_secs(60);
 
-/// Why a run's directory cannot be made.
+/// Reason why a run's directory cannot be made.
 #[derive(Debug, thiserror::Error)]
 pub enum RootError {
     /// A directory or file cannot be made or looked at.

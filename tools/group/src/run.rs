@@ -10,7 +10,7 @@ use scenario::{Overrides, Scenario, Source};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Why a value is given to no parameter.
+/// Reason why a value is given to no parameter.
 #[derive(Debug, thiserror::Error)]
 pub enum ParameterError {
     /// The argument has no value.

@@ -15,8 +15,8 @@ pub struct Silence {
     heard_ns: i64,
     /// Cycles done then.
     cycles: u64,
-    /// Run time from which it counts as silent, ns: later than `heard_ns` where the silence was the
-    /// machine's or the launcher's.
+    /// Run time from which it counts as silent, ns. It is later than `heard_ns` if the silence was the machine's or the
+    /// launcher's.
     since_ns: i64,
     /// Its processor time at a run time within the silence, ns.
     suspect: Option<(i64, Share)>,
@@ -27,7 +27,7 @@ pub struct Silence {
 pub enum Meaning {
     /// The silence is too short for a verdict.
     Lives,
-    /// It had the processor, or wants none: it is to be replaced.
+    /// It had the processor, or needs none: it is to be replaced.
     Hung,
     /// It waits for the processor, and did so for this time, ns: another process would wait as well.
     Starved(i64),
@@ -92,8 +92,8 @@ mod tests {
     /// As the supervisor has it for a heartbeat timeout of 250 ms.
     const LIMIT_NS: i64 = 350 * MS;
 
-    /// Two looks at a process, 350 ms apart, as a kernel of Linux 6 gave them: `/proc/<pid>/stat` up to the state,
-    /// and `schedstat`.
+    /// Two looks at a process, 350 ms apart, as a kernel of Linux 6 gave them. They are `/proc/<pid>/stat` up to the
+    /// state, and `schedstat`.
     type Looks = [(&'static str, &'static str); 2];
 
     /// In an endless loop as `SCHED_IDLE`, on a core with another one at nice -20.

@@ -1,8 +1,8 @@
 //! Distinguishes a service that hangs from one that does not get the processor.
 //!
-//! Both give no sign of life. The kernel's own account of a process says which it is: A process that hangs sleeps, is
-//! stopped, or has had the processor for longer than any cycle takes. A starved process waits in the run queue and
-//! has had hardly any of it. It is not its fault, and the next process would not get the processor either.
+//! Both give no sign of life. The kernel's own account of a process shows which it is. A process that hangs sleeps, is
+//! stopped, or has had the processor for longer than any cycle takes. A starved process waits in the run queue and has
+//! had hardly any of it. It is not its fault, and the next process would not get the processor either.
 
 use std::path::PathBuf;
 
@@ -47,8 +47,8 @@ impl Share {
         })
     }
 
-    /// True if the process waits for an order to go on, or had the processor for most of `elapsed_ns` since `before`.
-    /// Others that wait for its messages do neither.
+    /// True if the process waits for an order to continue, or had the processor for most of `elapsed_ns` since
+    /// `before`. Others that wait for its messages do neither.
     pub fn holds_up(self, before: Self, elapsed_ns: i64) -> bool {
         self.stopped || 2 * (self.ran_ns - before.ran_ns) > elapsed_ns
     }

@@ -3,7 +3,7 @@
 //! iceoryx2 first makes an object without content and without the permission to read it. Then it gives it its size, and
 //! last the permission. A process that finds an object without content waits for its maker. With the right to read
 //! everything (as root) it waits for ever, and so do the launcher and every service. So the unfinished objects of a
-//! process are removed as soon as it is gone, while other threads may be waiting.
+//! process are removed as soon as it is gone. Other threads may be waiting.
 
 use super::room::SHARED_MEMORY;
 use std::os::unix::fs::MetadataExt;
@@ -32,8 +32,8 @@ pub fn remove_unfinished(prefix: &str, pid: u32) {
     }
 }
 
-/// True if one of the numbers in an object's name is a port's id of this process: iceoryx2's ids are
-/// seconds, nanoseconds, process, counter.
+/// True if one of the numbers in an object's name is a port's id of this process. iceoryx2's ids
+/// are seconds, nanoseconds, process and counter.
 fn names(name: &str, pid: u32) -> bool {
     let ids = name.split(['_', '.']).filter_map(|part| part.parse::<u128>().ok());
     ids.into_iter().any(|id| (id >> 64) as u32 == pid)

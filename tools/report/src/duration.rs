@@ -2,7 +2,7 @@
 
 use runtime::statistics::Percentiles;
 
-/// Whether `count` samples carry the percentile of `share`: one of them at least is expected beyond it.
+/// True if `count` samples carry the percentile of `share`: one of them at least is expected beyond it.
 ///
 /// ```
 /// use report::print::carries;

@@ -4,10 +4,10 @@
 //! time gap = gap / ego speed          gap error = gap - desired gap
 //! ```
 //!
-//! One desired gap serves all laws, so that their errors can be compared: `referee.desired_gap` of the scenario, or
-//! [`STATED_GAP`] without it. Errors count while the ego follows. Following begins when the ego first has the speed of the
-//! vehicle ahead, at the earliest 2 s after that vehicle came. It ends when that vehicle is gone, or when another one takes
-//! its place. The approach before does not count.
+//! One desired gap serves all laws, so that their errors can be compared. It is `referee.desired_gap` of the scenario,
+//! or [`STATED_GAP`] without it. Errors count while the ego follows. Following begins when the ego first has the speed
+//! of the vehicle ahead. It begins at the earliest 2 s after that vehicle came. It ends when that vehicle is gone, or
+//! when another one takes its place. The approach before does not count.
 
 use group::DriveStep;
 use group::report::ControlFigures;
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn the_way_to_the_gap_does_not_count() {
-        // The ego closes in from 90 m with 5 m/s for 10 s, then keeps 40 m: 5 m more than the stated gap.
+        // The ego closes in from 90 m with 5 m/s for 10 s, then keeps 40 m. That is 5 m more than the stated gap.
         let approach = |time_s: f64| {
             Some(if time_s < 10.0 { (90.0 - 5.0 * time_s, 15.0) } else { (40.0, 20.0) })
         };

@@ -1,8 +1,8 @@
 //! The page around the pictures.
 //!
-//! A page is a fixed frame around five elements: section, figure, tiles, table, details. Each of them is one function here
-//! that escapes its input. `format!` writes them, not a template engine. A macro crate would check the nesting of tags and
-//! add a compiler stage; the test of the finished page does the same for less.
+//! A page is a fixed frame around five elements: section, figure, tiles, table, details. Each of them is one function
+//! here that escapes its input. `format!` writes them, not a template engine. A macro crate would check the nesting of
+//! tags and add a compiler stage. The test of the finished page does the same for less.
 
 use super::chart::{Picture, escape, script_json};
 use super::table::{Align, TextTable};

@@ -35,7 +35,7 @@ impl LateralSeries {
     }
 }
 
-/// Mean slope over the time before each point that has a point so long before it.
+/// Mean slope over the time before each point, if a point that long before it exists.
 fn mean_slope(points: &[(f64, f64)]) -> Points {
     let mut earlier = points.iter().peekable();
     let mut from: Option<&(f64, f64)> = None;

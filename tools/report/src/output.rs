@@ -253,7 +253,7 @@ impl OutputDirectory {
         self.write_file(name, contents)
     }
 
-    /// Writes a result bit by bit, whole or not at all: one that is too long to be held in memory.
+    /// Writes a result bit by bit, whole or not at all. It serves results that are too long for memory.
     ///
     /// # Errors
     /// [`Error::Path`], or that of `fill`.

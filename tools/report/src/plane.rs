@@ -1,8 +1,8 @@
 //! The bird's-eye view of a drive on a road with a plan, as data that the page's script draws (`assets/plane.js`).
 //!
-//! It shows the lanes, the way of the ego coloured by its speed, and the bodies at an instant. It marks the spans with a
-//! lost lead or a false target. The first instant is the worst one: the collision, or without one the least time to
-//! collision, or without that the least gap.
+//! It shows the lanes, the way of the ego coloured by its speed, and the bodies at an instant. It marks the spans with
+//! a lost lead or a false target. The first instant is the worst one. It is the collision, else the least time to
+//! collision, else the least gap.
 
 use group::{Drive, DriveStep, PlaneScene};
 use scenario::Scenario;
@@ -37,7 +37,7 @@ pub struct PlaneView {
     frames: Vec<Frame>,
     /// Index of the worst instant.
     worst: usize,
-    /// Why it is the worst.
+    /// Reason why it is the worst.
     why: &'static str,
 }
 

@@ -97,7 +97,7 @@ fn tracking(summary: &Summary) -> String {
     section("Radar", &table(&head, &rows))
 }
 
-/// Whether the requirement was met, and the outcome in words.
+/// Verdict of the requirement, and the outcome in words.
 fn verdict(summary: &Summary) -> (bool, String) {
     let at = format!("{:.1} s", summary.duration_s);
     match summary.outcome {

@@ -1,4 +1,4 @@
-//! Text tables and CSV: the one place that knows how rows become text.
+//! Text tables and CSV: the one place where rows become text.
 
 use comfy_table::{CellAlignment, Table, presets};
 use std::fmt::Write;
@@ -6,7 +6,7 @@ use std::fmt::Write;
 /// Text where a figure does not apply.
 pub const NONE: &str = "-";
 
-/// On which side a column's cells are flush.
+/// Side on which a column's cells are flush.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
     /// Words.
@@ -79,8 +79,8 @@ impl TextTable {
     }
 }
 
-/// Rows under `head` as CSV (RFC 4180, lines ended by a line feed): a field is quoted where it must
-/// be, and empty where nothing applies.
+/// Rows under `head` as CSV (RFC 4180, lines ended by a line feed). A field is quoted where it must be, and empty where
+/// nothing applies.
 pub fn csv<H, R>(head: H, rows: impl IntoIterator<Item = R>) -> String
 where
     H: IntoIterator<Item: AsRef<[u8]>>,
@@ -105,8 +105,8 @@ where
     writer.into_inner().expect("memory takes all")
 }
 
-/// Rows of two or more figures under `head`, as [`csv()`] writes them with [`field()`]. None of their fields has to be
-/// quoted, so each is written in place.
+/// Rows of two or more figures under `head`, as [`csv()`] writes them with [`field()`]. Their fields need no quotes, so
+/// each is written in place.
 pub fn csv_of_figures<H, R>(head: H, rows: impl IntoIterator<Item = R>) -> String
 where
     H: IntoIterator<Item: AsRef<[u8]>>,

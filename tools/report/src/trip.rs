@@ -1,8 +1,8 @@
 //! Progress through signals: the time of the last stop line, and its lower bound.
 //!
-//! The fastest legal trip is that bound. It respects the set speed, the speed limit and the vehicle's
-//! acceleration, crosses no stop line on red and meets no other traffic. It arrives at each line at the
-//! instant of green, with the highest speed that is possible there.
+//! The fastest legal trip is that bound. It respects the set speed, the speed limit and the vehicle's acceleration. It
+//! crosses no stop line on red, and meets no other traffic. It arrives at each line at the instant of green, with the
+//! highest speed that is possible there.
 
 use group::DriveStep;
 use scenario::Scenario;
@@ -23,8 +23,8 @@ pub struct Trip {
     pub trip_time_s: Option<f64>,
     /// Time of the fastest legal trip; null for trucks.
     pub fastest_legal_trip_s: Option<f64>,
-    /// True if energy and fuel of the trip can be compared with those of other trips: its speed at the end is not far
-    /// from its speed at the start, for its length. Null without a drive.
+    /// True if energy and fuel of the trip can be compared with those of other trips. For the trip's length, its last
+    /// speed must be near its first one. Null without a drive.
     pub energy_is_comparable: Option<bool>,
 }
 
@@ -32,7 +32,7 @@ pub struct Trip {
 /// the 0.2 m/s² that rolling resistance and drag of a car come to at 20 m/s.
 const STORED_MPS2: f64 = 0.02;
 
-/// Whether a trip stored little of its energy in its speed. A sprint of 10 s did not.
+/// True if a trip stored little of its energy in its speed. A sprint of 10 s did not.
 fn is_comparable(steps: &[DriveStep]) -> Option<bool> {
     let (first, last) = steps.first().zip(steps.last())?;
     let way_m = last.position_m - first.position_m;
@@ -194,7 +194,7 @@ mod tests {
 
     #[test]
     fn the_fastest_trip_waits_for_green_and_keeps_the_limit() {
-        // 10 s to the first line, which opens at 30 s; 40 s at the second, which is red from 30 to 60 s.
+        // 10 s to the first line, which opens at 30 s. 40 s at the second, which is red from 30 to 60 s.
         let trip = Trip::of(&scenario(SIGNALS), &[]);
         assert!((trip.fastest_legal_trip_s.expect("it passes") - 60.0).abs() < 1e-6, "{trip:?}");
         assert_eq!(trip.trip_time_s, None);

@@ -38,7 +38,7 @@ fn processor_s() -> f64 {
     /// Clock ticks of the kernel per second.
     const TICKS: f64 = 100.0;
     let stat = std::fs::read_to_string("/proc/self/stat").expect("Linux");
-    // After the name in parentheses: fields 16 and 17 of proc(5), cutime and cstime.
+    // Fields 16 and 17 of proc(5) after the name in parentheses, cutime and cstime.
     let (_, fields) = stat.rsplit_once(')').expect("a name");
     let fields: Vec<&str> = fields.split_whitespace().collect();
     let ticks = |index: usize| fields[index].parse::<f64>().expect("a number");
@@ -161,8 +161,8 @@ fn main() {
 
     curves();
 
-    // Cost of a run beside its simulated time, from runs of 2 s and 4 s. Each command repeats three runs in
-    // process groups, whose start costs hundreds of times more: the difference is due to runs in one process.
+    // Cost of a run beside its simulated time, from runs of 2 s and 4 s. Each command repeats three runs in process
+    // groups, whose start costs hundreds of times more. So the difference is due to runs in one process.
     let runs = |duration: &str, count: usize| {
         let set = format!("duration_s={duration}");
         let seeds = format!("1..{count}");

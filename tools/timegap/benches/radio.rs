@@ -1,5 +1,5 @@
 //! Age of the signals at the controller on each path, with its parts. The bench also measures the delay of a signal's
-//! change to the actuators, and the cost of an on-board unit among 20 that receive one roadside unit.
+//! change to the actuators. It also measures the cost of an on-board unit among 20 that receive one roadside unit.
 //!
 //! `cargo bench -p timegap --bench radio`, with `--features zenoh` for zenoh's rows. Both ends run on this
 //! host. Roadside unit, vehicle radio and controller have cycles of 100 ms each. Their relative phase is
@@ -176,8 +176,8 @@ fn where_the_age_comes_from(ways: &[Way]) {
     }
 }
 
-/// From a signal's change to the first actuation that uses it, and its parts: medians of p50 over the
-/// sessions, ms.
+/// Time from a signal's change to the first actuation that uses it, and its parts. The figures are
+/// medians of p50 over the sessions, ms.
 fn way_of_a_change(ways: &[Way]) {
     println!("\n| way | changes | change to actuation | announce | receive | control | actuate |");
     println!("| --- | --- | --- | --- | --- | --- | --- |");

@@ -28,7 +28,7 @@ fn processor_s() -> [f64; 2] {
     /// Clock ticks of the kernel per second.
     const TICKS: f64 = 100.0;
     let stat = std::fs::read_to_string("/proc/self/stat").expect("Linux");
-    // After the name in parentheses: fields 14 to 17 of proc(5), utime, stime, cutime, cstime.
+    // Fields 14 to 17 of proc(5) after the name in parentheses: utime, stime, cutime, cstime.
     let (_, fields) = stat.rsplit_once(')').expect("a name");
     let fields: Vec<&str> = fields.split_whitespace().collect();
     let ticks = |index: usize| fields[index].parse::<f64>().expect("a number");

@@ -88,7 +88,7 @@ impl Cli {
         Self::of(std::env::args_os()).unwrap_or_else(|error| explain(error).exit())
     }
 
-    /// A word such as `-1` is a value: it is refused as the value of its option, not as an option.
+    /// A word such as `-1` is a value. It is refused as the value of its option, not as an option.
     fn of<T: Into<OsString> + Clone>(
         words: impl IntoIterator<Item = T>,
     ) -> Result<Self, clap::Error> {
@@ -125,8 +125,8 @@ fn expect_a_number(error: clap::Error) -> clap::Error {
     clap::Error::raw(ErrorKind::ValueValidation, said)
 }
 
-/// Adds the nearest commands to the error about an unknown one. clap's own measure misses transposed letters
-/// in words this short.
+/// Adds the nearest commands to the error about an unknown one. In short words clap's own measure misses transposed
+/// letters.
 fn suggest(mut error: clap::Error) -> clap::Error {
     let Some(ContextValue::String(given)) = error.get(ContextKind::InvalidSubcommand) else {
         return error;

@@ -46,7 +46,7 @@ const EXAMPLES: &str = "Examples:
   timegap inject RUN drop v2x/spat --for 5 --probability 0.5
   timegap inject RUN bias radar/tracks --field gap_m --amount 10 --for 3";
 
-/// Why a fault was not injected.
+/// Reason why a fault was not injected.
 #[derive(Debug, thiserror::Error)]
 pub enum InjectError {
     /// The target is neither a service nor a topic.
@@ -65,7 +65,7 @@ pub enum InjectError {
         results: PathBuf,
         /// The file that states how to join.
         path: PathBuf,
-        /// Why it is not readable.
+        /// Reason why it is not readable.
         #[source]
         reason: std::io::Error,
     },

@@ -1,5 +1,5 @@
-//! The scenario file and the messages as data and as pages: `timegap list --schema`, and the reference pages
-//! of `docs`, which a test compares with this module.
+//! The scenario file and the messages as data and as pages. `timegap list --schema` prints them; a test compares the
+//! reference pages of `docs` with this module.
 
 use controller::law::Descriptor;
 use controller::laws;

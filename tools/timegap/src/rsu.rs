@@ -42,7 +42,7 @@ pub struct RsuArguments {
     pub json: bool,
 }
 
-/// Why a roadside unit cannot run alone.
+/// Reason why a roadside unit cannot run alone.
 #[derive(Debug, thiserror::Error)]
 pub enum RsuError {
     /// No destination in the option or the scenario.

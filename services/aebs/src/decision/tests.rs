@@ -15,8 +15,8 @@ fn settings() -> Settings {
     }
 }
 
-/// Drives at `speed` towards something of `other` m/s at `gap`; returns the states with the times
-/// at which they were entered and the last gap.
+/// Drives at `speed` towards something of `other` m/s at `gap`. Returns each state with its time,
+/// and the last gap.
 fn drive(speed: f64, other: f64, gap: f64) -> (Vec<(f64, BrakeState)>, f64) {
     let mut decision = Decision::new(settings());
     let (mut v, mut a, mut d, mut asked_s) = (speed, 0.0_f64, gap, 0.0);
@@ -99,10 +99,10 @@ fn what_is_passed_before_it_comes_in_is_left_alone() {
         let object = Object::at(gap_m, 5.0, 3.4, -lateral_mps, 0.95);
         decision.step(&ego, [object]).state == BrakeState::Braking
     };
-    // 5 + 8.8 m at 15 m/s take 0.92 s, the 1.5 m to the ego's side 1.5 s or 0.8 s.
+    // The way of 5 + 8.8 m takes 0.92 s at 15 m/s. The 1.5 m to the ego's side take 1.5 s or 0.8 s.
     assert!(!brakes(5.0, 1.0));
     assert!(brakes(5.0, 1.9));
-    // 18 m at 15 m/s: it is in the way when the ego is there, and this is the last point.
+    // 18 m at 15 m/s: it is in the way when the ego arrives, and this is the last point.
     assert!(brakes(18.0, 1.0));
     assert!(!brakes(40.0, 1.0), "later will do");
 }
@@ -232,7 +232,7 @@ fn a_warning_comes_first_and_ends_with_its_threat() {
 
 #[test]
 fn what_comes_in_is_not_expected_to_brake_as_well_and_a_lead_is() {
-    // 18 m/s faster. With 6 m/s² that is 27 m and the onset; a lead that brakes as well needs about 15 m more.
+    // 18 m/s faster. With 6 m/s² that is 27 m and the onset. A lead that also brakes needs about 15 m more.
     let first_braking_m = |offset_m: f64, inward_mps: f64| {
         let mut decision = Decision::new(settings());
         let ego = Ego { speed_mps: 25.0, acceleration_mps2: 0.0 };

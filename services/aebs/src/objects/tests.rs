@@ -149,7 +149,7 @@ fn a_long_vehicle_beside_the_path_stays_beside_it_along_all_of_its_side() {
     assert!(worst_m > 2.9, "{worst_m}");
 }
 
-/// The echoes of the places of a car's rear that a car at `near` leaves free, which hides its places from there on.
+/// Echoes of the places of a car's rear that a car at `near` leaves free. That car hides the places from there on.
 fn uncovered(x_m: f64, relative_mps: f64, near: (f64, f64)) -> Vec<Detection> {
     let edge_m = (near.1 - 0.95) / (near.0 + 4.3) * x_m;
     let free = [-0.95, 0.0, 0.95].into_iter().filter(|y_m| *y_m < edge_m);
@@ -192,8 +192,8 @@ fn a_standing_queue_beside_the_lane_stays_there() {
     assert!(object.lateral.rate_mps.abs() < 1e-6, "what stands does not move: {object:?}");
 }
 
-/// A standing echo at `echo_m` across, which a lead at 30 m/s passes, 1 m off the axis per second; whether it counts
-/// before and after.
+/// True if a standing echo at `echo_m` across counts, before and after a lead passes it. The lead drives 30 m/s, 1 m
+/// off the axis per second.
 fn counts_around_a_lead(echo_m: f64, lead_m: f64, lead_rate_mps: f64) -> (bool, bool) {
     let mut objects = Objects::new(HALF_FIELD_RAD);
     let mut counts = (false, false);
@@ -250,8 +250,8 @@ fn a_radar_that_shows_little_is_given_time() {
     assert_eq!(counts_from(0.0), Some(21));
 }
 
-/// A scan of what stands at places of the plane, and of a car that drives along a circle, seen by an ego that drives
-/// `way_m` along another circle.
+/// Scan of what stands at places of the plane, and of a car on a circle. The ego that sees it has driven `way_m` along
+/// another circle.
 mod in_curves {
     use super::*;
     use crate::circle::{Body, Circle, OwnWay};
@@ -309,7 +309,7 @@ mod in_curves {
 
     #[test]
     fn what_stands_keeps_its_place_while_the_ego_steers_into_a_curve() {
-        // The ego drives straight for 1 s, and then with a radius of 250 m: in steps of 1 ms, by dead reckoning.
+        // The ego drives straight for 1 s, and then with a radius of 250 m. The steps are 1 ms, by dead reckoning.
         let (mut objects, mut way) = (Objects::new(HALF_FIELD_RAD), OwnWay::new(Body::default()));
         let (car_x_m, car_y_m) = (75.0, 4.0);
         let (mut x_m, mut y_m, mut heading_rad) = (0.0, 0.0, 0.0_f64);
@@ -340,7 +340,7 @@ mod in_curves {
         }
     }
 
-    /// Whether standing objects in the way are on a row, before a curve of `radius_m` that begins in `begin_m`.
+    /// True if standing objects in the way are on a row, before a curve of `radius_m` that begins in `begin_m`.
     fn rows_before_a_curve(radius_m: f64, begin_m: f64, standing: &[(f64, f64)]) -> Vec<bool> {
         let curve = Circle { curvature_perm: 1.0 / radius_m, heading_rad: 0.0 };
         let (objects, _) = drive(1e9, 12, |time_s, _| {

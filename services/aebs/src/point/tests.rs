@@ -1,4 +1,4 @@
-//! A detection's place, speed and accuracy, reckoned by hand.
+//! A detection's place, speed and accuracy, computed by hand.
 
 use super::*;
 use crate::circle::Circle;

@@ -1,4 +1,4 @@
-//! The points of one scan together, reckoned by hand.
+//! The points of one scan together, computed by hand.
 
 use super::*;
 
@@ -98,7 +98,8 @@ fn a_scan_corrects_speed_acceleration_place_and_length() {
     let mut object = Object { scans: 9, ..Object::at(20.0, 10.0, 0.0, -1.0, 0.95) };
     let faster = Point { speed_mps: 10.9, tangent: 0.1, ..point(20.4, 0.0, 1.0) };
     let far = Point { speed_mps: 11.1, tangent: -0.1, ..point(25.0, 0.0, 1.0) };
-    // What moves to the right with 1 m/s looks 0.1 m/s slower on the left: 11.0 and 11.0 m/s.
+    // An object that moves to the right with 1 m/s looks 0.1 m/s slower on the left: 11.0 and 11.0
+    // m/s.
     let sums = sums(&object, &[faster, far]);
     correct(&mut object, &sums, 0.05, true, (1.0, false));
     assert!((object.speed_mps - 10.6).abs() < 1e-6, "{object:?}");

@@ -89,7 +89,7 @@ pub struct Drive {
     pub false_alarms: f64,
     pub duration_s: f64,
     pub actors: Vec<Actor>,
-    /// When the danger begins, s.
+    /// Time when the danger begins, s.
     pub danger_s: f64,
     /// The ego's own law brakes with this, m/s², so much later, s.
     pub answer: (f64, f64),

@@ -81,7 +81,7 @@ fn driver_collides(drive: &Drive, from: (f64, Motion), braking_mps2: f64) -> boo
     false
 }
 
-/// 2.5 m/s² from now on does not avoid a vehicle that is in the path and goes on as it does.
+/// 2.5 m/s² from now on does not avoid a vehicle that stays in the path and keeps its motion.
 fn is_needed(drive: &Drive, time_s: f64, now: Motion) -> bool {
     drive.actors.iter().map(|actor| actor.at(time_s)).any(|vehicle| {
         let is_ahead = vehicle.rear_position_m + vehicle.length_m > now.position_m;

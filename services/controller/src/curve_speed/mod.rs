@@ -1,7 +1,7 @@
 //! The speed in curves: a cap on the set speed, and on the acceleration.
 //!
 //! Passengers accept a lateral acceleration a, which falls with the speed. So the speed on a road of curvature κ(s) is
-//! at most v(s), and the ego comes to it with a braking b:
+//! at most v(s). The ego comes down to it with a braking b:
 //!
 //! ```text
 //! v(s)² |κ(s)| = a(v)                       a: 2.3 m/s² up to 17 m/s, 2.0 from 32 m/s on, linear between
@@ -20,8 +20,8 @@
 //! [`RoadAhead`] is what is known: the map, the course that perception estimates, or the ego's own yaw rate. In a curve
 //! the acceleration a_x is at most √(a_tot² - a_y²). The laws are not involved: they get a lower set speed.
 //!
-//! Sources: ISO 15622 (design values of a, from secondary sources); a_tot as in openpilot: 1.7 m/s² at 20 m/s, 3.2 at
-//! 40 m/s.
+//! Sources: ISO 15622 (design values of a, from secondary sources). a_tot is openpilot's: 1.7 m/s² at 20 m/s, 3.2 at 40
+//! m/s.
 //!
 //! ```
 //! use controller::curve_speed::Settings;

@@ -2,7 +2,8 @@
 
 /// Time constant of its low-pass, s. Chosen: half of the time after which a curve that ended holds nothing back.
 const LAG_S: f64 = 0.5;
-/// A yaw rate within this is none, rad/s. Chosen: three standard deviations of the sensor's offset and noise, 0.14 °/s.
+/// A yaw rate within this counts as zero, rad/s. Chosen: three standard deviations of the sensor's offset and noise,
+/// 0.14 °/s.
 const NONE_RADPS: f64 = 0.0075;
 /// Speed below which a yaw rate does not show a curvature, m/s.
 const SLOWEST_MPS: f64 = 3.0;

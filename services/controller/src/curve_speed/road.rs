@@ -1,4 +1,4 @@
-//! The curvature ahead, as the controller knows it.
+//! The curvature ahead, as the controller has it.
 
 /// Largest curvature of a road, 1/m: a larger one is an error.
 const SHARPEST_PERM: f64 = 1.0 / 15.0;

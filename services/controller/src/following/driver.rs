@@ -12,9 +12,9 @@
 //!          = a_free                         for v >  v0, z <  1
 //! ```
 //!
-//! Alone it brakes harder than needed when a vehicle cuts in closely. So it is tempered by the
-//! constant-acceleration heuristic of Kesting, Treiber and Helbing (2010, "Enhanced intelligent
-//! driver model", equations 5 to 7), with `a_l' = min(a_lead, a)`:
+//! Alone it brakes harder than needed when a vehicle cuts in closely. So the constant-acceleration heuristic of
+//! Kesting, Treiber and Helbing tempers it, with `a_l' = min(a_lead, a)`. Source: "Enhanced intelligent driver model",
+//! 2010, equations 5 to 7:
 //!
 //! ```text
 //! a_cah = v² a_l' / (v_lead² - 2 s a_l')               while the lead stops first
@@ -199,7 +199,7 @@ mod tests {
             headway_s: 1.5,
             standstill_m: 5.0,
         };
-        // What stops 52 m later than a lead that needs 52.6 m: 434 / (2 (52 + 52.6)).
+        // Deceleration that stops 52 m later than a lead that needs 52.6 m: 434 / (2 (52 + 52.6)).
         let needed = -20.8 * 20.8 / (2.0 * (52.0 + 400.0 / 7.6));
         assert!((DRIVER.follow_mps2(20.8, 25.0, &ample) - needed).abs() < 1e-9);
         let gentle = Obstacle { acceleration_mps2: -0.8, ..ample };

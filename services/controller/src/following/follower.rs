@@ -19,7 +19,7 @@ pub(crate) struct Follower {
     pub(crate) standstill_m: f64,
     /// Smallest gap that is accepted, m.
     pub(crate) min_gap_m: f64,
-    /// Hardest deceleration of the vehicle ahead that is reckoned with, m/s².
+    /// Hardest assumed deceleration of the vehicle ahead, m/s².
     pub(crate) lead_deceleration_mps2: f64,
 }
 

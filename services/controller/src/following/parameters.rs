@@ -1,16 +1,18 @@
 //! Numbers of the car-following parts, each with its unit, range and origin.
 //!
-//! An origin ends with the effect of the number on `acc-mpc` in 16 everyday scenes without the emergency brake: four
-//! cut-ins, stops, braking leads and cut-outs each. "No change" means less than 2 % of the least gap, the hardest braking
-//! and the rms jerk, and no collision. Half and double are tried within the range, and otherwise 0.8 and 1.25 times.
+//! An origin ends with the effect of the number on `acc-mpc` in 16 everyday scenes without the emergency brake. These
+//! are four cut-ins, stops, braking leads and cut-outs each. "No change" means less than 2 % of the least gap, the
+//! hardest braking and the rms jerk, and no collision. Half and double are tried within the range, and otherwise 0.8
+//! and 1.25 times.
 //!
 //! ```sh
 //! cargo run --release -p regulation --example law_numbers -- acc-mpc following
 //! cargo run --release -p regulation --example law_numbers -- six-mode following
 //! ```
 //!
-//! The base: least gap 18.1 m, hardest braking 2.49 m/s², rms jerk 0.505 m/s³ (means of the scenes), and no collision.
-//! `six-mode` (19.8 m, 2.84 m/s², 0.554 m/s³) is named in the rows that change something there, and only in them.
+//! The base: least gap 18.1 m, hardest braking 2.49 m/s², rms jerk 0.505 m/s³ (means of the scenes). There is no
+//! collision. `six-mode` (19.8 m, 2.84 m/s², 0.554 m/s³) is named in the rows that change something there, and only in
+//! them.
 
 use parameters::{Varied, parameters};
 

@@ -9,11 +9,11 @@
 //! x_lead(t) = gap + v_l t - b t²/2 until v_l / b,   b = max(b_worst, what it does now and may add)
 //! ```
 //!
-//! A request with a margin of 0 or more is safe. From a safe state full braking is safe, so a safe request
-//! always exists. The state stays safe while the vehicle ahead brakes with at most `b`. A state can be unsafe
-//! without our doing: a vehicle cuts in, or a lead brakes harder than is reckoned with. Behind a lead that
-//! brakes, the request is then the full braking; behind one that does not, the gap is opened comfortably, the
-//! more firmly the more is missing.
+//! A request with a margin of 0 or more is safe. From a safe state full braking is safe, so a safe request always
+//! exists. The state stays safe while the vehicle ahead brakes with at most `b`. A state can be unsafe without the
+//! law's doing: a vehicle cuts in, or a lead brakes harder than is assumed. Behind a lead that brakes, the request is
+//! then the full braking. Behind one that does not brake, the gap opens comfortably, and more firmly if more is
+//! missing.
 //!
 //! A worst case is not a reason for hard braking while gentle braking is enough for what the lead does. Let `e` be the
 //! smallest constant braking that keeps `gap_min`, or most of a gap that is already smaller. Meanwhile the lead goes on
@@ -87,12 +87,12 @@ pub(crate) struct SafeGap {
     pub(crate) comfort_mps2: f64,
     /// Smallest gap that is accepted, m.
     pub(crate) min_gap_m: f64,
-    /// Hardest deceleration of the vehicle ahead that is reckoned with, m/s².
+    /// Hardest assumed deceleration of the vehicle ahead, m/s².
     pub(crate) lead_deceleration_mps2: f64,
 }
 
 impl SafeGap {
-    /// For an actuator's lag and a control period.
+    /// Makes it for an actuator's lag and a control period.
     pub(crate) fn new(
         lag: Lag,
         period_s: f64,
@@ -172,8 +172,8 @@ impl SafeGap {
         low
     }
 
-    /// Whether full braking after one period of `u` keeps the gap while the lead brakes with
-    /// `deceleration` from now on.
+    /// True if full braking after one period of `u` keeps the gap while the lead brakes with `deceleration` from now
+    /// on.
     pub(crate) fn stays_behind(
         &self,
         u: f64,

@@ -71,8 +71,8 @@ mod tests {
         Room { wanted_m, spare_m: 0.0 }
     }
 
-    /// Brakes with `request` to a stop within `room_m` from where the deceleration is steady; returns
-    /// the largest jerk and the distance.
+    /// Brakes with `request` to a stop within `room_m` from where the deceleration is steady. Returns the largest jerk
+    /// and the distance.
     fn stop(request: f64, speed_mps: f64, room_m: f64, period_s: f64) -> (f64, f64) {
         let fine = Lag { tau_s: 0.5 }.discretise(0.01);
         let mut ego = Motion { position_m: 0.0, speed_mps, acceleration_mps2: request };

@@ -36,7 +36,7 @@ const BRAKES_MPS2: f64 = 1.0;
 const SEEN_LATE_S: f64 = 0.2;
 /// Distance that is left at standstill, m.
 const MARGIN_M: f64 = 3.0;
-/// Least distance to stop in that is reckoned with, m.
+/// Least assumed stopping distance, m.
 const LEAST_ROOM_M: f64 = 0.5;
 
 /// Deceleration with which the ego comes to stand behind `last` if that brakes with `braking`, m/s².
@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn behind_a_vehicle_that_was_braking_it_is_as_hard_as_that_asks_for() {
-        // 1.3 times 8 m/s²: 2.08 m/s less than measured, it would stand at 20 + 20.0 m, 37.0 m to stop in.
+        // 1.3 times 8 m/s²: 2.08 m/s less than measured. It would stand at 20 + 20.0 m, with 37.0 m to stop in.
         let harder = deceleration_mps2(&EGO, Some(&last(20.0, 22.476, -8.0)));
         assert!((harder - 200.0 / 37.0).abs() < 0.01, "{harder}");
         // One that brakes gently asks for no more than a minimum risk manoeuvre.

@@ -30,7 +30,7 @@ fn ages(odometry_s: f64, radar_s: f64, spat_s: f64) -> Ages {
 
 const GOOD: (f64, f64, f64) = (0.0, 0.0, 0.0);
 
-/// Level and trust of a first release.
+/// Level and validity of a first release.
 fn first(ages: &Ages) -> (Level, SignalTrust) {
     let mut ladder = ladder();
     let trust = ladder.look(ages, 3.0);

@@ -1,7 +1,7 @@
 //! The lead since it was last seen.
 //!
 //! A lead can be lost in two ways. No track arrives at all, or tracks arrive and the lead's is not among them. A lead
-//! that left the lane is not a lost lead: its track is still in the list, outside the path.
+//! that left the lane is not a lost lead. Its track is still in the list, outside the path.
 //!
 //! A lost lead is assumed to go on as it did. It keeps its speed, or brakes as hard as it braked:
 //!
@@ -9,15 +9,15 @@
 //! p(t) = p + v t - b t²/2,   v(t) = v - b t,   until v(t) = 0
 //! ```
 //!
-//! A tracker can lose a lead to a false detection, and then begin a new track at the lead's true place. The new track
+//! A tracker can lose a lead to a false detection. It then begins a new track at the lead's true place. The new track
 //! shows itself by its past: two vehicles were never at one place. See [`LeadMemory::was_at_the_place_of`].
 
 use crate::following::safe_gap::LeadNow;
 use crate::law::{Ego, Input, Target};
 use messages::Track;
 
-/// Time for which a lead that vanished from the tracks is assumed to be there, s. Chosen: a tracker needs up to 2 s to
-/// confirm a vehicle again; 1 s more than that costs 1 s of a free road.
+/// Time for which a lead that disappeared from the tracks is assumed to be there, s. Chosen: a tracker needs up to 2 s
+/// to confirm a vehicle again. One second more costs 1 s of a free road.
 pub(super) const HOLD_S: f64 = 3.0;
 /// Time for which a lead must have been the target before its loss counts, s. Chosen: false tracks live shorter.
 const SEEN_FOR_S: f64 = 1.0;
@@ -228,7 +228,7 @@ mod tests {
 
     #[test]
     fn a_new_track_that_comes_from_the_leads_place_is_the_lead() {
-        // A false detection took the track: it brakes beyond all reason and vanishes. The lead drives on at 30 m.
+        // A false detection took the track: it brakes far too hard and disappears. The lead drives on at 30 m.
         for (gap_m, relative_mps, is_lead) in
             [(30.0, 0.0, true), (28.0, -1.0, true), (36.0, 0.0, false), (36.0, 3.0, true)]
         {

@@ -134,8 +134,8 @@ fn an_estimated_ego_and_contradicting_signals_show() {
 }
 
 proptest! {
-    /// Random silences of all inputs: never a command from stale data, never a dead end, back to full
-    /// function once the faults end.
+    /// Random silences of all inputs. The ladder never commands from stale data, never stays stuck,
+    /// and is back to full function after the faults end.
     #[test]
     fn whatever_falls_silent(
         faults in prop::collection::vec((any::<[bool; 3]>(), 1_u32..25), 0..30),

@@ -90,14 +90,14 @@ impl Figure {
     }
 }
 
-/// Way by which others know the gap that a law aims at.
+/// Way by which others get the gap at which a law aims.
 #[derive(Clone, Copy, Debug)]
 pub enum GapPolicy {
     /// It follows from the scenario.
     Scenario(fn(&Scenario) -> DesiredGap),
     /// The law shows gap minus desired gap as the figure of this name.
     Figure(&'static str),
-    /// The law alone knows it.
+    /// Only the law has it.
     Internal,
 }
 

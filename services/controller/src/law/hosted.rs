@@ -6,7 +6,7 @@ use scenario::Scenario;
 use std::time::Duration;
 use thiserror::Error;
 
-/// Why a foreign law cannot go on. The sentence names the program and what was expected of it.
+/// Reason why a foreign law cannot go on. The sentence names the program and what was expected of it.
 #[derive(Debug, Error)]
 #[error(transparent)]
 pub struct HostedError(Box<dyn std::error::Error + Send + Sync>);
@@ -25,7 +25,7 @@ pub trait Hosted {
     /// Starts the program and waits for its first answer. A law without a program of its own has nothing to start.
     ///
     /// # Errors
-    /// What the program did instead of answering.
+    /// [`HostedError`] if the program does not answer, with its act.
     fn start(&mut self) -> Result<(), HostedError> {
         Ok(())
     }
@@ -36,8 +36,7 @@ pub trait Hosted {
     }
 
     /// One step of the law. `left` is the wall time for the answer. Without an answer by then the law's backup answers.
-    /// None: in simulated time, in which the answer is waited
-    /// for.
+    /// None: in simulated time, which waits for the answer.
     ///
     /// # Errors
     /// In simulated time, when no answer comes, or a wrong one: its repetition would be another run.

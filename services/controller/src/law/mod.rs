@@ -69,7 +69,7 @@ pub use reader::Reader;
 /// assert!((output.request_mps2() - -2.7).abs() < 1e-12);
 /// ```
 pub trait Law {
-    /// Forgets all history; the next `step` behaves as the first.
+    /// Clears all history; the next `step` behaves as the first.
     fn reset(&mut self);
 
     /// Computes the command for one release into `output`, overwriting all of it.

@@ -37,8 +37,8 @@ pub struct Output {
     pub plan_mps2: [f64; MAX_PLAN],
     /// Valid entries of `plan_mps2`, at least 1.
     pub plan_len: usize,
-    /// For a truck: what the engine is asked for now. It comes before `plan_mps2[0]`, which is the same as an
-    /// acceleration; the later requests of the plan have no torque.
+    /// Request to a truck's engine now. It comes before `plan_mps2[0]`, which is the same as an acceleration; the later
+    /// requests of the plan have no torque.
     pub torque: Option<TorqueRequest>,
     /// Mode of the law, an index into the modes of its [`Formulation`](super::Formulation).
     pub mode: u32,

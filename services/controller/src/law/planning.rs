@@ -146,8 +146,8 @@ impl Plan {
 
 /// Plans speed, torque and gear over the road ahead. Allocates only when it is made.
 pub trait Planner: Send {
-    /// Answers a request. Returns `false` and an empty plan if the road is not known far enough, or if the truck is too
-    /// slow or too fast to plan for.
+    /// Answers a request. Returns `false` and an empty plan if the road is not known far enough, or if the truck's
+    /// speed is outside the planned range.
     fn plan(&mut self, request: &PlanRequest, plan: &mut Plan) -> bool;
 }
 
@@ -156,9 +156,9 @@ pub trait Planning {
     /// Makes the planner; called once.
     fn planner(&self) -> Box<dyn Planner>;
 
-    /// The plan that is wanted after the last step, if any.
+    /// The plan that is needed after the last step, if any.
     fn request(&mut self) -> Option<PlanRequest>;
 
-    /// Takes a plan; an empty one stands for none.
+    /// Takes a plan; an empty one means "no plan".
     fn accept(&mut self, plan: &Plan);
 }

@@ -28,7 +28,7 @@ impl Default for Preview {
 }
 
 impl Preview {
-    /// Whether it describes a road: finite, of positive cell length, no steeper than any road is.
+    /// True if it describes a road: finite, of positive cell length, no steeper than any road is.
     #[must_use]
     pub fn is_sound(&self) -> bool {
         self.start_m.is_finite()

@@ -1,7 +1,7 @@
-//! The settings of a scenario, as a law reads them: each key that was asked for is remembered.
+//! The settings of a scenario, as a law reads them. Each key that was asked for is noted.
 //!
-//! A law is built from a [`Reader`] alone. So the keys that have an effect on it are known from its
-//! descriptor, and no list of them is kept: [`crate::laws::check`] refuses the others.
+//! A law is built from a [`Reader`] alone. So the descriptor shows which keys have an effect on it,
+//! and no list of them is kept. [`crate::laws::check`] refuses the others.
 
 use crate::settings::{Settings, read};
 use scenario::controller::Controller;

@@ -75,8 +75,8 @@ pub fn program(scenario: &Scenario) -> Result<Option<runtime::Program>, Problem>
     }
 }
 
-/// Checks the law's name, the tables of all laws, and that the scenario's law accepts its settings; gives the
-/// keys that the law reads.
+/// Checks the law's name, the tables of all laws, and that the scenario's law accepts its settings. Returns the keys
+/// that the law reads.
 ///
 /// # Errors
 /// Names the first key that is wrong.
@@ -103,7 +103,7 @@ pub fn check(scenario: &Scenario) -> Result<Reads, Problem> {
     Ok(reader.reads())
 }
 
-/// The formulation that a scenario chooses; `None` when this registry does not know its law.
+/// The formulation that a scenario chooses; `None` if this registry does not have its law.
 #[must_use]
 pub fn formulation(scenario: &Scenario) -> Option<&'static Formulation> {
     of(scenario).ok().map(|law| (law.formulation)(&scenario.controller))
@@ -121,7 +121,7 @@ pub fn mode_names(scenario: &Scenario) -> &'static [&'static str] {
     formulation(scenario).map_or(&[], |formulation| formulation.modes)
 }
 
-/// The gap that gap errors are measured against: the scenario's own, else the one that its law aims at, if the scenario
+/// The gap from which gap errors are measured: the scenario's own, else the one at which its law aims, if the scenario
 /// shows it.
 #[must_use]
 pub fn desired_gap(scenario: &Scenario) -> Option<DesiredGap> {
@@ -131,7 +131,7 @@ pub fn desired_gap(scenario: &Scenario) -> Option<DesiredGap> {
     })
 }
 
-/// The place among the law's figures of gap minus desired gap, where only the law knows it.
+/// The place among the law's figures of gap minus desired gap, if only the law has it.
 #[must_use]
 pub fn gap_error_figure(scenario: &Scenario) -> Option<usize> {
     match of(scenario).ok()?.gap {

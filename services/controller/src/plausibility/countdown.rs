@@ -14,7 +14,7 @@ const TOLERANCE_S: f64 = 0.2;
 const OVERDUE_S: f64 = 0.15;
 /// Time until the next message shows another phase, with what clocks may differ, s.
 const NEXT_MESSAGE_S: f64 = 0.4;
-/// Signals that are remembered.
+/// Number of signals that are kept.
 const REMEMBERED: usize = 16;
 
 /// Announcement of a signal.
@@ -30,7 +30,7 @@ pub struct Countdown {
     known: [Option<Known>; REMEMBERED],
     /// Time by which a shown phase may outlast its announced end, s.
     overdue_s: f64,
-    /// By how much the ends of known signals are off, s, while they are.
+    /// Error of the ends of known signals, s, while it lasts.
     offset_s: Option<f64>,
     /// Step and acquisition, ns, of the last message: one of the same age as the last one may contain more.
     last: Option<(u64, i64)>,
@@ -70,7 +70,7 @@ impl Countdown {
         Self { overdue_s: OVERDUE_S + clocks_s, ..Self::default() }
     }
 
-    /// Takes the newest message; returns its trusted part, and whether that is less than the whole.
+    /// Takes the newest message; returns its valid part, and whether that is less than the whole.
     pub fn look<'a>(
         &'a mut self,
         sample: &'a Spat,
@@ -221,7 +221,7 @@ fn shift(interval: &mut Interval, by_s: f64) {
     interval.max_end_s += by_s;
 }
 
-/// Timing that holds for the announcement and for one without its offset: greens begin at the later of the two and end
+/// Timing that holds for the announcement and for one without its offset. Greens begin at the later of the two, and end
 /// at the earlier.
 fn both(signal: &Signal, offset_s: f64) -> Signal {
     let mut both = *signal;
@@ -244,7 +244,7 @@ mod tests {
     const RED: u32 = 3;
     const GREEN: u32 = 6;
 
-    /// Messages of a signal that is red until 20 s and then green and red for 10 s each, `off_s` off.
+    /// Messages of a signal that is red until 20 s, then green and red for 10 s each. They are `off_s` off.
     fn spat(id: u32, now_s: f64, off_s: f64) -> Spat {
         let mut spat = Spat::zeroed();
         spat.header.acquisition_ns = (now_s * 1e9) as i64;

@@ -1,4 +1,4 @@
-//! Tolerances of announced signal timing at their bounds, and what is remembered.
+//! Tolerances of announced signal timing at their bounds, and the stored signals.
 
 use super::countdown::Countdown;
 use super::{Check, Findings};
@@ -30,7 +30,7 @@ fn spat(now_s: f64, signals: &[Signal]) -> Spat {
     spat
 }
 
-/// Looks at one message after another; returns the trusted part of each, and whether that is less than the whole.
+/// Looks at one message after another; returns the valid part of each, and whether that is less than the whole.
 fn looked(messages: &[Spat]) -> Vec<(Spat, bool)> {
     let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
     let mut results = Vec::new();
@@ -120,7 +120,7 @@ fn around_a_switch_the_phase_before_and_the_one_after_agree() {
     assert!(at(20.3, &[(RED, 20.25), (GREEN, 30.3)]).1, "0.25 s late and still red");
     assert!(at(19.7, &[(GREEN, 28.0), (RED, 50.0)]).1, "early green that ends early");
     assert!(!at(19.7, &[(GREEN, 30.1), (RED, 50.0)]).1);
-    // Farther from it another phase refutes the known one, and is trusted.
+    // Farther from it another phase refutes the known one, and is used.
     let (believed, contradicts) = at(19.6, &[(GREEN, 28.0), (RED, 50.0)]);
     assert_eq!((ends(&believed, 0), contradicts), (vec![28.0, 50.0], false));
 }
@@ -196,7 +196,7 @@ fn counts_beyond_what_fits_are_as_many_as_fit() {
     let mut again = many;
     again.header.acquisition_ns += 100_000_000;
     assert_eq!(looked(&[many, again]).iter().filter(|(_, contradicts)| *contradicts).count(), 0);
-    // A signal behind the end of the list is none.
+    // A signal behind the end of the list does not exist.
     let mut hidden = spat(5.0, &[signal(1, &[(RED, 20.0)]), signal(2, &[(RED, 1.0)])]);
     hidden.count = 1;
     assert!(!last(&[hidden]).1);

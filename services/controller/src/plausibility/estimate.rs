@@ -1,4 +1,4 @@
-//! The ego's motion while its odometry is missing or not trusted.
+//! The ego's motion while its odometry is missing or not valid.
 //!
 //! It goes on from the last odometry. It takes the speed that the radar measures by standing objects beside the road.
 //! Without these it takes, for a short time, the speed that the commands make. Only odometry ends the estimate: the
@@ -6,7 +6,7 @@
 
 use messages::{Odometry, RadarTracks};
 
-/// For how long the radar's speed takes odometry's place, s, and for how long the commands do.
+/// Times for which the radar's speed replaces odometry, s, and for which the commands do.
 const BY_RADAR_S: f64 = 10.0;
 const BY_COMMANDS_S: f64 = 1.5;
 /// Oldest measurement of use, s.
@@ -19,20 +19,20 @@ const LAG_S: f64 = 0.5;
 pub struct EgoEstimate {
     /// The motion, as a message from this time.
     now: Option<Odometry>,
-    /// Times of the last trusted odometry, and of the last speed from it or the radar, s.
+    /// Times of the last valid odometry, and of the last speed from it or the radar, s.
     believed_s: f64,
     measured_s: f64,
 }
 
 impl EgoEstimate {
-    /// Takes fresh and trusted odometry.
+    /// Takes fresh and valid odometry.
     pub fn believe(&mut self, odometry: &Odometry, time_s: f64) {
         self.now = Some(*odometry);
         (self.believed_s, self.measured_s) = (time_s, time_s);
     }
 
-    /// The motion at `time_s` without odometry. It takes the radar's scan if it is trusted, and the request
-    /// of the last command, m/s². `None` when too much time has passed.
+    /// The motion at `time_s` without odometry. It takes the radar's scan if it is valid, and the request of the last
+    /// command, m/s². `None` when too much time has passed.
     pub fn advance(
         &mut self,
         radar: Option<&RadarTracks>,

@@ -1,4 +1,4 @@
-//! The estimated motion of one step, reckoned by hand, and how long each source lasts.
+//! The estimated motion of one step, computed by hand, and how long each source lasts.
 
 use super::estimate::EgoEstimate;
 use bytemuck::Zeroable;

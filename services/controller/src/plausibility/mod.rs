@@ -119,7 +119,7 @@ impl Findings {
         contradicts
     }
 
-    /// For the report of the run: the checks that found a contradiction, and how near the others came.
+    /// Report of the run: the checks that found a contradiction, and how near the others came.
     #[must_use]
     pub fn report(&self) -> Vec<CheckReport> {
         let report = |(check, finding): (Check, &Finding)| CheckReport {
@@ -137,7 +137,7 @@ impl Findings {
     }
 }
 
-/// The trusted parts of the inputs.
+/// The valid parts of the inputs.
 #[derive(Debug)]
 pub struct TrustedInputs<'a> {
     /// Odometry; `None` if it contradicts something.

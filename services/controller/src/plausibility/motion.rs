@@ -4,7 +4,7 @@ use super::{Check, Findings};
 use messages::{Odometry, RadarTracks};
 
 /// Limits of the difference between position and speed in two samples: a distance at any speed, m; a share of the
-/// distance travelled; the effect of a jerk in the time between them, m/s².
+/// distance travelled; and the effect of a jerk in the time between them, m/s².
 const STEP_M: f64 = 0.04;
 const STEP_SHARE: f64 = 0.01;
 const STEP_MPS2: f64 = 2.0;
@@ -15,16 +15,16 @@ const SUM_SHARE: f64 = 0.01;
 /// Largest change of speed: m/s², and m/s on top.
 const LIMIT_MPS2: f64 = 12.0;
 const LIMIT_MPS: f64 = 0.3;
-/// Difference from the radar's measurement of the ego's speed: m/s, and by the speed; and the scans in a
-/// row that must show it.
+/// Difference from the radar's measurement of the ego's speed, in m/s and by the speed. The third value is the scans in
+/// a row that must show it.
 const RADAR_MPS: f64 = 1.0;
 const RADAR_SHARE: f64 = 0.02;
 const RADAR_SCANS: u32 = 3;
-/// Difference below which a track has the speed of the measurement, m/s: what the radar lets a standing object's detection
-/// be off.
+/// Difference below which a track has the speed of the measurement, m/s. The radar allows a standing object's detection
+/// as much.
 const QUEUE_MPS: f64 = 0.6;
-/// Commands other than the one that odometry's figures last followed, by this much, m/s², for so long, s,
-/// while no figure of it changes.
+/// Difference of commands from the one that odometry last followed, m/s², and its least duration, s, while no figure of
+/// odometry changes.
 const COMMAND_MPS2: f64 = 0.3;
 const COMMAND_S: f64 = 0.8;
 
@@ -38,7 +38,7 @@ pub struct Motion {
     /// Acquisition of the last scan compared with, ns, and scans in a row that disagree.
     scan_ns: i64,
     disagreeing: u32,
-    /// Since when no figure changed, s.
+    /// Time since which no figure changed, s.
     same_since_s: Option<f64>,
     /// The command at that time, m/s².
     then_mps2: f64,
@@ -150,8 +150,8 @@ impl Motion {
 /// True if a tracked vehicle has the speed that the radar took for standing objects, while odometry is
 /// faster.
 ///
-/// A queue that crawls beside the ego fills the scan with detections of one speed: the measurement is then the ego's speed
-/// less the queue's. No vehicle makes it greater, since a queue does not drive backwards.
+/// A queue that crawls beside the ego fills the scan with detections of one speed. The measurement is then the ego's
+/// speed minus the queue's. No vehicle makes it greater, since a queue does not drive backwards.
 fn queue_moves_so(radar: &RadarTracks, measured_mps: f64, odometry_mps: f64) -> bool {
     let count = usize::try_from(radar.count).map_or(0, |count| count.min(radar.tracks.len()));
     measured_mps < odometry_mps
@@ -263,7 +263,7 @@ mod tests {
 
     #[test]
     fn a_queue_that_crawls_beside_the_ego_is_not_taken_for_the_roadside() {
-        // The ego drives 6 m/s past a queue at 2 m/s: the radar takes the queue for standing and measures 4 m/s.
+        // The ego drives 6 m/s past a queue at 2 m/s. The radar takes the queue for standing and measures 4 m/s.
         for (azimuth_rad, queue_mps, measured_mps, agrees) in [
             (0.0, 2.0, 4.0, true),
             (-0.5, 2.0, 4.0, true),

@@ -6,8 +6,8 @@
 //! | rate | a range that moves other than its rate for a second | one measurement of another part of the vehicle |
 //! | target | a gap or speed far from a track that moves on evenly | a new target, or a measurement that jumped |
 //!
-//! A measurement jumps where the radar sees another object, or another part of a vehicle (a flank, a lorry's
-//! front axle through its under-body). The filter behind the target rejects that, so the two differ for one
+//! A measurement jumps where the radar sees another object, or another part of a vehicle. Such parts are a flank, or a
+//! lorry's front axle through its under-body. The filter behind the target rejects that, so the two differ for one
 //! scan.
 //!
 //! An origin ends with the effect of the limit at half and at double, within the range. The drives are half an hour
@@ -17,9 +17,9 @@
 //! cargo run --release -p campaign --example plausibility_numbers
 //! ```
 //!
-//! The base: no drive has a false alarm. A frozen radar is found after 0.13 to 0.20 s. A gap that is off by 5 m and a
-//! relative speed that is off by 3 m/s are found after 0.03 s, in five of five drives. A gap that is off by 2 m and a
-//! speed that is off by 1 m/s are not found.
+//! The base: no drive has a false alarm. A frozen radar is found after 0.13 to 0.20 s. A gap that is off by 5 m is
+//! found after 0.03 s, and so is a relative speed that is off by 3 m/s, in five of five drives. A gap that is off by 2
+//! m and a speed that is off by 1 m/s are not found.
 
 use super::{Check, Findings};
 use messages::{Header, Odometry, RadarTracks, Track};
@@ -135,8 +135,8 @@ impl Radar {
         Self { range_sigma_m, ..self }
     }
 
-    /// Takes the newest scan and the newest odometry. Returns the scan, or `None` if it cannot be trusted. A
-    /// target that contradicts its track gets its more careful figures.
+    /// Takes the newest scan and the newest odometry. Returns the scan, or `None` if it is not valid. A target that
+    /// contradicts its track gets its more careful figures.
     pub fn look(
         &mut self,
         sample: &RadarTracks,
@@ -211,7 +211,7 @@ impl Radar {
             self.correct(now, differs_m, time_s, findings);
         }
         let bound_m = LIMITS.sum_m + LIMITS.sum_share * now.range_m.abs();
-        // A single jump is not a motion: it counts with half the bound at most, and its way back takes that away again.
+        // A single jump is not a motion. It counts with at most half the bound, and its way back removes that again.
         let counted_m = differs_m.clamp(-0.5 * bound_m, 0.5 * bound_m);
         let sum_m = if last.scans >= LIMITS.settled {
             (last.sum_m * libm::exp(-elapsed_s / LIMITS.sum_s) + counted_m)

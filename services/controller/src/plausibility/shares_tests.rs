@@ -1,4 +1,5 @@
-//! Each check's value as a share of its threshold, reckoned by hand, and where the threshold is.
+//! Each check's value as a share of its threshold, computed by hand, and the place of the
+//! threshold.
 
 use super::motion::Motion;
 use super::radar::Radar;
@@ -58,7 +59,7 @@ fn a_position_may_differ_from_the_speed_by_a_step_and_by_a_sum() {
         let second = [(odometry(0.2, way * 2.1 + side * 0.05, way * 11.0), 0.0)];
         let (_, findings) = of_motion(&[first, second].concat());
         assert_share(&findings, Check::SpeedAgainstPosition, 0.05 / 0.141);
-        // Another 0.2 m in a second, of which a step may be 2.15 m, the sum in 2 s 0.25 + 0.22 m.
+        // Another 0.2 m in a second, of which a step may be 2.15 m. The sum in 2 s is 0.25 + 0.22 m.
         let third = [(odometry(1.2, way * 13.1 + side * 0.25, way * 11.0), 0.0)];
         let (_, findings) = of_motion(&[first, second, third].concat());
         let sum_m = 0.05 * libm::exp(-0.5) + 0.2;
@@ -372,7 +373,7 @@ fn a_target_whose_track_jumps_or_that_has_none_is_left_as_it_is() {
     assert_eq!(target_of(&|scan| scan.tracks[0].range_m = 45.9), (50.0, 0));
     assert_eq!(target_of(&|scan| scan.target.gap_m = 54.1), (50.0, 1));
     assert_eq!(target_of(&|scan| scan.target.gap_m = 53.9), (53.9, 0));
-    // Without a track in the path, or with one behind the end of the list, there is nothing to compare with.
+    // Without a track in the path, or with one behind the end of the list, there is nothing to compare.
     assert_eq!(
         target_of(&|scan| (scan.tracks[0].in_path, scan.target.gap_m) = (0, 53.0)),
         (53.0, 0)

@@ -1,16 +1,16 @@
 //! Random cases, and what counts as survivable and as comfortable.
 //!
 //! Survivable: at the start, and when a vehicle appears ahead, full braking begun at once keeps 2 m from it. Full
-//! braking is 4.9 m/s² behind the lag of 0.5 s, and the vehicle ahead brakes at 4 m/s² from that moment. Leads never
-//! brake harder. The first line is farther than the full braking distance. A jump can end a green at once, but never
-//! its yellow of at least 3 s. It can shorten or stretch a red. Signals do not jump while they are silent, and each was
+//! braking is 4.9 m/s² behind the lag of 0.5 s. The vehicle ahead brakes at 4 m/s² from that moment. Leads never brake
+//! harder. The first line is farther than the full braking distance. A jump can end a green at once, but never its
+//! yellow of at least 3 s. It can shorten or stretch a red. Signals do not jump while they are silent, and each was
 //! received at least once.
 //!
 //! Comfortable: a constant request of -2 m/s² from each event on would have been enough. Events are start, jump,
 //! silence, change of yellow, braking lead and an appearing vehicle. Enough means three things. The ego would have
-//! stopped 1 m before the nearest line, or crossed before red at the speed kept. It would have kept 2 m from the lead,
-//! both as the lead really drove and as it drove at the event. All the way it would have kept a gap from which full
-//! braking survives a lead that brakes at 4 m/s².
+//! stopped 1 m before the nearest line, or crossed before red at the speed kept. It would have kept 2 m from the lead:
+//! from its real drive, and from its motion at the event. All the way it would have kept a safe gap: full braking
+//! survives a lead that brakes at 4 m/s².
 
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64Mcg;
@@ -66,7 +66,7 @@ pub(crate) fn stop(v: f64, a: f64, u: f64) -> f64 {
     x
 }
 
-/// Whether full braking from now on keeps `margin` from a lead that brakes at 4 m/s².
+/// True if full braking from now on keeps `margin` from a lead that brakes at 4 m/s².
 pub(crate) fn survives(v: f64, a: f64, gap: f64, v_lead: f64, margin: f64) -> bool {
     let (mut x, mut v, mut a) = (0.0, v, a);
     let (mut x_lead, mut v_lead) = (gap, v_lead);

@@ -55,7 +55,7 @@ impl Record {
         self.samples.push(Sample { ego: world.ego, lead: world.lead, line, event });
     }
 
-    /// Whether there was a comfortable way on at every event.
+    /// True if there was a comfortable way on at every event.
     pub(crate) fn comfortable(&self) -> bool {
         (0..self.samples.len()).filter(|&i| self.samples[i].event).all(|i| self.exists(i))
     }
@@ -75,9 +75,9 @@ impl Record {
             && self.clear_of_lead(i, 0.0, crossing)
     }
 
-    /// Whether a constant request keeps clear of the lead as it really drove, and as it was to be expected: going on as
-    /// at the event. Gentle braking in the hope that a braking lead changes its mind is lucky, not comfortable. Number
-    /// of clear steps that is enough.
+    /// True if a constant request keeps clear of the lead, both in its real drive and in the motion that it had at the
+    /// event. Gentle braking in the hope that a braking lead changes its mind is lucky, not comfortable. Number of
+    /// clear steps that is enough.
     fn clear_of_lead(&self, i: usize, u: f64, steps: usize) -> bool {
         let Some(lead) = self.samples[i].lead else { return true };
         let real = self.samples[i..].iter().map(|later| later.lead);
@@ -95,8 +95,7 @@ impl Record {
     }
 }
 
-/// Whether a constant request keeps clear of a lead until it is gone, the ego stands or the steps
-/// are over.
+/// True if a constant request keeps clear of a lead until it is gone, the ego stands, or the steps are over.
 fn keeps_clear(
     mut ego: Ego,
     track: u32,

@@ -6,7 +6,7 @@ use controller::laws::cacc::road::RoadLaw;
 use crate::scenes::{Run, run, run_law, with_lead, with_signal};
 use crate::world::{Event, World};
 
-/// The paper's scenario A with yellow: a lead at 15 m/s, 15 m farther than wanted, 5 s of green for 80 m.
+/// The paper's scenario A with yellow: a lead at 15 m/s, 15 m beyond the desired gap, and 5 s of green for 80 m.
 fn scenario_a() -> World {
     with_lead(with_signal(15.0, 25.0, 80.0, [20.0, 3.0, 20.0], 0, 5.0), 42.5, 15.0)
 }

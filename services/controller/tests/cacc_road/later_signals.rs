@@ -1,8 +1,8 @@
-//! The signals behind the nearest: they have no programs of their own, and need none as long as each green
-//! that the drive without them reaches is driven through.
+//! The signals behind the nearest. They have no programs of their own. They need none while each green that the drive
+//! without them reaches is driven through.
 //!
-//! A program of its own could only gain a green that the present drive misses. The drive with all later
-//! lights green is the earliest that the law makes, so that its arrivals say which greens can be reached.
+//! A program of its own could only gain a green that the present drive misses. The drive with all later lights green is
+//! the earliest that the law makes. So its arrivals show which greens can be reached.
 
 use controller::law::Output;
 
@@ -16,19 +16,19 @@ const SLACK_S: f64 = 0.5;
 /// Longer than any drive here, s.
 const FOR_EVER_S: f64 = 200.0;
 
-/// Red at first for so long, then green to the end.
+/// Red at first for this time, then green to the end.
 fn opens(id: u32, line_m: f64, red_s: f64) -> Signal {
     let lengths_s = [FOR_EVER_S, 3.0, FOR_EVER_S];
     let (phase, left_s) = if red_s > 0.0 { (2, red_s) } else { (0, FOR_EVER_S) };
     Signal { id, line_m, lengths_s, phase, left_s }
 }
 
-/// Green for so long, then yellow and red to the end.
+/// Green for this time, then yellow and red to the end.
 fn closes(id: u32, line_m: f64, green_s: f64) -> Signal {
     Signal { id, line_m, lengths_s: [FOR_EVER_S, 3.0, FOR_EVER_S], phase: 0, left_s: green_s }
 }
 
-/// When the ego, from 12 m/s, is past each line, s.
+/// Time when the ego, from 12 m/s, is past each line, s.
 fn arrivals(signals: &[Signal]) -> Vec<Option<f64>> {
     let mut world = World::new(12.0, 13.9);
     world.signals = signals.to_vec();
@@ -48,7 +48,7 @@ fn arrivals(signals: &[Signal]) -> Vec<Option<f64>> {
 #[test]
 fn a_later_green_is_driven_through_whenever_the_drive_without_it_reaches_it() {
     let mut driven = 0;
-    // From a standstill at the first light, from a glide to it, and past it.
+    // Starts from a standstill at the first light, from a glide to it, and past it.
     for red_s in [20.0, 9.0, 0.0] {
         for (second_m, third_m) in [(140.0, 180.0), (180.0, 300.0), (250.0, 500.0), (400.0, 470.0)]
         {

@@ -151,7 +151,7 @@ fn it_glides_to_a_light_about_to_turn_green() {
 
 #[test]
 fn it_accelerates_to_pass_when_that_is_enough() {
-    // At 12 m/s the line is 8.3 s away, at the set speed less than the 7.5 s that are left.
+    // At 12 m/s the line is 8.3 s away. At the set speed it is less than the 7.5 s that are left.
     let run = run(with_signal(12.0, 16.0, 100.0, [20.0, 3.0, 20.0], 0, 7.5), 15.0, &[]);
     assert!(run.crossings_s[0] < 7.5, "{run:?}");
     assert!(run.fastest_mps < 16.3);

@@ -1,5 +1,5 @@
-//! A road with signals and a lead, closed around a law: the plant is a first-order lag, integrated
-//! a hundred times finer than the controller's period.
+//! A road with signals and a lead, closed around a law. The plant is a first-order lag, integrated
+//! with a hundredth of the controller's period.
 
 use controller::law::{
     Ego, Input, Law, MAX_SIGNALS, Output, Phase, PhaseInterval, SignalAhead, Target,
@@ -53,7 +53,7 @@ pub(crate) enum Event {
     Jump { signal: usize, left_s: f64 },
     /// All signals fall silent, or (`unknown`) announce an unknown phase.
     Silence { unknown: bool },
-    /// They are heard again.
+    /// They are received again.
     Heard,
     /// The lead takes up an acceleration, m/s².
     LeadAccelerates(f64),
@@ -80,7 +80,7 @@ pub(crate) struct World {
     pub(crate) lead: Option<Lead>,
     pub(crate) signals: Vec<Signal>,
     pub(crate) set_speed_mps: f64,
-    /// 0 heard, 1 silent, 2 unknown.
+    /// 0 received, 1 silent, 2 unknown.
     pub(crate) silence: u8,
     pub(crate) tracks: u32,
 }

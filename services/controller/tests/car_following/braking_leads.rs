@@ -1,4 +1,5 @@
-//! Leads that brake with 3 to 9 m/s² at 8 to 36 m/s, after settled following, at once or after they have pulled away.
+//! Leads that brake with 3 to 9 m/s² at 8 to 36 m/s, after settled following. They brake at once, or after they have
+//! pulled away.
 
 use controller::laws;
 use rand_core::Rng;

@@ -1,4 +1,4 @@
-//! Random drives of everyday kinds behind one vehicle, judged by an oracle that knows the whole drive.
+//! Random drives of everyday kinds behind one vehicle, judged by an oracle that has the whole drive.
 //!
 //! | kind | what happens | what is held |
 //! |---|---|---|
@@ -9,8 +9,8 @@
 //! | stop and go | a lead stops again and again | a mean time gap of 3 s, and the same as for a cut-in |
 //! | lost tracks | no tracks for 1 to 3 s while the lead brakes | no acceleration while blind, no contact |
 //!
-//! The oracle integrates constant braking with 1.5 m/s² from the first moment at which the lead was ahead, against the
-//! motion that the lead then really had. It shares no code with the laws.
+//! The oracle integrates constant braking with 1.5 m/s² from the first moment at which the lead was ahead. The lead has
+//! its real motion. It shares no code with the laws.
 
 use controller::ladder::{Admission, Ages, Ladder};
 use controller::law::{Ego, Input, Law, Output, Target};
@@ -128,7 +128,7 @@ fn ask(ladder: &mut Ladder, law: &mut dyn Law, mut input: Input, age_s: f64, out
     ladder.settle(output, true);
 }
 
-/// Whether gentle braking from the start of the drive keeps a gap to the lead as it really drove.
+/// True if gentle braking from the start of the drive keeps a gap to the lead as it really drove.
 fn gentle_is_enough(seen: &Seen) -> bool {
     let (mut x, mut v, mut a) = (0.0, seen.ego[0].speed_mps, 0.0);
     seen.lead.iter().all(|lead| {
@@ -159,7 +159,7 @@ fn steady_lead(ego_mps: f64, gap_m: f64, lead_mps: f64) -> Drive {
     }
 }
 
-/// Checks drives of a kind with both laws that promise comfort.
+/// Checks drives of a kind with both laws whose aim is comfort.
 fn for_each(kind: &str, make: impl Fn(&mut Pcg64) -> Drive, check: impl Fn(&str, &Seen)) {
     for law in ["six-mode", "predictive"] {
         for seed in 0..DRIVES {

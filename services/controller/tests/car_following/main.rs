@@ -1,5 +1,5 @@
-//! Laws behind a lead, in a closed loop with radar noise, latency and a tracker: leads that brake
-//! hard, and stop and go. No emergency brake helps.
+//! Laws behind a lead, in a closed loop with radar noise, latency and a tracker. The leads brake
+//! hard, or stop and go. No emergency brake helps.
 
 mod braking_leads;
 mod kinds;

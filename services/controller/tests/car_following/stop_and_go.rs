@@ -1,5 +1,5 @@
-//! Behind a lead in town and on a country road, with many stops: no collision, soft stops, a time gap
-//! that traffic accepts.
+//! Behind a lead in town and on a country road, with many stops. There is no collision, stops are
+//! soft, and traffic accepts the time gap.
 
 use controller::law::Quality;
 use controller::laws;
@@ -11,8 +11,8 @@ use crate::world::{Perception, STEP_S, Vehicle, World};
 const STOPPING_MPS: f64 = 1.0;
 /// Slowest speed at which a time gap is counted, m/s.
 const MOVING_MPS: f64 = 2.0;
-/// Top speed, m/s, acceleration, deceleration, m/s², and time at the top and at standstill, s, of each
-/// of the lead's trips from stop to stop.
+/// Figures of each of the lead's trips from stop to stop: top speed, m/s; acceleration and
+/// deceleration, m/s²; time at the top and at standstill, s.
 const TRIPS: [(f64, f64, f64, f64, f64); 8] = [
     (8.0, 1.2, 1.0, 6.0, 12.0),
     (14.0, 1.5, 1.5, 20.0, 15.0),

@@ -1,5 +1,5 @@
-//! A tracker with the delay and noise of a maneuver-adaptive one: a Kalman filter with Singer's model
-//! whose noise grows while the range rate departs from its prediction.
+//! A tracker with the delay and noise of a maneuver-adaptive one. It is a Kalman filter with
+//! Singer's model; its noise grows while the range rate departs from its prediction.
 
 use controller::law::Target;
 

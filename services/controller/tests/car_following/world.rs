@@ -199,7 +199,7 @@ impl World {
     }
 }
 
-/// Whether braking with `authority_mps2` from `reaction_s` on avoids a lead that brakes with
+/// True if braking with `authority_mps2` from `reaction_s` on avoids a lead that brakes with
 /// `lead_mps2` to standstill.
 pub(crate) fn avoidable(
     mut ego: Vehicle,

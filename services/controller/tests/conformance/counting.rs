@@ -14,8 +14,8 @@ thread_local! {
     static COUNT: Cell<u64> = const { Cell::new(0) };
 }
 
-// SAFETY: every method hands its arguments to the system's allocator unchanged and returns what
-// that returns, so the system allocator's guarantees are ours.
+// SAFETY: every method hands its arguments to the system's allocator unchanged and returns its
+// result. So the system allocator's guarantees are ours.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         COUNT.with(|c| c.set(c.get() + 1));

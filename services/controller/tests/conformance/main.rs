@@ -79,7 +79,7 @@ fn ask(law: &mut dyn Law, input: &Input) -> Output {
     output
 }
 
-/// Makes the plan that the law wants, before the next step, as the loop's planning thread does.
+/// Makes the plan that the law needs, before the next step, as the loop's planning thread does.
 fn plan(law: &mut dyn Law) {
     if let Some(planning) = law.planning()
         && let Some(request) = planning.request()
@@ -90,7 +90,7 @@ fn plan(law: &mut dyn Law) {
     }
 }
 
-/// The promises of a single output.
+/// The guarantees of a single output.
 #[track_caller]
 fn sound(law: &dyn Law, formulation: &Formulation, input: &Input, output: &Output) {
     let (low, high) = law.request_bounds_mps2();

@@ -1,8 +1,8 @@
 //! Keys and their effect: what a law's descriptor says that it reads is what changes its commands.
 //!
-//! Each key of `[controller]` and of the laws' tables is changed, one at a time. The law then drives
-//! through scenes of every kind. A key that is said to be read changes a command in one of them; a key
-//! that is refused for the law changes none.
+//! Each key of `[controller]` and of the laws' tables is changed, one at a time. The law then
+//! drives through scenes of every kind. A key that counts as read changes a command in one of them.
+//! A key that is refused for the law changes none.
 
 use controller::law::{Law, Output};
 use controller::laws;
@@ -146,7 +146,7 @@ fn record(scenario: &Scenario) -> Record {
     scenes().iter().map(record_scene).collect()
 }
 
-/// Whether the law commands anything else than what was recorded.
+/// True if the law commands anything else than what was recorded.
 fn differs(scenario: &Scenario, recorded: &Record) -> bool {
     scenes().iter().zip(recorded).any(|(scene, recorded)| {
         let mut law = laws::build(scenario).expect("it was checked");
@@ -199,7 +199,7 @@ fn wrong(law: &str, variant: &[&str]) -> Vec<String> {
         if is_rare || variant.iter().any(chooses) {
             continue;
         }
-        // A key that is read may act at a far value only; one that is not read is tried with a few, for time.
+        // A key that is read may act at a far value only. One that is not read is tried with a few values, for time.
         let tried = if reads.has(path) { usize::MAX } else { UNREAD_TRIED };
         let acts = others(key).iter().take(tried).any(|value| {
             let key = format!("controller.{path}={value}");

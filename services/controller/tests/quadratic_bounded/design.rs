@@ -80,7 +80,7 @@ fn a_tampered_gain_fails_its_certificate_and_names_the_rule() {
     }
 }
 
-/// A change too small to break the promise is still not what was certified.
+/// A change too small to break the guarantee is still not what was certified.
 #[test]
 fn any_changed_number_is_refused() {
     let original: Value = serde_json::from_str(SHIPPED).expect("it is JSON");

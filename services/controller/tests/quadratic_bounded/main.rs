@@ -1,4 +1,4 @@
-//! The quadratic-bounded law: its design file, its promise, the published scenarios.
+//! The quadratic-bounded law: its design file, its guarantee, the published scenarios.
 
 mod design;
 mod plant;

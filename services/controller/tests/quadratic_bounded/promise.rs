@@ -1,8 +1,8 @@
-//! The promise itself: no bounded acceleration of the lead and no bounded noise drives the state out
-//! of the ellipsoid, or any index over its bound.
+//! The guarantee itself. No bounded acceleration of the lead and no bounded noise drives the state
+//! out of the ellipsoid, or an index over its bound.
 //!
-//! First on the model, where the certificate is exact; then on the true plant: continuous lag,
-//! curved desired gap, lead and noise chosen by an adversary who knows P.
+//! First on the model, where the certificate is exact. Then on the true plant: continuous lag,
+//! curved desired gap, and an adversary who chooses lead and noise and has P.
 
 use super::plant::{DT, Pair, ask};
 use controller::law::Ego;
@@ -115,7 +115,7 @@ fn designs() -> [Design; 2] {
 #[derive(Debug, Default)]
 struct Most {
     lyapunov: f64,
-    /// The same five seconds after the start and later, when the start is forgotten.
+    /// The same five seconds after the start and later, when the start has no effect any more.
     later: f64,
     /// Dd, Dv, a, u, Du, Dd', each relative to its bound.
     indices: [f64; 6],
@@ -157,8 +157,8 @@ fn duel(design: &Design, rng: &mut Pcg64, strategy: u32, most: &mut Most) {
         let bounds = p.disturbance_bounds();
         let mut w = worst(design, v, &z);
         match strategy {
-            // The adversary who knows P; one whose lead brakes and accelerates hard at random; one
-            // who does everything at random.
+            // Three adversaries: one has P; one has a lead that brakes and accelerates hard at
+            // random; one does everything at random.
             0 => lead = w[0],
             1 => {
                 if uniform(rng, 0.0, 1.0) < 0.03 {
@@ -170,7 +170,7 @@ fn duel(design: &Design, rng: &mut Pcg64, strategy: u32, most: &mut Most) {
                 w = Disturbance::from_fn(|j, _| uniform(rng, -bounds[j], bounds[j]));
             }
         }
-        // The model speaks of ego speeds between the two rules: keep the lead well within.
+        // The model holds for ego speeds between the two rules: keep the lead well within.
         let ahead = pair.lead_speed + lead * p.sample_time_s;
         let acceleration = if (12.0..32.0).contains(&ahead) { lead } else { 0.0 };
         let y = x + State::new(w[1], w[2], w[3], 0.0);

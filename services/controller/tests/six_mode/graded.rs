@@ -7,8 +7,7 @@ use controller::laws::six_mode::{Mode, Parameters, SixMode};
 const PERIOD: f64 = 0.1;
 const LAG: f64 = 0.5;
 
-/// Behind a lead that brakes from 20 m/s to standstill with `braking`: modes, requests and speeds, and the
-/// gap in the end.
+/// Behind a lead that brakes from 20 m/s to standstill with `braking`: modes, requests and speeds, and the last gap.
 fn stop_behind(braking: f64) -> (Vec<(Mode, f64, f64)>, f64) {
     let mut law = SixMode::new(Parameters::default()).expect("the built-in set is valid");
     let mut ego = Ego { speed_mps: 20.0, ..Ego::default() };
@@ -30,7 +29,7 @@ fn stop_behind(braking: f64) -> (Vec<(Mode, f64, f64)>, f64) {
     (rows, lead.position - ego.position_m)
 }
 
-/// ISO 15622's limits: 3.5 m/s² over 2 s and 2.5 m/s³ over 1 s from 20 m/s on, 5 and 5 up to 5 m/s.
+/// ISO 15622's limits: 3.5 m/s² over 2 s and 2.5 m/s³ over 1 s from 20 m/s on; 5 and 5 up to 5 m/s.
 #[test]
 fn a_lead_that_brakes_with_2_5_is_followed_comfortably() {
     let (rows, gap_m) = stop_behind(2.5);

@@ -1,8 +1,8 @@
 //! The published scenario: the lead drives at 54 km/h, 150 m ahead, and brakes to 36 km/h at 6 s. A third car at 36
 //! km/h cuts in at 14 s and brakes to a stop.
 //!
-//! From the paper: set speed, range, lead's speeds, its 6 m/s², the times 6 s and 14 s, 36 km/h.
-//! Inferred from its switching times: all other values (the page of the paper says how).
+//! Figures of the paper: set speed, range, lead's speeds, its 6 m/s², the times 6 s and 14 s, 36 km/h. Inferred from
+//! its switching times: all other values (the page of the paper says how).
 
 use super::plant::{Actor, DT, advance_ego, ask, input};
 use controller::law::Ego;
@@ -130,7 +130,7 @@ fn the_run_agrees_with_the_reference_trace() {
     assert_eq!(compared, 900);
 }
 
-/// The paper's run under noise of 0.3 m and 0.1 m/s: the literal law is unusable, the robust one
+/// The paper's run under noise of 0.3 m and 0.1 m/s. The literal law is unusable; the robust one
 /// adds little to the six changes of the ideal run.
 #[test]
 fn noise_multiplies_the_mode_changes_of_the_literal_law_only() {

@@ -33,7 +33,7 @@ impl Car {
         Self { actor: Actor { id, position, speed }, rng, acceleration: 0.0, until: 0.0 }
     }
 
-    /// Acceleration of the car; one that stands has none.
+    /// Acceleration of the car; 0 for one that stands.
     fn acceleration(&self) -> f64 {
         if self.actor.speed > 0.0 { self.acceleration } else { 0.0 }
     }
@@ -76,7 +76,7 @@ impl World {
         self.car.as_ref().map_or(f64::INFINITY, |c| c.actor.position - self.ego.position_m)
     }
 
-    /// Whether a driver who brakes fully after [`REACTION`] gets away without contact.
+    /// True if a driver who brakes fully after [`REACTION`] gets away without contact.
     fn avoidable(&self, braking: f64, hardest: f64) -> bool {
         let mut world = self.clone();
         let from = self.time + REACTION;
@@ -103,7 +103,7 @@ struct Tally {
     least_gap: f64,
 }
 
-/// One run; panics where the law breaks a promise.
+/// One run; panics if the law breaks a guarantee.
 fn run(seed: u64, p: &Parameters, tally: &mut Tally) {
     let mut rng = Pcg32::new(seed, 7);
     let mut law = SixMode::new(p.clone()).expect("the parameters are valid");

@@ -198,7 +198,7 @@ fn trap_9_a_new_target_is_not_mixed_with_the_old_one() {
     let mut cut_in = seen(20.0, 12.0, -1.0);
     cut_in.target.as_mut().expect("it has one").track_id = 2;
     assert_eq!(ask(&mut law, &cut_in).mode, Mode::Avoid.index());
-    // Under the old track's name the filter would have believed it later.
+    // Under the old track's name the filter would have accepted it later.
     let mut law = robust();
     let _ = feed(&mut law, (0..20).map(|_| seen(20.0, 100.0, -1.0)));
     assert_ne!(ask(&mut law, &seen(20.0, 12.0, -1.0)).mode, Mode::Avoid.index());

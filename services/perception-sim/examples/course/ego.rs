@@ -1,7 +1,7 @@
 //! An ego in the plane that follows its lane as a driver does.
 //!
 //! Its offset from the middle of the lane follows a wandering aim, as a mass on a damped spring. Its body has the slip
-//! angle of a car in a steady turn (Riekert and Schunck): the front bumper is 3.6 m before the rear axle, whose tyres
+//! angle of a car in a steady turn (Riekert and Schunck). The front bumper is 3.6 m before the rear axle, whose tyres
 //! need 0.0055 rad per m/s². The yaw-rate sensor has an offset of 0.1 °/s (standard deviation over the drives) and as
 //! much noise.
 
@@ -18,7 +18,7 @@ const WANDER_S: f64 = 3.0;
 /// The driver's correction: natural frequency, rad/s, and damping.
 const FREQUENCY_RADPS: f64 = 1.0;
 const DAMPING: f64 = 0.9;
-/// From the rear axle to the front bumper, m.
+/// Distance from the rear axle to the front bumper, m.
 const AXLE_TO_BUMPER_M: f64 = 3.6;
 /// Slip of the rear tyres, rad per m/s².
 const SLIP_RAD_PER_MPS2: f64 = 0.0055;

@@ -5,7 +5,7 @@
 //! cargo run --release -p perception-sim --example course -- effects [ROADS [KILOMETRES [NUMBERS]]]
 //! ```
 //!
-//! A lead drives at a constant gap in the ego's lane, and one vehicle in each neighbouring lane at 0.5 to 1.3 of that
+//! A lead drives at a constant gap in the ego's lane. Each neighbouring lane has one vehicle, at 0.5 to 1.3 of that
 //! gap. All have the same speed and wander in their lanes. The radar has all of its imperfections. Module `ego` is the
 //! ego. Every figure is of seeded roads and the same on every machine.
 //!

@@ -288,7 +288,7 @@ fn more_detections_than_the_message_carries_are_counted() {
     assert!(report.detections_left_out.is_some_and(|count| count > 300), "{report:?}");
 }
 
-/// A lead 40 m ahead that brakes with 3 m/s² from 2 s on and is gone from 3 s on.
+/// A lead 40 m ahead. It brakes with 3 m/s² from 2 s on, and is gone from 3 s on.
 const VANISHES: &str = r#"
     schema_version = 1
     name = "x"
@@ -331,7 +331,7 @@ fn a_radar_that_sees_little_reports_it_and_still_finds_its_lead() {
         followed += u32::from(list.target().is_some());
     }
     assert!(watch.perception.seen_share() < 0.33, "{}", watch.perception.seen_share());
-    // A radar with all of its scans confirms by three of four: with 15 of 100 this would be one scan in a hundred.
+    // A radar with all of its scans confirms by three of four. With 15 of 100 this would be one scan in a hundred.
     assert!(followed > 100, "it is the target in {followed} of 400 scans");
 }
 

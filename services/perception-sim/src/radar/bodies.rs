@@ -1,19 +1,19 @@
 //! The echoes of vehicles.
 //!
-//! A vehicle reflects at a few places of its body ([`super::body`]): the middle of its rear, the rear corners, and the
-//! wheelhouses of the side that it shows. A long vehicle has more places along that side. A place is strong when its
-//! face is seen squarely; each has a fluctuation of its own. A hidden place is seen only under the other vehicle,
-//! weaker. Beside the straight path a wave takes two others:
+//! A vehicle reflects at a few places of its body ([`super::body`]). These are the middle of its rear, the rear
+//! corners, and the wheelhouses of the side that it shows. A long vehicle has more places along that side. A place is
+//! strong when its face is seen squarely; each has a fluctuation of its own. A hidden place is seen only under the
+//! other vehicle, weaker. Beside the straight path a wave takes two others:
 //!
-//! * under the body: it is reflected between the road and the floor and comes back from the same
-//!   direction, later: an echo beyond the true range.
+//! * under the body: it is reflected between the road and the floor. It comes back later from the same direction: an
+//!   echo beyond the true range.
 //! * by the guard rail: the vehicle's mirror image, farther off and beyond the rail ([`super::rail`]).
 //!
-//! Sources. The reflecting places are those of Bühren and Yang, Simulation of automotive radar target lists using a
-//! novel approach of object representation (IEEE Intelligent Vehicles 2006). The mean cross section of a car, 10 m²,
-//! is that of ISO 15622's test target. Multipath by guard rails follows Kamann and others, Automotive radar multipath
-//! propagation in uncertain environments (ITSC 2018). The strengths of the places and of the detours are chosen, not
-//! measured.
+//! Sources. The reflecting places are those of Bühren and Yang. Source: Simulation of automotive radar target lists
+//! using a novel approach of object representation (IEEE Intelligent Vehicles 2006). The mean cross section of a car,
+//! 10 m², is that of ISO 15622's test target. Multipath by guard rails follows Kamann and others, Automotive radar
+//! multipath propagation in uncertain environments (ITSC 2018). The strengths of the places and of the detours are
+//! chosen, not measured.
 
 use super::body::{Body, Outlines};
 use super::echo::{Antenna, Echo, Fluctuation};

@@ -1,8 +1,8 @@
 //! The outline of a vehicle as the radar sees it.
 //!
-//! On a curve a vehicle stands askew to the ego. Its outline is given in its own axes, turned about the radar: `rear_m`
-//! and `front_m` along it, `right_m` and `left_m` across it, each from the radar. In these axes the rear shows when it
-//! is ahead, and the side on the radar's side shows. On a straight road the axes are the ego's own.
+//! On a curve a vehicle stands askew to the ego. Its outline is given in its own axes, turned about the radar. `rear_m`
+//! and `front_m` are along it, `right_m` and `left_m` across it, each from the radar. In these axes the rear shows when
+//! it is ahead, and the side on the radar's side shows. On a straight road the axes are the ego's own.
 
 use super::scene::Scene;
 
@@ -92,7 +92,7 @@ impl Body {
         (vx - turn.yaw_rate_radps * dy, vy + turn.yaw_rate_radps * dx)
     }
 
-    /// The straight line from the radar to a point of the ego's axes passes through the body before it reaches it.
+    /// The straight line from the radar to a point of the ego's axes passes through the body before the point.
     pub(super) fn hides(&self, (x_m, y_m): (f64, f64)) -> bool {
         match self.turn {
             Some(turn) => self.hides_askew(turn.to_body((x_m, y_m))),
@@ -115,7 +115,8 @@ impl Body {
         enter < leave
     }
 
-    /// The same of a point in its own axes, in any direction: shares of the line inside the slab of each axis.
+    /// The same of a point in its own axes, in any direction. The result is shares of the line inside the slab of each
+    /// axis.
     fn hides_askew(&self, (along_m, across_m): (f64, f64)) -> bool {
         let length_m = libm::sqrt(along_m * along_m + across_m * across_m);
         let (mut enter, mut leave) = (0.0, 1.0 - NEAR_M / length_m.max(NEAR_M));

@@ -93,7 +93,8 @@ impl DetectionRadar {
         self.scan_on(None, scene, detections)
     }
 
-    /// Writes the detections of a scene on its road, if that has a plan, nearest first, as many as there is room for. The rest of `detections` stays.
+    /// Writes the detections of a scene on its road (if that has a plan), nearest first, as many as there is room for.
+    /// The rest of `detections` stays.
     pub fn scan_on(
         &mut self,
         road: Option<&Axis>,
@@ -109,7 +110,7 @@ impl DetectionRadar {
         self.receiver.detect(self.seed, scene.time_ns, &self.antenna, echoes, detections)
     }
 
-    /// The receiver, whose accuracy the tracker knows.
+    /// The receiver, whose accuracy the tracker uses.
     #[must_use]
     pub fn receiver(&self) -> &Receiver {
         &self.receiver

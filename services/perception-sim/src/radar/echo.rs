@@ -20,8 +20,8 @@ pub struct Echo {
     pub false_alarm: bool,
 }
 
-/// Mean power of an echo by its place: the radar equation with everything but range, azimuth and radar cross section
-/// in one constant,
+/// Mean power of an echo by its place. This is the radar equation; one constant holds all but range, azimuth and radar
+/// cross section.
 ///
 /// ```text
 /// S/N = (S/N at 100 m, 1 m²) · sigma / 1 m² · (100 m / R)^4 · g(azimuth)²
@@ -98,8 +98,8 @@ impl Antenna {
     }
 }
 
-/// Change of a point's cross section from scan to scan. At 77 GHz a wave is 4 mm long: between two scans every
-/// vehicle moves by many of them, so that successive scans are independent.
+/// Change of a point's cross section from scan to scan. At 77 GHz a wave is 4 mm long. Between two scans every vehicle
+/// moves by many waves, so successive scans are independent.
 ///
 /// Source: Swerling, Probability of detection for fluctuating targets, IRE Trans. Information Theory 6
 /// (1960) 269.

@@ -1,9 +1,9 @@
 //! The radar at the middle of the ego's front bumper, in three depths.
 //!
 //! * [`object_list`]: one noisy measurement for each vehicle, with its identity.
-//! * detections: what the receiver of a radar hands out, several for each vehicle and some for none.
-//!   [`bodies`] and [`roadside`] turn the scene into echoes, [`receiver`] turns echoes into detections,
-//!   and [`detections`] holds the three together.
+//! * detections: the output of a radar's receiver, several for some vehicles and none for others. [`bodies`] and
+//!   [`roadside`] turn the scene into echoes, [`receiver`] turns echoes into detections, and [`detections`] holds the
+//!   three together.
 //! * ideal: exact and complete, taken from the scene itself.
 
 pub mod bodies;

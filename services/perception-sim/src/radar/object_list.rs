@@ -1,12 +1,12 @@
 //! The object list: what a radar with a perfect tracker's knowledge of identities would measure.
 //!
 //! It measures range, range rate and azimuth of the middle of each visible vehicle's rear bumper. Each has independent
-//! Gaussian noise. A vehicle is missed with a given probability. A vehicle is visible when its rear bumper is ahead of
+//! Gaussian noise. A vehicle is missed with a given probability. A vehicle is visible if its rear bumper is ahead of
 //! the ego's front bumper, within range and field of view. Vehicles do not hide each other. The vehicle of each
 //! measurement is known.
 //!
-//! Every vehicle has its own stream of random numbers, drawn whether it is visible or not: what
-//! happens to one vehicle does not change the noise on another.
+//! Every vehicle has its own stream of random numbers, drawn whether it is visible or not. So events of one vehicle do
+//! not change the noise on another.
 
 use scenario::Scenario;
 use scenario::perception::Radar;
@@ -45,8 +45,8 @@ impl View {
         }
     }
 
-    /// The exact measurement of vehicle number `index`, when it is visible. The lateral speed of a lane change is
-    /// left out of the range rate: it is perpendicular to the line of sight but for a few degrees.
+    /// The exact measurement of vehicle number `index`, when it is visible. The range rate leaves out the lateral speed
+    /// of a lane change. It is perpendicular to the line of sight within a few degrees.
     #[must_use]
     pub fn measure(&self, scene: &Scene, index: usize) -> Option<Measurement> {
         let (ego, vehicle) = (&scene.ego, &scene.vehicles[index]);

@@ -1,9 +1,9 @@
 //! Guard rails, and the mirror images of vehicles in them.
 //!
-//! A rail stands on some stretches of the road and not on others, at one distance from the middle of the ego's lane.
-//! The image of a vehicle is as far beyond the rail as the vehicle is before it. On a curve the rail mirrors as its
-//! tangent does at the place where the wave strikes it: the ways from the radar and from the vehicle make equal angles
-//! with it. A bent rail also gathers or spreads the wave; that is left out.
+//! A rail stands on some stretches of the road. It keeps one distance from the middle of the ego's lane. The image of a
+//! vehicle is as far beyond the rail as the vehicle is before it. On a curve the rail mirrors as its tangent does at
+//! the place where the wave strikes it. The ways from the radar and from the vehicle make equal angles with that
+//! tangent. A bent rail also gathers or spreads the wave; that is left out.
 
 use super::body::Body;
 use super::numbers::Numbers;
@@ -43,7 +43,7 @@ pub(super) struct Image {
     pub(super) struck_m: f64,
 }
 
-/// The image of the middle of a vehicle's rear in a rail at `offset_m`; `None` for a vehicle beyond the rail itself.
+/// Image of the middle of a vehicle's rear in a rail at `offset_m`. `None` for a vehicle beyond the rail itself.
 pub(super) fn image(
     scene: &Scene,
     road: Option<&Axis>,
@@ -75,7 +75,7 @@ pub(super) fn image(
 }
 
 /// The image of a point `(x, y)` in the rail of a curved road. The place that the wave strikes makes its way the
-/// shortest or longest: three Newton steps on the derivative of the way find it.
+/// shortest or longest. Three Newton steps on the derivative of the way find it.
 fn image_on(
     plane: &Plane,
     road: &Axis,
@@ -135,7 +135,7 @@ mod tests {
         assert!((150..250).contains(&seen.count()));
     }
 
-    /// The way over the rail is as long as the way to the image, and strikes the rail on the line to it.
+    /// The way over the rail is as long as the way to the image. It strikes the rail on the line to the image.
     #[test]
     fn on_a_curve_the_image_is_behind_the_place_that_the_wave_strikes() {
         for (radius_m, offset_m) in [(300.0, 8.0), (300.0, -8.0), (-500.0, 8.0), (1e6, 8.0)] {

@@ -1,16 +1,16 @@
 //! The receiver: what resolution merges, what rises above the threshold, and how exactly it is measured.
 //!
-//! * Echoes that differ by less than the resolution in range, range rate and azimuth, in all three, reach one cell of
-//!   the receiver. They come out as one, at their mean weighted by power.
+//! * Echoes reach one cell of the receiver if they differ by less than the resolution in all three: range, range rate
+//!   and azimuth. They come out as one, at their mean weighted by power.
 //! * An echo of power s (noise: 1) meets complex Gaussian noise n; it is detected when
 //!   |√s + n|² exceeds the threshold. Its probability of detection is therefore Marcum's Q function
 //!   of s and the threshold, and with Swerling's fluctuation drawn before, Swerling's.
 //! * Range, range rate and azimuth each come from the frequency of a sampled tone. Its error has at least the standard
 //!   deviation √6/(2π) · resolution / √(S/N). Imperfections of the sensor add a floor.
 //! * Noise alone exceeds the threshold in the measured volume. The number of times is Poisson distributed.
-//! * The receiver keeps a constant false-alarm rate: where noise exceeds the set threshold more than
-//!   [`Numbers::alarms_kept`] times in a scan, it raises the threshold for that scan. Noise power is exponential, so that
-//!   ln(n / kept) more leaves that number of n alarms.
+//! * The receiver keeps a constant false-alarm rate. Noise may exceed the set threshold more than
+//!   [`Numbers::alarms_kept`] times in a scan. The receiver then raises the threshold for that scan. Noise power is
+//!   exponential, so that ln(n / kept) more leaves that number of n alarms.
 //!
 //! Sources: Swerling (1960) as in [`super::echo`]; Rife and Boorstyn, Single-tone parameter estimation
 //! from discrete-time observations, IEEE Trans. Information Theory 20 (1974) 591; Richards, Fundamentals
@@ -276,8 +276,8 @@ mod tests {
             .collect()
     }
 
-    /// Marcum's Q function of first order, by its series in Poisson terms: the probability that an
-    /// echo of power `s` in noise exceeds `threshold`.
+    /// Marcum's Q function of first order, by its series in Poisson terms. It is the probability that an echo of power
+    /// `s` in noise exceeds `threshold`.
     fn marcum(s: f64, threshold: f64) -> f64 {
         let (mut weight, mut term, mut tail, mut sum) =
             (libm::exp(-s), libm::exp(-threshold), libm::exp(-threshold), 0.0);

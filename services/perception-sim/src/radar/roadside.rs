@@ -1,7 +1,7 @@
 //! Objects beside the road: posts, signs, trees.
 //!
 //! On each side the road is cut into cells of one object each. Its place and its mean cross section depend on the seed
-//! and the cell alone: it is the same in every scan. On a curve the sides bend with the road. If the lanes of a plan
+//! and the cell alone. They are the same in every scan. On a curve the sides bend with the road. If the lanes of a plan
 //! reach farther, the objects stand beside them.
 
 use super::body::Outlines;

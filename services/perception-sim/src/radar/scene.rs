@@ -123,7 +123,7 @@ fn seen(ego: &Pose, (cosine, sine): (f64, f64), (x_m, y_m): (f64, f64)) -> (f64,
     (cosine * dx + sine * dy, cosine * dy - sine * dx)
 }
 
-/// A body is a rectangle whose middle lies on its offset from the axis, with the heading of the axis there.
+/// A body is a rectangle. Its middle lies on its offset from the axis, and it has the heading of the axis there.
 fn standing(ego: &PlaneEgo, heading: (f64, f64), road: &Axis, vehicle: &Vehicle) -> Standing {
     if !vehicle.present {
         return Standing::default();
@@ -205,8 +205,7 @@ impl Scene {
         self.plane.get_or_insert_default().place(road, ego, &self.vehicles);
     }
 
-    /// The scene `back_ns` earlier, if until then all had kept the present speed and their distance from the axis of
-    /// `road`.
+    /// The scene `back_ns` earlier, if all had kept the present speed and their distance from the axis of `road`.
     #[must_use]
     pub fn earlier(&self, back_ns: i64, road: Option<&Axis>) -> Self {
         let mut scene = Self::default();

@@ -6,9 +6,9 @@
 //! uniform. So the mean of two wanders over all of the distance D between their middles, with the variance D²/12. The
 //! mean of one vehicle stays on its body.
 //!
-//! A track therefore keeps the logarithm of the likelihood ratio of one body to two, and the outermost places. Until
-//! the ratio speaks for one body ([`Numbers::one_body`]), the bodies are at the outermost places, and the room
-//! between is unknown. If the resolution keeps neighbouring lanes apart, a track is one body unless its scatter
+//! A track therefore keeps the logarithm of the likelihood ratio of one body to two, and the outermost places. The
+//! bodies are at the outermost places, and the room between is unknown, until the ratio is for one body
+//! ([`Numbers::one_body`]). If the resolution keeps neighbouring lanes apart, a track is one body unless its scatter
 //! contradicts.
 //!
 //! The price: the middle one of three abreast, in the ego's lane, counts late. It has to be resolved first, or to

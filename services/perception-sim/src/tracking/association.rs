@@ -7,7 +7,7 @@
 //! Distance is measured from the outline that the track predicts. Its units are the standard deviations of range,
 //! lateral position and range rate.
 //!
-//! Places are those of the straight road that [`super::course`] makes of the one ahead: arc length σ and distance d
+//! Places are those of the straight road that [`super::course`] makes of the one ahead: arc length σ, and distance d
 //! from the course. The range rate is the one that the same motion would have there.
 
 use messages::Detection;
@@ -24,9 +24,10 @@ pub struct Point {
     pub x_m: f64,
     /// Distance to the left of the course, m.
     pub y_m: f64,
-    /// Cosine and sine of the line of sight in the axes of the course there; on a straight road of the azimuth.
+    /// Cosine and sine of the line of sight in the axes of the course there. On a straight road they are those of the
+    /// azimuth.
     pub direction: (f64, f64),
-    /// Distance to the left of the radar in those axes, m: a vehicle there shows its right side where it is positive.
+    /// Distance to the left of the radar in those axes, m. A vehicle there shows its right side if it is positive.
     pub aspect_m: f64,
     /// Range rate, m/s.
     pub range_rate_mps: f64,
@@ -215,8 +216,8 @@ pub fn associate(points: &mut [Point], outlines: &[Outline], gate: f64, numbers:
     }
 }
 
-/// Lets go of the points on one side of a track whose points are farther apart than a vehicle is wide: they
-/// are of two abreast. It keeps those on the side on which it is expected.
+/// Lets go of the points on one side of a track whose points are farther apart than a vehicle is wide. They are of two
+/// vehicles abreast. It keeps those on the side on which it is expected.
 pub fn part(points: &mut [Point], outline: &Outline, numbers: &Numbers) {
     let own = |point: &&Point| point.owner == Some(outline.place);
     let (mut right_m, mut left_m, mut variance) = (f64::INFINITY, f64::NEG_INFINITY, 0.0f64);

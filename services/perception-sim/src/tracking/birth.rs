@@ -88,7 +88,7 @@ fn differ_mps(a: &Point, b: &Point) -> f64 {
     (b.relative_speed_mps(0.0) - a.relative_speed_mps(0.0)).abs()
 }
 
-/// By how much noise alone may set two points apart across the lanes, m, and in speed, m/s.
+/// Largest distance that noise alone may set between two points, m across the lanes, and m/s in speed.
 fn noise(a: &Point, b: &Point, numbers: &Numbers) -> (f64, f64) {
     let lateral_m = (a.lateral_variance + b.lateral_variance).sqrt();
     let rate_mps = (a.range_rate_variance + b.range_rate_variance).sqrt();

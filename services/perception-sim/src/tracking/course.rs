@@ -1,7 +1,7 @@
 //! The course: perception's estimate of the road ahead, and road coordinates along it.
 //!
 //! The course begins at the middle of the ego's front bumper. Its heading is given in the body's axes (x ahead, y
-//! left); its curvature is a function of the arc length σ. d is the distance to its left. [`Course::locate`] gives σ
+//! left). Its curvature is a function of the arc length σ. d is the distance to its left. [`Course::locate`] gives σ
 //! and d of a point in the body's axes, and [`Course::place`] is the inverse. The curve is evaluated once, at [`NODES`]
 //! places; in between it is the arc of a circle. A straight course is the identity, bit for bit.
 //!

@@ -1,5 +1,5 @@
-//! Estimate of the course ([`super::course`]): a Kalman filter of the heading at the ego and the curvatures of the
-//! knots ahead ([`super::curvature_knots`]).
+//! Estimate of the course ([`super::course`]). It is a Kalman filter of the heading at the ego and the curvatures of
+//! the knots ahead ([`super::curvature_knots`]).
 //!
 //! The road does not move. As the ego moves, only the heading changes: by the curvature of the way minus the ego's own
 //! turn. New knots at the far end replace those that are passed. Then the state takes in:
@@ -13,15 +13,15 @@
 //! | map | curvature ahead | an error of its place |
 //!
 //! The ego's own measurements are limited to a number of standard deviations. The others count only within them. So
-//! wrong echoes do not bend the course, and a course that has gone astray comes back to the ego's own way.
+//! wrong echoes do not bend the course. A course that has gone astray comes back to the ego's own way.
 //!
-//! Only weak objects near the known edge count, and only trails of confirmed tracks: a mirror image or a queue must not
-//! bend the course. The course grows from the ego on: an object counts where the nearer ones leave no doubt of its side.
+//! Only weak objects near the known edge count, and only trails of confirmed tracks. A mirror image or a queue must not
+//! bend the course. The course grows from the ego on. An object counts if the nearer ones show its side clearly.
 //!
 //! The yaw rate alone shows nothing of the road ahead. The course is then the circle of its curvature.
 //!
 //! Sources: Zomotor and Franke, Sensor fusion for improved vision based lane recognition and object tracking with
-//! range-finders (IV 1997); Lundquist and Schön, Joint ego-motion and road geometry estimation, Information Fusion 12
+//! range-finders (IV 1997). Lundquist and Schön, Joint ego-motion and road geometry estimation, Information Fusion 12
 //! (2011) 253: clothoid, guard rails and the motion of others.
 
 use std::array::from_fn;
@@ -160,8 +160,8 @@ impl CourseFilter {
         Course::bent(state[0], |sigma_m| knots::curvature_of(state, sigma_m, passed_m))
     }
 
-    /// Takes in a scan: the ego's motion, the map, and the standing echoes in the body's axes, in the order of their
-    /// ranges. The course before it was that of [`Self::advance`]. Allocates nothing.
+    /// Takes in a scan: the ego's motion, the map, and the standing echoes. These are in the body's axes, in the order
+    /// of their ranges. The course before it was that of [`Self::advance`]. Allocates nothing.
     pub fn take(&mut self, motion: &Motion, map: Option<&MapAhead>, standing: &[(f64, f64)]) {
         if !self.sources.any() {
             return;
@@ -346,8 +346,8 @@ impl CourseFilter {
         self.state.variance_along(&weights).max(0.0).sqrt()
     }
 
-    /// The same for the choice of the target. A circle is followed as it is: nothing is known of how the road leaves it,
-    /// and the limits of a known path decide.
+    /// The same for the choice of the target. A circle is followed as it is. How the road leaves it is unknown, and the
+    /// limits of a known path decide.
     #[must_use]
     pub fn path_sigma_m(&self, sigma_m: f64) -> f64 {
         if self.sources.looks_ahead() { self.sigma_m(sigma_m) } else { 0.0 }
@@ -363,7 +363,7 @@ impl CourseFilter {
         self.state.variance_along(&weights).max(0.0).sqrt()
     }
 
-    /// Heading, rad, curvature, 1/m, and its rate, 1/m², of a clothoid that begins as the course does and is at the
+    /// Heading, rad, curvature, 1/m, and its rate, 1/m², of a clothoid. It begins as the course does, and is at the
     /// same place across the road 100 m ahead.
     #[must_use]
     pub fn clothoid(&self) -> [f64; 3] {

@@ -1,15 +1,16 @@
 //! Numbers of the course, each with its origin.
 //!
-//! Most origins end with the effect of half and double the number, within the range, on four roads of 2 km of each kind
-//! and at two gaps:
+//! Most origins end with the effect of half and double the number, within the range. It is that on four roads of 2 km
+//! of each kind and at two gaps:
 //!
 //! ```sh
 //! cargo run --release -p perception-sim --example course -- effects 4 2
 //! ```
 //!
-//! The base without a map: the lead is lost in 0.86 % of the time, a neighbour is taken in 0.53 %, and the lead's offset
-//! is off by 0.56 m (rms). With the map the lead is lost in 0.52 %, and a neighbour is taken in 0.04 %. The way is short,
-//! so a third more or less may be chance. "Nothing changes" means less than 10 % of these times and 2 % of the offset.
+//! The base without a map: the lead is lost in 0.86 % of the time, and a neighbour is taken in 0.53 %. The lead's
+//! offset is off by 0.56 m (rms). With the map the lead is lost in 0.52 %, and a neighbour is taken in 0.04 %. The way
+//! is short, so a third more or less may be chance. "Nothing changes" means less than 10 % of these times and 2 % of
+//! the offset.
 
 use parameters::parameters;
 

@@ -2,11 +2,11 @@
 //!
 //! Knots are [`APART_M`] apart. The first one is behind the ego or beside it, `passed_m` back; beyond the last one the
 //! curvature is constant. A clothoid, whose curvature is linear, is contained. A road that bends and straightens again
-//! within the radar's range is not one clothoid, but it is near to such a function.
+//! within the radar's range is not one clothoid. It is near to such a function.
 //!
-//! With the heading θ at the ego and the curvatures κ of the knots, everything is linear to first order: curvature and
-//! heading at the arc length σ, and the place across the road there. Each function here gives the weights of [θ, κ...]
-//! in one of them. With hats φ (1 at one knot, 0 at the others) and p for `passed_m`
+//! θ is the heading at the ego, and κ are the curvatures of the knots. Everything is linear in them to first order:
+//! curvature and heading at the arc length σ, and the place across the road there. Each function here gives the weights
+//! of [θ, κ...] in one of them. With hats φ (1 at one knot, 0 at the others) and p for `passed_m`
 //!
 //! ```text
 //! curvature   Σ κ φ(p + σ)

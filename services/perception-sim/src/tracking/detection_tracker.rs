@@ -5,7 +5,7 @@
 //! united, mirror images end ([`super::mirror`]), and tracks are confirmed or end. A step allocates nothing.
 //!
 //! On a road with a plan all this happens on the course ([`super::course_filter`]). The scan's standing echoes and the
-//! trails of the tracks correct the course first. A track keeps its place in the plane then: it is shifted by the
+//! trails of the tracks correct the course first. A track keeps its place in the plane then. It is shifted by the
 //! correction at its distance, and gains no lateral speed.
 
 use messages::Detection;

@@ -5,9 +5,9 @@
 //! vehicle can make since. The median of the votes is the new estimate. The first scan takes odometry's speed for the
 //! last estimate; from then on the two are independent of each other.
 //!
-//! Source: D. Kellner, M. Barjenbruch, J. Klappstein, J. Dickmann, K. Dietmayer, Instantaneous ego-motion
-//! estimation using Doppler radar, ITSC 2013: the velocity profile of standing targets, without its search
-//! for inliers, which the last estimate replaces, and without yaw rate.
+//! Source: D. Kellner, M. Barjenbruch, J. Klappstein, J. Dickmann, K. Dietmayer, Instantaneous ego-motion estimation
+//! using Doppler radar, ITSC 2013: the velocity profile of standing targets. It is used without yaw rate and without
+//! the search for inliers, which the last estimate replaces.
 
 use super::course::Course;
 use super::numbers::Numbers;
@@ -46,8 +46,8 @@ impl EgoSpeed {
         self.measured
     }
 
-    /// Takes the scan of `time_ns`; `told` is the motion by odometry. Returns the motion for the tracker to work
-    /// with: odometry's, or the measured one where odometry is missing or contradicts it. Allocates nothing.
+    /// Takes the scan of `time_ns`; `told` is the motion by odometry. Returns the motion with which the tracker works.
+    /// It is odometry's, or the measured one where odometry is missing or contradicts it. Allocates nothing.
     pub fn take_scan(&mut self, time_ns: i64, told: Option<Ego>, detections: &[Detection]) -> Ego {
         self.take_scan_on(&Course::STRAIGHT, time_ns, told, detections)
     }

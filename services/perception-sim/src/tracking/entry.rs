@@ -8,8 +8,8 @@ use super::numbers::Numbers;
 use super::track::DetectedTrack;
 use crate::radar::scene::Ego;
 
-/// A track's entry in the list. One that is lost in the path goes on as it did; one that is not seen has the direction
-/// in which it is expected.
+/// A track's entry in the list. One that is lost in the path continues its motion. One that is not seen has the
+/// direction in which it is expected.
 pub(super) fn entry(
     track: &DetectedTrack,
     ego: &Ego,

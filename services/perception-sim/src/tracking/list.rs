@@ -5,7 +5,7 @@ use messages::MAX_TRACKS;
 /// The tracks after a scan.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TrackList {
-    /// When the scan was taken, ns since the start of the run; before it: negative.
+    /// Time of the scan, ns since the start of the run; negative before it.
     pub acquisition_ns: i64,
     /// The tracks, nearest first; `count` are valid.
     pub tracks: [Track; MAX_TRACKS],
@@ -67,7 +67,7 @@ impl TrackList {
         self.target.map(|index| &self.tracks[index])
     }
 
-    /// Adds a track. In a full list it replaces the farthest one outside the path, or is left out if it is that
+    /// Adds a track. In a full list it replaces the farthest one outside the path. It is left out if it is that one
     /// itself.
     pub fn add(&mut self, track: Track) {
         if self.count < MAX_TRACKS {

@@ -14,9 +14,9 @@
 //! | sigma, tau | `lead_acceleration_sigma_mps2`, `maneuver_time_constant_s` | m/s², s |
 //! | gate | `gate_sigma` | - |
 //!
-//! With `filter = "singer"` that is all. A range rate outside the gate opens the filter: it assumes a hard manoeuvre
-//! of the lead ([`Numbers::hard_mps2`]) and judges the measurement again. With `filter = "interacting-models"` three
-//! such models run side by side ([`super::interacting`]): the one above, moderate and hard manoeuvres.
+//! With `filter = "singer"` that is all. A range rate outside the gate opens the filter. It assumes a hard manoeuvre of
+//! the lead ([`Numbers::hard_mps2`]), and judges the measurement again. With `filter = "interacting-models"` three such
+//! models run side by side ([`super::interacting`]): the one above, moderate and hard manoeuvres.
 //!
 //! Sources: the radar filter of Li et al.'s predictive cruise control; Singer, Estimating optimal
 //! tracking filter performance for manned maneuvering targets, IEEE Trans. Aerospace and Electronic
@@ -87,8 +87,8 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Constant braking of the ego that keeps it behind a vehicle that keeps its speed, m/s²; 0 where they do not
-    /// come closer.
+    /// Constant braking of the ego that keeps it behind a vehicle of constant speed, m/s²; 0 if they do not come
+    /// closer.
     #[must_use]
     pub fn braking_mps2(&self) -> f64 {
         let closing_mps = (-self.relative_speed_mps).max(0.0);
@@ -254,7 +254,7 @@ impl Filter {
         }
     }
 
-    /// No vehicle accelerates or brakes harder than this: a greater jump of the speed was a wrong measurement, now or
+    /// No vehicle accelerates or brakes harder than this. A greater jump of the speed was a wrong measurement, now or
     /// before.
     fn bound(&mut self, hardest_mps2: f64) {
         let bound = |state: &mut Gaussian<3>| {
@@ -282,9 +282,9 @@ impl Filter {
         }
     }
 
-    /// Variance with which a range rate of the given variance is expected, `since_s` after the last one. One
-    /// model has to expect the hard manoeuvre with which [`Self::update`] would judge the measurement again:
-    /// what is not expected never comes to it.
+    /// Variance with which a range rate of the given variance is expected, `since_s` after the last one. One model has
+    /// to expect the hard manoeuvre with which [`Self::update`] would judge the measurement again. An unexpected one
+    /// never comes to it.
     #[must_use]
     pub fn range_rate_variance(&self, model: &Model, variance: f64, since_s: f64) -> f64 {
         match &self.bank {

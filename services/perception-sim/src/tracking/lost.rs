@@ -1,7 +1,7 @@
 //! A vehicle in the ego's path that is not seen any more is assumed to continue its motion.
 //!
-//! A filter forgets an acceleration within seconds. Behind a lead that braked when it was lost, that would be a
-//! prediction on the unsafe side. So the last motion is carried on: it brakes on if it braked, and keeps its speed
+//! A filter loses an acceleration within seconds. Behind a lead that braked when it was lost, that would be a
+//! prediction on the unsafe side. So the last motion is carried on. It brakes on if it braked, and keeps its speed
 //! otherwise, until it stands.
 //!
 //! ```

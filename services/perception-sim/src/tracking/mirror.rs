@@ -3,13 +3,13 @@
 //! An image has its vehicle's place along the road and its speed. It is as far beyond the rail as the vehicle is
 //! before it. Two rules keep images from becoming tracks:
 //!
-//! * lateral position: farther than three lanes from the ego's ([`Numbers::farthest_m`]) no track begins: what drives
+//! * lateral position: no track begins farther than three lanes from the ego's ([`Numbers::farthest_m`]). A vehicle
 //!   there cannot come before the ego soon, and most images are there;
 //! * consistency: a track that is not yet confirmed ends if it could be the image of a track nearer to the ego's lane.
 //!   The rail must be outside the next lane ([`Numbers::nearest_rail_m`]) and leave that vehicle room.
 //!
-//! The price: a vehicle three lanes off becomes a track only when it no longer drives exactly beside another one
-//! at the same speed.
+//! The price: a vehicle three lanes off becomes a track only when it no longer drives exactly beside another one of the
+//! same speed.
 
 use super::association::Point;
 use super::course::Course;
@@ -145,7 +145,7 @@ mod tests {
         let lead = track(60.0, 0.0, 0.0);
         let body = course.place(60.0, 0.0);
         for offset_m in [8.0, -8.0] {
-            // By hand: the place struck is half way on the circle of the rail, the ways to it are of equal length.
+            // By hand: the place struck is half way on the circle of the rail, and the ways to it have equal length.
             let struck = course.place(30.0, offset_m);
             let (cosine, sine) = course.tangent(30.0);
             let before_m = (body.1 - struck.1) * cosine - (body.0 - struck.0) * sine;

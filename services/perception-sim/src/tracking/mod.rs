@@ -1,9 +1,9 @@
 //! From the radar's measurements to tracks.
 //!
-//! [`interacting`] is a bank of Kalman filters. [`longitudinal`] and [`lateral`] are the vehicles' models, and
-//! [`path`] selects those in the ego's way. [`association`], [`birth`], [`mirror`] and [`track`] are the parts of
-//! [`detection_tracker`], which works on detections on the [`course`] that [`course_filter`] finds; [`object_tracker`] works on measurements whose vehicle is known.
-//! Both hand out a [`TrackList`].
+//! [`interacting`] is a bank of Kalman filters. [`longitudinal`] and [`lateral`] are the vehicles' models, and [`path`]
+//! selects those in the ego's way. [`detection_tracker`] works on detections on the [`course`] that [`course_filter`]
+//! finds. Its parts are [`association`], [`birth`], [`mirror`] and [`track`]. [`object_tracker`] works on measurements
+//! whose vehicle is known. Both hand out a [`TrackList`].
 
 pub mod abreast;
 pub mod association;

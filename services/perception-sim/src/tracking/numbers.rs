@@ -1,10 +1,11 @@
 //! Numbers of the tracker beside a scenario's keys, each with its origin.
 //!
-//! The effects that the rows state are those of `cargo run --release -p perception-sim --example perception_numbers
-//! -- 80`, over 80 scenes of 20 s. Their figures are: GOSPA 4.6 m; a cut-in is confirmed 0.36 s before the overlap; a
-//! false target for 2.6 s in all; errors of 0.41 m/s² in the target's acceleration, of 0.018 in the seen share, and of
-//! 0.25 m/s in the ego's speed while odometry is wrong. "Nothing changes" means less than 1 % of GOSPA, 0.02 s, 10 % of
-//! that time, 2 % of the acceleration's error, and 5 % of the other two.
+//! The effects that the rows state are those of
+//! `cargo run --release -p perception-sim --example perception_numbers -- 80`, over 80 scenes of 20 s. Their figures
+//! are: GOSPA 4.6 m; a cut-in is confirmed 0.36 s before the overlap; a false target for 2.6 s in all; an error of 0.41
+//! m/s² in the target's acceleration, and one of 0.018 in the seen share. While odometry is wrong, the ego's speed has
+//! an error of 0.25 m/s. "Nothing changes" means less than 1 % of GOSPA, 0.02 s, 10 % of that time, 2 % of the
+//! acceleration's error, and 5 % of the other two.
 //!
 //! Effects on lost leads and taken neighbours are those of `--example course -- effects 4 2 NAMES`, with the base in
 //! [`super::course_numbers`].
@@ -244,7 +245,7 @@ parameters! {
         hides_behind_m: f64 = 5.0, "m", 0.0..=15.0, "Chosen. At 2.5 and 10 nothing changes.";
         /// Time without a detection of post or vehicle after which the radar may be blind.
         blind_s: f64 = 0.5, "s", 0.1..=3.0, "Chosen. At 0.25 and 1 nothing changes.";
-        /// Posts, times scans, that the map promised in this time.
+        /// Posts, times scans, that the map predicted in this time.
         promised: f64 = 30.0, "posts", 5.0..=200.0, "Chosen: with two of three hidden by vehicles the probability to see none by chance is below e^-10. At 15 and 60 nothing changes.";
 
         // The ego's speed by standing objects.

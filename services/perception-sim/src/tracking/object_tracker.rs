@@ -1,6 +1,6 @@
 //! The tracker of the object list, in which every measurement names its vehicle.
 //!
-//! On a road with a plan it works on the course ([`super::course`]) by yaw rate, trails and map: an object list has no
+//! On a road with a plan it works on the course ([`super::course`]) by yaw rate, trails and map. An object list has no
 //! standing objects.
 
 use scenario::Scenario;
@@ -273,7 +273,7 @@ impl ObjectTrack {
     }
 }
 
-/// Range rate that the motion behind a measurement would have on a straight road, ahead of the ego, m/s: an object list
+/// Range rate that the motion behind a measurement would have on a straight road, ahead of the ego, m/s. An object list
 /// leaves lateral speeds out.
 fn along_course(course: &Course, measurement: &Measurement, ego_mps: f64) -> f64 {
     let (sine, cosine) = libm::sincos(measurement.azimuth_rad);

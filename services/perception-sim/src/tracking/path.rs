@@ -1,13 +1,13 @@
 //! Choice of the target: the nearest track in the ego's path.
 //!
 //! A track enters the path when it has been within `enter_half_width_m` of the lane's centre for `confirm_s`. It leaves
-//! the path beyond `leave_half_width_m`: a vehicle on the line between two lanes does not flicker, and one noisy scan
-//! makes no target. An estimated path is left only after [`Numbers::course_leave_s`]. If the course ahead is not known
-//! well ([`Numbers::doubtful_path_m`]), probabilities of its being within the lane take the place of these limits. A
-//! track also counts as within the entry limit if its lateral motion will take its body before the ego's in less than
-//! `predict_s`. So a cut-in is recognised before the bodies overlap. A track that the ego will have passed by then
-//! stays out. So does a track that it will be beside by then, even with a cruise control's hardest braking: braking
-//! only makes the time beside it longer.
+//! the path beyond `leave_half_width_m`. So a vehicle on the line between two lanes does not flicker, and one noisy
+//! scan makes no target. An estimated path is left only after [`Numbers::course_leave_s`]. If the course ahead is not
+//! known well ([`Numbers::doubtful_path_m`]), probabilities replace these limits. They are those of its being within
+//! the lane. A track also counts as within the entry limit if its lateral motion takes its body before the ego's in
+//! less than `predict_s`. So a cut-in is recognised before the bodies overlap. A track that the ego will have passed by
+//! then stays out. So does a track that it will be beside by then, even with a cruise control's hardest braking.
+//! Braking only makes the time beside it longer.
 
 use scenario::perception::TargetSelection;
 
@@ -174,7 +174,7 @@ impl PathLimits {
     }
 }
 
-/// To brake is of no use: when the track's body comes before the ego's, the ego has passed it or is beside it in
+/// Braking does not help then. When the track's body comes before the ego's, the ego has passed it, or is beside it in
 /// spite of braking.
 fn braking_is_vain(across: &Across, inward_mps: f64, numbers: &Numbers) -> bool {
     let comes_s = (across.lateral_m.abs() - VEHICLE_WIDTH_M) / inward_mps;

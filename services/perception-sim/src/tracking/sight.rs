@@ -1,6 +1,6 @@
 //! Share of the expected detections that come.
 //!
-//! Each scan is compared with the promises of the previous one. A tracked vehicle in view should give a detection
+//! Each scan is compared with the predictions of the previous one. A tracked vehicle in view should give a detection
 //! again. So should a post beside the road, moved by the ego's own motion. The share is
 //!
 //! ```text
@@ -9,7 +9,7 @@
 //!           Σ w · expected        w: exp(-age / memory)
 //! ```
 //!
-//! A radar that sees nothing at all has nothing to compare. The map promises posts then: if none comes over
+//! A radar that sees nothing at all has nothing to compare. The map predicts posts then. If none comes over
 //! [`Numbers::blind_s`], though [`Numbers::promised`] were to be seen, the share is 0.
 //!
 //! ```
@@ -184,7 +184,7 @@ mod tests {
 
     const VIEW: FieldOfView = FieldOfView { half_rad: 0.52, resolution_rad: 0.05, edge_rad: 0.05 };
 
-    /// The share after 4 s of posts every 10 m at 20 m/s, of which the scans `sees` says show all.
+    /// The share after 4 s of posts every 10 m at 20 m/s. The scans for which `sees` is true show all of them.
     fn drive(sees: impl Fn(u32) -> bool) -> f64 {
         let mut sight = Sight::new(12.0, 50.0, &Numbers::DEFAULT);
         let strong = [Detection { snr_db: 30.0, ..Detection::zeroed() }; 16];
@@ -221,7 +221,7 @@ mod tests {
         assert_eq!(share.value(), 1.0, "no more than all");
     }
 
-    /// The share after a scan with a post at one place and one with a post at another, 0.05 s later at 20 m/s.
+    /// The share after two scans. The first has a post at one place, the second one at another, 0.05 s later at 20 m/s.
     fn seen_again(first: (f64, f64), snr_db: f64, then: (f64, f64)) -> f64 {
         let mut sight = Sight::new(12.0, 0.0, &Numbers::DEFAULT);
         let echo = [Detection { snr_db, ..Detection::zeroed() }];

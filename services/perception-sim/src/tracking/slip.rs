@@ -1,7 +1,7 @@
 //! The slip angle of the ego's front bumper, as standing objects show it.
 //!
 //! A standing object at azimuth `phi` has the range rate `-v cos(phi) - w sin(phi)`. v is the bumper's speed along the
-//! body, and w its speed to the left. Least squares over what stands gives both; their ratio is the slip angle, which a
+//! body. w is its speed to the left. Least squares over what stands gives both; their ratio is the slip angle, which a
 //! scalar Kalman filter smooths. The driver's steering and the road's curvature change it.
 //!
 //! Source: D. Kellner, M. Barjenbruch, J. Klappstein, J. Dickmann, K. Dietmayer, Instantaneous ego-motion
@@ -46,7 +46,8 @@ impl Default for Slip {
 }
 
 impl Slip {
-    /// Takes what stands in a scan, `dt_s` after the one before: cosine and sine of the azimuth, and range rate, m/s.
+    /// Takes the standing objects of a scan, `dt_s` after the one before: cosine and sine of the azimuth, and range
+    /// rate, m/s.
     pub fn take_scan(&mut self, dt_s: f64, ego_mps: f64, standing: &[(f64, f64, f64)]) {
         let change_rad = CHANGE_RADPS * CHANGE_RADPS * dt_s;
         self.variance = (self.variance + change_rad).min(FIRST_RAD * FIRST_RAD);

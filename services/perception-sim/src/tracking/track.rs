@@ -11,7 +11,7 @@ use super::path::{Across, Approach, Membership};
 use super::sighting::Sighting;
 use crate::radar::scene::Ego;
 
-/// Scans that the history remembers.
+/// Scans in the history.
 const REMEMBERED: u32 = 32;
 
 /// A track.
@@ -174,8 +174,8 @@ impl DetectedTrack {
         seen
     }
 
-    /// Takes its speed over ground in this scan. One echo that moves may be noise: a new track has moved only as long as
-    /// all its echoes do, at half of the speed from which one begins.
+    /// Takes its speed over ground in this scan. One echo that moves may be noise. A new track counts as moving while
+    /// all its echoes move, at half of the speed from which one begins.
     pub fn observe_motion(&mut self, ground_mps: f64, numbers: &Numbers) {
         if self.id == 0 {
             self.moved &= ground_mps > 0.5 * numbers.standing_mps;
@@ -213,7 +213,7 @@ impl DetectedTrack {
         Some(sighting.lateral(self.width_m, numbers))
     }
 
-    /// Takes over the motion of a younger track of the same vehicle, if that one is nearer to the rear, or is seen
+    /// Takes over the motion of a younger track of the same vehicle. That one must be nearer to the rear, or be seen
     /// while this one is not.
     pub fn take_over(&mut self, younger: &Self, numbers: &Numbers) {
         let nearer_m = self.along.estimate().gap_m - younger.along.estimate().gap_m;
@@ -245,7 +245,8 @@ impl DetectedTrack {
         }
     }
 
-    /// Lateral position in the axes of the course at its rear, seen from the radar, m: its sign says which side shows.
+    /// Lateral position in the axes of the course at its rear, seen from the radar, m. Its sign gives the side that
+    /// shows.
     #[must_use]
     pub fn aspect_m(&self, course: &Course) -> f64 {
         let lateral_m = self.across.position_m();

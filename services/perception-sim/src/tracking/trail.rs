@@ -1,7 +1,7 @@
 //! Trails of other vehicles: where they drove, in the ego's axes.
 //!
-//! Places are kept in the axes of dead reckoning by speed, yaw rate and slip angle, so that the ego's motion moves
-//! none of them. Its error grows with the way; over a trail's length it is small.
+//! Places are kept in the axes of dead reckoning by speed, yaw rate and slip angle. So the ego's motion moves none of
+//! them. Its error grows with the way; over a trail's length it is small.
 
 /// Places of a trail.
 const PLACES: usize = 24;
@@ -82,13 +82,13 @@ impl Trails {
         }
     }
 
-    /// Forgets a vehicle's trail: it has left its lane.
+    /// Drops a vehicle's trail: it has left its lane.
     pub fn forget(&mut self, id: u32) {
         self.trails.iter_mut().filter(|trail| trail.id == id).for_each(|trail| trail.id = 0);
     }
 
-    /// Calls back with pairs of places of each trail in the body's axes: the nearest ahead, and a farther one, of which
-    /// each trail has two.
+    /// Calls back with pairs of places of each trail in the body's axes: the nearest ahead, and a farther one. Each
+    /// trail has two of these.
     pub fn pairs(&self, mut each: impl FnMut((f64, f64), (f64, f64))) {
         let (sine, cosine) = libm::sincos(self.heading_rad);
         let seen = |place: (f64, f64)| {

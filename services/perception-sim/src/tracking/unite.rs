@@ -30,11 +30,11 @@ pub(super) fn unite(
     }
 }
 
-/// Two tracks are of one vehicle: the newer one is on the older one and moves with it. On another lane it may be
-/// before the older one by the length of a lorry: its rear comes into view last.
+/// Two tracks are of one vehicle: the newer one is on the older one and moves with it. On another lane it may be before
+/// the older one by the length of a lorry. Its rear comes into view last.
 ///
 /// If the older one is not seen, the speeds do not count. Two bodies cannot be in one place, and its speed is a
-/// prediction. In both cases the newer one gives its motion to the older one. So it has to be sure first: one echo
+/// prediction. In both cases the newer one gives its motion to the older one. So it has to be sure first. One echo
 /// before a rear, or beside a vehicle that is not seen once, may be noise.
 fn same(
     older: &DetectedTrack,
@@ -83,7 +83,7 @@ mod tests {
         DetectedTrack::begin(&model, &sighting, true)
     }
 
-    /// Tracks that are left of a lead 60 m ahead, 4.5 m long, and another one, which is sure after `hits`.
+    /// Number of tracks left of a lead 60 m ahead, 4.5 m long, and another one, which is sure after `hits`.
     fn left_after(hits: u32, mut lead: DetectedTrack, other: DetectedTrack) -> usize {
         (lead.id, lead.length_m) = (1, 4.5);
         let mut tracks = vec![lead, other];

@@ -174,7 +174,7 @@ fn a_cut_in_of_constant_speed_rises_evenly_and_ends_at_once() {
     assert_eq!(lateral(5.0), 0.0);
 }
 
-/// Places of two vehicles at 20 m/s after some time, one in the ego's lane and one 3.5 m to the left of it.
+/// Places of two vehicles at 20 m/s after some time. One is in the ego's lane, the other 3.5 m to the left of it.
 fn pair_in_a_curve(road: &str, events: &str, time_s: f64) -> [f64; 2] {
     let actor = |name: &str, lateral: &str| {
         format!(

@@ -12,7 +12,7 @@
 //! ```
 //!
 //! The plan is the gateway's only knowledge of the traffic. A plan that brakes harder than the moderate stop had a
-//! reason. The reason did not go away with the commands: so the stop is as hard as the plan was at its worst.
+//! reason. The reason did not end with the commands. So the stop is as hard as the hardest braking of the plan.
 //!
 //! Every request is bounded in range and rate, whatever its source. The emergency brake has a path of its own to the
 //! wheels ([`crate::brake`]). The vehicle gets the harder of the two.
@@ -42,7 +42,7 @@ use plan::Plan;
 use scenario::plant::{Fallback, Gateway as Bounds, Plant};
 use serde::{Deserialize, Serialize};
 
-/// Why a command was not accepted.
+/// Reason why a command was not accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Rejection {
     /// It has no request, or its control step has no duration.
@@ -226,7 +226,7 @@ impl Gateway {
         }
     }
 
-    /// The source that acts at `now_ns`, and what it wants, m/s².
+    /// The source that acts at `now_ns`, and its request, m/s².
     fn planned(&self, now_ns: u64) -> (Source, f64) {
         let worst_mps2 = self.plan.as_ref().map_or(0.0, Plan::worst_mps2);
         let stop_mps2 = worst_mps2.min(-self.fallback.stop_deceleration_mps2.value());

@@ -4,9 +4,9 @@
 //! κ_wanted = κ(p + v t_lead) − 2 ζ ω l' / v² − ω² (l − l_aim) / v²
 //! ```
 //!
-//! So the offset from the aim obeys l'' = −2 ζ ω l' − ω² (l − l_aim). l' is the front bumper's speed across the axis,
-//! not the body's heading. On a steady circle the body points aside of its way, but a driver looks at the way. The
-//! wheels follow with a lag. The aim is an Ornstein-Uhlenbeck process.
+//! So the offset from the aim obeys l'' = −2 ζ ω l' − ω² (l − l_aim). l' is the front bumper's speed across the axis.
+//! It is not the body's heading. On a steady circle the body points aside of its way, but a driver looks at the way.
+//! The wheels follow with a lag. The aim is an Ornstein-Uhlenbeck process.
 
 use scenario::lateral::Driver as Keys;
 
@@ -18,7 +18,7 @@ pub struct Driver {
     lead_s: f64,
     frequency_radps: f64,
     damping: f64,
-    /// Share of the way to the wanted steering angle in one period.
+    /// Share of the way to the desired steering angle in one period.
     steering_share: f64,
     /// Share of the aim that a period keeps, and the deviation that it adds, m.
     aim_decay: f64,
@@ -55,7 +55,7 @@ impl Driver {
         *aim_m = self.aim_decay * *aim_m + self.aim_sigma_m * deviate;
     }
 
-    /// Curvature that the driver wants, 1/m, at an offset from the aim, m, that changes by `across_mps`.
+    /// Desired curvature of the driver, 1/m, at an offset from the aim, m, that changes by `across_mps`.
     #[must_use]
     pub fn curvature(
         &self,

@@ -10,8 +10,8 @@
 //! p' = (v cos ψ − (v_y + d r) sin ψ) / (1 − κ l)      l' = v sin ψ + (v_y + d r) cos ψ      ψ' = r − κ p'
 //! ```
 //!
-//! v is the speed of the longitudinal model, d the distance from the centre of gravity to the front bumper, κ the
-//! curvature of the axis. The longitudinal model is not changed: its way is projected on the axis.
+//! v is the speed of the longitudinal model. d is the distance from the centre of gravity to the front bumper, and κ
+//! the curvature of the axis. The longitudinal model is not changed: its way is projected on the axis.
 //!
 //! | part | file |
 //! | --- | --- |
@@ -55,7 +55,7 @@ pub struct Lateral {
     sensor: YawRateSensor,
     seed: u64,
     period_s: f64,
-    /// From the centre of gravity to the front bumper, m.
+    /// Distance from the centre of gravity to the front bumper, m.
     to_bumper_m: f64,
     /// Factor on all random deviates: -1 in a mirrored world.
     noise: f64,

@@ -5,13 +5,13 @@
 //! r'   = (a c_f α_f − b c_r α_r) / k²     α_r =   − (v_y − b r) / v
 //! ```
 //!
-//! a and b are the distances of the centre of gravity from front and rear axle, k² = I_z / m, and c_f, c_r cornering
-//! stiffnesses by mass. These follow from the compliances: steady driving at 1 m/s² lateral acceleration has the rear
-//! slip angle `slip_rad_per_mps2` and the front one larger by `understeer_rad_per_mps2`. So the steering angle of a
-//! circle is δ = κ (L + EG v²) with EG the understeer gradient.
+//! a and b are the distances of the centre of gravity from front and rear axle. k² = I_z / m, and c_f and c_r are
+//! cornering stiffnesses by mass. These follow from the compliances. In steady driving at 1 m/s² lateral acceleration
+//! the rear slip angle is `slip_rad_per_mps2`, and the front one larger by `understeer_rad_per_mps2`. So the steering
+//! angle of a circle is δ = κ (L + EG v²) with EG the understeer gradient.
 //!
 //! A step is the trapezoidal rule: two linear equations, solved in closed form. Below [`Numbers::dynamic_mps`] the
-//! wheels roll without delay: the track is in its steady state at once, and the equations above would become stiff.
+//! wheels roll without delay. The track is in its steady state at once, as the equations above would become stiff.
 
 use scenario::lateral::Lateral as Keys;
 use serde::{Deserialize, Serialize};
@@ -91,13 +91,13 @@ impl SingleTrack {
         self.front_m + self.rear_m + self.understeer_rad_per_mps2 * speed_mps * speed_mps
     }
 
-    /// Whether the tyres build their forces up with a delay at this speed.
+    /// True if the tyres build their forces up with a delay at this speed.
     #[must_use]
     pub fn is_dynamic(&self, speed_mps: f64) -> bool {
         speed_mps >= self.dynamic_mps
     }
 
-    /// Moves on by `h` seconds at a steering angle whose mean is `steering_rad` and whose value at the end is `end_rad`.
+    /// Moves on by `h` seconds at a steering angle. Its mean is `steering_rad`, and its last value `end_rad`.
     #[must_use]
     pub fn step(
         &self,

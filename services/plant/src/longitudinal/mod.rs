@@ -14,7 +14,7 @@
 //! | T, h | `integration_step_ms` | ms |
 //!
 //! `fine` solves this exactly over steps h of constant request. `paper-euler` takes the Euler step of the predictive
-//! laws' own model, x += T v, v += T a, a += T/tau (u - a). All three right-hand sides are from the start of the step
+//! laws' own model: x += T v, v += T a, a += T/tau (u - a). All three right-hand sides are from the start of the step
 //! (He et al. 2024). A step longer than the plant's period is sampled along its straight lines. So its ends are the
 //! paper's values at any period.
 //!
@@ -22,9 +22,9 @@
 //! the brake lets go, the controller's commands act again, and no effect of the brake is left. `paper-euler`, which has
 //! no emergency brake in its paper, puts the ceiling on the request.
 //!
-//! On a grade gravity takes g sin θ from the acceleration of driveline and brakes, θ being the mean grade under the car.
-//! The lag is theirs: they know the grade, and a change of it acts at once and fades with tau. The bounds of u and the
-//! power are theirs too. So a car on a level road is the same to the last bit.
+//! On a grade gravity takes g sin θ from the acceleration of driveline and brakes. θ is the mean grade under the car.
+//! The lag is theirs: they contain the grade, and a change of it acts at once and fades with tau. The bounds of u and
+//! the power are theirs too. So a car on a level road is the same to the last bit.
 //!
 //! The vehicle never moves backwards: at standstill speed and (negative) acceleration are zero.
 

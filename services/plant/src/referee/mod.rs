@@ -48,7 +48,7 @@ pub enum Violation {
 pub struct Referee {
     #[serde(skip)]
     numbers: Numbers,
-    /// The gap that errors are measured against; `None`: the law alone knows it.
+    /// Gap from which errors are measured. `None`: only the law has it.
     desired: Option<DesiredGap>,
     set_speed_mps: f64,
     /// Distance beyond which the ego keeps no gap to a vehicle, m.
@@ -108,9 +108,8 @@ impl Referee {
         *self = Self { numbers: self.numbers, ..kept };
     }
 
-    /// Takes the truth at `now_ns`: the ego, the vehicle ahead in its lane, and the signals not yet far behind, nearest
-    /// first. A sample that is not later than the one before, or
-    /// not finite, is passed over.
+    /// Takes the truth at `now_ns`: the ego, the vehicle ahead in its lane, and the signals not yet far behind (nearest
+    /// first). A sample that is not later than the one before, or not finite, is passed over.
     ///
     /// Returns the violation that this sample shows, once.
     pub fn observe(
@@ -123,7 +122,7 @@ impl Referee {
         self.observe_in_plane(now_ns, ego, ahead, signals, None)
     }
 
-    /// The same on a road with a plan: contact is what the bodies in the plane do, not a gap that is used up.
+    /// The same on a road with a plan. There contact is that of the bodies in the plane, not a gap that is used up.
     pub fn observe_in_plane(
         &mut self,
         now_ns: u64,

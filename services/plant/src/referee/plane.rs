@@ -37,7 +37,7 @@ pub(super) struct PlaneFigures {
 }
 
 impl PlaneFigures {
-    /// None without a plan of the road.
+    /// `None` without a plan of the road.
     pub(super) fn of(scenario: &Scenario, numbers: &Numbers) -> Option<Self> {
         let lanes = &scenario.road.plan()?.lanes;
         let (period_s, window_s) =

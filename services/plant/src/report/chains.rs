@@ -20,20 +20,19 @@ pub struct Hops {
     pub controller_to_plant: Option<Percentiles>,
     /// Acquisition to the sample's publication: the radar's latency, its release, scan and tracking.
     pub radar_publish: Option<Percentiles>,
-    /// While the published sample lay there and the controller was busy or not yet due.
+    /// Time for which the published sample lay there and the controller was busy or not yet due.
     pub controller_queue: Option<Percentiles>,
-    /// From then until the controller had woken up with it.
+    /// Time from then until the controller had woken up with it.
     pub radar_transport: Option<Percentiles>,
     /// Publication of the command to the scheduled release of the plant that looks for it.
     pub command_wait: Option<Percentiles>,
-    /// From then until the plant had woken up.
+    /// Time from then until the plant had woken up.
     pub command_transport: Option<Percentiles>,
-    /// From then to the actuators.
+    /// Time from then to the actuators.
     pub actuate: Option<Percentiles>,
 }
 
-/// Parts of the time from a signal's change to the first actuation with the new phase behind it; their sum is that
-/// time:
+/// Parts of the time from a signal's change to the first actuation that uses the new phase. Their sum is that time:
 ///
 /// ```text
 /// changed ─► timing made ─► v2x/spat published ─► command published ─► actuated
@@ -41,13 +40,13 @@ pub struct Hops {
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SignalHops {
-    /// From the change to the making of the message that shows it: the roadside unit's period.
+    /// Time from the change to the making of the message that shows it: the roadside unit's period.
     pub announce: Option<Percentiles>,
-    /// From there through frame, air and decoding to the publication of `v2x/spat`.
+    /// Time from there through frame, air and decoding to the publication of `v2x/spat`.
     pub receive: Option<Percentiles>,
-    /// From there to the publication of the command.
+    /// Time from there to the publication of the command.
     pub control: Option<Percentiles>,
-    /// From there to the actuators.
+    /// Time from there to the actuators.
     pub actuate: Option<Percentiles>,
 }
 

@@ -96,7 +96,7 @@ pub enum Outcome {
     Collision,
     /// The ego crossed a stop line at red.
     RedLight,
-    /// The plant stopped in lane for want of valid commands.
+    /// The plant stopped in lane for lack of valid commands.
     SafeStop,
     /// The law's backup drove more than the scenario allows: the drive shows little of the law.
     DrivenByBackup,
@@ -133,7 +133,7 @@ pub struct ControlFigures {
     pub min_accel_mps2: Option<f64>,
     /// Largest acceleration, m/s².
     pub max_accel_mps2: Option<f64>,
-    /// When the first stop line was crossed, s.
+    /// Time when the first stop line was crossed, s.
     pub stop_line_crossing_s: Option<f64>,
     /// Distance past the first stop line when its light first changed, m; negative before it.
     pub past_stop_line_at_switch_m: Option<f64>,

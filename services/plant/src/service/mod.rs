@@ -90,7 +90,7 @@ struct Plant {
     /// Run time at which the last command was accepted, and the longest time between two, ns.
     accepted_ns: Option<i64>,
     longest_gap_ns: i64,
-    /// In realtime, what a restarted plant goes on from.
+    /// State from which a restarted plant continues, in realtime.
     checkpoint: Option<Checkpoint<Snapshot>>,
 }
 

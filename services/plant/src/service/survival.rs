@@ -1,5 +1,5 @@
-//! State that outlives the plant's process: the vehicle does not vanish with it, nor do the referee's record and the
-//! counts. A report of the state ends the run.
+//! State that outlives the plant's process: the vehicle, the referee's record and the counts. A report of the state
+//! ends the run.
 
 use messages::Service;
 use messages::level::LevelLog;
@@ -52,7 +52,7 @@ struct Counted {
     undelivered: u64,
 }
 
-/// The figures of a plant that is gone, up to the last cycle that it kept; `None` if it kept none.
+/// Figures of a plant that ended, up to the last cycle that it kept; `None` if it kept none.
 #[must_use]
 pub fn last_known(group: &Group) -> Option<PlantReport> {
     let kept: Snapshot = Checkpoint::last(group, Service::Plant)?;

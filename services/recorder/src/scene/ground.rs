@@ -33,7 +33,7 @@ impl Place {
 pub(super) enum Ground {
     /// Along x; the ego's lane alone is drawn.
     Straight,
-    /// By its plan, with all lanes.
+    /// Ground by the road's plan, with all lanes.
     Plan(Box<Plan>),
 }
 

@@ -8,10 +8,9 @@
 //! | `/scene/outlines` | `sensor_msgs/msg/PointCloud2` | the same as coloured points, for viewers that know points alone (rerun) |
 //! | `/radar/points` | `sensor_msgs/msg/PointCloud2` | the radar's detections, in `ego`, where the radar has them |
 //!
-//! The frame `road` is x along the ego's axis from where its front bumper starts, y to the left, z up, m. On a road
-//! with a plan it is the plane, bodies have their true headings, and lanes are line strips.
-//! All but detections are drawn at 20 Hz of run time. A recorder is a process of its own: none of this
-//! costs a control loop anything.
+//! The frame `road` is x along the ego's axis from its front bumper's start, y to the left, z up, m. On a road with a
+//! plan it is the plane, bodies have their true headings, and lanes are line strips. All but detections are drawn at 20
+//! Hz of run time. A recorder is a process of its own: none of this costs a control loop anything.
 
 mod definitions;
 mod draw;
@@ -89,7 +88,7 @@ pub(crate) struct Scene {
     ego_length_m: f64,
     lengths_m: Vec<f64>,
     ground: Ground,
-    /// When it is drawn next, ns of run time.
+    /// Time when it is drawn next, ns of run time.
     due_ns: i64,
     odometry: Option<Odometry>,
     pose: Option<EgoPose>,

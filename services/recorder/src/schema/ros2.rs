@@ -1,4 +1,4 @@
-//! ROS 2 message definitions: as MCAP's schema encoding `ros2msg` wants them, and as a package.
+//! ROS 2 message definitions: in the form of MCAP's schema encoding `ros2msg`, and as a package.
 
 use super::{all, collect};
 use crate::LawNames;
@@ -10,8 +10,8 @@ use xxhash_rust::xxh3::Xxh3;
 /// ROS 2 package that the types are said to be of.
 const PACKAGE: &str = "timegap_msgs";
 
-/// The definition of `layout` with those of all types in it: comments with meanings and units, and
-/// constants for named numbers.
+/// The definition of `layout` with those of all types in it. Comments give meanings and units, and constants named
+/// numbers.
 #[must_use]
 pub fn definition(layout: &'static Layout) -> String {
     definition_of(layout, &LawNames::default())

@@ -5,7 +5,7 @@
 //!       └ scenes ─► sight of the queue ─► time to the target, avoidable collision
 //! ```
 //!
-//! The queue is in sight when the middle of its last vehicle's rear is within the radar's range and field of view.
+//! The queue is in sight if the middle of its last vehicle's rear is within the radar's range and field of view.
 
 use frame::batch::Done;
 use group::report::Outcome;
@@ -43,7 +43,7 @@ pub struct Kept {
     pub sources: String,
     /// End of the run.
     pub outcome: Outcome,
-    /// Why it was aborted, if it was.
+    /// Reason why it was aborted, if it was.
     pub aborted_because: Option<String>,
     /// Sums by part of a curve, in the order of [`Place::ALL`].
     pub places: [Sums; 4],

@@ -10,7 +10,7 @@ use super::queue::Queue;
 use super::road::RandomRoad;
 use super::sources::Sources;
 
-/// The law that drives where the user gives none.
+/// The law that drives if the user gives no law.
 pub const LAW: &str = "acc-mpc";
 
 /// Kind of a scene.

@@ -5,8 +5,8 @@ const ONE_SIDE: f64 = 0.025;
 
 /// Exact two-sided 95 % interval of a Poisson count's mean (Garwood, 1936).
 ///
-/// The lower limit is the mean at which `count` or more events have the probability 2.5 %, the upper one that at which
-/// `count` or fewer have it.
+/// At a mean equal to the lower limit, `count` or more events have the probability 2.5 %. At the upper limit `count` or
+/// fewer have it.
 pub fn poisson(count: u64) -> [f64; 2] {
     let low = if count == 0 { 0.0 } else { mean_at(count - 1, 1.0 - ONE_SIDE) };
     [low, mean_at(count, ONE_SIDE)]

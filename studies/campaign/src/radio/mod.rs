@@ -1,7 +1,8 @@
 //! `timegap campaign radio`: drives through signals whose frames are lost, late and falsified.
 //!
-//! Each run is `corridor` with its own signal programs, driven by the scenario's law or by the one of `--law`. The run's number seeds a generator, which draws the faults of
-//! the air, of the roadside units and of the on-board unit. No run may cross a red light or touch another vehicle.
+//! Each run is `corridor` with its own signal programs, driven by the scenario's law or by the one of `--law`. The
+//! run's number seeds a generator. It draws the faults of the air, of the roadside units and of the on-board unit. No
+//! run may cross a red light or touch another vehicle.
 
 mod draw;
 mod table;

@@ -2,8 +2,8 @@
 //!
 //! A trip ends well behind the last line, so that the speed at that line counts.
 //!
-//! A green is used when the line is crossed before the red that follows the first green which could be reached
-//! from the line before, not beyond the lead. So a missed green counts once, at its line, and not at the lines behind it.
+//! A green is the first that could be reached from the line before, not beyond the lead. It is used if the line is
+//! crossed before the red that follows it. So a missed green counts once, at its line, and not at the lines behind it.
 
 use super::draw::Corridor;
 use frame::batch::Done;
@@ -25,13 +25,13 @@ pub struct Kept {
     pub corridor: usize,
     /// The law.
     pub law: String,
-    /// Whether there was a lead.
+    /// True if there was a lead.
     pub is_led: bool,
     /// Time before a line at which its countdown arrives at the set speed, s.
     pub ahead_s: f64,
     /// End of the run.
     pub outcome: Outcome,
-    /// Trip time beyond the fastest legal trip, s; to the end of the run where the trip's end was not reached.
+    /// Trip time beyond the fastest legal trip, s. It counts to the end of the run if the trip's end was not reached.
     pub excess_s: f64,
     /// The same at the last line, s.
     pub excess_at_line_s: f64,
@@ -143,7 +143,7 @@ impl Kept {
     }
 }
 
-/// When and how fast a place was passed.
+/// Time and speed at which a place was passed.
 fn passing(line_m: f64, steps: &[DriveStep]) -> Option<Passing> {
     let pair = steps.windows(2).find(|pair| pair[1].position_m >= line_m)?;
     let way_m = pair[1].position_m - pair[0].position_m;
@@ -152,7 +152,7 @@ fn passing(line_m: f64, steps: &[DriveStep]) -> Option<Passing> {
     Some(Passing { time_s, place_m: line_m, speed_mps: pair[1].speed_mps })
 }
 
-/// When the fastest legal trip passes the last line and `end_m`, s; 0 where it never does.
+/// Time when the fastest legal trip passes the last line and `end_m`, s; 0 where it never does.
 fn fastest(scenario: &Scenario, end_m: f64, ahead: &dyn Fn(f64) -> f64) -> (f64, f64) {
     let start = Some(Passing::start(scenario));
     let mut signals = scenario.v2x.signals.iter();
@@ -175,7 +175,7 @@ fn greens_used(scenario: &Scenario, passed: &[Passing], ahead: &dyn Fn(f64) -> f
     used
 }
 
-/// Whether a signal shows red somewhere between two times.
+/// True if a signal shows red somewhere between two times.
 fn is_red_between(signal: &Signal, from_s: f64, to_s: f64) -> bool {
     let program = Program::new(signal);
     for interval in program.intervals((from_s * 1e9) as u64) {

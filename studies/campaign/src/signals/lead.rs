@@ -1,4 +1,4 @@
-//! The lead of a corridor: a driver with free road ahead who obeys the signals, by the rules and values of
+//! The lead of a corridor: a driver with free road ahead. He obeys the signals by the rules and values of
 //! `acc-signal-stop`.
 
 use super::signal::Signal;
@@ -29,7 +29,7 @@ pub struct Traits {
     pub gap_m: f64,
     /// Speed at the start, m/s.
     pub speed_mps: f64,
-    /// Speed that it wants, m/s.
+    /// Desired speed, m/s.
     pub desired_mps: f64,
     /// Share by which that speed varies, and the period, s.
     pub waves: (f64, f64),
@@ -135,7 +135,7 @@ impl Lead {
 }
 
 impl Heed {
-    /// Whether the driver stops for signal `line`, `distance_m` ahead.
+    /// True if the driver stops for signal `line`, `distance_m` ahead.
     fn closes(
         &mut self,
         line: usize,
@@ -145,7 +145,7 @@ impl Heed {
         v: f64,
         rules: &SignalStop,
     ) -> bool {
-        // The driver heeds the phase of a reaction time ago.
+        // The driver reacts to the phase of a reaction time ago.
         let phase = signal.phase_at((time_s - rules.reaction_s).max(0.0));
         if (self.line, self.phase) != (line, phase) || self.since_s == 0.0 {
             let was_yellow = self.line == line && self.phase == 1;

@@ -62,7 +62,7 @@ impl Difference {
     }
 }
 
-/// When a difference is called real, in words; none without differences.
+/// Rule for a real difference, in words; `None` without differences.
 pub fn rule(differences: &[Difference]) -> Option<String> {
     let largest = differences.iter().map(|difference| difference.family).max()?;
     let tails = TAILS / largest as f64;

@@ -25,13 +25,13 @@ pub struct Comparison {
     pub means: Vec<Means>,
     /// Each law against the first one, seed by seed; empty for one seed.
     pub differences: Vec<Difference>,
-    /// When a difference is called real; null for one seed.
+    /// Rule for a real difference; null for one seed.
     pub rule: Option<String>,
     pub processes_sample: ProcessesSample,
 }
 
-/// `means`, `differences` and `rule` of the JSON, of runs that the caller drove: `rows` is the list of the same name.
-/// The runs of a scenario stand together, and those of a law in it, with the same seeds in the same order.
+/// `means`, `differences` and `rule` of the JSON, of runs that the caller drove. `rows` is the list of the same name.
+/// The runs of a scenario stand together, and so do those of a law in it. All have the same seeds in the same order.
 ///
 /// # Errors
 /// If a row lacks a figure.

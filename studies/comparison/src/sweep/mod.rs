@@ -5,8 +5,8 @@
 //! KEY=a,b,c ─────┴─ grid ─ seeds ─► runs ─ fold over the seeds ─► points ─► curves
 //! ```
 //!
-//! Every point of the grid is a run of its own. In lockstep delays, jitter and misses are emulated
-//! exactly, so that the same sweep gives the same bytes, in one go or in parts.
+//! Every point of the grid is a run of its own. In lockstep, delays, jitter and misses are emulated
+//! exactly. So the same sweep gives the same bytes, in one go or in parts.
 
 mod page;
 mod results;
@@ -190,7 +190,7 @@ impl Study for Grid {
     }
 }
 
-/// Why a grid is not swept.
+/// Reason why a grid is not swept.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
     /// Seeds have an option of their own.

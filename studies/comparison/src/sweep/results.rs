@@ -73,7 +73,7 @@ pub struct Run {
     values: Vec<String>,
     seed: u64,
     pub outcome: Outcome,
-    /// Why the outcome is `aborted`.
+    /// Reason why the outcome is `aborted`.
     aborted_because: Option<String>,
     /// Verdicts on the requirements.
     #[serde(default)]
@@ -303,7 +303,7 @@ impl Sweep {
         format!("{scenario} ({controllers}, {mode}): {points} points{of_seeds}")
     }
 
-    /// Why runs were aborted, a line for each reason.
+    /// Reason why runs were aborted, a line for each reason.
     pub fn reasons(&self) -> String {
         let mut reasons: BTreeMap<&str, usize> = BTreeMap::new();
         for why in self.runs.iter().filter_map(|run| run.aborted_because.as_deref()) {

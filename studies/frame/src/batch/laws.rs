@@ -3,7 +3,7 @@
 use controller::laws;
 use group::Failure;
 
-/// Why `--controllers` names no laws.
+/// Reason why `--controllers` names no laws.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LawsError {
     /// There is nothing between two commas.

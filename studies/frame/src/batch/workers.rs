@@ -9,12 +9,11 @@ use std::sync::mpsc::sync_channel;
 /// The work on a piece by its number. The function is false once the work is to end.
 pub type Work<'a, T> = dyn Fn(usize, &dyn Fn() -> bool) -> T + Sync + 'a;
 
-/// Does `pieces` pieces of work, `at_once` at a time, in their order. `each` gets the number and the result
-/// of each as it ends, in this thread; an error of `each` ends the rest.
+/// Does `pieces` pieces of work, `at_once` at a time, in their order. `each` gets the number and the result of each as
+/// it ends, in this thread. An error of `each` ends the rest.
 ///
 /// # Errors
-/// [`Error::Interrupted`] when a signal asked for the end, or what `each` returned first; in each case when
-/// all workers have ended.
+/// [`Error::Interrupted`] if a signal asked for the end, or the first error of `each`. All workers have ended by then.
 pub fn share<T: Send>(
     pieces: usize,
     at_once: usize,

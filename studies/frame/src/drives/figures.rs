@@ -4,7 +4,7 @@ use report::summary::Summary;
 
 type Figure = (&'static str, fn(&Summary) -> Option<f64>);
 
-/// Names as in `summary.json`, with the values. None of them depends on the wall clock in lockstep.
+/// Names as in `summary.json`, with the values. They do not depend on the wall clock in lockstep.
 pub const FIGURES: &[Figure] = &[
     ("min_gap_m", |s| s.control.figures.min_gap_m),
     ("rms_gap_error_m", |s| s.control.figures.rms_gap_error_m),

@@ -1,9 +1,9 @@
 //! `runs.csv`: the summary figures of every drive of a study, as one tidy table.
 //!
-//! A row is a drive. Columns: `run`, `scenario`, `law`, `seed`, the keys that the study varies, `outcome`, `duration_s`,
-//! then figures of `summary.json` by their names there. A figure that does not apply is empty. A run of a study may be
-//! several drives, which then have a key of their own. The figures are kept with the run's record, so that a study in
-//! parts has the same table.
+//! A row is a drive. Columns: `run`, `scenario`, `law`, `seed`, the keys that the study varies, `outcome`,
+//! `duration_s`. Figures of `summary.json` follow, by their names there. A figure that does not apply is empty. A run
+//! of a study may be several drives, which then have a key of their own. The figures are kept with the run's record, so
+//! that a study in parts has the same table.
 //!
 //! ```text
 //! run,scenario,law,seed,runtime.extra_delay_ms,outcome,duration_s,min_gap_m,...

@@ -5,8 +5,8 @@
 //! ```
 //!
 //! A row is a step of a drive. Columns: `run`, `scenario`, `law`, `seed`, the keys that the study varies, then those of
-//! `trajectory.csv`, and the law's own figures by their place, `figure_0` on. The file's metadata has their names, as
-//! `figures.LAW`.
+//! `trajectory.csv`. The law's own figures follow by their place, from `figure_0` on. The file's metadata has their
+//! names, as `figures.LAW`.
 
 mod columns;
 

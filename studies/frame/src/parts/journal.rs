@@ -20,7 +20,7 @@ pub const FILE: &str = "runs.jsonl";
 /// than the run.
 const SYNC_PERIOD: Duration = Duration::from_millis(200);
 
-/// Why a journal is not one of the study's.
+/// Reason why a journal is not one of the study's.
 #[derive(Debug, thiserror::Error)]
 pub enum JournalError {
     /// A line cannot be read.

@@ -9,7 +9,7 @@ use super::{FILE, Records, Shard, Study, holds, journal, read_file, take};
 use crate::batch::ProcessesSample;
 use runtime::command_line;
 
-/// Why directories are not joined.
+/// Reason why directories are not joined.
 #[derive(Debug, thiserror::Error)]
 pub enum MergeError {
     /// A directory belongs to another command.
@@ -155,7 +155,7 @@ impl<T: DeserializeOwned> Merged<T> {
 }
 
 impl<T> Merged<T> {
-    /// Checks that the command still means the same as its parts; `subject` is the content of all that its words name.
+    /// Checks that the command still means the same as its parts. `subject` is the content of all that its words name.
     ///
     /// # Errors
     /// [`MergeError::Changed`].

@@ -55,7 +55,7 @@ pub struct PartOptions {
 /// Options of runs, by their names: a merge drives none.
 pub const OF_RUNS: [&str; 3] = ["programs", "ready_timeout", "processes"];
 
-/// Why a directory is not the part that is asked for.
+/// Reason why a directory is not the part that is asked for.
 #[derive(Debug, thiserror::Error)]
 pub enum PartError {
     /// Its command is not one of this version.
@@ -112,7 +112,7 @@ pub(crate) struct PartFile {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Line<T> {
     pub run: usize,
-    /// Whether its repetition in a process group gave the same bytes; none: it was not repeated.
+    /// True if its repetition in a process group gave the same bytes. `None`: it was not repeated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub same_in_processes: Option<bool>,
     /// Figures of its drives.

@@ -24,7 +24,7 @@ pub struct Part<T> {
 }
 
 impl<T: Serialize + DeserializeOwned> Part<T> {
-    /// Opens the directory of a part, or of the whole study; `name` is for a directory that the command names itself.
+    /// Opens the directory of a part, or of the whole study. `name` is for a directory that the command names itself.
     /// Without the options of parts no run is written before the end, unless there are too many records for memory.
     ///
     /// # Errors
@@ -136,7 +136,7 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
     }
 }
 
-/// Whether a run belongs to a part. Nothing else decides it.
+/// True if a run belongs to a part. Nothing else decides it.
 pub(crate) fn holds(shard: Option<Shard>, run: usize) -> bool {
     shard.is_none_or(|shard| shard.holds(run))
 }

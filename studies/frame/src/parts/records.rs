@@ -152,8 +152,8 @@ impl<T: DeserializeOwned> Records<T> {
     }
 }
 
-/// Reads lines of journals, one open file at a time: a study of many parts has more journals than a process may
-/// have files.
+/// Reads lines of journals, one open file at a time. A study of many parts has more journals than a process may have
+/// files.
 struct Reader<'a> {
     journals: &'a [PathBuf],
     opened: Option<(u32, File)>,

@@ -84,7 +84,7 @@ impl FromStr for ShardChoice {
     }
 }
 
-/// Why the environment of an array job names no part.
+/// Reason why the environment of an array job names no part.
 #[derive(Debug, thiserror::Error)]
 pub enum ArrayJobError {
     /// No engine's variables are there.

@@ -77,8 +77,8 @@ impl<'a> Crew<'a> {
         self.repeated.contains(&run)
     }
 
-    /// Takes a drive of run `run` into the table of all drives, and its trajectory where it is to be kept. `keys` are
-    /// those of [`Study::keys`], with their values in this drive.
+    /// Takes a drive of run `run` into the table of all drives, and keeps its trajectory if that is asked for. `keys`
+    /// are those of [`Study::keys`], with their values in this drive.
     pub fn observe(&self, run: usize, keys: &[(String, String)], scenario: &Scenario, done: &Done) {
         if let Some(keeper) = self.observed.keeper {
             keeper.offer(run, scenario, keys, &done.summary, &done.drive);

@@ -47,7 +47,7 @@ pub struct RunResult<R, S> {
     pub repetition: Option<Repetition>,
 }
 
-/// When a result can be made of some of the runs.
+/// Condition for a result of some of the runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Needs {
     /// All runs are needed: a part is only kept.
@@ -84,12 +84,12 @@ pub trait Study: Sized + Sync {
     type Arguments: Args + FromArgMatches;
     /// The record of a run: a line of the journal.
     type Record: Serialize + DeserializeOwned + Send;
-    /// Data of a run for pictures, in memory alone. Merged parts have none.
+    /// Data of a run for pictures, in memory alone. Merged parts do not have such data.
     type Seen: Send;
 
     /// Name of the command.
     const NAME: &'static str;
-    /// When a result can be made of some of the runs.
+    /// Condition for a result of some of the runs.
     const NEEDS: Needs = Needs::Part;
     /// There may be too many records for memory: a journal is kept in any case.
     const KEEPS_JOURNAL: bool = false;
@@ -148,7 +148,7 @@ pub trait Study: Sized + Sync {
     /// Mistakes in its scenario.
     ///
     /// # Panics
-    /// In a study that has a [`Study::drive`] of its own, unless it makes jobs too.
+    /// This holds in a study that has a [`Study::drive`] of its own, unless it makes jobs too.
     fn job(&self, run: usize) -> Result<Job, Error> {
         unreachable!("run {run} of {} is not one job", Self::NAME)
     }
@@ -211,7 +211,7 @@ pub trait Study: Sized + Sync {
         let _ = (run, record);
     }
 
-    /// The keys that the study varies, with their values in a run: columns of the table of drives, and of the
+    /// Keys that the study varies, with their values in a run. They are columns of the table of drives, and of the
     /// trajectories that `--keep` keeps. All runs have the same keys. It is asked for a run that is under way.
     fn keys(&self, run: usize) -> Vec<(String, String)> {
         let _ = run;

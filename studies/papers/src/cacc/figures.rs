@@ -126,7 +126,7 @@ impl Figure {
         row.with_source(self.source)
     }
 
-    /// Whether the figure belongs to Table 3.
+    /// True if the figure belongs to Table 3.
     #[must_use]
     pub fn is_of_table_3(&self) -> bool {
         self.id.starts_with("T3.")

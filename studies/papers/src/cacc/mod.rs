@@ -1,5 +1,5 @@
-//! CACC through signalised intersections (He et al. 2024): scenarios A, B, C and Table 3 under both
-//! controllers, in three sets.
+//! CACC through signalised intersections (He et al. 2024): scenarios A, B, C and Table 3. Both controllers drive them,
+//! in three sets.
 //!
 //! The paper prints no weights. One set takes weights that fit all scenarios at once, the second takes weights that
 //! are fitted to each scenario. Both keep the desired distance of A, B and C at its first value, 34.5 m. This departs
@@ -89,7 +89,7 @@ impl Set {
         }
     }
 
-    /// Whether the set has the figure: Table 3 has equation 1 in the other sets.
+    /// True if the set has the figure: Table 3 has equation 1 in the other sets.
     fn has(self, figure: &Figure) -> bool {
         self != Self::Equation1 || !figure.is_of_table_3()
     }

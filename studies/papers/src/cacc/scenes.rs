@@ -4,8 +4,8 @@
 //! x+ = x + T v,  v+ = v + T a,  a+ = (1 - T/tau) a + (T/tau) u        ego and, with its own a, lead
 //! ```
 //!
-//! This is what the figures and the reference trajectories were made with; the process group runs
-//! the same scenarios through its own plant. In Table 3 the ego cannot reverse.
+//! The figures and the reference trajectories were made with this. The process group runs the same
+//! scenarios through its own plant. In Table 3 the ego cannot reverse.
 
 use super::trajectory::Trajectory;
 use controller::law::{
@@ -75,11 +75,11 @@ pub struct Scene {
     pub line_m: f64,
     /// Time of the light's switch, s.
     pub switch_s: f64,
-    /// Set speed, m/s; infinite where the paper has none.
+    /// Set speed, m/s; infinite where the paper gives no speed.
     pub set_speed_mps: f64,
     /// Control steps.
     pub steps: usize,
-    /// Whether the plant keeps the ego from reversing.
+    /// True if the plant keeps the ego from reversing.
     pub no_reverse: bool,
 }
 
@@ -154,7 +154,7 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// The recording as the figures want it.
+    /// The recording as the figures need it.
     #[must_use]
     pub fn trajectory(&self) -> Trajectory<'_> {
         Trajectory {

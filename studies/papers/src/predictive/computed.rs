@@ -55,8 +55,8 @@ impl Baseline {
         self.trip.corrected_l_per_100_km(self.energy_gpj)
     }
 
-    /// Fuel of the dynamic program over the full route, percent. On its grid of kinetic energies that is
-    /// the best plan; on the road another plan can be a little better, so it is no lower bound.
+    /// Fuel of the dynamic program over the full route, percent. On its grid of kinetic energies that is the best plan.
+    /// On the road another plan can be a little better, so it is not a lower bound.
     pub fn full_route_percent(&self) -> Option<f64> {
         self.change(PRICES, |price| {
             let (truck, nodes) = (&self.truck, FULL_ROUTE_NODES);
@@ -73,7 +73,7 @@ impl Baseline {
         })
     }
 
-    /// Mean fuel of human driver models with each of the two deviations of the aim, and with another one, m/s,
+    /// Mean fuel of human driver models with each of the two deviations of the aim, and with another deviation, m/s,
     /// percent.
     pub fn human_percent(&self, other_mps: f64) -> [Option<f64>; 3] {
         let [calm, restless] = HUMAN_SIGMAS_MPS;

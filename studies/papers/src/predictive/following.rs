@@ -16,7 +16,7 @@ use truck_model::{FUEL_DENSITY_GPL, Preset, Truck};
 
 /// End of the figure, m.
 const FIGURE_M: f64 = 3500.0;
-/// When the lead begins to brake in the scenario, s.
+/// Time when the lead begins to brake in the scenario, s.
 const LEAD_BRAKES_S: f64 = 96.0;
 /// Reason of the tolerance of what the paper shows in its figure.
 const PLOT: &str = "described in words and shown in a plot without a scale";

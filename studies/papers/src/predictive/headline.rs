@@ -18,8 +18,8 @@ const ABOUT: Tolerance = within(
 /// Saving over all roads, percent.
 const PRINTED_RANGE: Tolerance = within(1.0, "printed as the range 6 to 8 %");
 
-/// The rows of one truck and planner: `litres` at constant speed, then changes of fuel against it at equal trip
-/// time, percent.
+/// The rows of one truck and planner: `litres` at constant speed, then changes of fuel against it at equal trip time
+/// (percent).
 pub fn rows(
     set: &str,
     litres: Option<f64>,

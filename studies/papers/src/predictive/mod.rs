@@ -1,5 +1,5 @@
-//! Predictive adaptive cruise of a heavy truck (Li, Zheng, Wang, Wang): what it saves on sixty
-//! kilometres of hills, and how it follows.
+//! Predictive adaptive cruise of a heavy truck (Li, Zheng, Wang, Wang): its saving on sixty kilometres of hills, and
+//! its following.
 //!
 //! Savings count against a baseline that each row names, at equal trip time. The mean speed of the compared drive is
 //! changed until both need the same time within 0.1 %. Fuel is taken where the road ends and corrected for the kinetic

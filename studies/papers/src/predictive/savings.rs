@@ -210,8 +210,8 @@ fn conditions(name: &str, trip: Option<Trip>, baseline: Option<Trip>) -> Vec<Row
     ]
 }
 
-/// The full-route plan and the human driver models, computed on the same truck and road; and the fuel of the
-/// calmer driver against constant speed, percent.
+/// The full-route plan and the human driver models, computed on the same truck and road. The fuel of the calmer driver
+/// is against constant speed, percent.
 fn computed(
     runner: &Runner<'_>,
     expected: &Reconstructed,

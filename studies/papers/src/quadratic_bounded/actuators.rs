@@ -1,5 +1,5 @@
 //! Throttle opening and brake pressure behind a course of speed and acceleration. They come from the inverse
-//! longitudinal model that the paper puts between its law and CarSim's car (figures 3c, 4c, 5c).
+//! longitudinal model between the paper's law and CarSim's car (figures 3c, 4c, 5c).
 //!
 //! ```text
 //! m a = F_engine - F_brake - m g f - rho c_d A v²/2

@@ -1,7 +1,7 @@
 //! The indices and their bounds: one row an index and scenario.
 //!
-//! The paper quantifies safety by Dd and Dv, comfort by a and u, handiness by Du and efficiency by Dd'
-//! (section 2.2). Its bounds are lost; the reconstruction's bounds are compared.
+//! The paper quantifies safety by Dd and Dv, comfort by a and u, handiness by Du, and efficiency by
+//! Dd' (section 2.2). Its bounds are lost; the reconstruction's bounds are compared.
 
 use crate::row::{EXACT, Row, reconstruction};
 use crate::runner::Driven;

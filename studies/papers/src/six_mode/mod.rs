@@ -1,4 +1,4 @@
-//! Six-mode switching ACC (Wang et al. 2014): the published drive under the literal and the robust law, and the numbers
+//! Six-mode switching ACC (Wang et al. 2014). The published drive under the literal and the robust law, and the numbers
 //! beside the equations.
 //!
 //! The source's third car keeps 36 km/h, and the source's drive ends at standstill: both cannot be. So each law drives
@@ -62,7 +62,7 @@ impl Set {
         runner.drive("six-mode", &keys)
     }
 
-    /// Whether the paper's figures are drawn: for the paper as printed and for the law that users drive.
+    /// True if the paper's figures are drawn: for the paper as printed and for the law that users drive.
     fn is_drawn(self) -> bool {
         matches!((self.law, self.stops), (Drives::Literal, false) | (Drives::Robust, true))
     }
@@ -91,7 +91,7 @@ impl Set {
         }
     }
 
-    /// Why the switch `index` is outside its tolerance, where it is.
+    /// Reason why the switch `index` is outside its tolerance, where it is.
     const fn cause(self, index: usize) -> &'static str {
         match (index, self.law, self.stops) {
             (0 | 1, ..) => {

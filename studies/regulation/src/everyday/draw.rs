@@ -33,7 +33,7 @@ pub(super) fn cut_in(draws: &mut Draws) -> Scene {
     scene
 }
 
-/// A vehicle that comes in with 0.5 to 1.5 s of time gap, 2 to 10 m/s slower, and then brakes.
+/// A vehicle that comes in with 0.5 to 1.5 s of time gap, 2 to 10 m/s slower. It then brakes.
 pub(super) fn cut_in_that_brakes(draws: &mut Draws) -> Scene {
     let speed_mps = draws.between(14.0, 33.0);
     let other_mps = speed_mps - draws.between(2.0, 10.0);
@@ -231,7 +231,7 @@ pub(super) fn cut_out(draws: &mut Draws) -> Scene {
     scene
 }
 
-/// A car 3 to 8 m/s slower or a lead that brakes gently, seen by a radar that misses 30 to 90 % of what it should see.
+/// A car 3 to 8 m/s slower, or a lead that brakes gently. The radar misses 30 to 90 % of what it should see.
 pub(super) fn half_blind(draws: &mut Draws) -> Scene {
     let speed_mps = draws.between(14.0, 30.0);
     let dropout = draws.between(0.3, 0.9);
@@ -292,7 +292,7 @@ pub(super) fn clock_ahead(draws: &mut Draws) -> Scene {
     scene
 }
 
-/// A vehicle in the next lane that brakes 0 to 40 m ahead of an ego which then passes it, or farther ahead.
+/// A vehicle in the next lane that brakes. It is 0 to 40 m ahead of an ego which then passes it, or farther ahead.
 pub(super) fn brakes_beside(draws: &mut Draws) -> Scene {
     let speed_mps = draws.between(10.0, 34.0);
     let other_mps = speed_mps * draws.between(0.7, 1.3);

@@ -1,5 +1,5 @@
-//! Random scenes of everyday driving, each driven by a law with or without the emergency brake, and judged by an oracle
-//! that knows the motion of all vehicles.
+//! Random scenes of everyday driving. A law drives each one, with or without the emergency brake. An oracle that has
+//! the motion of all vehicles judges it.
 //!
 //! | kind | scene |
 //! |---|---|
@@ -110,8 +110,8 @@ pub struct Verdict {
     pub collided: bool,
     /// The same by the run's referee.
     pub referee_collided: bool,
-    /// Brakes that take over 0.35 s after the need would have avoided it ([`oracle`]): those of the emergency brake if it
-    /// is on, else those of the law.
+    /// Brakes that take over 0.35 s after the need would have avoided it ([`oracle`]). They are those of the emergency
+    /// brake if it is on, else those of the law.
     pub avoidable: bool,
     /// Times at which the emergency brake began to brake, s.
     pub interventions_s: Vec<f64>,
@@ -281,8 +281,8 @@ mod tests {
         assert!(scenes.len() <= 3, "{scenes:?}");
     }
 
-    /// Pairs abreast that the radar does not tell apart far off, with time to find that out: each was a target
-    /// between the two before.
+    /// Pairs abreast that the radar does not resolve far off, with time to find that out. Each was a target between the
+    /// two before.
     #[test]
     fn two_vehicles_abreast_are_not_one_between_them() {
         let mut scene = Scene::new(25.0, 25.0, 9.0);

@@ -1,8 +1,8 @@
 //! The judge of a drive: rectangles, and brakes that could have been.
 //!
-//! The oracle knows the motion of all vehicles ([`super::scene`]) and of the ego, and nothing of radar, laws and
-//! emergency brake. It moves bodies by code of its own: a fault of the plant's contact or of its required deceleration
-//! would else judge itself. The driver's numbers alone are shared ([`group::ReferenceDriver`]).
+//! The oracle uses the motion of all vehicles ([`super::scene`]) and of the ego. It uses nothing of radar, laws and
+//! emergency brake. It moves bodies by code of its own. Otherwise a fault of the plant's contact or of its required
+//! deceleration would judge itself. The driver's numbers alone are shared ([`group::ReferenceDriver`]).
 //!
 //! | question | answer |
 //! |---|---|
@@ -137,7 +137,7 @@ impl<'a> Oracle<'a> {
         false
     }
 
-    /// [`NEED_MPS2`] from now on does not avoid a vehicle that is in the path now and goes on as it does.
+    /// [`NEED_MPS2`] from now on does not avoid a vehicle that is in the path now and keeps its motion.
     fn is_needed(&self, ego: &Ego) -> bool {
         self.actors.iter().any(|actor| {
             let place = actor.at(ego.time_s);

@@ -13,8 +13,8 @@
 //! | IV | 125 m | 2.3 m/s² | 17.0 m/s |
 //!
 //! The standard allows a radius of 80 to 100 % of the class's and a speed within 1 m/s. The target drives 1 m/s slower
-//! than √(a R) here, so that the cap of the curve speed is above it. The neighbour in the outer lane keeps its speed: an
-//! ego that follows it does not slow down.
+//! than √(a R) here, so the cap of the curve speed is above it. The neighbour in the outer lane keeps its speed: an ego
+//! that follows it does not slow down.
 
 use super::limits::{
     BEGINS_TO_SLOW_MPS2, CURVE_LATERAL_MARGIN_MPS2, DESIGN_LATERAL_MPS2, LEAST_SHARE_OF_TIME_GAP,

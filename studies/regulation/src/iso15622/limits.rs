@@ -31,8 +31,8 @@ pub const DESIGN_LATERAL_MPS2: [f64; 3] = [2.0, 2.3, 2.3];
 /// Allowed excess of the ego's lateral acceleration, m/s². Since 2026-11-26. Chosen: 1 m/s more, and the driver's
 /// steering.
 pub const CURVE_LATERAL_MARGIN_MPS2: f64 = 0.3;
-/// Least time gap at which the ego must have begun to slow down, as a share of the one that it kept. Since 2026-11-26;
-/// ISO 15622:2010, as secondary sources give it.
+/// Least time gap at which the ego must have begun to slow down, as a share of the one it kept. Since 2026-11-26; ISO
+/// 15622:2010, as secondary sources give it.
 pub const LEAST_SHARE_OF_TIME_GAP: f64 = 2.0 / 3.0;
 /// Time for which the ego follows in the curve before the target slows down, s. Since 2026-11-26; the same source.
 pub const STEADY_S: f64 = 10.0;
@@ -79,8 +79,8 @@ impl Limit {
         self.slow + share * (self.fast - self.slow)
     }
 
-    /// The window whose mean change of `quantity` per second comes nearest to its limit, or is farthest
-    /// beyond it; `None` of a drive shorter than a window.
+    /// The window whose mean change of `quantity` per second comes nearest to its limit, or is farthest beyond it.
+    /// `None` for a drive shorter than a window.
     pub fn worst(self, steps: &[DriveStep], quantity: impl Fn(&DriveStep) -> f64) -> Option<Worst> {
         let mut ends = steps.iter();
         let mut worst: Option<Worst> = None;

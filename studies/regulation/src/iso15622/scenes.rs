@@ -5,9 +5,9 @@ use controller::laws;
 use group::{Error, LawOptions};
 use scenario::{Overrides, Scenario};
 
-/// When the lead of [`Test::StopAndGo`] brakes, s.
+/// Time when the lead of [`Test::StopAndGo`] brakes, s.
 pub const BRAKES_AT_S: f64 = 25.0;
-/// When it moves off again, s.
+/// Time when it moves off again, s.
 pub const MOVES_OFF_AT_S: f64 = 50.0;
 /// Speed of the two vehicles beside each other in [`Test::Discrimination`], m/s.
 pub const SIDE_BY_SIDE_MPS: f64 = 24.0;

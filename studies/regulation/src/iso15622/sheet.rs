@@ -23,7 +23,7 @@ pub struct Row {
     pub least: Option<f64>,
     /// Largest value allowed.
     pub most: Option<f64>,
-    /// Whether the value is inside its limits.
+    /// True if the value is inside its limits.
     pub ok: bool,
 }
 

@@ -1,8 +1,8 @@
 //! `careful-driver`: the competent and careful human driver of UN R157, annex 4, appendix 3.
 //!
 //! The driver recognises a cut-in when the other's side reaches the ego's (`s <= 0`). The driver perceives the risk if
-//! the time to collision is then at most 2 s; otherwise no reaction is needed. The pedal is released for 0.75 s
-//! (0.4 m/s²). Then the deceleration grows by 12.65 m/s³ to 0.774 g.
+//! the time to collision is then at most 2 s. Otherwise he need not react. The pedal is released for 0.75 s (0.4 m/s²).
+//! Then the deceleration grows by 12.65 m/s³ to 0.774 g.
 
 use super::braking::Braking;
 use super::{Situation, View};
@@ -24,7 +24,7 @@ pub(super) fn following_distance_m(speed_mps: f64) -> f64 {
     TIME_GAP_S * speed_mps
 }
 
-/// Whether the driver has recognised the risk.
+/// True if the driver has recognised the risk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Recognition {
     /// The other has not reached the ego's path.

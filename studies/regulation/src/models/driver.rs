@@ -49,7 +49,7 @@ impl Driver {
         next_mps
     }
 
-    /// Whether the model has found that no reaction is needed: the case then counts as no collision.
+    /// True if the model has found that no reaction is needed: the case then counts as no collision.
     pub fn needs_no_reaction(&self) -> bool {
         self.model == Model::CarefulDriver && self.recognition.needs_no_reaction()
     }

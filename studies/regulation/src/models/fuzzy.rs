@@ -5,8 +5,8 @@
 //! time `t`, comfortable and hard braking (4 and 6 m/s²) and the other's braking (7 m/s²):
 //!
 //! * proactive `P`, on `d - 2 m`: `v t + v²/(2·4) - v_o²/(2·7) + 2 m`, unsafe with 6 in place of 4;
-//! * critical `C`, while the ego is faster: with `a' = max(a, -4)` and `v' = v + a' t`,
-//!   `(v + a' t/2 - v_o) t + (v' - v_o)²/(2·4)`, unsafe with 6; if `v' < v_o` it is 1 when
+//! * critical `C`, while the ego is faster: with `a' = max(a, -4)` and `v' = v + a' t` it is
+//!   `(v + a' t/2 - v_o) t + (v' - v_o)²/(2·4)`, unsafe with 6. If `v' < v_o` it is 1 when
 //!   `d < (v - v_o)²/|2a|`, else 0.
 //!
 //! Deceleration: `C·(6 - 4) + 4` if `C > 0`, else `4·P`. A vehicle beside the lane counts only if it
@@ -46,7 +46,7 @@ pub(super) fn following_distance_m(speed_mps: f64) -> f64 {
     proactive_distance_m(speed_mps, speed_mps, COMFORTABLE_MPS2)
 }
 
-/// Whether the other is in the lane, or will be before the ego has passed.
+/// True if the other is in the lane, or will be before the ego has passed.
 fn crosses_the_path(speed_mps: f64, view: &View) -> bool {
     let closing_mps = speed_mps - view.other_speed_mps;
     view.clearance_m <= 0.0

@@ -39,7 +39,7 @@ impl Model {
         }
     }
 
-    /// The distance that the model keeps at `speed_mps` behind a vehicle of the same speed \[m\];
+    /// Distance that the model keeps at `speed_mps` behind a vehicle of the same speed \[m\].
     /// `None` for `regulation`, which describes cut-ins alone.
     pub fn following_distance_m(self, speed_mps: f64) -> Option<f64> {
         match self {
@@ -84,7 +84,8 @@ impl FromStr for Model {
 /// A model's view of another vehicle at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// From the ego's front bumper to the other's rear bumper \[m\], negative once they overlap.
+    /// Distance from the ego's front bumper to the other's rear bumper \[m\], negative once they
+    /// overlap.
     pub gap_m: f64,
     /// Speed of the other \[m/s\].
     pub other_speed_mps: f64,

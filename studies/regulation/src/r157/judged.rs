@@ -29,7 +29,7 @@ pub struct Driven {
     pub verdicts: Vec<Verdict>,
     /// Verdicts of `careful-driver` from the law's gap; `None` without cut-outs.
     pub from_its_gap: Option<Vec<Verdict>>,
-    /// Whether it broke a requirement, case by case; `None` without requirements.
+    /// True if it broke a requirement, case by case; `None` without requirements.
     pub broken: Option<Vec<bool>>,
 }
 

@@ -8,7 +8,7 @@
 //! | 2026-11-25 | collisions in the cut-outs that `careful-driver` masters from the law's gap | 0.5 % | chosen; UN R157, 5.2.5.2, allows none |
 //!
 //! A law with the emergency brake has to hold its limits. A law alone is measured against the same limits, and the
-//! result names it; it does not decide the exit status.
+//! result names it. It does not decide the exit status.
 
 use super::matrix::Matrix;
 
@@ -66,7 +66,7 @@ impl Limit {
     }
 }
 
-/// Whether a law collides in few enough of the cases that a model masters.
+/// True if a law collides in few enough of the cases that a model masters.
 pub fn are_few(avoidable: u32, mastered: u32) -> bool {
     f64::from(avoidable) <= AVOIDABLE_SHARE * f64::from(mastered)
 }

@@ -53,7 +53,7 @@ pub fn of(judged: &Judged) -> Vec<(String, String)> {
         .collect()
 }
 
-/// Whether a picture of the panel has a cell or a line in it.
+/// True if a picture of the panel has a cell or a line in it.
 fn shows_something(panel: &Panel) -> bool {
     !panel.collisions.is_empty() || panel.edges.iter().any(|(_, pieces)| !pieces.is_empty())
 }

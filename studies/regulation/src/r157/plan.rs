@@ -29,7 +29,7 @@ use frame::batch::{self, Done, Repetition};
 struct Laws {
     /// Their names; the first is driven.
     names: Vec<String>,
-    /// Whether there are detections for an emergency brake.
+    /// True if there are detections for an emergency brake.
     with_brake: bool,
 }
 

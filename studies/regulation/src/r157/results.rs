@@ -13,7 +13,7 @@ use super::limits::{COLLISIONS_OF_REGULATION, Limit, are_few};
 pub struct Results {
     /// Version of this form.
     pub schema_version: u32,
-    /// Whether every law with the emergency brake holds its limits.
+    /// True if every law with the emergency brake holds its limits.
     pub ok: bool,
     /// The matrices.
     pub matrices: Vec<MatrixResult>,
@@ -117,7 +117,7 @@ fn share(count: u32, all: u32) -> String {
 }
 
 impl MatrixResult {
-    /// Whether every law holds its limits, over the whole and in each part.
+    /// True if every law holds its limits, over the whole and in each part.
     pub fn holds(&self) -> bool {
         let mut all = self.parts.values().chain([&self.all]);
         all.all(|figures| figures.laws.iter().all(|law| figures.holds(law)))
@@ -130,8 +130,8 @@ impl MatrixResult {
 }
 
 impl Figures {
-    /// The criterion of these cases with the laws beyond it, with and without the emergency brake; `None` where
-    /// no limit stands.
+    /// The criterion of these cases, and the laws beyond it, with and without the emergency brake. `None` where no
+    /// limit stands.
     pub fn criterion(&self) -> Option<String> {
         let words: Vec<_> = self.limits.iter().map(|limit| limit.criterion()).collect();
         if words.is_empty() || self.laws.is_empty() {
@@ -164,17 +164,17 @@ impl Figures {
         }
     }
 
-    /// Whether `law` holds all that it has to: a law alone has no limit.
+    /// True if `law` holds all that it has to: a law alone has no limit.
     pub fn holds(&self, law: &LawResult) -> bool {
         !law.aebs || self.is_within(law)
     }
 
-    /// Whether `law` is within all limits, alone too.
+    /// True if `law` is within all limits, alone too.
     pub fn is_within(&self, law: &LawResult) -> bool {
         self.limits.iter().all(|limit| self.holds_limit(law, *limit) != Some(false))
     }
 
-    /// Whether `law` is within `limit`; `None` where that does not apply to these cases.
+    /// True if `law` is within `limit`; `None` where that does not apply to these cases.
     pub fn holds_limit(&self, law: &LawResult, limit: Limit) -> Option<bool> {
         if !self.limits.contains(&limit) {
             return None;

@@ -1,6 +1,6 @@
 //! A case as a scenario for a control law.
 //!
-//! The ego drives at the case's speed, which is also the set speed; behind a lead it begins at the gap that its law
+//! The ego drives at the case's speed, which is also the set speed. Behind a lead it begins at the gap that its law
 //! keeps there ([`super::settled`]). The run ends when no contact can follow any more.
 
 use std::fmt::Write;
@@ -16,8 +16,8 @@ use super::settled::Settled;
 
 /// Time before a cut-in: the ego drives alone, and sees the other.
 const CRUISE_S: f64 = 3.0;
-/// Time before a lead brakes or leaves. Law and emergency brake need it to settle; the tracker knows the lead from the
-/// start. It is long enough: after 25 s gap, speed and acceleration differ by at most 0.05 m, 0.11 m/s and 0.03 m/s².
+/// Time before a lead brakes or leaves. Law and emergency brake need it to settle; the tracker has the lead from the
+/// start. It is long enough. After 25 s gap, speed and acceleration differ by at most 0.05 m, 0.11 m/s and 0.03 m/s².
 pub const RUN_IN_S: f64 = 2.0;
 /// Time after which the ego stands or has matched the speed, from the last point at which something
 /// can happen.
@@ -165,7 +165,8 @@ mod tests {
 
     #[test]
     fn a_lead_that_hits_the_standing_vehicle_stands_at_it_and_another_drives_on() {
-        // 2.18 s to the standing vehicle, 2.11 s to be clear of it; the other is not, and touches it after 1.26 s.
+        // 2.18 s to the standing vehicle, 2.11 s to be clear of it. The other is not clear, and touches it after 1.26
+        // s.
         for (standing_distance_m, stands) in [(67, false), (39, true)] {
             let case = cut_out::Case { speed_kmh: 110, standing_distance_m, lateral_tenths_mps: 9 };
             let scenario = scenario(&Case::CutOut(case), &driver("acc-mpc"), &Settled::new(1));

@@ -1,7 +1,7 @@
 //! The gap that a law keeps behind a lead of its own speed. Cases with a lead begin there.
 //!
-//! The ego's set speed is the lead's speed, so that a law has no reason to close up from a larger gap. The gap is found
-//! by one drive for each law and speed. Every case then begins there, at the lead's speed and without acceleration.
+//! The ego's set speed is the lead's speed. So a law has no reason to close up from a larger gap. The gap is found by
+//! one drive for each law and speed. Every case then begins there, at the lead's speed and without acceleration.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard, PoisonError};

@@ -46,7 +46,7 @@ pub fn candidates(
         match candidate.problem.scenario(&candidate.severe(&[0.5]), 1) {
             Ok(scenario) if has_targets(&scenario) => found.push(candidate),
             Ok(_) => {}
-            // The scenario does not allow a fault of this kind, such as a figure of a topic that is not sent.
+            // The scenario does not allow a fault of this kind. One example is a figure of a topic that is not sent.
             Err(error) if is_refusal(&error) => {}
             Err(error) => return Err(error),
         }
@@ -60,8 +60,8 @@ fn has_targets(scenario: &Scenario) -> bool {
 }
 
 impl Candidate {
-    /// The values of a point of the unit cube: begin as it comes, duration and size from the upper half of their
-    /// ranges. Smaller faults hardly break anything if these break nothing.
+    /// The values of a point of the unit cube. The begin is as drawn; duration and size come from the upper half of
+    /// their ranges. Smaller faults hardly break anything if these break nothing.
     #[must_use]
     pub fn severe(&self, point: &[f64]) -> Vec<Value> {
         let place = |(k, variable): (usize, &Variable)| {

@@ -6,7 +6,7 @@
 //! | `kill` of each service | - | - |
 //! | `restart-storm` of each service | number of kills in a row | 2, 20 |
 //!
-//! The services come in the order of their weight for the drive, so that a small budget tries the controller first.
+//! The services come in the order of their weight for the drive. So a small budget tries the controller first.
 
 use messages::Service;
 

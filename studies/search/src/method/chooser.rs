@@ -11,10 +11,10 @@ use super::{MethodName, seed_of};
 
 /// Runs that are chosen at once by a Gaussian process; two such halves are under way.
 const HALF: usize = 5;
-/// Runs of a search before the process chooses, for each of its parameters: a length for each variable, signal and
-/// noise. The prior on the lengths holds while the data say little, and every fourth point stays an even one. So few
-/// points are enough: Bossek, Doerr, Kerschke, Initial Design Strategies and their Effects on Sequential Model-Based
-/// Optimization, GECCO 2020, found small starts best.
+/// Runs of a search before the process chooses, for each of its parameters. These are a length for each variable,
+/// signal and noise. The prior on the lengths holds while the data say little, and every fourth point stays an even
+/// one. So few points are enough. Small starts were best in Bossek, Doerr, Kerschke, Initial Design Strategies and
+/// their Effects on Sequential Model-Based Optimization, GECCO 2020.
 const START: usize = 2;
 /// Most runs between two fits: what the process takes on meanwhile makes it slower.
 const MOST_BETWEEN_FITS: usize = 100;
@@ -66,7 +66,7 @@ struct Replica {
     told: BTreeMap<usize, Evaluation>,
     chosen: BTreeMap<usize, Proposal>,
     start: usize,
-    /// Data of the told runs as far as they follow each other from 0.
+    /// Data of the reported runs as far as they follow each other from 0.
     data: Vec<Datum>,
     /// Points that were refused before these runs, and how many before the end of each.
     refused: Vec<Vec<f64>>,
@@ -191,8 +191,8 @@ impl Replica {
         Ok(())
     }
 
-    /// Number of runs that the hyperparameters are fitted to when `known` are known: each time a quarter more, and not
-    /// more than 100.
+    /// Number of runs to which the hyperparameters are fitted when `known` are known. Each time it is a quarter more,
+    /// up to 100.
     fn fitted_at(&self, known: usize) -> usize {
         let mut at = self.start - HALF;
         loop {

@@ -45,7 +45,7 @@ pub(super) struct Datum {
     pub value: f64,
 }
 
-/// Data of one search, in the order of its runs, as far as a choice may know them.
+/// Data of one search, in the order of its runs, as far as a choice may use them.
 #[derive(Clone, Debug)]
 pub(super) struct Model {
     kinds: Vec<Kind>,
@@ -153,7 +153,7 @@ impl Model {
     }
 }
 
-/// Places of the data that tell the most: of more than `most` the lowest half, and others evenly.
+/// Places of the data with the most information: of more than `most` the lowest half, and others evenly.
 fn telling(data: &[Datum], most: usize) -> Vec<usize> {
     let mut order: Vec<usize> = (0..data.len()).collect();
     if data.len() > most {
@@ -288,7 +288,7 @@ impl Choice<'_> {
                 break;
             }
         }
-        // The model knows too little of where the reference fails: an even point, with what was learnt.
+        // The model has too few points where the reference fails: an even point, with what was learnt.
         let random = &mut self.random;
         let count = self.kinds.len();
         let points =

@@ -10,10 +10,10 @@ use super::{Sobol, seed_of};
 
 /// Points in a row that are tried for an admissible one.
 pub const MOST_TRIES: usize = 10_000;
-/// Refused points that a proposal names: they tell a Gaussian process where the reference fails.
+/// Refused points that a proposal names: they show a Gaussian process where the reference fails.
 const MOST_REFUSED: usize = 2;
 
-/// Whether a point is worth a run.
+/// True if a point is worth a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Admission {
     /// Value of the point by the reference alone; above 0: it is not admissible.

@@ -5,9 +5,9 @@
 //! x_k = v_1 g_1 ⊕ v_2 g_2 ⊕ …   with the Gray code g of k
 //! ```
 //!
-//! A digital shift by the seed makes independent repetitions. Source: Sobol (1967); Bratley and Fox, Algorithm 659
-//! (1988); the first 21 dimensions of the direction numbers of Joe and Kuo, Constructing Sobol sequences with better
-//! two-dimensional projections (2008), file `new-joe-kuo-6.21201`.
+//! A digital shift by the seed makes independent repetitions. Sources: Sobol (1967); Bratley and Fox, Algorithm 659
+//! (1988). The direction numbers of the first 21 dimensions are of Joe and Kuo, Constructing Sobol sequences with
+//! better two-dimensional projections (2008), file `new-joe-kuo-6.21201`.
 
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;

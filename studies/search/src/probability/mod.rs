@@ -6,8 +6,8 @@
 //! unit m + 1 …     5 rows of Sobol's indices each                        beside the budget, if asked for
 //! ```
 //!
-//! A unit is what the frame calls a run: it is driven in one thread and kept in one line of the journal. A point that
-//! the reference driver does not avoid is not a failure and costs no drive. Every drive has a seed of its own, so that
+//! A unit is a run of the frame. It is driven in one thread and kept in one line of the journal. A point that the
+//! reference driver does not avoid is not a failure and costs no drive. Every drive has a seed of its own, so that
 //! noise is a part of the probability.
 
 mod model;

@@ -26,7 +26,7 @@ pub struct Model {
     pub(super) is_correlated: bool,
 }
 
-/// Why there is no joint distribution.
+/// Reason why there is no joint distribution.
 #[derive(Debug, Error)]
 pub enum ModelError {
     /// The file has no `[probability]`.

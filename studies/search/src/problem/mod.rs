@@ -59,7 +59,7 @@ pub struct Problem {
     stated: Option<(Stated, PathBuf)>,
 }
 
-/// Why there is no problem.
+/// Reason why there is no problem.
 #[derive(Debug, Error)]
 pub enum ProblemError {
     /// Nothing is varied.
@@ -96,7 +96,7 @@ pub enum ProblemError {
     },
 }
 
-/// Why an argument of `--vary` names no variable.
+/// Reason why an argument of `--vary` names no variable.
 #[derive(Debug, Error)]
 pub enum VaryError {
     /// Values without a key.
@@ -253,7 +253,7 @@ impl Problem {
         self.variables.iter().map(key).collect()
     }
 
-    /// Text that tells this problem from others.
+    /// Text that distinguishes this problem from others.
     #[must_use]
     pub fn subject(&self) -> String {
         format!(

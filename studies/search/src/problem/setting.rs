@@ -56,7 +56,7 @@ pub(crate) struct FaultChoice {
 }
 
 impl Term {
-    /// TOML text of the value; none if a formula has no finite value. A formula that reads a word has none.
+    /// TOML text of the value; none if a formula has no finite value. A formula that reads a word cannot have one.
     pub(crate) fn text(&self, values: &[Value], is_whole: bool) -> Option<String> {
         let number = |number: f64| {
             let number = if is_whole { number.round() } else { rounded(number, 9) };

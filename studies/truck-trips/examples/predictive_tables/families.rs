@@ -25,8 +25,8 @@ pub struct Family {
 enum Layer {
     /// Tangents of constant grade, joined by vertical curves.
     Tangents { sigma: f64, steepest: f64, tangent_m: [f64; 2], curve_m: f64 },
-    /// Waves of many lengths with random phases; the amplitude of a wave's grade goes with this power of its
-    /// length, and there are as many waves in each octave.
+    /// Waves of many lengths with random phases. The amplitude of a wave's grade goes with this power of its length,
+    /// and each octave has as many waves.
     Waves { sigma: f64, length_m: [f64; 2], power: f64 },
     /// Up, level, down, level.
     Ramps { grade: [f64; 2], ramp_m: [f64; 2], level_m: [f64; 2], curve_m: f64 },

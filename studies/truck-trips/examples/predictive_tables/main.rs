@@ -1,7 +1,7 @@
 //! The tables of the predictive truck, without processes:
-//! `cargo run --release -p truck-trips --example predictive_tables`, with `-- families` the table of road
-//! families alone, with `-- held-back` the same on other roads; `-- export FOLDER` writes these roads as CSV
-//! files, which scenarios can drive, too; `-- road FILE` drives one of such a file.
+//! `cargo run --release -p truck-trips --example predictive_tables`. `-- families` prints the table of road families
+//! alone, and `-- held-back` the same on other roads. `-- export FOLDER` writes these roads as CSV files, which
+//! scenarios can drive, too. `-- road FILE` drives one of such a file.
 //!
 //! Fuel is against constant speed at equal trip time, with the kinetic energy at the end corrected.
 
@@ -195,8 +195,8 @@ fn families(preset: Preset, seeds: RangeInclusive<u64>) {
     }
 }
 
-/// Extra losses of brakes, air and driveline against constant speed, in percent of the baseline's fuel at the price of
-/// energy.
+/// Extra losses of brakes, air and driveline against constant speed. They are in percent of the baseline's fuel, at the
+/// price of energy.
 fn losses(comparison: &Comparison, trip: &Trip) -> [f64; 3] {
     let baseline = comparison.baseline();
     let of = |trip: &Trip| {

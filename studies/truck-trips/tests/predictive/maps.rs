@@ -1,5 +1,5 @@
-//! A map that ends, that is late, that describes another road, that is not a map: plain cruise, never an
-//! invented slope.
+//! The map ends, is late, describes another road, or is not a map. The law drives plain cruise, and never invents a
+//! slope.
 
 use crate::roads::{SET_MPS, generated};
 use controller::law::{
@@ -16,7 +16,7 @@ fn truck() -> Truck {
     Truck::preset(Preset::Jh6At49T)
 }
 
-/// At 20 m/s since the start, on a flat road, with this map.
+/// State at 20 m/s since the start, on a flat road, with this map.
 fn input(step: u32, preview: Option<Preview>) -> Input {
     let time_s = 0.1 * f64::from(step);
     Input {
@@ -93,7 +93,7 @@ fn a_map_that_ends_is_used_to_its_end_and_no_further() {
 #[test]
 fn a_map_of_another_road_is_not_believed() {
     let mut law = Loop::new();
-    // The vehicle feels no slope; the map swears by two percent.
+    // The vehicle feels no slope; the map has two percent.
     let mut modes = Vec::new();
     for step in 0..300 {
         let mut map = flat(60, 0.02);

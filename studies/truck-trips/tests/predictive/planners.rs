@@ -77,7 +77,7 @@ fn the_dynamic_program_keeps_a_lower_gear_for_a_hill() {
     assert!(gears.iter().any(|gear| gear.is_some_and(|gear| gear < 5)), "{gears:?}");
 }
 
-/// The map ends in a descent, at the horizon of 2 km: it is planned as if the descent went on.
+/// The map ends in a descent, at the horizon of 2 km. The plan assumes that the descent continues.
 #[test]
 fn a_descent_at_the_end_of_the_map_goes_on() {
     let truck = Truck::preset(Preset::Jh6At49T);

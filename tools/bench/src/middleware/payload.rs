@@ -1,7 +1,7 @@
 //! Payloads of any size, sent as a topic's large messages are.
 //!
-//! They take the same steps through the same node, iceoryx2 variant and wake-up: loaned, sent where they are, borrowed
-//! by the reader. They are bare, or written, protected and checked in place.
+//! They take the same steps through the same node, iceoryx2 variant and wake-up. Payloads are loaned, sent where they
+//! are, and borrowed by the reader. They are bare, or written, protected and checked in place.
 
 use super::{MiddlewareError, iceoryx2_failed as failed};
 use iceoryx2::port::{publisher::Publisher, subscriber::Subscriber};
@@ -15,7 +15,7 @@ use std::time::Duration;
 /// Topic whose wake-up word the payloads use.
 const PAYLOAD_TOPIC: Topic = Topic::RadarTracks;
 
-/// When a payload was sent, `CLOCK_MONOTONIC` ns.
+/// Time when a payload was sent, `CLOCK_MONOTONIC` ns.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, ZeroCopySend)]
 #[type_name("timegap_msgs/msg/Stamp")]
@@ -81,8 +81,8 @@ impl PayloadSender {
         let sample = self.port.loan_slice_uninit(self.bytes);
         let mut sample = sample.map_err(failed("loan a payload"))?;
         sample.user_header_mut().sent_ns = sent_ns;
-        // SAFETY: the payload is a part of a file in memory, mapped by this process: it holds zeros or an
-        // earlier payload.
+        // SAFETY: the payload is a part of a file in memory, mapped by this process. It holds zeros or an earlier
+        // payload.
         let mut sample = unsafe { sample.assume_init() };
         self.sent = self.sent.wrapping_add(1);
         if self.contents == Contents::Protected {
@@ -113,8 +113,8 @@ impl PayloadReceiver {
         Ok(Self { port, waiter: guest.waiter(PAYLOAD_TOPIC), contents })
     }
 
-    /// Waits for payloads, at most for `timeout`; hands the stamp of each one to `each`, after its check
-    /// if it is protected.
+    /// Waits for payloads, at most for `timeout`. Hands the stamp of each one to `each`, after its check if it is
+    /// protected.
     pub fn next(
         &self,
         timeout: Duration,

@@ -1,5 +1,5 @@
-//! The same message over zenoh: written into its shared memory, announced over a unix socket between two peers
-//! that know each other's address.
+//! The same message over zenoh. It is written into zenoh's shared memory, and announced over a unix socket between two
+//! peers that have each other's address.
 
 use super::{MiddlewareError, Receiving, Sending, failed, patiently};
 use messages::RadarTracks;

@@ -7,10 +7,10 @@
 //! memory, affect the arms unequally and are part of the spread:
 //!
 //! * medians: the mean of the sessions' mean log ratios, with Student's t over the sessions;
-//! * 99th percentiles: the pooled ones, with a bootstrap over sessions and their pairs (samples of one block
-//!   are not independent, blocks nearly are);
-//! * rare events: given their sum, the events of one arm are binomial, which gives an exact interval
-//!   for the ratio of two Poisson rates (Clopper and Pearson 1934; Przyborowski and Wilenski 1940).
+//! * 99th percentiles: the pooled ones, with a bootstrap over sessions and their pairs. Samples of one block are not
+//!   independent, blocks nearly are;
+//! * rare events: given their sum, the events of one arm are binomial. This gives an exact interval for the ratio of
+//!   two Poisson rates (Clopper and Pearson 1934; Przyborowski and Wilenski 1940).
 
 mod special;
 
@@ -85,7 +85,7 @@ fn geometric_mean(values: &[f64]) -> Option<f64> {
     positive.then(|| libm::exp(logs.sum::<f64>() / values.len() as f64))
 }
 
-/// The ratio of paired figures, from their log ratios; `None` below two pairs, or if a figure is not above 0.
+/// The ratio of paired figures, from their log ratios. `None` below two pairs, or if a figure is not above 0.
 pub fn paired(pairs: &[(f64, f64)]) -> Option<Estimate> {
     if pairs.len() < 2 || pairs.iter().any(|pair| !(pair.0 > 0.0 && pair.1 > 0.0)) {
         return None;
@@ -106,8 +106,8 @@ pub fn paired(pairs: &[(f64, f64)]) -> Option<Estimate> {
     })
 }
 
-/// The ratio of the 99th percentiles in µs, with a bootstrap over sessions and pairs; `None` below
-/// [`ENOUGH_FOR_P99`] samples in an arm.
+/// The ratio of the 99th percentiles in µs, with a bootstrap over sessions and pairs. `None` below [`ENOUGH_FOR_P99`]
+/// samples in an arm.
 pub fn p99s(sessions: &[&[Pair]]) -> Option<Estimate> {
     let pairs = &sessions.concat();
     let counted =

@@ -5,8 +5,8 @@ const TERMS: u32 = 500;
 /// Steps of a bisection: more than the digits of a double.
 const HALVINGS: u32 = 200;
 
-/// The regularised incomplete beta function I_x(a, b) for a, b > 0 and x in [0, 1], by the continued
-/// fraction of Lentz (DLMF 8.17.22).
+/// The regularised incomplete beta function I_x(a, b) for a, b > 0 and x in [0, 1]. Method: the
+/// continued fraction of Lentz (DLMF 8.17.22).
 pub fn incomplete_beta(a: f64, b: f64, x: f64) -> f64 {
     if x <= 0.0 {
         return 0.0;

@@ -6,7 +6,7 @@ use bytemuck::Zeroable;
 use messages::{AllVehicles, VehicleTruthItem};
 use scenario::Scenario;
 
-/// An ego that keeps 20 m/s behind a vehicle `gap_m` ahead that brakes, in lane from `appears_s` on, until they touch.
+/// An ego that keeps 20 m/s until it touches a vehicle `gap_m` ahead. That one brakes, in lane from `appears_s` on.
 fn drive(gap_m: f64, lead_mps2: f64, appears_s: f64) -> Drive {
     let mut drive = Drive::default();
     for k in 0..2000_u32 {
@@ -91,8 +91,8 @@ fn braking_in_time_would_have_helped() {
     assert!(!verdict.met && verdict.margin.expect("decided") < 0.0, "{verdict:?}");
 }
 
-/// Both stop from 20 m/s, the lead with 8 m/s² and the reference with 6: it needs 8.33 m, and 7 m more for its
-/// reaction of 0.35 s.
+/// Both stop from 20 m/s, the lead with 8 m/s² and the reference with 6. It needs 8.33 m, and 7 m more for its reaction
+/// of 0.35 s.
 #[test]
 fn the_reaction_time_costs_its_distance() {
     let (near, far) = (avoidable(&drive(14.5, -8.0, 0.0)), avoidable(&drive(16.0, -8.0, 0.0)));
@@ -122,7 +122,7 @@ fn the_reference_is_followed_past_the_records_end() {
         let more = format!("{more}{LEAD}");
         judged("no-avoidable-collision", &more, &hit, Some(impact_mps(&hit))).met
     };
-    // 400 / 2 · (1/5 − 1/8) + 7 = 22 m; from 23 m on the weak brakes suffice, at 20 m they do not.
+    // 400 / 2 · (1/5 − 1/8) + 7 = 22 m. From 23 m on the weak brakes suffice; at 20 m they do not.
     assert!(!with(weak) && !with(""));
     let hit = drive(20.0, -8.0, 0.0);
     let weak =

@@ -15,7 +15,7 @@ pub struct Evidence<'a> {
     pub impact_speed_mps: Option<f64>,
 }
 
-/// By how much a rule holds.
+/// Margin by which a rule holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Finding {
     /// Distance to violation, in `unit`.

@@ -76,7 +76,7 @@ pub enum RequirementError {
 
 impl Failure for RequirementError {}
 
-/// Whether a drive met a requirement, and by how much.
+/// Verdict of a requirement on a drive, and its margin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RequirementVerdict {
     /// The requirement as it was given.
@@ -183,7 +183,7 @@ mod tests {
     use crate::{Drive, DriveStep};
     use messages::AllVehicles;
 
-    /// 3 s at 10 ms: 20 m/s with a gap that shrinks by 2 m/s from 30 m and is sampled every 50 ms, until the vehicle
+    /// 3 s at 10 ms. The speed is 20 m/s; the gap shrinks by 2 m/s from 30 m and is sampled every 50 ms. The vehicle
     /// ahead leaves after 2 s.
     fn drive() -> Drive {
         let mut drive = Drive::default();

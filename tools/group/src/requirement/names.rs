@@ -12,8 +12,8 @@
 //! | `braking:A` | `always acceleration_mps2 >= -A` |
 //! | `comfort` | `always (acceleration_mps2 >= -3.5 and acceleration_mps2 <= 2 and abs(jerk_mps3) <= 5)` |
 //!
-//! A vehicle whose time gap is above 6 s is not followed. Comfort's accelerations are ISO 15622's limits above 20 m/s, its
-//! jerk is the limit below 5 m/s; all from secondary sources.
+//! A vehicle whose time gap is above 6 s is not followed. Comfort's accelerations are ISO 15622's limits above 20 m/s,
+//! and its jerk is the limit below 5 m/s. All come from secondary sources.
 
 /// All names.
 pub(super) const NAMES: [&str; 10] = [

@@ -5,10 +5,10 @@
 //! ──┼──────────────────────────────┼───── 0.35 s ─────┼───────── 6 m/s² ───────┼──
 //! ```
 //!
-//! The reference takes the ego's place at the need. That is the first instant of the encounter at which the ego needs a
-//! deceleration above the plant's own for a stop in lane. It keeps its speed for the reaction time, and then brakes
+//! The reference takes the ego's place at the need. That is the first instant of the encounter at which the ego needs
+//! more deceleration than the plant's own stop in lane. It keeps its speed for the reaction time, and then brakes
 //! evenly to a stand. The other vehicles move as they did ([`Others`]). The encounter is the time for which the ego has
-//! been as fast as the vehicle or faster without a break. An encounter without a need counts from its beginning.
+//! been at least as fast as the vehicle, without a break. An encounter without a need counts from its beginning.
 //!
 //! The margin is that of "the reference has no contact, implies no collision". It is the larger one of `no-collision`'s
 //! margin and minus the reference's. Both of its units have a tolerance of one half, so that their numbers compare.

@@ -49,7 +49,7 @@ pub enum Phase {
 /// The second process of a service.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Standby {
-    /// The scenario asks for none.
+    /// The scenario does not ask for one.
     Unwanted,
     /// Absent; the next one is started at this run time, ns.
     Absent {
@@ -200,7 +200,7 @@ impl Succession {
         self.replacements
     }
 
-    /// In how many of these the standby took over.
+    /// Number of these in which the standby took over.
     pub fn take_overs(&self) -> u32 {
         self.take_overs
     }

@@ -35,8 +35,8 @@ use std::time::{Duration, Instant};
 
 /// Time that services get to go after they reported.
 const EXIT_GRACE: Duration = Duration::from_secs(2);
-/// Priority of the supervisor in realtime: below all services, above all other programs, so that a
-/// busy machine does not hold a restart up.
+/// Priority of the supervisor in realtime: below all services and above all other programs. So a
+/// busy machine does not delay a restart.
 const PRIORITY: u8 = 10;
 
 /// Accounts of processes that are kept one by one.

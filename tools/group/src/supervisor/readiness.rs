@@ -84,8 +84,8 @@ impl Supervisor<'_> {
         Ok(())
     }
 
-    /// Why the group did not come up: a signal, if one came. It also interrupts calls of this process and of services
-    /// that got it too. These calls fail with reasons of their own.
+    /// Reason why the group did not come up: a signal, if one came. It also interrupts calls of this process and of
+    /// services that got it too. These calls fail with reasons of their own.
     pub(super) fn or_interrupted(&self, error: Error) -> Error {
         let until = Instant::now() + SIGNAL_GRACE;
         while let Ok(event) =

@@ -143,7 +143,7 @@ impl Supervisor<'_> {
         }
     }
 
-    /// Lets in a process that was started during the run: as a standby of process `stands_by_for`, or as the active
+    /// Lets in a process that was started during the run. It is a standby of process `stands_by_for`, or the active
     /// one.
     fn admit(
         &mut self,

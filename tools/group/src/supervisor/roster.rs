@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
 
-/// Time over which the services are looked at when one waited in vain in lockstep.
+/// Time over which the services are looked at when one waited too long in lockstep.
 const CULPRIT_LOOK: Duration = Duration::from_millis(50);
 
 /// The members of a group, and what a new process of them needs.
@@ -139,7 +139,7 @@ impl<'a> Roster<'a> {
         })
     }
 
-    /// The process for which `gave_up` waited in lockstep, directly or not, if the kernel knows it.
+    /// The process for which `gave_up` waited in lockstep, directly or not, if the kernel has it.
     pub(super) fn culprit(&mut self, gave_up: Service) -> Option<ServiceProcess> {
         let others = self.members.iter().filter(|member| member.service() != gave_up);
         let looked: Vec<(ServiceProcess, i32, Share)> = others

@@ -35,7 +35,7 @@ pub(super) struct Course {
     pub(super) ended: Ended,
     /// The services were ordered to end before the scenario's end.
     is_stopping: bool,
-    /// When a service that has not reported is taken for hung.
+    /// Time from which a service that has not reported counts as hung.
     deadline: Option<Instant>,
     /// The last time in which the launcher did not look, run time in ns.
     held_up: Option<(i64, i64)>,
@@ -240,7 +240,7 @@ impl Supervisor<'_> {
             Mode::Realtime => {
                 now_ns < table.step_ns * i64::try_from(last).expect("runs are finite")
             }
-            // The odometry that releases the service may still be on its way to this listener: a sender serves one
+            // The odometry that releases the service may still be on its way to this listener. A sender serves one
             // listener after the other.
             Mode::Lockstep => log.reached() + table.stride(Service::Plant) < last,
         }

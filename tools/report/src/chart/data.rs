@@ -120,7 +120,7 @@ pub enum Series {
         stroke: &'static str,
         /// Width, px.
         width: f64,
-        /// Whether each value holds until the next point.
+        /// True if each value holds until the next point.
         steps: bool,
         /// Horizontal values.
         x: Column,

@@ -1,7 +1,7 @@
 //! Fewer points for the same picture.
 //!
-//! Each column of pixels keeps its first, lowest, highest and last point (Jugel et al. 2014, "M4"), so that no
-//! spike is lost. Then points on the straight line between their neighbours are dropped.
+//! Each column of pixels keeps its first, lowest, highest and last point (Jugel et al. 2014, "M4"). So no spike is
+//! lost. Then points on the straight line between their neighbours are dropped.
 
 /// Invisible distance from a straight line, px.
 const UNSEEN: f64 = 0.5;

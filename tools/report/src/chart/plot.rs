@@ -24,11 +24,11 @@ pub struct Curve {
     pub tone: Tone,
     /// Stroke.
     pub stroke: Stroke,
-    /// Whether each value holds until the next point; otherwise points are joined.
+    /// True if each value holds until the next point; otherwise points are joined.
     pub steps: bool,
     /// Number of curves that may cover this one. It is drawn wider, so that it shows on both sides of them.
     pub covered_by: usize,
-    /// Whether the curve is one of many, which thin lines show better.
+    /// True if the curve is one of many, which thin lines show better.
     pub is_thin: bool,
 }
 
@@ -60,7 +60,7 @@ impl Curve {
     }
 }
 
-/// A horizontal bar made of spans at a place on the vertical axis, such as a signal at its stop line.
+/// A horizontal bar of spans at a place on the vertical axis, such as a signal at its stop line.
 #[derive(Clone, Debug)]
 pub struct Strip {
     /// Place on the vertical axis.

@@ -3,7 +3,7 @@
 use group::Failure;
 use std::path::PathBuf;
 
-/// Why a directory is not used for results.
+/// Reason why a directory is not used for results.
 #[derive(Debug, thiserror::Error)]
 pub enum OutputError {
     /// It is another command's.

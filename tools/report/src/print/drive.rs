@@ -179,7 +179,7 @@ pub(super) fn storyboard(summary: &Summary, line: &mut dyn FnMut(&str, String)) 
     }
 }
 
-/// The smallest gap in words; touching bodies have none.
+/// The smallest gap in words. Touching bodies have no gap.
 fn smallest_gap(outcome: Outcome, gap_m: f64) -> String {
     if outcome == Outcome::Collision && gap_m <= 0.0 {
         return "0 m at the collision".into();

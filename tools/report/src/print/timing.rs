@@ -56,8 +56,8 @@ pub(super) fn timing(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
     }
 }
 
-/// Misses of the three deadlines of equal length: the control cycle, the command at the plant, the whole chain
-/// from the radar to the actuators.
+/// Misses of the three deadlines of equal length. They are the control cycle, the command at the plant, and the whole
+/// chain from the radar to the actuators.
 fn deadlines(timing: &Timing) -> Option<String> {
     let cycle = timing.deadline_misses.zip(timing.cycles);
     let plant = timing.missed_at_plant.zip(timing.due_at_plant);

@@ -143,8 +143,8 @@ impl Table {
         first.map(Some).chain([None]).chain(end.map(Some)).collect()
     }
 
-    /// The table with cells of the first column in several lines, so that it is narrower by `by`; none where that
-    /// cannot be.
+    /// The table with cells of the first column in several lines, so that it is narrower by `by`. `None` if that cannot
+    /// be.
     fn narrowed(&self, rows: &Range<usize>, shown: &[usize], by: usize) -> Option<String> {
         let place = *shown.first()?;
         let first = self.chosen(rows).into_iter().flatten();

@@ -78,7 +78,7 @@ pub struct Document {
     pub(super) title: String,
     pub(super) about: String,
     pub(super) ok: bool,
-    /// Whether the command succeeds, where that is not the verdict.
+    /// True if the command succeeds, where that is not the verdict.
     pub(super) succeeds: Option<bool>,
     pub(super) verdict: String,
     pub(super) json: String,
@@ -165,7 +165,7 @@ impl Document {
         self
     }
 
-    /// The same with a table of CSV whose rows do not fit in memory: `rows` hands them over one by one.
+    /// The same with a table of CSV whose rows do not fit in memory. `rows` hands them over one by one.
     #[must_use]
     pub fn csv<R: Serialize + 'static>(
         mut self,
@@ -182,7 +182,7 @@ impl Document {
         self
     }
 
-    /// Whether all is well.
+    /// True if all is well.
     #[must_use]
     pub fn is_ok(&self) -> bool {
         self.ok

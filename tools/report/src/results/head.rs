@@ -81,7 +81,7 @@ pub struct Head {
     pub weight: u8,
     /// It is in JSON and CSV alone.
     pub is_hidden: bool,
-    /// The JSON has no such key where it does not apply.
+    /// The JSON lacks this key where it does not apply.
     pub is_optional: bool,
 }
 
@@ -174,7 +174,7 @@ impl Head {
         }
     }
 
-    /// Whether a cell is a good or a bad one; none where neither is meant.
+    /// True if a cell is a good or a bad one; `None` where neither is meant.
     pub(super) fn judgement(&self, value: &Value) -> Option<bool> {
         match (self.format, value) {
             (Format::Flag(..), Value::Bool(flag)) => Some(*flag),

@@ -1,4 +1,4 @@
-//! A result as JUnit XML: every row with a verdict is a test case, and the verdict over all is one.
+//! A result as JUnit XML. Every row with a verdict is a test case, and the verdict over all is one.
 
 use std::io::Error;
 

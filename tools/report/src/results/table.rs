@@ -7,7 +7,7 @@ use super::column::{Column, cells};
 use super::head::{Good, Head};
 use crate::table::csv_row;
 
-/// A table of a result. It no longer knows the type of its rows.
+/// A table of a result. It does not depend on the type of its rows any more.
 #[derive(Clone, Debug)]
 pub struct Table {
     pub(super) heading: String,
@@ -174,8 +174,8 @@ impl Table {
             .all(|(head, v)| head.judgement(v) != Some(false))
     }
 
-    /// The text of the best cell of a column in a block. A row that broke something has none, and one row
-    /// alone, or equal ones, are not the best of anything.
+    /// The text of the best cell of a column in a block. A row that broke something cannot be the best. One row alone,
+    /// or equal ones, are not the best of anything.
     pub(super) fn best(&self, column: usize, rows: &std::ops::Range<usize>) -> Option<String> {
         let head = &self.columns[column];
         let sign = match head.good {

@@ -8,7 +8,7 @@ use serde::Serialize;
 /// The emergency brake in a run.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Aebs {
-    /// Whether the scenario has an emergency brake.
+    /// True if the scenario has an emergency brake.
     pub enabled: bool,
     /// Number of warnings to the driver; null without an emergency brake.
     pub warnings: Option<u64>,

@@ -10,7 +10,7 @@ pub struct Host {
     pub cpus: usize,
     /// Release of the kernel.
     pub kernel: String,
-    /// Whether the kernel is built with PREEMPT_RT.
+    /// True if the kernel is built with PREEMPT_RT.
     pub realtime_kernel: bool,
 }
 

@@ -313,7 +313,7 @@ fn judge(evidence: &Evidence<'_>) -> Vec<RequirementVerdict> {
     requirements.iter().map(|requirement| requirement.judge(evidence)).collect()
 }
 
-/// Name of the law that drove: from its process's report, from the program in the controller's place, or from
+/// Name of the law that drove. It comes from its process's report, from the program in the controller's place, or from
 /// the scenario.
 fn law_that_drove(
     scenario: &Scenario,

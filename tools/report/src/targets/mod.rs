@@ -25,7 +25,7 @@ use serde::{Deserialize, Serialize};
 /// Gap up to which a lead counts, m.
 pub const REACH_M: f64 = 100.0;
 /// A target farther than this from every body belongs to no vehicle, m. It is more than the error of an azimuth at 100
-/// m, and less than the distance of the next lane's middle.
+/// m, and less than the distance to the next lane's middle.
 pub const BODY_M: f64 = 3.0;
 /// Time before and after a scan in which the target's echoes decide whose it is, s.
 pub const ECHOES_S: f64 = 0.25;
@@ -33,7 +33,7 @@ pub const ECHOES_S: f64 = 0.25;
 const AHEAD_M: f64 = 50.0;
 /// Curvature below which a road is straight, and difference below which two curvatures are the same, 1/m.
 const STRAIGHT_PERM: f64 = 1e-4;
-/// A vehicle whose rear is behind the ego's front by more than this is not ahead, m: a car's length, as in
+/// Distance of a rear behind the ego's front beyond which its vehicle is not ahead, m. It is a car's length, as in
 /// [`messages::AllVehicles::nearest_ahead`].
 const BEHIND_M: f64 = -5.0;
 

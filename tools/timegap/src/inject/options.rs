@@ -1,4 +1,4 @@
-//! The options of a fault: one for each key that a kind of fault has, made from the declarations of the kinds.
+//! The options of a fault, one for each key of some kind of fault. They are made from the declarations of the kinds.
 
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches, value_parser};
 use scenario::faults::{Kind, keys_of};

@@ -13,7 +13,7 @@ struct Ground {
     ego: BodySize,
 }
 
-/// Road and size of the ego as JSON that is safe inside a script; `null` where the road has no plan.
+/// Road and size of the ego as JSON that is safe inside a script. `null` if the road has no plan.
 pub fn json(scenario: &Scenario) -> String {
     let ground = scenario.road.plan().map(|plan| Ground {
         road: RoadView::of(plan, (-AROUND_M, plan.axis().length_m() + AROUND_M)),

@@ -1,6 +1,6 @@
 //! HTTP/1.1 as far as the live page needs it: one request a connection, no bodies.
 //!
-//! `httparse` reads the request. A whole server would bound less: `tiny_http` 0.12 limits neither the time nor the
+//! `httparse` reads the request. A whole server would bound less. `tiny_http` 0.12 limits neither the time nor the
 //! length of a request, nor the time of a write. It cannot close the connection of a browser that takes no events.
 
 use httparse::Status;
@@ -24,9 +24,9 @@ const PATIENCE: Duration = Duration::from_secs(1);
 pub struct Request {
     /// The path.
     pub path: String,
-    /// Name of the machine that the browser wants to reach, without its port.
+    /// Name of the machine that the browser asks for, without its port.
     pub host: Option<String>,
-    /// Whether the answer has its text; `HEAD` asks only how long that would be.
+    /// True if the answer has its text; `HEAD` asks only how long that would be.
     pub body: bool,
 }
 

@@ -4,8 +4,8 @@
 //! events). The server listens on the loopback interface and answers only requests that name it. So no page of another
 //! origin can read along. The token keeps other users of this machine out.
 //!
-//! A browser cannot hold the run up: [`MAX_CLIENTS`], [`BACKLOG`] and the limits of [`super::http`] bound it, and
-//! all connections are closed [`END_PATIENCE`] after the run.
+//! A browser cannot hold the run up. [`MAX_CLIENTS`], [`BACKLOG`] and the limits of [`super::http`] bound it. All
+//! connections are closed [`END_PATIENCE`] after the run.
 
 use super::feed::{Frame, Update};
 use super::history::WINDOW_S;
@@ -104,7 +104,7 @@ impl Server {
         format!("http://{}/{}/", self.address, self.token)
     }
 
-    /// Waits until every browser knows that the run is over, is gone, or was too slow.
+    /// Waits until every browser was informed of the run's end, is gone, or was too slow.
     pub fn finish(self) {
         // A panic was reported where it happened.
         let _ = self.feeder.join();
@@ -191,7 +191,7 @@ impl Hub {
     }
 }
 
-/// Starts a connection's thread; false when the machine has none left.
+/// Starts a connection's thread; false if the machine has no thread left.
 fn admit(hub: &Arc<Mutex<Hub>>, stream: TcpStream, served: &Served) -> bool {
     let mut shared = lock(hub);
     shared.threads.retain(|(thread, _)| !thread.is_finished());

@@ -34,7 +34,7 @@ const CONTROL_C: u8 = 3;
 /// First byte of a key's escape sequence.
 const ESCAPE: u8 = 0x1b;
 
-/// Why a run cannot be shown in the terminal.
+/// Reason why a run cannot be shown in the terminal.
 #[derive(Debug, thiserror::Error)]
 pub enum WatchError {
     /// Standard error is not a terminal.

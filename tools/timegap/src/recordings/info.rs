@@ -17,7 +17,7 @@ use std::process::ExitCode;
 pub struct InfoArguments {
     /// Results directory of a run, or a recording
     pub run: PathBuf,
-    /// Read every message and check every chunk instead of trusting the file's statistics
+    /// Read every message and check every chunk, not only the file's statistics
     #[arg(long)]
     pub verify: bool,
     /// Print the contents as JSON, and nothing else

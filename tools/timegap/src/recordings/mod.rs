@@ -46,7 +46,7 @@ pub fn print_damage(recording: &Recording, damage: &[Damage]) {
     }
 }
 
-/// A damage in words: the open end of a recording in progress is expected, all else is in the words of `of_damage`.
+/// A damage in words. The open end of a recording in progress is expected; all else is in the words of `of_damage`.
 fn in_words(
     recording: &Recording,
     of_damage: impl Fn(&Damage) -> String,
@@ -60,7 +60,7 @@ fn in_words(
     }
 }
 
-/// Whether the run of this recording is in progress.
+/// True if the run of this recording is in progress.
 fn is_being_recorded(path: &Path) -> bool {
     let live = std::fs::read_to_string(path.with_file_name("live.json")).unwrap_or_default();
     serde_json::from_str(&live).is_ok_and(|group: Group| is_alive(&group.root))

@@ -23,7 +23,7 @@ pub struct RecoverArguments {
     pub json: bool,
 }
 
-/// Why a recording cannot be recovered.
+/// Reason why a recording cannot be recovered.
 #[derive(Debug, thiserror::Error)]
 pub enum RecoverError {
     /// Its run is in progress.

@@ -159,8 +159,8 @@ fn end(track: u64) -> TrackEvent {
     }
 }
 
-/// A slice for every cycle, with its wait for the start inside if known, and the arrows of the chains through
-/// controller and plant.
+/// A slice for every cycle, with its wait for the start inside if known. The arrows are the chains through controller
+/// and plant.
 fn cycles(timeline: &Timeline, frame: &Frame, within: &Range<i64>) -> Vec<Event> {
     let mut leaving: BTreeMap<usize, Vec<u64>> = BTreeMap::new();
     let mut arriving: BTreeMap<usize, Vec<u64>> = BTreeMap::new();

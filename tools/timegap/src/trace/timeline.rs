@@ -165,7 +165,7 @@ fn chains(records: &[Record], cycles: &[Cycle]) -> Vec<Chain> {
         .collect()
 }
 
-/// The plant's cycle in which each radar sample, by its publication, first reached the actuators: the cycle
+/// The plant's cycle in which each radar sample, by its publication, first reached the actuators. It is the cycle
 /// before the odometry that first names it.
 fn first_actuations(
     records: &[Record],
@@ -198,7 +198,7 @@ fn misses(cycles: &[Cycle], deadline_ns: i64) -> Vec<Incident> {
 }
 
 impl Cycle {
-    /// Whether a control cycle finished later than `deadline_ns` after its release.
+    /// True if a control cycle finished later than `deadline_ns` after its release.
     pub fn missed(&self, deadline_ns: i64) -> bool {
         self.service == Service::Controller && self.finish_ns - self.release_ns > deadline_ns
     }

@@ -45,7 +45,7 @@ pub static CACC_MPC: Descriptor = Descriptor {
 const SOURCE: &str = "He, Xi, Huang, Chen and Huang, 2024, doi 10.3969/j.issn.2095-1469.2024.06.06";
 const FORMULATIONS: &[&Formulation] = &[&road::FORMULATION, &paper::FORMULATION];
 
-/// Why a law could not be built.
+/// Reason why a law could not be built.
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 pub enum BuildError {
     /// A setting is not accepted.

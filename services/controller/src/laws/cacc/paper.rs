@@ -11,15 +11,14 @@
 //! H   = v_lead t_l - d_l - e_0                           C_s = +1 green, -1 red or yellow
 //! ```
 //!
-//! `D_k` is the paper's `D_R = C_s (d_p(k) - d_l(k))` written in the stage's state; `1/D` on
-//! `D > 0` is convex, and its literal jump to zero at `d_th` is taken out by subtracting `1/d_th`.
-//! The light counts before the stop line and before its first switch only. After that, and always in `acc-mpc`, the
-//! cost is the following one alone.
+//! `D_k` is the paper's `D_R = C_s (d_p(k) - d_l(k))`, written in the stage's state. `1/D` is convex on `D > 0`. Its
+//! literal jump to zero at `d_th` is removed: `1/d_th` is subtracted. The light counts before the stop line and before
+//! its first switch only. After that, and always in `acc-mpc`, the cost is the following one alone.
 //!
-//! The paper's program can have no solution. Then, in this order: the same without the light; the same with `e_k <=
-//! d_b` softened from `k = 3`, the first stage that an input reaches, and `E_N` weighted instead of fixed; the previous
-//! plan, shifted; the driver model. The paper has no case without a lead; the driver model then holds the set speed,
-//! and signals are not heeded.
+//! The paper's program can have no solution. Then, in this order: the same without the light; the same with two
+//! changes; the previous plan, shifted; the driver model. The two changes: `e_k <= d_b` is softened from `k = 3`, the
+//! first stage that an input reaches, and `E_N` is weighted instead of fixed. The paper has no case without a lead. The
+//! driver model then holds the set speed, and ignores signals.
 //!
 //! | symbol | here | unit |
 //! |---|---|---|
@@ -48,8 +47,7 @@ use crate::law::{
 const MAX_PLAN_AGE_S: f64 = 1.0;
 /// Shortest time before the switch at which the light still counts, s.
 const SWITCH_S: f64 = 1e-6;
-/// An iterate whose scaled residuals are below this counts as solved for driving: a tenth of a millimetre, or of a
-/// mm/s.
+/// Scaled residuals below this count as solved for driving: a tenth of a millimetre, or of a mm/s.
 const USABLE_RESIDUAL: f64 = 1e-4;
 
 /// The meaning of the numbers in the output.
@@ -210,9 +208,9 @@ impl PaperLaw {
         driver.follow_mps2(speed, desired, &lead)
     }
 
-    /// Keeps the predicted speed at or below the set speed: once the speed that the present
-    /// acceleration leads to, `v + a tau` with `tau` = 0.5 s, reaches it, `u <= (v_set - v - a tau)
-    /// / 1 s`.
+    /// Keeps the predicted speed at or below the set speed. The present acceleration leads to the
+    /// speed `v + a tau` with `tau` = 0.5 s. Once that reaches the set speed,
+    /// `u <= (v_set - v - a tau) / 1 s`.
     fn cap_by_set_speed(&self, input: &Input, output: &mut Output) {
         let share = input.period_s / self.config.actuator_lag_s;
         let (mut v, mut a) = (input.ego.speed_mps, input.ego.acceleration_mps2);
@@ -234,7 +232,7 @@ enum Program {
     Softened,
 }
 
-/// Whether the inputs of a solve may be used.
+/// True if the inputs of a solve may be used.
 pub(super) fn usable(report: &Report) -> bool {
     match report.status {
         Status::Solved => true,

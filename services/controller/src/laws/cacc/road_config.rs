@@ -32,8 +32,8 @@ pub struct RoadConfig {
     pub lead_decay_s: f64,
     /// A pass must reach the line this long before the end of green, s.
     pub pass_margin_s: f64,
-    /// Reaction time in a stop for yellow, s. The line may be crossed in yellow if a stop begun at the end of green,
-    /// with this time and the comfort deceleration, would end beyond the line. 0: only if a stop begun at once would.
+    /// Reaction time in a stop for yellow, s. The line may be crossed in yellow if a stop from the end of green would
+    /// end beyond it. The stop has this time and the comfort deceleration. 0: only if a stop begun at once would.
     pub yellow_reaction_s: f64,
     /// Weight `w` of the light's penalty `w/D`, m. `D` is how far the line is passed at the end of green.
     pub light_weight_m: f64,

@@ -10,7 +10,7 @@
 //! the single-scenario sets span. 12,000 evaluations lowered its score (the mean of the squared differences in units of
 //! the tolerance) from 0.335 to 0.288. The best set was Q = (96.9, 768, 0.109), w = 1.60e6, d_th = 139 and a Table 3
 //! lead of 2.318 m/s². It lies in the same valley, Q2/Q1 = 7 to 8 and w/Q1 = 1.4e4 to 1.8e4. Other starts end at other
-//! members of it (0.299 at Q1 = 14.6). C and the CACC of Table 3 come closer, A goes away a little, and the same one
+//! members of it (0.299 at Q1 = 14.6). C and the CACC of Table 3 come closer, and A departs a little. The same one
 //! figure (`A.cacc.ed_min_mps`) stays outside of its tolerance. That is not clearly better, and [`JOINT`] stays the
 //! joint set.
 

@@ -110,14 +110,15 @@ pub struct Asked {
     questions: Questions,
     turns: Option<Turns>,
     bounds: Bounds,
-    /// The law is to forget its history.
+    /// The law must clear its history.
     forget: bool,
     asked: u64,
     answers: u64,
 }
 
 impl Asked {
-    /// The law that the scenario names. Without `turns` nobody can answer, and the run does not begin.
+    /// The law that the scenario names. Without `turns` no reply is possible, and the run does not
+    /// begin.
     pub(crate) fn new(questions: Questions, turns: Option<Turns>, scenario: &Scenario) -> Self {
         let controller = &scenario.controller;
         Self {

@@ -7,7 +7,7 @@ use messages::LAW_MODES;
 /// Mode of the backup, behind the law's own.
 const MODE: u32 = LAW_MODES as u32;
 
-/// Why the mode is what it is: the formulation's reasons.
+/// Reasons of the mode, by the formulation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Reason {
     Answered,

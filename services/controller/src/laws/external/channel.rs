@@ -75,7 +75,7 @@ impl Channel {
         self.next
     }
 
-    /// Since when a question is not answered.
+    /// Time since which a question is not answered.
     pub(super) fn unanswered_since(&self) -> Option<Instant> {
         self.asked.map(|(_, since)| since)
     }

@@ -20,7 +20,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use thiserror::Error;
 
-/// Why a law has no program.
+/// Reason why a law has no program.
 #[derive(Debug, Error)]
 pub(super) enum HostError {
     /// The thread that would start it.
@@ -35,7 +35,7 @@ pub(super) enum HostError {
     /// It does not run.
     #[error("{subject} cannot be started: {reason}")]
     NotStarted { subject: String, reason: StartError },
-    /// Its first answer is none.
+    /// Its first answer is not a finite number.
     #[error(
         "{subject} gave a wrong first answer: request_mps2 = {request_mps2}, expected a finite number"
     )]

@@ -1,7 +1,8 @@
 //! Programs that wait for the next run of this thread: many short runs start each program once.
 //!
-//! The next run's first question makes the program forget its history. A program that does not forget
-//! gives another drive than in a process of its own. The runs that studies repeat show this.
+//! The next run's first question makes the program clear its history. A program that keeps its
+//! history gives another drive than in a process of its own. The runs that studies repeat show
+//! this.
 
 use super::channel::Channel;
 use super::host::Host;

@@ -17,7 +17,7 @@ const RESERVE: f64 = 0.1;
 /// A law that a program of the user's computes.
 pub struct External {
     plan: Plan,
-    /// In real time, how long a program may owe an answer.
+    /// Time for which a program may owe an answer, in real time.
     silence: Duration,
     bounds: Bounds,
     backup: Backup,
@@ -26,7 +26,7 @@ pub struct External {
     // The channel before the host: a program goes when its input ends.
     channel: Option<Box<Channel>>,
     host: Option<Host>,
-    /// The program is to forget its history.
+    /// The program must clear its history.
     forget: bool,
     counts: ProgramReport,
     /// Fault of the first refused answer.

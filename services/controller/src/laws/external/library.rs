@@ -1,4 +1,4 @@
-//! A law in a shared library, in this process: as fast as a law of timegap's own, and as close to it.
+//! A law in a shared library, in this process. It is as fast and as close as a law of timegap's own.
 //!
 //! Its answers pass the same checks as a program's. An answer that no vehicle can follow is refused, and the backup
 //! drives in its place. Requests are brought within the bounds, and late cycles are counted. A library that never

@@ -43,7 +43,7 @@ impl Plan {
     }
 }
 
-/// Why a program does not start.
+/// Reason why a program does not start.
 #[derive(Debug, Error)]
 pub(super) enum StartError {
     #[error("it has no name")]

@@ -1,4 +1,4 @@
-//! Proof, by Cholesky, that a design keeps its promise.
+//! Proof, by Cholesky, that a design keeps its guarantee.
 //!
 //! With the closed loop of rule i, z = [x; xc],
 //!
@@ -6,15 +6,15 @@
 //! z+ = Phi_i z + G_i w,  Phi_i = [[A_i + B Fy C, B Fx], [L_i C, Ac_i]],  G_i = [[E + B Fy D], [L_i D]]
 //! ```
 //!
-//! the ellipsoid V = z' P z <= 1 cannot be left for any |w_j| <= wbar_j if for multipliers
-//! a_j > 0 with sum a_j <= alpha
+//! the ellipsoid V = z' P z <= 1 cannot be left for any |w_j| <= wbar_j, if multipliers a_j > 0 with sum a_j <= alpha
+//! exist so that
 //!
 //! ```text
 //! diag((1 - alpha) P, diag(a_j / wbar_j²)) - [Phi_i G_i]' P [Phi_i G_i] >= 0.
 //! ```
 //!
-//! The blend of the rules is covered too: B, C and D are common, so z+ is the same blend of what
-//! the rules give, and V is convex. Within the ellipsoid |c z| <= sqrt(c P^-1 c'), which bounds every index.
+//! The blend of the rules is covered too. B, C and D are common, so z+ is the same blend of the rules' results, and V
+//! is convex. Within the ellipsoid |c z| <= sqrt(c P^-1 c'), which bounds every index.
 
 use super::content::{Content, RuleContent};
 use super::error::{Condition, Failure};
@@ -30,8 +30,8 @@ pub type ClosedState = SVector<f64, CLOSED>;
 /// A square matrix over z, such as P.
 pub type ClosedMatrix = SMatrix<f64, CLOSED, CLOSED>;
 
-/// Smallest pivot of a matrix scaled to a unit diagonal that counts as positive: a hundred times
-/// what rounding can do to a 12 by 12 matrix.
+/// Smallest pivot of a matrix scaled to a unit diagonal that counts as positive. It is a hundred
+/// times the rounding of a 12 by 12 matrix.
 const LEAST_PIVOT: f64 = 1e-12;
 /// Relative slack on the bounds of the indices, for rounding only.
 const SLACK: f64 = 1.0 + 1e-9;

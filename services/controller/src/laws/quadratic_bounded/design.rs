@@ -31,7 +31,7 @@ impl Design {
     /// Reads and verifies a design file.
     ///
     /// # Errors
-    /// What is wrong with the text, or the condition and the rule that the numbers fail.
+    /// Error in the text, or the condition and the rule that the numbers fail.
     pub fn load(text: &str) -> Result<Self, DesignError> {
         if text.len() > LARGEST {
             return Err(DesignError::TooLarge { bytes: text.len() });

@@ -33,7 +33,7 @@ const MIN_GAP_M: f64 = 2.0;
 /// State that decides between law and fall-back.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct State {
-    /// V of the state that the law would act on, or the urgency of the printed gains; the range ends at 1.
+    /// V of the state on which the law would act, or the urgency of the printed gains. The range ends at 1.
     pub(super) excess: f64,
     /// The same from a reset controller state.
     pub(super) excess_after_reset: f64,

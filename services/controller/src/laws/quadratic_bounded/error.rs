@@ -74,7 +74,7 @@ impl std::fmt::Display for Failure {
 
 impl std::error::Error for Failure {}
 
-/// Why a file is not a usable design.
+/// Reason why a file is not a usable design.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DesignError {
     /// The file cannot be read.

@@ -178,8 +178,8 @@ impl QuadraticBounded {
         self.settings.gains == GainSource::Printed
     }
 
-    /// Progress of the state towards the end of the law's range, which is 1; and the same from a reset controller
-    /// state. V of a certified design, the urgency of the printed gains.
+    /// Progress of the state towards the end of the law's range, which is 1. The second value is the same from a reset
+    /// controller state. V of a certified design, the urgency of the printed gains.
     fn excess(&self, z: &ClosedState, lead: Option<&Lead>) -> [f64; 2] {
         if self.is_printed() {
             let p = self.design.parameters();

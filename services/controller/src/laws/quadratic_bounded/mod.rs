@@ -1,11 +1,11 @@
 //! Quadratic-bounded cruise control (`quadratic-bounded`).
 //!
-//! Gao, Yan, Li, Hu: "Multi-objective adaptive cruise control by quadratic boundedness and dynamic
-//! output feedback", 2015. Four indices describe a driver's wishes. They are safety (gap error, speed error), comfort
-//! (acceleration, request), handiness (change of the request) and efficiency (rate of the gap error). The law keeps
-//! each inside its bound for every bounded acceleration of the lead, since the state cannot leave an ellipsoid that is
-//! within all bounds. This holds for the state that the law takes. A gap error beyond the ellipsoid is cut off first,
-//! so the real one can be larger.
+//! Gao, Yan, Li, Hu: "Multi-objective adaptive cruise control by quadratic boundedness and dynamic output feedback",
+//! 2015. Four indices describe a driver's wishes. They are safety (gap error, speed error), comfort (acceleration,
+//!       request), handiness (change of the request), and efficiency (rate of the gap error). The law keeps each inside
+//!       its bound for every bounded acceleration of the lead. The state cannot leave an ellipsoid that is within all
+//!       bounds. This holds for the state that the law takes. A gap error beyond the ellipsoid is cut off first, so the
+//!       real one can be larger.
 //!
 //! `gains = "printed"` takes the output gains of the paper in the place of the design (`printed`).
 //!
@@ -37,16 +37,16 @@
 //! # Use
 //!
 //! Cruise is following a virtual lead with Dd = 0 and Dv = v_set - v_h. The smaller of the two increments acts.
-//! Whenever the lead changes, xc is reset to the value with the least V. Before the law the gap error is cut off above,
-//! at `gap_error_limit_m` and at the largest value with V <= `envelope_limit`; the virtual lead's Dv likewise, on both
-//! sides. Outside the ellipsoid nothing is proven (V > 1: for example a stopped car ahead at speed). The same holds
-//! outside the speeds and the lead's accelerations of the design. The law then reports so and hands over to its
-//! fall-back, an explicit follower with brakes of its own (`envelope`). The output's quality is then
+//! Whenever the lead changes, xc is reset to the value with the least V. Before the law the gap error is cut off above:
+//! at `gap_error_limit_m`, and at the largest value with V <= `envelope_limit`. The virtual lead's Dv is cut off
+//! likewise, on both sides. Outside the ellipsoid nothing is proven (V > 1: for example a stopped car ahead at speed).
+//! The same holds outside the speeds and the lead's accelerations of the design. The law then reports so and hands over
+//! to its fall-back, an explicit follower with brakes of its own (`envelope`). The output's quality is then
 //! [`FallBack`](crate::law::Quality::FallBack), the degradation level `outside-envelope`.
 //!
-//! The increments are computed every Ts, whatever the control period: shorter periods hold the request in
-//! between. A period that does not divide Ts delays single updates but keeps their mean rate. A longer one
-//! runs one update per release and is reported as `Relaxed`: the certificate speaks of Ts only.
+//! The increments are computed every Ts, whatever the control period: shorter periods hold the request in between. A
+//! period that does not divide Ts delays single updates but keeps their mean rate. A longer one runs one update per
+//! release and is reported as `Relaxed`: the certificate holds for Ts only.
 //!
 //! # Design
 //!
@@ -56,9 +56,9 @@
 //!
 //! # How hard it can brake
 //!
-//! The paper calls the deceleration behind a car that cuts in "large" (ego at 110 km/h, car at 80, 150 m ahead when it
-//! is first seen). The shipped design brakes with 0.72 m/s²; 0.48 would do, as 73 m are to spare. Findings of a search
-//! over 480 designs (gap constant, start set, weights, alpha; 460 were certified):
+//! The paper calls the deceleration behind a car that cuts in "large". There the ego drives 110 km/h, and the car 80,
+//! 150 m ahead when it is first seen. The shipped design brakes with 0.72 m/s²; 0.48 would do, as 73 m are to spare.
+//! Findings of a search over 480 designs (gap constant, start set, weights, alpha; 460 were certified):
 //!
 //! | design | hardest, m/s² | paper's other figures | V |
 //! | --- | --- | --- | --- |

@@ -56,7 +56,7 @@ pub struct Parameters {
     pub increment_bound_mps2: f64,
     /// Efficiency index: bound on |Dd'|, m/s.
     pub gap_error_rate_bound_mps: f64,
-    /// States from which the promise must hold, [m, m/s, m/s², m/s²].
+    /// States from which the guarantee must hold, [m, m/s, m/s², m/s²].
     pub start_set: Vec<[f64; STATES]>,
 }
 

@@ -5,11 +5,12 @@
 //! Du(k) = 1e-3 [0.2796 0.109 -0.0024 -0.1405] xc(k) + [0.2545 0.7617 -0.324 -0.7822] y(k)
 //! ```
 //!
-//! The dynamics of xc (Ac, L) are lost, so its term is left out. Its gains are a thousandth of the others: with an xc
-//! of the size of y it adds some thousandths of a m/s². The coordinates of xc are lost too, so this is not a proof. Lost
-//! as well are the bounds, the desired gap, the sample time and the Lyapunov matrix. Desired gap, sample time and the
-//! clamps of request and increment are those of the [`Design`](super::Design). u(0) is the measured acceleration. It is
-//! the paper's 0 if a drive begins without one. So a process that is restarted while the car brakes goes on braking.
+//! The dynamics of xc (Ac, L) are lost, so its term is left out. Its gains are a thousandth of the others. With an xc
+//! of the size of y it adds some thousandths of a m/s². The coordinates of xc are lost too, so this is not a proof.
+//! Lost as well are the bounds, the desired gap, the sample time and the Lyapunov matrix. The [`Design`](super::Design)
+//! gives the desired gap, the sample time, and the clamps of request and increment. u(0) is the measured acceleration.
+//! It is the paper's 0 if a drive begins without one. So a process that is restarted while the car brakes goes on
+//! braking.
 //!
 //! The gap error is cut off at `gap_error_limit_m` here too. Without that the car that cuts in 150 m ahead is
 //! braked for 5.8 s late. The factor 1e-3 belongs to the first bracket alone: with it before both, the gap
@@ -27,8 +28,8 @@ pub(super) fn increment(y: &State) -> f64 {
     y.iter().zip(OUTPUT_GAINS).map(|(y, gain)| gain * y).sum()
 }
 
-/// Constant deceleration that takes the closing speed away before the gap at standstill is reached, as
-/// a share of the comfortable one. It stands where a certified design has V: above 1 the fall-back drives.
+/// Constant deceleration that removes the closing speed before the gap at standstill is reached, as a share of the
+/// comfortable one. It stands where a certified design has V: above 1 the fall-back drives.
 pub(super) fn urgency(p: &Parameters, gap_m: f64, relative_mps: f64) -> f64 {
     let closing_mps = (-relative_mps).max(0.0);
     let room_m = (gap_m - p.gap_constant_m).max(1e-3);

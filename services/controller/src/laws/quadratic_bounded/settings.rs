@@ -32,7 +32,7 @@ pub struct Settings {
     pub envelope_limit: f64,
     /// Full braking of the fall-back, m/s² (positive).
     pub fall_back_braking_mps2: f64,
-    /// Hardest deceleration of the lead that the fall-back reckons with, m/s² (positive).
+    /// Hardest deceleration of the lead that the fall-back assumes, m/s² (positive).
     pub lead_deceleration_mps2: f64,
 }
 

@@ -102,7 +102,7 @@ impl StoppingLaw {
         (closed && !watched.goes_on).then_some(signal.distance_m)
     }
 
-    /// Whether a stop would need more than the driver brakes for a yellow.
+    /// True if a stop would need more than the driver brakes for a yellow.
     fn is_too_late(&self, input: &Input, distance_m: f64) -> bool {
         let v = input.ego.speed_mps.max(0.0);
         let room_m = distance_m - self.settings.stop_margin_m - self.lag.tau_s * v;

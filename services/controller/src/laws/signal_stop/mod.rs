@@ -1,8 +1,8 @@
 //! `acc-signal-stop`: an ACC that is blind to countdowns, with a driver's signal stop on top.
 //!
-//! It is the rival of `cacc-mpc`: He et al. (2024) name "the former ACC with a decision layer" as the simple
-//! way through signalised intersections. The follower is `acc-mpc`; the layer sees the colour of the nearest
-//! signal from a stated distance and nothing of what comes:
+//! It is the rival of `cacc-mpc`. He et al. (2024) name "the former ACC with a decision layer" as the simple way
+//! through signalised intersections. The follower is `acc-mpc`. The layer sees the colour of the nearest signal from a
+//! stated distance, and nothing of the future:
 //!
 //! ```text
 //! seen       the colour, once the line is within sight_m

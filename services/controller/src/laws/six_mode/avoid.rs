@@ -30,7 +30,7 @@ use crate::following::kinematics::{Lag, Motion};
 use crate::following::safe_gap::{LeadNow, SafeGap};
 use crate::law::Ego;
 
-/// Lag of the vehicle's acceleration that the law reckons with, s.
+/// Lag of the vehicle's acceleration that the law assumes, s.
 pub(super) const LAG_S: f64 = 0.5;
 /// Speeds between which ISO 15622's limit of the jerk falls, m/s, and its values there, m/s³.
 const JERK_SPEEDS_MPS: (f64, f64) = (5.0, 20.0);
@@ -81,9 +81,9 @@ pub(super) fn enough(
     Some((-2.0 * enough).min(-p.approach_limit_mps2))
 }
 
-/// Whether a target that brakes harder than the law does for comfort asks for this mode already, whatever the boundaries
-/// say, which go by its speed alone: `demand`, held for what t1 leaves beside the actuator's lag, would leave too little
-/// room for full braking. Behind a target that was faster, the speeds show nothing until it is nearly too late.
+/// True if a target that brakes harder than the law's comfortable braking asks for this mode already. The boundaries go
+/// by the target's speed alone. Here `demand` is held for the rest of t1 beside the actuator's lag, and must leave room
+/// for full braking. Behind a target that was faster, the speeds show nothing until it is nearly too late.
 #[must_use]
 pub(super) fn is_needed(
     p: &Parameters,

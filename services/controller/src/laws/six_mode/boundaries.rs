@@ -69,8 +69,8 @@ fn desired(speed: f64) -> f64 {
     if kmh < 80.0 { 1.25 * kmh } else { 2.5 * kmh - 100.0 }
 }
 
-/// Part that eq (1) adds to R_x while closing; nothing while opening, eq (5). Printed is `t1 V_a`, a speed that the
-/// paper does not define: |V_r| is the way closed in t1, and alone is continuous with eq (5) at V_r = 0.
+/// Part that eq (1) adds to R_x while closing; nothing while opening, eq (5). The paper prints `t1 V_a`, a speed that
+/// it does not define. |V_r| is the way closed in t1, and only it is continuous with eq (5) at V_r = 0.
 fn closing_allowance(p: &Parameters, relative: f64) -> f64 {
     let closing = (-relative).max(0.0);
     closing * closing / (2.0 * p.warning_deceleration_mps2) + p.reaction_time_s * closing
@@ -153,8 +153,8 @@ mod tests {
             prop_assert!(b.following_m.is_finite());
         }
 
-        /// The point of R_b: at that gap the target brakes at a_p, the ego answers with a_h after t1, and
-        /// they do not touch.
+        /// The point of R_b: at that gap the target brakes at a_p, and the ego answers with a_h after t1. They do not
+        /// touch.
         #[test]
         fn braking_at_the_boundary_avoids_contact(v_h in 0.0..40.0f64, v_p in 0.0..40.0f64) {
             let p = Parameters::default();

@@ -15,8 +15,8 @@
 //! * Region 1 has two parts: its levels alone are 0.25 m/s² apart, all others 0.5. Three parts each remain for the
 //!   other regions.
 //! * Steady driving and approach meet above R_w at V_r = -k. Region 1 ends there, else it would border the approach.
-//! * With s = (R_w - R) / (R_w - R_b), a part has the same share of s as every other part at V_r >= 0. Region 1's share
-//!   w falls to zero at V_r = -k, and the other six parts divide the rest equally:
+//! * With s = (R_w - R) / (R_w - R_b), each part has the same share of s at V_r >= 0. Region 1's share w falls to zero
+//!   at V_r = -k, and the other six parts divide the rest equally:
 //!
 //! ```text
 //! w = 2/8 min(1, max(0, 1 + V_r / k))
@@ -34,7 +34,7 @@
 //!                   -k          0       V_r
 //! ```
 //!
-//! At every gap, a smaller V_r gives the same or a harder level: R_w and R_b grow and w falls from right to left.
+//! At every gap, a smaller V_r gives the same or a harder level. R_w and R_b grow and w falls from right to left.
 
 use super::boundaries::Boundaries;
 use super::modes::Situation;
@@ -81,7 +81,7 @@ pub(super) fn level_mps2(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
     LEVELS_MPS2[part(p, s, b)]
 }
 
-/// The level at a share of the way from R_w to R_b, on the line through the middles of the equal slices, m/s².
+/// Level at a share of the way from R_w to R_b, m/s². It lies on the line through the middles of the equal slices.
 fn smooth_mps2(share: f64) -> f64 {
     if share.is_nan() {
         return 0.0;

@@ -12,7 +12,7 @@ pub(super) struct TargetFilter {
 }
 
 impl TargetFilter {
-    /// Forgets the target.
+    /// Drops the target.
     pub(super) fn clear(&mut self) {
         self.track = None;
     }

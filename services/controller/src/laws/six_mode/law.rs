@@ -88,8 +88,8 @@ impl SixMode {
         &self.parameters
     }
 
-    /// Mode of the last step; `None` before the first, and for the literal law as long as the
-    /// paper's table has had no row for what it saw.
+    /// Mode of the last step. `None` before the first; the literal law also has `None` while the
+    /// paper's table has no row for what it saw.
     #[must_use]
     pub fn mode(&self) -> Option<Mode> {
         self.mode
@@ -99,7 +99,7 @@ impl SixMode {
         self.parameters.variant == Variant::Robust
     }
 
-    /// Whether it brakes as hard as needed, not fully, in the avoid mode.
+    /// True if it brakes as hard as needed, not fully, in the avoid mode.
     fn has_graded_braking(&self) -> bool {
         self.robust() && self.parameters.spacing == Spacing::TimeGap
     }
@@ -210,7 +210,7 @@ impl SixMode {
         }
     }
 
-    /// The demand with a soft end of a stop; the paper's spacing has none.
+    /// The demand with a soft end of a stop; the paper's spacing ends hard.
     fn soften(&self, demand: f64, ego: &Ego, seen: Option<Situation>) -> f64 {
         if !self.has_graded_braking() {
             return demand;

@@ -1,9 +1,8 @@
 //! Six-mode switching cruise control (`six-mode`).
 //!
-//! Wang, Liu, Zhang, Tong: "Simulation Test of a New Six-mode Switching Controller for Enhanced Adapt
-//! Cruise Control", 2014, doi 10.3963/j.issn 1674-4861.2014.04.026. Boundaries in gap and relative speed divide driving
-//! into six modes; each mode has a simple law of its own. With V_h and V_p the speeds of ego and
-//! target, V_r = V_p - V_h and R the gap:
+//! Wang, Liu, Zhang, Tong: "Simulation Test of a New Six-mode Switching Controller for Enhanced Adapt Cruise Control",
+//! 2014. Doi 10.3963/j.issn 1674-4861.2014.04.026. Boundaries in gap and relative speed divide driving into six modes;
+//! each mode has a simple law of its own. With V_h and V_p the speeds of ego and target, V_r = V_p - V_h and R the gap:
 //!
 //! | mode | when V_r < 0 | when V_r > 0 | request, m/s² |
 //! | --- | --- | --- | --- |
@@ -43,7 +42,8 @@
 //! | figure 3 without the borders between its regions | `deceleration.rs` |
 //!
 //! Its requests are clamped to the law's bounds and nothing else is added. The mean of four takes the demands of the
-//! last four cycles, in whatever mode: the paper says "the three computed before". [`Variant::Robust`], the default, cures what makes it undrivable:
+//! last four cycles, in any mode. The paper says "the three computed before". [`Variant::Robust`], the default, cures
+//! what makes it undrivable:
 //!
 //! | trap of the literal law | cure |
 //! | --- | --- |
@@ -57,7 +57,7 @@
 //! | 8. noise changes modes all the time | hysteresis, dwell, filter |
 //! | 9. range edge, steps of the request, stale filter | range hysteresis, jerk limit, filter reset |
 //!
-//! The robust law was driven in random traffic: 1000 runs of two minutes with noise, cut-ins, cut-outs, emergency
+//! The robust law was driven in random traffic: 1000 runs of two minutes. They had noise, cut-ins, cut-outs, emergency
 //! stops, stop and go. It has no collision that a driver with 0.3 s of reaction could have avoided. It changes mode at
 //! most 40 times in any minute (measured: 32). Behind the regulatory drive cycles its mean time gap is 2.0 to 2.5 s.
 //! `tests/six_mode` and `tests/car_following` hold that, the traps and the published run.

@@ -32,7 +32,7 @@ impl Mode {
     }
 }
 
-/// Why the law is in its mode: what was true when it entered it.
+/// Reason why the law is in its mode: what was true when it entered it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reason {
     /// Nothing decided yet.
@@ -48,7 +48,7 @@ pub enum Reason {
     ClosingFast,
     /// Gap above R_j and opening.
     GapAboveFollowing,
-    /// None of the other conditions.
+    /// The other conditions do not hold.
     SpeedsMatched,
     /// The target brakes so hard that what is asked for would leave too little room.
     TargetBraking,
@@ -144,7 +144,7 @@ pub(super) fn robust(
     }
 }
 
-/// Whether a target at `gap_m` counts as being within the sensor's range.
+/// True if a target at `gap_m` counts as being within the sensor's range.
 #[must_use]
 pub(super) fn in_range(p: &Parameters, mode: Option<Mode>, gap_m: f64, hysteresis: bool) -> bool {
     let taking_up = hysteresis && mode == Some(Mode::Cruise);

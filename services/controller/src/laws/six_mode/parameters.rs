@@ -1,14 +1,15 @@
 //! Parameters of the law, as the table `[controller.six_mode]` holds them.
 //!
-//! [`Parameters::published`] names what the paper prints and what is inferred from it. All other defaults are chosen. The
-//! comment beside a number is its effect on 16 everyday scenes without the emergency brake: four cut-ins, stops, braking
-//! leads and cut-outs each. "No change" means less than 2 % of each figure, and no collision.
+//! [`Parameters::published`] names what the paper prints and what is inferred from it. All other defaults are chosen.
+//! The comment beside a number is its effect on 16 everyday scenes without the emergency brake. These are four cut-ins,
+//! stops, braking leads and cut-outs each. "No change" means less than 2 % of each figure, and no collision.
 //!
 //! ```sh
 //! cargo run --release -p regulation --example law_numbers -- six-mode six_mode
 //! ```
 //!
-//! The base: least gap 19.8 m, hardest braking 2.84 m/s², rms jerk 0.554 m/s³ (means of the scenes), and no collision.
+//! The base: least gap 19.8 m, hardest braking 2.84 m/s², rms jerk 0.554 m/s³ (means of the scenes). There is no
+//! collision.
 
 use scenario::schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -71,8 +72,8 @@ pub struct Parameters {
     // At 0.5: least gap +2 %; at 2: least gap -2 %, hardest braking -3 %, rms jerk -4 %.
     pub warning_deceleration_mps2: f64,
     /// t1: driver and system reaction time, s.
-    // At 0.55: least gap -4 %, hardest braking -4 %, rms jerk -14 %; at 2.2: least gap +7 %, hardest braking -9 %,
-    // rms jerk +44 %.
+    // At 0.55: least gap -4 %, hardest braking -4 %, rms jerk -14 %. At 2.2: least gap +7 %, hardest braking -9 %, rms
+    // jerk +44 %.
     pub reaction_time_s: f64,
     /// R0: gap left after an emergency stop, m.
     // At 2: least gap -7 %, rms jerk -2 %; at 8: least gap +14 %, rms jerk -3 %.

@@ -9,14 +9,14 @@ use super::parameters::{Parameters, Spacing, Variant};
 const CRUISE_BAND: f64 = 1.0 / 3.6;
 /// Hardest braking of the cruise law.
 const CRUISE_BRAKING: f64 = -1.0;
-/// Steady mode (1), slightly closing: replaces eq (9), whose k2 is not printed and whose value the paper found within
-/// -0.08 and -0.12.
+/// Steady mode (1), slightly closing: replaces eq (9). Its k2 is not printed; the paper found its value within -0.08
+/// and -0.12.
 const STEADY_CLOSING: f64 = -0.1;
 /// Steady mode (2), slightly opening: a number of the text, without an equation.
 const STEADY_OPENING: f64 = 0.4;
 
-/// Eq (7): reach and keep the set speed. Printed is `a = k1 V_r`, but no target gives a V_r there, and the text speaks of
-/// the set speed: V_set - V_h is meant.
+/// Eq (7): reach and keep the set speed. The paper prints `a = k1 V_r`, but no target gives a V_r there. The text
+/// speaks of the set speed, so V_set - V_h is meant.
 #[must_use]
 pub(super) fn cruise(p: &Parameters, set_speed: f64, speed: f64) -> f64 {
     let error = set_speed - speed;
@@ -47,12 +47,12 @@ pub(super) fn following(p: &Parameters, mode: Mode, s: &Situation, b: &Boundarie
     }
 }
 
-/// Whether the gap is regulated, not only bounded.
+/// True if the gap is regulated, not only bounded.
 fn regulates(p: &Parameters) -> bool {
     p.variant == Variant::Robust && p.spacing == Spacing::TimeGap
 }
 
-/// Time headway that is left behind a slower target when speeds match, s, and the time until a request acts, s.
+/// Time headway left behind a slower target when speeds match, s, and time until a request acts, s.
 const LEFT_S: f64 = 1.0;
 const ACTS_LATE_S: f64 = 0.5;
 /// Least way in which speeds match, m.
@@ -81,7 +81,8 @@ fn approach(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
 }
 
 /// Steady driving: the numbers beside eq (9), and eq (10). "Speeds very close" is k_c, which is not printed. The robust
-/// law lets the push fade towards R_w, which itself grows with the ego's speed: otherwise steady and decelerate take turns for ever (trap 6).
+/// law lets the push fade towards R_w, which itself grows with the ego's speed. Otherwise steady and decelerate
+/// alternate for ever (trap 6).
 fn steady(p: &Parameters, s: &Situation, b: &Boundaries) -> f64 {
     let relative = s.relative_mps;
     if regulates(p) {

@@ -1,7 +1,7 @@
 //! The road beyond the horizon, as far as it is worth guessing.
 //!
-//! The value of speed at the horizon depends on the road after it: on a descent that goes on, energy is braked away. A
-//! slope does not end with the map. The guess is that it fades with the length of slopes:
+//! The value of speed at the horizon depends on the road after it. On a descent that continues, energy is braked away.
+//! A slope does not end with the map. The guess is that it fades with the length of slopes:
 //!
 //! ```text
 //! g(s) = g_last e^(-s/l)

@@ -75,7 +75,7 @@ pub(super) fn permitted(
     demand
 }
 
-/// Whether the numbers can be those of a truck on a road.
+/// True if the numbers can be those of a truck on a road.
 pub(super) fn believable(input: &Input) -> bool {
     let ego = &input.ego;
     input.time_s.abs() < BELIEVABLE

@@ -6,9 +6,9 @@
 //! F = (K_j - K_i)/ds + R + c (K_i + K_j)/2            R = m g (f cos a + sin a)
 //! ```
 //!
-//! (equation 1, trapezoidal in K) and costs fuel(F) ds + beta ds (1/v_i + 1/v_j)/2. All that depends on a
-//! node alone is in tables; what is left, the fuel over force, is a polynomial (`gear_curve`). So a step
-//! between two nodes costs a handful of multiplications, and several are made side by side.
+//! (equation 1, trapezoidal in K) and costs fuel(F) ds + beta ds (1/v_i + 1/v_j)/2. All that depends on a node alone is
+//! in tables. The fuel over force is left, which is a polynomial (`gear_curve`). So a step between two nodes costs a
+//! handful of multiplications, and several are made side by side.
 
 use super::gear_curve::GearCurve;
 use super::settings::BoundKeys;
@@ -18,7 +18,7 @@ use truck_model::{GEARS, Truck};
 pub const PLANNED_GEARS: usize = 3;
 /// The lowest of them.
 pub const LOWEST: usize = GEARS - PLANNED_GEARS;
-/// Price of being slower than the lowest wanted speed, g/s per m/s: a soft bound.
+/// Price of being slower than the lowest desired speed, g/s per m/s: a soft bound.
 pub const SLOWNESS_GPM: f64 = 1.0;
 /// Cost of what cannot be.
 pub const NEVER: f64 = 1e18;
@@ -30,9 +30,9 @@ pub struct Costs {
     pub time_gps: f64,
     /// Cost of one shift, g.
     pub shift_g: f64,
-    /// Below the lowest wanted speed: per second and m/s, g.
+    /// Below the lowest desired speed: per second and m/s, g.
     pub slow_gpm: f64,
-    /// The lowest wanted speed, m/s.
+    /// The lowest desired speed, m/s.
     pub min_speed_mps: f64,
 }
 
@@ -318,7 +318,7 @@ impl ForceLine {
     }
 }
 
-/// The next whole number; `place` is none too large and not negative.
+/// The next whole number; `place` is in range and not negative.
 #[inline]
 fn rounded_up(place: f64) -> usize {
     let whole = place as i32;

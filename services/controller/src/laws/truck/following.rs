@@ -25,7 +25,7 @@ pub(crate) fn target_speed_mps(
     economic_mps.min(target_mps + if far { keys.approach_mps } else { 0.0 })
 }
 
-/// The acceleration that is wanted, m/s² (18).
+/// The desired acceleration, m/s² (18).
 pub(crate) fn acceleration_mps2(
     keys: &FollowKeys,
     mode: Mode,

@@ -19,7 +19,7 @@ const ENGINE_RPM: (f64, f64) = (800.0, 1600.0);
 /// Limits and fuel of one gear at one speed, over tractive force.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct GearCurve {
-    /// Whether the engine can turn in this gear.
+    /// True if the engine can turn in this gear.
     pub(crate) usable: bool,
     /// Least and largest force, N: with the injection cut and at full load, unless a plan's bounds are tighter.
     pub(crate) min_n: f64,

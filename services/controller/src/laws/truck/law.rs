@@ -7,9 +7,8 @@
 //! | `follow` | 2 | inverse dynamics (6) of (18), between drag and full load; below the band the engine brake |
 //! | `warn` | 3 | the same; what engine and engine brake cannot give, the service brakes do |
 //!
-//! The service brakes are the last resort: too close to the target, when much braking is needed, and to hold the limit
-//! downhill. The published law has none: it commands engine torque, and warns; the key
-//! `brakes` takes them away.
+//! The service brakes are the last resort: too close to the target, when much braking is needed, and for the limit
+//! downhill. The published law has no brakes: it commands engine torque, and warns. The key `brakes` takes them away.
 
 use super::bounds::{believable, guarded_nm, permitted, powertrain};
 use super::car;
@@ -47,7 +46,7 @@ pub struct Predictive {
     state: State,
 }
 
-/// All that `reset` forgets.
+/// All state that `reset` clears.
 #[derive(Clone, Debug)]
 struct State {
     tracking: Tracking,
@@ -58,7 +57,7 @@ struct State {
     keeper: SpeedKeeper,
     reference: Reference,
     last_resort: LastResort,
-    /// Acceleration that was wanted last behind a target, m/s².
+    /// Last desired acceleration behind a target, m/s².
     wanted_mps2: Option<f64>,
     /// Last request to a car, m/s².
     asked_of_car_mps2: Option<f64>,

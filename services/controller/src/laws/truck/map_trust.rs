@@ -6,7 +6,7 @@
 
 /// Time constant of the average, s.
 const AVERAGING_S: f64 = 10.0;
-/// The mean difference at which the map is given up, and at which it is trusted again.
+/// The mean difference at which the map is given up, and at which it is used again.
 const LIMITS: (f64, f64) = (0.012, 0.006);
 
 /// Trust in the map.
@@ -26,7 +26,7 @@ impl MapTrust {
         self.lost = self.difference.abs() > limit;
     }
 
-    /// Whether the map contradicts the vehicle.
+    /// True if the map contradicts the vehicle.
     #[must_use]
     pub fn is_lost(&self) -> bool {
         self.lost

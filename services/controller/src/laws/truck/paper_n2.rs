@@ -4,9 +4,9 @@
 //! J = sum_{i<n}(fuel_i + beta t_i) - gamma (K_end - K_set) + q gamma (K_end - K_set)²/K_set      n = 2, q = 1
 //! ```
 //!
-//! Torques are enumerated: 21 levels and those that hold the present and the set speed, each further
-//! segment's for each of those before it. The class of the road trims the first torque. K over a segment is
-//! the closed form (4), time over it Simpson's rule.
+//! Torques are enumerated: 21 levels, and those that hold the present and the set speed. Each further segment's are
+//! tried for each of those before it. The class of the road trims the first torque. K over a segment is the closed form
+//! (4), time over it Simpson's rule.
 
 use super::prices::Prices;
 use super::road_classes::{Class, LimitGrades, MOST_SEGMENTS, Reconstruction, Stretch};

@@ -1,9 +1,9 @@
 //! Ends of the steps of a plan.
 //!
-//! They end at edges of the map's cells, where the grade changes: between edges the speed has neither peak
-//! nor dip. A step over two cells hides the peak between them. The truck then brakes there at its limit although the
-//! plan does not. With errors of 1 m in the heights that cost 1.3 points of fuel. Near the truck a
-//! step is a cell; later ones, which are planned again before they are driven, are longer.
+//! They end at edges of the map's cells, where the grade changes. Between edges the speed has neither peak nor dip. A
+//! step over two cells hides the peak between them. The truck then brakes there at its limit although the plan does
+//! not. With errors of 1 m in the heights that cost 1.3 points of fuel. Near the truck a step is a cell; later ones,
+//! which are planned again before they are driven, are longer.
 
 use crate::law::{MAX_SEGMENTS, Preview};
 

@@ -6,7 +6,7 @@
 //! lead-in. Long bodies are divided.
 //!
 //! Before neighbours merge, a cell takes the median class of the five cells around it. An error of 0.3 m in one height
-//! changes the grades of two cells by 0.6 %. If single cells of a wrong class were joined in turn, the ends of segments
+//! changes the grades of two cells by 0.6 %. If single cells of a wrong class were joined in turn, the segments' ends
 //! would move by hundreds of metres. The median changes nothing if a class lasts for 150 m.
 
 use super::settings::RoadKeys;

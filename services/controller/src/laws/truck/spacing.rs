@@ -29,8 +29,8 @@ pub struct Spacing {
 }
 
 impl Spacing {
-    /// Gaps at ego speed `speed_mps`, target speed `target_mps` and `grade`, the mean from the lead on; 0
-    /// when that is not known.
+    /// Gaps at ego speed `speed_mps`, target speed `target_mps` and `grade`. `grade` is the mean from the lead on; 0 if
+    /// it is not known.
     #[must_use]
     pub fn new(keys: &GapKeys, speed_mps: f64, target_mps: f64, grade: f64) -> Self {
         let standstill_m = keys.standstill_distance_m;

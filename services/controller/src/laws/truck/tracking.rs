@@ -42,7 +42,7 @@ pub(crate) struct Guidance {
 }
 
 impl Tracking {
-    /// Takes a plan, unless a newer one is in hand. An empty one stands for none.
+    /// Takes a plan, unless a newer one is in hand. An empty one means "no plan".
     pub(crate) fn accept(&mut self, plan: &Plan) {
         if plan.number <= self.answered || plan.number > self.number {
             return;

@@ -7,7 +7,7 @@ mod sources;
 const POSTS: Sources = Sources { yaw_rate: true, standing: true, trails: false, map: false };
 const NUMBERS: CourseNumbers = CourseNumbers::DEFAULT;
 
-/// A filter that knows its state with these variances, on a straight course.
+/// A filter whose state has these variances, on a straight course.
 fn known(sources: Sources, mean: [f64; STATES], variances: [f64; STATES]) -> CourseFilter {
     let state = Gaussian::independent(mean, variances);
     CourseFilter { state, ..CourseFilter::new(sources, &NUMBERS) }
@@ -153,7 +153,7 @@ fn the_first_object_of_an_edge_is_neither_in_the_next_lane_nor_far_off() {
         stand(&mut filter, 30.0, y_m);
         assert_eq!(filter.edges[usize::from(y_m < 0.0)].objects, objects, "{y_m}");
     }
-    // Three deviations of the course at 30 m: 5.9 m and the object's own 2 m are less than 8 m, 6.1 m are more.
+    // Three deviations of the course at 30 m. 5.9 m and the object's own 2 m are less than 8 m; 6.1 m are more.
     for (sigma_m, objects) in [(5.9 / 3.0, 1), (6.1 / 3.0, 0)] {
         let mut filter = known(POSTS, [0.0; STATES], unsure(&[(0, sigma_m / 30.0)]));
         stand(&mut filter, 30.0, 9.0);

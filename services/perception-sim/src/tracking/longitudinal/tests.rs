@@ -22,9 +22,9 @@ fn see(filter: &mut Filter, model: &Model, step: &Step, gap_m: f64, rate_mps: f6
     filter.update(model, step, range, Measured::new(rate_mps, SIGMA[1]))
 }
 
-/// Root mean square errors of gap, speed and acceleration over 2000 s, and the filter's own
-/// standard deviations at the end. `lead` gives the jump of the lead's acceleration at a time,
-/// from its present one and a standard normal number; the ego follows.
+/// Root mean square errors of gap, speed and acceleration over 2000 s. The filter's own standard
+/// deviations at the end follow. `lead` gives the jump of the lead's acceleration at a time, from
+/// its present one and a standard normal number. The ego follows.
 fn errors(kind: Kind, dt_s: f64, lead: impl Fn(f64, f64, f64) -> f64) -> ([f64; 3], [f64; 3]) {
     let model = model(kind);
     let mut random = Random::of_run(7, 0);

@@ -8,7 +8,7 @@ use super::vehicles::{actor, head, led};
 /// Lane width, m.
 const LANE_M: f64 = 3.5;
 
-/// A vehicle that comes in from a neighbouring lane: its speed, the gap when it is in, and what it does then.
+/// A vehicle that comes in from a neighbouring lane: its speed, the gap at its entry, and its motion after it.
 fn comes_in(draws: &mut Draws, speed_mps: f64, other_mps: f64, gap_m: f64, brakes: bool) -> String {
     let (begins_s, takes_s) = (draws.between(3.0, 15.0), draws.between(1.5, 6.0));
     let in_s = begins_s + takes_s;

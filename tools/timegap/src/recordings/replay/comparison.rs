@@ -47,7 +47,7 @@ pub(super) struct Comparison {
     pub(super) replayed_program: Option<Program>,
     /// The recorded run's clock.
     pub(super) mode: &'static str,
-    /// Whether the scenario was changed for the replay.
+    /// True if the scenario was changed for the replay.
     pub(super) changed: bool,
     /// Fields that are not compared.
     pub(super) not_compared: Vec<&'static str>,
@@ -60,7 +60,7 @@ pub(super) struct Comparison {
     /// Commands and diagnostics that are equal in every compared byte.
     pub(super) identical_commands: u64,
     pub(super) identical_diagnostics: u64,
-    /// Whether all are equal.
+    /// True if all are equal.
     pub(super) identical: bool,
     pub(super) first_difference: Option<Difference>,
     /// Largest and root-mean-square difference of the first requests, m/s².
@@ -112,7 +112,7 @@ impl Comparison {
         }
     }
 
-    /// Whether every compared byte of the pair is equal; keeps the first difference.
+    /// True if every compared byte of the pair is equal; keeps the first difference.
     fn is_same<T: Message>(&mut self, places: &[Place], recorded: &T, replayed: &T) -> bool {
         let Some(difference) = Difference::between(places, recorded, replayed) else { return true };
         self.first_difference.get_or_insert(difference);

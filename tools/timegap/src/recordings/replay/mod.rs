@@ -67,7 +67,7 @@ pub enum Of {
     Obu,
 }
 
-/// Why a recording cannot be replayed.
+/// Reason why a recording cannot be replayed.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
     /// No cycle of the controller is recorded.

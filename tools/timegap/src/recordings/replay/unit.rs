@@ -28,7 +28,7 @@ struct Comparison {
     replayed: Service,
     /// The recorded run's clock.
     mode: &'static str,
-    /// Whether the scenario was changed for the replay.
+    /// True if the scenario was changed for the replay.
     changed: bool,
     /// Fields that are not compared.
     not_compared: Vec<&'static str>,
@@ -38,7 +38,7 @@ struct Comparison {
     cut_short: Option<String>,
     /// Messages of the unit, by topic.
     topics: BTreeMap<&'static str, Said>,
-    /// Whether every compared byte of all messages is equal.
+    /// True if every compared byte of all messages is equal.
     identical: bool,
     first_difference: Option<Difference>,
     /// Decoded frames, and their verdicts in the replay.

@@ -102,13 +102,12 @@ impl Filter {
         }
     }
 
-    /// Whether the hardest braking from now on stops before a line.
+    /// True if the hardest braking from now on stops before a line.
     pub(super) fn can_stop(&self, ego: Motion, distance_m: f64) -> bool {
         self.stops_before(self.min_mps2, ego, distance_m)
     }
 
-    /// Whether the speed that is left when the present deceleration has died away crosses a line
-    /// before red.
+    /// True if the speed that is left when the present deceleration has died away crosses a line before red.
     pub(super) fn can_cross(
         &self,
         ego: Motion,
@@ -119,8 +118,8 @@ impl Filter {
         self.has_room(0.0, ego, lead, distance_m, red_in_s)
     }
 
-    /// True if braking with a constant `request` from now on is enough. It must stop before each line that is to be
-    /// stopped at, and behind a lead that goes on as it does now.
+    /// True if braking with a constant `request` from now on is enough. It must stop before each closed line, and
+    /// behind a lead that keeps its present motion.
     pub(super) fn suffices(
         &self,
         request: f64,
@@ -213,7 +212,7 @@ impl Filter {
         })
     }
 
-    /// Whether a constant request gets beyond a line in the time that is left.
+    /// True if a constant request gets beyond a line in the time that is left.
     fn reaches(&self, mut ego: Motion, request: f64, distance_m: f64, left_s: f64) -> bool {
         let mut time = 0.0;
         while time + CHECK_S <= left_s && ego.speed_mps > 0.0 {

@@ -7,8 +7,8 @@
 use crate::following::safe_gap::LeadNow;
 use crate::law::MAX_PLAN;
 
-/// The lead's rear bumper over the horizon. Without a lead it is a point that rests at zero: the
-/// error coordinates only need some known motion to refer to.
+/// The lead's rear bumper over the horizon. Without a lead, a point that rests at zero takes its
+/// place: the error coordinates only need some known motion.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Prediction {
     pub(super) present: bool,

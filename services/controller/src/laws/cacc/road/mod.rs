@@ -1,8 +1,8 @@
 //! The formulation for the road.
 //!
-//! In each cycle the signals ahead are remembered and the lead is predicted. For the nearest stop line there
-//! are two candidates, to pass and to stop. Each has a reference, which is a comfortable driver rolled out
-//! over the horizon. A convex program smooths it and enforces the limits:
+//! In each cycle the signals ahead are stored and the lead is predicted. For the nearest stop line there are two
+//! candidates, to pass and to stop. Each has a reference, which is a comfortable driver rolled out over the horizon. A
+//! convex program smooths it and enforces the limits:
 //!
 //! ```text
 //! x = (e, ed, a),   e = t_h v + s0 - gap,   ed = v - v_lead
@@ -19,12 +19,12 @@
 //!
 //! One of the two is chosen by feasibility and by one cost for both plans, with hysteresis. The first request then
 //! passes a filter of pure kinematics, which has the last word. After the filter the vehicle can still stop before each
-//! line that it may not pass. It can still stop behind a lead that brakes as hard as is reckoned with. It crosses a
-//! line that is passed before red.
+//! line that it may not pass. It can still stop behind a lead that brakes as hard as is assumed. It crosses a line that
+//! is passed before red.
 //!
-//! A pass has to do more than reach the line. The paper's penalty `w/D` pulls the vehicle ahead, where `D` is the
-//! margin by which it is past the line at the end of green. Its slope at the reference's margin is a linear cost of the
-//! position there:
+//! A pass has to do more than reach the line. The paper's penalty `w/D` pulls the vehicle ahead. `D` is the margin by
+//! which it is past the line at the end of green. Its slope at the reference's margin is a linear cost of the position
+//! there:
 //!
 //! ```text
 //! minimise ... - (w / D_ref²) p_K     while 0 < D_ref < d_th,    K the stage at which green ends
@@ -34,10 +34,10 @@
 //! anew, and the program stays quadratic. The vehicle glides to a red that ends (see the reference), so that it crosses
 //! the line rolling.
 //!
-//! The lines behind the nearest are in the references and in the filter, and become the nearest in turn.
-//! Programs of their own could only gain a green that this drive misses. There is no such green: it drives through each
-//! green that a drive without later lines reaches. The 60 scenes begin with a standstill, a glide or a
-//! running start, before two later lines 40 to 250 m apart (`later_signals` among the tests).
+//! The lines behind the nearest are in the references and in the filter, and become the nearest in turn. Programs of
+//! their own could only gain a green that this drive misses. There is no such green: it drives through each green that
+//! a drive without later lines reaches. The 60 scenes begin with a standstill, a glide or a running start. Two later
+//! lines follow, 40 to 250 m apart (`later_signals` among the tests).
 //!
 //! When a program is not solved, the law follows the rest of the previous plan. After it the law follows the
 //! driver's own requests. The filter judges these like any other.

@@ -1,7 +1,7 @@
 //! The acceleration that the law's own requests explain.
 //!
 //! Plans begin at the vehicle's acceleration, and smooth what follows. Braking beyond the law's own requests comes from
-//! another system, such as an emergency brake: the law does not smooth its end. A plan that began there would add
+//! another system, such as an emergency brake. The law does not smooth its end. A plan that began there would add
 //! braking of its own. It would keep the ego slow long after the other has let go.
 
 use crate::following::kinematics::Lag;

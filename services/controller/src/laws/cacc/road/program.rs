@@ -8,9 +8,8 @@
 //! subject to  the exact lag, u within bounds
 //! ```
 //!
-//! With `g`, `h`, `c` the coefficients of the exactly discretised lag ([`LagStep`]) and `v_l`,
-//! `x_l` the predicted lead, the constant-time-headway model is linear, and the lead a known
-//! disturbance:
+//! `g`, `h`, `c` are the coefficients of the exactly discretised lag ([`LagStep`]); `v_l`, `x_l` are the predicted
+//! lead. The constant-time-headway model is then linear, and the lead a known disturbance:
 //!
 //! ```text
 //! e+  = e + T ed + (t_h c_v + c_p) a + (t_h b_v + b_p) u + (T v_l - (x_l+ - x_l))
@@ -26,8 +25,8 @@
 //! | 2 | `v >= -0.1 m/s` | the same |
 //! | 3 | `p >= line` at the last stage of green | `a >= -comfort` |
 //!
-//! All rows are soft with an exact linear price, since a measured state, a cut-in or a jumping countdown can make any
-//! of them impossible. Then the least violation is wanted, not a failed solve.
+//! All rows are soft with an exact linear price. A measured state, a cut-in or a jumping countdown can make any of them
+//! impossible. Then the aim is the least violation, not a failed solve.
 
 use mpc_solver::{Problem, ProblemError, Row, Softness};
 
@@ -56,8 +55,8 @@ const PASS_M: f64 = 0.3;
 const LEAST_MARGIN_M: f64 = 4.0;
 /// Band of speed below the limit in which the light's pull fades, m/s.
 const PULL_BAND_MPS: f64 = 1.0;
-/// By how much the limits of the speed are beyond what the reference drives, m/s. If the reference lay on a limit
-/// (above all at a stand), the limit would hold without a force. No method finds such a solution quickly.
+/// Distance of the limits of the speed beyond the reference's speed, m/s. If the reference lay on a limit (above all at
+/// a stand), the limit would hold without a force. No method finds such a solution quickly.
 const SPEED_MARGIN_MPS: f64 = 0.1;
 
 /// The same for a reference above the limit, m/s.
@@ -139,7 +138,7 @@ impl Programs {
         }
     }
 
-    /// Price of a metre of the margin `D` at the end of green: the slope of `w/D` at the reference's margin.
+    /// Price of a metre of the margin `D` at the end of green. It is the slope of `w/D` at the reference's margin.
     fn light_price(&self, margin_m: f64) -> f64 {
         let margin_m = margin_m.max(LEAST_MARGIN_M);
         if margin_m < self.light_threshold_m {

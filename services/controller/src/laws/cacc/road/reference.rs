@@ -1,8 +1,8 @@
 //! The reference: a comfortable driver, rolled out over the horizon.
 //!
-//! The driver heads for the desired speed behind the predicted lead and in front of closed lines. It knows when a line
-//! opens. Let `D` be the time left and `d` the distance. Any speed up to `v*` leaves it able to stop with deceleration
-//! `b` and lag `h` when the line opens,
+//! The driver heads for the desired speed behind the predicted lead and in front of closed lines. It has the time when
+//! a line opens. Let `D` be the time left and `d` the distance. Any speed up to `v*` leaves it able to stop with
+//! deceleration `b` and lag `h` when the line opens,
 //!
 //! ```text
 //! d = v* (D + h) + v*² / (2 b)    ->    v* = b (sqrt((D + h)² + 2 d / b) - (D + h))
@@ -21,13 +21,13 @@ use crate::law::MAX_PLAN;
 
 /// Headway that the driver keeps to a stop line, s.
 const LINE_HEADWAY_S: f64 = 1.0;
-/// Lag `h` that it reckons with when it glides, s.
+/// Lag `h` that it assumes when it glides, s.
 const GLIDE_LAG_S: f64 = 0.5;
 /// Band of speed above `v*` over which gliding fades into braking, m/s.
 const GLIDE_BAND_MPS: f64 = 1.0;
 /// A lead slower than this in front of a closed line waits there, m/s.
 const WAITS_MPS: f64 = 0.5;
-/// Time from green to the start of a waiting driver, s: the reaction that traffic engineers reckon with (ITE 2020).
+/// Time from green to the start of a waiting driver, s: the usual reaction in traffic engineering (ITE 2020).
 const START_S: f64 = 1.0;
 /// Share of its acceleration that the driver has on average on the way to its speed.
 const LATER_SHARE: f64 = 0.7;
@@ -193,8 +193,8 @@ impl Scene<'_> {
         (request, ceiling)
     }
 
-    /// The room before a closed line, m, and by how much later than the line it opens, s: a lead that waits there has
-    /// to start first.
+    /// Room before a closed line, m, and the time after the line's opening at which it opens, s. A lead that waits
+    /// there has to start first.
     fn queue(&self, k: usize, here: Motion, distance: f64) -> (f64, f64) {
         let gap = self.lead.position_m[k] - here.position_m;
         let waits = self.lead.present && gap < distance && self.lead.speed_mps[k] < WAITS_MPS;
@@ -205,7 +205,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Request in front of a closed line that opens after a time in s, at a speed at which the driver requests `free`
+    /// Request before a closed line that opens after a time in s. The speed is one at which the driver requests `free`
     /// on an open road. Only the next line is glided to: slowing down for a later one could cost a green before it.
     fn before_line(
         &self,
@@ -229,8 +229,7 @@ impl Scene<'_> {
         let room = (distance - self.stop_margin_m).max(0.0);
         let glide = b * ((wait * wait + 2.0 * room / b).sqrt() - wait);
         let gliding = self.driver.free_mps2(v, glide.min(self.desired_mps));
-        // Above the glide speed the braking is for a line that stays closed, and at least as hard as for the
-        // glide.
+        // Above the glide speed the ego brakes for a line that stays closed, at least as hard as for the glide.
         let share = (1.0 + (glide - v) / GLIDE_BAND_MPS).clamp(0.0, 1.0);
         let request = stop + share * (gliding - stop).max(0.0);
         if glides { request.min(gliding) } else { request }

@@ -32,9 +32,9 @@ pub(super) struct Line {
     pub(super) id: u32,
     /// Position of the stop line on the ego's odometer, m.
     pub(super) at_m: f64,
-    /// Whether the current phase is known.
+    /// True if the current phase is known.
     pub(super) known: bool,
-    /// When the phase was last known, s.
+    /// Time when the phase was last known, s.
     heard_s: f64,
     greens: [Green; MAX_PHASES],
     count: usize,
@@ -47,8 +47,8 @@ impl Line {
         &self.greens[..self.count]
     }
 
-    /// The green, or its yellow, that is shown at `now_s`. For a line whose signal is silent, only a green that was
-    /// shown before counts: a green that was announced for later may not have come.
+    /// The green, or its yellow, that is shown at `now_s`. If a line's signal is silent, only a green that was shown
+    /// before counts. A green that was announced for later may not have come.
     pub(super) fn shown(&self, now_s: f64) -> Option<&Green> {
         let heard = if self.known { now_s } else { self.heard_s };
         self.greens().iter().find(|green| green.from_s <= heard && now_s < green.clear_s)

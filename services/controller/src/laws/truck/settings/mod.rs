@@ -69,8 +69,8 @@ impl PlannerKind {
         }
     }
 
-    /// The price of time, relative to the flat's, at which a truck keeps its mean speed over hills; the
-    /// servo corrects its error.
+    /// Price of time, relative to the flat's, at which a truck keeps its mean speed over hills. The servo corrects its
+    /// error.
     #[must_use]
     pub(super) fn usual_time_price(self) -> f64 {
         match self {
@@ -104,7 +104,7 @@ pub struct Keys {
     /// Mean speed to keep on a free road, relative to the set speed.
     // At 0.8: rms jerk -6 %, fuel -15.7 %.
     pub mean_speed: f64,
-    /// Hardest deceleration of the vehicle ahead that is reckoned with on a car, m/s².
+    /// Hardest assumed deceleration of the vehicle ahead on a car, m/s².
     // No change at 4.5 and 11.25.
     pub lead_deceleration_mps2: f64,
     /// Gap and modes (14) to (16).
@@ -119,7 +119,7 @@ pub struct Keys {
     pub plan: PlanKeys,
     /// Filter of the radar's target.
     pub filter: FilterKeys,
-    /// The truck as the law believes it to be (19) to (22).
+    /// The truck as the law assumes it (19) to (22).
     pub truck: TruckKeys,
 }
 
@@ -175,7 +175,7 @@ pub struct CarGap {
     pub headway_s: f64,
     /// Gap at standstill, m.
     pub standstill_m: f64,
-    /// Hardest deceleration of the vehicle ahead that is reckoned with, m/s².
+    /// Hardest assumed deceleration of the vehicle ahead, m/s².
     pub lead_deceleration_mps2: f64,
 }
 

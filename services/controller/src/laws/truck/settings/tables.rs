@@ -5,16 +5,16 @@
 //! table holds for all its keys.
 //!
 //! The comment beside a number is its effect on 120 s of the built-in scenarios `truck-traffic`, `truck-hills`,
-//! `truck-follow` and `truck-brake`. "No change" means less than 2 % of the least gap, the hardest braking, the rms
-//! jerk and the time of the service brakes. It also means less than 0.1 % of the fuel, and no collision. Whole numbers
-//! and absent ones were not varied.
+//! `truck-follow` and `truck-brake`. "No change" means less than 2 % of four figures: least gap, hardest braking, rms
+//! jerk, and time of the service brakes. It also means less than 0.1 % of the fuel, and no collision. Whole numbers and
+//! absent ones were not varied.
 //!
 //! ```sh
 //! cargo run --release -p regulation --example law_numbers -- predictive predictive --built-in truck-traffic,truck-hills,truck-follow,truck-brake
 //! ```
 //!
 //! The base: least gap 28.3 m, hardest braking 1.08 m/s², rms jerk 0.174 m/s³, fuel 37.6 L/100 km, service brakes for
-//! 27.5 s (means of the four), and no collision.
+//! 27.5 s. These are means of the four; there is no collision.
 
 use super::numbers::numbers;
 
@@ -22,8 +22,8 @@ numbers! { "gap",
     /// The gap that is kept, and the mode that it puts the law in: equations (14) to (16).
     pub struct GapKeys {
         /// Time headway tau behind the target, s (14).
-        // At 0.9: least gap -20 %, hardest braking +4 %, rms jerk +15 %, fuel +1.9 %; at 3.6: least gap +11 %,
-        // hardest braking -9 %, fuel -0.2 %.
+        // At 0.9: least gap -20 %, hardest braking +4 %, rms jerk +15 %, fuel +1.9 %. At 3.6: least gap +11 %, hardest
+        // braking -9 %, fuel -0.2 %.
         pub time_headway_s: f64 = 1.8, 0.3 to 5.0;
         /// Least gap d_0 when both stand, m (14).
         // At 2.5: rms jerk +36 %, fuel +0.2 %, service brake -3 %; at 10: hardest braking -4 %, fuel -2.1 %.
@@ -61,7 +61,7 @@ numbers! { "gap",
         /// A target is let go this far beyond d_max, m (inferred).
         // At 1.5: no change; at 6: fuel -0.1 %.
         pub hysteresis_m: f64 = 3.0, 0.0 to 30.0;
-        /// The gap that stands for no target, m: one that is farther by more than its noise does not count (16).
+        /// Gap that stands for no target, m. A target farther away by more than its noise does not count (16).
         // At 100: rms jerk -11 %, fuel -1.0 %; at 400: no change.
         pub no_target_m: f64 = 200.0, 50.0 to 1000.0;
     }
@@ -103,7 +103,7 @@ numbers! { "follow",
         /// Mode 2: largest acceleration, m/s².
         // No change at 0.15 and 0.6.
         pub follow_max_mps2: f64 = 0.3, 0.0 to 1.5;
-        /// Mode 3: acceleration behind a target that is no slower, m/s².
+        /// Mode 3: acceleration behind a target that is at least as fast, m/s².
         // No change at -0.4 and -1.6.
         pub warn_mps2: f64 = -0.8, -3.0 to 0.0;
         /// Mode 3: more of it per closing speed, 1/s.
@@ -225,7 +225,7 @@ numbers! { "filter",
 }
 
 numbers! { "truck",
-    /// The truck as the law believes it to be: equations (19) to (22). Absent values are those of `plant.vehicle`.
+    /// The truck as the law assumes it: equations (19) to (22). Absent values are those of `plant.vehicle`.
     pub struct TruckKeys {
         /// Mass m, kg.
         #[serde(skip_serializing_if = "Option::is_none")]
