@@ -1,7 +1,8 @@
 //! `timegap search --probability`: two estimates beside each other.
 
+use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
-use system_tests::{Corner, text};
+use system_tests::{Corner, text, wait_for};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
@@ -32,12 +33,15 @@ source = "a log"
 const SCENE: &str = "schema_version = 1\nname = \"scene\"\nduration_s = 0.5\nset_speed_mps = 20\n[plant]\n\
     initial_speed_mps = 20\n[[actors]]\nname = \"lead\"\ngap_m = 40\ninitial_speed_mps = 20\n";
 
-fn search(corner: &Corner, file: &str, more: &[&str]) -> std::process::Output {
+fn write(corner: &Corner, file: &str) -> String {
     std::fs::write(corner.path().join("scene.toml"), SCENE).expect("writable");
     let path = corner.path().join("gap.toml");
     std::fs::write(&path, file).expect("writable");
-    let name = path.to_string_lossy().into_owned();
-    corner.run(&[&["search", &name, "--probability"], more].concat())
+    path.to_string_lossy().into_owned()
+}
+
+fn search(corner: &Corner, file: &str, more: &[&str]) -> std::process::Output {
+    corner.run(&[&["search", &write(corner, file), "--probability"], more].concat())
 }
 
 #[test]
@@ -64,6 +68,35 @@ fn both_estimates_hold_the_known_probability() {
     let of = |one: &Value, name: &str| one[name].as_f64().expect("a number");
     assert!(of(gap, "importance") > 0.9 && of(other, "importance") < 0.1, "{probability}");
     assert!(of(gap, "total") > 0.8 && of(other, "total").abs() < 0.05, "{probability}");
+}
+
+/// A replica of 104 points goes on from its first hundred, and comes to the same estimate and the same table of drives.
+#[test]
+fn an_interrupted_replica_goes_on_in_its_middle() {
+    let corner = Corner::new(PROGRAM);
+    let gap = GAP.replace("indices = 20", "monte_carlo = 50");
+    let name = write(&corner, &gap);
+    let words = ["search", &name, "--probability", "--budget", "520", "--json"];
+    let mut begun = corner.start(&[&words[..], &["--resume", "a"]].concat());
+    let file = |path: &str| std::fs::read(corner.path().join(path)).unwrap_or_default();
+    let is_kept = || file("a/begun.jsonl").ends_with(b"\n");
+    let is_over = |begun: &mut std::process::Child| begun.try_wait().expect("ours").is_some();
+    assert!(wait_for(|| is_kept() || is_over(&mut begun)), "neither values nor an end");
+    let pid = Pid::from_raw(begun.id().try_into().expect("a process id")).expect("not 0");
+    kill_process(pid, Signal::INT).expect("our own child");
+    assert_eq!(begun.wait().expect("ours").code(), Some(130), "it was interrupted");
+    assert!(is_kept(), "an interrupt loses no value");
+    let kept = file("a/begun.jsonl").split(|byte| *byte == b'\n').count();
+    let journal = String::from_utf8(file("a/runs.jsonl")).expect("text");
+    assert!(journal.lines().count() < 6 && kept > 1, "{journal}");
+    let found = |more: &[&str]| {
+        let output = corner.run(&[&words[..], more].concat());
+        assert!(output.status.success(), "{}", text(&output));
+        serde_json::from_slice::<Value>(&output.stdout).expect("JSON")["probability"].take()
+    };
+    assert_eq!(found(&["--resume", "a"]), found(&["--resume", "b"]));
+    assert_eq!(file("a/runs.csv"), file("b/runs.csv"));
+    assert!(!file("b/runs.csv").is_empty() && file("a/begun.jsonl").is_empty());
 }
 
 #[test]

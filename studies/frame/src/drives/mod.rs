@@ -43,6 +43,28 @@ pub(crate) struct Drive {
     figures: Vec<Option<f64>>,
 }
 
+/// A drive whose figures are kept as their bits: a number that JSON gives back may differ in its last digit.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct ExactDrive {
+    /// Without its figures.
+    drive: Drive,
+    figures: Vec<Option<u64>>,
+}
+
+impl From<Drive> for ExactDrive {
+    fn from(mut drive: Drive) -> Self {
+        let figures = std::mem::take(&mut drive.figures);
+        Self { drive, figures: figures.into_iter().map(|one| one.map(f64::to_bits)).collect() }
+    }
+}
+
+impl From<ExactDrive> for Drive {
+    fn from(ExactDrive { drive, figures }: ExactDrive) -> Self {
+        let figures = figures.into_iter().map(|one| one.map(f64::from_bits)).collect();
+        Self { figures, ..drive }
+    }
+}
+
 impl Drive {
     pub(crate) fn of(scenario: &Scenario, keys: &[(String, String)], summary: &Summary) -> Self {
         Self {
@@ -54,6 +76,14 @@ impl Drive {
             duration_s: summary.duration_s,
             figures: FIGURES.iter().map(|(_, of)| of(summary)).collect(),
         }
+    }
+
+    /// A drive with these figures and nothing else.
+    #[cfg(test)]
+    pub(crate) fn with_figures(figures: Vec<Option<f64>>) -> Self {
+        let (scenario, law) = ("a".to_owned(), "b".to_owned());
+        let (keys, outcome) = (Vec::new(), Outcome::Completed);
+        Self { scenario, law, seed: 1, keys, outcome, duration_s: 1.0, figures }
     }
 
     fn line(&self, run: usize) -> Vec<u8> {

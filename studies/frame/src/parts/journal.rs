@@ -74,15 +74,16 @@ pub struct Journal {
 }
 
 impl Journal {
-    /// Opens the journal in `directory`, or begins one, and hands over its records.
+    /// Opens the journal `name` in `directory`, or begins one, and hands over its records.
     ///
     /// # Errors
     /// As [`read`]; [`Error::Path`] if the journal cannot be written.
     pub fn open<T: DeserializeOwned>(
         directory: &Path,
+        name: &str,
         each: &mut dyn FnMut(Place, T) -> Result<(), Error>,
     ) -> Result<Self, Error> {
-        let path = directory.join(FILE);
+        let path = directory.join(name);
         let error = |reason| Error::Path { action: "write", path: path.clone(), reason };
         let length = if path.exists() { read(&path, each)? } else { 0 };
         let file = OpenOptions::new().create(true).append(true).open(&path).map_err(error)?;
@@ -190,7 +191,7 @@ mod tests {
     /// Opens a journal of numbers, with those that are in it.
     fn open(directory: &Path) -> Result<(Journal, Vec<u32>), Error> {
         let mut records = Vec::new();
-        let journal = Journal::open(directory, &mut |_, record| {
+        let journal = Journal::open(directory, FILE, &mut |_, record| {
             records.push(record);
             Ok(())
         })?;

@@ -3,12 +3,14 @@
 //! ```text
 //! --shard I/N ─► part.json (the study)                ┐
 //!                runs.jsonl (a line per finished run) ┴─► --merge ─► the result of one machine
+//!                begun.jsonl (values of long runs that are not finished)
 //! ```
 //!
 //! A part's directory names the command that it is a part of. So a merge can name missing runs with the command that
 //! completes them, and refuses parts of different studies. The sample for process groups is drawn from the whole
 //! study: it is the same in any number of parts.
 
+mod begun;
 mod journal;
 mod merge;
 mod part;
@@ -16,6 +18,7 @@ mod records;
 mod shard;
 mod words;
 
+pub(crate) use begun::{Begun, SoFar};
 pub use merge::MergeError;
 pub(crate) use merge::{Merged, name_incomplete};
 pub(crate) use part::{Part, holds, take};

@@ -1,12 +1,13 @@
 //! A part under way.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use group::Error;
 use report::output::{OutputDirectory, OutputOptions};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use super::begun::{self, Begun, SoFar};
 use super::journal::{self, Journal, JournalError};
 use super::{
     FILE, Line, PartError, PartFile, PartOptions, Records, Shard, ShardChoice, Study, read_file,
@@ -19,6 +20,8 @@ pub struct Part<T> {
     shard: Option<Shard>,
     study: Study,
     journal: Option<Journal>,
+    begun: Begun,
+    so_far: BTreeMap<usize, SoFar>,
     records: Records<T>,
     sample: ProcessesSample,
 }
@@ -43,7 +46,8 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         };
         let records = Records::new(study.runs);
         let sample = ProcessesSample::default();
-        let mut part = Self { shard, journal: None, records, sample, study };
+        let (begun, so_far) = Default::default();
+        let mut part = Self { shard, journal: None, begun, so_far, records, sample, study };
         if shard.is_some() || options.resume.is_some() || keeps_journal {
             part.begin(&directory)?;
         }
@@ -64,13 +68,27 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         let Self { records, sample, shard, .. } = self;
         records.begin(&directory.path().join(journal::FILE));
         let mut each = |place, line| Ok(take::<T>(records, sample, *shard, place, line)?);
-        self.journal = Some(Journal::open(directory.path(), &mut each)?);
+        self.journal = Some(Journal::open(directory.path(), journal::FILE, &mut each)?);
+        (self.begun, self.so_far) = Begun::open(directory.path())?;
+        self.so_far.retain(|run, _| !self.records.has(*run));
         Ok(())
     }
 
     /// The records so far.
     pub fn records(&self) -> &Records<T> {
         &self.records
+    }
+
+    /// The file of runs that have begun, with what those of an earlier command had computed.
+    pub(crate) fn take_begun(&mut self) -> (Begun, BTreeMap<usize, SoFar>) {
+        (std::mem::take(&mut self.begun), std::mem::take(&mut self.so_far))
+    }
+
+    /// All runs have ended: what they had computed before is of no more use.
+    pub(crate) fn end(&self, directory: &OutputDirectory) {
+        if self.journal.is_some() {
+            begun::remove(directory.path());
+        }
     }
 
     /// The runs of this part that are left to do.

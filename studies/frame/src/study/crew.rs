@@ -10,6 +10,7 @@ use super::{RunResult, Study};
 use crate::batch::{self, Done, Job};
 use crate::drives::Drive;
 use crate::keep::Keeper;
+use crate::parts::{Begun, SoFar};
 use scenario::Scenario;
 
 /// Drives runs in threads or process groups, and repeats the runs of the sample.
@@ -26,15 +27,30 @@ pub(super) struct Observed<'a> {
     pub keeper: Option<&'a Keeper>,
     /// Counts the steps of all runs.
     bar: &'a ProgressBar,
+    /// Keeps values of runs that have not ended.
+    begun: Begun,
     /// Figures of the drives of runs that are not settled.
     drives: Mutex<BTreeMap<usize, Vec<Drive>>>,
+    /// Number of these figures that `begun` has.
+    kept: Mutex<BTreeMap<usize, usize>>,
     /// Steps that these runs have reported.
     steps: Mutex<BTreeMap<usize, u64>>,
 }
 
 impl<'a> Observed<'a> {
-    pub fn new(keeper: Option<&'a Keeper>, bar: &'a ProgressBar) -> Self {
-        Self { keeper, bar, drives: Mutex::default(), steps: Mutex::default() }
+    /// `so_far` is what interrupted runs had computed.
+    pub fn new(
+        keeper: Option<&'a Keeper>,
+        bar: &'a ProgressBar,
+        (begun, so_far): (Begun, BTreeMap<usize, SoFar>),
+    ) -> Self {
+        let kept = so_far.iter().map(|(run, one)| (*run, one.drives.len())).collect();
+        let steps: BTreeMap<usize, u64> =
+            so_far.iter().map(|(run, one)| (*run, one.values.len() as u64)).collect();
+        bar.inc(steps.values().sum());
+        let drives = so_far.into_iter().map(|(run, one)| (run, one.drives)).collect();
+        let (drives, kept, steps) = (Mutex::new(drives), Mutex::new(kept), Mutex::new(steps));
+        Self { keeper, bar, begun, drives, kept, steps }
     }
 
     /// A run of this number of steps ended: those that it did not report are over too.
@@ -95,6 +111,21 @@ impl<'a> Crew<'a> {
         self.observed.bar.inc(1);
     }
 
+    /// Keeps further values of run `run`, which goes on, and the figures of its drives: an interrupted study gives the
+    /// values back by [`Study::recall_begun`]. Without a journal nothing is kept. Each value counts as a step.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    pub fn keep(&self, run: usize, values: &[f64]) -> Result<(), Error> {
+        let drives = self.observed.drives.lock().expect("no worker panics here");
+        let drives: &[Drive] = drives.get(&run).map_or(&[], Vec::as_slice);
+        let mut kept = self.observed.kept.lock().expect("no worker panics here");
+        let kept = kept.entry(run).or_default();
+        self.observed.begun.keep(run, values, &drives[*kept..])?;
+        *kept = drives.len();
+        Ok(())
+    }
+
     /// Drives, and repeats what is in the sample.
     ///
     /// # Errors
@@ -133,17 +164,20 @@ mod tests {
     #[test]
     fn steps_move_the_bar_before_their_run_ends() {
         let bar = ProgressBar::hidden();
-        let observed = Observed::new(None, &bar);
+        let so_far = SoFar { values: vec![0.5], ..SoFar::default() };
+        let begun = (Begun::default(), BTreeMap::from([(9, so_far)]));
+        let observed = Observed::new(None, &bar, begun);
         let group = GroupOptions { programs: Vec::new(), ready_timeout: 1.0, processes: false };
         let sample = BTreeSet::new();
         let crew = Crew::new(&group, &sample, &|| true, &observed);
         crew.step(7);
         crew.step(7);
-        assert_eq!(bar.position(), 2);
+        assert_eq!(bar.position(), 3, "an earlier command did one");
         // A run that reports no steps, and one that skips two of five.
         observed.end(3, 1);
         crew.step(7);
         observed.end(7, 5);
-        assert_eq!(bar.position(), 6);
+        observed.end(9, 2);
+        assert_eq!(bar.position(), 8);
     }
 }

@@ -211,6 +211,11 @@ pub trait Study: Sized + Sync {
         let _ = (run, record);
     }
 
+    /// Takes the values that an interrupted run had kept ([`Crew::keep`]), before the first run of this command begins.
+    fn recall_begun(&self, run: usize, values: &[f64]) {
+        let _ = (run, values);
+    }
+
     /// Keys that the study varies, with their values in a run. They are columns of the table of drives, and of the
     /// trajectories that `--keep` keeps. All runs have the same keys. It is asked for a run that is under way.
     fn keys(&self, run: usize) -> Vec<(String, String)> {

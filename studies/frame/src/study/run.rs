@@ -12,7 +12,7 @@ use super::{Crew, Found, Needs, Options, RunResult, Study};
 use crate::batch::{self, ProcessesSample};
 use crate::drives;
 use crate::keep::{self, Keeper, Key};
-use crate::parts::{self, Merged, Part, PartOptions, ShardChoice, name_incomplete};
+use crate::parts::{self, Begun, Merged, Part, PartOptions, ShardChoice, SoFar, name_incomplete};
 
 /// Runs the command of a study.
 ///
@@ -61,20 +61,25 @@ fn drive<S: Study>(arguments: &S::Arguments) -> Result<ExitCode, Error> {
         study.recall(run, record);
         Ok(())
     })?;
+    let begun = part.take_begun();
+    for (run, so_far) in &begun.1 {
+        study.recall_begun(*run, &so_far.values);
+    }
     let bar = report::progress::count_bar(steps(&study, part.mine()), results.json);
     bar.set_message(study.label());
     let mut seen = BTreeMap::new();
     let keeper = S::keep(arguments)
         .map(|keep| Keeper::new(keep, &output, &part.left(), study.columns(&part.left())));
-    let end = all(&study, options, &mut part, &mut seen, keeper.as_ref(), &bar);
+    let end = all(&study, options, &mut part, &mut seen, keeper.as_ref(), (&bar, begun));
     bar.finish_and_clear();
     if let Some(keeper) = keeper {
         let kept = keeper.finish()?;
         let place = output.path().join(keep::FILE);
         report::print::note(&format!("trajectories kept: {kept} in {}", place.display()));
     }
-    if end.is_err() {
-        part.print_how_to_continue(&output);
+    match end {
+        Ok(()) => part.end(&output),
+        Err(_) => part.print_how_to_continue(&output),
     }
     // Without a run there is nothing to judge.
     if S::NEEDS != Needs::Any || part.records().is_empty() {
@@ -91,7 +96,7 @@ fn all<S: Study>(
     part: &mut Part<S::Record>,
     seen: &mut BTreeMap<usize, S::Seen>,
     keeper: Option<&Keeper>,
-    bar: &ProgressBar,
+    (bar, begun): (&ProgressBar, (Begun, BTreeMap<usize, SoFar>)),
 ) -> Result<(), Error> {
     let left = part.left();
     let before = steps(study, part.mine()) - steps(study, left.iter().copied());
@@ -103,7 +108,7 @@ fn all<S: Study>(
     }
     let sampled = part.sampled(study.seed());
     let mut sample = ProcessesSample::default();
-    let observed = Observed::new(keeper, bar);
+    let observed = Observed::new(keeper, bar, begun);
     let mut keep = |run: usize, gave: Result<RunResult<S::Record, S::Seen>, Error>| {
         let RunResult { record, seen: picture, repetition } = gave?;
         if let Some(line) = study.notice(&record) {

@@ -6,7 +6,8 @@
 //! unit m + 1 …     5 rows of Sobol's indices each                        beside the budget, if asked for
 //! ```
 //!
-//! A unit is a run of the frame. It is driven in one thread and kept in one line of the journal. A point that the
+//! A unit is a run of the frame. It is driven in one thread and kept in one line of the journal. A replica has thousands
+//! of points: it also keeps its values as they come, and goes on from them after an interrupt. A point that the
 //! reference driver does not avoid is not a failure and costs no drive. Every drive has a seed of its own, so that
 //! noise is a part of the probability.
 
@@ -17,7 +18,7 @@ mod unit;
 pub use model::ModelError;
 pub use unit::Unit;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::process::ExitCode;
 use std::sync::Mutex;
 
@@ -44,6 +45,9 @@ pub fn run(arguments: &SearchArguments) -> Result<ExitCode, Error> {
     frame::study::run::<Probability>(arguments)
 }
 
+/// Points of a unit that are kept at once: more than a unit of Monte Carlo has.
+const KEPT_AT_ONCE: usize = 100;
+
 /// A unit's drives are kept until its end.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error(
@@ -61,6 +65,8 @@ struct Probability {
     seed: u64,
     /// Events of the units of Monte Carlo that ended.
     events: Mutex<BTreeMap<usize, usize>>,
+    /// Values of the points of replicas that were interrupted.
+    begun: Mutex<BTreeMap<usize, Vec<f64>>>,
 }
 
 impl Study for Probability {
@@ -84,7 +90,7 @@ impl Study for Probability {
         let model = Model::of(&problem)?;
         let units = Units::new(arguments.budget(), model.monte_carlo, model.rows());
         let seed = arguments.seed()?;
-        Ok(Self { problem, model, units, seed, events: Mutex::default() })
+        Ok(Self { problem, model, units, seed, events: Mutex::default(), begun: Mutex::default() })
     }
 
     fn runs(&self) -> usize {
@@ -107,6 +113,10 @@ impl Study for Probability {
         self.tell(run, unit);
     }
 
+    fn recall_begun(&self, run: usize, values: &[f64]) {
+        self.begun.lock().expect("no worker panics here").insert(run, values.to_vec());
+    }
+
     fn columns(&self, _: &[usize]) -> Vec<Key> {
         self.problem.columns()
     }
@@ -116,7 +126,16 @@ impl Study for Probability {
     }
 
     fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<RunResult<Unit, ()>, Error> {
-        let mut points = Points { study: self, run, crew, unit: Unit::default(), repetition: None };
+        let known = self.begun.lock().expect("no worker panics here").remove(&run);
+        let mut points = Points {
+            study: self,
+            run,
+            crew,
+            unit: Unit::default(),
+            repetition: None,
+            known: known.unwrap_or_default().into(),
+            fresh: Vec::new(),
+        };
         match self.units.kind(run) {
             Kind::Replica { number, runs } => {
                 let budget = Budget { runs, seed: seed_of(self.seed, 8, 0) };
@@ -184,17 +203,30 @@ struct Points<'a> {
     crew: &'a Crew<'a>,
     unit: Unit,
     repetition: Option<Repetition>,
+    /// Values of the next points, from before an interrupt.
+    known: VecDeque<f64>,
+    /// Values that are not kept yet.
+    fresh: Vec<f64>,
 }
 
 impl Points<'_> {
     /// The value of a point, as a search has it. It is a step of the unit.
     fn value(&mut self, point: &[f64]) -> Result<f64, Error> {
-        let value = self.evaluate(point)?;
-        self.crew.step(self.run);
+        let known = self.known.pop_front();
+        let value = self.evaluate(point, known)?;
+        if known.is_none() {
+            self.crew.step(self.run);
+            self.fresh.push(value);
+        }
+        // A unit of Monte Carlo is short enough to be done again.
+        if self.fresh.len() >= KEPT_AT_ONCE {
+            self.crew.keep(self.run, &self.fresh)?;
+            self.fresh.clear();
+        }
         Ok(value)
     }
 
-    fn evaluate(&mut self, point: &[f64]) -> Result<f64, Error> {
+    fn evaluate(&mut self, point: &[f64], known: Option<f64>) -> Result<f64, Error> {
         let Probability { problem, model, seed, .. } = self.study;
         let (values, is_clipped): (Vec<Value>, bool) = model.values(problem, point);
         self.unit.clipped += usize::from(is_clipped);
@@ -205,6 +237,10 @@ impl Points<'_> {
         let reference = reference.map_or(f64::NEG_INFINITY, |d| d.drive(&scenario, false).value());
         if reference >= 0.0 {
             return Ok(reference);
+        }
+        if let Some(value) = known {
+            self.unit.driven += 1;
+            return Ok(value);
         }
         // The first drive stands for the unit in the sample.
         let repeats = self.crew.repeats(self.run) && self.repetition.is_none();
