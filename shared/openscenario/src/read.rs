@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::declare::{Element, Form, Node, check, check_head};
+use crate::declare::{Element, Form, Node, SCENARIO_VERSIONS, check, check_head};
 use crate::error::{Place, ReadError, Spot};
 use crate::library::Source;
 use crate::model::Script;
@@ -21,6 +21,8 @@ pub struct Scenario {
     pub description: String,
     /// Its parameters with the values that took effect, by name.
     pub parameters: Vec<(String, String)>,
+    /// The ego's set speed, m/s, where Init lets it change its speed over time; otherwise its speed at the start.
+    pub set_speed_mps: Option<f64>,
     /// Notes for a person on how it is simulated, a sentence each.
     pub notices: Vec<String>,
     /// The places of its parts in the scenario file.
@@ -45,6 +47,8 @@ pub struct Choices {
     pub assigned: Vec<Assignment>,
     /// The direction from which headings count.
     pub headings: LaneHeadings,
+    /// The entity that is the ego. Without it, its name or its controller says so.
+    pub ego: Option<String>,
 }
 
 /// Reads a scenario file with its catalogs and its road. `assigned` values replace the declared ones.
@@ -84,6 +88,7 @@ pub fn scenario_by(
     let document = open_scenario(path, source)?;
     let (scene, outside) = (Scene::new(source, path), Scope::default());
     scene.headings.set(choices.headings);
+    scene.ego_name.replace(choices.ego.clone());
     let root = &document.root;
     let node = Node { file: &document.file, element: root, scope: &outside, scene: &scene };
     let scope = opened(node, &choices.assigned)?;
@@ -108,7 +113,8 @@ pub fn scenario_by(
             finish(&scene, &script)?;
             let parameters = scope.iter().map(|(name, value)| (name.to_owned(), value.text()));
             let parameters = parameters.collect();
-            Ok(Scenario { script, description, parameters, notices: scene.notices.take(), spots })
+            let (set_speed_mps, notices) = (scene.ego_goal_mps.get(), scene.notices.take());
+            Ok(Scenario { script, description, parameters, set_speed_mps, notices, spots })
         }
         _ => Err(node.refuse("this file holds no scenario", "`Entities` and `Storyboard`")),
     }
@@ -182,7 +188,7 @@ pub(crate) fn open(
         .read(path)
         .map_err(|error| ReadError::File { file: file.clone(), reason: error.to_string() })?;
     let document = xml::parse(&file, &text)?;
-    check_head(&document)?;
+    check_head(&document, SCENARIO_VERSIONS)?;
     if let Some((reason, expected)) = other(&document.root) {
         let place = Place { file, spot: document.root.spot };
         return Err(ReadError::Meaning { place, reason, expected });

@@ -120,6 +120,6 @@ mod tests {
     fn an_element_of_two_names_has_one_row() {
         let table = markdown();
         assert!(table.contains("| `SpeedActionDynamics`, `LaneChangeActionDynamics` |"), "{table}");
-        assert_eq!(table.matches("| `Position` |").count(), 1);
+        assert_eq!(table.matches("| `Position`").count(), 1);
     }
 }

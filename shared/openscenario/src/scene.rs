@@ -39,6 +39,10 @@ pub(crate) struct Scene<'a> {
     /// Names that stand for several entities.
     pub selections: RefCell<Vec<(String, Vec<usize>)>>,
     pub ego: Cell<usize>,
+    /// The name of the ego, where the user gives it.
+    pub ego_name: RefCell<Option<String>>,
+    /// The speed to which the ego drives in its own time, m/s.
+    pub ego_goal_mps: Cell<Option<f64>>,
     pub headings: Cell<LaneHeadings>,
     /// The actors of the maneuver group that is read.
     pub actors: RefCell<Vec<usize>>,
@@ -82,6 +86,8 @@ impl<'a> Scene<'a> {
             entities: RefCell::default(),
             selections: RefCell::default(),
             ego: Cell::default(),
+            ego_name: RefCell::default(),
+            ego_goal_mps: Cell::default(),
             headings: Cell::default(),
             actors: RefCell::default(),
             values: RefCell::default(),

@@ -17,6 +17,10 @@ const BOX: &str = "<BoundingBox><Center x=\"1\" y=\"0\" z=\"1\"/><Dimensions wid
 
 /// Reads a scenario whose lead is the entry `car` of a catalog, with these parameters assigned.
 fn with_catalog(entries: &str, assigned: &str) -> Result<Scenario, ReadError> {
+    with_head("revMajor=\"1\" revMinor=\"3\"", entries, assigned)
+}
+
+fn with_head(version: &str, entries: &str, assigned: &str) -> Result<Scenario, ReadError> {
     let locations = "<CatalogLocations><VehicleCatalog><Directory path=\"cars\"/></VehicleCatalog></CatalogLocations>";
     let text = Parts { head: locations.to_owned(), ..Parts::default() }.text();
     let lead = text.find("name=\"Lead\"").expect("there is a lead");
@@ -27,12 +31,17 @@ fn with_catalog(entries: &str, assigned: &str) -> Result<Scenario, ReadError> {
     );
     let text = format!("{}{reference}{}", &text[..at], &text[end..]);
     let catalog = format!(
-        "<OpenSCENARIO>\n<FileHeader revMajor=\"1\" revMinor=\"3\"/>\n<Catalog name=\"c\">{entries}</Catalog></OpenSCENARIO>"
+        "<OpenSCENARIO>\n<FileHeader {version}/>\n<Catalog name=\"c\">{entries}</Catalog></OpenSCENARIO>"
     );
     let files =
         [("dir/a.xosc", text), ("dir/cars/c.xosc", catalog), ("dir/road.xodr", ROAD.into())];
     let files = files.into_iter().map(|(path, text)| (path.into(), text)).collect();
     scenario(Path::new("dir/a.xosc"), &Files(files), &[])
+}
+
+/// The same with a catalog of a version.
+fn of_version(version: &str, entry: &str) -> Result<Scenario, ReadError> {
+    with_head(version, entry, "")
 }
 
 /// A car that may pull what its parameter names.
@@ -130,4 +139,53 @@ fn the_ego_may_be_the_hero_or_the_only_entity() {
         private("Car", &[&place(-1, 10.0), &speed("step", "time", 0.0, 20.0)])
     );
     read(alone).expect("the only entity is the ego");
+}
+
+#[test]
+fn catalogs_of_version_0_9_are_read_with_a_note() {
+    let read = of_version("revMajor=\"0\" revMinor=\"9\"", &car()).expect("its entries are alike");
+    let noted = "dir/cars/c.xosc: a catalog of version 0.9: its entries are read as those of 1.0";
+    assert!(read.notices.iter().any(|notice| notice == noted), "{:?}", read.notices);
+    let newer = of_version("revMajor=\"1\" revMinor=\"0\"", &car()).expect("it is supported");
+    assert!(!newer.notices.iter().any(|notice| notice.contains("version")), "{:?}", newer.notices);
+    let shown =
+        of_version("revMajor=\"0\" revMinor=\"8\"", &car()).expect_err("too old").to_string();
+    assert!(shown.starts_with("dir/cars/c.xosc:2:1: version 0.8"), "{shown}");
+}
+
+#[test]
+fn a_box_without_a_size_is_assumed_and_one_with_half_a_size_refused() {
+    let sized = |width: f64, length: f64| {
+        car().replace("width=\"2\" length=\"4\"", &format!("width=\"{width}\" length=\"{length}\""))
+    };
+    let read = with_catalog(&sized(0.0, 0.0), "").expect("its size is unknown");
+    let lead = read.script.entities.iter().find(|entity| entity.name == "Lead").expect("a lead");
+    assert_eq!((lead.body.length_m, lead.body.width_m), (4.5, 1.8));
+    let noted = "the bounding box has no size: 4.5 m by 1.8 m is assumed";
+    assert!(read.notices.iter().any(|notice| notice.ends_with(noted)), "{:?}", read.notices);
+    for (width, length, wrong) in [(0.0, 4.0, "width"), (2.0, 0.0, "length")] {
+        let shown = with_catalog(&sized(width, length), "").expect_err("half a size").to_string();
+        let expected = format!("attribute `{wrong}` of `Dimensions`: 0 is out of range");
+        assert!(shown.contains(&expected), "{shown}");
+    }
+}
+
+#[test]
+fn the_user_may_name_the_ego() {
+    let named = |name: &str| Parts { ego: Some(name.to_owned()), ..Parts::default() };
+    let script = named("Lead").read().expect("it is there").script;
+    assert_eq!(script.entities[script.ego].name, "Lead");
+    let shown = named("Leed").refusal();
+    assert!(shown.contains("`--ego Leed` names no entity, expected `Ego`, `Lead` or `Walker` (did you mean `Lead`?)"), "{shown}");
+}
+
+#[test]
+fn a_speed_that_the_ego_shall_reach_in_time_is_its_set_speed() {
+    let init = private("Ego", &[&place(-1, 10.0), &speed("linear", "rate", 3.0, 25.0)])
+        + &private("Lead", &[&place(-1, 60.0)]);
+    let text = Parts { init, ..Parts::default() };
+    let read = text.read().expect("the stack speeds up by itself");
+    assert_eq!(read.set_speed_mps, Some(25.0));
+    assert!(read.notices.iter().any(|notice| notice.contains("25 m/s is its set speed")));
+    assert_eq!(Parts::default().read().expect("a step").set_speed_mps, None);
 }

@@ -29,9 +29,9 @@ fn with_event(action: &str) -> Parts {
 #[test]
 fn actions_outside_the_subset() {
     refused(
-        &with_event("<SynchronizeAction/>"),
+        &with_event("<PlatoonAction/>"),
         &[
-            "dir/a.xosc:6:271: element `SynchronizeAction` in `PrivateAction` is not supported, expected `LongitudinalAction`",
+            "dir/a.xosc:6:271: element `PlatoonAction` in `PrivateAction` is not supported, expected `LongitudinalAction`",
         ],
     );
     refused(
@@ -175,11 +175,21 @@ fn the_ego_must_be_known_and_placed() {
         openscenario::read::scenario(std::path::Path::new("dir/a.xosc"), &Files(files), &[])
     };
     let shown = read(&text).expect_err("no ego").to_string();
-    assert!(shown.contains("none of `Car`, `Lead` or `Walker` is known to be the ego"), "{shown}");
+    assert!(
+        shown.contains(
+            "no entity is known to be the ego, expected `--ego NAME` with `Car`, `Lead` or `Walker`"
+        ),
+        "{shown}"
+    );
     let controlled = text.replacen("<ScenarioObject name=\"Car\">", "<ScenarioObject name=\"Car\"><ObjectController><Controller name=\"c\"/></ObjectController>", 1);
     assert_eq!(read(&controlled).expect("the controlled one is the ego").script.ego, 0);
-    let parts =
-        Parts { init: private("Ego", &[&speed("linear", "time", 3.0, 5.0)]), ..Parts::default() };
+    let parts = Parts {
+        init: private(
+            "Ego",
+            &[&lane_change("linear", "time", 3.0, "<AbsoluteTargetLane value=\"-2\"/>")],
+        ),
+        ..Parts::default()
+    };
     refused(&parts, &["timegap's stack drives the ego from the start"]);
 }
 

@@ -100,7 +100,8 @@ pub(super) fn keys_of(path: &Path, choices: &Choices) -> Result<ForeignKeys, Ope
         keys.set_at(&place_of(spot), &what, key, value);
     };
     let ego_mps = world.motion(script.ego).speed_mps;
-    set(&mut keys, script.ego, "set_speed_mps", ego_mps.into());
+    let set_speed_mps = read.set_speed_mps.unwrap_or(ego_mps);
+    set(&mut keys, script.ego, "set_speed_mps", set_speed_mps.into());
     set(&mut keys, script.ego, "plant.initial_speed_mps", ego_mps.into());
     let length_m = script.entities[script.ego].body.length_m;
     set(&mut keys, script.ego, "plant.length_m", length_m.into());

@@ -33,6 +33,10 @@ pub struct ScenarioOptions {
     /// the standard, or the lane's traffic, as in esmini and CARLA
     #[arg(long, value_enum, default_value_t, value_name = "DIRECTION")]
     pub lane_headings: HeadingsName,
+    /// Name of the entity that is the ego in an OpenSCENARIO file. Without it, the ego is called `Ego` or `hero`, or is the
+    /// only entity with a controller
+    #[arg(long, value_name = "NAME")]
+    pub ego: Option<String>,
     /// Parameters of an OpenSCENARIO file, `NAME=VALUE`: an option of the commands that take one.
     #[arg(skip)]
     pub parameters: Vec<String>,

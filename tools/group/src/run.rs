@@ -27,6 +27,14 @@ pub enum ParameterError {
         /// The scenario.
         name: String,
     },
+    /// Other scenarios have one ego, without a name.
+    #[error("--ego {ego}: {name} is no OpenSCENARIO file, expected one (.xosc)")]
+    NoEntities {
+        /// The argument.
+        ego: String,
+        /// The scenario.
+        name: String,
+    },
     /// Other scenarios have no lane positions.
     #[error("--lane-headings traffic: {name} is no OpenSCENARIO file, expected one (.xosc)")]
     NoLanePositions {
@@ -99,12 +107,15 @@ impl Opening {
         }
         let parameters = options.parameters.iter().map(|argument| assignment(argument));
         let assigned = parameters.collect::<Result<Vec<_>, _>>()?;
-        let choices = Choices { assigned, headings: options.lane_headings.into() };
+        let (headings, ego) = (options.lane_headings.into(), options.ego.clone());
+        let choices = Choices { assigned, headings, ego };
         let file = if is_openscenario(name) {
             File::OpenScenario(name.into(), choices)
         } else if let Some(argument) = options.parameters.first() {
             let (argument, name) = (argument.clone(), name.to_owned());
             return Err(ParameterError::NoOpenScenario { argument, name }.into());
+        } else if let Some(ego) = choices.ego {
+            return Err(ParameterError::NoEntities { ego, name: name.to_owned() }.into());
         } else if choices.headings != LaneHeadings::Road {
             return Err(ParameterError::NoLanePositions { name: name.to_owned() }.into());
         } else {

@@ -19,6 +19,9 @@ pub struct ListArguments {
     /// Set a parameter of the OpenSCENARIO file (repeatable)
     #[arg(long = "param", value_name = "NAME=VALUE", requires = "show")]
     pub parameters: Vec<String>,
+    /// Name of the entity that is the ego, for --show FILE.xosc
+    #[arg(long, value_name = "NAME", requires = "show")]
+    pub ego: Option<String>,
     /// Print the JSON Schema of the scenario file, for editors, or of all results that `--json` prints
     #[arg(
         long,
@@ -69,28 +72,34 @@ pub struct UnknownFile {
 
 impl Failure for UnknownFile {}
 
-/// A parameter for a file without parameters.
+/// An option for a file without parameters and entities.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "--param {argument}: {name} is not an OpenSCENARIO file and has no parameters, expected --show FILE.xosc"
+    "{option} {argument}: {name} is not an OpenSCENARIO file and has no {what}, expected --show FILE.xosc"
 )]
-pub struct NoParameters {
+pub struct NotOfOpenScenario {
+    option: &'static str,
+    what: &'static str,
     name: String,
     argument: String,
 }
 
-impl Failure for NoParameters {}
+impl Failure for NotOfOpenScenario {}
 
 /// Runs the command.
 pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
     if let Some(name) = arguments.show.as_deref().filter(|name| group::is_openscenario(name)) {
         let parameters = arguments.parameters.clone();
-        let options = ScenarioOptions { parameters, ..ScenarioOptions::default() };
+        let ego = arguments.ego.clone();
+        let options = ScenarioOptions { parameters, ego, ..ScenarioOptions::default() };
         print::out(&group::open(name, &options)?.to_toml())?;
         return Ok(ExitCode::SUCCESS);
     }
-    if let (Some(name), Some(argument)) = (&arguments.show, arguments.parameters.first()) {
-        return Err(NoParameters { name: name.clone(), argument: argument.clone() }.into());
+    let parameter = arguments.parameters.first().map(|it| ("--param", "parameters", it));
+    let ego = arguments.ego.as_ref().map(|it| ("--ego", "entities", it));
+    if let (Some(name), Some((option, what, argument))) = (&arguments.show, parameter.or(ego)) {
+        let (name, argument) = (name.clone(), argument.clone());
+        return Err(NotOfOpenScenario { option, what, name, argument }.into());
     }
     if let Some(name) = &arguments.show {
         let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.text));

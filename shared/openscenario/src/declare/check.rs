@@ -4,8 +4,15 @@ use super::{ChildForm, Form};
 use crate::error::{Place, ReadError, meant, one_of};
 use crate::xml::{Document, Element};
 
-/// Whether a file is of the format, in a supported version.
-pub(crate) fn check_head(document: &Document) -> Result<(), ReadError> {
+/// Versions of scenario files, major and minor.
+pub(crate) const SCENARIO_VERSIONS: &[(&str, &str)] =
+    &[("1", "0"), ("1", "1"), ("1", "2"), ("1", "3")];
+/// Versions of catalogs. Their entries are the same since 0.9.
+pub(crate) const CATALOG_VERSIONS: &[(&str, &str)] =
+    &[("0", "9"), ("1", "0"), ("1", "1"), ("1", "2"), ("1", "3")];
+
+/// Whether a file is of the format, in one of some versions.
+pub(crate) fn check_head(document: &Document, versions: &[(&str, &str)]) -> Result<(), ReadError> {
     let root = &document.root;
     let place = |element: &Element| Place { file: document.file.clone(), spot: element.spot };
     if root.name != "OpenSCENARIO" {
@@ -19,9 +26,10 @@ pub(crate) fn check_head(document: &Document) -> Result<(), ReadError> {
     }
     let Some(header) = root.child("FileHeader") else { return Ok(()) };
     let part = |name| header.attribute(name).unwrap_or("?");
-    match (part("revMajor"), part("revMinor")) {
-        ("1", "0" | "1" | "2" | "3") => Ok(()),
-        (major, minor) => {
+    let (major, minor) = (part("revMajor"), part("revMinor"));
+    match versions.contains(&(major, minor)) {
+        true => Ok(()),
+        false => {
             Err(ReadError::Version { place: place(header), found: format!("{major}.{minor}") })
         }
     }

@@ -27,7 +27,7 @@ pub(crate) use attribute::{
     AtLeastZero, AttributeForm, Bound, Count, FromAttribute, Given, Later, Literal, Number,
     Positive, Scalar, Text, Truth, Whole, kind_of, words,
 };
-pub(crate) use check::{check, check_head};
+pub(crate) use check::{CATALOG_VERSIONS, SCENARIO_VERSIONS, check, check_head};
 pub(crate) use content::{AtLeastOne, ChildForm, Choice, Content, OneOf, Placed};
 pub(crate) use node::Node;
 

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::meeting::Meeting;
 use super::position::Position;
+use super::profile::SpeedProfile;
 use crate::expression::Value;
 
 /// An action.
@@ -64,6 +66,10 @@ pub enum Action {
     },
     /// An action without effect in the simulation; it is complete at once.
     Nothing,
+    /// The speed follows a profile.
+    Profile(SpeedProfile),
+    /// The entity arrives together with another one.
+    Meet(Box<Meeting>),
 }
 
 /// A target speed.
@@ -90,6 +96,18 @@ pub enum SpeedTarget {
         /// Kept up without end.
         continuous: bool,
     },
+}
+
+impl Action {
+    /// The entity whose motion it depends on while it goes on.
+    #[must_use]
+    pub fn follows(&self) -> Option<usize> {
+        match self {
+            Self::Profile(profile) => profile.relative_to,
+            Self::Meet(meeting) => Some(meeting.master),
+            _ => None,
+        }
+    }
 }
 
 impl SpeedTarget {

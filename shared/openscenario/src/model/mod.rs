@@ -6,7 +6,9 @@
 pub mod action;
 pub mod condition;
 pub mod element;
+pub mod meeting;
 pub mod position;
+pub mod profile;
 pub mod storyboard;
 
 use serde::{Deserialize, Serialize};
@@ -18,7 +20,7 @@ use condition::Trigger;
 use storyboard::Story;
 
 /// Most entities, the ego included.
-pub const MAX_ENTITIES: usize = 9;
+pub const MAX_ENTITIES: usize = 65;
 
 /// A whole scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

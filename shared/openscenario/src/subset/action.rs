@@ -7,6 +7,8 @@ use super::lateral::LateralAction;
 use super::longitudinal::LongitudinalAction;
 use super::position::Position;
 use super::reference::{EntityName, ParameterName, VariableName};
+use super::signal::InfrastructureAction;
+use super::synchronize::SynchronizeAction;
 use super::trajectory::RoutingAction;
 use crate::declare::{Literal, Node, Number, OneOf, elements};
 use crate::error::ReadError;
@@ -24,6 +26,7 @@ elements! { "Actions";
             RoutingAction,
             VisibilityAction,
             ActivateControllerAction,
+            SynchronizeAction,
         )>,
     } { Ok(action) }
 
@@ -32,8 +35,15 @@ elements! { "Actions";
 
     /// an action of the world
     GlobalAction -> Action []
-    {action: OneOf<(EntityAction, ParameterAction, VariableAction, EnvironmentAction)>}
-    { Ok(action) }
+    {
+        action: OneOf<(
+            EntityAction,
+            ParameterAction,
+            VariableAction,
+            EnvironmentAction,
+            InfrastructureAction,
+        )>,
+    } { Ok(action) }
 
     /// not for the ego
     EntityAction -> Action ["entityRef" entity: EntityName]

@@ -1,6 +1,6 @@
 //! Bodies of entities.
 
-use crate::declare::{AtLeastZero, Given, Number, Scalar, elements};
+use crate::declare::{AtLeastZero, Given, Node, Number, Scalar, elements};
 use crate::error::ReadError;
 use crate::model::Body;
 
@@ -14,11 +14,11 @@ impl Scalar for Extent {
     type Value = f64;
 
     fn kind() -> String {
-        format!("more than 0 and at most {MAX_EXTENT_M}")
+        format!("more than 0 and at most {MAX_EXTENT_M}; or 0 for both: unknown")
     }
 
     fn take(given: &Given<'_>) -> Result<f64, ReadError> {
-        given.number(&Self::kind(), |metres| metres > 0.0 && metres <= MAX_EXTENT_M)
+        given.number(&Self::kind(), |metres| (0.0..=MAX_EXTENT_M).contains(&metres))
     }
 }
 
@@ -38,5 +38,23 @@ elements! { "Entities";
     Dimensions -> (f64, f64)
     ["width" width_m: Extent as "m", "length" length_m: Extent as "m", "height" _: AtLeastZero as "m"]
     {}
-    { Ok((length_m, width_m)) }
+    |node| {
+        match (length_m == 0.0, width_m == 0.0) {
+            (true, false) => Err(node.wrong("length", "0 is out of range", "more than 0")),
+            (false, true) => Err(node.wrong("width", "0 is out of range", "more than 0")),
+            _ => Ok((length_m, width_m)),
+        }
+    }
+}
+
+/// The body of a catalog's entry or of an entity. Files for players with models of their own leave the size away.
+pub(super) fn sized(node: Node<'_>, body: Body, length_m: f64, width_m: f64) -> Body {
+    if body.length_m > 0.0 {
+        return body;
+    }
+    node.scene.notice(format!(
+        "{}: the bounding box has no size: {length_m} m by {width_m} m is assumed",
+        node.place()
+    ));
+    Body { length_m, width_m, ..body }
 }

@@ -2,7 +2,9 @@
 
 use std::marker::PhantomData;
 
-use crate::declare::{Choice, Element, Form, Node, Text, check, check_head, elements};
+use crate::declare::{
+    CATALOG_VERSIONS, Choice, Element, Form, Node, Text, check, check_head, elements,
+};
 use crate::error::{Place, ReadError, meant, one_of};
 use crate::parameter::{Assignment, ParameterAssignments, opened};
 use crate::scene::Location;
@@ -30,7 +32,7 @@ elements! { "Parameters and catalogs";
         _: Option<RouteCatalog>,
     } { Ok(()) }
 
-    /// searched for entries of its kind; routes have no effect
+    /// searched for entries of its kind
     VehicleCatalog | PedestrianCatalog | MiscObjectCatalog | ControllerCatalog | TrajectoryCatalog
         | ManeuverCatalog | EnvironmentCatalog | RouteCatalog -> ()
     [] {directory: Directory}
@@ -72,7 +74,7 @@ impl<C: Choice> Element for FromCatalog<C> {
             .filter(|location| kind_of(location.name.trim_end_matches("Catalog")).is_some());
         for location in searched {
             for document in node.scene.catalogs(location)?.iter() {
-                check_head(document)?;
+                check_head(document, CATALOG_VERSIONS)?;
                 let Some(found) = document.root.child("Catalog") else { continue };
                 let name = found.attribute("name").unwrap_or_default();
                 seen.push(name.to_owned());
@@ -94,6 +96,13 @@ impl<C: Choice> Element for FromCatalog<C> {
                         one_of(C::ALTERNATIVES.iter().map(|(name, _)| *name)),
                     ));
                 };
+                let header = document.root.child("FileHeader");
+                if header.and_then(|header| header.attribute("revMajor")) == Some("0") {
+                    node.scene.notice(format!(
+                        "{}: a catalog of version 0.9: its entries are read as those of 1.0",
+                        document.file
+                    ));
+                }
                 check(&document.file, element, form)?;
                 let outside = Scope::default();
                 let inside = Node { file: &document.file, element, scope: &outside, ..node };

@@ -1,6 +1,7 @@
 //! Triggers and conditions.
 
 use super::reference::{ParameterName, VariableName};
+use super::signal::TrafficSignalCondition;
 use super::test::ByEntityCondition;
 use crate::comparison::Rule;
 use crate::declare::{
@@ -95,6 +96,7 @@ elements! { "Conditions";
             VariableCondition,
             SimulationTimeCondition,
             StoryboardElementStateCondition,
+            TrafficSignalCondition,
         )>,
     } { Ok(test) }
 

@@ -1,16 +1,16 @@
 //! Entities, and which of them is the ego.
 
-use super::body::BoundingBox;
+use super::body::{BoundingBox, sized};
 use super::catalog::FromCatalog;
 use super::reference::EntityNames;
 use super::unused::{Axles, Performance, Properties, Property, TrailerCoupler, TrailerHitch};
 use crate::declare::{AtLeastOne, OneOf, Placed, Text, elements};
-use crate::error::{Spot, one_of};
+use crate::error::{Spot, meant, one_of};
 use crate::model::{Body, Category, Drive, Entity, MAX_ENTITIES};
 use crate::parameter::{ParameterDeclarations, Scoped};
 
 elements! { "Entities";
-    /// the ego and up to 8 others; the ego is called `Ego` or else `hero`, or is the only one with a controller, or is alone
+    /// the ego and up to 64 others; the ego is the one of `--ego`, or is called `Ego` or else `hero`, or is the only one with a controller, or is alone
     Entities -> Vec<Spot> []
     {objects: AtLeastOne<Placed<ScenarioObject>>, _: Vec<EntitySelection>}
     |node| {
@@ -20,15 +20,29 @@ elements! { "Entities";
         };
         let controlled: Vec<usize> =
             (0..objects.len()).filter(|&entity| objects[entity].1).collect();
-        let ego = match (called("ego").or_else(|| called("hero")), controlled.as_slice()) {
+        let chosen = node.scene.ego_name.borrow();
+        let named = match &*chosen {
+            None => called("ego").or_else(|| called("hero")),
+            Some(name) => {
+                let position = entities.iter().position(|entity| entity.name == *name);
+                Some(position.ok_or_else(|| {
+                    let names = entities.iter().map(|entity| entity.name.as_str());
+                    node.refuse(format!("`--ego {name}` names no entity"), meant(name, names))
+                })?)
+            }
+        };
+        let ego = match (named, controlled.as_slice()) {
             (Some(named), _) => named,
             (None, [only]) => *only,
             (None, []) if entities.len() == 1 => 0,
             (None, _) => {
                 let names = one_of(entities.iter().map(|entity| entity.name.as_str()));
                 return Err(node.refuse(
-                    format!("none of {names} is known to be the ego"),
-                    "an entity called `Ego` or `hero`, or exactly one with an `ObjectController`",
+                    "no entity is known to be the ego",
+                    format!(
+                        "`--ego NAME` with {names}, an entity called `Ego` or `hero`, or exactly one \
+                         with an `ObjectController`"
+                    ),
                 ));
             }
         };
@@ -98,7 +112,7 @@ elements! { "Entities";
         _: Option<Properties>,
         _: Vec<Property>,
     } unused ["name" "vehicleCategory" "role?" "mass?" "model3d?"]
-    { Ok((Category::Vehicle, body)) }
+    |node| { Ok((Category::Vehicle, sized(node, body, 4.5, 1.8))) }
 
     /// no trailer is pulled: with an empty reference only
     Trailer -> () [] {_: TrailerRef} { Ok(()) }
@@ -119,11 +133,11 @@ elements! { "Entities";
     Pedestrian -> (Category, Body) []
     {_: Option<ParameterDeclarations>, body: BoundingBox, _: Option<Properties>}
     unused ["name" "pedestrianCategory" "mass?" "model?" "model3d?" "role?"]
-    { Ok((Category::Pedestrian, body)) }
+    |node| { Ok((Category::Pedestrian, sized(node, body, 0.5, 0.5))) }
 
     /// its bounding box
     MiscObject -> (Category, Body) []
     {_: Option<ParameterDeclarations>, body: BoundingBox, _: Option<Properties>}
     unused ["name" "miscObjectCategory" "mass?" "model3d?"]
-    { Ok((Category::MiscObject, body)) }
+    |node| { Ok((Category::MiscObject, sized(node, body, 1.0, 1.0))) }
 }

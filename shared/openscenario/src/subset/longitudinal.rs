@@ -1,10 +1,12 @@
 //! Actions along the road.
 
+use super::profile::SpeedProfileAction;
 use super::reference::EntityName;
 use crate::declare::{AtLeastZero, Bound, Number, OneOf, Truth, elements, words};
 use crate::model::action::{
     Action, Dimension, Distance, Gap, Limits, Shape, Side, SpeedTarget, Transition,
 };
+use crate::model::profile::Bounds;
 
 words! {
     Shape {
@@ -38,7 +40,8 @@ words! {
 
 elements! { "Actions";
     /// replaces the longitudinal action that is running
-    LongitudinalAction -> Action [] {action: OneOf<(SpeedAction, LongitudinalDistanceAction)>}
+    LongitudinalAction -> Action []
+    {action: OneOf<(SpeedAction, LongitudinalDistanceAction, SpeedProfileAction)>}
     { Ok(action) }
 
     /// speed follows the shape to its target
@@ -93,7 +96,7 @@ elements! { "Actions";
     ["entityRef" entity: EntityName, "freespace" freespace: Truth, "continuous" continuous: Truth,
         "distance" distance: Option<AtLeastZero> as "m", "timeGap" time: Option<AtLeastZero> as "s",
         "displacement" side: Option<Side>, "coordinateSystem" _: Option<CoordinateSystem>]
-    {limits: Option<DynamicConstraints>}
+    {bounds: Option<DynamicConstraints>}
     |node| {
         let gap = match (distance, time) {
             (Some(gap_m), None) => Gap::Distance(gap_m),
@@ -104,22 +107,34 @@ elements! { "Actions";
             }
         };
         let side = side.unwrap_or(Side::Behind);
-        let limits = limits.flatten();
+        let limits = bounds.and_then(limits);
         Ok(Action::Distance(Distance { entity, gap, freespace, side, continuous, limits }))
     }
 
-    /// bounds on the way to the distance; without both accelerations it is there at once
-    DynamicConstraints -> Option<Limits>
+    /// bounds on the way; a distance is there at once without both accelerations, and their rates have no effect on it
+    DynamicConstraints -> Bounds
     ["maxAcceleration" up: Option<Bound> as "m/s²", "maxDeceleration" down: Option<Bound> as "m/s²",
+        "maxAccelerationRate" up_rate: Option<Bound> as "m/s³",
+        "maxDecelerationRate" down_rate: Option<Bound> as "m/s³",
         "maxSpeed" speed: Option<Bound> as "m/s"] {}
-    unused ["maxAccelerationRate?" "maxDecelerationRate?"]
     {
-        let finite = |bound: Option<f64>| bound.filter(|bound| bound.is_finite());
-        let (Some(max_acceleration_mps2), Some(max_deceleration_mps2)) = (finite(up), finite(down))
-        else {
-            return Ok(None);
-        };
-        let max_speed_mps = speed.unwrap_or(f64::INFINITY);
-        Ok(Some(Limits { max_acceleration_mps2, max_deceleration_mps2, max_speed_mps }))
+        Ok(Bounds {
+            acceleration_mps2: up.unwrap_or(f64::INFINITY),
+            deceleration_mps2: down.unwrap_or(f64::INFINITY),
+            acceleration_rate_mps3: up_rate.unwrap_or(f64::INFINITY),
+            deceleration_rate_mps3: down_rate.unwrap_or(f64::INFINITY),
+            speed_mps: speed.unwrap_or(f64::INFINITY),
+        })
     }
+}
+
+/// The limits of a distance, which needs both accelerations.
+fn limits(bounds: Bounds) -> Option<Limits> {
+    let Bounds { acceleration_mps2, deceleration_mps2, speed_mps, .. } = bounds;
+    let is_limited = acceleration_mps2.is_finite() && deceleration_mps2.is_finite();
+    is_limited.then_some(Limits {
+        max_acceleration_mps2: acceleration_mps2,
+        max_deceleration_mps2: deceleration_mps2,
+        max_speed_mps: speed_mps,
+    })
 }

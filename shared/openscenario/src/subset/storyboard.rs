@@ -83,11 +83,21 @@ elements! { "Storyboard";
     |node| {
         let mut actions = Vec::new();
         for (place, action) in placed {
+            not_itself(node, &place, &[actor], &action)?;
+            if actor == node.scene.ego.get()
+                && let Some(mps) = speeds_up_to(&action)
+            {
+                node.scene.ego_goal_mps.set(Some(mps));
+                node.scene.notice(format!(
+                    "{place}: the ego begins with its speed before this action, and {mps} m/s is its set speed"
+                ));
+                continue;
+            }
             if actor == node.scene.ego.get() && !begins_at_once(&action) {
                 return Err(ReadError::Meaning {
                     place,
                     reason: "timegap's stack drives the ego from the start".to_owned(),
-                    expected: "in Init a teleport, a speed with shape step, or a controller action \
+                    expected: "in Init a teleport, an absolute speed, a route or a controller action \
                                for it"
                         .to_owned(),
                 });
@@ -159,6 +169,7 @@ impl Element for OfActors {
             return Err(node.refuse("the group has no actor for it", "an `EntityRef`"));
         }
         let action = PrivateAction::read(node)?;
+        not_itself(node, &node.place(), &scene.actors.borrow(), &action)?;
         if scene.actors.borrow().contains(&scene.ego.get()) && action != action::Action::Nothing {
             scene.notice(
                 "actions of the ego take their time in the storyboard and do not move it: timegap's stack drives it"
@@ -166,6 +177,37 @@ impl Element for OfActors {
             );
         }
         Ok(action)
+    }
+}
+
+/// Checks that no actor depends on its own motion.
+fn not_itself(
+    node: Node<'_>,
+    place: &Place,
+    actors: &[usize],
+    action: &action::Action,
+) -> Result<(), ReadError> {
+    match action.follows().filter(|entity| actors.contains(entity)) {
+        None => Ok(()),
+        Some(entity) => {
+            let name = &node.scene.entities.borrow()[entity].name;
+            let (place, expected) = (place.clone(), "another entity".to_owned());
+            Err(ReadError::Meaning {
+                place,
+                reason: format!("`{name}` would follow itself"),
+                expected,
+            })
+        }
+    }
+}
+
+/// The speed to which the ego shall drive in its own time, m/s. Its stack does so.
+fn speeds_up_to(action: &action::Action) -> Option<f64> {
+    match action {
+        action::Action::Speed { target: action::SpeedTarget::Absolute(mps), transition } => {
+            (!transition.is_immediate()).then_some(*mps)
+        }
+        _ => None,
     }
 }
 

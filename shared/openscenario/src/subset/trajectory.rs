@@ -3,6 +3,7 @@
 use super::catalog::FromCatalog;
 use super::longitudinal::FollowingMode;
 use super::position::Position;
+use super::route::{AcquirePositionAction, AssignRouteAction};
 use crate::declare::{AtLeastOne, AtLeastZero, Number, OneOf, Positive, Truth, elements, words};
 use crate::model::action::{self, Action, Vertex as Corner};
 use crate::parameter::{ParameterDeclarations, Scoped};
@@ -13,8 +14,10 @@ words! {
 }
 
 elements! { "Actions";
-    /// replaces both the longitudinal and the lateral action
-    RoutingAction -> Action [] {action: FollowTrajectoryAction} { Ok(action) }
+    /// a trajectory replaces both the longitudinal and the lateral action
+    RoutingAction -> Action []
+    {action: OneOf<(FollowTrajectoryAction, AssignRouteAction, AcquirePositionAction)>}
+    { Ok(action) }
 
     /// the entity moves along the trajectory, then goes straight on with its last speed
     FollowTrajectoryAction -> Action ["initialDistanceOffset" offset_m: Option<AtLeastZero> as "m"] {

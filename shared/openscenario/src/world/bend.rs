@@ -5,6 +5,9 @@ use std::sync::Arc;
 use crate::world::World;
 use crate::world::state::Motion;
 
+/// Parts of a way for which the curvature of a road is read.
+const PARTS: u32 = 32;
+
 /// The axis of a road in the plane, and where it lies in the world's coordinates.
 ///
 /// An entity at the offset l from an axis of the curvature κ covers (1 − κ l) m of way for each metre of the axis.
@@ -22,9 +25,9 @@ pub struct Bend {
 
 impl Bend {
     /// Way of an entity by the way on the axis: 1 on a straight road.
-    fn stretch(&self, motion: &Motion) -> f64 {
-        let along_m = self.direction * (motion.s_m - self.at_s_m);
-        let aside_m = self.direction * (motion.t_m - self.at_t_m);
+    fn stretch(&self, s_m: f64, t_m: f64) -> f64 {
+        let along_m = self.direction * (s_m - self.at_s_m);
+        let aside_m = self.direction * (t_m - self.at_t_m);
         1.0 - self.axis.curvature_perm(along_m) * aside_m
     }
 }
@@ -37,11 +40,26 @@ impl World {
 
     /// Way of an entity by the way on the axis, or on the reference line: 1 where it is straight.
     pub(super) fn stretch(&self, entity: usize) -> f64 {
-        let motion = &self.state.movers[entity].motion;
+        let Motion { s_m, t_m, .. } = self.state.movers[entity].motion;
+        self.stretch_at(s_m, t_m)
+    }
+
+    fn stretch_at(&self, s_m: f64, t_m: f64) -> f64 {
         match &self.bend {
-            Some(bend) => bend.stretch(motion),
+            Some(bend) => bend.stretch(s_m, t_m),
             None if self.ground.is_straight() => 1.0,
-            None => self.ground.stretch(motion.s_m, motion.t_m),
+            None => self.ground.stretch(s_m, t_m),
         }
+    }
+
+    /// The way of an entity to a place ahead of it at its present offset, m; negative to a place behind it.
+    pub(super) fn way_to(&self, entity: usize, goal_s_m: f64) -> f64 {
+        let motion = &self.state.movers[entity].motion;
+        let along_m = goal_s_m - motion.s_m;
+        let is_straight = self.bend.is_none() && self.ground.is_straight();
+        let parts = if is_straight { 1 } else { PARTS };
+        let middles = (0..parts).map(|part| (f64::from(part) + 0.5) / f64::from(parts));
+        let each = middles.map(|share| self.stretch_at(motion.s_m + share * along_m, motion.t_m));
+        motion.direction() * along_m * each.sum::<f64>() / f64::from(parts)
     }
 }

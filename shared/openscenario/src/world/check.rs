@@ -43,6 +43,14 @@ fn check_action(script: &Script, action: &Action) -> Result<(), WorldError> {
         | Action::LaneOffset { target: OffsetTarget::Entity { entity, .. }, .. }
         | Action::Delete { entity } => index("entity", *entity, entities),
         Action::Distance(distance) => index("entity", distance.entity, entities),
+        Action::Profile(profile) => {
+            profile.relative_to.map_or(Ok(()), |entity| index("entity", entity, entities))
+        }
+        Action::Meet(meeting) => {
+            index("entity", meeting.master, entities)?;
+            at(&meeting.goal)?;
+            at(&meeting.master_goal)
+        }
         Action::Teleport(position) => at(position),
         Action::Add { entity, position } => {
             index("entity", *entity, entities)?;

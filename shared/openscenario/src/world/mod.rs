@@ -8,10 +8,13 @@
 mod bend;
 mod check;
 mod condition;
+mod distance;
 mod end;
 mod geometry;
+mod meeting;
 mod motion;
 mod plan;
+mod profile;
 mod shape;
 mod start;
 mod state;

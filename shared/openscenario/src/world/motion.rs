@@ -2,21 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::action::{Distance, Gap, Shape, Side};
+use crate::model::action::{Distance, Shape};
+use crate::model::meeting::Meeting;
 use crate::model::{Category, Drive, MAX_ENTITIES};
 use crate::world::World;
-use crate::world::geometry::Extent;
+use crate::world::profile::Profile;
 use crate::world::shape::{SpeedShape, seconds};
 use crate::world::state::Motion;
 
 /// Largest target speed, m/s: a factor that is applied repeatedly stays finite.
 pub(super) const MAX_SPEED_MPS: f64 = 1e4;
-/// Largest error of a distance that counts as reached, m.
-const REACHED_M: f64 = 0.05;
-/// Largest error of a speed that counts as reached, m/s.
-const REACHED_MPS: f64 = 0.05;
-/// Gain on a small error of distance, 1/s.
-const APPROACH_PER_S: f64 = 0.5;
 
 /// An entity with its longitudinal and lateral action.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -39,7 +34,7 @@ pub(super) struct Mover {
 }
 
 /// Longitudinal action.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) enum Pace {
     /// None: the speed stays.
     #[default]
@@ -50,6 +45,17 @@ pub(super) enum Pace {
     Match { entity: usize, factor: f64, offset_mps: f64, rate_mps2: f64 },
     /// At a distance to another entity.
     Keep(Distance),
+    /// Through a row of speeds.
+    Profile(Profile),
+    /// To a goal, together with another entity.
+    Meet(Box<Meeting>),
+}
+
+impl Pace {
+    /// It needs the other entity's place after the step.
+    fn comes_last(&self) -> bool {
+        matches!(self, Self::Keep(_) | Self::Meet(_))
+    }
 }
 
 /// Lateral action.
@@ -99,15 +105,21 @@ impl World {
         for entity in 0..self.state.movers.len() {
             if self.is_external(entity) {
                 self.take_observed(entity, time_ns);
-            } else if !matches!(self.state.movers[entity].pace, Pace::Keep(_)) {
+            } else if !self.state.movers[entity].pace.comes_last() {
                 self.drive(entity, from_ns, time_ns);
             }
         }
         for entity in 0..self.state.movers.len() {
-            if !self.is_external(entity)
-                && let Pace::Keep(distance) = self.state.movers[entity].pace
-            {
-                self.keep(entity, &distance, from_ns, time_ns);
+            if self.is_external(entity) {
+                continue;
+            }
+            match self.state.movers[entity].pace {
+                Pace::Keep(distance) => self.keep(entity, &distance, from_ns, time_ns),
+                Pace::Meet(ref meeting) => {
+                    let meeting = meeting.clone();
+                    self.meet(entity, &meeting, from_ns, time_ns);
+                }
+                _ => {}
             }
         }
         let count = self.state.movers.len();
@@ -128,9 +140,11 @@ impl World {
             mover.odometer_m += (observed.s_m - mover.motion.s_m).abs();
             mover.motion = observed;
         }
-        let over = match mover.pace {
+        let over = match &self.state.movers[entity].pace {
             Pace::Shape(shape) => shape.is_over(time_ns),
+            Pace::Profile(profile) => profile.is_over(time_ns),
             Pace::Keep(distance) => !distance.continuous,
+            Pace::Meet(meeting) => self.has_met(entity, meeting),
             Pace::Free | Pace::Match { .. } => false,
         };
         if over {
@@ -141,17 +155,31 @@ impl World {
     fn drive(&mut self, entity: usize, from_ns: u64, time_ns: u64) {
         let elapsed_s = seconds(time_ns - from_ns);
         let stretch = self.stretch(entity);
-        let reference = match self.state.movers[entity].pace {
+        let of = |other: usize| self.state.movers[other].motion.speed_mps;
+        let reference = match &self.state.movers[entity].pace {
             Pace::Match { entity: other, factor, offset_mps, .. } => {
-                (factor * self.state.movers[other].motion.speed_mps + offset_mps)
-                    .clamp(0.0, MAX_SPEED_MPS)
+                factor * of(*other) + offset_mps
             }
+            Pace::Profile(profile) => profile.relative_to.map_or(0.0, of) + profile.speed(time_ns),
             _ => 0.0,
         };
+        let reference = reference.clamp(0.0, MAX_SPEED_MPS);
         let mover = &mut self.state.movers[entity];
         let before = mover.motion.speed_mps;
-        let (way_m, speed_mps, acceleration, over) = match mover.pace {
-            Pace::Free | Pace::Keep(_) => (before * elapsed_s, before, 0.0, false),
+        let (way_m, speed_mps, acceleration, over) = match &mover.pace {
+            Pace::Free | Pace::Keep(_) | Pace::Meet(_) => (before * elapsed_s, before, 0.0, false),
+            Pace::Profile(profile) if profile.relative_to.is_none() => (
+                profile.way(from_ns, time_ns),
+                reference,
+                profile.acceleration(time_ns),
+                profile.is_over(time_ns),
+            ),
+            Pace::Profile(profile) => (
+                0.5 * (before + reference) * elapsed_s,
+                reference,
+                rate(before, reference, elapsed_s),
+                profile.is_over(time_ns),
+            ),
             Pace::Shape(shape) => (
                 shape.way(from_ns, time_ns),
                 shape.speed(time_ns),
@@ -161,7 +189,7 @@ impl World {
             Pace::Match { rate_mps2, .. } => {
                 // An infinite rate times zero seconds would be NaN.
                 let speed = match rate_mps2.is_finite() {
-                    true => toward(before, reference, rate_mps2 * elapsed_s),
+                    true => toward(before, reference, *rate_mps2 * elapsed_s),
                     false => reference,
                 };
                 (0.5 * (before + speed) * elapsed_s, speed, rate(before, speed, elapsed_s), false)
@@ -173,76 +201,11 @@ impl World {
         }
     }
 
-    /// Drives at a distance to another entity.
-    fn keep(&mut self, entity: usize, distance: &Distance, from_ns: u64, time_ns: u64) {
-        let elapsed_s = seconds(time_ns - from_ns);
-        let before = self.state.movers[entity].motion.speed_mps;
-        let stretch = self.stretch(entity);
-        let Some(goal) = self.gap_goal(entity, distance) else {
-            self.drive_free(entity, elapsed_s);
-            return;
-        };
-        let other = self.state.movers[distance.entity].motion.speed_mps;
-        let Some(limits) = distance.limits else {
-            let mover = &mut self.state.movers[entity];
-            let here = mover.motion.s_m;
-            let way_m = (goal - here) * mover.motion.direction();
-            mover.roll(way_m, stretch, other, rate(before, other, elapsed_s));
-            mover.motion.s_m = goal;
-            return;
-        };
-        // The error ahead of the entity, m. The closing speed stays within what the limits can brake.
-        let mover = &mut self.state.movers[entity];
-        let error_m = (goal - mover.motion.s_m) * mover.motion.direction();
-        let brake =
-            if error_m > 0.0 { limits.max_deceleration_mps2 } else { limits.max_acceleration_mps2 };
-        let closing = libm::sqrt(2.0 * brake * error_m.abs()).min(APPROACH_PER_S * error_m.abs());
-        let wanted = (other + closing * error_m.signum()).clamp(0.0, limits.max_speed_mps);
-        let up = limits.max_acceleration_mps2 * elapsed_s;
-        let down = limits.max_deceleration_mps2 * elapsed_s;
-        let speed = before + (wanted - before).max(-down).min(up);
-        let way_m = 0.5 * (before + speed) * elapsed_s;
-        mover.roll(way_m, stretch, speed, rate(before, speed, elapsed_s));
-        let reached = error_m.abs() < REACHED_M && (speed - other).abs() < REACHED_MPS;
-        if reached && !distance.continuous {
-            mover.motion.speed_mps = other;
-            self.end_pace(entity);
-        }
-    }
-
-    fn drive_free(&mut self, entity: usize, elapsed_s: f64) {
+    pub(super) fn drive_free(&mut self, entity: usize, elapsed_s: f64) {
         let stretch = self.stretch(entity);
         let mover = &mut self.state.movers[entity];
         let speed = mover.motion.speed_mps;
         mover.roll(speed * elapsed_s, stretch, speed, 0.0);
-    }
-
-    /// The coordinate `s` at which the entity has its distance from another, m.
-    pub(super) fn gap_goal(&self, entity: usize, distance: &Distance) -> Option<f64> {
-        let (own, other) = (self.motion(entity), self.motion(distance.entity));
-        if !own.present || !other.present {
-            return None;
-        }
-        let direction = other.direction();
-        let ahead = match distance.side {
-            Side::Ahead => true,
-            Side::Behind => false,
-            Side::Any => (own.s_m - other.s_m) * direction >= 0.0,
-        };
-        let gap_m = match distance.gap {
-            Gap::Distance(gap_m) => gap_m,
-            Gap::Time(gap_s) if ahead => gap_s * other.speed_mps,
-            Gap::Time(gap_s) => gap_s * own.speed_mps,
-        };
-        let forward = ahead == (direction > 0.0);
-        if !distance.freespace {
-            return Some(if forward { other.s_m + gap_m } else { other.s_m - gap_m });
-        }
-        let (near, far): (Extent, Extent) = (self.extent(entity), self.extent(distance.entity));
-        Some(match forward {
-            true => far.to_s_m + gap_m + (own.s_m - near.from_s_m),
-            false => far.from_s_m - gap_m - (near.to_s_m - own.s_m),
-        })
     }
 
     /// Moves a vehicle across with its lane, or with the lane that it changes to.
@@ -360,7 +323,13 @@ impl World {
 impl Mover {
     /// Covers a distance along the heading, of which `stretch` is the part for each metre of the axis. A timed trajectory
     /// moves the entity by itself.
-    fn roll(&mut self, way_m: f64, stretch: f64, speed_mps: f64, acceleration_mps2: f64) {
+    pub(super) fn roll(
+        &mut self,
+        way_m: f64,
+        stretch: f64,
+        speed_mps: f64,
+        acceleration_mps2: f64,
+    ) {
         if self.path.as_ref().is_some_and(|path| path.by_way_from_m.is_none())
             || !self.motion.present
         {
@@ -389,6 +358,6 @@ fn ratio(value: f64, whole: f64) -> f64 {
 }
 
 /// Change per second; 0 where no time passes.
-fn rate(from: f64, to: f64, elapsed_s: f64) -> f64 {
+pub(super) fn rate(from: f64, to: f64, elapsed_s: f64) -> f64 {
     if elapsed_s > 0.0 { (to - from) / elapsed_s } else { 0.0 }
 }

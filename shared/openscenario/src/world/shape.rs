@@ -4,6 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::action::Shape;
 
+/// Shortest duration of a change, s: the clock's own step. A shorter one is done at once, because a time
+/// divided by it may overflow.
+pub(super) const SHORTEST_S: f64 = 1e-9;
+
 /// A change from one speed to another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct SpeedShape {

@@ -9,14 +9,11 @@ use crate::model::element::ElementState;
 use crate::model::position::Position;
 use crate::world::check::fits_its_lane;
 use crate::world::motion::{Course, LateralShape, Pace, Path, Steer};
-use crate::world::shape::{SpeedShape, seconds};
+use crate::world::profile::Profile;
+use crate::world::shape::{SHORTEST_S, SpeedShape, seconds};
 use crate::world::state::Motion;
 use crate::world::targets::reference;
 use crate::world::{World, WorldError};
-
-/// Shortest duration of a change, s: the clock's own step. A shorter one is done at once, because a time
-/// divided by it may overflow.
-const SHORTEST_S: f64 = 1e-9;
 
 /// Length of the chords that a line is cut into on a curved road, m.
 const CHORD_M: f64 = 1.0;
@@ -123,6 +120,17 @@ impl World {
                     self.set_pace(actor, Pace::Keep(*distance), element);
                 }
             }
+            Action::Profile(profile) if profile.relative_to != Some(actor) => {
+                let of_other = profile.relative_to.map_or(0.0, |it| self.motion(it).speed_mps);
+                let from_mps = self.motion(actor).speed_mps - of_other;
+                let profile = Profile::of(profile, from_mps, self.state.time_ns);
+                self.set_pace(actor, Pace::Profile(profile), element);
+            }
+            Action::Meet(meeting) => {
+                if self.can_meet(actor, meeting) {
+                    self.set_pace(actor, Pace::Meet(meeting.clone()), element);
+                }
+            }
             Action::LaneChange { target, offset_m, transition } => {
                 if let Some(to_t_m) = self.lane_goal(actor, target) {
                     self.begin_lane_change(actor, to_t_m + offset_m, transition, element);
@@ -152,7 +160,12 @@ impl World {
                 self.set_steer(actor, shape, duration_s <= 0.0, element);
             }
             Action::Trajectory(trajectory) => self.begin_path(actor, trajectory, element),
-            Action::Set { .. } | Action::Add { .. } | Action::Delete { .. } | Action::Nothing => {}
+            // A profile that depends on itself is done at once.
+            Action::Profile(_)
+            | Action::Set { .. }
+            | Action::Add { .. }
+            | Action::Delete { .. }
+            | Action::Nothing => {}
         }
     }
 

@@ -48,6 +48,7 @@ pub struct Parts {
     pub files: Vec<(String, String)>,
     pub assigned: Vec<(String, String)>,
     pub headings: LaneHeadings,
+    pub ego: Option<String>,
 }
 
 impl Parts {
@@ -97,7 +98,7 @@ impl Parts {
             .iter()
             .map(|(name, value)| Assignment { name: name.clone(), value: value.clone() })
             .collect();
-        let choices = Choices { assigned, headings: self.headings };
+        let choices = Choices { assigned, headings: self.headings, ego: self.ego.clone() };
         scenario_by(Path::new("dir/a.xosc"), &Files(files), &choices)
     }
 

@@ -1,0 +1,73 @@
+//! Routes: all that happens is on one road, so they lead along it.
+
+use super::catalog::FromCatalog;
+use super::position::Position;
+use super::unused::Properties;
+use crate::declare::{AtLeastOne, Node, OneOf, Placed, Truth, elements, words};
+use crate::error::{Place, ReadError};
+use crate::model::action::Action;
+use crate::model::position::{self, From};
+use crate::parameter::{ParameterDeclarations, Scoped};
+
+words! {
+    /// Ways to choose a route, which do the same on one road.
+    RouteStrategy = () {
+        "fastest" (),
+        "shortest" (),
+        "leastIntersections" (),
+        "leastIntersection" (),
+        "random" (),
+    }
+}
+
+elements! { "Actions";
+    /// a route along the road is what the entity follows anyway: complete at once, without effect; a waypoint beside the road is refused
+    AssignRouteAction -> Action [] {_: OneOf<(Scoped<Route>, FromCatalog<Route>)>}
+    { Ok(Action::Nothing) }
+
+    /// see `AssignRouteAction`
+    AcquirePositionAction -> Action [] {at: Placed<Position>}
+    |node| {
+        let (place, position) = at;
+        on_the_road(node, &place, &position)?;
+        Ok(Action::Nothing)
+    }
+
+    /// closed="false" only
+    Route -> () ["closed" closed: Truth] {
+        _: Option<ParameterDeclarations>,
+        waypoints: AtLeastOne<Waypoint>,
+        _: Option<Properties>,
+    } unused ["name"]
+    |node| {
+        if closed {
+            let reason = "a road that is followed once has no closed routes";
+            return Err(node.wrong("closed", reason, "false"));
+        }
+        match waypoints.len() {
+            0 | 1 => Err(node.refuse("a route of one waypoint", "two waypoints or more")),
+            _ => Ok(()),
+        }
+    }
+
+    /// on the ego's road or the roads that continue it; its lane has no effect
+    Waypoint -> () ["routeStrategy" _: RouteStrategy] {at: Placed<Position>}
+    |node| {
+        let (place, position) = at;
+        on_the_road(node, &place, &position)
+    }
+}
+
+/// Checks that a place is on the lanes of the road. A place that is seen from an entity moves with it.
+fn on_the_road(node: Node<'_>, place: &Place, at: &position::Position) -> Result<(), ReadError> {
+    let From::Road { s_m, t_m } = at.from else { return Ok(()) };
+    let scenery = node.scene.road(None)?;
+    match scenery.road.holds(s_m, t_m) {
+        true => Ok(()),
+        false => Err(ReadError::Meaning {
+            place: place.clone(),
+            reason: format!("the route leads to a place {t_m:.1} m beside the reference line"),
+            expected: format!("a place on a lane of road {}", scenery.road.names()),
+        }),
+    }
+}

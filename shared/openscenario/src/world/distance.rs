@@ -1,0 +1,81 @@
+//! Distances that an entity keeps to another one.
+
+use crate::model::action::{Distance, Gap, Side};
+use crate::world::World;
+use crate::world::geometry::Extent;
+use crate::world::motion::rate;
+use crate::world::shape::seconds;
+
+/// Largest error of a distance that counts as reached, m.
+const REACHED_M: f64 = 0.05;
+/// Largest error of a speed that counts as reached, m/s.
+const REACHED_MPS: f64 = 0.05;
+/// Gain on a small error of distance, 1/s.
+const APPROACH_PER_S: f64 = 0.5;
+
+impl World {
+    /// Drives at a distance to another entity.
+    pub(super) fn keep(&mut self, entity: usize, distance: &Distance, from_ns: u64, time_ns: u64) {
+        let elapsed_s = seconds(time_ns - from_ns);
+        let before = self.state.movers[entity].motion.speed_mps;
+        let stretch = self.stretch(entity);
+        let Some(goal) = self.gap_goal(entity, distance) else {
+            self.drive_free(entity, elapsed_s);
+            return;
+        };
+        let other = self.state.movers[distance.entity].motion.speed_mps;
+        let Some(limits) = distance.limits else {
+            let mover = &mut self.state.movers[entity];
+            let here = mover.motion.s_m;
+            let way_m = (goal - here) * mover.motion.direction();
+            mover.roll(way_m, stretch, other, rate(before, other, elapsed_s));
+            mover.motion.s_m = goal;
+            return;
+        };
+        // The error ahead of the entity, m. The closing speed stays within what the limits can brake.
+        let mover = &mut self.state.movers[entity];
+        let error_m = (goal - mover.motion.s_m) * mover.motion.direction();
+        let brake =
+            if error_m > 0.0 { limits.max_deceleration_mps2 } else { limits.max_acceleration_mps2 };
+        let closing = libm::sqrt(2.0 * brake * error_m.abs()).min(APPROACH_PER_S * error_m.abs());
+        let wanted = (other + closing * error_m.signum()).clamp(0.0, limits.max_speed_mps);
+        let up = limits.max_acceleration_mps2 * elapsed_s;
+        let down = limits.max_deceleration_mps2 * elapsed_s;
+        let speed = before + (wanted - before).max(-down).min(up);
+        let way_m = 0.5 * (before + speed) * elapsed_s;
+        mover.roll(way_m, stretch, speed, rate(before, speed, elapsed_s));
+        let reached = error_m.abs() < REACHED_M && (speed - other).abs() < REACHED_MPS;
+        if reached && !distance.continuous {
+            mover.motion.speed_mps = other;
+            self.end_pace(entity);
+        }
+    }
+
+    /// The coordinate `s` at which the entity has its distance from another, m.
+    pub(super) fn gap_goal(&self, entity: usize, distance: &Distance) -> Option<f64> {
+        let (own, other) = (self.motion(entity), self.motion(distance.entity));
+        if !own.present || !other.present {
+            return None;
+        }
+        let direction = other.direction();
+        let ahead = match distance.side {
+            Side::Ahead => true,
+            Side::Behind => false,
+            Side::Any => (own.s_m - other.s_m) * direction >= 0.0,
+        };
+        let gap_m = match distance.gap {
+            Gap::Distance(gap_m) => gap_m,
+            Gap::Time(gap_s) if ahead => gap_s * other.speed_mps,
+            Gap::Time(gap_s) => gap_s * own.speed_mps,
+        };
+        let forward = ahead == (direction > 0.0);
+        if !distance.freespace {
+            return Some(if forward { other.s_m + gap_m } else { other.s_m - gap_m });
+        }
+        let (near, far): (Extent, Extent) = (self.extent(entity), self.extent(distance.entity));
+        Some(match forward {
+            true => far.to_s_m + gap_m + (own.s_m - near.from_s_m),
+            false => far.from_s_m - gap_m - (near.to_s_m - own.s_m),
+        })
+    }
+}

@@ -1,0 +1,133 @@
+//! Routes along the road, and traffic signals that conditions see.
+
+mod common;
+
+use common::*;
+
+#[track_caller]
+fn near(value: f64, expected: f64) {
+    assert!((value - expected).abs() <= 1e-9, "{value} is not {expected}");
+}
+
+fn waypoint(position: &str) -> String {
+    format!("<Waypoint routeStrategy=\"shortest\"><Position>{position}</Position></Waypoint>")
+}
+
+fn on_lane(road: &str, s_m: f64) -> String {
+    format!("<LanePosition roadId=\"{road}\" laneId=\"-1\" s=\"{s_m}\"/>")
+}
+
+fn route(closed: bool, waypoints: &str) -> String {
+    format!(
+        "<RoutingAction><AssignRouteAction><Route name=\"r\" closed=\"{closed}\">{waypoints}</Route></AssignRouteAction></RoutingAction>"
+    )
+}
+
+fn acquire(position: &str) -> String {
+    format!(
+        "<RoutingAction><AcquirePositionAction><Position>{position}</Position></AcquirePositionAction></RoutingAction>"
+    )
+}
+
+/// In Init for the ego, and in the storyboard for the lead.
+fn with(action: &str) -> Parts {
+    let init = private("Ego", &[&place(-1, 10.0), action])
+        + &private("Lead", &[&place(-1, 60.0), &speed("step", "time", 0.0, 20.0)]);
+    let next = trigger(&[&state("none", 0.0, "event", "E", "completeState")]);
+    let stories = story(&[
+        event("E", "override", &[action], &trigger(&[&at(1.0)])),
+        event("Next", "parallel", &[&speed("step", "time", 0.0, 5.0)], &next),
+    ]);
+    Parts { init, stories, ..Parts::default() }
+}
+
+#[test]
+fn a_route_along_the_road_is_complete_at_once_and_moves_nothing() {
+    let along = waypoint(&on_lane("0", 11.0)) + &waypoint(&on_lane("0", 900.0));
+    for action in [route(false, &along), acquire(&on_lane("0", 900.0))] {
+        let mut run = with(&action).run();
+        near(run.to(1.0).lead().speed_mps, 20.0);
+        near(run.lead().s_m, 80.0);
+        near(run.to(1.02).lead().speed_mps, 5.0);
+    }
+}
+
+#[test]
+fn a_route_from_a_catalog_is_read() {
+    let mut parts = with(
+        "<RoutingAction><AssignRouteAction><CatalogReference catalogName=\"c\" entryName=\"r\"/></AssignRouteAction></RoutingAction>",
+    );
+    parts.head = "<CatalogLocations><RouteCatalog><Directory path=\"routes\"/></RouteCatalog></CatalogLocations>".to_owned();
+    let catalog = |road: &str| {
+        let along = waypoint(&on_lane("0", 11.0)) + &waypoint(&on_lane(road, 900.0));
+        format!(
+            "<OpenSCENARIO>\n<FileHeader revMajor=\"1\" revMinor=\"0\"/>\n<Catalog name=\"c\"><Route name=\"r\" closed=\"false\">{along}</Route></Catalog></OpenSCENARIO>"
+        )
+    };
+    parts.files = vec![("dir/routes/c.xosc".to_owned(), catalog("0"))];
+    parts.read().expect("it is on the road");
+    parts.files = vec![("dir/routes/c.xosc".to_owned(), catalog("7"))];
+    let shown = parts.refusal();
+    assert!(shown.starts_with("dir/routes/c.xosc:3:"), "{shown}");
+    assert!(shown.contains("`7` is a second road, expected `0`"), "{shown}");
+}
+
+#[test]
+fn a_route_that_leaves_the_road_is_refused() {
+    let refused = |action: &str, expected: &str| {
+        let shown = with(action).refusal();
+        assert!(shown.starts_with("dir/a.xosc:5:") && shown.contains(expected), "{shown}");
+    };
+    let start = waypoint(&on_lane("0", 11.0));
+    let away = waypoint("<WorldPosition x=\"100\" y=\"-30\"/>");
+    refused(
+        &route(false, &(start.clone() + &away)),
+        "the route leads to a place -30.0 m beside the reference line, expected a place on a lane of road `0`",
+    );
+    refused(&acquire("<WorldPosition x=\"100\" y=\"30\"/>"), "a place 30.0 m beside");
+    refused(&route(false, &start), "a route of one waypoint, expected two waypoints or more");
+    let twice = start.clone() + &start;
+    refused(&route(true, &twice), "attribute `closed` of `Route`");
+    let odd = twice.replace("shortest", "scenic");
+    refused(&route(false, &odd), "`scenic` is not supported, expected `fastest`, `shortest`");
+}
+
+fn global(name: &str, start: &str, inside: &str) -> String {
+    format!(
+        "<Event name=\"{name}\" priority=\"parallel\"><Action name=\"{name}A\"><GlobalAction>{inside}</GlobalAction></Action><StartTrigger>{start}</StartTrigger></Event>"
+    )
+}
+
+fn set_signal(name: &str, state: &str) -> String {
+    format!(
+        "<InfrastructureAction><TrafficSignalAction><TrafficSignalStateAction name=\"{name}\" state=\"{state}\"/></TrafficSignalAction></InfrastructureAction>"
+    )
+}
+
+fn shows(delay_s: f64, name: &str, state: &str) -> String {
+    let inside = format!("<TrafficSignalCondition name=\"{name}\" state=\"{state}\"/>");
+    condition("none", delay_s, &format!("<ByValueCondition>{inside}</ByValueCondition>"))
+}
+
+#[test]
+fn a_condition_sees_the_state_of_a_signal() {
+    let slow = |mps: f64| speed("step", "time", 0.0, mps);
+    let stories = story(&[
+        global("yellow", &trigger(&[&at(1.0)]), &set_signal("7", "off;on;off")),
+        global("red", &trigger(&[&shows(2.0, "7", "off;on;off")]), &set_signal("7", "on;off;off")),
+        event("A", "parallel", &[&slow(15.0)], &trigger(&[&shows(0.0, "7", "off;on;off")])),
+        event("B", "parallel", &[&slow(0.0)], &trigger(&[&shows(0.0, "7", "on;off;off")])),
+        event("C", "parallel", &[&slow(33.0)], &trigger(&[&shows(0.0, "8", "on")])),
+    ]);
+    let green = format!("<GlobalAction>{}</GlobalAction>", set_signal("7", "off;off;on"));
+    let lead = private("Lead", &[&place(-1, 60.0), &slow(20.0)]);
+    let parts = Parts { stories, init: green + &lead, ..Parts::default() };
+    let notices = parts.read().expect("it is in the subset").notices;
+    assert!(notices.iter().any(|notice| notice.contains("neither the ego nor others see them")));
+    let mut run = parts.run();
+    near(run.to(0.99).lead().speed_mps, 20.0);
+    near(run.to(1.0).lead().speed_mps, 15.0);
+    near(run.to(2.99).lead().speed_mps, 15.0);
+    near(run.to(3.0).lead().speed_mps, 0.0);
+    near(run.to(20.0).lead().speed_mps, 0.0);
+}
