@@ -189,3 +189,33 @@ fn a_speed_that_the_ego_shall_reach_in_time_is_its_set_speed() {
     assert!(read.notices.iter().any(|notice| notice.contains("25 m/s is its set speed")));
     assert_eq!(Parts::default().read().expect("a step").set_speed_mps, None);
 }
+
+#[test]
+fn an_entry_of_a_catalog_may_use_the_scenarios_parameters_with_a_note() {
+    let text = |named: &str| {
+        let declared = format!(
+            "<ParameterDeclarations><ParameterDeclaration name=\"{named}\" parameterType=\"double\" value=\"7\"/></ParameterDeclarations>"
+        );
+        let head = "<CatalogLocations><ManeuverCatalog><Directory path=\"cars\"/></ManeuverCatalog></CatalogLocations>";
+        let start = trigger(&[&at(1.0)]);
+        let slow = event("E", "override", &[&speed("step", "time", 0.0, 5.0)], &start);
+        let slow = slow.replace("value=\"5\"", "value=\"$v\"");
+        let reference = "<CatalogReference catalogName=\"c\" entryName=\"slow\"/>";
+        let stories = story(&[]).replace("<Maneuver name=\"Maneuver\"></Maneuver>", reference);
+        let catalog = format!(
+            "<OpenSCENARIO>\n<FileHeader revMajor=\"1\" revMinor=\"1\"/>\n<Catalog name=\"c\"><Maneuver name=\"slow\">{slow}</Maneuver></Catalog></OpenSCENARIO>"
+        );
+        let files = vec![("dir/cars/c.xosc".to_owned(), catalog)];
+        Parts { parameters: declared, head: head.to_owned(), stories, files, ..Parts::default() }
+    };
+    let parts = text("v");
+    let noted = "`slow` uses parameters of the scenario that it does not declare";
+    let notices = parts.read().expect("the scenario has it").notices;
+    assert!(notices.iter().any(|notice| notice.ends_with(noted)), "{notices:?}");
+    assert_eq!(parts.run().to(1.5).lead().speed_mps, 7.0);
+    let shown = text("w").refusal();
+    assert!(
+        shown.starts_with("dir/cars/c.xosc:3:") && shown.contains("parameter `v` is not"),
+        "{shown}"
+    );
+}

@@ -104,11 +104,24 @@ impl<C: Choice> Element for FromCatalog<C> {
                     ));
                 }
                 check(&document.file, element, form)?;
-                let outside = Scope::default();
-                let inside = Node { file: &document.file, element, scope: &outside, ..node };
-                let scope =
-                    opened(inside, assigned).map_err(|error| error.given_at(&reference.place))?;
-                return C::read_chosen(Node { scope: &scope, ..inside });
+                let read = |outside: &Scope| {
+                    let inside = Node { file: &document.file, element, scope: outside, ..node };
+                    let scope = opened(inside, assigned)
+                        .map_err(|error| error.given_at(&reference.place))?;
+                    C::read_chosen(Node { scope: &scope, ..inside })
+                };
+                // In the standard an entry sees its own parameters alone; esmini's files use the scenario's too.
+                return match read(&Scope::default()) {
+                    Err(error @ ReadError::Parameter { .. }) => {
+                        let value = read(node.scope).map_err(|_| error)?;
+                        node.scene.notice(format!(
+                            "{}: `{entry}` uses parameters of the scenario that it does not declare",
+                            document.file
+                        ));
+                        Ok(value)
+                    }
+                    other => other,
+                };
             }
         }
         seen.sort();
