@@ -294,6 +294,17 @@ mod tests {
     }
 
     #[test]
+    fn a_yaw_rate_shows_the_curvature_from_3_mps_on() {
+        let curvature_perm = |speed_mps: f64| {
+            let mut way = OwnWay::new(BODY);
+            way.take(0, 0.03, speed_mps);
+            assert_eq!(way.yaw_rate_radps(), 0.03);
+            way.circle().curvature_perm
+        };
+        assert_eq!((curvature_perm(2.99), curvature_perm(3.0)), (0.0, 0.01));
+    }
+
+    #[test]
     fn the_body_points_inwards_when_fast_and_outwards_when_slow() {
         let heading_deg = |radius_m: f64, speed_mps: f64| {
             let mut way = OwnWay::new(BODY);

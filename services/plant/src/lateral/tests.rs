@@ -270,3 +270,31 @@ proptest! {
         }
     }
 }
+
+/// A body that points and slides across a left curve of 200 m: the bumper moves in the plane as the body says.
+#[test]
+fn the_bumper_moves_in_the_plane_as_its_body_does() {
+    let scenario = scenario(20.0, &plan("{ arc_m = 400, radius_m = 200, turn = \"left\" }"));
+    let Drive { car, mut lateral } = Drive::new(&scenario, 1.0);
+    let slip = Slip { lateral_mps: 0.4, yaw_radps: 0.2 };
+    lateral.state = State { lateral_m: 1.5, heading_rad: 0.3, slip, ..State::default() };
+    let from = longitudinal::State { position_m: 100.0, ..car.state() };
+    let to = longitudinal::State { position_m: 100.2, ..from };
+    let along_m = lateral.steered(&from, &to, 0.0);
+    let state = lateral.state;
+    let yaw_radps = 0.5 * (slip.yaw_radps + state.slip.yaw_radps);
+    let sideways_mps = 0.5 * (slip.lateral_mps + state.slip.lateral_mps);
+    let aside_m = PERIOD_S * (sideways_mps + lateral.to_bumper_m * yaw_radps);
+    assert!(aside_m > 5e-3, "{aside_m}");
+    // The axis turns about (0, 200).
+    let place = |along_m: f64, left_m: f64| {
+        let (sine, cosine) = libm::sincos(along_m / 200.0);
+        ((200.0 - left_m) * sine, 200.0 - (200.0 - left_m) * cosine)
+    };
+    let (sine, cosine) = libm::sincos(0.5 + 0.3 + 0.5 * PERIOD_S * yaw_radps);
+    let (before, after) = (place(100.0, 1.5), place(along_m, state.lateral_m));
+    assert!((after.0 - before.0 - (0.2 * cosine - aside_m * sine)).abs() < 5e-5, "{after:?}");
+    assert!((after.1 - before.1 - (0.2 * sine + aside_m * cosine)).abs() < 5e-5, "{after:?}");
+    let turned_rad = PERIOD_S * yaw_radps - (along_m - 100.0) / 200.0;
+    assert!((state.heading_rad - 0.3 - turned_rad).abs() < 1e-12, "{state:?}");
+}
