@@ -1,5 +1,5 @@
-//! Tests that need more than a Rust toolchain, such as a Python with packages from PyPI, a browser, or a kernel that
-//! grants mount namespaces.
+//! Tests that need more than a Rust toolchain. Examples are a Python with packages from PyPI, a browser, and a kernel
+//! that grants mount namespaces.
 //!
 //! Rust's own harness cannot skip a running test, and a test that returns early counts as passed. Files with this
 //! module have `harness = false` and check the needs first. A test without them is *ignored*, with the reason in its

@@ -103,7 +103,7 @@ fn the_timer_releases_as_well_as_the_radar() {
 /// the first message of each port. Encoding and decoding of frames allocates outside the control loop.
 #[test]
 fn the_loops_allocate_nothing() {
-    /// Blocks of the pool that a loop may be the first to need: one for each message that it writes at a time.
+    /// Blocks of the pool that a loop may be the first to need. It needs one for each message that it writes at a time.
     const FIRST: u64 = 2;
     let corner = Corner::new(PROGRAM);
     for mode in ["realtime", "lockstep"] {

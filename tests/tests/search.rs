@@ -1,5 +1,5 @@
-//! The search for failures: minimal cases that repeat, an interrupted search that continues in the same way, and a
-//! table of faults.
+//! The search for failures. It finds minimal cases that repeat, continues in the same way after an interruption, and
+//! makes a table of faults.
 
 use serde_json::{Value, json};
 use system_tests::Corner;

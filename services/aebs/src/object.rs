@@ -20,8 +20,8 @@ const BLIND_MARGIN_M: f64 = 0.5;
 const PLACES_M: f64 = 4.0;
 /// Standard deviation of the middle of a vehicle of which one point is known, m.
 pub(crate) const FIRST_SIGMA_M: f64 = 0.7;
-/// Greatest distance of a lead from the ego's axis, m, and greatest speed across, m/s, with which it keeps to the ego's
-/// path. Chosen: a vehicle that swerves around a standing one is 1.8 m off when it gets there.
+/// Largest distance from the ego's axis, m, and largest speed across, m/s, of a lead that keeps to the ego's path.
+/// Chosen: a vehicle that swerves around a standing one is 1.8 m off when it gets there.
 const LEAD_OFF_M: f64 = 0.5;
 const LEAD_RATE_MPS: f64 = 0.4;
 /// It drives from this speed on, m/s.
@@ -158,10 +158,10 @@ impl Object {
 
     /// The side on which `nearer` hides its face, 1 left, -1 right, or 0: neither.
     ///
-    /// That is the outer side where the line to its middle passes through `nearer`, or where it continues as the side
-    /// of `nearer` ends. A long vehicle comes out as several objects. Otherwise it is the side of the one corner to
-    /// which the line passes through `nearer`. This holds only for an object that is in the ego's path already. One
-    /// beside the path may be seen as a whole, although it seems to reach behind what is in the path.
+    /// That is the outer side where the line to its middle passes through `nearer`. It is also that side where the line
+    /// continues as the side of `nearer` ends. A long vehicle comes out as several objects. Otherwise it is the side of
+    /// the one corner to which the line passes through `nearer`. This holds only for an object that is in the ego's
+    /// path already. One beside the path may be seen as a whole, although it seems to reach behind what is in the path.
     pub(crate) fn side_hidden_by(&self, nearer: &Self) -> f64 {
         let middle_m = self.lateral.position_m;
         let end_m = nearer.distance_m + nearer.length_m;
@@ -232,8 +232,8 @@ impl Object {
         self.lateral.position_m - self.bow_m
     }
 
-    /// The side of the line of sight on which it is (1 left, -1 right), and the place of the side that it shows, m left
-    /// of the way. `None` if it shows none.
+    /// Side of the line of sight on which it is (1 left, -1 right). The second value is the place of the side that it
+    /// shows, m left of the way. `None` if it shows none.
     ///
     /// A standing object need not point along the ego's circle: the road ahead may be straight. It shows a side for sure if it
     /// shows the same one then.

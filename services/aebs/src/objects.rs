@@ -51,8 +51,7 @@ const REACH_M: f64 = 6.0;
 const SAME: (f64, f64) = (2.5, 1.9);
 /// Greatest distance from a place between two vehicles to either of them, in the lanes beside the ego's, m.
 const WIDEST_PAIR_M: f64 = 7.5;
-/// Distance beside the path beyond which an object is not a threat, whatever row it is on, m: both half widths, and 0.6
-/// m.
+/// Distance beside the path beyond which an object is not a threat on any row, m: both half widths, and 0.6 m.
 const NEAR_PATH_M: f64 = 2.5;
 /// An object that counts is dropped after this time without a point, s.
 const COAST_S: f64 = 0.4;

@@ -1,9 +1,8 @@
 //! One vehicle, or two abreast that the radar does not resolve.
 //!
-//! Two echoes of one range and one speed come out as one, between them, if they are nearer to each other than the
-//! azimuth's resolution. Two vehicles in the lanes beside the ego's then look as one in the ego's lane. The place of
-//! such an echo scatters around the middle between the two. Their powers fluctuate from scan to scan. That of one
-//! vehicle stays on its body.
+//! Two echoes of one range and one speed come out as one between them if the radar does not resolve their azimuths. Two
+//! vehicles in the lanes beside the ego's then look as one in the ego's lane. The place of such an echo scatters around
+//! the middle between the two. Their powers fluctuate from scan to scan. That of one vehicle stays on its body.
 //!
 //! So an object that is that far off has odds. They compare one body with two as the explanation of the places where it
 //! was seen. Each scan multiplies them by

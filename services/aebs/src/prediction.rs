@@ -68,7 +68,7 @@ pub struct Beside {
     pub first_s: f64,
     /// Its end, s; infinite if it does not end.
     pub last_s: f64,
-    /// Speed of the ego over the other at the begin, m/s.
+    /// Speed of the ego over the other at the start, m/s.
     pub first_mps: f64,
     /// The same at the end.
     pub last_mps: f64,

@@ -43,11 +43,12 @@ const ON_LINE_M: f64 = 0.8;
 const BESIDE_M: f64 = 1.75;
 /// Half of the width of a vehicle, m.
 const HALF_WIDTH_M: f64 = 0.9;
-/// Distance from the middle of the way within which a line begins in the ego's lane, m: half a car, and both wander.
+/// Largest distance from the middle of the way at which a line begins in the ego's lane, m. It is half a car, and both
+/// wander.
 const IN_LANE_M: f64 = 1.25;
 /// No road bends more against the ego's way, 1/m.
 const SHARPEST_PERM: f64 = 1.0 / 100.0;
-/// Step of the begin of the bend, m.
+/// Step of the start of the bend, m.
 const BEGIN_STEP_M: f64 = 5.0;
 
 /// A standing place on the ego's way.

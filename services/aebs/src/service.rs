@@ -26,8 +26,8 @@ const FALLBACK: f64 = 0.5;
 const STALE_PERIODS: i64 = 4;
 /// Age at which odometry is of no use, ns.
 const STALE_ODOMETRY_NS: i64 = 100_000_000;
-/// Least difference between the speeds of odometry and of the radar's scan that the time in between cannot explain,
-/// m/s; and the largest acceleration, m/s².
+/// Least difference of the speeds of odometry and the radar's scan that the time in between cannot explain, m/s. The
+/// second value is the largest acceleration, m/s².
 const DISAGREES_MPS: f64 = 1.0;
 const MAX_MPS2: f64 = 12.0;
 

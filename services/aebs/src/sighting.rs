@@ -123,7 +123,8 @@ impl Sums {
     }
 
     /// Lateral position of the middle, m, with its variance, m², from the side and the face. `hidden_side`: the side on
-    /// which the face is hidden, from its middle or from beyond on (1 left, -1 right); else 0.
+    /// which the face is hidden (1 left, -1 right), from its middle or from beyond on. It is 0 if the face is not
+    /// hidden.
     fn lateral(
         &self,
         distance_m: f64,

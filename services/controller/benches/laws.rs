@@ -1,7 +1,7 @@
 //! Cost of a call of each law, also of those that are programs of their own: `cargo bench -p controller --bench laws
 //! [-- PROGRAM ARGUMENTS...]`.
 //!
-//! The drive is the same for all: a lead 40 m ahead speeds up and slows down, the light is green, and a truck has
+//! The drive is the same for all. A lead 40 m ahead speeds up and slows down, the light is green, and a truck has
 //! hills. The foreign law is `examples/my_law.py` where there is a Python, and the program that the arguments name. It
 //! is called as in simulated time: the whole way through both pipes counts.
 

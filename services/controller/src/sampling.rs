@@ -179,7 +179,7 @@ fn signals_ahead(
     ahead
 }
 
-/// The intervals that have not ended yet. If a phase ends before the known begin of its announced successor, the phase
+/// The intervals that have not ended yet. If a phase ends before the known start of its announced successor, the phase
 /// is unknown: it is never guessed. A phase other than green or yellow lasts until a message shows another one,
 /// whatever was announced. The next release is the soonest time for that.
 fn announce(

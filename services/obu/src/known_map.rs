@@ -1,8 +1,8 @@
 //! The stop lines of an intersection, according to its maps.
 //!
 //! Maps can differ: a newer map moves a line, a falsified map contradicts. Nothing in them shows which one is right. So
-//! a line of any of them counts until it is passed: the last map's, an earlier one's, or a contradicting one's. If one
-//! signal has several lines, the nearest ahead counts.
+//! a line of any of them counts until it is passed. It is the last map's, an earlier one's, or a contradicting one's.
+//! If one signal has several lines, the nearest ahead counts.
 
 use crate::lanes::StopLine;
 use crate::numbers::Numbers;

@@ -6,8 +6,8 @@ use its::spatem::{MovementEvent, MovementPhase, MovementState};
 use its::time::TimeMark;
 use messages::{Interval, MAX_INTERVALS, PhaseState, Signal};
 
-/// Time for which a green that outlasts its announced end still counts, s: until the next message, and the difference
-/// of clocks.
+/// Time for which a green that outlasts its announced end still counts, s. It is the time until the next message, and
+/// the difference of clocks.
 const NEXT_MESSAGE_S: f64 = 0.4;
 
 /// A phase and its end.

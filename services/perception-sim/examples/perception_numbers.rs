@@ -5,9 +5,9 @@
 //! ```
 //!
 //! Each number is halved and doubled, within its range, while all others keep their values. `NAMES` lists some of them,
-//! as `a,b`. The scenes are those of the example `quality`. A quarter each has a sound radar, a radar that misses three
-//! vehicles and posts of ten, fast odometry, and a blind radar. Odometry is 1.5 m/s fast from 8 s on; the radar is
-//! blind for 1.5 s.
+//! as `a,b`. The scenes are those of the example `quality`. A quarter each has a sound radar, fast odometry, and a
+//! blind radar. The last quarter has a radar that misses three vehicles and posts of ten. Odometry is 1.5 m/s fast from
+//! 8 s on; the radar is blind for 1.5 s.
 
 use bytemuck::Zeroable;
 use messages::{Detection, MAX_DETECTIONS};

@@ -10,8 +10,8 @@
 //!
 //! The figures are root mean squares over the scans. So the squares of localisation, missed and false add up to that of
 //! the whole.
-//! * Time to confirm a cut-in: from the overlap of the bodies' lanes to the publication of a track of it that is in the
-//!   path. It is negative for an earlier recognition.
+//! * Time to confirm a cut-in. It lasts from the overlap of the bodies' lanes to the publication of a track of it that
+//!   is in the path. It is negative for an earlier recognition.
 //! * False targets: selected targets without a vehicle, or with a vehicle that neither overlaps the ego's lane nor
 //!   moves towards it.
 //!
@@ -61,9 +61,9 @@ struct Targets {
 struct CutIn {
     /// It has been beside the lane.
     outside: bool,
-    /// Begin of its overlap, if it has not been confirmed since.
+    /// Start of its overlap, if it has not been confirmed since.
     overlaps_ns: Option<i64>,
-    /// Begin of the time for which a track of it has been in the path.
+    /// Start of the time for which a track of it has been in the path.
     in_path_ns: Option<i64>,
 }
 

@@ -16,7 +16,7 @@ pub struct BrakePath {
     jerk_mps3: f64,
     authority_mps2: f64,
     period_s: f64,
-    /// Begin of the present request, ns of run time.
+    /// Start of the present request, ns of run time.
     asked_since_ns: Option<u64>,
     ceiling_mps2: Option<f64>,
 }

@@ -20,7 +20,7 @@ pub struct Stamps {
     pub header: Header,
     /// Scheduled release of the radar's cycle that published its sample, ns of run time.
     pub radar_release_ns: i64,
-    /// Begin of its service's wait for the release, ns of run time.
+    /// Start of its service's wait for the release, ns of run time.
     pub idle_ns: i64,
     /// Time when the cycle began to work on its inputs, ns of run time.
     pub start_ns: i64,

@@ -78,11 +78,11 @@ impl Recording {
         let failed = |reason| ReadError::File { path: path.clone(), reason };
         match source.length() {
             0 => return Err(foreign("it is empty")),
-            length if length < MAGIC.len() as u64 => return Err(foreign("it is no MCAP file")),
+            length if length < MAGIC.len() as u64 => return Err(foreign("it is not an MCAP file")),
             _ => {}
         }
         if Window::new(&source).bytes(0, MAGIC.len()).map_err(failed)? != MAGIC {
-            return Err(foreign("it is no MCAP file"));
+            return Err(foreign("it is not an MCAP file"));
         }
         let outline = Outline::of(&source).map_err(failed)?;
         let metadata = outline.metadata.ok_or_else(|| foreign("it does not say of which run"))?;

@@ -56,19 +56,19 @@ impl Source {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Spot {
     pub(crate) opcode: u8,
-    /// Begin of its head.
+    /// Start of its head.
     pub(crate) at: u64,
     /// Length of its body.
     pub(crate) length: u64,
 }
 
 impl Spot {
-    /// Begin of its body.
+    /// Start of its body.
     pub(crate) fn body(&self) -> u64 {
         self.at + HEAD as u64
     }
 
-    /// Begin of the next record.
+    /// Start of the next record.
     pub(crate) fn end(&self) -> u64 {
         self.body() + self.length
     }

@@ -63,7 +63,9 @@ impl UnitCycle {
     fn gap(&self, number: u64) -> Option<String> {
         let header = &self.map.header;
         if header.incarnation > 0 {
-            return Some("it was started again, and heard frames before it spoke".into());
+            return Some(
+                "it was started again, and received frames before its first message".into(),
+            );
         }
         let missing = |message: u64, topic: Topic| {
             format!(

@@ -1,6 +1,6 @@
 //! Maps of the road ahead in cells of one length: grades and curvatures, with the faults of the scenario.
 //!
-//! Both maps have the faults of `[v2x.preview]`: they are shifted along the road, they end, and each cell has an error
+//! Both maps have the faults of `[v2x.preview]`. They are shifted along the road, they end, and each cell has an error
 //! of its own.
 
 use rand_core::SeedableRng;
@@ -14,7 +14,7 @@ use crate::numbers::NUMBERS;
 /// The known part of the road ahead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ahead {
-    /// Begin of the first cell, m.
+    /// Start of the first cell, m.
     pub first_cell_m: f64,
     /// Number of known cells.
     pub count: usize,

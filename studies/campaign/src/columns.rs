@@ -162,7 +162,7 @@ pub fn schema() -> Schema {
     frame::schema("campaign", "A campaign of a file")
         .fields(FIELDS)
         .fields(&sums::<()>())
-        .rows("exposure", "What the drives meet without faults", EXPOSURE)
+        .rows("exposure", "Events of the drives without faults", EXPOSURE)
         .rows("requirements", "The limits, with what was found", REQUIREMENTS)
         .rows("combinations", "Runs by scenario, controller and fault", &combinations)
         .rows("scenarios", "Runs by scenario", &shared)

@@ -1,4 +1,4 @@
-//! The counts over some runs, each in one row: its field, its name in results, its column, and what a run adds.
+//! The counts over some runs. Each has one row: its field, its name in results, its column, and a run's part.
 
 use group::report::Outcome;
 use report::results::{Column, count};

@@ -47,7 +47,7 @@ pub fn document(verdict: &Verdict, runs: &Sum, records: Records<Record>) -> Docu
         .table(totals(all))
         .text(listed("faults in each phase", &all.phases))
         .text(listed("time on each level, s", &rounded(&all.rungs_s)))
-        .table(Table::new("What the drives meet without faults", EXPOSURE, &verdict.exposure))
+        .table(Table::new("Events of the drives without faults", EXPOSURE, &verdict.exposure))
         .table(
             Table::new("Runs to blame, by scenario and fault", BROKEN, &verdict.broken)
                 .most_rows(MAX_LINES),
@@ -205,7 +205,7 @@ fn sentence(verdict: &Verdict) -> String {
     }
     if verdict.met_nothing {
         words.push(
-            "BROKEN: the faults met nothing; none acted while the ego braked, stood, closed in on a vehicle, came \
+            "BROKEN: no fault acted while the ego braked, stood, closed in on a vehicle, came \
              to a red line or was cut in on"
                 .into(),
         );

@@ -1,6 +1,6 @@
 //! A run whose launcher is killed. It is a command of its own, since the campaign itself launches its other runs.
 //!
-//! Three things must hold: the group ends with its launcher, nothing of the group is left, and its results show that
+//! Three things must hold. The group ends with its launcher, nothing of the group is left, and its results show that
 //! the run did not reach its end.
 
 use super::planned::Planned;

@@ -1,4 +1,4 @@
-//! The measured figures over some runs, each in one row: its field, the name of its limits, its columns, and a run's
+//! The measured figures over some runs. Each has one row: its field, the name of its limits, its columns, and a run's
 //! share. The counts stand in [`counts`](super::counts).
 
 use super::record::Record;

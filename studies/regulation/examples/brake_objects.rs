@@ -32,7 +32,7 @@ struct Arguments {
     /// Law that drives
     #[arg(long, default_value = "acc-mpc")]
     law: String,
-    /// Begin of what is printed, s
+    /// Start of what is printed, s
     #[arg(long, default_value_t = 0.0)]
     from: f64,
     /// End of what is printed, s

@@ -9,8 +9,8 @@
 //!
 //! * `best`: braking that begins at any scan after the other has begun to move sideways, or never. The best choice
 //!   counts: no system with these brakes does better.
-//! * `simple`: ideal perception 0.15 s late. It brakes at the last point for objects that overlap the ego's path, or
-//!   will within 1.2 s and before they are passed.
+//! * `simple`: ideal perception 0.15 s late. It brakes at the last point for objects that overlap the ego's path. It
+//!   also brakes for those that will overlap it within 1.2 s and before they are passed.
 //! * `aebs`: `services/aebs` on the radar's detections.
 //! * `aebs-ideal`: its decision on the true objects.
 //! * `--laws`: control laws with the emergency brake, each in its whole group.

@@ -102,8 +102,8 @@ fn smallest(row: &FaultRow) -> Json {
 }
 
 impl FaultRow {
-    /// A fault with the judgement of its worst run: its name, the unit of its size, its runs, and those that broke a
-    /// requirement.
+    /// A fault with the judgement of its worst run. It has its name, the unit of its size, its runs, and those that
+    /// broke a requirement.
     pub fn new(
         (fault, size_unit): (&str, &'static str),
         worst: &Judged,

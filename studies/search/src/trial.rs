@@ -30,8 +30,8 @@ pub struct Seeds<'a> {
     pub bar: &'a ProgressBar,
 }
 
-/// The text of a file that `timegap run` repeats. A fault with nothing to act on has no effect, and a single run
-/// refuses it: the file does not have it.
+/// The text of a file that `timegap run` repeats. A fault with nothing to act on has no effect. A single run refuses
+/// it, so the file leaves it out.
 pub fn repeatable(scenario: &Scenario) -> String {
     let mut repeatable = scenario.clone();
     repeatable.faults.retain(|fault| group::absent(fault, scenario).is_none());

@@ -1,5 +1,5 @@
-//! Synthesis of designs: the shipped ones again, designs that do not exist, and the hardest
-//! certified braking for a car that cuts in.
+//! Synthesis of designs. The cases are the shipped ones again, designs that do not exist, and the
+//! hardest certified braking for a car that cuts in.
 //!
 //! `cargo test --release -p synthesis --features openblas`
 #![cfg(feature = "openblas")]

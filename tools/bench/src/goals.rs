@@ -95,8 +95,8 @@ pub fn of_chain(period_us: u32, placement: Placement, blocks: &[(f64, f64)]) -> 
     statistics::paired(blocks).map(|estimate| Goal::new(name, placement, limits::CHAIN, estimate))
 }
 
-/// The goal of the deadlines at 1 ms: at most the misses of a process that sleeps and then computes as long as the law.
-/// It runs on the same core during the same seconds. Without a miss of ours it is met.
+/// The goal of the deadlines at 1 ms. It allows the misses of a process that sleeps and then computes as long as the
+/// law. It runs on the same core during the same seconds. Without a miss of ours it is met.
 pub fn of_misses(placement: Placement, ours: Events, floor: Events) -> Option<Goal> {
     let name = "deadline misses per million at 1 ms over the floor's".to_owned();
     let goal = Goal::new(name, placement, limits::MISSES, statistics::rates(ours, floor)?);

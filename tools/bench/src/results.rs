@@ -156,8 +156,8 @@ pub struct ChainRow {
     pub designed_wait_us: Option<Percentiles>,
     /// Software overhead: reaction time without radar latency and waits for the next period.
     pub net_reaction_us: Option<Percentiles>,
-    /// Sum of the medians of the floors: two absolute sleeps (radar and plant), a futex wake-up at this period, and the
-    /// law. Null without a futex measurement at this period.
+    /// Sum of the medians of the floors. They are two absolute sleeps (radar and plant), a futex wake-up at this
+    /// period, and the law. Null without a futex measurement at this period.
     pub floor_sum_us: Option<f64>,
     pub hops_us: Hops,
     pub solve_us: Option<Percentiles>,

@@ -72,7 +72,7 @@ pub struct FaultLog {
 }
 
 impl FaultLog {
-    /// Notes the begin of a fault at `t_s`, NaN if unknown yet. With `while_starting` it killed a process that was
+    /// Notes the start of a fault at `t_s`, NaN if unknown yet. With `while_starting` it killed a process that was
     /// not in the run yet.
     pub fn begin(&mut self, fault: &Fault, number: u32, t_s: f64, while_starting: bool) {
         self.records.push(FaultRecord { t_s, while_starting, ..record(fault, number) });
@@ -86,7 +86,7 @@ impl FaultLog {
     }
 
     /// Notes that the launcher found `service` gone or hung at `now_ns`; its restart `awaits` will show its recovery.
-    /// An unplanned fault gets a record of its own. It has that kind, and the run time `since_ns` of its begin if
+    /// An unplanned fault gets a record of its own. It has that kind, and the run time `since_ns` of its start if
     /// that is known.
     pub fn detected(
         &mut self,

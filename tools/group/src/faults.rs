@@ -29,7 +29,7 @@ struct Planned {
 pub struct LiveProcess {
     /// Index of the process in its service.
     pub incarnation: u32,
-    /// Begin of its start, run time in ns; `None`: it takes part in the run.
+    /// Time of its start, run time in ns; `None`: it takes part in the run.
     pub starting_since_ns: Option<i64>,
 }
 

@@ -20,7 +20,7 @@ pub enum ParameterError {
         argument: String,
     },
     /// Other scenarios have no parameters.
-    #[error("--param {argument}: {name} is no OpenSCENARIO file, expected --set KEY=VALUE")]
+    #[error("--param {argument}: {name} is not an OpenSCENARIO file, expected --set KEY=VALUE")]
     NoOpenScenario {
         /// The argument.
         argument: String,
@@ -36,7 +36,7 @@ pub enum ParameterError {
         name: String,
     },
     /// Other scenarios have no lane positions.
-    #[error("--lane-headings traffic: {name} is no OpenSCENARIO file, expected one (.xosc)")]
+    #[error("--lane-headings traffic: {name} is not an OpenSCENARIO file, expected one (.xosc)")]
     NoLanePositions {
         /// The scenario.
         name: String,

@@ -27,9 +27,10 @@ pub fn scripts() -> String {
     let library = include_str!("../assets/uplot/uPlot.iife.min.js");
     // Its first comment is its address, and a page names no place outside itself.
     let library = library.split_once("*/").map_or(library, |(_, code)| code);
-    let ours = include_str!("../assets/charts.js");
+    let shapes = include_str!("../assets/shapes.js");
+    let charts = include_str!("../assets/charts.js");
     format!(
-        "<script>/*! uPlot 1.6.32\n\n{LICENCE}*/{library}</script>\n<script>\n{ours}</script>\n"
+        "<script>/*! uPlot 1.6.32\n\n{LICENCE}*/{library}</script>\n<script>\n{shapes}{charts}</script>\n"
     )
 }
 

@@ -79,7 +79,7 @@ fn a_lead_that_keeps_to_the_path_takes_the_place_of_what_is_not_there() {
 #[test]
 fn a_face_shows_where_its_nearer_corner_is_in_the_field_of_view() {
     let shows = |distance_m: f64, off_m: f64| stands(distance_m, off_m).shows_its_face(0.5);
-    // Half a metre nearer than it is: 5 m to the side at 10.5 m, and the corner is 0.9 m nearer.
+    // It looks half a metre nearer than it is. It is 5 m to the side at 10.5 m, and the corner is 0.9 m nearer.
     assert!(shows(10.5, 5.8) && !shows(10.5, 6.0) && shows(10.5, -5.8) && !shows(10.5, -6.0));
     assert!(shows(0.6, 0.0) && !shows(0.5, 0.0) && !shows(-3.0, 0.0));
     // Where the way bows to the left it is seen there.
@@ -89,7 +89,7 @@ fn a_face_shows_where_its_nearer_corner_is_in_the_field_of_view() {
 
 #[test]
 fn beside_the_ego_it_is_hidden_once_its_last_place_is_out_of_sight() {
-    // What reflects ends 0.9 m before the end of the body, and half a metre is doubtful: 2.9 m behind the face.
+    // The reflecting part ends 0.9 m before the end of the body. Half a metre is doubtful: 2.9 m behind the face.
     let hidden = |distance_m: f64, off_m: f64| stands(distance_m, off_m).is_hidden_beside(0.5);
     assert!(hidden(-2.9, 0.0) && hidden(-9.0, 0.0) && !hidden(-2.8, 0.0));
     // At 2 m ahead, 1 m to the side, the corner 0.9 m nearer.
@@ -151,7 +151,7 @@ fn a_line_of_sight_is_hidden_by_a_body_that_it_passes_through() {
     let beside = stands(10.0, 2.0);
     assert!(beside.hides(30.0, 30.0 * 0.0735) && !beside.hides(30.0, 30.0 * 0.0733));
     assert!(beside.hides(30.0, 30.0 * 0.294) && !beside.hides(30.0, 30.0 * 0.296));
-    // One beside the ego, from the bumper to 2.3 m: at its end the line is to be 1.05 m to the side.
+    // One beside the ego, from the bumper to 2.3 m. At its end the line is to be 1.05 m to the side.
     assert!(stands(-2.0, 2.0).hides(30.0, 13.8) && !stands(-2.0, 2.0).hides(30.0, 13.6));
     assert!(!stands(-4.4, 0.0).hides(30.0, 0.0), "it is passed");
 }

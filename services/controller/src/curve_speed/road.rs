@@ -21,7 +21,7 @@ pub struct Clothoid {
 /// Mean curvatures in cells of equal length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cells<'a> {
-    /// Begin of the first cell, m ahead of the ego; negative behind it.
+    /// Start of the first cell, m ahead of the ego; negative behind it.
     pub first_m: f64,
     /// Length of a cell, m.
     pub cell_m: f64,

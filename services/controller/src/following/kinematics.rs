@@ -79,8 +79,8 @@ impl Lag {
         if v0 <= 0.0 && a0 <= 0.0 {
             return Stop { time_s: 0.0, distance_m: 0.0 };
         }
-        // v(t) is concave for a0 > u and convex else. So Newton's method converges from one side,
-        // if it starts beyond the root in the first case and at zero in the second.
+        // v(t) is concave for a0 > u and convex else. So Newton's method converges from one side.
+        // It starts beyond the root in the first case, and at zero in the second.
         let excess = a0 - u;
         let mut t = if excess > 0.0 { (v0 + excess * tau) / -u } else { 0.0 };
         for _ in 0..30 {

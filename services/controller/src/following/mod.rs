@@ -1,5 +1,5 @@
-//! Common parts of the laws that follow a vehicle: the lag's exact motion, a comfortable driver, the safe gap, the soft
-//! end of a stop. A follower is made of these.
+//! Common parts of the laws that follow a vehicle. They are the lag's exact motion, a comfortable driver, the safe gap,
+//! and the soft end of a stop. A follower is made of these.
 
 pub mod driver;
 pub(crate) mod follower;

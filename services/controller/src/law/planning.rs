@@ -146,8 +146,8 @@ impl Plan {
 
 /// Plans speed, torque and gear over the road ahead. Allocates only when it is made.
 pub trait Planner: Send {
-    /// Answers a request. Returns `false` and an empty plan if the road is not known far enough, or if the truck's
-    /// speed is outside the planned range.
+    /// Answers a request. Returns `false` and an empty plan in two cases. The road is not known far enough, or the
+    /// truck's speed is outside the planned range.
     fn plan(&mut self, request: &PlanRequest, plan: &mut Plan) -> bool;
 }
 

@@ -121,8 +121,8 @@ pub fn mode_names(scenario: &Scenario) -> &'static [&'static str] {
     formulation(scenario).map_or(&[], |formulation| formulation.modes)
 }
 
-/// The gap from which gap errors are measured: the scenario's own, else the one at which its law aims, if the scenario
-/// shows it.
+/// Gap from which gap errors are measured. It is the scenario's own, else the one at which its law aims, if the
+/// scenario shows it.
 #[must_use]
 pub fn desired_gap(scenario: &Scenario) -> Option<DesiredGap> {
     scenario.referee.desired_gap.or_else(|| match of(scenario).ok()?.gap {

@@ -3,8 +3,8 @@
 use super::{Check, Findings};
 use messages::{Odometry, RadarTracks};
 
-/// Limits of the difference between position and speed in two samples: a distance at any speed, m; a share of the
-/// distance travelled; and the effect of a jerk in the time between them, m/s².
+/// Limits of the difference between position and speed in two samples. They are a distance at any speed, m; a share of
+/// the distance travelled; and the effect of a jerk in the time between them, m/s².
 const STEP_M: f64 = 0.04;
 const STEP_SHARE: f64 = 0.01;
 const STEP_MPS2: f64 = 2.0;
@@ -23,8 +23,8 @@ const RADAR_SCANS: u32 = 3;
 /// Difference below which a track has the speed of the measurement, m/s. The radar allows a standing object's detection
 /// as much.
 const QUEUE_MPS: f64 = 0.6;
-/// Difference of commands from the one that odometry last followed, m/s², and its least duration, s, while no figure of
-/// odometry changes.
+/// Difference of commands from the one that odometry last followed, m/s². The second value is its least duration, s,
+/// while no figure of odometry changes.
 const COMMAND_MPS2: f64 = 0.3;
 const COMMAND_S: f64 = 0.8;
 

@@ -18,8 +18,8 @@
 //! ```
 //!
 //! The base: no drive has a false alarm. A frozen radar is found after 0.13 to 0.20 s. A gap that is off by 5 m is
-//! found after 0.03 s, and so is a relative speed that is off by 3 m/s, in five of five drives. A gap that is off by 2
-//! m and a speed that is off by 1 m/s are not found.
+//! found after 0.03 s, in five of five drives. So is a relative speed that is off by 3 m/s. A gap that is off by 2 m
+//! and a speed that is off by 1 m/s are not found.
 
 use super::{Check, Findings};
 use messages::{Header, Odometry, RadarTracks, Track};
@@ -61,7 +61,7 @@ parameters! {
              of 0 times; at 5: gap biased (+5 m) found after 1.73 instead of 0.03 s, gap biased (-5 m) found 0 \
              instead of 5 times.";
         /// The same of a radar whose range has more noise.
-        target_sigmas: f64 = 6.0, "1", 3.0..=10.0, "Chosen: as above.";
+        target_sigmas: f64 = 6.0, "1", 3.0..=10.0, "Chosen: as above. No change at 3 and 10.";
         /// The same by range.
         target_share: f64 = 0.03, "1", 0.0..=0.1,
             "Chosen: as above. At 0.015: no change; at 0.06: gap biased (-5 m) found 1 instead of 5 times, after 9.83 s.";

@@ -75,9 +75,9 @@ impl Record {
             && self.clear_of_lead(i, 0.0, crossing)
     }
 
-    /// True if a constant request keeps clear of the lead, both in its real drive and in the motion that it had at the
-    /// event. Gentle braking in the hope that a braking lead changes its mind is lucky, not comfortable. Number of
-    /// clear steps that is enough.
+    /// True if a constant request keeps clear of the lead. It must do so in the lead's real drive, and in the motion
+    /// that it had at the event. Gentle braking in the hope that a braking lead changes its mind is lucky, not
+    /// comfortable. Number of clear steps that is enough.
     fn clear_of_lead(&self, i: usize, u: f64, steps: usize) -> bool {
         let Some(lead) = self.samples[i].lead else { return true };
         let real = self.samples[i..].iter().map(|later| later.lead);
@@ -95,7 +95,8 @@ impl Record {
     }
 }
 
-/// True if a constant request keeps clear of a lead until it is gone, the ego stands, or the steps are over.
+/// True if a constant request keeps clear of a lead. It must do so until the lead is gone, the ego stands, or the steps
+/// are over.
 fn keeps_clear(
     mut ego: Ego,
     track: u32,

@@ -1,5 +1,5 @@
-//! The guarantee itself. No bounded acceleration of the lead and no bounded noise drives the state
-//! out of the ellipsoid, or an index over its bound.
+//! The guarantee itself. A bounded acceleration of the lead and bounded noise do not drive the
+//! state out of the ellipsoid. No index exceeds its bound.
 //!
 //! First on the model, where the certificate is exact. Then on the true plant: continuous lag,
 //! curved desired gap, and an adversary who chooses lead and noise and has P.

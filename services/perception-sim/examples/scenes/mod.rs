@@ -1,7 +1,8 @@
 //! Seeded scenes of traffic.
 //!
-//! A scene lasts 20 s. It is one of four kinds by its seed: a lead of varying speed, a cut-in, dense traffic on three
-//! lanes, a lead that brakes hard. The ego follows the nearest vehicle in its lane by the intelligent driver model.
+//! A scene lasts 20 s. It is one of four kinds by its seed. They are a lead of varying speed, a cut-in, dense traffic
+//! on three lanes, and a lead that brakes hard. The ego follows the nearest vehicle in its lane by the intelligent
+//! driver model.
 
 use perception_sim::radar::scene::Ego;
 use perception_sim::random::Random;

@@ -93,8 +93,8 @@ impl DetectionRadar {
         self.scan_on(None, scene, detections)
     }
 
-    /// Writes the detections of a scene on its road (if that has a plan), nearest first, as many as there is room for.
-    /// The rest of `detections` stays.
+    /// Writes the detections of a scene on its road (if that has a plan), nearest first, up to the room. The rest of
+    /// `detections` stays.
     pub fn scan_on(
         &mut self,
         road: Option<&Axis>,

@@ -1,7 +1,7 @@
 //! The receiver: what resolution merges, what rises above the threshold, and how exactly it is measured.
 //!
-//! * Echoes reach one cell of the receiver if they differ by less than the resolution in all three: range, range rate
-//!   and azimuth. They come out as one, at their mean weighted by power.
+//! * Echoes reach one cell of the receiver if range, range rate and azimuth all differ by less than the resolution.
+//!   They come out as one, at their mean weighted by power.
 //! * An echo of power s (noise: 1) meets complex Gaussian noise n; it is detected when
 //!   |√s + n|² exceeds the threshold. Its probability of detection is therefore Marcum's Q function
 //!   of s and the threshold, and with Swerling's fluctuation drawn before, Swerling's.

@@ -7,8 +7,8 @@
 //! Distance is measured from the outline that the track predicts. Its units are the standard deviations of range,
 //! lateral position and range rate.
 //!
-//! Places are those of the straight road that [`super::course`] makes of the one ahead: arc length σ, and distance d
-//! from the course. The range rate is the one that the same motion would have there.
+//! Places are those of the straight road that [`super::course`] makes of the one ahead. They are arc length σ, and
+//! distance d from the course. The range rate is the one that the same motion would have there.
 
 use messages::Detection;
 

@@ -87,7 +87,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Constant braking of the ego that keeps it behind a vehicle of constant speed, m/s²; 0 if they do not come
+    /// Constant braking that keeps the ego behind a vehicle of constant speed, m/s². It is 0 if they do not come
     /// closer.
     #[must_use]
     pub fn braking_mps2(&self) -> f64 {

@@ -8,7 +8,7 @@
 //! * consistency: a track that is not yet confirmed ends if it could be the image of a track nearer to the ego's lane.
 //!   The rail must be outside the next lane ([`Numbers::nearest_rail_m`]) and leave that vehicle room.
 //!
-//! The price: a vehicle three lanes off becomes a track only when it no longer drives exactly beside another one of the
+//! The price: a vehicle three lanes off becomes a track late. It must no longer drive exactly beside another one of the
 //! same speed.
 
 use super::association::Point;

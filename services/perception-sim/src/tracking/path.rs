@@ -4,8 +4,8 @@
 //! the path beyond `leave_half_width_m`. So a vehicle on the line between two lanes does not flicker, and one noisy
 //! scan makes no target. An estimated path is left only after [`Numbers::course_leave_s`]. If the course ahead is not
 //! known well ([`Numbers::doubtful_path_m`]), probabilities replace these limits. They are those of its being within
-//! the lane. A track also counts as within the entry limit if its lateral motion takes its body before the ego's in
-//! less than `predict_s`. So a cut-in is recognised before the bodies overlap. A track that the ego will have passed by
+//! the lane. A track also counts as within the entry limit if its body comes before the ego's in less than `predict_s`,
+//! by its lateral motion. So a cut-in is recognised before the bodies overlap. A track that the ego will have passed by
 //! then stays out. So does a track that it will be beside by then, even with a cruise control's hardest braking.
 //! Braking only makes the time beside it longer.
 

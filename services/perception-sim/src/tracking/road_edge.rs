@@ -1,7 +1,7 @@
 //! The road's edges, as standing objects show them.
 //!
-//! A moving echo from beyond a row of standing objects is a mirror image in a guard rail, or a vehicle on another road.
-//! No track begins there.
+//! A moving echo from beyond a row of standing objects is a mirror image in a guard rail. Or it is a vehicle on another
+//! road. No track begins there.
 
 use super::numbers::Numbers;
 

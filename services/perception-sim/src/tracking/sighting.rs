@@ -94,9 +94,9 @@ impl Sighting {
         Measured { value: inner_m + 0.5 * width_m * side, variance }
     }
 
-    /// As [`Self::lateral`], of a rear that the receiver resolves. Its sides show when nothing
-    /// hides them, so an echo from part of it agrees with every centre that has it on the rear.
-    /// `None` when it agrees with the one that is expected.
+    /// As [`Self::lateral`], of a rear that the receiver resolves. Its sides show if nothing hides
+    /// them. So an echo from part of it agrees with every centre that has it on the rear. `None`
+    /// when it agrees with the one that is expected.
     pub(super) fn lateral_of_part(
         &self,
         width_m: f64,

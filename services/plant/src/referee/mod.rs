@@ -108,8 +108,8 @@ impl Referee {
         *self = Self { numbers: self.numbers, ..kept };
     }
 
-    /// Takes the truth at `now_ns`: the ego, the vehicle ahead in its lane, and the signals not yet far behind (nearest
-    /// first). A sample that is not later than the one before, or not finite, is passed over.
+    /// Takes the truth at `now_ns`: the ego, the vehicle ahead in its lane, and the signals (nearest first). The
+    /// signals are not yet far behind. A sample that is not later than the one before, or not finite, is passed over.
     ///
     /// Returns the violation that this sample shows, once.
     pub fn observe(

@@ -28,7 +28,7 @@ def drive(law):
 /// The functions of a law in a shared library.
 const FUNCTIONS: &str = "
 /* A law in a shared library, which computes in timegap's own process. `create` returns a law of its own each time;
-   several threads use several laws. `step` gets an answer that is all 0, and forgets all history where
+   several threads use several laws. `step` gets an answer that is all 0, and clears all history where
    `question->reset` is 1. */
 #ifdef __cplusplus
 extern \"C\" {

@@ -86,7 +86,7 @@ pub struct Ego<'a> {
 }
 
 impl Ego<'_> {
-    /// Begin of the scenario file. The radar has all of its imperfections.
+    /// Start of the scenario file. The radar has all of its imperfections.
     pub fn text(&self) -> String {
         let Self { name, seed, duration_s, speed_mps, plan, sources, law } = self;
         format!(

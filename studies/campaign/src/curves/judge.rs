@@ -5,7 +5,7 @@
 //!       └ scenes ─► sight of the queue ─► time to the target, avoidable collision
 //! ```
 //!
-//! The queue is in sight if the middle of its last vehicle's rear is within the radar's range and field of view.
+//! The queue is in sight if the radar's range and field of view contain the middle of its last vehicle's rear.
 
 use frame::batch::Done;
 use group::report::Outcome;

@@ -7,7 +7,7 @@
 //! | radius, m, uniform in its logarithm | 125 | 1,000 |
 //! | speed over that of 2.0 m/s² in the curve, at most 33 m/s | 0.7 | 1.0 |
 //! | clothoid, m: in one of two curves | 30 | 100 |
-//! | entry: end of the queue behind the begin of the arc, m | 5 | 100 |
+//! | entry: end of the queue behind the start of the arc, m | 5 | 100 |
 //! | exit: end of the queue behind the end of the arc, m | -30 | 60 |
 //!
 //! The queue has six vehicles, 2 to 4 m apart. It stands left or right of the lane, or in it.
@@ -116,7 +116,7 @@ impl Queue {
         text
     }
 
-    /// True if the queue stands at the begin of the curve.
+    /// True if the queue stands at the start of the curve.
     pub fn is_entry(number: u64) -> bool {
         number % 2 == 1
     }

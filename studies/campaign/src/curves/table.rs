@@ -107,7 +107,7 @@ fn drives() -> Vec<Column<Kept>> {
         count("number", "", "Number of the scene"),
         word("scene", "", "Kind of the scene"),
         word("sources", "", "Sources of the course"),
-        fact("is_entry", "", "A queue stands at the begin of the curve")
+        fact("is_entry", "", "A queue stands at the start of the curve")
             .of(|run| json!(run.scene != Scene::Road && Queue::is_entry(run.number as u64))),
         outcome("outcome"),
         number("km", "", "km", 3, "Way").of(|run| json!(run.sums().km)),

@@ -1,6 +1,6 @@
 //! The false senders of the table.
 
-/// A fault: its kind, its size, the scenario, the keys, and the earliest and latest time of its begin, s.
+/// A fault: its kind, its size, the scenario, the keys, and the earliest and latest time of its start, s.
 pub type Case = (&'static str, &'static str, &'static str, &'static str, f64, f64);
 
 /// Keys of a sender that repeats its message, but for its topic.

@@ -65,7 +65,7 @@ pub struct Kept {
     requirements: Vec<RequirementVerdict>,
 }
 
-/// Begin of a drive's fault, s, spread over the time that its case allows.
+/// Start of a drive's fault, s, spread over the time that its case allows.
 fn begins_s(case: usize, drive: u32) -> f64 {
     let (.., from_s, to_s) = CASES[case];
     let at_s = from_s + (to_s - from_s) * f64::from(drive) / f64::from(DRIVES - 1);

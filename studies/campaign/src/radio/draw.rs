@@ -1,8 +1,9 @@
 //! The draws of each run: its number alone decides.
 //!
-//! A receiver without signatures cannot find a unit that is wrong from its first frame on, if no other unit contradicts
-//! it. Such units are left out: the air is clear at first. Only the map of the first intersection may move its stop
-//! line away from the vehicle, after it was received. The other maps move their lines towards the vehicle.
+//! A receiver without signatures cannot find a unit that is wrong from its first frame on. Only another unit that
+//! contradicts it would help. Such units are left out: the air is clear at first. Only the map of the first
+//! intersection may move its stop line away from the vehicle, after it was received. The other maps move their lines
+//! towards the vehicle.
 
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;

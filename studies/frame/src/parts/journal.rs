@@ -57,7 +57,7 @@ impl Failure for JournalError {}
 /// Place of a record in its journal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// Begin of its line, bytes from the beginning of the journal.
+    /// Start of its line, bytes from the beginning of the journal.
     pub offset: u64,
     /// Length of the line with its end, bytes.
     pub length: usize,

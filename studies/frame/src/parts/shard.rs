@@ -137,7 +137,7 @@ pub enum ArrayJobError {
         least: u64,
     },
     /// Slurm's task does not belong to its array.
-    #[error("--shard auto: SLURM_ARRAY_TASK_ID = {id} is none of the array's")]
+    #[error("--shard auto: SLURM_ARRAY_TASK_ID = {id} is not one of the array's")]
     NoTask {
         /// The task.
         id: u64,

@@ -38,7 +38,7 @@ pub enum Measure {
     Distance,
     /// A speed error, m/s.
     Speed,
-    /// Time for which a request was held, or its begin, s.
+    /// Time for which a request was held, or its start, s.
     Duration,
     /// 1 for yes, 0 for no.
     Boolean,

@@ -5,7 +5,7 @@
 //! | radius, m, uniform in its logarithm | 125 | 1,000 |
 //! | speed over that of 2 m/s² in the curve, at most 33 m/s | 0.7 | 1.0 |
 //! | clothoid, m: in one of two curves | 30 | 100 |
-//! | last vehicle of the queue behind the begin of the bend, or behind its end, m | -30 | 80 |
+//! | last vehicle of the queue behind the start of the bend, or behind its end, m | -30 | 80 |
 //!
 //! The queue has seven cars, 2 to 6 m apart. It stands left or right of the lane, or in it.
 

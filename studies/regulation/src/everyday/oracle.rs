@@ -9,7 +9,7 @@
 //! | contact | the rectangles of the ego and of another vehicle overlap |
 //! | need | the first time at which 2.5 m/s² from now on would not avoid a vehicle in the ego's path that goes on as it does |
 //! | avoidable | a reference that takes over 0.35 s after the need, and brakes to standstill, has no contact |
-//! | needless | from the begin of an intervention on 1.5 m/s² to standstill has no contact |
+//! | needless | from the start of an intervention on 1.5 m/s² to standstill has no contact |
 //!
 //! The reference brakes with 6 m/s² at once where the emergency brake is on. Without it, it has the law's hardest
 //! request and the actuator's lag. In both the other vehicles move as they really did, also after the drive's end.

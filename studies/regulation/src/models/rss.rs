@@ -24,8 +24,8 @@ pub(super) fn trigger(speed_mps: f64, view: &View) -> Option<Braking> {
     is_near.then_some(FULL_BRAKING)
 }
 
-/// Distance that the model keeps behind a vehicle of the same speed \[m\]: the safe one, and its
-/// way in the response time.
+/// Distance that the model keeps behind a vehicle of the same speed \[m\]. It is the safe one, and
+/// the model's way in the response time.
 pub(super) fn following_distance_m(speed_mps: f64) -> f64 {
     safe_distance_m(speed_mps, speed_mps) + speed_mps * RESPONSE_S
 }

@@ -58,7 +58,7 @@ pub struct Proposal {
 /// The box holds no point that the reference avoids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
 #[error(
-    "none of {MOST_TRIES} points is one that the reference driver avoids; expected milder ranges, or --reference none"
+    "the reference driver avoids none of {MOST_TRIES} points, expected milder ranges, or --reference none"
 )]
 pub struct NoneAdmissible;
 

@@ -33,7 +33,7 @@ pub enum ModelError {
     #[error("--probability: expected a search file with [probability.distributions]")]
     Nothing,
     /// A variable without a distribution.
-    #[error("probability.distributions: `{0}` has none, expected one for each variable")]
+    #[error("probability.distributions: `{0}` has no distribution, expected one for each variable")]
     Missing(String),
     /// A distribution without a variable.
     #[error("probability.{table}: no variable `{name}`, expected {}", scenario::accepted(name, known.iter().map(String::as_str)))]

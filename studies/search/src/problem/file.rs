@@ -91,7 +91,7 @@ enum VaryFault {
     Form(String),
     #[error("the name is kept for the choice among [[faults]]")]
     Kept,
-    #[error("the nominal value {nominal} is none of {domain}")]
+    #[error("the nominal value {nominal} is not one of {domain}")]
     Nominal { nominal: Value, domain: Domain },
 }
 
@@ -361,9 +361,9 @@ mod tests {
             ("[vary]\nv = 3", "vary.v: 3 is not a domain"),
             (
                 "[vary]\nv = { values = \"1..2\", nominal = 3 }",
-                "vary.v: the nominal value 3 is none of 1..2",
+                "vary.v: the nominal value 3 is not one of 1..2",
             ),
-            ("[vary]\nv = { values = \"a,b\", nominal = \"c\" }", "value c is none of a,b"),
+            ("[vary]\nv = { values = \"a,b\", nominal = \"c\" }", "value c is not one of a,b"),
             (
                 "[vary]\nv = \"1..2\"\n[set]\na = \"v*w\"",
                 "set.\"a\": column 3: unknown variable `w`",

@@ -49,7 +49,7 @@ pub enum DomainError {
     #[error("`{0}` is not a number")]
     NotANumber(String),
     /// The range holds no more than one value.
-    #[error("the range is empty: its begin {from} is not below its end {to}")]
+    #[error("the range is empty: its start {from} is not below its end {to}")]
     Empty {
         /// Begin.
         from: f64,
@@ -295,7 +295,7 @@ mod tests {
     fn bad_domains_are_refused() {
         for (text, what) in [
             ("5..5", "the range is empty"),
-            ("9..2", "its begin 9 is not below its end 2"),
+            ("9..2", "its start 9 is not below its end 2"),
             ("0..2:log", "begins above 0, not at 0"),
             ("0..2:lin", "`:lin` is unknown"),
             ("0..x", "`x` is not a number"),

@@ -20,7 +20,7 @@ pub use reference::is_avoidable_collision;
 
 use crate::Failure;
 use evidence::Finding;
-use names::{Named, Rule};
+use names::{Named, Rule, WrongForm};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use signals::Samples;
@@ -118,7 +118,7 @@ pub fn requirements(scenario: &Scenario) -> Result<Vec<Requirement>, Requirement
             Some(Ok(Named::Rule(rule))) => {
                 return Ok(Requirement { text: text.clone(), judge: Judge::Rule(rule) });
             }
-            Some(Err(expected)) => {
+            Some(Err(WrongForm(expected))) => {
                 return Err(RequirementError::Name { index, text: text.clone(), expected });
             }
         };

@@ -62,15 +62,19 @@ impl Rule {
     }
 }
 
-/// The name that `text` seems to mean, where it is no known one: a word without operators and signals is no formula.
+/// A name with wrong values: the form that it needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct WrongForm(pub(super) &'static str);
+
+/// The name that `text` seems to mean, if it is not a known one. A word without operators and signals is not a formula.
 pub(super) fn unknown(text: &str) -> Option<&str> {
     let name = text.split(':').next().unwrap_or_default().trim();
     let is_word = !name.is_empty() && name.bytes().all(|b| b.is_ascii_lowercase() || b == b'-');
     (is_word && !NAMES.contains(&name)).then_some(name)
 }
 
-/// The meaning of a named requirement; `None` if `text` is not one, the form of the name if its values are wrong.
-pub(super) fn named(text: &str) -> Option<Result<Named, &'static str>> {
+/// The meaning of a named requirement; `None` if `text` is not one.
+pub(super) fn named(text: &str) -> Option<Result<Named, WrongForm>> {
     let (name, value) = match text.split_once(':') {
         Some((name, value)) => (name.trim(), Some(value.trim())),
         None => (text.trim(), None),
@@ -78,7 +82,7 @@ pub(super) fn named(text: &str) -> Option<Result<Named, &'static str>> {
     let number = || value.and_then(positive);
     let rule = |rule| match value {
         None => Ok(Named::Rule(rule)),
-        Some(_) => Err("the name without a value"),
+        Some(_) => Err(WrongForm("the name without a value")),
     };
     let formula = match name {
         "no-collision" => return Some(rule(Rule::Collision)),
@@ -98,7 +102,7 @@ pub(super) fn named(text: &str) -> Option<Result<Named, &'static str>> {
         },
         _ => return None,
     };
-    Some(formula.map(Named::Formula))
+    Some(formula.map(Named::Formula).map_err(WrongForm))
 }
 
 fn time_gap((least_s, most_s): (f64, f64)) -> String {

@@ -6,9 +6,9 @@
 //! ```
 //!
 //! The reference takes the ego's place at the need. That is the first instant of the encounter at which the ego needs
-//! more deceleration than the plant's own stop in lane. It keeps its speed for the reaction time, and then brakes
-//! evenly to a stand. The other vehicles move as they did ([`Others`]). The encounter is the time for which the ego has
-//! been at least as fast as the vehicle, without a break. An encounter without a need counts from its beginning.
+//! more deceleration than the plant's stop in lane. It keeps its speed for the reaction time, and then brakes evenly to
+//! a stand. The other vehicles move as they did ([`Others`]). The encounter is the time for which the ego has been at
+//! least as fast as the vehicle, without a break. An encounter without a need counts from its beginning.
 //!
 //! The margin is that of "the reference has no contact, implies no collision". It is the larger one of `no-collision`'s
 //! margin and minus the reference's. Both of its units have a tolerance of one half, so that their numbers compare.

@@ -27,14 +27,14 @@ const TAKE_OVER_LIMIT_NS: i64 = 250_000_000;
 pub enum Phase {
     /// Its active process has not said yet that it is ready.
     Starting {
-        /// Begin of the phase, run time in ns; negative before the start.
+        /// Start of the phase, run time in ns; negative before the start.
         since_ns: i64,
     },
     /// Its active process takes part in the run.
     Running,
     /// Its active process is gone; the standby is about to take over.
     Vacant {
-        /// Begin of the phase, run time in ns.
+        /// Start of the phase, run time in ns.
         since_ns: i64,
     },
     /// Its active process is gone; the next one is started at this run time, ns.
@@ -60,7 +60,7 @@ pub enum Standby {
     Starting {
         /// Process.
         incarnation: u32,
-        /// Begin of the phase, run time in ns.
+        /// Start of the phase, run time in ns.
         since_ns: i64,
     },
     /// It stands by for the active process.

@@ -42,7 +42,7 @@ pub(super) struct Course {
 }
 
 impl Course {
-    /// Earliest begin of the state that is found at `now_ns`; `None` if the launcher looked all the time.
+    /// Earliest start of the state that is found at `now_ns`; `None` if the launcher looked all the time.
     pub(super) fn unseen_since(&self, now_ns: i64) -> Option<i64> {
         let (from_ns, until_ns) = self.held_up?;
         // Events of the meantime are taken one by one.

@@ -1,4 +1,4 @@
-//! Pictures as data, which the page's script draws (`assets/charts.js`).
+//! Pictures as data, which the page's script draws (`assets/charts.js` with `assets/shapes.js`).
 //!
 //! * [`Plot`]: curves over two axes (linear, logarithmic or by percentiles). It has labelled points, marks by numbers or
 //!   letters, and strips, such as a signal's phases at its stop line. A curve need not be a function of the horizontal

@@ -175,8 +175,8 @@ fn forget(object: &mut Value, path: &str) {
     }
 }
 
-/// Deviations of `value` from the schema, each with its place: values of another type, missing keys, and keys that are
-/// not declared. It supports the part of JSON Schema that [`Schema`] writes.
+/// Deviations of `value` from the schema, each with its place. They are values of another type, missing keys, and
+/// undeclared keys. It supports the part of JSON Schema that [`Schema`] writes.
 #[must_use]
 pub fn check(schema: &Value, value: &Value) -> Vec<String> {
     let mut wrong = Vec::new();

@@ -54,7 +54,7 @@ pub(super) fn name(key: &str) -> String {
 fn help(key: &Key, kinds: &[(Kind, String)]) -> String {
     if key.name == "at_s" {
         // A run in progress counts from the command, a file from the start of the run.
-        return "Delay from now to the begin, s".to_owned();
+        return "Delay from now to the start, s".to_owned();
     }
     let mut meanings: Vec<(&str, Vec<&str>)> = Vec::new();
     for (kind, meaning) in kinds {

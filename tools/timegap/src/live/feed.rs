@@ -66,7 +66,7 @@ pub struct Point {
 /// A fault or a degradation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LiveEvent {
-    /// Run time of its begin, s.
+    /// Run time of its start, s.
     pub t_s: f64,
     /// Name, with effect and end once they are known.
     pub what: String,

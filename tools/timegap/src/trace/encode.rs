@@ -32,7 +32,7 @@ pub struct Frame {
     pub deadline_ns: i64,
 }
 
-/// Begin of a trace: clocks and tracks.
+/// Start of a trace: clocks and tracks.
 pub fn begin(frame: &Frame) -> Vec<u8> {
     let mut packets = vec![first_packet(frame)];
     packets.extend(

@@ -16,9 +16,9 @@
 //! its first switch only. After that, and always in `acc-mpc`, the cost is the following one alone.
 //!
 //! The paper's program can have no solution. Then, in this order: the same without the light; the same with two
-//! changes; the previous plan, shifted; the driver model. The two changes: `e_k <= d_b` is softened from `k = 3`, the
-//! first stage that an input reaches, and `E_N` is weighted instead of fixed. The paper has no case without a lead. The
-//! driver model then holds the set speed, and ignores signals.
+//! changes; the previous plan, shifted; the driver model. The first change softens `e_k <= d_b` from `k = 3`, the first
+//! stage that an input reaches. The second one weights `E_N` instead of fixing it. The paper has no case without a
+//! lead. The driver model then holds the set speed, and ignores signals.
 //!
 //! | symbol | here | unit |
 //! |---|---|---|

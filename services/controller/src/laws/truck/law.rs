@@ -7,8 +7,9 @@
 //! | `follow` | 2 | inverse dynamics (6) of (18), between drag and full load; below the band the engine brake |
 //! | `warn` | 3 | the same; what engine and engine brake cannot give, the service brakes do |
 //!
-//! The service brakes are the last resort: too close to the target, when much braking is needed, and for the limit
-//! downhill. The published law has no brakes: it commands engine torque, and warns. The key `brakes` takes them away.
+//! The service brakes are the last resort. They serve when the target is too close, when much braking is needed, and
+//! for the limit downhill. The published law has no brakes: it commands engine torque, and warns. The key `brakes`
+//! takes them away.
 
 use super::bounds::{believable, guarded_nm, permitted, powertrain};
 use super::car;

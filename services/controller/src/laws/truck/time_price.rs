@@ -4,10 +4,10 @@
 //! lag' = 1 - v / v_ref        beta / beta_0 = p_0 + k_m (m - 1) + k_p lag + k_i ∫ lag dt
 //! ```
 //!
-//! v_ref is the speed, on the same metre, of a truck that keeps m times the set speed where its engine can
+//! v_ref is the speed, on the same metre, of another truck. It keeps m times the set speed where its engine can
 //! (`reference`). No price makes up for a climb that full load cannot hold. A lag counted from the set speed itself
 //! would swing the price with every long wave of the road. The rest is the planner's own lateness. The servo is slow on
-//! purpose. A hill makes a lag and the dip after it takes it back, so the lag is not a reason to hurry. A mean speed m
+//! purpose. A hill makes a lag, and the dip after it takes it back. So the lag is not a reason to hurry. A mean speed m
 //! that is asked for moves the price at once, not by a lag that builds up.
 
 /// k_p, 1/s.

@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A left curve whose radius is as small as the arc of a roundabout's exit, so that each term of a series shows.
+/// A left curve whose radius is as small as the arc of a roundabout's exit. So each term of a series shows.
 const RADIUS_M: f64 = 20.0;
 
 fn circle() -> Course {

@@ -276,7 +276,7 @@ fn assert_near(found: f64, expected: f64) {
     assert!((found - expected).abs() < 1e-12, "{found} for {expected}");
 }
 
-/// A filter of one model that knows of an acceleration, after a step of 0.1 s in which the ego has 1 m/s².
+/// A filter of one model with a known acceleration, after a step of 0.1 s in which the ego has 1 m/s².
 fn advanced() -> (Model, Filter) {
     let model = model(Kind::Singer);
     let mut filter = start(&model, 50.0, -3.0);

@@ -6,7 +6,7 @@
 //! restarted controller is replayed separately.
 //!
 //! The recorded controller must give the same outputs. In lockstep every byte of every command and diagnostics
-//! message is compared. In realtime these are left out: publication time and checksum, begin of the cycle's
+//! message is compared. In realtime these are left out: publication time and checksum, start of the cycle's
 //! wait, context switches and page faults. A recording does not hold the arrival of plans made beside the
 //! loop. In a replay every plan is in time, so that a realtime run with late plans may differ.
 //!

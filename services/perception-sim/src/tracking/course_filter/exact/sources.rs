@@ -171,7 +171,7 @@ fn the_map_shows_the_curvature_of_each_knot_ahead() {
         filter.state.mean[1 + knot]
     };
     let cells = [0.0, 1e-3, 2e-3, 3e-3, 2e-3];
-    // The second knot is 25 m ahead, between the middles of the second and the third cell; the third one is in the
+    // The second knot is 25 m ahead, between the middles of the second and the third cell. The third one is in the
     // middle of the fourth.
     assert_near(after(1, 0.0, &cells), 0.5 * 1.75e-3);
     assert_near(after(2, 0.0, &cells), 0.5 * 3e-3);
