@@ -157,6 +157,6 @@ mod tests {
     fn a_box_without_an_admissible_point_is_refused() {
         let none = |_: &[f64]| Ok(Admission { value: 1.0 });
         let said = Scan::new(2, 1).get(0, &none).expect_err("none").to_string();
-        assert!(said.starts_with("none of 10000 points"), "{said}");
+        assert!(said.contains("none of 10000 points"), "{said}");
     }
 }

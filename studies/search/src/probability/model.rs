@@ -233,7 +233,7 @@ mod tests {
             assert!(said.contains(what), "{rest}: {said}");
         }
         let said = model("[distributions]\nv0 = \"normal(24, 4)\"").expect_err("one is missing");
-        assert!(said.contains("`thw` has none"), "{said}");
+        assert!(said.contains("`thw` has no distribution"), "{said}");
         let said = model("[distributions]\nv0 = \"normal(24)\"\nthw = \"uniform(1, 2)\"");
         assert!(said.expect_err("no form").contains("probability.distributions.v0: `normal(24)`"));
     }
