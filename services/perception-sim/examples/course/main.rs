@@ -3,6 +3,7 @@
 //! ```sh
 //! cargo run --release -p perception-sim --example course -- [ROADS [KILOMETRES [ROW]]] [NUMBER=VALUE]...
 //! cargo run --release -p perception-sim --example course -- effects [ROADS [KILOMETRES [NUMBERS]]]
+//! cargo run --release -p perception-sim --example course -- empty [ROADS [KILOMETRES]]
 //! ```
 //!
 //! A lead drives at a constant gap in the ego's lane. Each neighbouring lane has one vehicle, at 0.5 to 1.3 of that
@@ -13,7 +14,7 @@
 //! count from 8 s on. "Unseen" is the share of time in which the lead has no track at all, so that no selection helps.
 //! `ROW` is a part of a row's name; a number is one of `CourseNumbers` or the tracker's `Numbers`. The third table is a
 //! straight road: what the radar's imperfections alone cost. `effects` halves and doubles each number of the course, or
-//! those of course and tracker that `NUMBERS` lists.
+//! those of course and tracker that `NUMBERS` lists. `empty` drives roads without vehicles, by radius.
 
 use bytemuck::Zeroable;
 use messages::{Detection, MAX_DETECTIONS};
@@ -31,6 +32,7 @@ use scenario::Scenario;
 use std::sync::Arc;
 
 mod ego;
+mod empty;
 
 use ego::Driven;
 
@@ -322,7 +324,8 @@ fn main() {
         assert!(is_known, "`{name}` is not a number of course or tracker");
     }
     let of_effects = words.first().is_some_and(|word| word == "effects");
-    words.drain(..usize::from(of_effects));
+    let of_empty = words.first().is_some_and(|word| word == "empty");
+    words.drain(..usize::from(of_effects || of_empty));
     let count = words.first().map_or(100.0, |word| number(word)) as u64;
     let kilometres = words.get(1).map_or(5.0, |word| number(word));
     let only = words.get(2);
@@ -332,6 +335,11 @@ fn main() {
         return;
     }
     let mut detections = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
+    if of_empty {
+        let numbers = (&course, &tracker);
+        empty::print(count, kilometres, numbers, &ROWS[1..4], &mut detections);
+        return;
+    }
     for kind in ROADS {
         let (min_radius_m, max_radius_m, speed_mps) = kind;
         println!(

@@ -29,21 +29,17 @@ use std::array::from_fn;
 use kalman::{Gaussian, Innovation};
 
 use super::course::Course;
+use super::course_edges::{Edges, Meaning};
 use super::course_numbers::CourseNumbers;
 pub use super::course_sources::{MapAhead, Sources};
 use super::curvature_knots::{self as knots, APART_M, KNOTS, STATES};
 pub use super::trail::Motion;
 use super::trail::Trails;
 
+mod outlook;
+
 /// Updates by standing objects in a scan at most.
 const MOST_POSTS: usize = 16;
-
-/// The edge of one side as standing objects show it.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Edge {
-    d_m: f64,
-    objects: u32,
-}
 
 /// The estimate.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +50,9 @@ pub struct CourseFilter {
     /// Way since the first knot, m.
     passed_m: f64,
     course: Course,
-    edges: [Edge; 2],
+    edges: Edges,
+    /// Factor of the curves by the speed; see [`CourseNumbers::sharper`].
+    sharper: f64,
     trails: Trails,
     posts: u32,
     trail_points: u32,
@@ -80,7 +78,8 @@ impl CourseFilter {
             state,
             passed_m: 0.0,
             course: Course::STRAIGHT,
-            edges: [Edge::default(); 2],
+            edges: Edges::default(),
+            sharper: 1.0,
             trails: Trails::default(),
             posts: 0,
             trail_points: 0,
@@ -93,7 +92,7 @@ impl CourseFilter {
             return;
         }
         let way_m = (motion.speed_mps * dt_s).max(0.0);
-        let sharper = self.numbers.sharper(motion.speed_mps);
+        self.sharper = self.numbers.sharper(motion.speed_mps);
         let turn = knots::heading(way_m, self.passed_m);
         let road_rad: f64 = (1..STATES).map(|i| turn[i] * self.state.mean[i]).sum();
         // Without a usable yaw rate the ego follows the course.
@@ -103,18 +102,20 @@ impl CourseFilter {
         self.turn_covariance(&turn);
         if way_m > 0.0 {
             self.state.covariance[0][0] += square(self.numbers.heading_rad);
-            self.fade(way_m, sharper);
+            self.fade(way_m);
         }
         self.passed_m += way_m;
+        self.edges.advance(dt_s, way_m);
         while self.passed_m >= APART_M {
-            self.pass_knot(sharper);
+            self.pass_knot();
         }
         self.trails.advance(dt_s, turn_rad, motion);
         self.course = self.bent();
     }
 
     /// The curvatures become less certain on the way. A circle has one curvature, and changes as a whole.
-    fn fade(&mut self, way_m: f64, sharper: f64) {
+    fn fade(&mut self, way_m: f64) {
+        let sharper = self.sharper;
         let numbers = &self.numbers;
         if self.sources.looks_ahead() {
             let fading = square(numbers.curvature_perm * sharper) * way_m;
@@ -139,7 +140,7 @@ impl CourseFilter {
     }
 
     /// The first knot gives way to one beyond the last. Curves are `sharper` than at high speed.
-    fn pass_knot(&mut self, sharper: f64) {
+    fn pass_knot(&mut self) {
         self.passed_m -= APART_M;
         let numbers = &self.numbers;
         let before = self.state;
@@ -150,7 +151,7 @@ impl CourseFilter {
         self.state.covariance =
             from_fn(|i| from_fn(|j| share(i) * share(j) * before.covariance[from(i)][from(j)]));
         if self.sources.looks_ahead() {
-            self.state.covariance[KNOTS][KNOTS] += square(numbers.change_perm * sharper);
+            self.state.covariance[KNOTS][KNOTS] += square(numbers.change_perm * self.sharper);
         }
     }
 
@@ -175,6 +176,7 @@ impl CourseFilter {
             let curvature_perm = radps / motion.speed_mps;
             let weights = knots::curvature(0.0, self.passed_m);
             let off_perm = curvature_perm - sum(&weights, &self.state.mean);
+            self.forget_if_wrong(&weights, off_perm);
             self.see_limited(weights, off_perm, numbers.own_way_perm);
             let off_rad = motion.slip_rad - self.state.mean[0];
             self.see_limited(knots::heading(0.0, 0.0), off_rad, numbers.own_angle_rad);
@@ -192,6 +194,35 @@ impl CourseFilter {
             self.take_trails(&before);
         }
         self.course = self.bent();
+    }
+
+    /// Forgets the road ahead where the ego's own way contradicts it: `off_perm` is beyond the gate.
+    ///
+    /// Objects of the wrong edge can keep a course straight while the road bends. Only the ego's own turn shows that,
+    /// where the course arrives.
+    fn forget_if_wrong(&mut self, h: &[f64; STATES], off_perm: f64) {
+        let variance = self.state.variance_along(h) + square(self.numbers.own_way_perm);
+        if self.sources.looks_ahead() && square(off_perm) > square(self.numbers.gate) * variance {
+            self.forget_from(-self.passed_m);
+        }
+    }
+
+    /// Forgets how exactly the curvatures from here on are known. What was known is still the best guess.
+    fn forget_from(&mut self, sigma_m: f64) {
+        let CourseNumbers { kept, change_perm, first_curvature_perm, .. } = self.numbers;
+        let first = (((sigma_m + self.passed_m) / APART_M).ceil().max(0.0) as usize).min(KNOTS) + 1;
+        let covariance = &mut self.state.covariance;
+        for a in first..STATES {
+            // The first knot has none before it.
+            let (share, before, own_perm) =
+                if a == 1 { (0.0, 0, first_curvature_perm) } else { (kept, a - 1, change_perm) };
+            for b in 0..a {
+                covariance[a][b] = share * covariance[before][b];
+                covariance[b][a] = covariance[a][b];
+            }
+            covariance[a][a] =
+                square(share) * covariance[before][before] + square(own_perm * self.sharper);
+        }
     }
 
     /// Takes in `residual` of the sum `h · state`, at most as much as the gate.
@@ -264,23 +295,17 @@ impl CourseFilter {
             let variance = self.state.variance_along(&weights);
             let doubt_m = 3.0 * variance.max(0.0).sqrt();
             let reach_m = numbers.post_reach_m + doubt_m;
-            // With a course so doubtful the object may be of the other side.
-            if reach_m > numbers.post_reach_most_m {
-                continue;
-            }
-            let edge = &mut self.edges[usize::from(d_m < 0.0)];
-            let off_m = d_m - edge.d_m;
-            let could_be = (numbers.edge_from_m..numbers.edge_to_m).contains(&d_m.abs());
-            if edge.objects > 0 && off_m.abs() > reach_m || edge.objects == 0 && !could_be {
-                continue;
-            }
-            if there.sigma_m < numbers.edge_near_m {
-                edge.objects = edge.objects.saturating_add(1);
-                let weight = numbers.edge_weight.max(1.0 / f64::from(edge.objects));
-                edge.d_m += weight * off_m;
-            }
-            // A few objects do not show where the edge is.
-            if f64::from(edge.objects) < numbers.post_scans || taken >= MOST_POSTS {
+            let off_m = match self.edges.take((there.sigma_m, d_m), reach_m, &numbers) {
+                Meaning::Nothing => continue,
+                Meaning::OfEdge { off_m } => off_m,
+                Meaning::OnRoad { is_certain } => {
+                    if is_certain {
+                        self.forget_from(there.sigma_m - numbers.doubt_before_m);
+                    }
+                    break;
+                }
+            };
+            if taken >= MOST_POSTS {
                 continue;
             }
             let sigma_m = (square(numbers.post_sigma_m) * numbers.post_scans
@@ -316,73 +341,6 @@ impl CourseFilter {
         } else {
             self.trails.leave(id, self.course.place(sigma_m, d_m));
         }
-    }
-
-    /// Its numbers.
-    #[must_use]
-    pub fn numbers(&self) -> &CourseNumbers {
-        &self.numbers
-    }
-
-    /// The course.
-    #[must_use]
-    pub fn course(&self) -> &Course {
-        &self.course
-    }
-
-    /// Any source is in use.
-    #[must_use]
-    pub fn is_used(&self) -> bool {
-        self.sources.any()
-    }
-
-    /// Standard deviation of the course's place across the road at an arc length, m; 0 of the straight path.
-    #[must_use]
-    pub fn sigma_m(&self, sigma_m: f64) -> f64 {
-        if !self.sources.any() {
-            return 0.0;
-        }
-        let weights = knots::place(sigma_m.max(0.0), self.passed_m);
-        self.state.variance_along(&weights).max(0.0).sqrt()
-    }
-
-    /// The same for the choice of the target. A circle is followed as it is. How the road leaves it is unknown, and the
-    /// limits of a known path decide.
-    #[must_use]
-    pub fn path_sigma_m(&self, sigma_m: f64) -> f64 {
-        if self.sources.looks_ahead() { self.sigma_m(sigma_m) } else { 0.0 }
-    }
-
-    /// Standard deviation of the course's heading at an arc length, rad; 0 of the straight path.
-    #[must_use]
-    pub fn heading_sigma_rad(&self, sigma_m: f64) -> f64 {
-        if !self.sources.any() {
-            return 0.0;
-        }
-        let weights = knots::heading(sigma_m.max(0.0), self.passed_m);
-        self.state.variance_along(&weights).max(0.0).sqrt()
-    }
-
-    /// Heading, rad, curvature, 1/m, and its rate, 1/m², of a clothoid. It begins as the course does, and is at the
-    /// same place across the road 100 m ahead.
-    #[must_use]
-    pub fn clothoid(&self) -> [f64; 3] {
-        const FAR_M: f64 = 100.0;
-        if !self.sources.any() {
-            return [0.0; 3];
-        }
-        let state = &self.state.mean;
-        let curvature_perm = sum(&knots::curvature(0.0, self.passed_m), state);
-        let bent_m = sum(&knots::place(FAR_M, self.passed_m), state) - state[0] * FAR_M;
-        let rate_perm2 =
-            (bent_m - 0.5 * curvature_perm * FAR_M * FAR_M) * 6.0 / (FAR_M * FAR_M * FAR_M);
-        [state[0], curvature_perm, rate_perm2]
-    }
-
-    /// Standing objects and pairs of trail points that the last scan used.
-    #[must_use]
-    pub fn used(&self) -> (u32, u32) {
-        (self.posts, self.trail_points)
     }
 }
 

@@ -9,6 +9,7 @@ pub mod abreast;
 pub mod association;
 pub mod birth;
 pub mod course;
+mod course_edges;
 pub mod course_filter;
 pub mod course_numbers;
 mod course_sources;

@@ -78,13 +78,15 @@ fn the_heading_changes_by_the_road_less_the_own_turn() {
 #[test]
 fn curvatures_fade_on_the_way_and_a_new_knot_is_less_sharp() {
     let mut filter = known(POSTS, from_fn(|i| i as f64 * 1e-3), unsure(&[(3, 1e-3), (8, 2e-3)]));
-    filter.fade(4.0, 2.0);
+    filter.sharper = 2.0;
+    filter.fade(4.0);
     let faded = square(2.0 * NUMBERS.curvature_perm) * 4.0;
     assert_near(filter.state.covariance[1][1], faded);
     assert_near(filter.state.covariance[3][3], 1e-6 + faded);
     assert_eq!(filter.state.covariance[0][0], 0.0);
     filter.passed_m = 26.0;
-    filter.pass_knot(1.0);
+    filter.sharper = 1.0;
+    filter.pass_knot();
     assert_near(filter.passed_m, 1.0);
     let mean = filter.state.mean;
     assert_eq!((mean[0], mean[1], mean[7]), (0.0, 2e-3, 8e-3));
@@ -131,19 +133,19 @@ fn an_edge_is_the_mean_of_its_objects_and_counts_after_some_scans() {
         stand(&mut filter, 30.0, -7.0);
         assert_eq!(filter.posts, 0, "too few at {k}");
     }
-    assert_eq!(filter.edges.map(|edge| edge.objects), [24, 24]);
-    assert_near(filter.edges[0].d_m, 9.0);
-    assert_near(filter.edges[1].d_m, -7.0);
+    assert_eq!(filter.edges.known().map(|(_, objects)| objects), [24, 24]);
+    assert_near(filter.edges.known()[0].0, 9.0);
+    assert_near(filter.edges.known()[1].0, -7.0);
     stand(&mut filter, 30.0, 9.0);
-    assert_eq!((filter.posts, filter.edges[0].objects), (1, 25));
+    assert_eq!((filter.posts, filter.edges.known()[0].1), (1, 25));
     // Farther than 60 m it is of the edge, and does not teach it.
     stand(&mut filter, 70.0, 10.0);
-    assert_eq!((filter.posts, filter.edges[0].objects), (1, 25));
+    assert_eq!((filter.posts, filter.edges.known()[0].1), (1, 25));
     // More than 2 m beside the edge it is something else.
     stand(&mut filter, 30.0, 11.1);
-    assert_eq!((filter.posts, filter.edges[0].objects), (0, 25));
+    assert_eq!((filter.posts, filter.edges.known()[0].1), (0, 25));
     stand(&mut filter, 30.0, 10.9);
-    assert_eq!((filter.posts, filter.edges[0].objects), (1, 26));
+    assert_eq!((filter.posts, filter.edges.known()[0].1), (1, 26));
 }
 
 #[test]
@@ -151,36 +153,36 @@ fn the_first_object_of_an_edge_is_neither_in_the_next_lane_nor_far_off() {
     for (y_m, objects) in [(4.9, 0), (5.0, 1), (19.9, 1), (20.1, 0), (-4.9, 0), (-6.0, 1)] {
         let mut filter = known(POSTS, [0.0; STATES], [0.0; STATES]);
         stand(&mut filter, 30.0, y_m);
-        assert_eq!(filter.edges[usize::from(y_m < 0.0)].objects, objects, "{y_m}");
+        assert_eq!(filter.edges.known()[usize::from(y_m < 0.0)].1, objects, "{y_m}");
     }
     // Three deviations of the course at 30 m. 5.9 m and the object's own 2 m are less than 8 m; 6.1 m are more.
     for (sigma_m, objects) in [(5.9 / 3.0, 1), (6.1 / 3.0, 0)] {
         let mut filter = known(POSTS, [0.0; STATES], unsure(&[(0, sigma_m / 30.0)]));
         stand(&mut filter, 30.0, 9.0);
-        assert_eq!(filter.edges[0].objects, objects, "{sigma_m}");
+        assert_eq!(filter.edges.known()[0].1, objects, "{sigma_m}");
     }
 }
 
 #[test]
 fn an_object_beyond_its_edge_turns_the_course_to_it() {
     let mut filter = known(POSTS, [0.0; STATES], unsure(&[(0, 0.01)]));
-    filter.edges[0] = Edge { d_m: 9.0, objects: 30 };
+    filter.edges = filter.edges.with_left(9.0, 30);
     stand(&mut filter, 40.0, 9.5);
     // 0.9 m in each of 25 scans, and 0.0044 rad at 40 m.
     let noise = 0.81 * 25.0 + 0.176 * 0.176;
     assert_near(filter.state.mean[0], 1e-4 * 40.0 * 0.5 / (0.16 + noise));
-    assert_near(filter.edges[0].d_m, 9.0 + 0.5 / 31.0);
+    assert_near(filter.edges.known()[0].0, 9.0 + 0.5 / 31.0);
     // Many objects have an edge that an object moves by a fiftieth.
     filter = known(POSTS, [0.0; STATES], [0.0; STATES]);
-    filter.edges[0] = Edge { d_m: 9.0, objects: 100 };
+    filter.edges = filter.edges.with_left(9.0, 100);
     stand(&mut filter, 40.0, 9.5);
-    assert_near(filter.edges[0].d_m, 9.01);
+    assert_near(filter.edges.known()[0].0, 9.01);
 }
 
 #[test]
 fn a_scan_takes_sixteen_objects_at_most() {
     let mut filter = known(POSTS, [0.0; STATES], [0.0; STATES]);
-    filter.edges[0] = Edge { d_m: 9.0, objects: 30 };
+    filter.edges = filter.edges.with_left(9.0, 30);
     let many: Vec<(f64, f64)> = (0..20).map(|k| (20.0 + f64::from(k), 9.0)).collect();
     let before = filter.state.mean;
     filter.take_standing(&before, &many);
@@ -197,4 +199,46 @@ fn the_map_is_read_between_its_cells() {
     // The state and the map are equally sure of it.
     assert_near(filter.state.mean[1], 1e-3);
     assert_eq!(filter.state.mean[2..], [0.0; KNOTS - 1]);
+}
+
+/// The deviations of the course 20 and 100 m ahead.
+fn deviations(filter: &CourseFilter) -> [f64; 2] {
+    [filter.sigma_m(20.0), filter.sigma_m(100.0)]
+}
+
+#[test]
+fn an_own_turn_beyond_the_gate_forgets_the_road_and_one_within_it_does_not() {
+    let sources = Sources { yaw_rate: true, ..POSTS };
+    let variances = from_fn(|i| if i == 0 { 1e-6 } else { 1e-8 });
+    let turned = |curvature_perm: f64| {
+        let mut filter = known(sources, [0.0; STATES], variances);
+        let motion =
+            Motion { speed_mps: 20.0, yaw_rate_radps: Some(20.0 * curvature_perm), slip_rad: 0.0 };
+        filter.take(&motion, None, &[]);
+        filter
+    };
+    // Four deviations of the curvature, 1e-4 1/m, and of the own way, 3e-4 1/m, are 1.26e-3 1/m.
+    let [(within, far), (beyond, forgotten)] =
+        [1.2e-3, 1.3e-3].map(|turn_perm| (turned(turn_perm), deviations(&turned(turn_perm))[1]));
+    assert!(within.course().curvature_perm(0.0) < 2e-4, "{:?}", within.state.mean);
+    assert!((beyond.course().curvature_perm(0.0) - 1.3e-3).abs() < 2e-4, "{:?}", beyond.state.mean);
+    assert!(forgotten > 4.0 * far, "{forgotten} m, {far} m");
+}
+
+#[test]
+fn objects_on_the_road_make_it_forgotten_from_before_them() {
+    let mut filter = known(POSTS, [0.0; STATES], [1e-8; STATES]);
+    for _ in 0..25 {
+        stand(&mut filter, 30.0, 9.0);
+        stand(&mut filter, 30.0, -9.0);
+    }
+    let before = deviations(&filter);
+    for _ in 0..4 {
+        stand(&mut filter, 90.0, 0.5);
+    }
+    assert_eq!(deviations(&filter), before, "four scans may be chance");
+    stand(&mut filter, 90.0, 0.5);
+    let [near, far] = deviations(&filter);
+    assert_eq!(near, before[0], "40 m ahead it begins");
+    assert!(far > 4.0 * before[1], "{far} m, {before:?}");
 }

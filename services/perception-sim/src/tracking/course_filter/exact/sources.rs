@@ -67,7 +67,8 @@ fn the_doubt_of_the_heading_grows_by_the_doubt_of_the_curve_that_is_passed() {
 #[test]
 fn a_circle_fades_as_a_whole() {
     let mut circle = known(YAW_RATE, [0.0; STATES], unsure(&[(1, 1e-3)]));
-    circle.fade(5.0, 2.0);
+    circle.sharper = 2.0;
+    circle.fade(5.0);
     let p = &circle.state.covariance;
     let faded = square(2.0 * NUMBERS.change_perm) * 5.0 / 25.0;
     assert_near(p[1][1], 1e-6 + faded);
@@ -107,7 +108,7 @@ fn an_ego_that_stands_forgets_nothing_and_one_that_drives_passes_knots() {
 #[test]
 fn an_object_is_compared_with_the_course_that_nearer_ones_have_shown() {
     let mut filter = known(POSTS, [0.0; STATES], unsure(&[(0, 0.01)]));
-    filter.edges[0] = Edge { d_m: 9.0, objects: 100 };
+    filter.edges = filter.edges.with_left(9.0, 100);
     let before = filter.state.mean;
     filter.take_standing(&before, &[(40.0, 9.5), (50.0, 9.0)]);
     let noise = |sigma_m: f64| 0.81 * 25.0 + square(0.0044 * sigma_m);
@@ -118,7 +119,7 @@ fn an_object_is_compared_with_the_course_that_nearer_ones_have_shown() {
     let off_m = 9.0 - 50.0 * heading - 9.01;
     let gain = variance * 50.0 / (variance * 2500.0 + noise(50.0));
     assert_near(filter.state.mean[0], heading + gain * off_m);
-    assert_near(filter.edges[0].d_m, 9.01 + 0.02 * off_m);
+    assert_near(filter.edges.known()[0].0, 9.01 + 0.02 * off_m);
     assert_eq!(filter.used(), (2, 0));
 }
 
