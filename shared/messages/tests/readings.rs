@@ -282,3 +282,19 @@ fn each_scalar_is_read_with_its_type() {
     let place = place("frames.1.received_ns");
     assert_eq!((place.layout, place.field, place.bytes), ("RadioFrame", "received_ns", 8));
 }
+
+#[test]
+fn elements_are_named_as_in_rust_and_structs_by_their_own_name() {
+    for (scalar, name, bytes) in [
+        (Scalar::U8, "u8", 1),
+        (Scalar::U32, "u32", 4),
+        (Scalar::U64, "u64", 8),
+        (Scalar::I64, "i64", 8),
+        (Scalar::F64, "f64", 8),
+    ] {
+        let element = Element::Scalar(scalar);
+        assert_eq!((element.name(), element.bytes()), (name, bytes));
+    }
+    let header = Topic::Heartbeat.layout().fields[0].shape.element;
+    assert_eq!((header.name(), header.bytes()), ("Header", size_of::<Header>()));
+}

@@ -65,3 +65,51 @@ pub(super) fn is_proved(problem: &Problem, multipliers: &Multipliers) -> bool {
     }
     magnitude.is_finite() && least > MARGIN * magnitude
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{LightCost, LightStage};
+
+    /// A position that can change by some metres, and a light that has its hard margin beyond `from_m` in some stages.
+    fn problem() -> Problem {
+        let light = LightCost { weight: 1.0, threshold: 1.0, softness: Softness::Hard };
+        Problem::builder(4)
+            .dynamics([[1.0, 1.0, 0.0], [0.0, 1.0, 1.0], [0.0, 0.0, 0.5]], [0.0, 0.0, 0.5])
+            .input_bounds(-1.0, 1.0)
+            .input_cost(1.0)
+            .light(light)
+            .build()
+            .expect("a convex problem")
+    }
+
+    fn beyond(from_m: f64) -> LightStage {
+        LightStage { gradient: [1.0, 0.0, 0.0], offset: -from_m }
+    }
+
+    /// Multipliers of 1 at one stage of the light.
+    fn of_stage(stage: usize) -> Multipliers {
+        let mut multipliers = Multipliers::new(4);
+        multipliers.light[stage] = 1.0;
+        multipliers
+    }
+
+    #[test]
+    fn a_margin_that_no_input_reaches_is_proved_infeasible() {
+        let mut problem = problem();
+        // The bounded input moves the position by 0.5 m until the third stage, by 1.75 m until the fourth.
+        problem.set_light([beyond(-9.0), beyond(-9.0), beyond(0.6), beyond(0.6)]);
+        for (stage, expected) in [(1, false), (2, false), (3, true), (4, false)] {
+            assert_eq!(is_proved(&problem, &of_stage(stage)), expected, "{stage}");
+        }
+    }
+
+    #[test]
+    fn stages_beyond_the_lights_end_prove_nothing() {
+        let mut problem = problem();
+        problem.set_light([beyond(-9.0), beyond(99.0)]);
+        assert!(is_proved(&problem, &of_stage(2)));
+        problem.set_light([beyond(-9.0)]);
+        assert!(!is_proved(&problem, &of_stage(2)));
+    }
+}

@@ -135,6 +135,7 @@ fn middle_of_longest_free_run(sides: &[Side]) -> usize {
 mod tests {
     use super::Side::{Free, Lower, Upper};
     use super::*;
+    use crate::{Row, Softness};
 
     fn problem(terminal: bool) -> Problem {
         let builder = Problem::builder(8)
@@ -155,6 +156,22 @@ mod tests {
         set.sides.copy_from_slice(&start);
         set.shift(&problem(false), 1);
         assert_eq!(set.sides, [Upper, Free, Free, Free, Free, Lower, Lower, Free]);
+    }
+
+    #[test]
+    fn tangents_of_a_row_move_within_its_stages() {
+        let mut problem = problem(false);
+        let softness = Softness::Hard;
+        let row = Row { gradient: [1.0, 0.0, 0.0], from: 2, to: 5, limit: 9.0, softness };
+        problem.rows.push(row);
+        let mut set = WorkingSet::new(8);
+        set.has_row_tangents = true;
+        for (stage, tangent) in set.rows[0].iter_mut().enumerate() {
+            tangent.slope = stage as f64;
+        }
+        set.shift(&problem, 1);
+        let slopes: Vec<f64> = set.rows[0].iter().map(|tangent| tangent.slope).collect();
+        assert_eq!(slopes, [0.0, 0.0, 3.0, 4.0, 5.0, 6.0, 0.0, 0.0, 0.0]);
     }
 
     #[test]
