@@ -44,7 +44,7 @@ pub enum Meaning {
     },
     /// It stands on the road, or beyond an object that does.
     OnRoad {
-        /// So many scans have shown it by now that the course there is wrong.
+        /// Enough scans have shown it now: the course there is wrong.
         is_certain: bool,
     },
 }
