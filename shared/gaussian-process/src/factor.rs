@@ -142,7 +142,7 @@ mod tests {
         let b: Vec<f64> = (0..n).map(|i| (0..n).map(|j| m(i, j) * x[j]).sum()).collect();
         let found = factor.backward(factor.forward(&b));
         assert!(found.iter().zip(&x).all(|(found, x)| (found - x).abs() < 1e-9), "{found:?}");
-        // Other right sides beside it change nothing, nor does a solution in two parts.
+        // Other right sides beside it change nothing, and neither does a solution in two parts.
         let lanes: Vec<Lanes> =
             b.iter().map(|b| std::array::from_fn(|lane| b * (lane as f64 - 2.0))).collect();
         let mut part = factor.clone();

@@ -6,8 +6,8 @@
 //! ```
 //!
 //! Maximised over the logarithms by steps of the gradient's signs (Riedmiller and Braun, RPROP, 1993), from a few
-//! starts. A weak prior bounds lengths that few points cannot determine: log l ~ N(log 0.5 √d', 1), with d' a quarter
-//! of the dimensions and at least one.
+//! starts. A weak prior bounds lengths that few points cannot determine: log l ~ N(log 0.5 √d', 1). d' is a quarter of
+//! the dimensions, and at least one.
 
 use crate::factor::Factor;
 use crate::kernel::{Hyperparameters, Kind, covariances_and_slopes, words};
@@ -223,7 +223,7 @@ impl<'a> Problem<'a> {
         (value + prior, gradient)
     }
 
-    /// A term of the covariance of all pairs. With `parts` a pair of one word has its part, and other pairs have none.
+    /// A term of the covariance of all pairs. With `parts`, only a pair of one word has its part.
     fn term(&self, inverse: Vec<f64>, variance: f64, parts: Option<&[f64]>) -> Term {
         let blocks = self.squares.len() / self.dimensions.max(1);
         let mut found = [Vec::with_capacity(blocks), Vec::with_capacity(blocks)];

@@ -149,8 +149,8 @@ pub(crate) fn matern(squared: f64) -> f64 {
     (1.0 + r + r * r / 3.0) * libm::exp(-r)
 }
 
-/// Matérn's covariances at squared distances, and their derivatives by the logarithm of a length, over the length's own
-/// part of the squared distance.
+/// Matérn's covariances at squared distances, and their derivatives by the logarithm of a length. The derivatives are
+/// over the length's own part of the squared distance.
 #[inline(always)]
 fn with_slopes(squared: &Lanes) -> [Lanes; 2] {
     let (mut r, mut below) = ([0.0; LANES], [0.0; LANES]);
@@ -168,8 +168,8 @@ fn with_slopes(squared: &Lanes) -> [Lanes; 2] {
     both
 }
 
-/// Covariances and slopes, times `variance`, of pairs of points by the squared differences of their coordinates: for
-/// each lane of pairs as many numbers as there are inverse squares of lengths.
+/// Covariances and slopes, times `variance`, of pairs of points by the squared differences of their coordinates. Each
+/// lane of pairs has as many numbers as there are inverse squares of lengths.
 #[multiversion(targets("x86_64+avx2"))]
 pub(crate) fn covariances_and_slopes(
     squares: &[Lanes],

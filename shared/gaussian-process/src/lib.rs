@@ -14,18 +14,18 @@
 //! | `l_d` | [`Hyperparameters::lengths`] | length over which coordinate d matters |
 //! | `p_b` | [`Hyperparameters::parts`] | standard deviation of the part of word b of a branch |
 //!
-//! A [`Kind::Branch`] is a word that decides which numbers matter: each of its words adds a part of its own to the function,
-//! with numbers ([`Kind::Own`]) that only these parts read. What is common to all words is learnt from all points, and
-//! a word without effect gets a small part.
+//! A [`Kind::Branch`] is a word that decides which numbers matter. Each of its words adds a part of its own to the
+//! function, with numbers ([`Kind::Own`]) that only these parts read. The common part of all words is learnt from all
+//! points, and a word without effect gets a small part.
 //!
 //! [`fit`] maximises the marginal likelihood of the values, with a weak prior on the lengths. A [`Process`] grows by
 //! one point in O(n²): its Cholesky factor gains a row. [`Watched`] points are asked again and again meanwhile.
 //! [`expected_improvement`] is the expected distance of a value below a target. The numbers are the same on every
-//! x86-64. Transcendental functions are those of `libm` or the crate's own, and wide registers do the same operations
-//! in the same order.
+//! x86-64. Transcendental functions are those of `libm` or the crate's own. Wide registers do the same operations in
+//! the same order.
 //!
-//! Source: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2, 4 and 5; Jones, Schonlau,
-//! Welch, Efficient Global Optimization of Expensive Black-Box Functions (1998), equation 15.
+//! Sources: Rasmussen and Williams, Gaussian Processes for Machine Learning (2006), chapters 2, 4 and 5. Jones,
+//! Schonlau, Welch, Efficient Global Optimization of Expensive Black-Box Functions (1998), equation 15.
 //!
 //! ```
 //! use gaussian_process::{Kind, Process, fit};

@@ -105,8 +105,8 @@ impl Process {
         (dot(&covariances, &self.weights), variance.max(0.0))
     }
 
-    /// Mean and variance at each of the watched points: O(n²) for each of them at first, then O(n) for each point that
-    /// was added since.
+    /// Mean and variance at each of the watched points. Each costs O(n²) at first, then O(n) for each point that was
+    /// added since.
     pub fn predict_watched(&self, watched: &mut Watched) -> Vec<(f64, f64)> {
         if watched.forgotten != self.forgotten {
             watched.keep(watched.known);
@@ -156,7 +156,7 @@ impl Process {
 pub struct Watched {
     points: Vec<Vec<f64>>,
     blocks: Vec<Block>,
-    /// Points of the process that were not expected ones, and how often it had forgotten such points.
+    /// Points of the process that were not expected ones, and how often it had dropped such points.
     known: usize,
     forgotten: usize,
 }

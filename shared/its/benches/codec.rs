@@ -1,7 +1,7 @@
 //! Time to encode and decode a frame: `cargo bench -p its`.
 //!
-//! Each is timed repeatedly ("warm"), and after reading other memory ("cold"), like a unit that decodes a few
-//! frames in 100 ms between other work.
+//! Each is timed repeatedly ("warm"), and after reading other memory ("cold"). The second is like a unit that decodes a
+//! few frames in 100 ms between other work.
 
 use its::cam::{Cam, LowFrequency, Motion};
 use its::geodesy::Position;

@@ -1,6 +1,6 @@
 //! Errors of frames.
 
-/// Why bytes are not a frame that this crate reads.
+/// Reason why bytes are not a frame that this crate reads.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DecodeError {
     /// Longer than any frame.
@@ -52,7 +52,7 @@ pub enum DecodeError {
     Payload(#[from] PayloadError),
 }
 
-/// Why a payload is not the message that its header names.
+/// Reason why a payload is not the message that its header names.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PayloadError {
     /// A number is outside the standard's bounds.
@@ -81,7 +81,7 @@ pub enum PayloadError {
     OtherStation,
 }
 
-/// Why a message cannot be encoded.
+/// Reason why a message cannot be encoded.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum EncodeError {
     /// A value is outside the standard's range.

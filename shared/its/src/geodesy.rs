@@ -107,7 +107,7 @@ impl Plane {
     }
 }
 
-/// A longitude, or a difference of two, reduced to above -180 and up to 180 degrees, as in ETSI TS 102 894-2.
+/// A longitude, or a difference of two, reduced to above -180 and up to 180 degrees. Source: ETSI TS 102 894-2.
 fn within_half_a_turn(steps: i64) -> i32 {
     let turned = steps.rem_euclid(TURN);
     (if turned > HALF_TURN { turned - TURN } else { turned }) as i32

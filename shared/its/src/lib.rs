@@ -12,11 +12,11 @@
 //! | SPATEM, MAPEM | ETSI TS 103 301 V2.2.1, ISO TS 19091, SAE J2735 | [`spatem`], [`mapem`] |
 //! | CAM | ETSI EN 302 637-2 V1.4.1 | [`cam`], [`triggers`] |
 //!
-//! Encoders write the parts in this crate's types. Decoders accept all parts of the standards and additions of
-//! later versions; they check and skip the parts without a type.
+//! Encoders write the parts in this crate's types. Decoders accept all parts of the standards, and additions of later
+//! versions. They check and skip the parts without a type.
 //!
-//! The crate is pure: time is an argument, and it opens no port. [`Frame::decode`] never trusts its bytes. It
-//! returns an error for other frames, does not panic, and needs memory in proportion to the frame.
+//! The crate is pure: time is an argument, and it opens no port. [`Frame::decode`] checks all of its bytes. It returns
+//! an error for other frames, does not panic, and needs memory in proportion to the frame.
 //!
 //! A roadside unit announces that signal group 1 is red for 12 s more, and a vehicle reads it:
 //!

@@ -42,7 +42,7 @@ pub struct Lane {
     pub approach: Approach,
     /// Allowed manoeuvres at its end: a set of [`STRAIGHT`], [`LEFT`], [`RIGHT`] and the standard's others.
     pub maneuvers: u16,
-    /// The middle of the lane, cm to the east and to the north, 2 to 63 nodes from the stop line outwards. The
+    /// The middle of the lane, cm to the east and to the north. It has 2 to 63 nodes from the stop line outwards. The
     /// first is relative to the reference point, the others to the previous node.
     pub nodes: Vec<(i16, i16)>,
     /// Continuations, up to 16.

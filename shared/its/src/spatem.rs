@@ -49,7 +49,7 @@ pub struct MovementEvent {
 /// `TimeChangeDetails`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Timing {
-    /// Begin of the phase.
+    /// Start of the phase.
     pub start: Option<TimeMark>,
     /// Earliest end.
     pub min_end: TimeMark,
@@ -59,7 +59,7 @@ pub struct Timing {
     pub likely_end: Option<TimeMark>,
     /// Confidence in the likely end, 0 (21 %) to 15 (100 %).
     pub confidence: Option<u8>,
-    /// Next begin of this phase.
+    /// Next start of this phase.
     pub next: Option<TimeMark>,
 }
 

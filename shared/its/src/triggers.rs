@@ -1,8 +1,8 @@
 //! Times of a vehicle's CAMs: ETSI EN 302 637-2 V1.4.1, clause 6.1.3.
 //!
 //! A message is due
-//! 1. when `T_GenCam_DCC` has passed since the last one, and heading, position or speed differ from it by more
-//!    than 4 degrees, 4 m or 0.5 m/s; or
+//! 1. when `T_GenCam_DCC` has passed since the last one, and a figure differs from it: heading by more than 4 degrees,
+//!    position by 4 m, or speed by 0.5 m/s; or
 //! 2. when `T_GenCam` has passed since the last one.
 //!
 //! `T_GenCam` is 1 s at first. After a message of the first kind it is the time between the last two messages. After

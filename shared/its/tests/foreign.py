@@ -31,7 +31,7 @@ elif sys.argv[1] == "is":
     srem.set_val({"header": {"protocolVersion": 2, "messageID": 9, "stationID": 77}, "srm": request})
     print("srem", srem.to_uper().hex())
 
-    # A SPATEM of a later version, whose events and movements have additions that nobody knows yet.
+    # A SPATEM of a later version, whose events and movements have additions that are not known yet.
     spatem = ITS_IS.GLOBAL.MOD["SPATEM-PDU-Descriptions"]["SPATEM"]
     events = [
         {"eventState": state, "timing": {"minEndTime": end}, "_ext_2": b"later"}

@@ -305,7 +305,7 @@ fn messages_of_north_america_are_of_another_profile_however_they_come() {
         let message = foreign(name);
         let version = DecodeError::ProtocolVersion { message_id, found: 0 };
         assert_eq!(Frame::decode(&framed(port, &message)), Err(version));
-        // Without headers, and after those of WSMP (IEEE 1609.3): version 3, PSID 0x82, length.
+        // Frames without headers, and after those of WSMP (IEEE 1609.3): version 3, PSID 0x82, length.
         assert_eq!(Frame::decode(&message), Err(DecodeError::Version(0)));
         let wsmp = [&[0x03, 0x00, 0x80, 0x02, message.len() as u8], &message[..]].concat();
         assert_eq!(Frame::decode(&wsmp), Err(DecodeError::Version(0)));

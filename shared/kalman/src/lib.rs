@@ -6,8 +6,8 @@
 //! x+ = x + K (z - x[m]),  P+ = P - K P[m][.]
 //! ```
 //!
-//! The caller moves the state itself, since only it knows the known inputs. Source: Bar-Shalom, Li and
-//! Kirubarajan, Estimation with Applications to Tracking and Navigation (2001), table 5.2.4-1.
+//! The caller moves the state itself, since only it has the known inputs. Source: Bar-Shalom, Li
+//! and Kirubarajan, Estimation with Applications to Tracking and Navigation (2001), table 5.2.4-1.
 //!
 //! ```
 //! use kalman::Gaussian;
@@ -80,8 +80,8 @@ impl<const N: usize> Gaussian<N> {
         Innovation { residual: measured - self.mean[m], variance: self.covariance[m][m] + variance }
     }
 
-    /// A measurement of the sum `h · state` with a variance, by its difference from the prediction. The caller knows
-    /// the prediction, which need not be linear.
+    /// A measurement of the sum `h · state` with a variance, by its difference from the prediction. The caller has the
+    /// prediction, which need not be linear.
     #[must_use]
     pub fn innovation_along(&self, h: &[f64; N], residual: f64, variance: f64) -> Innovation {
         Innovation { residual, variance: self.variance_along(h) + variance }

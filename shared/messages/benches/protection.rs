@@ -1,4 +1,4 @@
-//! Cost of the end-to-end protection of a message, and of the copy that a reader makes of a small one first:
+//! Cost of a message's end-to-end protection, and of the copy that a reader makes of a small one first:
 //! `cargo bench -p messages`.
 //!
 //! Each figure is the median of many batches of protecting, checking or copying one message of a topic. Messages of

@@ -41,7 +41,7 @@ layout! {
         pub radar_release_ns: i64,
         /// Since when the service waited for its release, ns of run time.
         pub idle_ns: i64,
-        /// When the cycle began to work on its inputs, ns of run time.
+        /// Time when the cycle began to work on its inputs, ns of run time.
         pub start_ns: i64,
         /// [`BrakeState`] as a number.
         pub state: u32,

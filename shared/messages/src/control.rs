@@ -20,7 +20,7 @@ layout! {
         pub radar_release_ns: i64,
         /// Since when the controller waited for its release, ns of run time.
         pub idle_ns: i64,
-        /// When the cycle began to work on its inputs, ns of run time.
+        /// Time when the cycle began to work on its inputs, ns of run time.
         pub start_ns: i64,
         /// Times that the cycle gave the processor up, from its start to its command.
         pub voluntary_switches: u32,
@@ -53,13 +53,12 @@ layout! {
 }
 
 layout! {
-    /// What the controller saw and decided in one cycle; sent in every cycle, also in one without a
-    /// command.
+    /// State and decisions of the controller in one cycle. It is sent in every cycle, also in one without a command.
     #[type_name("timegap_msgs/msg/Diagnostics")]
     pub struct Diagnostics {
         /// Common header, as of the command of the same cycle.
         pub header: Header,
-        /// When the cycle began to work on its inputs, ns of run time.
+        /// Time when the cycle began to work on its inputs, ns of run time.
         pub start_ns: i64,
         /// Mode of the law, an index into its mode names.
         pub mode: u32,

@@ -1,4 +1,4 @@
-//! More than eight other vehicles: the rest of a step's vehicles and poses, and both messages of a step as one.
+//! More than eight other vehicles. The rest of a step's vehicles and poses, and both messages of a step as one.
 //!
 //! The first eight vehicles are in `truth/vehicles`, the others in `truth/more_vehicles`. Only scenarios with more than
 //! eight send the second topic, so that a usual run does not pay for it.
@@ -6,7 +6,7 @@
 use super::{Header, MAX_TRACKS, VehiclePose, VehiclePoses, VehicleTruth, VehicleTruthItem};
 use crate::layout::declare::*;
 
-/// Most vehicles beside the ego: what stands around a radar of 250 m range on a dense road of three lanes.
+/// Most vehicles beside the ego: those around a radar of 250 m range on a dense road of three lanes.
 pub const MAX_VEHICLES: usize = 64;
 
 /// Most vehicles of the second message of a step.
@@ -108,8 +108,8 @@ impl AllVehicles {
         true
     }
 
-    /// Gap to, m, and speed of, m/s, the nearest vehicle in lane whose rear is not behind the ego's
-    /// front at `ego_m` by more than a car's length.
+    /// Gap to the nearest vehicle in lane, m, and its speed, m/s. Its rear may be behind the ego's front at `ego_m` by
+    /// at most a car's length.
     #[must_use]
     pub fn nearest_ahead(&self, ego_m: f64) -> Option<(f64, f64)> {
         self.vehicles

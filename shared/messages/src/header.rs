@@ -13,9 +13,9 @@ layout! {
     pub struct Origin {
         /// Sequence number of the sample, counted from 1.
         pub sequence: u64,
-        /// When the world was as the sample says, ns of run time.
+        /// Time when the world was as the sample says, ns of run time.
         pub acquisition_ns: i64,
-        /// When the sample was published, ns of run time.
+        /// Time when the sample was published, ns of run time.
         pub publish_ns: i64,
     }
 }
@@ -34,9 +34,9 @@ impl Origin {
         }
     }
 
-    /// True if `sample` is the one meant here. With `rides` it is a message that the same sender sent in the same step,
-    /// on a topic that rides with the sample's ([`Topic::rides_with`](crate::Topic::rides_with)). The two differ in the
-    /// time of publication.
+    /// True if `sample` is the one meant here. With `rides` it is a message that the same sender sent in the same step.
+    /// Its topic rides with the sample's ([`Topic::rides_with`](crate::Topic::rides_with)). The two differ in the time
+    /// of publication.
     #[must_use]
     pub fn means(&self, sample: &Self, rides: bool) -> bool {
         let same_step =
@@ -95,12 +95,12 @@ layout! {
         pub sequence: u64,
         /// Simulation step that the message belongs to.
         pub step: u64,
-        /// When the world was as the message says, ns of run time: the scheduled instant of the
-        /// source's release, so that a source that stalls ages its own data.
+        /// Instant of the world in the message, ns of run time. It is the scheduled instant of the source's release, so
+        /// that a source that stalls ages its own data.
         pub acquisition_ns: i64,
-        /// When the message was handed to the transport, ns of run time.
+        /// Time when the message was handed to the transport, ns of run time.
         pub publish_ns: i64,
-        /// Which restart of the source sent it: 0 for the first process.
+        /// Number of the source's restart that sent it: 0 for the first process.
         pub incarnation: u32,
         /// Service that sent it, `Service` as a number.
         pub source: u32,

@@ -1,7 +1,7 @@
 //! Question to a foreign law and its answer: two records of fixed layout, by pipe.
 //!
-//! They are not messages of a topic: no header, no protection. The host of the law speaks with one
-//! program, which it started itself. All numbers are little-endian, 8 bytes each.
+//! They are not messages of a topic: no header, no protection. The host of the law exchanges
+//! records with one program, which it started itself. All numbers are little-endian, 8 bytes each.
 
 use crate::layout::declare::*;
 
@@ -50,7 +50,7 @@ layout! {
     pub struct LawInput {
         /// Number of the question; the answer carries it back.
         pub sequence: u64,
-        /// 1 if the law is to forget all history before it answers.
+        /// 1 if the law must clear its history before it answers.
         pub reset: u64,
         /// Time of the release since the start of the run, s.
         pub time_s: f64,

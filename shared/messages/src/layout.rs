@@ -1,9 +1,9 @@
 //! The layout of every message as data, made from the declaration of its struct.
 //!
-//! [`layout!`](self) takes a struct and derives three things from it: the struct itself as `repr(C)` plain data, its
-//! [`Layout`], and the meaning of each field from its doc comment. The compiler refuses a struct with padding, or one
-//! whose bytes are not its CDR body. Every view of a message reads the [`Layout`]: the schema in a recording, Python
-//! and C types, the columns of a CSV file, the reference of the messages.
+//! [`layout!`](self) takes a struct and derives three things from it. These are the struct itself as `repr(C)` plain
+//! data, its [`Layout`], and the meaning of each field from its doc comment. The compiler refuses a struct with
+//! padding, or one whose bytes are not its CDR body. Every view of a message reads the [`Layout`]. The views are the
+//! schema in a recording, Python and C types, the columns of a CSV file, and the reference of the messages.
 //!
 //! ```
 //! use messages::{Element, Scalar, Topic};
@@ -160,8 +160,8 @@ impl<T: FieldType, const N: usize> FieldType for [T; N] {
 }
 
 impl Layout {
-    /// Checks that the struct's bytes are its CDR body: fields in order without gaps, each scalar on
-    /// a multiple of its size.
+    /// Checks that the struct's bytes are its CDR body: fields in order without gaps, and each scalar on a multiple of
+    /// its size.
     pub(crate) const fn check(&self) {
         let mut end = 0;
         let mut index = 0;
@@ -184,9 +184,9 @@ impl Layout {
         assert!(end == self.bytes && end.is_multiple_of(8), "padding at the end");
     }
 
-    /// Bytes from the start of `message` that are in use, which its end-to-end protection covers. If the struct is larger
-    /// than [`SMALL_BYTES`] and ends with `count` and an array, the first `count` elements of that array are the last of
-    /// them; all bytes otherwise.
+    /// Bytes from the start of `message` that are in use, which its end-to-end protection covers. A struct larger than
+    /// [`SMALL_BYTES`] may end with `count` and an array. The bytes in use then end with the first `count` elements of
+    /// that array. Else all bytes are in use.
     ///
     /// # Panics
     /// If `message` is shorter than the struct.

@@ -38,8 +38,8 @@
 //! assert_eq!((outcomes.ok, outcomes.error), (1, 1));
 //! ```
 //!
-//! The `truth/` topics carry what the simulators know, and no fault changes it. The simulated sensors measure
-//! from them, and the referee in the plant judges by them. No actuation depends on them.
+//! The `truth/` topics carry the simulators' truth, and no fault changes it. The simulated sensors measure from them,
+//! and the referee in the plant judges by them. No actuation depends on them.
 
 mod brake;
 mod control;

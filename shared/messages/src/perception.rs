@@ -57,8 +57,8 @@ layout! {
         pub ego_speed_mps: f64,
         /// Detections behind it; 0: not measured.
         pub ego_speed_points: u64,
-        /// Share of the expected detections that came, of tracked vehicles and of what stands beside the road:
-        /// 1 when the radar sees all that it should see, 0 when it sees nothing.
+        /// Share of the expected detections that came, of tracked vehicles and of objects beside the road. It is 1 if
+        /// the radar sees all that it should see, and 0 if it sees nothing.
         pub seen_share: f64,
     }
 }
@@ -78,8 +78,8 @@ impl Sight {
     /// Below this share of the expected detections the sight is limited. Chosen: three of four scans confirm a
     /// track, and three of four expected detections are 0.75.
     pub const LIMITED_BELOW: f64 = 0.7;
-    /// Below this share the radar is blind. Chosen: with one detection in three scans, three hits take 0.45 s at
-    /// 20 scans per second, as long as a warning should precede braking at least (UN R152, 5.2.1.1).
+    /// Below this share the radar is blind. Chosen: with one detection in three scans, three hits take 0.45 s at 20
+    /// scans per second. A warning should precede braking by at least as much (UN R152, 5.2.1.1).
     pub const BLIND_BELOW: f64 = 0.33;
 
     /// The sight of a radar with a share of the expected detections. Not a number counts as blind.
@@ -133,22 +133,21 @@ layout! {
         pub rcs_dbsm: f64,
         /// Reserved: 0.
         pub flags: u32,
-        /// Detections with the same number are the same echo at different ambiguous range rates; 0: the
-        /// range rate is not ambiguous.
+        /// Detections with the same number are the same echo at different ambiguous range rates. 0: the range rate is
+        /// not ambiguous.
         pub ambiguity_group: u32,
     }
 }
 
 layout! {
-    /// What the radar's receiver hands out in one scan: several detections for each vehicle, and some for
-    /// none. Empty when the radar's model has no detections. The header's acquisition time is that of the
-    /// scan.
+    /// Output of the radar's receiver in one scan: several detections for some vehicles, and none for others. Empty
+    /// when the radar's model has no detections. The header's acquisition time is that of the scan.
     #[type_name("timegap_msgs/msg/RadarDetections")]
     pub struct RadarDetections {
         /// Common header.
         pub header: Header,
-        /// Speed of the ego at the scan, m/s: the radar's own measurement by what stands beside the road where
-        /// odometry is missing or contradicts it.
+        /// Speed of the ego at the scan, m/s. It is the radar's own measurement by standing objects if odometry is
+        /// missing or contradicts it.
         pub ego_speed_mps: f64,
         /// Detections for which there was no room.
         pub left_out: u64,

@@ -39,8 +39,8 @@ layout! {
         pub lateral_m: f64,
         /// Yaw rate, rad/s.
         pub yaw_rate_radps: f64,
-        /// Angle from the body to its motion at the centre of gravity, rad, positive where it moves to the left of its
-        /// heading.
+        /// Angle from the body to its motion at the centre of gravity, rad. It is positive if the body moves to the
+        /// left of its heading.
         pub side_slip_rad: f64,
         /// Curvature of the axis at the front bumper, 1/m, positive to the left.
         pub curvature_perm: f64,
@@ -118,12 +118,12 @@ layout! {
 pub const MAX_CURVE_CELLS: usize = 80;
 
 layout! {
-    /// Curvature of the road ahead as the map knows it.
+    /// Curvature of the road ahead by the map.
     #[type_name("timegap_msgs/msg/Curves")]
     pub struct Curves {
         /// Common header.
         pub header: Header,
-        /// Valid entries of `curvatures`: beyond them the map knows nothing.
+        /// Valid entries of `curvatures`: beyond them the map is empty.
         pub count: u64,
         /// Beginning of the first cell on the ego's axis, m: at the ego or behind it.
         pub first_cell_m: f64,

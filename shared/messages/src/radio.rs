@@ -12,9 +12,9 @@ layout! {
     /// A frame: GeoNetworking, BTP and the message in unaligned PER.
     #[type_name("timegap_msgs/msg/RadioFrame")]
     pub struct RadioFrame {
-        /// When it was sent, by the sender's own account, ns of run time; the smallest number: not known.
+        /// Time when it was sent, by the sender's own account, ns of run time; the smallest number: not known.
         pub sent_ns: i64,
-        /// When it arrived at the vehicle's radio, ns of run time.
+        /// Time when it arrived at the vehicle's radio, ns of run time.
         pub received_ns: i64,
         /// Valid bytes.
         pub length: u32,
@@ -57,9 +57,9 @@ layout! {
         pub header: Header,
         /// UTC of run time 0 by the clock of the vehicle's radio, ns since 1970.
         pub utc_start_ns: i64,
-        /// By how much the sender's clock is ahead of the vehicle's, as two hosts compared them, ns.
+        /// Time by which the sender's clock is ahead of the vehicle's, as two hosts compared them, ns.
         pub clock_offset_ns: i64,
-        /// How far that may be off, ns; 0 where both are one clock; the largest number: not known.
+        /// Largest error of that, ns; 0 if both are one clock. The largest number: not known.
         pub clock_uncertainty_ns: i64,
         /// Frames that arrived and for which there was no room.
         pub left_out: u64,

@@ -25,7 +25,7 @@ pub enum Pace {
     Control,
 }
 
-/// When a service is part of the group.
+/// Condition for a service to be part of the group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Presence {
     /// In every group.
@@ -41,7 +41,7 @@ pub enum Presence {
 pub struct Descriptor {
     /// Origin of its period.
     pub pace: Pace,
-    /// When it is part of the group.
+    /// Condition for it to be part of the group.
     pub presence: Presence,
     /// Usual priority under `SCHED_FIFO`.
     pub priority: u8,

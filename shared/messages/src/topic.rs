@@ -39,7 +39,7 @@ pub trait Message: Pod + ZeroCopySend + Debug + PartialEq + Laid {
 pub enum Role {
     /// Carries what a car has. Faults of messages can disturb it.
     Function,
-    /// Carries what the simulators know. No fault changes it.
+    /// Carries the simulators' truth. No fault changes it.
     Truth,
     /// Informs observers. No fault disturbs it.
     Report,
@@ -243,7 +243,7 @@ impl Topic {
         self.row().role
     }
 
-    /// True if it carries what the simulators know.
+    /// True if it carries the simulators' truth.
     #[must_use]
     pub const fn is_truth(self) -> bool {
         matches!(self.role(), Role::Truth)

@@ -91,12 +91,12 @@ layout! {
 pub const MAX_PREVIEW_CELLS: usize = 48;
 
 layout! {
-    /// The road ahead as the map knows it.
+    /// The road ahead by the map.
     #[type_name("timegap_msgs/msg/Preview")]
     pub struct Preview {
         /// Common header.
         pub header: Header,
-        /// Valid entries of `grades`: beyond them the map knows nothing.
+        /// Valid entries of `grades`: beyond them the map is empty.
         pub count: u64,
         /// Beginning of the first cell on the ego's axis, m: at the ego or behind it.
         pub first_cell_m: f64,

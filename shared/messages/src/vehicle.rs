@@ -39,8 +39,8 @@ fn moved(position_m: f64, v: f64, a: f64, age_s: f64) -> (f64, f64) {
 layout! {
     /// The ego as it really is, and what it meets.
     ///
-    /// The simulated sensors measure from here, so that a fault of `vehicle/odometry` does not move the world;
-    /// the launcher judges by it, and faults that wait for a phase of the drive begin by it.
+    /// The simulated sensors measure from here, so that a fault of `vehicle/odometry` does not move the world. The
+    /// launcher judges by it. Faults that wait for a phase of the drive begin by it.
     #[type_name("timegap_msgs/msg/EgoTruth")]
     pub struct EgoTruth {
         /// Common header.
@@ -75,7 +75,7 @@ impl EgoTruth {
 }
 
 impl Drive {
-    /// Of the ground truth.
+    /// The phase by the ground truth.
     #[must_use]
     pub fn of(truth: &EgoTruth) -> Self {
         let red = truth.signal_state == crate::PhaseState::StopAndRemain.to_wire();
@@ -112,8 +112,8 @@ layout! {
         pub fuel_gps: f64,
         /// Fuel burnt since the start of the run, g.
         pub fuel_g: f64,
-        /// What an accelerometer along the vehicle's axis shows: the acceleration and the slope's share of
-        /// gravity, m/s².
+        /// Reading of an accelerometer along the vehicle's axis: the acceleration and the slope's share of gravity,
+        /// m/s².
         pub specific_force_mps2: f64,
     }
 }

@@ -21,7 +21,7 @@
 //! * Primal distances (m, m/s, m/s²) are relative to `max(1, |limit|)`.
 //! * Dual distances are relative to the largest multiplier of a row, the light or the terminal
 //!   equality, at least 1.
-//! * The scale of `v_k` is at least the largest `B'λ` from stage `k` on: that number has to cancel in it.
+//! * The scale of `v_k` is at least the largest `B'λ` from stage `k` on, as that number has to cancel in it.
 
 use multiversion::multiversion;
 

@@ -15,10 +15,10 @@
 //!             x_N = x_f                        (only with `Terminal::Equality`)
 //! ```
 //!
-//! `A` is upper triangular and, like `B`, `Q`, `s`, `r` and `P`, constant; `d_k` is a disturbance
-//! known in advance (the acceleration of the vehicle ahead). `[Q s; s' r]` is positive
-//! semidefinite and `r > 0`, so that the problem is convex and its inputs are unique. The cost of the
-//! first state is part of the objective although no input can change it.
+//! `A` is upper triangular. Like `B`, `Q`, `s`, `r` and `P`, it is constant. `d_k` is a disturbance known in advance
+//! (the acceleration of the vehicle ahead). `[Q s; s' r]` is positive semidefinite and `r > 0`, so that the problem is
+//! convex and its inputs are unique. The cost of the first state is part of the objective although no input can change
+//! it.
 //!
 //! A *row* (at most [`MAX_ROWS`]) bounds one linear function of the state, from its first stage to its last:
 //!
@@ -30,15 +30,15 @@
 //! The soft form is an exact penalty. A penalty weight `λ` above the multiplier of the hard row gives the hard row's
 //! solution wherever it exists. Elsewhere it gives a least violation.
 //!
-//! The *light* is the convex form of a barrier on the predicted margin `D` before the switch (He, Xi, Huang,
-//! Chen and Huang 2024, doi 10.3969/j.issn.2095-1469.2024.06.06):
+//! The *light* is the convex form of a barrier on the predicted margin `D` before the switch. Source: He, Xi, Huang,
+//! Chen and Huang 2024, doi 10.3969/j.issn.2095-1469.2024.06.06.
 //!
 //! ```text
 //! hard:  φ(D) = w (1/min(D, d_th) − 1/d_th) for D > 0, infinite for D ≤ 0
 //! soft:  φ(D) = min_{σ ≥ 0} w (1/min(D + σ, d_th) − 1/d_th) + λ σ
 //! ```
 //!
-//! If it is soft, it leaves the hyperbola at `D = √(w/λ)`, where its slope is `−λ`, and goes on as a straight line.
+//! If it is soft, it leaves the hyperbola at `D = √(w/λ)`, where its slope is `−λ`. It continues as a straight line.
 //! Every state then has a finite cost, and every problem with soft rows and a terminal cost has a solution.
 //!
 //! # Symbols

@@ -288,7 +288,7 @@ fn a_state_that_no_input_can_keep_is_infeasible_hard_and_solved_soft() {
 }
 
 /// Cold and warm results for the whole table, bit by bit. The loops over the stages exist for any
-/// x86-64 and for AVX2. The sum below comes from a build without the AVX2 version; on a machine
+/// x86-64 and for AVX2. The sum below comes from a build without the AVX2 version. On a machine
 /// with AVX2 this test compares the two.
 #[test]
 fn the_answers_have_the_same_bits_with_wide_registers_and_without() {

@@ -21,7 +21,7 @@ pub enum Rule {
 }
 
 impl Rule {
-    /// Whether it holds between numbers.
+    /// True if it holds between numbers.
     ///
     /// ```
     /// use openscenario::Rule;
@@ -40,7 +40,7 @@ impl Rule {
         }
     }
 
-    /// Whether it holds between values: as numbers where both are numbers, as text otherwise.
+    /// True if it holds between values: as numbers where both are numbers, as text otherwise.
     #[must_use]
     pub fn compares(self, left: &Value, right: &Value) -> bool {
         match (left.number(), right.number()) {

@@ -65,7 +65,7 @@ fn number(text: &str) -> Option<f64> {
     }
 }
 
-/// Why an expression has no value.
+/// Reason why an expression has no value.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Fault<E> {
     /// A fault of the expression: its reason, and what was expected.

@@ -147,7 +147,7 @@ impl Template {
         Ok(Self { document: open_scenario(path, source)? })
     }
 
-    /// Whether values break none of the constraints that the file declares.
+    /// True if values break none of the constraints that the file declares.
     ///
     /// # Errors
     /// When they do not fit its parameters for another reason.

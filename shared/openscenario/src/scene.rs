@@ -171,7 +171,7 @@ impl<'a> Scene<'a> {
         Ok(Rc::clone(self.road.get_or_init(|| Rc::new(Scenery { road, ground }))))
     }
 
-    /// Whether positions may name any road, since none is there.
+    /// True if positions may name any road, since none is there.
     pub(crate) fn assumes_a_road(&self) -> bool {
         self.road_file.get().is_none()
     }

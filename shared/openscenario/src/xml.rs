@@ -1,4 +1,4 @@
-//! A file as a tree of elements that know their places.
+//! A file as a tree of elements with their places.
 
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};

@@ -4,7 +4,8 @@ mod common;
 
 use common::*;
 
-/// When a condition first holds, to the step, with the lead 50 m ahead at 20 m/s and the ego at `ego`.
+/// Time when a condition first holds, to the step. The lead is 50 m ahead at 20 m/s, and the ego at
+/// `ego`.
 fn holds(condition: &str, ego_mps: f64, until_s: f64) -> Option<f64> {
     let parts = Parts { stop: trigger(&[condition]), ..Parts::default() };
     let mut run = parts.run();

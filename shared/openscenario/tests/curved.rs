@@ -6,7 +6,7 @@ use common::*;
 use openscenario::road::Road;
 use openscenario::{Motion, World};
 
-/// A left curve of 100 m radius and 300 m; lanes -1 and 1 of 4 m, lane -1 widens to 6 m from 100 m to 150 m.
+/// A left curve of 100 m radius and 300 m. Lanes -1 and 1 have 4 m; lane -1 widens to 6 m from 100 m to 150 m.
 const CURVE: &str = r#"<OpenDRIVE><road id="0" length="300"><planView><geometry s="0" x="50" y="-20" hdg="0" length="300"><arc curvature="0.01"/></geometry></planView>
 <lanes><laneSection s="0">
 <left><lane id="1"><width sOffset="0" a="4" b="0" c="0" d="0"/></lane></left><center><lane id="0"/></center>

@@ -1,6 +1,6 @@
-//! Roads of our own, read and evaluated, against CARLA's reader and against pyclothoids and scipy: `roads/roads.py` makes
-//! the tables. Public files are compared too where `OPENDRIVE_FILES` names a folder with them, and `OPENDRIVE_TABLE` and
-//! `OPENDRIVE_LINES` the tables that it printed (of lane middles by CARLA, of lines by the libraries).
+//! Roads of our own, read and evaluated, against CARLA's reader and against pyclothoids and scipy: `roads/roads.py`
+//! makes the tables. Public files are compared too if `OPENDRIVE_FILES` names a folder with them. `OPENDRIVE_TABLE` and
+//! `OPENDRIVE_LINES` name the tables that the script printed: of lane middles by CARLA, of lines by the libraries.
 
 use openscenario::road::{Found, read};
 use openscenario::xml;
@@ -46,7 +46,8 @@ fn deviations(
     worst
 }
 
-/// Distances of the reference lines and the lanes' lines from a table, m, by file: points, worst, and where that is.
+/// Distances of the reference lines and the lanes' lines from a table, m, by file. They are points, worst, and the
+/// place of the worst.
 fn lines_apart(
     table: &str,
     text_of: impl Fn(&str) -> Option<String>,
@@ -112,7 +113,7 @@ fn roads_in_a_row_are_one_road() {
     let road = found.road;
     let parts: Vec<(&str, bool)> = road.parts.iter().map(|p| (p.id.as_str(), p.reversed)).collect();
     assert_eq!(parts, [("1", false), ("2", true), ("3", false)]);
-    // Lane -1 of the first is lane 1 of the second, which lies to the right of the row, and lane -1 again.
+    // Lane -1 of the first is lane 1 of the second, which lies to the right of the row. It is lane -1 again after it.
     let lane = road.lane(10.0, -1).expect("it is there");
     let center = road.lanes.center(0, lane.index);
     let ids =

@@ -1,4 +1,4 @@
-//! Effect of each number of a table: the number is halved and doubled, and the figures that change are told in words.
+//! Effect of each number of a table. The number is halved and doubled, and words state the figures that change.
 //!
 //! ```
 //! use parameters::effect::{Figure, effects};
@@ -106,7 +106,7 @@ impl Figure {
     }
 }
 
-/// Effects of a number, in one line: the figures at each of the tried values, against those of the usual one.
+/// Effects of a number, in one line: the figures at each of the tried values, beside those of the usual one.
 #[must_use]
 pub fn line(name: &str, figures: &[Figure], base: &[f64], tried: &[(f64, Vec<f64>)]) -> String {
     let words = |changed: &[f64]| -> String {

@@ -1,8 +1,8 @@
 //! A writer of flat Parquet files: numbers, whole numbers and texts, any of which may be absent.
 //!
-//! It writes only the needs of tables of results: plain encoding, one page a column and row group, compressed with LZ4.
-//! pandas, polars, DuckDB and Arrow read it. The crates `parquet` and `arrow` are complete and take minutes of
-//! a first build; a test reads the files of this one with pyarrow.
+//! It writes only the needs of tables of results: plain encoding, one page for each column and row group, compressed
+//! with LZ4. pandas, polars, DuckDB and Arrow read it. The crates `parquet` and `arrow` are complete, and take minutes
+//! of a first build. A test reads this crate's files with pyarrow.
 //!
 //! ```text
 //! "PAR1", row group*, footer, footer length u32, "PAR1"

@@ -108,7 +108,7 @@ pub(crate) fn chunk(cells: &Cells) -> io::Result<(Vec<u8>, usize)> {
     Ok((bytes, unpacked))
 }
 
-/// Definition levels: 1 for a cell that is there, 0 for one that is not, as runs behind their length in bytes.
+/// Definition levels: 1 for a cell that exists, 0 for one that does not. They are runs behind their length in bytes.
 fn levels<T>(cells: &[Option<T>], page: &mut Vec<u8>) {
     let begin = page.len();
     page.extend([0; 4]);

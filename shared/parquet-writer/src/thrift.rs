@@ -100,7 +100,7 @@ impl Struct {
 mod tests {
     use super::*;
 
-    /// By the examples of the protocol's specification: zigzag of −1 is 1, of 2 is 4; 300 takes two bytes.
+    /// The examples of the protocol's specification: zigzag of −1 is 1, of 2 is 4; 300 takes two bytes.
     #[test]
     fn numbers_lists_and_structs_are_compact() {
         let mut inner = Struct::default();

@@ -1,5 +1,5 @@
-//! Cost of a carrier on one host. It prints the time of a frame from the sender to the receiver's queue, and the
-//! processor time of 20 vehicles that receive one roadside unit.
+//! Cost of a carrier on one host. It prints the time of a frame from the sender to the receiver's queue. It also prints
+//! the processor time of 20 vehicles that receive one roadside unit.
 //!
 //! `cargo bench -p radio`, with `--features zenoh` for zenoh's rows. Sender and vehicles are separate
 //! processes with one clock.

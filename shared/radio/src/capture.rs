@@ -21,7 +21,7 @@ const ETHERTYPE_VLAN: u16 = 0x8100;
 const FIRST_USER: i32 = 147;
 const LAST_USER: i32 = 162;
 
-/// Why a capture cannot be played.
+/// Reason why a capture cannot be played.
 #[derive(Debug, thiserror::Error)]
 pub enum CaptureError {
     /// The file cannot be read.

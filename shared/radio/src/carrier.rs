@@ -102,8 +102,8 @@ impl Carrier {
         }
     }
 
-    /// The wall clock of the frames at run time `now_ns`, ns since the Unix epoch: this host's, or the
-    /// capture's, whose first frame is at run time 0.
+    /// The wall clock of the frames at run time `now_ns`, ns since the Unix epoch. It is this host's, or the capture's,
+    /// whose first frame is at run time 0.
     #[must_use]
     pub fn wall_clock_ns(&self, now_ns: i64) -> i64 {
         match &self.kind {
@@ -192,7 +192,7 @@ impl Live {
         let envelope = self.identity.envelope(self.sequence + 1);
         let length = envelope.write(Content::Frame(frame), &mut self.room);
         let sent = self.outlet.send(&self.room[..length]);
-        // The next frame reuses the number of an unsent one, which thus does not count as lost.
+        // The next frame reuses the number of an unsent one, which therefore does not count as lost.
         self.sequence += u64::from(sent.is_ok());
         Counts::count(if sent.is_ok() { &counts.sent } else { &counts.not_sent });
         sent

@@ -1,14 +1,14 @@
 //! Difference between another host's wall clock and this one, from questions and answers.
 //!
-//! The asking host notes t1 when it asks and t4 when the answer arrives, by its own clock. The other host
-//! notes t2 when the question arrives and t3 when it answers, by its clock (RFC 5905, section 8):
+//! The asking host notes t1 when it asks and t4 when the answer arrives, by its own clock. The other host notes t2 when
+//! the question arrives and t3 when it answers. Both are by its clock (RFC 5905, section 8):
 //!
 //! ```text
 //! offset = ((t2 - t1) + (t3 - t4)) / 2      round trip = (t4 - t1) - (t3 - t2)
 //! ```
 //!
-//! For any delays, the true offset is within half a round trip of the estimate. So the question with the
-//! shortest round trip is the best one. Older ones lose value, since clocks drift apart by at most
+//! For any delays, the true offset is within half a round trip of the estimate. So the question with the shortest round
+//! trip is the best one. Older ones lose value. Clocks drift apart by at most
 //! [`drift_ppm`](crate::numbers::Numbers::drift_ppm), twice the 50 parts per million of a usual crystal.
 //!
 //! After a clock was set, earlier and later exchanges contradict each other. Then the earlier ones are

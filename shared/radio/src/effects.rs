@@ -1,10 +1,10 @@
 //! Effect of each number of the carriers, for the origins in their table.
 //!
 //! Clocks: twenty pairs of hosts whose clocks drift apart by 60 parts per million are compared for two minutes. A way
-//! takes 2 ms and an exponential rest of 3 ms in the mean, and every twentieth one 40 ms more.
+//! takes 2 ms, and an exponential rest of 3 ms in the mean. Every twentieth one takes 40 ms more.
 //!
-//! Numbers: a sender of 20,000 frames, of which 2 % are lost and 1 % overtaken by up to 40 others. One frame has a wrong
-//! number, and the sender starts again twice: far from its last number, and near to it.
+//! Numbers: a sender of 20,000 frames, of which 2 % are lost and 1 % overtaken by up to 40 others. One frame has a
+//! wrong number. The sender starts again twice: once far from its last number, and once near to it.
 //!
 //! ```sh
 //! cargo test --release -p radio --lib each_number -- --ignored --nocapture

@@ -9,8 +9,8 @@
 //! | 24 to 31 | the sender's wall clock, ns since the Unix epoch |
 //! | 32 to 39 | the wall clock at the sender's run time 0; the smallest number if it has none |
 //!
-//! A frame follows unchanged. An answer continues with three numbers of 8 bytes: the asking station, the time
-//! of its question by its own clock, and the question's arrival by the answering clock.
+//! A frame follows unchanged. An answer continues with three numbers of 8 bytes: the asking station, the time of its
+//! question, and the question's arrival. The time is by the asking clock, the arrival by the answering one.
 //!
 //! A GeoNetworking packet never begins with `T`: its first four bits are version 1; those of `T` are 5.
 
@@ -23,7 +23,7 @@ const NO_START: i64 = i64::MIN;
 /// Most bytes of a packet.
 pub(crate) const MAX_PACKET: usize = HEADER + MAX_FRAME;
 
-/// Begin of every packet.
+/// Start of every packet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Envelope {
     pub(crate) sender: u64,

@@ -5,7 +5,7 @@ use std::io;
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-/// Why a carrier was not opened.
+/// Reason why a carrier was not opened.
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// The address is not available.
@@ -73,7 +73,7 @@ pub enum OpenError {
     },
 }
 
-/// Why a frame was not sent; it is also counted.
+/// Reason why a frame was not sent; it is also counted.
 #[derive(Debug, thiserror::Error)]
 pub enum SendError {
     /// The frame is too long.

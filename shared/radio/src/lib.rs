@@ -12,12 +12,11 @@
 //! * zenoh (feature `zenoh`), by its configuration file;
 //! * a capture, whose frames become due as run time passes.
 //!
-//! [`Carrier::send`] and [`Carrier::receive`] neither wait nor allocate. Frames without room are dropped and
-//! counted. Live carriers put an envelope around each frame: the sender's number, a sequence number, its wall
-//! clock and the wall-clock start of its run. With it a receiver counts losses. By questions and answers over
-//! the same carrier, a vehicle estimates the difference to the roadside unit's clock ([`ClockDifference`]). A
-//! datagram without the envelope, from another program, is a frame too; it has no stamp and no count of
-//! losses.
+//! [`Carrier::send`] and [`Carrier::receive`] neither wait nor allocate. Frames without room are dropped and counted.
+//! Live carriers put an envelope around each frame. It has the sender's number, a sequence number, its wall clock, and
+//! the wall-clock start of its run. With it a receiver counts losses. By questions and answers over the same carrier, a
+//! vehicle estimates the difference to the roadside unit's clock ([`ClockDifference`]). A datagram without the
+//! envelope, from another program, is a frame too. It has no stamp and no count of losses.
 //!
 //! ```
 //! use radio::{Carrier, Role, wall_clock_ns};

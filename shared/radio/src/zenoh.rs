@@ -1,8 +1,8 @@
 //! zenoh: frames under `timegap/radio/frames`, questions to roadside units beside them, and answers under the
 //! asking station's number.
 //!
-//! zenoh's own configuration determines discovery, links and certificates. A frame that zenoh cannot accept at
-//! once is dropped. zenoh's calls may wait for a lock, so that a separate thread makes them.
+//! zenoh's own configuration determines discovery, links and certificates. A frame that zenoh cannot accept at once is
+//! dropped. zenoh's calls may wait for a lock, so a separate thread makes them.
 
 use crate::counts::Counts;
 use crate::endpoint::{Endpoint, Origin, Outlet, Purpose, Received};

@@ -43,7 +43,7 @@ fn certificate(name: &str) -> String {
     path.display().to_string()
 }
 
-/// A router that wants certificates of its clients.
+/// A router that requires certificates from its clients.
 fn router(port: u16) -> String {
     format!(
         r#"{{ mode: "router", listen: {{ endpoints: ["tls/127.0.0.1:{port}"] }},
@@ -77,7 +77,7 @@ fn roadside() -> Role {
     Role::Roadside { start_ns: wall_clock_ns() }
 }
 
-/// Sends until `vehicle` has received `count` more frames: the ones sent before both ends know each other are lost.
+/// Sends until `vehicle` has received `count` more frames. Those sent before both ends are connected are lost.
 fn drive(unit: &mut Carrier, vehicle: &mut Carrier, count: usize) {
     let begun = Instant::now();
     let mut heard = 0;

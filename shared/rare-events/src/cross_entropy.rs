@@ -9,8 +9,8 @@
 //! densities (the balance heuristic, Veach and Guibas 1995). So a point of an early density does not decide alone.
 //!
 //! The estimate uses the points of the last density alone, which does not depend on them: it has no bias. The interval
-//! is Student's over the replicas, on the logarithm of the estimate, since an estimate of a rare event scatters by a
-//! factor. Source of the levels: Papaioannou, Geyer, Straub 2019.
+//! is Student's over the replicas, on the logarithm of the estimate. An estimate of a rare event scatters by a factor.
+//! Source of the levels: Papaioannou, Geyer, Straub 2019.
 
 use crate::Limit;
 use crate::estimate::{Budget, Estimate, Replica};

@@ -124,7 +124,7 @@ impl Distribution {
 impl FromStr for Distribution {
     type Err = DistributionError;
 
-    /// Reads the forms with two numbers; a CSV file is read by who knows its folder.
+    /// Reads the forms with two numbers. The caller that has its folder reads a CSV file.
     fn from_str(text: &str) -> Result<Self, DistributionError> {
         let form = || DistributionError::Form(text.trim().to_owned());
         let (name, rest) = text.trim().split_once('(').ok_or_else(form)?;

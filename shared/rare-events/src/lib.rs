@@ -13,7 +13,7 @@
 //!
 //! * [`monte_carlo`]: points as they come, with Wilson's interval. It needs some 100 / p runs, and no assumption on g.
 //! * [`cross_entropy`]: importance sampling from a normal density that is fitted to the event, in independent replicas.
-//!   Its interval is the scatter of the replicas, since one replica does not notice a part of the event that it misses.
+//!   Its interval is the scatter of the replicas. One replica does not notice a part of the event that it misses.
 //! * [`disagree`]: whether two results contradict each other. Monte Carlo has the last word on a fit.
 //! * [`sobol`]: which variable explains the variance of g, alone and with others.
 //!

@@ -5,8 +5,8 @@
 //! ST_i = E(V(g | all but x_i)) / V(g)      total: x_i with all others
 //! ```
 //!
-//! A row has two independent points a and b, and for each variable a with the coordinate of b: d + 2 runs. Estimators:
-//! Saltelli and others 2010, table 2, rows b (first order) and f (total, Jansen).
+//! A row has two independent points a and b. For each variable it also has a with the coordinate of b: d + 2 runs.
+//! Estimators: Saltelli and others 2010, table 2, rows b (first order) and f (total, Jansen).
 //!
 //! ```
 //! use rare_events::sobol;

@@ -44,7 +44,7 @@ impl Axis {
     /// A chain of pieces, each from the end of the one before.
     ///
     /// # Errors
-    /// When a number is not finite, a length is not positive, a radius is below 20 m, or the chain crosses itself.
+    /// If a number is not finite, a length is not positive, a radius is below 20 m, or the chain crosses itself.
     pub fn new(pieces: &[Piece]) -> Result<Self, AxisError> {
         Self::chain(pieces.iter().map(|piece| (None, *piece)))
     }
@@ -52,7 +52,7 @@ impl Axis {
     /// Pieces with places of their own. The axis begins at (0, 0, 0): the first piece's start is its origin.
     ///
     /// # Errors
-    /// As [`Self::new`], and when a piece does not begin where the one before ends, within 5 cm and 0.01 rad.
+    /// As [`Self::new`], and if a piece does not begin where the previous one ends, within 5 cm and 0.01 rad.
     pub fn laid(pieces: &[Laid]) -> Result<Self, AxisError> {
         let origin = pieces.first().map_or(Pose::default(), |laid| laid.start);
         Self::chain(pieces.iter().map(|laid| (Some(laid.start.seen_from(&origin)), laid.piece)))
@@ -227,8 +227,8 @@ impl Axis {
         (p_m, (y_m - place.y_m) * place.cos - (x_m - place.x_m) * place.sin)
     }
 
-    /// The coordinates (p, l) of the point of the axis nearest to a point of the plane, without a place to begin from.
-    /// It is the first of several branches that are equally near.
+    /// The coordinates (p, l) of the axis' point that is nearest to a point of the plane. The search has no place to
+    /// begin from. It is the first of several branches that are equally near.
     #[must_use]
     pub fn nearest(&self, x_m: f64, y_m: f64) -> (f64, f64) {
         let count = self.bins.len();
@@ -254,7 +254,7 @@ impl Axis {
     }
 }
 
-/// Whether a line from `start` goes on with a straight beginning of that length.
+/// True if a line from `start` goes on with a straight beginning of that length.
 pub(crate) fn goes_on(start: &Pose, straight_m: f64) -> bool {
     let [x_m, y_m, heading_rad] = [start.x_m - straight_m, start.y_m, start.heading_rad];
     x_m.abs() < STRAIGHT && y_m.abs() < STRAIGHT && heading_rad.abs() < STRAIGHT

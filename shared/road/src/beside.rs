@@ -5,8 +5,8 @@
 //! θ_C  = θ + atan2(B, A)          κ_C = (w κ + (A B' - B A') / (A² + B²)) / |C'|
 //! ```
 //!
-//! w is the way along R for one metre of s, constant in a piece: 1 but for cubics of another length than declared.
-//! `s` at an arc length `p` of C comes from Newton's method on the integral of |C'|.
+//! w is the way along R for one metre of s. It is constant in a piece: 1, except for cubics of another length than
+//! declared. `s` at an arc length `p` of C comes from Newton's method on the integral of |C'|.
 
 use crate::axis::{goes_on, joined};
 use crate::build::Builder;

@@ -38,7 +38,7 @@ pub fn uncrossed(
     Ok(())
 }
 
-/// Whether the chords `a b` and `c d` cross.
+/// True if the chords `a b` and `c d` cross.
 fn cross([a, b, c, d]: [(f64, f64); 4]) -> bool {
     let side = |p: (f64, f64), q: (f64, f64), r: (f64, f64)| {
         (q.0 - p.0) * (r.1 - p.1) - (q.1 - p.1) * (r.0 - p.0)

@@ -99,7 +99,7 @@ impl Lanes {
     }
 
     /// The middle of the lane that has a place in a section, along the road, m. The profile follows the links of the
-    /// lane to both sides, and keeps its last value where the lane has no neighbour. A lane without width at an end of
+    /// lane to both sides. It keeps its last value where the lane has no neighbour. A lane without width at an end of
     /// its section has the edge of its neighbour there.
     #[must_use]
     pub fn center(&self, section: usize, index: usize) -> Profile {

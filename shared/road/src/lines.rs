@@ -76,8 +76,8 @@ impl LaneLines {
         }
     }
 
-    /// The lines between two places as points `[p, l]`, m: for each stretch with one number of lines these from right to
-    /// left.
+    /// The lines between two places as points `[p, l]`, m. Each stretch with one number of lines has these from right
+    /// to left.
     #[must_use]
     pub fn between(&self, from_m: f64, to_m: f64) -> Vec<Vec<[f64; 2]>> {
         let mut lines: Vec<Vec<[f64; 2]>> = Vec::new();

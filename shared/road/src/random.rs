@@ -1,9 +1,9 @@
 //! Random roads.
 //!
-//! Curves follow each other. Each is a spiral, an arc and a spiral; every second one, on average, has a straight
-//! line of 50 to 400 m before it. The radius is drawn evenly by its logarithm, the turn from 0.1 to 1.2 rad. The two
-//! spirals take at most four fifths of the turn. A curve turns to a random side, but back where the road would leave
-//! ±1.2 rad from its first direction. So a road never crosses itself.
+//! Curves follow each other. Each is a spiral, an arc and a spiral. On average every second one has a straight line of
+//! 50 to 400 m before it. The radius is drawn evenly by its logarithm, the turn from 0.1 to 1.2 rad. The two spirals
+//! take at most four fifths of the turn. A curve turns to a random side, but back where the road would leave ±1.2 rad
+//! from its first direction. So a road never crosses itself.
 
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 const HINT: &str =
     ": `timegap doctor` checks the machine, TIMEGAP_LOG=1 shows the library's own words";
 
-/// Why a service cannot go on.
+/// Reason why a service cannot go on.
 #[derive(Debug, thiserror::Error)]
 pub enum RuntimeError {
     /// The group file is missing, unreadable or not one.

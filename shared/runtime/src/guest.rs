@@ -1,6 +1,6 @@
 //! The ends of a topic without a service around them, for measurements: those of the services themselves.
 //!
-//! A guest can also open iceoryx2 services that no topic uses, in the same node and variant, and wake those who wait
+//! A guest can also open iceoryx2 services that no topic uses, in the same node and variant. It can wake those who wait
 //! for a topic. So a program can send bytes of any size as the topics' messages are sent. `timegap bench` does.
 
 use crate::life::link::End;

@@ -6,21 +6,20 @@
 //!                                                            └───────────────────────┘ ─► finish
 //! ```
 //!
-//! One code path serves two clocks, and only this module knows which of them is in use:
+//! One code path serves two clocks, and only this module depends on which of them is in use:
 //!
 //! * **realtime**: [`Runtime::next_release`] sleeps until the absolute instant of the next release
 //!   and [`Runtime::update`] takes what is there;
-//! * **lockstep**: `next_release` returns at once and `update` waits for the samples that are due
-//!   in the step. The plant's odometry paces all services, since all wait for it, directly or through
-//!   others; no coordinator is needed. Publishers wait when a process of the group lags, so that no
-//!   message is lost, and all stamps are simulated time: same scenario, same seed, same bytes. A process
-//!   that joined on its own is not waited for.
+//! * **lockstep**: `next_release` returns at once and `update` waits for the samples that are due in the step. The
+//!   plant's odometry paces all services, since all wait for it, directly or through others; no coordinator is needed.
+//!   Publishers wait when a process of the group lags, so that no message is lost. All stamps are simulated time: same
+//!   scenario, same seed, same bytes. A process that joined on its own is not waited for.
 //!
-//! In lockstep a run can also do without processes: [`InProcess`] lets all services of a run take turns
-//! in one thread, with the same ports over the memory of one process. No service knows.
+//! In lockstep a run can also do without processes. [`InProcess`] lets all services of a run take turns in one thread.
+//! They have the same ports over the memory of one process. A service cannot see the difference.
 //!
-//! Messages are written where they will be read: a publisher loans memory in shared memory
-//! ([`Publisher::loan`]), protects the message there and hands it over. Readers borrow what is larger than
+//! Messages are written where they will be read. A publisher loans memory in shared memory ([`Publisher::loan`]),
+//! protects the message there and hands it over. Readers borrow what is larger than
 //! [`SMALL_BYTES`](messages::SMALL_BYTES) and copy what is not before they check it.
 //!
 //! `unsafe` is allowed in `coroutine`, `library`, `scheduling`, `spawn`, `usage` and `words`, for system calls that no

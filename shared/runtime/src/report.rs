@@ -47,7 +47,7 @@ pub struct ServiceReport<D = Payload> {
     pub cycles: u64,
     /// Releases that were left out because the service was busy or stopped.
     pub skipped: u64,
-    /// Actual minus scheduled begin of the cycles, realtime only.
+    /// Actual minus scheduled start of the cycles, realtime only.
     pub release_jitter_us: Option<Percentiles>,
     /// Topics published.
     pub sent: Vec<SentTopic>,

@@ -1,8 +1,8 @@
 //! `#[derive(Schema)]`: makes the struct that reads a table the one declaration of its keys.
 //!
 //! The macro implements `scenario::schema::Schema` for a type that derives serde's `Deserialize`. A key's name and
-//! default come from the attributes that serde obeys, its meaning from the doc comment, its range from the field's
-//! type. So a key is written once, and the reader, the JSON Schema and the reference agree.
+//! default come from the attributes that serde obeys. Its meaning comes from the doc comment, and its range from the
+//! field's type. So a key is written once, and the reader, the JSON Schema and the reference agree.
 //!
 //! ```ignore
 //! /// What the ego may do.
@@ -14,8 +14,8 @@
 //! }
 //! ```
 //!
-//! Understood are structs and externally tagged enums, and of serde's attributes `default`, `rename`, `rename_all`
-//! (`kebab-case`, `snake_case`), `from`, `try_from`, `skip` and `skip_deserializing`.
+//! The derive supports structs and externally tagged enums. It supports serde's attributes `default`, `rename`,
+//! `rename_all` (`kebab-case`, `snake_case`), `from`, `try_from`, `skip` and `skip_deserializing`.
 
 mod serde;
 

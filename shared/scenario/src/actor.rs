@@ -41,10 +41,10 @@ pub struct Actor {
     /// positive.
     #[serde(default = "in_lane")]
     pub lateral_offset_m: Lateral,
-    /// When it appears on the road, s.
+    /// Time when it appears on the road, s.
     #[serde(default = "at_start")]
     pub appears_at_s: Time,
-    /// When it leaves the road, s; absent: never.
+    /// Time when it leaves the road, s; absent: never.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub leaves_at_s: Option<Time>,
     /// Profile of its speed. Times count from the start of the run.

@@ -8,8 +8,8 @@ use super::schema::Schema;
 /// Least deceleration that an emergency brake must have, m/s² (UN R152, paragraph 5.2.1.4).
 pub const LEAST_DECELERATION_MPS2: f64 = 5.0;
 
-/// The emergency brake: a process of its own that reads the radar's detections, and a brake path of its
-/// own in the plant. A truck's air brakes have other defaults than a car's.
+/// The emergency brake: a process of its own that reads the radar's detections, and its brake path in the plant. A
+/// truck's air brakes have other defaults than a car's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Aebs {
@@ -51,7 +51,7 @@ impl Aebs {
     /// Takes a loaded truck's values for the keys that are not written.
     ///
     /// Chosen: air brakes answer later than hydraulic ones. UN R13 (annex 6) allows 0.6 s from the pedal to 75 % of the
-    /// pressure; with these values 75 % of the deceleration is reached after 0.71 s.
+    /// pressure. With these values 75 % of the deceleration is reached after 0.71 s.
     pub(super) fn follow_truck(&mut self, is_written: impl Fn(&str) -> bool) {
         if !is_written("aebs.dead_time_ms") {
             self.dead_time_ms = DelayMs::of(300);

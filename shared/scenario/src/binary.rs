@@ -1,6 +1,6 @@
 //! The binary form in which a scenario or a fault reaches a service's process.
 //!
-//! A text is read once, where a run starts. The values that took effect travel as a tree in postcard's encoding: no
+//! A text is read once, where a run starts. The values that took effect travel as a tree in postcard's encoding. No
 //! text is parsed again, and every number keeps all its bits.
 
 use serde::{Deserialize, Serialize};

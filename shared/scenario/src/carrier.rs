@@ -59,7 +59,7 @@ impl Explained for CarrierAddressError {
     fn message(&self) -> String {
         match self {
             Self::Scheme(text) => format!("`{text}` names no carrier"),
-            Self::Socket(text) => format!("`{text}` is no IP address with a port"),
+            Self::Socket(text) => format!("`{text}` is not an IP address with a port"),
             Self::Port => "port 0 is not a port to agree on".to_owned(),
             Self::Option(text) => format!("`{text}` is not an option of udp://"),
             Self::File(scheme) => format!("`{scheme}` lacks the file"),
@@ -204,8 +204,8 @@ mod tests {
         for (text, said) in [
             ("", "names no carrier"),
             ("tcp://1.2.3.4:5", "names no carrier"),
-            ("udp://somewhere:5520", "`somewhere:5520` is no IP address with a port"),
-            ("udp://1.2.3.4", "is no IP address with a port"),
+            ("udp://somewhere:5520", "`somewhere:5520` is not an IP address with a port"),
+            ("udp://1.2.3.4", "is not an IP address with a port"),
             ("udp://1.2.3.4:0", "port 0"),
             ("udp://1.2.3.4:5?ttl=3", "`ttl=3` is not an option"),
             ("udp://1.2.3.4:5?interface=", "is not an option"),

@@ -18,15 +18,15 @@ use super::schema::Schema;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Controller {
-    /// Which law; the registry of the laws knows the names.
+    /// Name of the law; the registry of the laws has the names.
     pub name: Name,
     /// Period of the control loop, ms.
     pub period_ms: PeriodMs,
     /// The program that the law `external` hosts: its name on the PATH or its path, then its arguments.
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "words")]
     pub command: Vec<String>,
-    /// Directory in which that program runs; absent: the scenario file's if a file of the command is there, else the
-    /// current one.
+    /// Directory in which that program runs. If absent, it is the scenario file's if a file of the command is there,
+    /// else the current one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub directory: Option<PathBuf>,
     /// Start of a cycle.
@@ -71,7 +71,7 @@ impl Controller {
         self.deadline_ms.unwrap_or(self.period_ms)
     }
 
-    /// Step of the prediction: as set, else the period, or 100 ms where that is below 50 or above 500 ms.
+    /// Step of the prediction: as set, else the period. It is 100 ms if the period is below 50 or above 500 ms.
     #[must_use]
     pub fn prediction_step(&self) -> PeriodMs {
         let is_a_step = (50..=500).contains(&self.period_ms.value());
@@ -152,13 +152,13 @@ pub enum Release {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SpacingPolicy {
-    /// The paper's problem with v t_h + d_b of the first cycle, then frozen: what the figures of its
-    /// scenarios A, B and C were made with.
+    /// The paper's problem with v t_h + d_b of the first cycle, then frozen. The figures of its scenarios A, B and C
+    /// were made with it.
     ConstantDistance,
-    /// The paper's problem with v t_h + d_b measured anew in each cycle, as in its Table 3; the
-    /// prediction leaves t_h a out of the error's rate.
+    /// The paper's problem with v t_h + d_b measured anew in each cycle, as in its Table 3. The prediction leaves t_h a
+    /// out of the error's rate.
     MeasuredHeadway,
-    /// For the road: constant time headway predicted exactly, lead acceleration, set speed.
+    /// Formulation for the road: constant time headway predicted exactly, lead acceleration, set speed.
     ConstantTimeHeadway,
 }
 

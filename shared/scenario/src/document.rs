@@ -115,8 +115,8 @@ impl<'a> Document<'a> {
         Ok(document)
     }
 
-    /// Reads the document into a type; what `take` takes out of it comes apart.
-    /// `place_of` knows where a key belongs that stands in a wrong table.
+    /// Reads the document into a type; what `take` takes out of it comes apart. `place_of` gives the place of a key
+    /// that stands in a wrong table.
     pub(super) fn read<T: DeserializeOwned, A>(
         &self,
         take: impl FnOnce(&mut Placed) -> A,
@@ -228,8 +228,8 @@ impl<'a> Document<'a> {
         })
     }
 
-    /// An actor has one profile: one that an option sets replaces the file's, and a table of speeds
-    /// the initial speed with it.
+    /// An actor has one profile. One that an option sets replaces the file's, and a table of speeds replaces the
+    /// initial speed with it.
     fn make_way_for_profile(&mut self, path: &[(String, Range<usize>)], kind: &str) {
         let [(actors, _), (index, _), (key, _), ..] = path else { return };
         if (actors.as_str(), key.as_str()) != ("actors", "profile") {

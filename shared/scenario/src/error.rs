@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
-/// Why a scenario was refused.
+/// Reason why a scenario was refused.
 ///
 /// `Display` writes what a person needs to correct it:
 ///
@@ -23,8 +23,8 @@ pub struct ScenarioError {
 /// Place of the fault.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Place {
-    /// In a text: file name or option, line and column (from 1), the line itself and the length of
-    /// the mark in characters. An option of the command line has one line and shows no number.
+    /// In a text: file name or option, line and column (from 1), the line itself, and the length of the mark in
+    /// characters. An option of the command line has one line and shows no number.
     Text { source: String, line: usize, column: usize, text: String, mark: usize, numbered: bool },
     /// In the whole of a file or an argument.
     Whole { source: String },

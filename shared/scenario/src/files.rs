@@ -15,7 +15,7 @@ use super::recorded::{self, READING, RecordedError};
 use super::road::{self, Heights};
 use openscenario::xml::MAX_FILE_BYTES;
 
-/// Why a text file is not read.
+/// Reason why a text file is not read.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum TextFileError {
     #[error("cannot be opened: {0}")]
@@ -152,13 +152,13 @@ fn load_plan(
     Ok(lane.notices)
 }
 
-/// True if a file was set on the command line without its points: the points in the scenario are another file's.
+/// True if the command line set a file without its points. The points in the scenario are then another file's.
 fn is_set(document: &Document<'_>, file: &str, points: &str) -> bool {
     document.is_set(file) && !document.is_set(points)
 }
 
-/// Path of a file that has to be read. A relative path starts at the directory `own`; one that was set on the command
-/// line starts at the present directory unless that file is in `own`.
+/// Path of a file that has to be read. A relative path starts at the directory `own`. One that the command line set
+/// starts at the present directory, unless that file is in `own`.
 fn to_read(file: &Path, own: Option<&Path>, is_set: bool, is_unread: bool) -> Option<PathBuf> {
     let beside = own.map(|own| own.join(file));
     match is_set {

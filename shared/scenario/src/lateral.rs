@@ -18,8 +18,8 @@ pub struct Lateral {
     pub wheelbase_m: Length,
     /// Distance of the centre of gravity behind the front axle, as a share of the wheelbase.
     pub cg_share: InnerShare,
-    /// Moment of inertia about the vertical axis, kg m²; a truck's: its mass times the square of half its wheelbase when
-    /// absent.
+    /// Moment of inertia about the vertical axis, kg m². For a truck it is its mass times the square of half its
+    /// wheelbase if absent.
     pub yaw_inertia_kgm2: Inertia,
     /// Slip angle of the rear axle by lateral acceleration, rad per m/s².
     pub slip_rad_per_mps2: SlipCompliance,
@@ -114,8 +114,8 @@ impl Lateral {
         *self == Self::default()
     }
 
-    /// Gives a truck's values to keys that were not written: 5.8 m from the front axle to the middle of the rear ones,
-    /// and an inertia of `mass_kg` half a wheelbase away.
+    /// Gives a truck's values to keys that were not written. They are 5.8 m from the front axle to the middle of the
+    /// rear ones, and an inertia of `mass_kg` half a wheelbase away.
     pub(super) fn follow_truck(&mut self, mass_kg: f64, is_written: impl Fn(&str) -> bool) {
         if !is_written("plant.lateral.wheelbase_m") {
             self.wheelbase_m = Length::of(5.8);

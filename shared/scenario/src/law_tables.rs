@@ -1,7 +1,7 @@
 //! The tables below `[controller]` that belong to the laws.
 //!
-//! This crate knows no law. It keeps each table as it was written, with the positions of its keys, and the law reads it
-//! into a type of its own. A fault is then shown at the key, as for every other.
+//! This crate does not depend on a law. It keeps each table as it was written, with the positions of its keys. The law
+//! reads the table into a type of its own. A fault is then shown at the key, as for every other.
 
 use std::collections::BTreeMap;
 

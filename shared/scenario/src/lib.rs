@@ -233,7 +233,7 @@ impl Scenario {
 /// for it in errors.
 ///
 /// # Errors
-/// When the text is no TOML, does not fit the type or does not pass the check; shows the line and what was
+/// If the text is not TOML, does not fit the type, or does not pass the check. The error shows the line and what was
 /// expected.
 pub fn read_as<T: serde::de::DeserializeOwned>(
     source: &str,

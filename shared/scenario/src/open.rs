@@ -40,8 +40,8 @@ impl Scenario {
         Self::build(source_name, text, overrides, Place::TakenEffect, check)
     }
 
-    /// Opens the built-in scenario of that name or the file at that path, with `overrides` laid
-    /// over it. `check` is asked last, for what only the control laws know.
+    /// Opens the built-in scenario of that name or the file at that path, with `overrides` laid over it. `check` is
+    /// asked last, for conditions that only the control laws have.
     ///
     /// # Errors
     /// When there is no such scenario, it cannot be read, or something in it is wrong.
@@ -57,8 +57,7 @@ impl Scenario {
     /// over it. The `choices` have values that replace the declared ones.
     ///
     /// # Errors
-    /// When a file cannot be read or is outside the subset of the standard that is read here, or when
-    /// an override does not fit.
+    /// If a file cannot be read, or is outside the supported subset of the standard, or if an override does not fit.
     pub fn open_openscenario(
         path: &Path,
         choices: &openscenario::Choices,
@@ -162,8 +161,8 @@ impl Scenario {
         }
     }
 
-    /// A plant's period that was not written divides the delay of commands: else the delay would end between
-    /// two of its steps.
+    /// A plant's period that was not written divides the delay of commands. Else the delay would end between two of its
+    /// steps.
     fn follow_a_delay(&mut self, is_written: impl Fn(&str) -> bool) {
         if is_written("plant.period_ms") {
             return;
@@ -206,7 +205,7 @@ impl Source {
     /// Reads the built-in scenario of that name or the file at that path.
     ///
     /// # Errors
-    /// When there is no such scenario, or it cannot be read or is no TOML.
+    /// If there is no such scenario, or it cannot be read or is not TOML.
     pub fn read(argument: &str) -> Result<Self, ScenarioError> {
         if let Some(builtin) = builtin::find(argument) {
             return Self::parse(format!("built-in {argument}"), builtin.text.to_owned(), None);
@@ -231,7 +230,8 @@ impl Source {
         Ok(Self { name, text, root, directory })
     }
 
-    /// The scenario with `overrides` laid over the file. `check` is asked last, for what only the control laws know.
+    /// The scenario with `overrides` laid over the file. `check` is asked last, for conditions that only the control
+    /// laws have.
     ///
     /// # Errors
     /// When something in the file or in an override is wrong.

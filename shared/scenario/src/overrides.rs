@@ -38,8 +38,8 @@ impl Overrides {
 
     /// Adds the argument of a `--set`: `dotted.path=VALUE`, array elements by their index
     /// (`actors.0.gap_m=30` or `actors[0].gap_m=30`). VALUE is a TOML value; a plain word needs no
-    /// quotes. A profile of an actor replaces the one that the file gives it, with its initial speed
-    /// where the new profile is a table of speeds.
+    /// quotes. A profile of an actor replaces the one from the file. It also replaces the initial
+    /// speed if the new profile is a table of speeds.
     ///
     /// # Errors
     /// When the argument has no `=` or its path is not one. The value is read with the scenario.
@@ -88,7 +88,7 @@ impl Overrides {
         self.list.push(Override { option, path, value_start });
     }
 
-    /// The same for a file that is run with several laws: a key that one of them does not read is
+    /// The same for a file that is run with several laws. A key that one of them does not read is
     /// noted, not refused.
     #[must_use]
     pub fn shared(self) -> Self {

@@ -22,10 +22,10 @@ pub struct OwnLaw {
     /// The program: its name on the PATH or its path, then its arguments.
     #[serde(skip_serializing_if = "Vec::is_empty", deserialize_with = "words")]
     pub command: Vec<String>,
-    /// Where the program runs; absent: as for `controller.directory`.
+    /// Directory in which the program runs. If absent, as for `controller.directory`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub directory: Option<PathBuf>,
-    /// A shared library with the functions of `timegap layouts --law --c`. It computes in timegap's own process: an
+    /// A shared library with the functions of `timegap layouts --law --c`. It computes in timegap's own process. An
     /// error in it ends the command, and nothing ends a step that does not return.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub library: Option<PathBuf>,

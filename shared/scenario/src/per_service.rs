@@ -9,7 +9,7 @@ use serde::ser::{Serialize, SerializeStruct, Serializer};
 
 use super::schema::{Key, Presence, Schema, Shape};
 
-/// A value for each service, the default where the file has none.
+/// A value for each service: the file's, else the default.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PerService<T>([T; Service::ALL.len()]);
 

@@ -27,7 +27,7 @@ pub struct Perception {
     pub radar: Radar,
     /// The tracker behind the radar.
     pub tracker: Tracker,
-    /// Which track is the target.
+    /// Choice of the target track.
     pub target_selection: TargetSelection,
     /// The path ahead, on a road with a plan.
     #[serde(skip_serializing_if = "Course::is_usual")]
@@ -97,15 +97,15 @@ pub struct Radar {
     pub max_range_m: Reach,
     /// Full opening angle, degrees, symmetric to the ego's axis.
     pub field_of_view_deg: Angle,
-    /// Standard deviation of the range, m. Of the model `object-list`; in `detections` it follows from
-    /// the signal-to-noise ratio. So do the next two.
+    /// Standard deviation of the range, m. For the model `object-list`; in `detections` it follows from the
+    /// signal-to-noise ratio. So do the next two.
     pub range_sigma_m: Sigma,
     /// Standard deviation of the range rate, m/s.
     pub range_rate_sigma_mps: Sigma,
     /// Standard deviation of the azimuth, degrees.
     pub azimuth_sigma_deg: Sigma,
-    /// Probability that a visible vehicle, or an object beside the road, is missing from one scan, whatever its
-    /// echoes are like.
+    /// Probability that a visible vehicle, or an object beside the road, is missing from one scan. It does not depend
+    /// on its echoes.
     pub dropout_probability: Probability,
     /// Time from the acquisition to the publication of a scan, ms: a multiple of the period.
     pub latency_ms: DelayMs,
@@ -212,7 +212,7 @@ impl Default for Detections {
     }
 }
 
-/// Swerling's cases that a scan can tell apart.
+/// Swerling's cases that a scan can distinguish.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(into = "i64")]
 pub enum Swerling {
@@ -281,7 +281,7 @@ impl From<Swerling> for i64 {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Tracker {
-    /// Which filter follows gap, relative speed and lead acceleration.
+    /// Filter of gap, relative speed and lead acceleration.
     pub filter: TrackingFilter,
     /// Standard deviation of the acceleration of a lead that does not manoeuvre hard, m/s².
     pub lead_acceleration_sigma_mps2: Sigma,
@@ -322,8 +322,8 @@ impl Default for Tracker {
     }
 }
 
-/// The target is the nearest vehicle in the ego's path; entering and leaving the path have
-/// different limits, so that a vehicle on the line does not flicker.
+/// The target is the nearest vehicle in the ego's path. Entering and leaving the path have different limits, so that a
+/// vehicle on the line does not flicker.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TargetSelection {
@@ -333,8 +333,8 @@ pub struct TargetSelection {
     pub leave_half_width_m: Length,
     /// A vehicle must be in the path for this time before it becomes the target, s.
     pub confirm_s: Time,
-    /// A vehicle whose lateral motion would take its body before the ego's within this time is in
-    /// the path already, s; 0: no prediction. Exact tracks are not predicted.
+    /// A vehicle is in the path already if its lateral motion takes its body before the ego's within this time, s. 0:
+    /// no prediction. Exact tracks are not predicted.
     pub predict_s: Time,
 }
 

@@ -15,15 +15,15 @@ use super::schema::Schema;
 pub struct Plant {
     /// Kind of the ego vehicle.
     pub vehicle: Vehicle,
-    /// True mass over the one that vehicle and law believe in; trucks only.
+    /// True mass over the one that vehicle and law assume; trucks only.
     pub mass_factor: MassFactor,
     /// Period of the plant's loop and of `vehicle/odometry`, ms. Every other period is a multiple.
     pub period_ms: PeriodMs,
     /// Integration of the ego and of the actors.
     pub integrator: Integrator,
-    /// Step of the integration, ms. `fine`: divides the plant's period. `paper-euler`: a multiple of
-    /// it, at most the actuator's time constant; samples inside a step are the step's own straight
-    /// lines.
+    /// Step of the integration, ms. `fine`: divides the plant's period. `paper-euler`: a multiple
+    /// of it, at most the actuator's time constant. Samples inside a step are the step's own
+    /// straight lines.
     pub integration_step_ms: PeriodMs,
     /// Time constant of the first-order lag from request to acceleration, s.
     pub actuator_time_constant_s: TimeConstant,
@@ -93,7 +93,7 @@ impl Vehicle {
         !matches!(self, Self::Car)
     }
 
-    /// Mass of a truck that vehicle and law believe in, kg; `None` for a car, which has none here.
+    /// Mass of a truck that vehicle and law assume, kg; `None` for a car.
     #[must_use]
     pub const fn truck_kg(self) -> Option<f64> {
         match self {
@@ -121,8 +121,8 @@ pub enum Integrator {
     /// The lag exactly, in short steps with constant request.
     #[default]
     Fine,
-    /// x += T v, v += T a, a += T/tau (u - a), all from the start of the step: the model's own
-    /// Euler step, in which the CACC paper integrates its plant (T = 100 ms there).
+    /// x += T v, v += T a, a += T/tau (u - a), all from the start of the step. It is the model's
+    /// own Euler step, in which the CACC paper integrates its plant (T = 100 ms there).
     PaperEuler,
 }
 
@@ -178,8 +178,8 @@ pub struct Fallback {
     pub follow_plan_s: Duration,
     /// Deceleration of the stop in lane, m/s².
     pub stop_deceleration_mps2: AccelerationMagnitude,
-    /// A command is lost, and the plan's rest a level of degradation, when its successor is overdue by
-    /// this time, s.
+    /// A successor overdue by this time, s, means that a command is lost. The rest of the plan is
+    /// then a level of degradation.
     pub overdue_s: Duration,
 }
 

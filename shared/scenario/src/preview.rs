@@ -9,10 +9,10 @@ use super::schema::Schema;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Preview {
-    /// By how much everything on the maps is too far ahead, m.
+    /// Distance by which everything on the maps is too far ahead, m.
     pub shift_m: MapShift,
-    /// Standard deviation of an error of each cell, made from the run's seed: of a grade in percentage points, of a
-    /// curvature in percent of it.
+    /// Standard deviation of an error of each cell, made from the run's seed. A grade's is in percentage points, a
+    /// curvature's in percent of it.
     pub noise_percent: Percent,
     /// End of the maps, m; absent: they have no end.
     #[serde(skip_serializing_if = "Option::is_none")]

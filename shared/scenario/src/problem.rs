@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-/// An error in a value that is readable by itself: it contradicts another key, or the law that it is for refuses it.
+/// An error in a readable value: it contradicts another key, or the law that it is for refuses it.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{path}: {message}, expected {expected}")]
 pub struct Problem {

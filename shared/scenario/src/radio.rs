@@ -166,9 +166,9 @@ impl Origin {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Air {
-    /// When the imperfections begin, s.
+    /// Time when the imperfections begin, s.
     pub from_s: Time,
-    /// For how long they last, s; absent: to the end.
+    /// Duration of them, s. Absent: to the end.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub for_s: Option<Duration>,
     /// Probability that a frame is lost.
@@ -185,7 +185,7 @@ pub struct Air {
     pub jitter_ms: DelayMs,
     /// Probability that a frame is held back behind the next ones.
     pub reorder_probability: Probability,
-    /// For how long, ms.
+    /// Time for which such a frame is held back, ms.
     pub reorder_ms: DelayMs,
     /// Probability that a frame arrives twice.
     pub duplicate_probability: Probability,
@@ -230,31 +230,31 @@ impl Air {
     }
 }
 
-/// Errors of the roadside units. Without any key they have none.
+/// Errors of the roadside units. Without any key they make no errors.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Unit {
-    /// By how much their clocks are ahead at the start, ms.
+    /// Time by which their clocks are ahead at the start, ms.
     pub clock_offset_ms: OffsetMs,
-    /// By how much their clocks are too fast, millionths.
+    /// Rate by which their clocks are too fast, millionths.
     pub clock_drift_ppm: DriftPpm,
-    /// When a second unit begins to say that every signal is green, s; absent: never.
+    /// Time when a second unit begins to announce that every signal is green, s. Absent: never.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub contradicted_from_s: Option<Time>,
-    /// When the map is replaced by another revision, s; absent: never.
+    /// Time when the map is replaced by another revision, s; absent: never.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_changes_at_s: Option<Time>,
     /// The intersection whose map is replaced; absent: all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub map_changes_of: Option<IntersectionId>,
-    /// By how much stop lines are farther along the road in that revision, m.
+    /// Distance by which stop lines are farther along the road in that revision, m.
     pub map_shift_m: MapShift,
-    /// When the countdowns begin to be wrong, s; absent: never.
+    /// Time when the countdowns begin to be wrong, s; absent: never.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub countdown_wrong_from_s: Option<Time>,
-    /// By how much the announced ends jump then, s.
+    /// Jump of the announced ends then, s.
     pub countdown_jump_s: Shift,
-    /// By how much they slide from then on, s in each s: 1 is a countdown that stands still.
+    /// Slide of the ends from then on, s in each s. 1 is a countdown that stands still.
     pub countdown_slide: Shift,
 }
 
@@ -288,15 +288,14 @@ impl Unit {
 pub struct Obu {
     /// Its station id.
     pub station_id: StationId,
-    /// Frames whose content is older than this by its own stamp, or made so far in the future, are not
-    /// used, ms.
+    /// Largest age of a used frame's content by its own stamp, ms. The same is the limit for stamps in the future.
     pub max_age_ms: DelayMs,
-    /// By how much the vehicle's clock is ahead at the start, ms.
+    /// Time by which the vehicle's clock is ahead at the start, ms.
     pub clock_offset_ms: OffsetMs,
-    /// By how much it is too fast, millionths.
+    /// Rate by which it is too fast, millionths.
     pub clock_drift_ppm: DriftPpm,
-    /// By how much the clocks of senders and vehicle may differ, ms: greens and yellows are taken to end so
-    /// much earlier than announced, reds so much later.
+    /// Largest difference between the clocks of senders and vehicle, ms. Greens and yellows are taken to end so much
+    /// earlier than announced, reds so much later.
     pub clock_tolerance_ms: DelayMs,
 }
 
@@ -346,7 +345,7 @@ mod tests {
     fn what_a_carrier_has_no_use_for_is_refused() {
         for (keys, said) in [
             ("radio = \"morse\"", "`morse` is not a radio"),
-            ("radio = \"udp://nowhere\"", "is no IP address with a port"),
+            ("radio = \"udp://nowhere\"", "is not an IP address with a port"),
             ("poll_ms = 10", "v2x.poll_ms has no effect"),
             ("radio = \"zenoh\"\npoll_ms = 15", "v2x.poll_ms = 15 is not a whole multiple"),
             ("radio = \"zenoh\"\nair.delay_ms = 20", "the air is simulated"),

@@ -1,7 +1,7 @@
 //! Keys that were written and have no effect: the chosen law or radar model does not read them.
 //!
-//! A key that was written for this choice is refused. A file that is run with another law or model than
-//! its own, or with several, keeps its keys: a note names those without effect.
+//! A key that was written for this choice is refused. A file that is run with another law or model than its own, or
+//! with several, keeps its keys. A note names those without effect.
 
 use std::collections::BTreeSet;
 
@@ -25,7 +25,7 @@ pub struct Reads {
 }
 
 impl Reads {
-    /// Every key counts as read: for a reader that knows no law.
+    /// Every key counts as read: for a reader without a law.
     #[must_use]
     pub fn everything() -> Self {
         Self::default()

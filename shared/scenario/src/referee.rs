@@ -9,7 +9,7 @@ use super::schema::Schema;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Referee {
-    /// The gap that the gap errors of every law are measured against; absent: a time headway of 1.5 s and 5 m.
+    /// Gap from which the gap errors of every law are measured. If absent, it is a time headway of 1.5 s and 5 m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub desired_gap: Option<DesiredGap>,
     /// The run ends once the ego is clear of all others; absent: it lasts `duration_s` whatever they do.
@@ -17,14 +17,14 @@ pub struct Referee {
     pub ends_when_clear: Option<EndsWhenClear>,
 }
 
-/// The ego is clear when no other vehicle comes nearer to it: those ahead are no slower than it is, those
-/// behind no faster, and none is beside it, in whichever lane.
+/// The ego is clear if no other vehicle comes nearer to it. Those ahead are then at least as fast as the ego, and those
+/// behind at most as fast. None is beside it, in any lane.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields)]
 pub struct EndsWhenClear {
     /// Not before this time: what the scenario has in store is over by then, s.
     pub after_s: Time,
-    /// For so long without a break, s.
+    /// Time for which this holds without a break, s.
     pub for_s: Time,
 }
 

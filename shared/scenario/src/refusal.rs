@@ -39,13 +39,13 @@ macro_rules! read_from {
 }
 pub(crate) use read_from;
 
-/// Why a value does not fit a type, and where that was found.
+/// Reason why a value does not fit a type, and where that was found.
 #[derive(Clone, Debug)]
 pub(super) struct Refusal {
     message: String,
     expected: String,
     place: Option<Range<usize>>,
-    /// A key that is not known here, if the list of keys has none like it.
+    /// A key that is not known here, if the list has no similar key.
     stray: Option<String>,
     /// A key that is not there.
     missing: Option<&'static str>,

@@ -29,7 +29,7 @@ use crate::grade::{
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(from = "RoadKeys", into = "RoadKeys")]
 pub struct Road {
-    /// How high it is.
+    /// Height of the road.
     pub heights: Heights,
     /// Its course in the plane; `None` for a straight road in scenarios without the plane.
     pub plan: Option<Plan>,
@@ -258,8 +258,8 @@ pub(super) fn points_of(profile: &GradeProfile) -> Vec<RoadPoint> {
     profile.points().iter().filter_map(point).collect()
 }
 
-/// Reads a road from a CSV text: the column `distance_m` and one of `height_m` and `grade_percent`,
-/// whose value holds up to the next line's distance.
+/// Reads a road from a CSV text. It has the column `distance_m` and one of `height_m` and `grade_percent`; the grade's
+/// value holds up to the next line's distance.
 pub(super) fn parse_csv(source: &str, text: &str) -> Result<GradeProfile, ScenarioError> {
     const COLUMNS: &str = "distance_m,height_m or distance_m,grade_percent";
     let table = Table::split(source, text);

@@ -1,23 +1,23 @@
 //! `[runtime]`: where and how the services run.
 //!
 //! **Priorities** under `SCHED_FIFO` go by rate, the shortest period highest. Among equal rates they go by the order of
-//! the chain, so that a sender finishes before its receiver begins: 82 plant, 81 perception, 80 emergency brake, V2X
-//! and on-board unit, 79 controller.
+//! the chain, so that a sender finishes before its receiver begins. That is 82 plant, 81 perception, 80 emergency
+//! brake, V2X and on-board unit, 79 controller.
 //!
 //! **Cores.** All services share one core unless the scenario says otherwise. It is the last one that the process may
 //! use. That leaves the first, where most machines take their interrupts, to all other processes. The services of a
 //! chain work one after the other, so a second core gives them no more time. Handing over to a sleeping core costs an
 //! interrupt between processors and a core's way out of idleness. Handing over on the same core costs a context switch.
-//! Reaction time without its designed waits, p50 over three interleaved runs each (two cores of an EPYC under KVM, busy
-//! with other work; `timegap bench` shows the same on any machine):
+//! Reaction time without its designed waits, p50 over three interleaved runs each. The machine had two cores of an EPYC
+//! under KVM, busy with other work; `timegap bench` shows the same on any machine:
 //!
 //! | periods (plant, radar, controller) | n of a run | all on last | all on first | controller on last, others on first |
 //! | --- | --- | --- | --- | --- |
 //! | 10, 50, 100 ms | 40 | 215 to 228 µs | 234 to 247 µs | 239 to 250 µs |
 //! | 1, 10, 10 ms | 400 | 142 to 174 µs | 159 to 183 µs | 180 to 206 µs |
 //!
-//! A law that computes for a large part of its period is interrupted by plant and radar there; it may be
-//! better off on a core of its own (`runtime.services.controller.core = 0`).
+//! A law that computes for a large part of its period is interrupted by plant and radar there. A core of its own may
+//! serve it better (`runtime.services.controller.core = 0`).
 
 use messages::Service;
 use serde::{Deserialize, Serialize};

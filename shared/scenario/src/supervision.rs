@@ -16,7 +16,7 @@ use super::schema::{Schema, Shape};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Supervision {
-    /// When a service is started again.
+    /// Condition for a service to be started again.
     pub restart: Restart,
     /// Policies of single services, in place of `restart`.
     pub services: PerService<Option<Restart>>,
@@ -31,11 +31,11 @@ pub struct Supervision {
     pub max_backoff_ms: DelayMs,
     /// Time without a sign of life, beyond its own period, after which a service is killed and replaced, ms.
     pub heartbeat_timeout_ms: DelayMs,
-    /// For each service without a standby the next process is started ahead: it has read the scenario and waits
-    /// to open its ports. In realtime only.
+    /// Without a standby, the service's next process is started ahead. It has read the scenario and waits to open its
+    /// ports. In realtime only.
     pub prepared: bool,
-    /// Services with a standby: a second process that computes, sends nothing, and takes the service over
-    /// when the active one ends or hangs. In realtime only.
+    /// Services with a standby. It is a second process that computes and sends nothing. It takes the service over when
+    /// the active one ends or hangs. In realtime only.
     pub standby: Standbys,
     /// Time without a completed cycle, beyond its own period, after which a standby takes over, ms.
     pub standby_timeout_ms: DelayMs,
@@ -59,7 +59,7 @@ impl Default for Supervision {
 }
 
 impl Supervision {
-    /// When `service` is started again.
+    /// Condition for `service` to be started again.
     #[must_use]
     pub fn restart_of(&self, service: Service) -> Restart {
         let own = *self.services.of(service);
@@ -67,7 +67,7 @@ impl Supervision {
     }
 }
 
-/// A service that can have a standby: its descriptor says so. The plant has none, because there is one vehicle.
+/// A service that can have a standby: its descriptor says so. The plant cannot have one, because there is one vehicle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(into = "Service")]
 pub struct StandbyService(Service);
@@ -149,13 +149,13 @@ impl From<Standbys> for Vec<StandbyService> {
     }
 }
 
-/// When a service is started again.
+/// Condition for a service to be started again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Restart {
     /// Never: its end ends the run.
     Never,
-    /// When it died, hung or failed.
+    /// After it died, hung or failed.
     OnFailure,
     /// Whenever it ends before the run does.
     Always,

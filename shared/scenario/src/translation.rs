@@ -1,6 +1,6 @@
 //! Translation of an OpenSCENARIO file into the keys of a scenario.
 //!
-//! The ego is this program's own: its place, its speed and its extent come from the file, its control from
+//! The ego is this program's own. Its place, its speed and its extent come from the file, its control from
 //! `[controller]`. Every other entity is an actor with the profile `storyboard`.
 
 use std::path::{Path, PathBuf};
@@ -137,7 +137,7 @@ pub(super) fn keys_of(path: &Path, choices: &Choices) -> Result<ForeignKeys, Ope
     Ok(keys)
 }
 
-/// The keys of the road: its course, if it has curves, and its heights, along the line on which the ego begins.
+/// The keys of the road along the line on which the ego begins: its course, if it has curves, and its heights.
 fn plan_of(script: &Script, world: &World) -> Result<Vec<(&'static str, toml::Value)>, AxisError> {
     let (road, start, extent) = (&script.road, world.motion(script.ego), world.extent(script.ego));
     let is_curved = !road.axis()?.is_straight();
@@ -216,8 +216,8 @@ fn word(text: Option<&str>, otherwise: &str) -> String {
     if word.is_empty() { otherwise.to_owned() } else { word }
 }
 
-/// The time after which a storyboard has ended whatever happens: a group of its stop trigger asks for
-/// nothing but that time has passed.
+/// Time after which a storyboard has ended in any case. A group of its stop trigger asks only that this time has
+/// passed.
 fn ends_after(script: &Script) -> Option<f64> {
     let Trigger(groups) = script.stop.as_ref()?;
     let passes = |condition: &Condition| match condition.test {

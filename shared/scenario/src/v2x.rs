@@ -23,9 +23,9 @@ pub struct V2x {
     pub poll_ms: Option<PeriodMs>,
     /// Signals farther ahead of the ego than this are not received, m.
     pub range_m: Reach,
-    /// Way of the signals to the vehicle: `direct` as structs, `frames` as SPATEM and MAPEM of the simulated
-    /// units, or the address of a carrier of other units' frames: `udp://ADDRESS:PORT`, `zenoh`,
-    /// `zenoh:FILE.json5`, `pcap:FILE`.
+    /// Way of the signals to the vehicle. `direct`: as structs. `frames`: as SPATEM and MAPEM of the simulated units.
+    /// Else it is the address of a carrier of other units' frames: `udp://ADDRESS:PORT`, `zenoh`, `zenoh:FILE.json5`,
+    /// `pcap:FILE`.
     #[serde(skip_serializing_if = "Radio::is_direct")]
     pub radio: Radio,
     /// The signals along the road, in order of their stop lines.
@@ -75,8 +75,7 @@ pub struct Signal {
     /// Id of the signal group, 1 when absent.
     #[serde(default = "first_group")]
     pub signal_group: SignalGroupId,
-    /// Time by which the program is ahead at the start of the run, s: its first phase begins that
-    /// much before t = 0.
+    /// Time by which the program is ahead at the start of the run, s. Its first phase begins that much before t = 0.
     #[serde(default = "no_offset")]
     pub offset_s: Time,
     /// `true`: the program repeats for ever. `false`: it runs once and its last phase stays.
@@ -92,7 +91,7 @@ pub struct Signal {
 pub struct ProgramPhase {
     /// Colour of the signal.
     pub phase: Phase,
-    /// For how long, s.
+    /// Duration, s.
     pub duration_s: Duration,
 }
 

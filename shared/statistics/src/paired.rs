@@ -1,9 +1,9 @@
 //! An interval for the centre of differences, from the means of their subsets.
 //!
 //! Differences d₁ … dₙ that lie symmetrically about a centre split the line at the means of their 2ⁿ - 1 subsets. The
-//! centre is in each of the 2ⁿ pieces with the same probability. So the interval from the k-th smallest subset mean
-//! to the k-th largest one holds the centre with the probability 1 - 2k/2ⁿ. With equal differences it holds it at
-//! least as often.
+//! centre is in each of the 2ⁿ pieces with the same probability. So the interval from the k-th smallest subset mean to
+//! the k-th largest one holds the centre. Its probability is 1 - 2k/2ⁿ. With equal differences it holds it at least as
+//! often.
 //!
 //! Nothing else is assumed: no normal distribution, no number of pairs. With too few pairs there is no interval.
 //! Above [`MOST_LISTED`] pairs as many subsets are drawn at random, which leaves the statement exact.

@@ -10,7 +10,8 @@ use crate::{Formula, Unit};
 pub struct Trace<'a> {
     /// Time between two samples, s.
     pub period_s: f64,
-    /// The samples of each signal, in the order of the signals that the formula was read with; all of one length.
+    /// The samples of each signal, all of one length. Their order is that of the signals with which the formula was
+    /// read.
     pub samples: Vec<&'a [f64]>,
 }
 
@@ -102,8 +103,8 @@ impl<'a> Evaluation<'a> {
         self.formula.units[left].with(self.formula.units[right]).unwrap_or(Unit::Any).tolerance()
     }
 
-    /// `left until[first, last] right`: `right` holds somewhere in the window, `left` holds before the window, and
-    /// from its beginning `left` holds until `right` does.
+    /// `left until[first, last] right`: `right` holds somewhere in the window. `left` holds before the window, and from
+    /// its beginning until `right` does.
     fn until(&self, window: Samples, left: usize, right: usize) -> Vec<Margin> {
         let (left, right) = (self.margins(left), self.margins(right));
         let count = left.len();

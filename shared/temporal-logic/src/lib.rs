@@ -1,8 +1,8 @@
 //! Signal temporal logic: formulas over sampled signals, and by how much they hold.
 //!
 //! A [`Formula`] is read from text and checked against the signals that exist, their units included. Evaluated on a
-//! [`Trace`], it gives a [`Margin`]: the distance to violation in the formula's unit, and the sample that decides it.
-//! A positive margin holds, a negative one is violated.
+//! [`Trace`], it gives a [`Margin`]. This is the distance to violation in the formula's unit, and the sample that
+//! decides it. A positive margin holds, a negative one is violated.
 //!
 //! ```text
 //! formula     = implied
@@ -20,9 +20,9 @@
 //!
 //! Semantics: Donzé and Maler, Robust Satisfaction of Temporal Logic over Real-Valued Signals (FORMATS 2010), on
 //! samples. A window that reaches beyond the last sample ends there. `until` needs its left side before the sample in
-//! which its right side holds, not in it. Windows are evaluated in linear time: extremes by Lemire, Streaming
-//! Maximum-Minimum Filter (2006); `until` by the decomposition in Donzé, Ferrère and Maler, Efficient Robust Monitoring
-//! for STL (CAV 2013).
+//! which its right side holds, not in it. Windows are evaluated in linear time. Extremes are by Lemire, Streaming
+//! Maximum-Minimum Filter (2006); `until` is by the decomposition in Donzé, Ferrère and Maler, Efficient Robust
+//! Monitoring for STL (CAV 2013).
 //!
 //! ```
 //! use temporal_logic::{Formula, Signal, Trace, Unit};
@@ -78,8 +78,8 @@ impl Formula {
     /// Reads a formula over `signals`.
     ///
     /// # Errors
-    /// [`FormulaError`] with the place: a word that is not expected, an unknown signal, units that do not go together,
-    /// a window that ends before it begins.
+    /// [`FormulaError`] with the place: an unexpected word, an unknown signal, units that do not fit together, or a
+    /// window that ends before it begins.
     pub fn parse(text: &str, signals: &[Signal]) -> Result<Self, FormulaError> {
         let (nodes, root) = parse::formula(text, signals)?;
         let units = units::check(text, &nodes, root, signals)?;

@@ -1,6 +1,6 @@
 //! Margins and their order.
 
-/// By how much a formula holds.
+/// Margin by which a formula holds.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margin {
     /// Distance to violation, in the formula's unit; negative where it is violated.

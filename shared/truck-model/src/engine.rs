@@ -1,7 +1,7 @@
 //! Torque limits and fuel of the engine.
 //!
 //! The limits are those of VECTO's generic 12.7 L, 325 kW engine. The fuel is a fit to its map, in
-//! mg per crank radian, with n in 1000 rpm and T in kN m:
+//! mg per crank radian. n is in 1000 rpm and T in kN m:
 //!
 //! ```text
 //! (5) q(n, T) = 19.549 - 20.373 n + 8.035 n² + 39.892 T + 4.7 T²     T >= 0

@@ -10,7 +10,7 @@
 //! second.
 //!
 //! The published rule does not cover very low engine speeds. Here, below 800 rpm the gearbox shifts
-//! at once to the highest gear with at least 1000 rpm, without waiting for the six seconds.
+//! at once to the highest gear with at least 1000 rpm. It does not wait for the six seconds.
 
 use crate::parameters::GEARS;
 use crate::truck::Truck;

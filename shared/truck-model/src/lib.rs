@@ -37,10 +37,9 @@
 //! assert!(motion.fuel_g > 0.0 && motion.ledger.potential_j > 0.0);
 //! ```
 //!
-//! Source: the model of Li, Zheng, Wang, Wang (predictive adaptive cruise, FAW Jiefang JH6),
-//! reconstructed from public data: VECTO's generic 325 kW engine, twelve-speed gearbox and class 5
-//! tractor. All quantities are in SI units; engine speeds are in revolutions per minute, as in the
-//! maps.
+//! Source: the model of Li, Zheng, Wang, Wang (predictive adaptive cruise, FAW Jiefang JH6). It is reconstructed from
+//! public data: VECTO's generic 325 kW engine, twelve-speed gearbox and class 5 tractor. All quantities are in SI
+//! units; engine speeds are in revolutions per minute, as in the maps.
 
 mod demand;
 mod engine;

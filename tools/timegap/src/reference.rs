@@ -193,7 +193,7 @@ fn together(kinds: &[(String, Vec<Key>)]) -> Vec<Key> {
         expected: None,
         is_required: true,
         default: None,
-        meaning: "What happens.".into(),
+        meaning: "Kind of the fault.".into(),
     };
     let of_some = |(key, of): (Key, Vec<&str>)| {
         let meaning = match of.len() == kinds.len() {

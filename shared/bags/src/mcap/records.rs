@@ -1,5 +1,5 @@
-//! MCAP records as they stand in a file (<https://mcap.dev/spec>), read with every length checked: a
-//! file may come from another program, or from an attacker.
+//! MCAP records as they stand in a file (<https://mcap.dev/spec>). Every length is checked, as a
+//! file may come from another program or an attacker.
 //!
 //! ```text
 //! magic, record*, magic        record: opcode u8, length u64, body

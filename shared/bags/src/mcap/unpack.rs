@@ -6,7 +6,7 @@ use std::io::Read;
 /// Longest chunk that is read, bytes unpacked and packed.
 pub const LONGEST_CHUNK: u64 = 64 << 20;
 
-/// Why a chunk cannot be used.
+/// Reason why a chunk cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum UnpackError {
     /// It would need more memory than a reader gives.
@@ -18,8 +18,8 @@ pub enum UnpackError {
     /// It is shorter than stated.
     #[error("it has {0} bytes of the {1} that it says")]
     Shorter(u64, u64),
-    /// Its compression is none that is known.
-    #[error("its compression `{0}` is none of `lz4`, `zstd` and none")]
+    /// Its compression is not a known one.
+    #[error("its compression is `{0}`, expected `lz4`, `zstd` or none")]
     Compression(String),
     /// Its compression is damaged.
     #[error("its {0} data is damaged: {1}")]

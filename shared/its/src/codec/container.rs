@@ -1,5 +1,5 @@
-//! Parts of a CAM that are checked and skipped (module ITS-Container of ETSI TS 102 894-2 V1.3.1, and ETSI EN
-//! 302 637-2 V1.4.1).
+//! Parts of a CAM that are checked and skipped. Sources: module ITS-Container of ETSI TS 102 894-2 V1.3.1, and ETSI EN
+//! 302 637-2 V1.4.1.
 
 use super::uper::{Form, Number, Part, optional, required};
 use super::{LATITUDE, LONGITUDE};

@@ -1,7 +1,7 @@
 //! Messages to unaligned PER and back.
 //!
-//! Encoders write the parts in this crate's types. Decoders accept all parts of the standards: the tables of
-//! `dsrc` (SPATEM, MAPEM) and `container` (CAM) check the others and skip them.
+//! Encoders write the parts in this crate's types. Decoders accept all parts of the standards. The tables of `dsrc`
+//! (SPATEM, MAPEM) and `container` (CAM) check the others and skip them.
 
 pub(crate) mod cam;
 mod container;

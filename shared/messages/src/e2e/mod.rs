@@ -6,9 +6,9 @@
 //!                └──────────────┴── Outcomes ──────┘ counts
 //! ```
 //!
-//! [`profile7`] protects the bytes of one message and checks them. [`Check`] compares its counter with the
-//! counter before it. [`StateMachine`] judges the channel over its last messages. A [`Channel`] does all of
-//! this for one sender on one topic; a consumer uses a message only if its channel accepts it.
+//! [`profile7`] protects the bytes of one message and checks them. [`Check`] compares its counter with the counter
+//! before it. [`StateMachine`] judges the channel over its last messages. A [`Channel`] does all of this for one sender
+//! on one topic. A consumer uses a message only if its channel accepts it.
 //!
 //! In a message of this size the CRC-64 detects every corruption of up to 3 bits. It detects every burst of
 //! up to 64 bits. It misses one in 2⁶⁴ of all others.

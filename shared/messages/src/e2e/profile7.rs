@@ -49,7 +49,7 @@ layout! {
     }
 }
 
-/// Why a message is not the one that was sent on this channel.
+/// Reason why a message is not the one that was sent on this channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Corrupted {
     /// Its CRC is wrong.
@@ -60,8 +60,8 @@ pub enum Corrupted {
     DataId,
 }
 
-/// The protected part of a message: its first `in_use` bytes, or all bytes if its length states so
-/// (recordings of versions that protected every byte).
+/// The protected part of a message: its first `in_use` bytes, or all bytes if its length states so.
+/// Recordings of versions that protected every byte have such lengths.
 #[inline]
 #[must_use]
 pub fn protected(message: &[u8], in_use: usize) -> &[u8] {

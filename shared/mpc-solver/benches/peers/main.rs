@@ -1,14 +1,13 @@
 //! This solver beside those that one would take instead: `cargo bench -p mpc-solver --bench peers`.
 //!
-//! Same problems, same machine, one run. Ours and clarabel run here; DAQP, PIQP and OSQP run in `peers.py` where a
-//! Python interpreter has them (`pip install numpy scipy daqp piqp osqp`; `TIMEGAP_PYTHON` names the interpreter). A
-//! time is the one of the solve alone, without the setup and the interpreter. Ours is measured around the call; those
-//! of the wheels are the solvers' own. It is the median of some repeats; percentiles go over the problems.
+//! Same problems, same machine, one run. Ours and clarabel run here. DAQP, PIQP and OSQP run in `peers.py` if a Python
+//! interpreter has them (`pip install numpy scipy daqp piqp osqp`). `TIMEGAP_PYTHON` names the interpreter. A time is
+//! the one of the solve alone, without the setup and the interpreter. Ours is measured around the call; those of the
+//! wheels are the solvers' own. It is the median of some repeats; percentiles go over the problems.
 //!
-//! All are judged alike. The inputs of a strictly convex problem are unique. So the error of a solver is the
-//! largest distance of its inputs from the optimum, as a share of their range. The optimum is ours where the
-//! conditions of optimality hold to 1e-8, evaluated from the problem alone. Solved means an error of at most
-//! 1e-5.
+//! All are judged alike. The inputs of a strictly convex problem are unique. So a solver's error is the largest
+//! distance of its inputs from the optimum, as a share of their range. The optimum is ours where the conditions of
+//! optimality hold to 1e-8, evaluated from the problem alone. Solved means an error of at most 1e-5.
 //!
 //! HPIPM and qpOASES are not among them: no package of either installs without a compiler and their sources.
 

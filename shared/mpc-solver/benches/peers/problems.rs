@@ -5,7 +5,7 @@
 //! Their numbers are those of the sources below:
 //!
 //! * *ball on plate*: S. Richter, "Computational complexity certification of gradient methods for real-time model
-//!   predictive control", dissertation, ETH Zurich, 2012, section 9.6.1; variants 1 to 4
+//!   predictive control", dissertation, ETH Zurich, 2012. Section 9.6.1, variants 1 to 4
 //! * *FiOrdOs*: its example of an input- and state-constrained system, 2012; variants 1 to 3
 //! * *FORCES*: its simple unstable example, 2012; variants 1 and 2, and 1 with the horizon of variant 4
 //!

@@ -6,7 +6,7 @@
 //!   bench -p mpc-solver --features osqp --bench solver`. It is C and needs cmake, so that it is not in the default
 //!   build.
 //!
-//! PIQP and DAQP are in no registry of this language: the bench `peers` compares with their Python wheels. quadprog is
+//! PIQP and DAQP are in no registry of this language. The bench `peers` compares with their Python wheels. quadprog is
 //! under the GPL.
 
 use std::time::Instant;

@@ -1,9 +1,8 @@
 //! The solvers side by side: `cargo bench -p mpc-solver --bench solver`.
 //!
-//! Same process, same instances, N = 100, the same judge: the largest scaled residual of the optimality
-//! conditions, evaluated by `mpc_solver::residuals`, of which 1e-8 counts as solved. Each instance is solved
-//! several times; its time is the median of these. So the percentiles over the instances show the solver's
-//! tail and not the machine's.
+//! Same process, same instances, N = 100, the same judge. The judge is the largest scaled residual of the optimality
+//! conditions, by `mpc_solver::residuals`; 1e-8 counts as solved. Each instance is solved several times; its time is
+//! the median of these. So the percentiles over the instances show the solver's tail and not the machine's.
 //!
 //! * *Drives*: the instances of the paper's closed loops (`tests/data/cacc-instances.csv`), cold and warm, and by what is
 //!   active at the solution.

@@ -1,7 +1,7 @@
 //! Proof that no input satisfies the hard constraints.
 //!
-//! Multipliers combine the constraints into one function: `μ ≥ 0` of the hard rows, `α ≥ 0` of a hard light,
-//! `y` of the terminal equality. It is affine in the inputs and not positive wherever all constraints hold:
+//! Multipliers combine the constraints into one function. They are `μ ≥ 0` of the hard rows, `α ≥ 0` of a hard light,
+//! and `y` of the terminal equality. It is affine in the inputs and not positive wherever all constraints hold:
 //!
 //! ```text
 //! f(u) = Σ μ_{j,k}(g_j'x_k − h_{j,k}) − Σ α_k D_k + y'(x_N − x_f)

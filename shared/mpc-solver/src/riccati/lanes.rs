@@ -1,6 +1,6 @@
 //! Four numbers processed alike, in one wide register where the machine has one.
 //!
-//! The loops over the stages are compiled twice, for any x86-64 and for its wide registers (AVX2); the machine decides
+//! The loops over the stages are compiled twice, for any x86-64 and for its wide registers (AVX2). The machine decides
 //! at run time. Both versions perform the same operations in the same order. Neither uses a fused multiply-add, which
 //! would round once instead of twice. The bits therefore do not depend on the machine; a test of the crate runs both.
 //!
@@ -181,12 +181,12 @@ impl Vector for Lanes {
     }
 }
 
-/// Data that a sweep carries for each state: the linear part of the cost-to-go alone, or `Ψ`'s row
-/// with that part in the last lane.
+/// Data that a sweep carries for each state. It is the linear part of the cost-to-go alone, or
+/// `Ψ`'s row with that part in the last lane.
 pub(super) trait Row<V>:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
-    /// Whether it contains `Ψ`.
+    /// True if it contains `Ψ`.
     const HAS_TERMINAL: bool;
 
     /// Returns the same number everywhere.

@@ -6,7 +6,7 @@
 //!
 //! A Newton step replaces the curve by its tangent at one point. The end of the step on the tangent is projected back
 //! to the curve *by the coordinate that moves less*. That is `D` when the margin has grown, and `α` when it has shrunk.
-//! On the hyperbola, the first could leave the domain and the second cross zero; this choice avoids both, so no line
+//! On the hyperbola, the first could leave the domain and the second cross zero. This choice avoids both, so no line
 //! search is needed. (Circuit simulators limit the steps of diodes in the same way.)
 
 use super::lanes::{Lanes, WIDTH};

@@ -10,8 +10,8 @@
 //! P_N = P, p_N = p, Ψ_N = I, t_N = 0, W_N = 0.
 //! ```
 //!
-//! With `h = p_{k+1} + P_{k+1}d_k` and the stage's own Hessian and gradient (`Q̂`, `q̂`, `r̂`,
-//! `ρ̂`: cost plus models of the inequalities), one step backwards is
+//! Let `h = p_{k+1} + P_{k+1}d_k`. The stage's own Hessian and gradient are `Q̂`, `q̂`, `r̂`, `ρ̂`:
+//! cost plus models of the inequalities. One step backwards is then
 //!
 //! ```text
 //! F = B'P_{k+1}A + s'      δ = r̂ + B'P_{k+1}B      f = B'h + ρ̂      β = B'Ψ_{k+1}
@@ -21,9 +21,9 @@
 //! t_k = t_{k+1} + Ψ_{k+1}'d_k − β'f/δ
 //! ```
 //!
-//! For an input held at `ū`, the fractions vanish, `h` becomes `h + P_{k+1}B ū`, `ρ̂` drops out,
-//! `q̂` gains `s ū` and `t_k` gains `β'ū`. `V_0` is stationary in `y` at `W_0 y = Ψ_0'x_0 + t_0 −
-//! x_f`; one forward sweep then gives the trajectory.
+//! For an input held at `ū`, the fractions vanish and `ρ̂` drops out. `h` becomes `h + P_{k+1}B ū`,
+//! `q̂` gains `s ū`, and `t_k` gains `β'ū`. `V_0` is stationary in `y` at
+//! `W_0 y = Ψ_0'x_0 + t_0 − x_f`; one forward sweep then gives the trajectory.
 //!
 //! There is one division per stage. Only the gains are stored and, every [`STRIDE`] stages, the
 //! cost-to-go. A sweep can be resumed at a stage above which nothing has changed.
@@ -56,9 +56,9 @@ pub(super) struct LinearQuadratic {
     r: f64,
     p: Symmetric,
     pub(super) shape: Shape,
-    /// Whether any `d_k` is nonzero.
+    /// True if any `d_k` is nonzero.
     pub(super) has_disturbance: bool,
-    /// Whether any linear cost or `d_k` is nonzero.
+    /// True if any linear cost or `d_k` is nonzero.
     pub(super) has_linear_terms: bool,
 }
 

@@ -1,5 +1,5 @@
-//! Solver made for the problem: an active-set method for the common case, an interior point for the
-//! rest, both on one stage-wise recursion.
+//! Solver made for the problem: an active-set method for the common case, and an interior point for the rest. Both use
+//! one stage-wise recursion.
 //!
 //! Each phase of a solve either ends it or hands over to the next:
 //!
@@ -10,13 +10,13 @@
 //!    then finishes exactly in one to three rounds. While the iterate is infeasible, [`infeasibility`] checks whether
 //!    its multipliers prove that the problem is.
 //!
-//! [`crate::residuals`] checks every returned point and is independent of the methods: the status
-//! is [`Status::Solved`] only if the optimality conditions hold to 1e-8.
+//! [`crate::residuals`] checks every returned point and is independent of the methods. The status is [`Status::Solved`]
+//! only if the optimality conditions hold to 1e-8.
 //!
-//! Every loop, and so the time, is bounded: at most 12 warm and 15 cold rounds, and three starts of
-//! the interior point. Each start has 60 iterations and four attempts of five rounds to finish.
-//! Together these are 267 sweeps over the horizon, linear in `N`. The tests on 400,000 random
-//! feasible problems print the largest number used, and so does the fuzzer on hostile ones.
+//! Every loop is bounded, and so is the time. At most there are 12 warm and 15 cold rounds, and three starts of the
+//! interior point. Each start has 60 iterations and four attempts of five rounds to finish. Together these are 267
+//! sweeps over the horizon, linear in `N`. The tests on 400,000 random feasible problems print the largest number used,
+//! and so does the fuzzer on hostile ones.
 //!
 //! The equations are at the head of [`lqr`]. [`light_curve`] and [`row_curve`] describe the active
 //! set's view of the penalties, [`interior_point`] the inequalities as pairs.
@@ -53,8 +53,8 @@ const RESIDUAL_TOLERANCE: f64 = 1e-9;
 /// is what counts as progress. If limits hold without a force, an iteration gains less than a digit.
 const MAX_EVALUATIONS: u32 = 8;
 const PROGRESS: f64 = 0.7;
-/// Conditions under which the active set tries to finish: remaining fractions of the linear
-/// residuals and of the mean product, number of attempts, rounds of each.
+/// Conditions under which the active set tries to finish: remaining fractions of the linear residuals and of the mean
+/// product, number of attempts, and rounds of each.
 const FINISH_RESIDUAL: f64 = 1e-3;
 const FINISH_PRODUCT: f64 = 1e-2;
 const MAX_FINISHES: u32 = 3;
@@ -106,7 +106,7 @@ pub struct Riccati {
     /// Sweeps of the current solve, and those of them that the interior point made.
     iterations: u32,
     interior_iterations: u32,
-    /// Whether the guess of the last solve can start the next one.
+    /// True if the guess of the last solve can start the next one.
     is_settled: bool,
 }
 

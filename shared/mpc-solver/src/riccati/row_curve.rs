@@ -1,9 +1,9 @@
 //! Penalty of a row as a curve, and its tangents.
 //!
-//! `μ ∈ ∂ψ(z)` is zero below the limit, vertical at it up to the penalty `λ` (without end if hard), and `λ + κ z`
-//! beyond. As for the light ([`super::light_curve`]), a tangent replaces the curve in one round. The point reached on
-//! it decides the next part. The vertical part is a steep line through the multiplier of the previous round. So the
-//! multiplier settles, and the limit is met exactly.
+//! `μ ∈ ∂ψ(z)` is zero below the limit. At the limit it is vertical up to the penalty `λ` (without end if hard), and
+//! `λ + κ z` beyond. As for the light ([`super::light_curve`]), a tangent replaces the curve in one round. The point
+//! reached on it decides the next part. The vertical part is a steep line through the multiplier of the previous round.
+//! So the multiplier settles, and the limit is met exactly.
 //!
 //! A steeper line needs fewer rounds. But it turns the rounding of `z`, some 1e-14 m, into an error of the
 //! multiplier. The optimality conditions require 1e-8 of the largest one. The slope is therefore [`STIFFNESS`] times

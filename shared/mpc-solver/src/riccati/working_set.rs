@@ -1,5 +1,5 @@
-//! Guess of the active set: the bounds of the inputs, the parts of the light's curve, the parts of
-//! the rows' curves.
+//! Guess of the active set: the bounds of the inputs, the parts of the light's curve, and the parts
+//! of the rows' curves.
 //!
 //! The active-set method improves it from round to round, and the interior point derives one from
 //! its iterate. It is kept from solve to solve for the warm start.
@@ -34,7 +34,7 @@ pub(super) struct WorkingSet {
     pub(super) light: Vec<LightTangent>,
     /// `rows[j][k]` belongs to stage `k`; used only with `has_row_tangents`.
     pub(super) rows: [Vec<RowTangent>; MAX_ROWS],
-    /// Whether the guess holds rows by their tangents.
+    /// True if the guess holds rows by their tangents.
     pub(super) has_row_tangents: bool,
     /// Slope of the rows' tangents at their limits.
     pub(super) row_stiffness: f64,

@@ -300,7 +300,7 @@ pub(crate) fn kind_of<T>(words: &[(&str, T)]) -> String {
     one_of(words.iter().map(|(word, _)| *word))
 }
 
-/// Gives types the words that stand for their values: a type that is there, or a new one with another value.
+/// Gives types the words that stand for their values. A type is an existing one, or a new one with another value.
 macro_rules! words {
     ($($(#[$doc:meta])* $name:ident $(= $value:ty)? {$($word:literal $meaning:expr),* $(,)?})*) => {
         $($crate::declare::words!(@one [$(#[$doc])*] $name [$($value)?] {$($word $meaning),*});)*

@@ -11,7 +11,7 @@ pub(crate) const SCENARIO_VERSIONS: &[(&str, &str)] =
 pub(crate) const CATALOG_VERSIONS: &[(&str, &str)] =
     &[("0", "9"), ("1", "0"), ("1", "1"), ("1", "2"), ("1", "3")];
 
-/// Whether a file is of the format, in one of some versions.
+/// True if a file is of the format, in one of some versions.
 pub(crate) fn check_head(document: &Document, versions: &[(&str, &str)]) -> Result<(), ReadError> {
     let root = &document.root;
     let place = |element: &Element| Place { file: document.file.clone(), spot: element.spot };

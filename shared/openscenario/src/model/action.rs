@@ -111,7 +111,7 @@ impl Action {
 }
 
 impl SpeedTarget {
-    /// Whether it is kept up without end.
+    /// True if it is kept up without end.
     #[must_use]
     pub fn is_continuous(&self) -> bool {
         match self {
@@ -134,7 +134,7 @@ pub struct Transition {
 }
 
 impl Transition {
-    /// Whether it takes no time.
+    /// True if it takes no time.
     #[must_use]
     pub fn is_immediate(&self) -> bool {
         self.shape == Shape::Step || (self.dimension != Dimension::Rate && self.value == 0.0)
@@ -175,9 +175,9 @@ pub struct Distance {
     pub entity: usize,
     /// Its size.
     pub gap: Gap,
-    /// Whether it counts between the bodies, not the origins.
+    /// True if it counts between the bodies, not the origins.
     pub freespace: bool,
-    /// On which side of the other.
+    /// Side of the other.
     pub side: Side,
     /// Does not end by itself.
     pub continuous: bool,
@@ -241,9 +241,9 @@ pub enum LaneTarget {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum OffsetTarget {
-    /// From the centre of the present lane, m.
+    /// Offset from the centre of the present lane, m.
     Lane(f64),
-    /// From another entity's lateral position, m.
+    /// Offset from another entity's lateral position, m.
     Entity {
         /// The other.
         entity: usize,
@@ -281,7 +281,7 @@ pub struct Vertex {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Timing {
-    /// Whether it counts from the start of the run, not of the action.
+    /// True if it counts from the start of the run, not of the action.
     pub absolute: bool,
     /// Scale, without unit.
     pub scale: f64,

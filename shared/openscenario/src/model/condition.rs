@@ -75,7 +75,7 @@ pub enum Test {
     Entity {
         /// The triggering entities.
         entities: Vec<usize>,
-        /// Whether all of them must meet it, rather than one.
+        /// True if all of them must meet it, rather than one.
         all: bool,
         /// The test of each.
         is: EntityTest,
@@ -171,11 +171,11 @@ pub enum CollisionWith {
 pub struct Measured {
     /// The far end.
     pub target: Target,
-    /// Whether it counts between the bodies, not the origins.
+    /// True if it counts between the bodies, not the origins.
     pub freespace: bool,
     /// Its direction.
     pub along: Along,
-    /// Whether its axes are the entity's, not the road's.
+    /// True if its axes are the entity's, not the road's.
     pub entity_axes: bool,
 }
 

@@ -59,7 +59,7 @@ pub enum From {
         lanes_left: i32,
         /// Along the road in its direction, m.
         ds_m: f64,
-        /// From the lane's centre, positive to the left of the reference line, m.
+        /// Offset from the lane's centre, positive to the left of the reference line, m.
         offset_m: f64,
     },
 }
@@ -68,11 +68,11 @@ pub enum From {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Heading {
-    /// From the direction of the reference line, rad.
+    /// Angle from the direction of the reference line, rad.
     Road(f64),
-    /// From the direction of the reference line at its start, rad.
+    /// Angle from the direction of the reference line at its start, rad.
     Plane(f64),
-    /// From the other entity's heading, rad.
+    /// Angle from the other entity's heading, rad.
     Entity(f64),
 }
 

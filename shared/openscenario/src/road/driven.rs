@@ -58,7 +58,7 @@ impl Driven {
 }
 
 impl Road {
-    /// The line from a place on, `aside_m` to the left of the middle of its lane, in a direction of the reference line.
+    /// The line from a place on, `aside_m` to the left of its lane's middle, in a direction of the reference line.
     #[must_use]
     pub fn driven(&self, lane: &Strip, from_m: f64, aside_m: f64, direction: f64) -> Driven {
         let center = self.lanes.center(self.lanes.section(from_m), lane.index);
@@ -73,7 +73,7 @@ impl Road {
         }
     }
 
-    /// Numbers of drivable lanes of the same direction, without a break, to the left and to the right as traffic faces.
+    /// Numbers of drivable lanes of the same direction to the left and to the right, without a break, as traffic faces.
     #[must_use]
     pub fn neighbours(&self, lane: &Strip, s_m: f64) -> [usize; 2] {
         let mut strips: Vec<Strip> = self.lanes.strips(s_m).collect();
@@ -85,7 +85,7 @@ impl Road {
         if self.direction(lane) > 0.0 { [left, right] } else { [right, left] }
     }
 
-    /// Points of the heights along a line of this road: way along the line, height, m. None for a level road.
+    /// Points of the heights along a line of this road: way along the line, height, m. `None` for a level road.
     ///
     /// # Errors
     /// When the line makes no axis.
@@ -108,8 +108,8 @@ impl Road {
     }
 }
 
-/// Reads the lane `lane` of the road `road` of an OpenDRIVE file, from `s_m` on in the direction of its traffic. `text`
-/// is the file's content.
+/// Reads the lane `lane` of the road `road` of an OpenDRIVE file. It begins at `s_m`, in the direction of its traffic.
+/// `text` is the file's content.
 ///
 /// # Errors
 /// When there is no such road, lane or place, or it cannot be driven.

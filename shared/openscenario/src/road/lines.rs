@@ -15,7 +15,7 @@ const SAME_M: f64 = 1e-3;
 
 impl Road {
     /// The lines of the lanes around a line of this road, as seen from it. They include all lanes without a break on
-    /// which vehicles drive, also those of the other direction. None if the lines stay as they begin.
+    /// which vehicles drive, also those of the other direction. `None` if the lines stay as they begin.
     ///
     /// The distance of a line counts across the reference line: where lanes shift, that is not quite across the line.
     ///
@@ -63,7 +63,8 @@ impl Road {
         Ok(if changes && lines.is_sound() { lines } else { LaneLines::default() })
     }
 
-    /// The lines of the drivable lanes around a place, to the left of the reference line, m, from right to left.
+    /// The lines of the drivable lanes around a place, from right to left. They count to the left of the reference
+    /// line, m.
     fn lines_around(&self, s_m: f64, t_m: f64) -> Vec<f64> {
         let mut strips: Vec<Strip> = self.lanes.strips(s_m).collect();
         strips.sort_by_key(|strip| strip.index);
@@ -92,7 +93,8 @@ mod tests {
 
     use crate::road::driven_lane;
 
-    /// A second lane opens to the right between 100 and 150 m, behind a new section; a lane of the other direction.
+    /// A second lane opens to the right between 100 and 150 m, behind a new section. There is a lane of the other
+    /// direction.
     const ROAD: &str = r#"<OpenDRIVE><road id="1" length="300" junction="-1">
 <planView><geometry s="0" x="0" y="0" hdg="0" length="300"><arc curvature="0.002"/></geometry></planView>
 <lanes><laneSection s="0">

@@ -1,8 +1,8 @@
 //! The road: its course, lanes and heights, from an OpenDRIVE file.
 //!
-//! Everything moves in the road's own coordinates: `s` along the reference line, `t` across it, positive
-//! to the left. Roads that follow each other by their links are one road here. Its `s` counts from the start of the
-//! first; a road of the file that runs the other way is turned around.
+//! Everything moves in the road's own coordinates: `s` along the reference line, `t` across it, positive to the left.
+//! Roads that follow each other by their links are one road here. Its `s` counts from the start of the first. A road of
+//! the file that runs the other way is turned around.
 
 mod driven;
 mod lines;
@@ -201,7 +201,7 @@ impl Road {
         self.lanes.strips(s_m).find(|lane| lane.index == index)
     }
 
-    /// Whether a place, m, is on one of the lanes.
+    /// True if a place, m, is on one of the lanes.
     #[must_use]
     pub fn holds(&self, s_m: f64, t_m: f64) -> bool {
         self.lanes.strips(s_m).any(|lane| (t_m - lane.center_m).abs() <= 0.5 * lane.width_m)

@@ -211,7 +211,7 @@ fn speeds_up_to(action: &action::Action) -> Option<f64> {
     }
 }
 
-/// Whether Init may do this to the ego: it places the ego and sets its speed at once.
+/// True if Init may do this to the ego: it places the ego and sets its speed at once.
 fn begins_at_once(action: &action::Action) -> bool {
     match action {
         action::Action::Teleport(_) | action::Action::Nothing => true,
@@ -220,7 +220,7 @@ fn begins_at_once(action: &action::Action) -> bool {
     }
 }
 
-/// Checks that the ego has a place in Init, and notes the others that have none.
+/// Checks that the ego has a place in Init, and notes the others without one.
 fn require_places(node: Node<'_>, init: &[InitAction]) -> Result<(), ReadError> {
     let is_placed = |entity: usize| {
         init.iter().any(|item| match item.action {

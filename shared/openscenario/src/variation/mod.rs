@@ -97,7 +97,7 @@ impl Variation {
         }
     }
 
-    /// Whether there are none. A file that was read has at least one.
+    /// True if there are none. A file that was read has at least one.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0

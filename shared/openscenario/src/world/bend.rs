@@ -10,7 +10,8 @@ const PARTS: u32 = 32;
 
 /// The axis of a road in the plane, and where it lies in the world's coordinates.
 ///
-/// An entity at the offset l from an axis of the curvature κ covers (1 − κ l) m of way for each metre of the axis.
+/// Let an entity be at the offset l from an axis of the curvature κ. It covers (1 − κ l) m of way for each metre of the
+/// axis.
 #[derive(Clone, Debug)]
 pub struct Bend {
     /// The axis; it begins where `s` is `at_s_m`.

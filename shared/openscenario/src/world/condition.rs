@@ -151,7 +151,7 @@ impl World {
         }
     }
 
-    /// Whether a distance is one of the plane: on a curved road it is not that along and across the road.
+    /// True if a distance is one of the plane. On a curved road it differs from that along and across the road.
     fn is_plane(&self, to: &Measured) -> bool {
         !self.ground.is_straight() && (to.entity_axes || to.along == Along::Euclidean)
     }
@@ -165,7 +165,7 @@ impl World {
         libm::hypot(there.0 - here.x_m, there.1 - here.y_m)
     }
 
-    /// Whether two bodies overlap.
+    /// True if two bodies overlap.
     fn touch(&self, entity: usize, other: usize) -> bool {
         if self.ground.is_straight() {
             return self.extent(entity).overlaps(&self.extent(other));

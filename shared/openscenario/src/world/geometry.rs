@@ -32,7 +32,7 @@ impl Extent {
         if direction > 0.0 { self.to_s_m } else { self.from_s_m }
     }
 
-    /// Whether two extents overlap.
+    /// True if two extents overlap.
     #[must_use]
     pub fn overlaps(&self, other: &Self) -> bool {
         self.from_s_m < other.to_s_m
@@ -72,7 +72,7 @@ impl Interval {
     }
 }
 
-/// Whether two rectangles overlap: no side of either separates them.
+/// True if two rectangles overlap: no side of either separates them.
 pub(super) fn overlap(a: (&Body, Motion), b: (&Body, Motion)) -> bool {
     let angles = [a.1.heading_rad, b.1.heading_rad];
     angles.into_iter().flat_map(|angle| [angle, angle + std::f64::consts::FRAC_PI_2]).all(|angle| {

@@ -280,7 +280,7 @@ impl World {
         self.state.stopped
     }
 
-    /// The ego's front came to the end of its road. What lies beyond is in no file.
+    /// The ego's front came to the end of its road. The part beyond is in no file.
     #[must_use]
     pub fn has_road_ended(&self) -> bool {
         self.state.road_ended
@@ -294,7 +294,7 @@ impl World {
         groups.flatten().any(|condition| is_end(&condition.test))
     }
 
-    /// The ego's front is between the road's ends. An assumed road has none.
+    /// The ego's front is between the road's ends. An assumed road has no ends.
     fn is_ego_on_road(&self) -> bool {
         let Some(length_m) = self.script.road.length_m else { return true };
         let ego = self.motion(self.script.ego);

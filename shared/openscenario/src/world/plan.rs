@@ -46,7 +46,7 @@ pub(super) struct Plan {
     pub conditions: usize,
     /// First condition of the storyboard's stop trigger.
     pub stop: usize,
-    /// By the number of a condition: the element that it watches, if it watches one.
+    /// The element that a condition watches, by the condition's number, if it watches one.
     pub watched: Vec<Option<usize>>,
 }
 

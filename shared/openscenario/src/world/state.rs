@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// Position, heading and speed of an entity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
-    /// Whether it is on the road. If not, the other fields have no meaning.
+    /// True if it is on the road. If not, the other fields have no meaning.
     pub present: bool,
     /// Origin along the reference line, m.
     pub s_m: f64,

@@ -1,8 +1,8 @@
 //! The storyboard's parts: standby, running, complete, and the transitions between.
 //!
-//! A step has two phases. First, parts whose content ended while the entities moved end, from actions upwards.
-//! Then stop triggers and start triggers are evaluated, from the top downwards. Conditions see a transition of
-//! the first phase in the same step, and one of the second phase in the next step.
+//! A step has two phases. First, parts whose content ended while the entities moved end, from actions upwards. Then
+//! stop triggers and start triggers are evaluated, from the top downwards. Conditions see a transition of the first
+//! phase in the same step. They see one of the second phase in the next step.
 
 use std::sync::Arc;
 
@@ -38,7 +38,7 @@ enum Phase {
 }
 
 impl Progress {
-    /// Whether it is in this state, or goes through this transition.
+    /// True if it is in this state, or goes through this transition.
     pub(super) fn is(&self, state: ElementState, step: u64) -> bool {
         match state {
             ElementState::Standby => matches!(self.phase, Phase::Standby | Phase::Idle),

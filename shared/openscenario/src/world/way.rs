@@ -17,7 +17,7 @@ pub struct Way {
 }
 
 impl Way {
-    /// The motion of an entity in the axis' coordinates: `s` is the place along it, `t` the offset to its left, and the
+    /// The motion of an entity in the axis' coordinates. `s` is the place along it, `t` the offset to its left; the
     /// heading counts from its direction. `near_m` is a place of the axis near the entity.
     #[must_use]
     pub fn along(&self, world: &World, entity: usize, near_m: f64) -> Motion {

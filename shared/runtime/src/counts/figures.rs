@@ -17,7 +17,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use xxhash_rust::xxh3::xxh3_64;
 
-/// Name of the histogram that every service has: actual minus scheduled begin of its cycles.
+/// Name of the histogram that every service has: actual minus scheduled start of its cycles.
 pub const RELEASE_JITTER: &str = "release_jitter";
 /// Beginning of the names of counts and of the counts, words.
 const COUNT_NAMES: usize = SLOTS;

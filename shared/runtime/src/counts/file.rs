@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 
 /// Most histograms, and most counts, of a service: a plant with an emergency brake has 32 histograms.
 pub(super) const SLOTS: usize = 40;
-/// Pages for accounts. A service has at most three processes whose account still counts: the active one, a standby and
+/// Pages for accounts. A service has at most three processes whose account still counts: the active one, a standby, and
 /// one that has just ended.
 const ACCOUNTS: usize = 8;
 const FIRST_ACCOUNT: usize = 1;

@@ -6,7 +6,8 @@ use super::file::CountsFile;
 use crate::Group;
 use messages::Service;
 
-/// The counts of a service in the run of `group`, as another process reads them; empty if the service made no file.
+/// The counts of a service in the run of `group`, as another process reads them. They are empty if the service made no
+/// file.
 ///
 /// The service's processes may all be gone.
 #[derive(Debug)]

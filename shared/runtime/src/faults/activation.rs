@@ -14,7 +14,7 @@ use xxhash_rust::xxh3::xxh3_64_with_seed;
 pub struct Injected {
     /// Its number in the run.
     pub number: u32,
-    /// When it begins, ns of run time.
+    /// Time when it begins, ns of run time.
     pub begin_ns: i64,
     /// The fault.
     #[serde(with = "binary")]
@@ -43,7 +43,7 @@ mod binary {
 pub struct FaultStatistics {
     /// The fault's number in the run.
     pub fault: u32,
-    /// When it began, ns of run time.
+    /// Time when it began, ns of run time.
     pub begun_ns: i64,
     /// Messages.
     pub messages: u64,
@@ -292,7 +292,7 @@ fn is_aimed(effect: &Effect, topic: Topic, source: u32) -> bool {
     }
 }
 
-/// The services that a fault concerns; the launcher need not tell the others.
+/// The services that a fault concerns; the launcher need not inform the others.
 #[must_use]
 pub fn concerned(fault: &Fault) -> Vec<Service> {
     match fault.effect.target() {

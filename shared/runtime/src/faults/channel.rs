@@ -32,8 +32,8 @@ impl<T: Message> ChannelFaults<T> {
         Self { pending: VecDeque::new(), overtaken: None }
     }
 
-    /// Takes a message that arrived at `now_ns`. True if no fault acts on it and none is before it: then it
-    /// is the receiver's at once, and no copy of it was made.
+    /// Takes a message that arrived at `now_ns`. True if no fault acts on it and none is before it. It is then the
+    /// receiver's at once, and is not copied.
     pub(crate) fn take(
         &mut self,
         message: &T,

@@ -9,12 +9,12 @@
 //! ```
 //!
 //! * [`Disturbed`] is a decorator of a receiving end. It disturbs messages between their arrival and the end-to-end
-//!   check: `delay`, `drop`, `duplicate`, `reorder`, `corrupt`. A receiver in lockstep knows that its message
-//!   has arrived, even if it never gets it.
+//!   check: `delay`, `drop`, `duplicate`, `reorder`, `corrupt`. A receiver in lockstep counts its message as arrived,
+//!   even if it never gets it.
 //! * [`Falsified`] is a decorator of a sending end. It changes messages before they are protected: `freeze`,
 //!   `bias`, `stale`, `clock-step`.
 //!
-//! The ports know nothing of faults. Without faults a decorator asks one flag per message.
+//! The ports do not depend on faults. Without faults a decorator asks one flag per message.
 
 mod activation;
 mod channel;

@@ -17,7 +17,7 @@ impl<T: Message> SenderFaults<T> {
         Self { last_intact: None }
     }
 
-    /// Falsifies `message`, stamped but not yet protected, as the faults want it.
+    /// Falsifies `message`, stamped but not yet protected, as the faults say.
     pub(crate) fn apply(&mut self, message: &mut T, faults: &Faults, now_ns: i64) {
         let header = message.header();
         let identity = (header.source, header.incarnation, header.sequence);

@@ -20,8 +20,8 @@ use std::rc::Rc;
 /// The code of a service from its start to its end.
 pub type Entry = fn(Runtime) -> Result<(), RuntimeError>;
 
-/// Wall time after which a wait for a due sample gives up, ns. Messages in memory come at once or not
-/// at all, which is noticed; what this bounds is a service that computes for ever.
+/// Wall time after which a wait for a due sample gives up, ns. Messages in memory come at once or not at all, which is
+/// noticed. This bounds a service that computes for ever.
 const PATIENCE_NS: i64 = 60_000_000_000;
 
 /// A run in one thread.

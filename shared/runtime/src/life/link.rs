@@ -146,8 +146,8 @@ impl Link {
         }
     }
 
-    /// Gives the thread that reads the lowest real-time priority. A killed process is gone when all its threads are,
-    /// and on a busy machine an ordinary thread waits for a processor to end on.
+    /// Gives the thread that reads the lowest real-time priority. A killed process is gone when all its threads are. On
+    /// a busy machine an ordinary thread waits for a processor to end on.
     pub(crate) fn raise_thread(&self) {
         let thread = self.thread.load(Ordering::Acquire);
         if thread > 0 {

@@ -1,7 +1,7 @@
-//! A process that is started ahead: it has loaded its libraries and read the scenario, and opens its ports when
-//! the process before it is gone.
+//! A process that is started ahead. It has loaded its libraries and read the scenario. It opens its ports when the
+//! process before it is gone.
 //!
-//! Until then it is not a service, and is not to be found under a service's name: its own has another beginning,
+//! Until then it is not a service, and cannot be found under a service's name. Its own name has another beginning,
 //! which it replaces in its own memory.
 
 use crate::RuntimeError;

@@ -54,7 +54,7 @@ pub fn run_service(
     };
     match joined.and_then(run) {
         Ok(()) | Err(RuntimeError::Stopped) => ExitCode::SUCCESS,
-        // No orderly end of the service: the launcher may see it before it knows of the take-over.
+        // Not an orderly end of the service: the launcher may see it before the report of the take-over.
         Err(RuntimeError::Replaced) => ExitCode::from(REPLACED),
         Err(error) => {
             if std::env::var_os("TIMEGAP_LOG").is_some() {

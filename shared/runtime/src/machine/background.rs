@@ -3,8 +3,7 @@
 //! A loop asks at a release. The answer takes effect a fixed time later, at the release that is due then. In lockstep
 //! that release waits for it, so that the same run gives the same bytes. In realtime it takes an answer that is there;
 //! a missing one is late. The thread holds the two locks of the handover for a copy. The loop only ever *tries* them,
-//! and allocates nothing. If all services share one thread, the work is done when it is asked for: its time does not
-//! count there.
+//! and allocates nothing. If all services share one thread, the work is done on request. Its time does not count there.
 
 use crate::counts::statistics::{Latencies, Percentiles};
 use crate::{Carrier, Count, Mode, Release, Runtime, RuntimeError, monotonic_ns};
@@ -32,7 +31,7 @@ pub struct BackgroundWorker<Q, A> {
     worker: Worker<Q, A>,
     mode: Mode,
     delay_ns: i64,
-    /// When the answer to the open question takes effect, run time in ns.
+    /// Time when the answer to the open question takes effect, run time in ns.
     due_ns: Option<i64>,
     counted_late: bool,
     asked: Count,

@@ -20,7 +20,7 @@ pub struct Program {
     pub sha256: String,
 }
 
-/// Why a command names no program.
+/// Reason why a command names no program.
 #[derive(Debug, thiserror::Error)]
 #[error("{}, expected {}", self.message(), self.expected())]
 pub enum ProgramError {

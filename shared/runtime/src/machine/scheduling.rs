@@ -1,8 +1,8 @@
 //! Scheduling of a service's loop: the request, and the kernel's grant.
 //!
 //! In the order of their worth: timer slack of 1 ns (always granted), `SCHED_FIFO`, locked memory,
-//! a core of its own. Nothing here fails: what is not granted is reported, as read back from the
-//! kernel, with the reason.
+//! and a core of its own. Nothing here fails: what is not granted is reported, as read back from
+//! the kernel, with the reason.
 
 #![allow(unsafe_code, reason = "no crate wraps sched_setscheduler")]
 
@@ -145,15 +145,15 @@ pub fn apply(request: &Request) -> Granted {
     }
 }
 
-/// Gives up the calling thread's priority: what it does from here on has no deadline, and must not delay
-/// a process on the same core that still has one.
+/// Gives up the calling thread's priority. Its work from here on has no deadline, and must not delay a process with one
+/// on the same core.
 pub fn give_up_priority() {
-    // A process that has none keeps what it has.
+    // A process without a priority keeps its policy.
     let _ = set_policy(libc::SCHED_OTHER, 0);
 }
 
-/// Lends process `pid`, which computes for a service, a share of the services' scheduling: their core, and a priority
-/// below them all. So it never delays a service. Settings that the machine does not grant are not lent.
+/// Lends process `pid`, which computes for a service, a share of the services' scheduling. That is their core, and a
+/// priority below them all. So it never delays a service. Settings that the machine does not grant are not lent.
 pub fn lend_to(pid: u32, scenario: &Scenario, service: Service) {
     let Ok(raw) = i32::try_from(pid) else { return };
     let request = Request::of(scenario, service);
@@ -183,8 +183,8 @@ pub(crate) fn set_below_services(scenario: &Scenario) {
     }
 }
 
-/// Gives thread `thread` of this process `SCHED_FIFO` with this priority, where the machine grants it; 0 leaves it as
-/// it is.
+/// Gives thread `thread` of this process `SCHED_FIFO` with this priority, if the machine grants it. 0 leaves it as it
+/// is.
 pub fn set_fifo_of(thread: i32, priority: u8) {
     if priority > 0 {
         let _ = set_policy_of(thread, libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK, priority);
@@ -242,7 +242,7 @@ pub fn pin_to(core: usize) -> Result<(), PinError> {
     sched_setaffinity(None, &set).map_err(|e| PinError::Refused(e.into()))
 }
 
-/// Why a thread cannot be pinned to a core.
+/// Reason why a thread cannot be pinned to a core.
 #[derive(Debug, thiserror::Error)]
 pub enum PinError {
     /// More cores than any system has.

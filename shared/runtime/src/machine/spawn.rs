@@ -8,12 +8,12 @@ use std::os::fd::{AsRawFd, BorrowedFd};
 use std::os::unix::process::CommandExt;
 use std::process::Command;
 
-/// Makes `command` inherit its standard streams and `keep`, and no other descriptor: iceoryx2's
-/// are not close-on-exec, and a stray one would keep a dead run's lock.
+/// Makes `command` inherit its standard streams and `keep`, and no other descriptor. iceoryx2's are not close-on-exec,
+/// and a stray one would keep a dead run's lock.
 pub fn inherit_only(command: &mut Command, keep: Option<BorrowedFd<'_>>) {
     let keep = keep.map(|keep| keep.as_raw_fd());
-    // SAFETY: the closure runs between fork and exec and makes two async-signal-safe system calls;
-    // `keep` is open in the parent at the fork, and so in the child.
+    // SAFETY: the closure runs between fork and exec and makes two async-signal-safe system calls. `keep` is open in
+    // the parent at the fork, and so in the child.
     unsafe {
         command.pre_exec(move || {
             let closed =

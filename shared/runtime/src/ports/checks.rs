@@ -27,11 +27,11 @@ pub(crate) struct Expected {
 #[derive(Debug)]
 pub(crate) struct Checks {
     channels: [Channel; Service::ALL.len() + 1],
-    /// The processes that may speak for the services with a standby.
+    /// The processes that may send for the services with a standby.
     fences: Option<Fences>,
-    /// None for an observer, which has no part in the run's time.
+    /// `None` for an observer, which has no part in the run's time.
     clock: Option<Rc<Clock>>,
-    /// None if every service sends, or none does.
+    /// `None` if every service sends, or if no service does.
     pub(crate) expected: Option<Expected>,
     /// Run time of the last message used, or of the last silence counted since, ns.
     heard_ns: i64,

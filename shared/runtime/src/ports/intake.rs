@@ -1,4 +1,4 @@
-//! From a topic to the check: the messages of the group, one by one.
+//! Way from a topic to the check: the messages of the group, one by one.
 //!
 //! A receiving end is built of stages. Each stage hands its messages to the next one:
 //!
@@ -15,7 +15,7 @@ use std::cell::RefCell;
 use std::fmt::Debug;
 use std::rc::Rc;
 
-/// Senders that a port remembers. A group restarts its services less often than that in any while.
+/// Senders that a port keeps. A group restarts its services less often than that in any while.
 const REMEMBERED_SENDERS: usize = 16;
 
 /// The next stage: takes the incoming message of the rooms, and returns true if it keeps the message.

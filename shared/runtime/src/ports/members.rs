@@ -2,7 +2,7 @@
 //! listen.
 //!
 //! The launcher writes down every process that it starts, and itself. A consumer looks a sender up at its first
-//! message; in lockstep a sender looks a listener up before it waits for it. A process of the same user that opens a
+//! message. In lockstep a sender looks a listener up before it waits for it. A process of the same user that opens a
 //! topic on its own is not a member. Its messages are not used, and no sender waits for it.
 
 use crate::RuntimeError;
@@ -90,8 +90,8 @@ impl Members {
         Self::Listed(root.join(FILE))
     }
 
-    /// True if process `pid` is restart `incarnation` of service `source`. Reads the list anew, for
-    /// it grows; callers remember the answer.
+    /// True if process `pid` is restart `incarnation` of service `source`. Reads the list again, as
+    /// it grows; callers keep the answer.
     pub(crate) fn is_member(&self, source: u32, incarnation: u32, pid: u32) -> bool {
         match self {
             Self::Listed(path) => {

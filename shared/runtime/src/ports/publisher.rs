@@ -87,15 +87,15 @@ impl<T: Message> Publisher<T> {
     /// Memory for the next message, all zeros, where its readers will read it.
     ///
     /// # Errors
-    /// [`RuntimeError::Send`] if the transport has none.
+    /// [`RuntimeError::Send`] if the transport has no memory.
     pub fn loan(&self) -> Result<Loan<T>, RuntimeError> {
         let mut message = self.loan_used()?;
         bytemuck::write_zeroes(&mut *message);
         Ok(message)
     }
 
-    /// As [`Self::loan`], with an earlier message of this port in it, or zeros: for messages so large
-    /// that only the parts that differ are to be written.
+    /// As [`Self::loan`], with an earlier message of this port in it, or zeros. It serves messages so large that only
+    /// the parts that differ are to be written.
     ///
     /// # Errors
     /// As [`Self::loan`].

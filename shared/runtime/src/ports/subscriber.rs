@@ -12,7 +12,7 @@ use std::cell::RefCell;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
-/// The receiving end of `T`'s topic: keeps the newest sample that passed all checks and is not of a later step.
+/// The receiving end of `T`'s topic. It keeps the newest sample that passed all checks and is not of a later step.
 #[derive(Debug)]
 pub struct Subscriber<T: Message> {
     port: Rc<dyn Receiver<T>>,
@@ -121,7 +121,7 @@ impl<T: Message> Subscriber<T> {
                 Err(RuntimeError::Starved { topic: T::TOPIC, step: due, waited_s })
             };
             if self.waiter().is_in_process() {
-                // The turns of a thread show when a wait is in vain.
+                // The turns of a thread show when a wait cannot end.
                 if self.waiter().is_in_vain() {
                     return starved(Duration::ZERO);
                 }
@@ -165,7 +165,7 @@ impl<T: Message> Subscriber<T> {
             if end.is_now() {
                 return Err(RuntimeError::Stopped);
             }
-            // The turns of a thread show when a wait is in vain.
+            // The turns of a thread show when a wait cannot end.
             if self.waiter().is_in_vain() || since.elapsed() > patience {
                 let waited_s = since.elapsed().as_secs_f64();
                 return Err(RuntimeError::Starved { topic: T::TOPIC, step, waited_s });

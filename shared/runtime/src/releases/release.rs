@@ -3,7 +3,7 @@
 /// Reaction of a service that missed whole periods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overrun {
-    /// Runs every missed cycle, late: for the plant, whose integration knows no gaps.
+    /// Runs every missed cycle, late: for the plant, whose integration has no gaps.
     CatchUp,
     /// Leaves them out and counts them: for services that sample the present.
     Skip,
@@ -20,6 +20,6 @@ pub struct Release {
     pub scheduled_ns: i64,
     /// Since when the service waited for it, ns of run time: when the one before was done.
     pub idle_ns: i64,
-    /// When the service really began, ns of run time.
+    /// Time when the service really began, ns of run time.
     pub start_ns: i64,
 }

@@ -18,9 +18,10 @@ use std::path::{Path, PathBuf};
 pub struct ScheduledRelease {
     /// Simulation step.
     pub step: u64,
-    /// When the cycle began to work on its inputs, ns of run time.
+    /// Time when the cycle began to work on its inputs, ns of run time.
     pub start_ns: i64,
-    /// When its command was published, ns of run time; the same as `start_ns` without a command.
+    /// Time when its command was published, ns of run time; the same as `start_ns` without a
+    /// command.
     pub publish_ns: i64,
     /// The samples that it used.
     pub inputs: Origins,

@@ -11,7 +11,7 @@ pub trait Reported: Serialize + DeserializeOwned + Clone + Debug + Send + Sync +
 
 impl<T: Serialize + DeserializeOwned + Clone + Debug + Send + Sync + 'static> Reported for T {}
 
-/// Figures of one service, whose type only the service and the reader know.
+/// Figures of one service, whose type only the service and the reader use.
 ///
 /// In one process they stay the value that they are. Between processes they travel as JSON.
 ///

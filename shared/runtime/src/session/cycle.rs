@@ -11,7 +11,7 @@ use std::time::Duration;
 static ALLOCATIONS: OnceLock<fn() -> u64> = OnceLock::new();
 
 /// Lets services report how often their loop allocated, by a counter of the calling thread's
-/// allocations: for programs whose global allocator counts.
+/// allocations. It serves programs whose global allocator counts.
 pub fn count_allocations_by(counter: fn() -> u64) {
     // A second counter changes nothing.
     let _ = ALLOCATIONS.set(counter);

@@ -10,7 +10,7 @@ use messages::Topic;
 use scenario::Scenario;
 use std::time::{Duration, Instant};
 
-/// Longest that a restarted service waits for its inputs' last messages; a dead input has none.
+/// Longest time for which a restarted service waits for its inputs' last messages. A dead input does not send any.
 const INPUT_PATIENCE: Duration = Duration::from_millis(15);
 
 impl Runtime {

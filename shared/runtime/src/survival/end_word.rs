@@ -1,9 +1,9 @@
 //! A word in shared memory that the kernel marks as soon as a process begins to end.
 //!
-//! A pidfd shows an end when the kernel has given back the process's memory: 1.4 ms after a SIGKILL where 160 MB are
-//! locked. The kernel walks a thread's list of robust futexes before that (set_robust_list(2)). It sets a bit in each
-//! word that holds the thread's id, and wakes a waiter. A thread that does nothing else keeps one such word for its
-//! process, and ends with it alone.
+//! A pidfd shows an end when the kernel has given back the process's memory. That is 1.4 ms after a SIGKILL if 160 MB
+//! are locked. The kernel walks a thread's list of robust futexes before that (set_robust_list(2)). It sets a bit in
+//! each word that holds the thread's id, and wakes a waiter. A thread that does nothing else keeps one such word for
+//! its process, and ends with it alone.
 
 #![allow(unsafe_code, reason = "no crate registers a robust futex that is not a mutex")]
 
@@ -35,7 +35,7 @@ struct Entry {
 #[repr(C)]
 struct List {
     head: Entry,
-    /// From an entry to its futex, bytes.
+    /// Offset from an entry to its futex, bytes.
     futex_offset: libc::c_long,
     pending: *const Entry,
     entry: Entry,
@@ -50,8 +50,8 @@ fn word(page: &SharedWords, service: Service, incarnation: u32) -> &AtomicU32 {
     page.word(service.index() * fence::WORDS_APART + 1 + of_process)
 }
 
-/// Lets the kernel mark the end of this process, a service's `incarnation`, by a thread of this priority; 0 for
-/// an ordinary one.
+/// Lets the kernel mark the end of this process, a service's `incarnation`. A thread of this priority does it; 0 is an
+/// ordinary one.
 ///
 /// # Errors
 /// [`RuntimeError::Setup`] if shared memory or a thread is not to be had.

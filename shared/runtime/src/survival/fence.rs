@@ -1,4 +1,4 @@
-//! The process that may speak for a service: one word in shared memory, its epoch.
+//! The process that may send for a service: one word in shared memory, its epoch.
 //!
 //! The word holds the incarnation of the one process of a service whose messages count. A standby takes the
 //! service over by a compare-and-swap from the present epoch to its own, a later one:
@@ -9,10 +9,10 @@
 //! consumer:  word == message's incarnation ─► use      else: of a process that was replaced
 //! ```
 //!
-//! The sender's look alone is not enough: a process can be stopped between the look and the message, and
-//! continue after it was replaced. The consumer's look comes after the message has arrived. So after the
-//! compare-and-swap, consumers use no message of an earlier epoch. At no instant are two senders accepted.
-//! The tests at the end check that over all interleavings (feature `loom`).
+//! The sender's look alone is not enough. A process can be stopped between the look and the message, and continue after
+//! it was replaced. The consumer's look comes after the message has arrived. So after the compare-and-swap, consumers
+//! use no message of an earlier epoch. At no instant are two senders accepted. The tests at the end check that over all
+//! interleavings (feature `loom`).
 
 use crate::words::SharedWords;
 use crate::{Group, RuntimeError};
@@ -57,8 +57,7 @@ pub(crate) fn take_over(word: &impl Word, active: u32, own: u32) -> bool {
     active < own && word.swap_from(active, own)
 }
 
-/// Makes `own` the epoch, of a process that is started where no other one lives; false if a later one has
-/// it already.
+/// Makes `own` the epoch of a process that is started where no other one lives. False if a later one has it already.
 pub(crate) fn claim(word: &impl Word, own: u32) -> bool {
     let present = word.load();
     present == own || take_over(word, present, own)
@@ -151,7 +150,7 @@ mod interleavings {
         loom::model(|| {
             let world = Arc::new(World::default());
             let (of_old, of_standby) = (Arc::clone(&world), Arc::clone(&world));
-            // It is stopped and continued at any instant, and does not know that it was replaced.
+            // It is stopped and continued at any instant, and has no sign that it was replaced.
             let old = thread::spawn(move || send(&of_old, 0, 2));
             let standby = thread::spawn(move || {
                 assert!(take_over(&of_standby.word, 0, 1), "it is the only one");

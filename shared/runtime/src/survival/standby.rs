@@ -52,9 +52,9 @@ pub enum Cause {
 pub struct TakeOver {
     /// Why.
     pub cause: Cause,
-    /// When the standby noticed it, `CLOCK_MONOTONIC` ns.
+    /// Time when the standby noticed it, `CLOCK_MONOTONIC` ns.
     pub noticed_ns: i64,
-    /// When it had sent what it had computed, `CLOCK_MONOTONIC` ns.
+    /// Time when it had sent what it had computed, `CLOCK_MONOTONIC` ns.
     pub sent_ns: i64,
 }
 
@@ -72,7 +72,7 @@ struct Order {
     own: u32,
     /// A futex that the loop waits for.
     state: AtomicU32,
-    /// Why the first of the threads acted, and when it noticed.
+    /// Reason why the first of the threads acted, and when it noticed.
     noticed: OnceLock<(Cause, i64)>,
     /// The loop's thread, and its priority as the active process; 0 without a real-time priority.
     thread: i32,
@@ -200,7 +200,7 @@ impl Standby {
         self.order.state.load(Ordering::Acquire) == STANDING_BY
     }
 
-    /// Why it took over and when it noticed; `None` if another process has the service.
+    /// Reason why it took over and when it noticed; `None` if another process has the service.
     pub(crate) fn taken_over(&self) -> Option<(Cause, i64)> {
         let took = self.order.state.load(Ordering::Acquire) == TOOK_OVER;
         self.order.noticed.get().copied().filter(|_| took)

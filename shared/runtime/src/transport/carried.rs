@@ -6,8 +6,8 @@ use crate::life::link::End;
 use messages::Message;
 use std::rc::Rc;
 
-/// A message type with its ports. iceoryx2's generic code is compiled here once for each message
-/// and not once for each service.
+/// A message type with its ports. iceoryx2's generic code is compiled here once for each message,
+/// and not for each service.
 pub trait Carried: Message {
     /// Creates the sending end of the type's topic.
     ///

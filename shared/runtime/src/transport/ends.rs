@@ -25,8 +25,8 @@ pub(super) fn buffer(timetable: &Timetable) -> usize {
     usize::try_from((2 * slowest + 8).max(50)).expect("strides are small")
 }
 
-/// Larger messages have buffers of at most [`LARGE_BUFFER`], bytes: memory for the slowest of many
-/// readers would be tens of megabytes.
+/// Larger messages have buffers of at most [`LARGE_BUFFER`], bytes. Memory for the slowest of many readers would be
+/// tens of megabytes.
 const LARGE_BYTES: usize = 16 << 10;
 const LARGE_BUFFER: usize = 16;
 
@@ -35,8 +35,8 @@ pub(super) fn buffer_of(topic: Topic, buffer: usize) -> usize {
     if topic.message_bytes() > LARGE_BYTES { buffer.min(LARGE_BUFFER) } else { buffer }
 }
 
-/// An end of a topic that can be connected to all others that exist, ahead of the first message:
-/// connecting creates files and allocates.
+/// An end of a topic that can be connected to all existing others, ahead of the first message. Connecting creates files
+/// and allocates.
 pub trait Connect: Debug {
     /// Connects.
     fn connect(&self) -> Result<(), TransportError>;

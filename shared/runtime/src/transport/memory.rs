@@ -1,8 +1,8 @@
 //! Topics in the memory of one process, whose only thread all members of the run share.
 //!
-//! Each receiver of a topic has a queue; a sender puts a handle of its message into every one of them. It
-//! writes the next message into one that receivers no longer have. A sender whose receiver lags waits for its
-//! next turn, as it would wait for room in shared memory.
+//! Each receiver of a topic has a queue. A sender puts a handle of its message into every one of them. It writes the
+//! next message into one that receivers no longer have. A sender whose receiver lags waits for its next turn, as it
+//! would wait for room in shared memory.
 
 use super::ends::{
     Arrival, Connect, Input, Receiver, Sealing, Sender, SenderId, buffer, buffer_of,
@@ -82,7 +82,7 @@ pub struct Seat {
     bus: Rc<Bus>,
     /// The member's number, which stands for its process id.
     member: u32,
-    /// None for observers, which never wait.
+    /// `None` for observers, which never wait.
     pause: Option<Pause>,
 }
 
@@ -128,8 +128,8 @@ impl Seat {
 
 /// The turns of one service in a run in one process.
 ///
-/// Code of a service that needs something from the run's caller leaves a note for it and waits for a turn. The caller
-/// looks between two calls of [`InProcess::take_turns`](crate::InProcess::take_turns).
+/// Code of a service may need something from the run's caller. It leaves a note for the caller and waits for a turn.
+/// The caller looks between two calls of [`InProcess::take_turns`](crate::InProcess::take_turns).
 #[derive(Clone, Debug)]
 pub struct Turns {
     pause: Pause,

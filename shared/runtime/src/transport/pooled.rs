@@ -137,13 +137,13 @@ impl<T: Debug> Debug for Pooled<T> {
 
 impl<T: Send + Debug + Abandonable> Abandonable for Pooled<T> {
     unsafe fn abandon_in_place(mut this: NonNull<Self>) {
-        // SAFETY: the caller has the only reference to this handle, and forgets it.
+        // SAFETY: the caller has the only reference to this handle, and does not use it again.
         let this = unsafe { this.as_mut() };
         if this.counted().handles.get() == 1 {
             // SAFETY: there is no other handle.
             unsafe { T::abandon_in_place(NonNull::from_mut(&mut this.0.as_mut().value)) };
         } else {
-            // SAFETY: the caller forgets this handle.
+            // SAFETY: the caller does not use this handle again.
             unsafe { std::ptr::drop_in_place(this) };
         }
     }

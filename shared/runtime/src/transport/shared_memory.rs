@@ -45,8 +45,8 @@ const fn peers(standbys: usize) -> usize {
     MAX_PEERS + STANDBY_PEERS * standbys
 }
 
-/// Shared memory that a group with this timetable may come to use, bytes: every publisher has room
-/// for what all its possible subscribers can lag behind. `standby` are the services with a standby.
+/// Shared memory that a group with this timetable may come to use, bytes. Every publisher has room for the lag of all
+/// its possible subscribers. `standby` are the services with a standby.
 #[must_use]
 pub fn shared_memory_bytes(timetable: &Timetable, standby: &[Service]) -> u64 {
     /// Management segments of all nodes, services and connections, generously.
@@ -219,15 +219,15 @@ impl SharedMemory {
 
 /// Receiving ports with a full buffer, and whether their process belongs to the group.
 ///
-/// In lockstep each process of the group gets each of its messages: the sender waits for room. A
-/// process that joined on its own gets what it has room for, so that it cannot hold up the run.
+/// In lockstep each process of the group gets each of its messages: the sender waits for room. A process that joined on
+/// its own gets only what it has room for. So it cannot hold up the run.
 struct Listeners {
     members: Members,
     /// Listeners that were looked up so far, newest last; few ports ever have a full buffer.
     known: Mutex<[Option<(u128, bool)>; REMEMBERED_LISTENERS]>,
 }
 
-/// Receiving ports that a sender remembers.
+/// Receiving ports that a sender keeps.
 const REMEMBERED_LISTENERS: usize = 2 * MAX_PEERS;
 
 impl Listeners {
@@ -251,7 +251,7 @@ impl Listeners {
 /// iceoryx2's configuration for the run's private domain.
 ///
 /// # Errors
-/// [`RuntimeError::Node`] if the root's path or the prefix is none for iceoryx2.
+/// [`RuntimeError::Node`] if iceoryx2 does not accept the root's path or the prefix.
 pub fn domain(group: &Group) -> Result<Config, RuntimeError> {
     let error = |reason| RuntimeError::Node { root: group.root.clone(), reason };
     let mut config = Config::default();
@@ -277,8 +277,8 @@ fn refused<E: std::error::Error + Send + Sync + 'static>(
 /// Ending of the name of the one object that iceoryx2 makes for all users.
 const NODE_TABLE: &str = ".global_mgmt";
 
-/// Takes from others what iceoryx2 grants them in the run's shared memory: a table of the nodes' ids
-/// that all users of one machine would share in a common domain. This domain is one user's own.
+/// Takes from others what iceoryx2 grants them in the run's shared memory. This is a table of the nodes' ids, which all
+/// users of one machine would share in a common domain. This domain is one user's own.
 fn keep_to_this_user(prefix: &str) -> std::io::Result<()> {
     for entry in std::fs::read_dir("/dev/shm")? {
         let entry = entry?;

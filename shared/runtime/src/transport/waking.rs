@@ -8,9 +8,8 @@
 //! consumer:   ticket = word ─► look ─► nothing there ─► FUTEX_WAIT while word == ticket
 //! ```
 //!
-//! So no wake-up is lost: a sample sent after the look has moved the word. The word is all the state
-//! there is; a process that dies leaves nothing to clean up, and one that is started again needs no
-//! connection.
+//! So no wake-up is lost: a sample sent after the look has moved the word. The word is all the state. A process that
+//! dies leaves nothing to clean up, and one that is started again needs no connection.
 //!
 //! iceoryx2's own event service has a datagram socket for each listener and a set of bits. It does the same
 //! at more than twice the cost; `timegap bench` measures both beside the bare futex.
@@ -188,8 +187,8 @@ mod tests {
         assert!(begun.elapsed() >= Duration::from_millis(4));
     }
 
-    /// Two threads pass a count to and fro, each sleeping until the other has moved it: one lost
-    /// wake-up would cost a timeout, which is counted.
+    /// Two threads pass a count to and fro, each sleeping until the other has moved it. One lost wake-up would cost a
+    /// timeout, which is counted.
     #[test]
     fn no_wake_up_of_many_is_lost() {
         const TURNS: u64 = 20_000;

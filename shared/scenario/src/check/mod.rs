@@ -145,7 +145,7 @@ fn standby(scenario: &Scenario) -> Result<(), Problem> {
     Ok(())
 }
 
-/// The papers' Euler step is that of a car on a level road, and only a truck has a mass of its own.
+/// The papers' Euler step is that of a car on a level road. Only a truck has a mass of its own.
 fn vehicle(scenario: &Scenario) -> Result<(), Problem> {
     let plant = &scenario.plant;
     scenario.road.profile()?;

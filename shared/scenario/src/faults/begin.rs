@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::quantity::{AccelerationMagnitude, Distance, Speed, Time};
 use crate::schema::Schema;
 
-/// When a fault begins.
+/// Start of a fault.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Begin {
     /// At an instant.
@@ -24,10 +24,10 @@ pub enum Begin {
 /// The keys that say when a fault begins.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize, Schema)]
 pub(super) struct BeginKeys {
-    /// When it begins, s of run time; absent: at the start, or by `when`.
+    /// Time of its start, s of run time. Absent: at the start, or by `when`.
     #[serde(default)]
     pub(super) at_s: Option<Time>,
-    /// When it begins, by what the ego does and meets; all conditions that are given must hold at once.
+    /// Start by the ego's motion and surroundings. All given conditions must hold at once.
     #[serde(default)]
     pub(super) when: Option<Condition>,
 }

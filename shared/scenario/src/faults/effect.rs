@@ -49,7 +49,8 @@ kinds! {
             /// Number of kills.
             #[serde(default = "three")]
             times: Count,
-            /// Time from the start of each next process to its kill, ms; absent: it is killed as soon as it takes part.
+            /// Time from the start of each next process to its kill, ms. If absent, it is killed as soon as it takes
+            /// part.
             after_start_ms: Option<DelayMs>,
         }
         /// A process of the run that is not a service is killed (SIGKILL).

@@ -123,7 +123,7 @@ fn parts(kind: Kind, keys: &Parts<'_>) -> Result<(Effect, BeginKeys), Refusal> {
     Ok((effect, BeginKeys::deserialize(keys)?))
 }
 
-/// The keys of a fault of that kind beside `kind`, with their ranges, for a reference or for a search over faults.
+/// The keys of a fault of that kind beside `kind`, with their ranges. They serve a reference, or a search over faults.
 ///
 /// ```
 /// use scenario::faults::{Kind, keys_of};
@@ -228,7 +228,7 @@ mod tests {
         Scenario::parse("x.toml", &text(fault)).expect_err(fault).to_string()
     }
 
-    /// One fault of each kind, with every key that it knows.
+    /// One fault of each kind, with every key that it has.
     const EACH: [&str; Kind::ALL.len()] = [
         "kind = \"kill\"\nservice = \"plant\"\nat_s = 1",
         "kind = \"stop\"\nservice = \"plant\"\nfor_s = 0.5",

@@ -42,7 +42,7 @@ pub(super) fn taken<'de, D: Deserializer<'de>>(_: D) -> Result<Vec<Fault>, D::Er
 /// A fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fault {
-    /// When it begins.
+    /// Start of the fault.
     pub begin: Begin,
     /// Act of the fault.
     pub effect: Effect,

@@ -26,7 +26,7 @@ pub struct Alignment {
     pub tangent_m: [f64; 2],
     /// Length of the vertical curves, m.
     pub curve_m: f64,
-    /// Whether the road ends as high as it began.
+    /// True if the road ends as high as it began.
     pub closed: bool,
 }
 

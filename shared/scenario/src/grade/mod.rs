@@ -1,7 +1,7 @@
 //! The road that the ego drives on: how high it is, and how steep it is.
 //!
 //! Plain data that every simulator of the environment agrees on: the plant feels the grade, the
-//! roadside unit announces it. A law hears of it through `v2x/preview` alone.
+//! roadside unit announces it. A law gets it through `v2x/preview` alone.
 
 mod builtin;
 mod generator;

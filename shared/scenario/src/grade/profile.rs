@@ -1,7 +1,7 @@
 //! A grade profile: heights at points along the road, straight between them.
 
-/// Steepest grade that is believed, as a fraction: the steepest streets of the world have 0.35,
-/// the steepest motorways 0.1.
+/// Steepest grade that is accepted, as a fraction: the steepest streets of the world have 0.35, the
+/// steepest motorways 0.1.
 pub const MAX_GRADE: f64 = 0.2;
 /// Longest distance between two points that does not count as a gap in the data, m.
 pub const MAX_SPACING_M: f64 = 500.0;
@@ -17,7 +17,7 @@ pub struct Point {
     pub height_m: f64,
 }
 
-/// Why points are not a profile.
+/// Reason why points are not a profile.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum ProfileError {
     /// A road has two ends.

@@ -1,4 +1,4 @@
-//! Reading of placed values by serde: an error knows the value's place, and the expected type in a person's words.
+//! Reading of placed values by serde: an error has the value's place, and the expected type in plain words.
 
 use std::collections::{BTreeMap, btree_map};
 use std::ops::Range;

@@ -110,8 +110,8 @@ pub struct Lanes {
     pub right: LaneCount,
     /// Width of each, m.
     pub width_m: Length,
-    /// Lines of all lanes along the road, where lanes begin, end or change their width: stations `[p_m, l_m, ..]` with
-    /// the place along the ego's lane and the lines there from right to left, m from its middle. Filled from an
+    /// Lines of all lanes along the road, where lanes begin, end or change their width. Stations are `[p_m, l_m, ..]`:
+    /// the place along the ego's lane, and the lines there from right to left, m from its middle. Filled from an
     /// OpenDRIVE file.
     #[serde(skip_serializing_if = "AlongRoad::is_empty")]
     pub along: AlongRoad,
@@ -213,7 +213,7 @@ impl Plan {
         self.axis.get_or_init(|| self.built().expect("the scenario has been checked"))
     }
 
-    /// The pieces as the road's geometry takes them; none for a lane of a file, which has none of its own.
+    /// The pieces as the road's geometry takes them. `None` for a lane of a file, which has no pieces of its own.
     ///
     /// # Errors
     /// The place of what is not a road.

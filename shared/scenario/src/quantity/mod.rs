@@ -116,7 +116,7 @@ quantity! {
     PerKilometre: "a number", 0.0, 2000.0, "per km";
     /// A weight in a cost function.
     Weight: "a weight", 0.0, 1e12, "";
-    /// A weight in a cost function that must not vanish.
+    /// A weight in a cost function that must not be zero.
     PositiveWeight: "a weight", 1e-9, 1e12, "";
 }
 

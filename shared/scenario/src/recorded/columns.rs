@@ -3,7 +3,8 @@
 use super::error::RecordedError;
 use crate::accepted::accepted;
 
-/// The content of a column: the letter, units with their factor to SI; the first is the unit that is not written.
+/// The content of a column: the letter, and units with their factor to SI. The first is the unit of a name without
+/// unit.
 struct Quantity {
     units: &'static [(&'static str, f64)],
 }

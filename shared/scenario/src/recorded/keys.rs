@@ -10,8 +10,8 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields)]
 pub struct CsvFile {
-    /// Path of the file (CSV, MCAP or ROS bag); a relative one starts at the scenario file's directory, with
-    /// `--set` also at the present one.
+    /// Path of the file (CSV, MCAP or ROS bag). A relative one starts at the scenario file's directory, with `--set`
+    /// also at the present one.
     pub file: PathBuf,
     /// Columns by what they hold, with their units: `t=stamp, v=speed:km/h`; absent: `time_s` and `speed_mps`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -22,7 +22,7 @@ pub struct CsvFile {
     /// Topic of a bag, whose messages are the rows and whose fields are the columns.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub topic: Option<String>,
-    /// Start of the run, s after the first row; negative: the record begins during the run; absent: the file's own
+    /// Start of the run, s after the first row. Negative: the record begins during the run. Absent: the file's own
     /// times.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub offset_s: Option<TimeShift>,
@@ -35,7 +35,7 @@ pub struct CsvFile {
     /// Motion after the last row.
     #[serde(default, skip_serializing_if = "AfterEnd::is_default")]
     pub after_end: AfterEnd,
-    /// What the file held when the scenario was opened; not read again when present.
+    /// The file's content when the scenario was opened. It is not read again if present.
     #[serde(default)]
     pub points: Vec<SpeedPoint>,
 }

@@ -8,8 +8,8 @@
 //! * [`CsvFile`]: the keys of `actors[].profile.csv`
 //! * [`read`]: the points of a file, and what was read on the way ([`Record`])
 //!
-//! A record is refused where it cannot be a motion: a column that is not there, a time that does not increase, a
-//! number that is none, a gap. It is noted ([`Record::notes`]) where it asks for more than a car does.
+//! A record is refused if it cannot be a motion: a missing column, a time that does not increase, a word instead of a
+//! number, a gap. It is noted ([`Record::notes`]) where it asks for more than a car does.
 
 mod columns;
 mod error;
@@ -34,16 +34,16 @@ use std::path::Path;
 
 /// Most rows of a record.
 pub const MAX_ROWS: usize = 500_000;
-/// Acceleration beyond which a record is noted, m/s². A car in traffic brakes with less: 6 m/s² is full braking on a
+/// Acceleration beyond which a record is noted, m/s². A car in traffic brakes with less. 6 m/s² is full braking on a
 /// wet road, and noise of 0.25 m/s at 10 Hz gives twice as much.
 pub const NOTED_MPS2: f64 = 6.0;
 
 /// Deceleration of a vehicle that stops behind the end of its record, m/s²: comfortable braking (chosen).
 const STOPPING_MPS2: f64 = 2.0;
-/// Lowest speed that a filter takes as noise at rest, m/s: eight times the noise of a usual receiver (0.25 m/s).
-/// Slower means that the vehicle reverses.
+/// Lowest speed that a filter still takes as noise at rest, m/s. It is eight times the noise of a usual receiver (0.25
+/// m/s). Slower means that the vehicle reverses.
 const REST_NOISE_MPS: f64 = -2.0;
-/// A record is regular when its 90th percentile of steps is at most twice the median and it has this many rows.
+/// A record is regular if its 90th percentile of steps is at most twice the median and it has this many rows.
 const REGULAR_ROWS: usize = 20;
 /// Longest step of a regular record, in median steps, and the least limit, s.
 const GAP_STEPS: f64 = 10.0;
@@ -267,13 +267,13 @@ fn gaps(t: &[f64], longest_s: f64) -> Vec<(usize, Gap)> {
     t.windows(2).enumerate().filter_map(gap).collect()
 }
 
-/// Rows that a profile needs: all, or of a smoothed record a few in each window, the ends of stops among them.
+/// Rows that a profile needs: all, or a few in each window of a smoothed record, with the ends of stops among them.
 fn thinned(t: &[f64], v: &[f64], stops: &[Range<usize>], half_s: Option<f64>) -> Vec<(f64, f64)> {
     let apart_s = half_s.map_or(0.0, |half_s| half_s / POINTS_PER_HALF);
     let mut kept: Vec<(f64, f64)> = Vec::new();
     for i in 0..t.len() {
         let is_end = i + 1 == t.len() || stops.iter().any(|s| s.start == i || s.end == i + 1);
-        // Half a sample of slack: the sampling is seldom exact.
+        // Half a sample of slack: the sampling is rarely exact.
         let is_due = kept.last().is_none_or(|last| t[i] - last.0 > 0.999 * apart_s);
         if is_end || is_due {
             kept.push((t[i], v[i].max(0.0)));

@@ -9,8 +9,8 @@ const ECCENTRICITY_2: f64 = 6.694_379_990_141e-3;
 
 /// Speeds, m/s, of the columns of a motion at times `t`, s. Along a road they keep their sign.
 ///
-/// Positions become speeds by the slope of the line that the filter fits ([`slopes`]), or without a filter by
-/// central differences. Latitude and longitude become metres on the ellipsoid's plane at the first row: 20 km from
+/// Positions become speeds by the slope of the line that the filter fits ([`slopes`]). Without a filter, central
+/// differences are used. Latitude and longitude become metres on the ellipsoid's plane at the first row. 20 km from
 /// there, the speed is 0.3 % wrong.
 pub(super) fn speeds(
     t: &[f64],

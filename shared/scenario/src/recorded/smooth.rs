@@ -9,14 +9,14 @@
 //! w(d) = (1 − |d/h|³)³ for |d| < h, else 0
 //! ```
 //!
-//! Reasons for this filter: a constant acceleration passes unchanged, also at both ends of a record and with
+//! Reasons for this filter: a constant acceleration passes unchanged. That holds at both ends of a record and with
 //! uneven sampling, where a moving average bends it. It has no phase lag.
 //!
 //! A linear filter alone would let a vehicle creep where it stood. So a *stop* is found first. It consists of the
-//! instants at which most samples within ±`h` are slower than 0.3 m/s, thus where the running median is (an edge passes
-//! a median unchanged). There the speed is zero. Each stretch of motion between two stops is filtered by itself. Behind
-//! a stop it is continued by its own point reflection, `v(t₀ − τ) = −v(t₀ + τ)`, so that it begins and ends at exactly
-//! zero. A stop that is shorter than `h` is not kept.
+//! instants at which most samples within ±`h` are slower than 0.3 m/s. So the running median is below it there (an edge
+//! passes a median unchanged). There the speed is zero. Each stretch of motion between two stops is filtered by itself.
+//! Behind a stop it is continued by its own point reflection, `v(t₀ − τ) = −v(t₀ + τ)`. So it begins and ends at
+//! exactly zero. A stop that is shorter than `h` is not kept.
 
 use std::ops::Range;
 

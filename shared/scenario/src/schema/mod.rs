@@ -1,7 +1,7 @@
 //! The keys of a scenario file as data: every key with its type, unit, range, default and meaning.
 //!
 //! A table's struct is the declaration of its keys, by `#[derive(Schema)]`. Editors get a JSON Schema made of this
-//! data, people a reference page, and a search the ranges of what it may vary.
+//! data. People get a reference page, and a search the ranges of what it may vary.
 //!
 //! ```
 //! use scenario::schema::{Schema, Shape};
@@ -96,7 +96,7 @@ pub struct Key {
     pub meaning: String,
 }
 
-/// Whether a key must be written, and its value otherwise.
+/// Presence of a key: it must be written, or it has this value otherwise.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Presence {
     /// It must be written.

@@ -15,7 +15,7 @@ use c_its_parser::standards::spatem_2_2_1::spatem_pdu_descriptions::SPATEM;
 use dsrc::NodeOffsetPointXY as Offset;
 use rasn::types::FixedBitString;
 
-/// Why a message was refused, in words.
+/// Reason why a message was refused, in words.
 #[derive(Debug)]
 pub(super) struct Refused(#[expect(dead_code, reason = "shown by a failing test")] String);
 

@@ -29,7 +29,7 @@ impl Writer {
         }
     }
 
-    /// The begin of a sequence or choice that could be extended but is not.
+    /// The start of a sequence or choice that could be extended but is not.
     pub(in crate::codec) fn not_extended(&mut self) {
         self.bit(false);
     }

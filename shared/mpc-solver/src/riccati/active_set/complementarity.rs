@@ -1,8 +1,8 @@
 //! Exact multipliers of the working rows: a convex program of at most [`MAX_WORKING_ROWS`]
 //! unknowns.
 //!
-//! With the sides of the inputs and the tangents of the light fixed, the violations of the working
-//! rows are affine in their multipliers: `z(μ) = z̄ − S μ` with `S` symmetric positive
+//! The sides of the inputs and the tangents of the light are fixed. The violations of the working
+//! rows are then affine in their multipliers: `z(μ) = z̄ − S μ` with `S` symmetric positive
 //! semidefinite. Each pair must lie on its row's graph:
 //!
 //! ```text
@@ -21,7 +21,7 @@
 //! 3. A multiplier at an end is released when the gradient shows that the cost falls.
 //!
 //! The cost falls with every change of pieces, so no set of pieces repeats in exact arithmetic.
-//! Because of rounding, [`MAX_CHANGES`] bounds the number of changes; at the bound the attempt of
+//! Because of rounding, [`MAX_CHANGES`] bounds the number of changes. At the bound the attempt of
 //! the active set is given up.
 
 /// Largest number of rows treated at once.

@@ -78,7 +78,7 @@ fn sweep_forward<const SHAPE: Shape, const DISTURBED: bool>(
             offset += (sums[0] + sums[1]) + (sums[2] + sums[3]);
         }
         let v = -gain.input(offset, &x);
-        // Branches are faster here than a minimum and a maximum: sides come in long runs, and a
+        // Branches are faster here than a minimum and a maximum. Sides come in long runs, and a
         // predicted branch does not wait for `v`.
         let (next, u, side) = if v > hi {
             (lq.step::<SHAPE>(&x, hi), hi, Side::Upper)

@@ -6,33 +6,31 @@
 //!
 //! All limits were measured. Attempts on the paper's drives all settle, after at most 15 rounds, and stay clear of the
 //! limits. From the third round on at most 26 of 100 inputs change, and at least 49 are free. At most 22 stages violate
-//! a row. In 4,618 random problems, 1,402 attempts settled with up to 18 rounds and without sign 3; five of them took
+//! a row. In 4,618 random problems, 1,402 attempts settled with up to 18 rounds and without sign 3. Five of them took
 //! more than 15.
 //!
-//! 1. More inputs change sides in one round than a falling line allows. The line starts at two
-//!    fifths in the third round (35 of 100, 30, 25, …) and ends at a thirtieth in the tenth. The
-//!    guess then alternates between patterns, or converges more slowly than the interior point. In
-//!    4,117 random problems this ends 25 attempts that would have settled, and 218 others four
-//!    rounds earlier on average.
-//! 2. Fewer than four inputs are free with a terminal equality; or fewer than a quarter are free from the seventh
-//!    round on, in any problem. Near the time-optimal solution each round moves a switch by one stage, and many stages
+//! 1. More inputs change sides in one round than a falling line allows. The line starts at two fifths in the third
+//!    round (35 of 100, 30, 25, …). It ends at a thirtieth in the tenth. The guess then alternates between patterns, or
+//!    converges more slowly than the interior point. In 4,117 random problems this ends 25 attempts that would have
+//!    settled, and 218 others four rounds earlier on average.
+//! 2. Fewer than four inputs are free with a terminal equality. Or fewer than a quarter are free from the seventh round
+//!    on, in any problem. Near the time-optimal solution each round moves a switch by one stage, and many stages
 //!    remain. 5 of 554 random problems with fewer than four free inputs after the first round settled.
-//! 3. The inputs are at the same sides as two rounds before, but not at those of the last round:
-//!    two guesses lead to each other.
-//! 4. More than a quarter of the stages violate a row (two fifths in the first two rounds of a problem with the light).
+//! 3. The inputs are at the same sides as two rounds before, but not as in the last round. Two guesses lead to each
+//!    other.
+//! 4. More than a quarter of the stages violate a row; two fifths in the first two rounds of a problem with the light.
 //!    An arc of active stages needs more than [`super::complementarity::MAX_WORKING_ROWS`] multipliers. The first round
-//!    knows neither rows nor light. There this sign ends 67 % of the attempts on random problems in which a row will
-//!    act. With the light it ends 50 %. 25 of these 6,048 attempts would have settled; the others would have ended at
-//!    least one round later.
-//! 5. With a terminal equality and without the light: three rounds bring no new minimum of changed
-//!    sides, and more than two still change. The sides then repeat in a cycle. With the light, the
-//!    rounds in between can belong to its margins.
+//!    has neither rows nor light. There this sign ends 67 % of the attempts on random problems in which a row will act.
+//!    With the light it ends 50 %. 25 of these 6,048 attempts would have settled; the others would have ended at least
+//!    one round later.
+//! 5. With a terminal equality and without the light: three rounds bring no new minimum of changed sides, and more than
+//!    two change. The sides then repeat in a cycle. With the light, the rounds in between can belong to its margins.
 //!
 //! A guess from the previous solution is dropped once a third of its inputs change sides in a round. With row tangents
 //! it is a tenth.
 //!
-//! A guess from an iterate of the interior point has five rounds. A round may change as many sides of inputs and parts
-//! of the rows' curves as the remaining rounds can settle. That is five with two or more rounds left, and one with one
+//! A guess from an iterate of the interior point has five rounds. A round may change as many sides of inputs, and parts
+//! of the rows' curves, as the remaining rounds can settle. That is five with two or more rounds left, and one with one
 //! left. 4,081 of 5,139 attempts on 12,000 random problems settled. 16 of these had more than five changes in the first
 //! round (of 365). 23 had more than one in the second (of 535, with three rounds). Once only the rows' multipliers
 //! change, the distances from their limits fall geometrically. The attempt is dropped where the remaining rounds do not
@@ -51,11 +49,11 @@ pub(super) struct Progress {
     pub(super) horizon: usize,
     /// Number of inputs that changed sides.
     pub(super) changed: usize,
-    /// Whether the sides are those of the round before the last.
+    /// True if the sides are those of the round before the last.
     pub(super) returns: bool,
     /// Number of inputs between their bounds.
     pub(super) free: usize,
-    /// Whether the last state is fixed.
+    /// True if the last state is fixed.
     pub(super) has_terminal_equality: bool,
 }
 

@@ -3,28 +3,27 @@
 //! A guess states which inputs are at their bounds and which rows act. It also states where each stage lies on the
 //! light's curve. A round solves the linear-quadratic problem of the guess:
 //!
-//! 1. *Backward sweep* ([`super::lqr`]). The inputs of the guess are held, and tangents replace the
-//!    light's curve. It starts at the last stage at which the guess has changed; in the first
-//!    round, at the last stage that differs from free inputs ([`first_sweep`]).
+//! 1. *Backward sweep* ([`super::lqr`]). The inputs of the guess are held, and tangents replace the light's curve. It
+//!    starts at the last stage at which the guess has changed. In the first round it starts at the last stage that
+//!    differs from free inputs ([`first_sweep`]).
 //! 2. *Row response* ([`response`]): effect of the working rows' multipliers on the trajectory.
 //! 3. *Complementarity* ([`dual`], [`complementarity`]): exact multipliers of these rows and of the
 //!    terminal equality.
 //! 4. *Forward sweep* ([`forward`]), which clamps every input to its bounds.
-//! 5. *New guess*: the sides that the inputs were clamped to ([`switching`]), tangents at the new
-//!    margins ([`light`]), the rows that the trajectory violates ([`rows`]).
+//! 5. *New guess*: the clamped sides of the inputs ([`switching`]), tangents at the new margins ([`light`]), and the
+//!    rows that the trajectory violates ([`rows`]).
 //!
-//! The trajectory is optimal under three conditions: no input changes sides, no further row is violated, and all
+//! The trajectory is optimal under three conditions. No input changes sides, no further row is violated, and all
 //! margins are at their tangents' points of contact. The multiplier of a bound is then `v − u` times `−δ`. Most cruise
 //! problems settle after one or two rounds. With a light it takes about seven, with the light and a row about eleven.
 //!
 //! The method has no safeguard and may wander. It ends because the rounds are bounded and
 //! [`give_up`] drops attempts that wander; [`crate::Riccati`] then uses another method.
 //!
-//! A guess from the interior point holds its rows by tangents ([`super::row_curve`]) in the sweep
-//! itself: there may be many of them, and they are nearly right. In other attempts, rows enter the
-//! working set when the trajectory violates them. This holds for cold attempts and for warm ones
-//! after a solution with a working set. A cold attempt starts with this in the second round,
-//! because the first one ignores the light.
+//! A guess from the interior point holds its rows by tangents ([`super::row_curve`]) in the sweep itself. There may be
+//! many of them, and they are nearly right. In other attempts, rows enter the working set when the trajectory violates
+//! them. This holds for cold attempts and for warm ones after a solution with a working set. A cold attempt starts with
+//! this in the second round, because the first one ignores the light.
 
 mod complementarity;
 mod dual;
@@ -99,7 +98,7 @@ pub(super) struct ActiveSet {
     freed_switch: Option<usize>,
     /// Inputs of the last early trajectory ([`EARLY_ROUNDS`]).
     early_inputs: Vec<f64>,
-    /// Whether a row tangent of the guess acted in the last round.
+    /// True if a row tangent of the guess acted in the last round.
     row_tangents_act: bool,
 }
 
@@ -351,7 +350,7 @@ impl ActiveSet {
 
 /// Changes of a round in the rows of the guess.
 struct RowChange {
-    /// Whether nothing changed: all rows hold with their present multipliers.
+    /// True if nothing changed: all rows hold with their present multipliers.
     is_complete: bool,
     /// Number of stages at which a row moved to another part of its curve.
     parts: usize,

@@ -142,7 +142,7 @@ impl WorkingRows {
     }
 
     /// Fills idle lanes with the neighbours of the members, nearest to their limits first. The next
-    /// round then knows a row that acts at two stages, or at the stage beside the worst.
+    /// round then has a row that acts at two stages, or at the stage beside the worst.
     fn add_neighbours(&mut self, problem: &Problem, states: &[[f64; 3]]) {
         let count = self.members.len();
         while self.members.len() < LANES {

@@ -1,11 +1,10 @@
 //! Switches: a change from one bound to the other needs an input between them.
 //!
-//! Behind the last stage at which a row acts, the costate varies slowly from stage to stage. The
-//! optimal input then passes from one bound to the other through at least one stage between them. A
-//! forward sweep with a wrong multiplier may still end with neighbours at opposite bounds. Held
-//! there, the terminal equality loses its last free input, and its multiplier diverges. One of the
-//! two is therefore freed: the other one if exactly one was free before (the switch moves), else
-//! the one with the smaller excess.
+//! Behind the last stage at which a row acts, the costate varies slowly from stage to stage. The optimal input then
+//! passes from one bound to the other through at least one stage between them. A forward sweep with a wrong multiplier
+//! may still end with neighbours at opposite bounds. Held there, the terminal equality loses its last free input, and
+//! its multiplier diverges. One of the two is therefore freed. It is the other one if exactly one was free before (the
+//! switch moves), else the one with the smaller excess.
 //!
 //! A switch moves by one stage, and by half the number of stages that would compensate the free input's excess. Each
 //! stage that changes from one bound to the other compensates the range between them.

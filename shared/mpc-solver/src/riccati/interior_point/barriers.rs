@@ -1,6 +1,6 @@
 //! All families of inequalities together: the bounds of the inputs, the rows, the light.
 //!
-//! The work is done lane by lane for a block of stages; the sweeps over the stages call it block by
+//! The work is done lane by lane for a block of stages. The sweeps over the stages call it block by
 //! block. A sweep mostly waits for its divisions and sums, and the machine works on the block in
 //! that time.
 

@@ -62,8 +62,8 @@ impl LightBarrier {
         }
     }
 
-    /// Starts at half of the margins that the states leave, at least `least`, with multipliers near
-    /// the curve: too small ones cost a dozen iterations.
+    /// Starts at half of the margins that the states leave, at least at `least`. Multipliers are
+    /// near the curve, as too small ones cost a dozen iterations.
     pub(super) fn start(
         &mut self,
         light: Option<&LightCost>,

@@ -1,9 +1,9 @@
 //! Robust method: a primal-dual interior point with Mehrotra's predictor and corrector.
 //!
-//! Every inequality is a pair of a slack and a multiplier ([`pairs`]) whose product is driven to
-//! zero. In terms of the new values (marked ⁺), the pairs of one stage and their local variables
-//! reduce to one linear function of the state or input `z`: `multiplier⁺ = H z⁺ + g`. All else
-//! follows from `z⁺`, which the sweep computes. With the compliance `C = 1/H`
+//! Every inequality is a pair of a slack and a multiplier ([`pairs`]) whose product is driven to zero. New values are
+//! marked ⁺. In them, the pairs of one stage and their local variables reduce to one linear function of the state or
+//! input `z`: `multiplier⁺ = H z⁺ + g`. All else follows from `z⁺`, which the sweep computes. With the compliance
+//! `C = 1/H`
 //!
 //! ```text
 //! input   H = λ_l/s_l + λ_u/s_u            s_l = u − u_min,   s_u = u_max − u

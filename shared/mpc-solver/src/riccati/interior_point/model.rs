@@ -1,8 +1,8 @@
 //! The iterate as a model of the stages, a block at a time.
 //!
-//! The backward sweep needs the Hessian and the gradient of each stage: those of the cost, and
-//! those of each eliminated pair. They are computed lane by lane for a whole block, so the sweep
-//! performs only the recursion.
+//! The backward sweep needs the Hessian and the gradient of each stage. They are those of the cost,
+//! and those of each eliminated pair. They are computed lane by lane for a whole block, so the
+//! sweep performs only the recursion.
 
 use super::barriers::Barriers;
 use super::pairs::{place, product};

@@ -19,7 +19,7 @@ pub(in crate::riccati) fn is_available() -> bool {
 }
 
 /// Four numbers in a register. Only functions with the target feature `avx2` construct one, and
-/// they are called only if [`is_available`]; its operations may therefore use the instructions.
+/// they are called only if [`is_available`]. So its operations may use the instructions.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::riccati) struct Wide(__m256d);
 

@@ -135,9 +135,9 @@ impl<M: StageModels> Stages<'_, M> {
             for i in 0..3 {
                 next.0[i] = next.0[i] + apa.0[i];
             }
-            // Two paths of equal length lead from `P` to the next one: this division with a product
-            // on either side, and `A'P A`. The division stands where its result is needed, so that
-            // it is not spilled to memory.
+            // Two paths of equal length lead from `P` to the next one. One is this division with a
+            // product on either side, the other `A'P A`. The division stands where its result is
+            // needed, so that it is not spilled to memory.
             let curvature = if SHAPE >= CHAIN {
                 last_squared * p.0[2].to_array()[2]
             } else {

@@ -37,13 +37,13 @@ struct Read {
     heights: Profile,
 }
 
-/// Whether a road is not a way through a junction.
+/// True if a road is not a way through a junction.
 pub fn outside_junctions(road: &Element) -> bool {
     road.attribute("junction").is_none_or(|junction| junction.trim() == "-1")
 }
 
 impl<'a> Member<'a> {
-    /// The road that the row goes on with, if it is one of `roads`: behind the end, or before the start.
+    /// The next road of the row, if it is one of `roads`: behind the end, or before the start.
     fn neighbour(&self, roads: &[&'a Element], behind: bool) -> Option<Self> {
         if !outside_junctions(self.road) {
             return None;
@@ -73,7 +73,7 @@ impl<'a> Member<'a> {
         let heights = heights.map(|height| text.stretch(height, "s", 0.0));
         let heights = Profile::new(heights.collect::<Result<_, _>>()?);
         let Side { lanes, first, last } = lanes::read(text, self.road, length_m)?;
-        // Only now: a number that is none is a clearer error than what it makes of the line.
+        // Only now: a word in place of a number is a clearer error than its effect on the line.
         let end = line.axis(text)?.pose(length_m).placed(&line.pieces[0].start);
         notices.extend(line.notices.iter().cloned());
         Ok(match self.reversed {
@@ -95,7 +95,7 @@ impl<'a> Member<'a> {
     }
 }
 
-/// Whether a link of `road` names the other road.
+/// True if a link of `road` names the other road.
 fn names(road: &Element, link: &str, other: &Element) -> bool {
     let to = road.child("link").and_then(|links| links.child(link));
     to.is_some_and(|to| to.attribute("elementId") == other.attribute("id"))
@@ -193,7 +193,7 @@ fn alone(part: Part, member: &Member<'_>, read: &Read) -> Road {
     }
 }
 
-/// Whether a road begins where the one before ends.
+/// True if a road begins where the one before ends.
 fn is_joined(end: &Pose, start: &Pose) -> bool {
     let gap_m = libm::hypot(start.x_m - end.x_m, start.y_m - end.y_m);
     let kink_rad = libm::remainder(start.heading_rad - end.heading_rad, std::f64::consts::TAU);

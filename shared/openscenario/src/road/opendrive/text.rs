@@ -53,7 +53,8 @@ impl Text<'_> {
         Ok(number as i32)
     }
 
-    /// The cubic of an element with `a`, `b`, `c` and `d`, from `start` on of the part that begins at `from_m`.
+    /// The cubic of an element with `a`, `b`, `c` and `d`. It counts from `start` on of the part that begins at
+    /// `from_m`.
     pub fn stretch(
         &self,
         element: &Element,

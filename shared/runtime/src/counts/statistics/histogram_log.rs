@@ -6,8 +6,8 @@ use hdrhistogram::serialization::interval_log::{IntervalLogWriterBuilder, Tag};
 use std::io;
 use std::time::Duration;
 
-/// Writes an interval log with one line for each tagged histogram of durations in ns; the largest
-/// value of a line is shown in µs. Tags must not hold commas, spaces or line ends.
+/// Writes an interval log with one line for each tagged histogram of durations in ns. A line's
+/// largest value is shown in µs. Tags must not hold commas, spaces or line ends.
 ///
 /// # Errors
 /// If `out` fails or a tag is not one.
@@ -15,7 +15,7 @@ pub fn write<'a>(
     out: &mut impl io::Write,
     histograms: impl IntoIterator<Item = (&'a str, &'a Latencies)>,
 ) -> io::Result<()> {
-    // Readers other than Rust's know only the compressed form.
+    // Readers other than Rust's accept only the compressed form.
     let mut serializer = V2DeflateSerializer::new();
     let mut log = IntervalLogWriterBuilder::new()
         .add_comment("durations in nanoseconds; interval maxima in microseconds")

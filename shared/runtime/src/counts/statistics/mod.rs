@@ -14,8 +14,7 @@ const DIGIT_BITS: u32 = 8;
 /// Buckets of a histogram.
 pub(super) const BUCKETS: usize = bucket(HIGHEST_NS) + 1;
 
-/// The bucket of a duration, as HdrHistogram lays them out: one for each ns below 2⁸, and 2⁷ for each doubling
-/// above.
+/// The bucket of a duration, by HdrHistogram's layout: one for each ns below 2⁸, and 2⁷ for each doubling above.
 const fn bucket(duration_ns: u64) -> usize {
     let shift = u64::BITS - (duration_ns | ((1 << DIGIT_BITS) - 1)).leading_zeros() - DIGIT_BITS;
     ((shift as usize) << (DIGIT_BITS - 1)) + (duration_ns >> shift) as usize
@@ -52,8 +51,8 @@ enum Counts {
 const PAGE: usize = 1 << (DIGIT_BITS - 1);
 const PAGES: usize = BUCKETS.div_ceil(PAGE);
 
-/// Buckets in the memory of this process. Only pages that were recorded in are there: of a run in simulated time they
-/// are few of many, and no memory is cleared for the others.
+/// Buckets in the memory of this process. Only pages with records exist. In simulated time they are few of many, and no
+/// memory is cleared for the others.
 #[derive(Clone, Debug, Default)]
 struct OwnBuckets {
     /// The pages, in the order in which they were first recorded in.
