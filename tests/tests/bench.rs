@@ -28,7 +28,7 @@ fn assert_percentiles(value: &Value, what: &str) {
 
 /// One slow run serves to check schema, form and saving.
 #[test]
-fn a_quick_bench_says_everything_that_it_promises() {
+fn a_quick_bench_prints_all_its_figures() {
     let corner = Corner::new(PROGRAM);
     let quick = ["bench", "--quick", "--seconds", "0.1", "--save", "base.json", "--out", "out"];
     // A busy machine may miss a goal, with status 1.
@@ -129,7 +129,7 @@ fn a_quick_bench_says_everything_that_it_promises() {
 }
 
 #[test]
-fn a_baseline_that_is_none_is_refused_before_anything_runs() {
+fn a_file_that_is_not_a_baseline_is_refused_before_anything_runs() {
     let corner = Corner::new(PROGRAM);
     std::fs::write(corner.path().join("base.json"), "{\"floor\": 1}").expect("our own corner");
     for file in ["base.json", "missing.json"] {

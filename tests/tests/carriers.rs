@@ -58,7 +58,7 @@ fn play(path: &Path) -> Value {
 }
 
 #[test]
-fn a_capture_is_heard_on_its_own_clock_and_repeats_byte_for_byte() {
+fn a_capture_is_received_on_its_own_clock_and_repeats_byte_for_byte() {
     let corner = Corner::new(PROGRAM);
     let path = corner.path().join("corridor.pcap");
     capture(&path, 20);
@@ -154,7 +154,7 @@ fn framed(port: u16, timestamp: u32, payload: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn two_vehicles_with_one_station_id_are_told_apart_and_named() {
+fn two_vehicles_with_one_station_id_are_distinguished_and_named() {
     let corner = Corner::new(PROGRAM);
     let radio = format!("udp://239.255.31.{}:5524?interface=lo", std::process::id() % 200 + 20);
     let arguments = ["rsu", "corridor", "--radio", &radio, "--duration", "3", "--json"];

@@ -50,7 +50,7 @@ fn count(summary: &Value, path: &str) -> u64 {
 }
 
 #[test]
-fn a_service_that_is_told_to_end_from_outside_is_replaced_and_its_past_counts() {
+fn a_service_that_is_ended_from_outside_is_replaced_and_its_past_counts() {
     let services =
         ["timegap-controller", "timegap-perception-sim", "timegap-v2x-sim", "timegap-plant"];
     let corner = corner(6.0, "");

@@ -248,7 +248,7 @@ fn no_service_whose_clock_is_ahead_leaves_the_others_blind() {
 }
 
 #[test]
-fn what_a_fault_did_outlives_the_process_in_which_it_did_it() {
+fn the_counts_of_a_fault_outlive_its_process() {
     let corner = corner(
         3.0,
         "[[faults]]\nkind = \"corrupt\"\ntopic = \"control/command\"\nat_s = 0.5\nfor_s = 0.5\n\
@@ -330,7 +330,7 @@ fn process_faults_in_lockstep_and_senseless_ones_are_refused_before_anything_run
 /// A process of the same user opens `control/command` with correct type and header names, and requests full
 /// braking.
 #[test]
-fn an_unknown_sender_on_the_command_topic_is_not_heard_and_is_reported() {
+fn an_unknown_sender_on_the_command_topic_is_ignored_and_reported() {
     let corner = corner(3.0, "");
     let arguments =
         ["run", "faulty.toml", "--mode", "realtime", "--out", "out", "--no-record", "--json"];
@@ -375,7 +375,7 @@ fn impersonate(group: &Group) {
 }
 
 #[test]
-fn what_a_run_makes_is_for_its_user_alone() {
+fn the_files_of_a_run_are_for_its_user_alone() {
     use std::os::unix::fs::PermissionsExt;
     let corner = corner(3.0, "");
     let mut running = corner.start(&["run", "faulty.toml", "--mode", "realtime", "--out", "out"]);

@@ -212,7 +212,7 @@ fn a_longer_run_allocates_no_more() {
 }
 
 #[test]
-fn what_needs_processes_is_refused() {
+fn options_that_need_processes_are_refused() {
     let corner = Corner::new(PROGRAM);
     let file = corner.path().join("kill.toml");
     let fault = "\n[[faults]]\nkind = \"kill\"\nservice = \"controller\"\nat_s = 1.0\n";

@@ -99,7 +99,7 @@ fn a_listener_that_never_reads_does_not_stop_a_realtime_run() {
 }
 
 #[test]
-fn the_live_file_tells_when_it_began_and_what_the_messages_mean() {
+fn the_live_file_has_its_start_and_the_meaning_of_the_messages() {
     let corner = Corner::new(PROGRAM);
     let before_ns = runtime::monotonic_ns();
     let arguments = ["run", "following", "--duration", "2", "--out", "out", "--json"];

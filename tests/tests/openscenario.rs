@@ -167,7 +167,7 @@ fn a_variation_runs_every_combination_that_keeps_the_constraints() {
 }
 
 #[test]
-fn what_is_wrong_is_one_error_with_its_place() {
+fn a_mistake_is_one_error_with_its_place() {
     let corner = corner();
     let path = corner.path().join("examples/cut_in.xosc");
     let good = std::fs::read_to_string(&path).expect("it is there");

@@ -43,7 +43,7 @@ fn plans_made_beside_the_loop_repeat_byte_for_byte() {
 }
 
 #[test]
-fn where_the_map_ends_the_truck_cruises() {
+fn the_truck_cruises_where_the_map_ends() {
     let corner = Corner::new(PROGRAM);
     let summary = hills(
         &corner,
@@ -93,7 +93,7 @@ fn planning_costs_the_loop_no_allocation() {
 }
 
 #[test]
-fn roads_that_are_none_are_refused_at_their_place() {
+fn invalid_roads_are_refused_at_their_place() {
     let corner = Corner::new(PROGRAM);
     let write = |name: &str, text: &str| {
         std::fs::write(corner.path().join(name), text).expect("our own directory");

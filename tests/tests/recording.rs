@@ -295,7 +295,7 @@ fn lengths_of_gigabytes_need_no_memory() {
 }
 
 #[test]
-fn what_is_no_recording_is_refused_with_status_2() {
+fn a_file_that_is_not_a_recording_is_refused_with_status_2() {
     let corner = Corner::new(PROGRAM);
     std::fs::write(corner.path().join("text.mcap"), "no recording").expect("writable");
     for command in [["info", "text.mcap"], ["recover", "text.mcap"], ["info", "nowhere"]] {

@@ -32,7 +32,7 @@ fn the_table_of_exits_is_that_of_the_code() {
 }
 
 #[test]
-fn completions_and_the_man_page_know_the_commands() {
+fn completions_and_the_man_page_have_the_commands() {
     let corner = Corner::new(PROGRAM);
     for (product, sign) in
         [("bash", "_timegap"), ("zsh", "#compdef timegap"), ("man", ".TH timegap")]

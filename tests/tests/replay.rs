@@ -158,7 +158,7 @@ fn frames_of_a_realtime_run_are_decoded_again_to_the_same_signals() {
 }
 
 #[test]
-fn a_run_without_frames_has_none_to_decode_again() {
+fn a_run_without_frames_has_nothing_to_decode_again() {
     let corner = Corner::new(PROGRAM);
     let _ =
         corner.json(&["run", "cacc-a", "--mode", "lockstep", "--duration", "1", "--out", "out"]);

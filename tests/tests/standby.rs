@@ -74,7 +74,7 @@ fn a_stopped_process_is_replaced_before_its_heartbeats_are_missed_and_does_not_c
 }
 
 #[test]
-fn where_a_standby_means_nothing_it_is_refused() {
+fn a_standby_without_meaning_is_refused() {
     let corner = Corner::new(PROGRAM);
     let standby = "supervision.standby=[\"controller\"]";
     for (more, what) in [

@@ -258,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_is_carried_to_its_place_on_the_next_circle() {
+    fn a_standing_object_is_carried_to_its_place_on_the_next_circle() {
         // The ego drives 1 m on a circle of 125 m. Its filter still had 200 m before, and has 125 m then.
         let (before, next, truth) = (circle(200.0, 0.0), circle(125.0, 0.0), circle(125.0, 0.0));
         let place = (40.0, -3.5);

@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_collision_beside_the_path_is_none_of_the_egos() {
+    fn a_collision_beside_the_path_does_not_concern_the_ego() {
         assert_eq!(where_it_stands(&lead(3.5, 0.0), &standing(3.5)), None);
         assert!(where_it_stands(&lead(1.5, 0.0), &standing(1.5)).is_some());
     }

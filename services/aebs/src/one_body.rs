@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stays_in_its_place_is_one_body_when_it_is_confirmed() {
+    fn an_object_that_stays_in_its_place_is_one_body_when_it_is_confirmed() {
         assert!(after(&[0.3, -0.2, 0.4, 0.0]) > 0.8, "{}", after(&[0.3, -0.2, 0.4, 0.0]));
         // One that comes in at 1 m/s, too.
         let coming_in: Vec<f64> = (0..8).map(|k| 3.5 - 0.05 * f64::from(k)).collect();
@@ -93,13 +93,13 @@ mod tests {
     }
 
     #[test]
-    fn what_scatters_between_two_lanes_is_two() {
+    fn an_echo_that_scatters_between_two_lanes_is_two_vehicles() {
         let between = [-1.5, 1.7, -1.9, -0.5, 0.0, -1.7, -0.2, 0.3];
         assert!(after(&between) < 0.15, "{}", after(&between));
     }
 
     #[test]
-    fn what_is_seen_beside_itself_is_hardly_one_body() {
+    fn an_object_seen_at_several_places_is_rarely_one_body() {
         let mut one = OneBody::default();
         one.see(0.0, VARIANCE_M2, 0.8);
         let before = one.probability();
@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn near_by_the_radar_tells_two_apart() {
+    fn near_by_the_radar_resolves_two() {
         let resolution_rad = 3f64.to_radians();
         assert!(OneBody::is_doubtful(100.0, resolution_rad));
         assert!(!OneBody::is_doubtful(75.0, resolution_rad));
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn two_abreast_are_told_apart_where_their_corners_are() {
+    fn two_abreast_are_resolved_by_their_corners() {
         // 6 m between the middles less 1.8 m between the corners.
         assert!(OneBody::is_doubtful(42.1, 0.1) && !OneBody::is_doubtful(41.9, 0.1));
     }

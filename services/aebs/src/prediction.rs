@@ -242,7 +242,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_surely_stays_far_is_the_same_with_the_whole_prediction(
+        fn an_object_that_surely_stays_far_is_the_same_with_the_whole_prediction(
             gap in 0.5..80.0_f64, v in 0.0..40.0_f64, closing in -5.0..15.0_f64,
             a in -6.0..3.0_f64, other_a in -8.0..3.0_f64, clear in 0.0..3.0_f64, plan in 0..4,
         ) {

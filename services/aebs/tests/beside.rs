@@ -17,7 +17,7 @@ fn turns(speed_mps: f64) -> f64 {
 }
 
 #[test]
-fn what_crawls_does_not_turn_at_once() {
+fn a_crawling_object_does_not_turn_at_once() {
     assert!(turns(1.7) < 1e-6, "{}", turns(1.7));
     assert!(turns(10.0) > 1e-3, "{}", turns(10.0));
 }

@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn an_old_target_is_extrapolated_and_its_age_told() {
+    fn an_old_target_is_extrapolated_and_its_age_reported() {
         let mut radar = RadarTracks::zeroed();
         radar.target.valid = 1;
         (radar.target.gap_m, radar.target.relative_speed_mps) = (40.0, -10.0);

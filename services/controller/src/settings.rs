@@ -307,7 +307,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_number_is_refused_everywhere() {
+    fn a_value_that_is_not_a_number_is_refused_everywhere() {
         assert!(within("a", f64::NAN, 0.0, 1.0).is_err());
         assert!(above("a", f64::NAN, 0.0, 1.0).is_err());
         assert!(below("a", f64::NAN, "b", 1.0).is_err());

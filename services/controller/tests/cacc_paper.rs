@@ -72,7 +72,7 @@ fn behind(target: Target) -> Input {
 /// The light has a solution at 2.1 s and 2.2 s of Table 3. Rolled out by hand, the plan meets every
 /// constraint of the paper's program. At 2.1 s its margin is 17 mm.
 #[test]
-fn the_light_has_a_solution_where_the_reference_found_none() {
+fn the_light_has_a_solution_where_the_reference_found_no_solution() {
     // State and light of instances 778 and 779: e, ed, a, H, t_l.
     let at = [
         (-4.227_668_079_53, 0.871_712_556_12, 1.004_118_809_52, -8.198_048_834_19, 7.9),

@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_certain_ends_the_list() {
+    fn an_uncertain_interval_ends_the_list() {
         let unknown = event(MovementPhase::ProtectedMovementAllowed, [None, Some(3), None]);
         assert_eq!(timing(vec![unknown]).phases, []);
         let bare = |state| MovementEvent { state, timing: None };

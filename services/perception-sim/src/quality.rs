@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_out_of_view_is_not_missed() {
+    fn a_vehicle_out_of_view_is_not_missed() {
         let mut quality = quality();
         quality.observe(&scene(0, &[car(-20.0, 3.5), car(500.0, 0.0)]), &list(&[]), 0);
         assert_eq!(quality.figures().gospa_m, 0.0);

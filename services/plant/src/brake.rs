@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn no_request_passes_the_authority_and_a_wrong_one_is_none() {
+    fn no_request_passes_the_authority_and_a_wrong_one_is_dropped() {
         let least = drive(&mut path(), 0, 200, 1e9, 0.0).into_iter().fold(0.0, f64::min);
         assert_eq!(least, -8.34);
         for asked in [f64::NAN, -5.0, f64::NEG_INFINITY, 0.0] {

@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_beside_may_still_touch_and_what_was_passed_may_not_catch_up() {
+    fn a_vehicle_beside_may_still_touch_and_one_that_was_passed_may_not_catch_up() {
         assert_eq!(ends_after(-8.9, |_| 0.0), None, "it may be as long as the longest");
         assert_eq!(ends_after(-9.1, |_| 10.0), Some(1_500));
         assert_eq!(ends_after(-9.1, |_| 21.0), None);

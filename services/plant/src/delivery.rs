@@ -203,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn a_clock_that_is_ahead_delays_no_command_and_makes_none_a_repetition() {
+    fn a_clock_that_is_ahead_delays_no_command_and_repeats_no_command() {
         for ahead_ns in [0, 100_000, 2_000_000, 20_000_000] {
             let mut delivery = delivery("");
             let mut command = Command::zeroed();
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn a_constant_delay_moves_all_and_loses_none() {
+    fn a_constant_delay_moves_all_and_loses_nothing() {
         let (arrivals, undelivered) = drive(delivery("extra_delay_ms = 250"), 5);
         assert_eq!(arrivals, [(0, 25), (1, 35), (2, 45)].map(|(k, p)| (k, p * PERIOD_NS)));
         assert_eq!(undelivered, 0);

@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn commands_in_time_are_none_missed() {
+    fn commands_in_time_do_not_count_as_missed() {
         assert_eq!(missed(&[(0, 10), (100, 160), (200, 210)], 300), (3, 0));
         assert_eq!(missed(&[(0, 10), (130, 140)], 160), (2, 0), "off the grid, after a restart");
     }

@@ -77,7 +77,7 @@ fn read(file: &[u8]) -> Result<Recording, ReadError> {
 }
 
 #[test]
-fn what_was_written_is_read() {
+fn written_files_are_read() {
     let recording = read(&file(true)).expect("a recording");
     assert_eq!(*recording.metadata(), metadata());
     assert_eq!((recording.damage(), recording.tally()), (&[][..], Some(&Tally::default())));

@@ -160,7 +160,7 @@ fn a_file_that_was_shuffled_is_read_in_order() {
 }
 
 #[test]
-fn what_a_chunk_says_of_its_length_costs_nothing() {
+fn a_chunks_stated_length_costs_nothing() {
     let (head, chunks) = parts();
     let body = &chunks[0];
     let records = unpacked(body);

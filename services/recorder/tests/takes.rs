@@ -70,7 +70,7 @@ fn every_process_of_the_controller_is_a_take() {
 }
 
 #[test]
-fn what_was_lost_ends_its_take_alone() {
+fn a_loss_ends_its_take_alone() {
     for (lost, expected, why) in [
         ((Topic::Command, 3), [(2, 1), (2, 2)], "the command of its cycle 3 was not recorded"),
         (

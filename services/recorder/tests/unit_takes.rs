@@ -55,7 +55,7 @@ fn every_cycle_has_its_frames_and_what_was_made_of_them() {
 }
 
 #[test]
-fn what_was_lost_and_what_a_new_process_heard_ends_it() {
+fn a_loss_and_a_new_process_end_it() {
     for (lost, cycles, why) in [
         (
             (Topic::RadioFrames, 3),

@@ -323,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_is_told_from_the_function() {
+    fn noise_is_distinguished_from_the_function() {
         let points = points(80);
         let noise = |k: usize| 0.4 * ((k as f64 * 0.618_034).fract() - 0.5) * 12.0_f64.sqrt();
         let values: Vec<f64> =

@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn a_measured_position_tells_of_the_speed_behind_it() {
+    fn a_measured_position_shows_the_speed_behind_it() {
         let mut state = Gaussian::independent([0.0, 0.0], [0.01, 4.0]);
         state.spread(&[[1.0, 0.5], [0.0, 1.0]], &[0.0, 0.0], 0.0);
         assert_eq!(state.covariance, [[1.01, 2.0], [2.0, 4.0]]);
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_number_passes_no_gate() {
+    fn a_value_that_is_not_a_number_passes_no_gate() {
         let state = Gaussian::independent([0.0], [1.0]);
         assert!(state.innovation(0, 1.9, 0.0).passes(2.0));
         assert!(!state.innovation(0, -2.1, 0.0).passes(2.0));

@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn elements_and_attributes_know_their_places() {
+    fn elements_and_attributes_have_their_places() {
         let text = "\u{feff}<?xml version=\"1.0\"?>\n<!-- a\nremark -->\n<A b=\"1 &lt; 2\">\n <B/>\n\n <C\n  d='e'></C>\n</A>\n";
         let document = parse("x.xosc", text).expect("it is well-formed");
         let root = &document.root;
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_well_formed_is_refused_at_its_line() {
+    fn a_file_that_is_not_well_formed_is_refused_at_its_line() {
         assert!(
             refusal("<A>\n <B>\n</A>").starts_with("x.xosc:3:1: not XML"),
             "{}",

@@ -54,7 +54,7 @@ fn car() -> String {
 }
 
 #[test]
-fn of_a_catalog_only_the_entry_in_use_has_to_be_in_the_subset() {
+fn only_the_entry_in_use_of_a_catalog_has_to_be_in_the_subset() {
     let other =
         "<Vehicle name=\"other\" vehicleCategory=\"car\"><Wings/></Vehicle><Route name=\"r\"/>";
     with_catalog(&format!("{other}{}", car()), "").expect("the car is in the subset");
@@ -67,7 +67,7 @@ fn of_a_catalog_only_the_entry_in_use_has_to_be_in_the_subset() {
 }
 
 #[test]
-fn a_car_that_could_pull_a_trailer_pulls_none() {
+fn a_car_that_could_pull_a_trailer_is_alone() {
     let assign = |value: &str, name: &str| {
         format!("<ParameterAssignment parameterRef=\"{name}\" value=\"{value}\"/>")
     };
@@ -180,7 +180,7 @@ fn the_user_may_name_the_ego() {
 }
 
 #[test]
-fn a_speed_that_the_ego_shall_reach_in_time_is_its_set_speed() {
+fn a_speed_that_the_ego_must_reach_in_time_is_its_set_speed() {
     let init = private("Ego", &[&place(-1, 10.0), &speed("linear", "rate", 3.0, 25.0)])
         + &private("Lead", &[&place(-1, 60.0)]);
     let text = Parts { init, ..Parts::default() };

@@ -224,7 +224,7 @@ fn entities_meet_on_a_curve() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused() {
+fn senseless_values_are_refused() {
     let refused = |action: &str, expected: &str| {
         let shown = at_1_s(action, 20.0).refusal();
         assert!(shown.starts_with("dir/a.xosc:6:") && shown.contains(expected), "{shown}");

@@ -186,7 +186,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn changes_are_told_from_the_smallest_one_that_counts_on() {
+    fn changes_are_stated_from_the_smallest_one_that_counts_on() {
         let figures = [
             Figure::value("gap", "m", 0.5),
             Figure::difference("late", "s", 0.05),

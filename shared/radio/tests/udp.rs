@@ -95,7 +95,7 @@ fn a_vehicle_at_an_address_of_ipv6() {
 }
 
 #[test]
-fn a_vehicle_answers_to_whom_it_heard() {
+fn a_vehicle_answers_the_station_that_it_received() {
     let address = address(&format!("udp://127.0.0.1:{}", free_port()));
     let mut vehicle = open(&address, Role::Vehicle);
     assert!(matches!(vehicle.send(b"early"), Err(SendError::NoTarget)));
@@ -157,7 +157,7 @@ fn a_unit_that_starts_anew_is_another_one_and_nothing_is_lost() {
 }
 
 #[test]
-fn what_cannot_be_bound_is_one_error() {
+fn an_address_that_cannot_be_bound_is_one_error() {
     let refused = |text: &str, role| {
         let error = Carrier::open(&address(text), role).expect_err(text);
         error.to_string()

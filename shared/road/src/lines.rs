@@ -133,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_list_of_lines_is_not_sound() {
+    fn an_invalid_list_of_lines_is_not_sound() {
         for stations in [
             vec![vec![0.0, 1.0]],
             vec![vec![0.0, 1.0, -1.0]],

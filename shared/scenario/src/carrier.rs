@@ -200,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_address_is_named() {
+    fn a_text_that_is_not_an_address_is_named() {
         for (text, said) in [
             ("", "names no carrier"),
             ("tcp://1.2.3.4:5", "names no carrier"),

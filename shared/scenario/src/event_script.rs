@@ -341,7 +341,7 @@ lateral = { to_m = 3.5, duration_s = 3, shape = \"cubic\" }
     }
 
     #[test]
-    fn what_makes_no_sense_is_shown_at_its_line() {
+    fn senseless_values_are_shown_at_their_line() {
         for (from, to, line, expected) in [
             ("gap_below_m = 30", "gap_under_m = 30", 9, "gap_below_m"),
             ("gap_below_m = 30", "gap_below_m = -1", 9, "a distance from 0"),

@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_law_or_two_is_refused_at_its_place() {
+    fn a_table_of_no_law_or_of_two_is_refused_at_its_place() {
         for (lines, what) in [
             ("", "has no program, or more than one"),
             ("command = [\"a\"]\nlibrary = \"b.so\"", "or more than one"),

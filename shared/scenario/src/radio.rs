@@ -342,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_carrier_has_no_use_for_is_refused() {
+    fn useless_options_of_a_carrier_are_refused() {
         for (keys, said) in [
             ("radio = \"morse\"", "`morse` is not a radio"),
             ("radio = \"udp://nowhere\"", "is not an IP address with a port"),

@@ -73,7 +73,7 @@ mod tests {
 
     /// From walking pace to 0.1 m/s: the clutch opens on the way.
     #[test]
-    fn what_is_asked_for_is_had_at_any_speed_and_on_any_grade() {
+    fn the_request_is_met_at_any_speed_and_on_any_grade() {
         for preset in Preset::ALL {
             let truck = Truck::preset(preset);
             for grade in [-0.1, -0.01, 0.0, 0.01, 0.03] {

@@ -240,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drive_is_known_by_what_it_met() {
+    fn a_drive_is_identified_by_its_events() {
         let met = Exposure::of("x".into(), "y".into(), &steps());
         assert_eq!((met.hardest_braking_mps2, met.min_ttc_s), (3.0, Some(5.0)));
         assert_eq!((met.reds_met, met.yellows_met, met.standstill_s), (1, 0, 0.0));

@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn of_fewer_seeds_their_share_of_a_least_number_is_required() {
+    fn fewer_seeds_require_their_share_of_a_least_number() {
         let mut campaign = open("messages").expect("it is built in");
         let least = |campaign: &Campaign| campaign.require["min_critical_faults"];
         let (all, seeds) = (least(&campaign), campaign.seeds.get());

@@ -301,7 +301,7 @@ bits = [1, 3]
     }
 
     #[test]
-    fn what_strikes_together_has_one_instant_and_two_services() {
+    fn faults_that_strike_together_have_one_instant_and_two_services() {
         let fault = "seeds = 40\nfaults_per_run = [1, 1]\n[[faults]]\nkind = \"kill\"\ntogether = 2\n\
             service = [\"plant\", \"controller\", \"aebs\"]\nat_s = [1.0, 9.0]\n[[faults]]\n\
             kind = \"kill-helper\"\nhelper = \"launcher\"\nat_s = [1.0, 9.0]\nalone = true\n";
@@ -376,7 +376,7 @@ bits = [1, 3]
     }
 
     #[test]
-    fn what_cannot_be_drawn_from_is_refused() {
+    fn a_table_that_cannot_be_drawn_from_is_refused() {
         for line in ["at_s = [1.0]", "at_s = [3, 1]", "at_s = []", "at_s = [nan, 1.0]", "count = 0"]
         {
             let text = format!("[[faults]]\nkind = \"kill\"\n{line}\n");

@@ -235,7 +235,7 @@ pub mod tests {
     }
 
     #[test]
-    fn of_a_sample_its_share_of_a_least_number_is_required() {
+    fn a_sample_requires_its_share_of_a_least_number() {
         let text =
             format!("{FILE}seeds = 2\nsample = 2\n[require]\nmin_kills = 9\nmin_gap_m = 3\n");
         let campaign: Campaign = toml::from_str(&text).expect("a campaign");

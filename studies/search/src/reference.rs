@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_beside_the_lane_is_not_in_the_way() {
+    fn an_object_beside_the_lane_is_not_in_the_way() {
         let text = standing(60.0, 0.0) + "lateral_offset_m = 3.5\n";
         let driven = drive(Reference::REGULATION, &text);
         assert_eq!(driven.clearance_m, f64::INFINITY);

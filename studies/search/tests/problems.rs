@@ -50,7 +50,7 @@ fn the_published_problems_are_problems() {
 }
 
 #[test]
-fn what_is_no_problem_is_refused_with_its_place() {
+fn a_file_that_is_not_a_problem_is_refused_with_its_place() {
     for (words, parts) in [
         (&["following"][..], &["nothing varies", "--vary KEY=A..B"][..]),
         (&["following", "--vary", "set_speed_mps"], &["--vary set_speed_mps: no `=`"]),

@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_not_disturbed_has_no_gain() {
+    fn an_undisturbed_signal_has_no_gain() {
         let norms = Norms { l2: 1.0, max: 1.0 };
         assert_eq!(norms.over(None), (None, None));
         assert_eq!(norms.over(Some(Norms::default())), (None, None));

@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_car_moves_beside_the_sine_is_its_noise() {
+    fn a_cars_motion_beside_the_sine_is_its_noise() {
         let wave = Wave { hz: 0.3, centre_mps: 20.0, settle_s: 60.0 };
         // One of the four neighbouring frequencies has 0.01 m/s.
         let other_hz = wave.hz * (wave.periods() + 1.0) / wave.periods();

@@ -49,7 +49,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_machine_lacks_is_said() {
+    fn the_machines_lacks_are_named() {
         assert!(caveats(2, Scheduling::Fifo, None).is_empty());
         assert!(caveats(2, Scheduling::Fifo, Some(4.0)).is_empty(), "more than the machine has");
         let all = caveats(1, Scheduling::Other, Some(0.5));

@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn misses_are_compared_as_rates_and_none_is_enough() {
+    fn misses_are_compared_as_rates_and_zero_is_enough() {
         let verdict = |ours, floor| {
             let events = |events| Events { events, cycles: 10_000 };
             let goal = of_misses(Placement::SameCore, events(ours), events(floor));

@@ -243,7 +243,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn conditions_are_told_with_their_period_in_ms() {
+    fn conditions_are_stated_with_their_period_in_ms() {
         assert_eq!(
             conditions_in_words("fifo:same_core:idle:500us"),
             "fifo, same core, idle, every 0.5 ms"

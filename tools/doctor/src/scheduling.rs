@@ -146,7 +146,7 @@ Max realtime priority     0                    0
     }
 
     #[test]
-    fn an_ordinary_user_is_told_which_capabilities_help() {
+    fn an_ordinary_user_sees_which_capabilities_help() {
         let refused = [(Asked::LockedMemory, "Cannot allocate memory"), NO_FIFO];
         let none = granted("other", &refused);
         let found = policy(&none, false, path());

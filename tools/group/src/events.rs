@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn messages_and_text_are_told_apart() {
+    fn messages_and_text_are_distinguished() {
         let found = events("{\"ended\":7}\nwarning: \u{1b}x\n\n".as_bytes());
         assert!(matches!(found[0], Event::Message(_, FromService::Ended(7))), "{found:?}");
         assert!(matches!(&found[1], Event::Output(_, line) if line.starts_with("warning")));

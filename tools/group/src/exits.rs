@@ -95,7 +95,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn statuses_are_told_apart() {
+    fn statuses_are_distinguished() {
         assert_eq!(Exit::of(ExitStatus::from_raw(0)), Exit::Ok);
         assert_eq!(Exit::of(ExitStatus::from_raw(3 << 8)).to_string(), "exit status 3");
         assert_eq!(Exit::of(ExitStatus::from_raw(9)).to_string(), "killed by SIGKILL");

@@ -67,7 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_of_a_long_drive_does_not_depend_on_when_it_is_thinned_out() {
+    fn the_steps_of_a_long_drive_do_not_depend_on_when_it_is_thinned_out() {
         let left = |chunk: u64| {
             let mut kept = KeptSteps::new(Mode::Lockstep, 5, 10);
             let mut steps = Vec::new();

@@ -197,7 +197,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_law_is_refused_with_what_was_expected() {
+    fn an_argument_that_is_not_a_law_is_refused_with_what_was_expected() {
         for (argument, what) in [
             ("gentle", "expected NAME=COMMAND"),
             ("a b=./law", "is not a name"),

@@ -370,7 +370,7 @@ mod tests {
     }
 
     #[test]
-    fn a_body_knows_its_distance_and_its_rear() {
+    fn a_body_has_its_distance_and_its_rear() {
         let body = Body { length_m: 4.0, width_m: 2.0, ..Body::default() };
         assert_eq!(body.distance_m(1.0, 0.5), 0.0);
         assert_eq!(body.distance_m(5.0, 5.0), 5.0);

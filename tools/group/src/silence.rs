@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn who_waits_for_the_processor_is_starved_and_who_has_it_or_wants_none_hangs() {
+    fn a_process_that_waits_for_the_processor_is_starved_and_one_that_has_it_or_needs_none_hangs() {
         assert_eq!(meaning(STARVED_LOOP), Meaning::Starved(LIMIT_NS + 10 * MS));
         assert_eq!(meaning(STARVED_CYCLES), Meaning::Starved(LIMIT_NS + 10 * MS));
         assert_eq!(meaning(ENDLESS_LOOP), Meaning::Hung);

@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn a_time_gap_is_the_gap_over_the_speed_and_a_standing_vehicle_has_none() {
+    fn a_time_gap_is_the_gap_over_the_speed_and_does_not_exist_at_a_stand() {
         let step = |gap_m, speed_mps| DriveStep { gap_m, speed_mps, ..DriveStep::default() };
         let steps = [
             step(Some(20.0), 10.0),

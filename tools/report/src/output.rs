@@ -381,7 +381,7 @@ mod tests {
     }
 
     #[test]
-    fn what_never_got_to_a_result_leaves_nothing() {
+    fn a_command_without_a_result_leaves_nothing() {
         let path = place("failed").join("a/b");
         let output = OutputDirectory::create(&options(&path, false), "x").expect("writable");
         output.write_input("scenario.toml", b"").expect("ours");

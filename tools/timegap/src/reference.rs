@@ -308,7 +308,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_schema_knows_ranges_words_and_tables() {
+    fn the_schema_has_ranges_words_and_tables() {
         let schema = json_schema();
         let period = &schema["properties"]["plant"]["properties"]["period_ms"];
         assert_eq!((&period["minimum"], &period["maximum"]), (&json!(1.0), &json!(10_000.0)));
@@ -353,7 +353,7 @@ mod tests {
     }
 
     #[test]
-    fn the_schema_knows_every_key_of_the_built_in_scenarios() {
+    fn the_schema_has_every_key_of_the_built_in_scenarios() {
         let schema = json_schema();
         for builtin in scenario::builtin::ALL {
             let text: toml::Table = builtin.text.parse().expect("it is TOML");

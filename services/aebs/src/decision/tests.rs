@@ -92,7 +92,7 @@ fn a_stop_just_behind_what_seems_to_creep_backwards_is_left_alone() {
 }
 
 #[test]
-fn what_is_passed_before_it_comes_in_is_left_alone() {
+fn an_object_passed_before_it_comes_in_is_left_alone() {
     let brakes = |gap_m: f64, lateral_mps: f64| {
         let mut decision = Decision::new(settings());
         let ego = Ego { speed_mps: 20.0, acceleration_mps2: 0.0 };
@@ -121,7 +121,7 @@ fn a_pass_that_braking_would_turn_into_a_contact_is_not_braked_for() {
 }
 
 #[test]
-fn what_is_known_vaguely_is_braked_for_when_a_contact_is_likely() {
+fn an_uncertain_object_is_braked_for_when_a_contact_is_likely() {
     let contact = |sigma_m: f64| {
         let decision = Decision::new(settings());
         let mut object = Object::at(20.0, 5.0, 3.5, -0.4, 0.95);
@@ -171,7 +171,7 @@ fn it_holds_without_an_object_too() {
 }
 
 #[test]
-fn what_is_not_seen_any_more_is_braked_for_during_its_time_alone() {
+fn an_unseen_threat_is_braked_for_during_its_time_alone() {
     let mut decision = braking();
     let scans = (Numbers::DEFAULT.unseen_s / PERIOD_S).round() as u32;
     for scan in 1..scans {
@@ -231,7 +231,7 @@ fn a_warning_comes_first_and_ends_with_its_threat() {
 }
 
 #[test]
-fn what_comes_in_is_not_expected_to_brake_as_well_and_a_lead_is() {
+fn a_vehicle_that_comes_in_is_not_expected_to_brake_as_well_and_a_lead_is() {
     // 18 m/s faster. With 6 m/s² that is 27 m and the onset. A lead that also brakes needs about 15 m more.
     let first_braking_m = |offset_m: f64, inward_mps: f64| {
         let mut decision = Decision::new(settings());
@@ -324,7 +324,7 @@ proptest::proptest! {
 }
 
 #[test]
-fn what_stands_on_a_row_is_braked_for_from_the_last_point_to_steer_on() {
+fn an_object_on_a_row_is_braked_for_from_the_last_point_to_steer_on() {
     let first_braking_m = |is_on_row: bool| {
         let mut decision = Decision::new(settings());
         (0..1200).map(|k| 60.0 - 0.05 * f64::from(k)).find(|gap_m| {

@@ -99,7 +99,7 @@ fn beside_the_ego_it_is_hidden_once_its_last_place_is_out_of_sight() {
 }
 
 #[test]
-fn what_has_come_to_the_axis_stays_there_unseen() {
+fn an_object_on_the_axis_stays_there_unseen() {
     let coasts = |off_m: f64, rate_mps: f64| {
         let mut object = Object::at(20.0, 10.0, off_m, rate_mps, 0.95);
         object.acceleration_mps2 = -3.0;

@@ -68,7 +68,7 @@ fn a_cut_in_shows_its_lateral_speed() {
 }
 
 #[test]
-fn what_stands_beside_the_road_is_no_object_and_what_stands_ahead_is() {
+fn a_post_beside_the_road_is_not_an_object_and_a_vehicle_that_stands_ahead_is() {
     let mut objects = Objects::new(HALF_FIELD_RAD);
     follow(&mut objects, 10, |t| 80.0 - 20.0 * t, |_| 6.0);
     assert_eq!(objects.confirmed().count(), 0);
@@ -105,7 +105,7 @@ fn an_object_out_of_sight_is_kept_for_a_while_and_then_dropped() {
 }
 
 #[test]
-fn what_is_beside_the_ego_and_out_of_sight_is_carried_on() {
+fn an_object_beside_the_ego_and_out_of_sight_is_carried_on() {
     // Its rear passes the edge of the field of view, then all of it does.
     let mut objects = Objects::new(HALF_FIELD_RAD);
     let x = |t: f64| 12.0 - 6.0 * t;
@@ -157,7 +157,7 @@ fn uncovered(x_m: f64, relative_mps: f64, near: (f64, f64)) -> Vec<Detection> {
 }
 
 #[test]
-fn what_is_half_hidden_by_a_leaving_lead_is_in_the_middle_of_the_path() {
+fn an_object_half_hidden_by_a_leaving_lead_is_in_the_middle_of_the_path() {
     let mut objects = Objects::new(HALF_FIELD_RAD);
     for k in 0..30 {
         let (time_s, x_m) = (f64::from(k) * 0.05, 90.0 - f64::from(k));
@@ -218,13 +218,13 @@ fn counts_around_a_lead(echo_m: f64, lead_m: f64, lead_rate_mps: f64) -> (bool, 
 }
 
 #[test]
-fn what_a_lead_drives_through_is_not_there() {
+fn an_object_that_a_lead_drives_through_is_not_there() {
     assert_eq!(counts_around_a_lead(0.3, 0.0, 0.0), (true, false));
     assert_eq!(counts_around_a_lead(-1.2, 0.0, 0.0), (true, false));
 }
 
 #[test]
-fn what_a_lead_passes_or_swerves_around_stays() {
+fn an_object_that_a_lead_passes_or_swerves_around_stays() {
     assert_eq!(counts_around_a_lead(-1.9, 0.0, 0.0), (true, true), "beside its body");
     assert_eq!(counts_around_a_lead(0.0, 1.9, 0.0), (true, true), "it drives beside the path");
     assert_eq!(counts_around_a_lead(0.0, -0.4, 0.6), (true, true), "it leaves the path");
@@ -308,7 +308,7 @@ mod in_curves {
     }
 
     #[test]
-    fn what_stands_keeps_its_place_while_the_ego_steers_into_a_curve() {
+    fn a_standing_object_keeps_its_place_while_the_ego_steers_into_a_curve() {
         // The ego drives straight for 1 s, and then with a radius of 250 m. The steps are 1 ms, by dead reckoning.
         let (mut objects, mut way) = (Objects::new(HALF_FIELD_RAD), OwnWay::new(Body::default()));
         let (car_x_m, car_y_m) = (75.0, 4.0);

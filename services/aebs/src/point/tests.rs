@@ -65,7 +65,7 @@ fn along_a_circle_a_place_and_its_speed_count_by_the_road_there() {
 }
 
 #[test]
-fn what_stands_beside_the_road_and_what_is_across_is_left_out() {
+fn objects_beside_the_road_and_across_it_are_left_out() {
     let is_there = |x_m: f64, y_m: f64, speed_mps: f64| {
         let (range_m, azimuth_rad) = (libm::hypot(x_m, y_m), libm::atan2(y_m, x_m));
         let rate_mps = (speed_mps - 20.0) * libm::cos(azimuth_rad);

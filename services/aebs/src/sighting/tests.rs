@@ -128,7 +128,7 @@ fn a_scan_corrects_speed_acceleration_place_and_length() {
 }
 
 #[test]
-fn what_moves_counts_after_three_of_four_scans_and_what_stands_after_four_of_five() {
+fn a_moving_object_counts_after_three_of_four_scans_and_a_standing_one_after_four_of_five() {
     let counts = |speed_mps: f64, seen: &[bool]| {
         let mut object = Object::begin(20.0, 0.0, speed_mps);
         for is_seen in seen {

@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_road_can_be_is_left_out() {
+    fn impossible_points_of_a_road_are_left_out() {
         let wrong = [f64::NAN, f64::INFINITY, 0.1, -1e-3];
         let map = Cells { first_m: 0.0, cell_m: 25.0, curvatures_perm: &wrong };
         assert_eq!(places(&RoadAhead { map: Some(map), ..RoadAhead::default() }), [(75.0, -1e-3)]);

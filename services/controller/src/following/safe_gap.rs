@@ -272,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lead_that_brakes_as_hard_as_is_reckoned_with_is_not_reached() {
+    fn a_lead_that_brakes_as_hard_as_assumed_is_not_reached() {
         for lead_mps2 in [-2.0, -4.0, -7.0] {
             for speed_mps in [5.0, 15.0, 30.0] {
                 let least_m = least_gap(80.0, speed_mps, lead_mps2, &gap(7.0));

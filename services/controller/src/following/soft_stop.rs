@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vehicle_that_stands_is_held_until_it_shall_go() {
+    fn a_vehicle_that_stands_is_held_until_it_must_go() {
         let ego = Motion::default();
         assert_eq!(soften(0.0, ego, 0.5, room(10.0)), FOLLOWING.hold_mps2);
         assert_eq!(soften(0.8, ego, 0.5, room(10.0)), 0.8);

@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn where_nothing_was_ahead_braking_is_comfortable() {
+    fn braking_is_comfortable_where_nothing_was_ahead() {
         assert_eq!(deceleration_mps2(&EGO, None), COMFORTABLE_MPS2);
         assert_eq!(deceleration_mps2(&EGO, Some(&last(200.0, 20.0, 0.0))), COMFORTABLE_MPS2);
     }

@@ -135,7 +135,7 @@ fn each_recovery_is_proven_by_its_number_of_releases() {
 }
 
 #[test]
-fn what_was_lost_is_found_by_fresh_samples_alone() {
+fn a_lost_lead_is_found_by_fresh_samples_alone() {
     let mut ladder = ladder();
     let mut level = |radar_s: f64| {
         ladder.look(&ages(0.0, radar_s, 0.0), 0.0);
@@ -306,7 +306,7 @@ fn a_law_that_fails_or_is_late_shows_until_three_cycles_in_order() {
 }
 
 #[test]
-fn what_a_law_shows_gives_way_to_what_its_inputs_show() {
+fn a_laws_figures_give_way_to_those_of_its_inputs() {
     let settled = |ages: &Ages, quality: Quality| {
         let mut ladder = ladder();
         ladder.look(ages, 0.0);

@@ -190,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lead_that_vanishes_is_assumed_to_go_on_until_its_time_is_over() {
+    fn a_lead_that_disappears_is_assumed_to_go_on_until_its_time_is_over() {
         let mut memory = seen(2.0, 30.0, -4.0);
         let assumed = memory.see(&input(3.0, None), &[]).expect("it is missed");
         assert!(memory.is_missed());
@@ -210,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_seen_shortly_or_far_away_is_not_missed() {
+    fn a_vehicle_seen_shortly_or_far_away_is_not_missed() {
         assert_eq!(seen(0.9, 30.0, 0.0).see(&input(1.0, None), &[]), None);
         assert_eq!(seen(2.0, 71.0, 0.0).see(&input(2.1, None), &[]), None);
         assert!(seen(2.0, 69.0, 0.0).see(&input(2.1, None), &[]).is_some());

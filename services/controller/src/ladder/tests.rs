@@ -62,7 +62,7 @@ impl Drive {
 const ALL: [bool; 3] = [true; 3];
 
 #[test]
-fn a_blind_radar_is_predicted_then_braked_for_and_trusted_again_after_five_samples() {
+fn a_blind_radar_is_predicted_then_braked_for_and_used_again_after_five_samples() {
     let mut drive = Drive::new();
     drive.release(ALL);
     let mut levels = Vec::new();
@@ -80,7 +80,7 @@ fn a_blind_radar_is_predicted_then_braked_for_and_trusted_again_after_five_sampl
 }
 
 #[test]
-fn signal_timing_is_believed_as_far_as_it_is_proven_and_then_not_at_all() {
+fn signal_timing_is_used_as_far_as_it_is_proven_and_then_not_at_all() {
     let mut drive = Drive::new();
     drive.release(ALL);
     let trust: Vec<SignalTrust> = (0..80).map(|_| drive.release([true, true, false]).1).collect();

@@ -86,7 +86,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_outside_is_unknown() {
+    fn places_outside_are_unknown() {
         let preview = preview(&[0.01, 0.02]);
         assert_eq!(preview.grade(999.9), None);
         assert_eq!(preview.grade(1049.0), Some(0.01));

@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_that_is_none_is_shown_with_the_nearest() {
+    fn an_unknown_name_is_shown_with_the_nearest_one() {
         let shown = refused("name = \"cac-mpc\"\n");
         assert!(
             shown.contains("mine.toml:4:8") && shown.contains("did you mean `cacc-mpc`?"),

@@ -312,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_known_first_gives_way_when_the_signal_shows_something_else() {
+    fn the_first_announcement_gives_way_when_the_signal_shows_something_else() {
         let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
         countdown.look(&spat(1, 5.0, -2.0), 5.0, &mut findings);
         for k in 60..=250 {

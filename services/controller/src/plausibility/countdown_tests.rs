@@ -172,7 +172,7 @@ fn one_that_agrees_ends_the_offset_and_an_open_one_does_not() {
 }
 
 #[test]
-fn sixteen_signals_are_remembered_and_the_oldest_gives_way() {
+fn sixteen_signals_are_kept_and_the_oldest_gives_way() {
     let of = |id: u32, off_s: f64| signal(id, &[(RED, 90.0 + off_s), (GREEN, 99.0 + off_s)]);
     let heard = |count: u32| -> Vec<Spat> {
         (0..count).map(|id| spat(5.0 + 0.1 * f64::from(id), &[of(id, 0.0)])).collect()

@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_beyond_a_vehicles_limits_is_none_of_its_motion() {
+    fn a_jump_beyond_a_vehicles_limits_is_not_its_motion() {
         let mut motion = Checked::default();
         motion.agrees(&sample(0.0, 0.0, 10.0));
         assert!(!motion.agrees(&sample(0.1, 1.15, 13.0)));
@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn a_standstill_that_no_command_ends_is_believed_only_as_long_as_the_radar_does() {
+    fn a_standstill_that_no_command_ends_counts_only_while_the_radar_agrees() {
         let mut motion = Motion::default();
         let mut findings = Findings::default();
         let mut agree = |k: u32, radar: Option<&RadarTracks>, commanded: f64| {

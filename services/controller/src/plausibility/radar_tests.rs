@@ -90,7 +90,7 @@ fn exact_figures_may_repeat_until_the_egos_speed_changes() {
 }
 
 #[test]
-fn a_range_that_does_not_follow_its_rate_is_not_believed() {
+fn a_range_that_does_not_follow_its_rate_is_not_used() {
     let mut radar = Checked::new(false);
     let mut gap_m = 60.0;
     for k in 0..30 {
@@ -120,7 +120,7 @@ fn a_measurement_that_jumps_and_comes_back_is_no_contradiction() {
 }
 
 #[test]
-fn of_target_and_track_the_more_careful_figures_count_once_the_target_has_settled() {
+fn the_more_careful_figures_of_target_and_track_count_once_the_target_has_settled() {
     for (bias_m, bias_mps, expected) in [
         (5.0, 0.0, (0.0, -1.0)),
         (-5.0, 0.0, (-5.0, -1.0)),

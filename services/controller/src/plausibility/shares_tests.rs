@@ -93,7 +93,7 @@ fn a_vehicle_changes_its_speed_within_its_limits() {
 }
 
 #[test]
-fn an_ego_that_ignores_its_commands_for_a_while_is_not_believed() {
+fn an_ego_that_ignores_its_commands_for_a_while_is_not_used() {
     let still = |k: u32| odometry(0.1 * f64::from(k), 5.0, 0.0);
     for command_mps2 in [0.5, -0.5] {
         let commanded = |k: u32| (still(k), if k > 3 { command_mps2 } else { 0.0 });
@@ -311,7 +311,7 @@ fn a_ranges_differences_from_its_rate_add_up_and_fade() {
 }
 
 #[test]
-fn a_range_that_drifts_is_not_believed_and_is_again_soon_after() {
+fn a_range_that_drifts_is_not_used_and_is_again_soon_after() {
     let drift = (1..40).map(|k| {
         let moved_m = 0.8 * f64::from(k.min(10));
         (1.0 + 0.1 * f64::from(k), 50.0 + moved_m, 0.0)
@@ -355,7 +355,7 @@ fn a_target_is_compared_with_its_settled_track() {
 }
 
 #[test]
-fn a_target_whose_track_jumps_or_that_has_none_is_left_as_it_is() {
+fn a_target_whose_track_jumps_or_is_missing_is_left_as_it_is() {
     let target_of = |change: &dyn Fn(&mut RadarTracks)| {
         let (mut radar, mut findings) = (Radar::new(false), Findings::default());
         let mut gap_m = 0.0;

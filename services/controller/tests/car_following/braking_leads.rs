@@ -122,7 +122,7 @@ fn predictive_on_a_car() {
 }
 
 #[test]
-fn the_yardstick_tells_what_brakes_can_do() {
+fn the_yardstick_shows_what_brakes_can_do() {
     let ego = Vehicle { speed_mps: 20.0, ..Vehicle::default() };
     let at = |gap_m| Vehicle { position_m: gap_m, ..ego };
     // 20 m/s: 7 m of reaction, 10 m of lag, 41 m of braking, against 25 m of the lead's.

@@ -28,7 +28,7 @@ fn condition(result: Result<Design, DesignError>) -> (Condition, Option<usize>) 
 }
 
 #[test]
-fn what_is_shipped_is_certified_and_reads_back_bit_by_bit() {
+fn shipped_designs_are_certified_and_read_back_bit_by_bit() {
     for text in [SHIPPED, FIRM] {
         let design = Design::load(text).expect("its certificate holds");
         assert_eq!(Design::load(&design.to_json()), Ok(design.clone()));

@@ -47,7 +47,7 @@ fn a_lead_that_brakes_with_2_5_is_followed_comfortably() {
 }
 
 #[test]
-fn a_lead_that_brakes_as_hard_as_is_reckoned_with_is_not_reached() {
+fn a_lead_that_brakes_as_hard_as_assumed_is_not_reached() {
     let (rows, _) = stop_behind(Parameters::default().lead_braking_mps2);
     let hardest = rows.iter().fold(0.0_f64, |least, row| least.min(row.1));
     assert_eq!(hardest, -Parameters::default().braking_mps2);

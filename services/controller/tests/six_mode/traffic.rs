@@ -196,7 +196,7 @@ fn run(seed: u64, p: &Parameters, tally: &mut Tally) {
 }
 
 #[test]
-fn random_traffic_keeps_every_promise() {
+fn random_traffic_keeps_every_guarantee() {
     let mut tally = Tally { least_gap: f64::INFINITY, ..Tally::default() };
     for seed in 0..RUNS {
         run(seed, &Parameters::default(), &mut tally);

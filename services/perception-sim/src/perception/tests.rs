@@ -94,7 +94,7 @@ fn a_lead_is_tracked_within_its_filters_errors() {
 }
 
 #[test]
-fn detections_know_the_lead_when_the_run_begins() {
+fn detections_have_the_lead_when_the_run_begins() {
     let mut watch = Watch::new(&scenario("following", &["perception.radar.latency_ms=50"]));
     let list = watch.step(0, &ego(0, 22.0));
     let track = list.target().expect("the lead has been there before");

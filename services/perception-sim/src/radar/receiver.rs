@@ -374,7 +374,7 @@ mod tests {
     }
 
     #[test]
-    fn what_finds_no_room_is_counted_and_the_nearest_are_kept() {
+    fn detections_without_room_are_counted_and_the_nearest_are_kept() {
         let receiver = Receiver { false_alarms: 0.0, ..RECEIVER };
         let mut detections = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
         let mut list = Echoes::new(4096, &Numbers::DEFAULT);

@@ -135,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_is_where_it_was() {
+    fn a_standing_object_is_where_it_was() {
         let (before, after) = (seen(1000.0), seen(1010.0));
         assert!((20..=30).contains(&before.len()), "{}", before.len());
         let kept = before.iter().filter(|(x, y)| {

@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_in_the_neighbouring_lanes_none_is_before_the_ego() {
+    fn two_in_the_neighbouring_lanes_are_not_before_the_ego() {
         for scans in [10, 20, 30, 40] {
             let before = count(&[-3.5, 3.5], scans, in_path);
             assert!(before < 20, "{before} after {scans}");
@@ -173,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_one_of_which_is_before_the_ego_that_one_counts() {
+    fn the_one_of_two_that_is_before_the_ego_counts() {
         let before = count(&[0.0, 3.5], 40, in_path);
         assert!(before > 340, "{before}");
     }

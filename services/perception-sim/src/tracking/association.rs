@@ -294,7 +294,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn what_is_elsewhere_or_moves_otherwise_belongs_to_none() {
+    fn an_echo_elsewhere_or_of_another_motion_belongs_to_no_track() {
         let points = [point(30.0, 0.0, 0.0), point(40.0, 4.0, 0.0), point(40.0, 0.0, -5.0)];
         assert_eq!(owners(&points, &[outline(0, 40.0, 0.0)]), [None; 3]);
     }

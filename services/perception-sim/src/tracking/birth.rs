@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_begins_a_track_in_the_lane_only() {
+    fn a_standing_echo_begins_a_track_in_the_lane_only() {
         let edge = RoadEdge::default();
         assert_eq!(begun(&[point(60.0, 1.0, -20.0)], &edge), 1);
         assert_eq!(begun(&[point(60.0, 8.0, -20.0), point(60.0, -3.0, -20.0)], &edge), 0);

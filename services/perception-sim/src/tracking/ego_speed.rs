@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_off_the_lane_and_ahead_votes() {
+    fn an_echo_off_the_lane_and_ahead_votes() {
         let votes = |detection: Detection| {
             let mut speed = EgoSpeed::default();
             speed.vote(&Course::STRAIGHT, &[detection]);

@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn weights_sum_to_one_and_none_dies() {
+    fn weights_sum_to_one_and_stay_above_zero() {
         let mut bank = bank();
         for measured in [0.0, 1e6, -1e6, 1e-9, 0.0, 1e12] {
             step(&mut bank, measured);
@@ -284,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_gate_lets_through_is_by_the_least_certain_model() {
+    fn a_gate_follows_the_least_certain_model() {
         for (variances, residual, variance) in [([1.0, 3.0], 3.0, 3.5), ([3.0, 1.0], 5.0, 3.5)] {
             let widest = apart(variances).widest(0, 5.0, 0.5);
             assert_eq!((widest.residual, widest.variance), (residual, variance));

@@ -256,7 +256,7 @@ mod tests {
     }
 
     #[test]
-    fn what_braking_does_not_help_against_stays_out() {
+    fn threats_that_braking_does_not_avoid_stay_out() {
         let within = |gap_m: f64, relative_speed_mps: f64, lateral_m: f64| {
             let approach = Approach { gap_m, relative_speed_mps, length_m: 4.5 };
             let across = Across {
@@ -281,7 +281,7 @@ mod tests {
     }
 
     #[test]
-    fn where_the_path_is_doubtful_probabilities_decide() {
+    fn probabilities_decide_where_the_path_is_doubtful() {
         let within = |lateral_m: f64, path_sigma_m: f64| {
             limits().within(&Across { path_sigma_m, ..Across::resting(lateral_m) })
         };
@@ -365,7 +365,7 @@ mod tests {
 
     /// In the path for its motion: it goes on at half of the speed, and for twice the time.
     #[test]
-    fn what_came_for_its_motion_still_comes_if_more_slowly() {
+    fn an_object_that_moves_in_still_comes_if_more_slowly() {
         let comes = |lateral_m: f64, speed_mps: f64| {
             let across = Across { speed_mps, ..Across::resting(lateral_m) };
             limits().still_comes(&across)

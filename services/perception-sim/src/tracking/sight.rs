@@ -265,7 +265,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_at_all_is_blind_where_the_map_promises_posts() {
+    fn no_echo_at_all_is_blind_where_the_map_has_posts() {
         assert_eq!(drive(|_| false), 0.0);
         let mut nowhere = Sight::new(12.0, 0.0, &Numbers::DEFAULT);
         for _ in 0..80 {

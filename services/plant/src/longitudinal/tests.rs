@@ -179,7 +179,7 @@ proptest! {
 }
 
 #[test]
-fn what_the_emergency_brake_does_is_over_when_it_lets_go() {
+fn the_emergency_brakes_effect_is_over_when_it_lets_go() {
     let initial_speed_mps = Speed::of(30.0);
     let mut vehicle = Vehicle::new(&Plant { initial_speed_mps, ..Plant::default() });
     for _ in 0..50 {

@@ -70,7 +70,7 @@ fn a_red_light_is_judged_at_the_instant_of_crossing() {
 }
 
 #[test]
-fn a_signal_that_is_no_longer_told_of_still_counts() {
+fn a_signal_that_is_no_longer_announced_still_counts() {
     let mut referee = Referee::new(&scenario("cacc-a"));
     let red = SignalTruth { ends_ns: None, ..signal(1, 5.0, Phase::Red, 0.0) };
     assert_eq!(referee.observe(0, &state(4.9, 15.0, 0.0), None, &[red]), None);
@@ -185,7 +185,7 @@ fn mean_squares_weigh_by_time() {
 }
 
 #[test]
-fn a_gap_that_only_the_law_knows_has_no_error() {
+fn a_gap_that_only_the_law_has_has_no_error() {
     let mut referee = Referee::new(&scenario("six-mode"));
     let ahead = Ahead { gap_m: 30.0, speed_mps: 26.0, acceleration_mps2: 0.0 };
     referee.observe(0, &state(0.0, 25.0, 0.0), Some(&ahead), &[]);

@@ -47,7 +47,7 @@ fn sequences(text: &str, messages: u64) -> Vec<u64> {
 }
 
 #[test]
-fn the_wire_does_what_it_is_told() {
+fn the_wire_does_as_it_is_set() {
     let at = |kind| {
         format!(
             "[[faults]]\nkind = \"{kind}\"\ntopic = \"radar/tracks\"\nat_s = 0.1\nfor_s = 0.1\n"
@@ -92,7 +92,7 @@ fn a_message_without_a_crc_gets_its_own_before_it_is_disturbed() {
 }
 
 #[test]
-fn what_is_handed_over_late_still_tells_which_fault_corrupted_it() {
+fn a_message_handed_over_late_still_names_the_fault_that_corrupted_it() {
     let faults = faults(
         "[[faults]]\nkind = \"delay\"\ntopic = \"radar/tracks\"\ndelay_ms = 100\n\
          [[faults]]\nkind = \"corrupt\"\ntopic = \"radar/tracks\"\nfor_s = 0.05",

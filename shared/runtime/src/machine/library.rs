@@ -169,7 +169,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_law_is_refused_with_what_was_expected() {
+    fn an_argument_that_is_not_a_law_is_refused_with_what_was_expected() {
         let refused =
             |path: &str| LawLibrary::open(Path::new(path)).expect_err("no law").to_string();
         assert!(refused("/no/such.so").contains("expected a shared library"));

@@ -170,7 +170,7 @@ mod interleavings {
     }
 
     #[test]
-    fn of_two_that_take_over_one_succeeds_and_the_other_sends_nothing() {
+    fn one_of_two_that_take_over_succeeds_and_the_other_sends_nothing() {
         loom::model(|| {
             let world = Arc::new(World::default());
             let candidates = [1, 2].map(|own| {

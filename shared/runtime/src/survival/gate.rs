@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn a_standby_holds_its_messages_and_a_replaced_process_sends_none() {
+    fn a_standby_holds_its_messages_and_a_replaced_process_sends_nothing() {
         let service = Service::Controller;
         let run = Run::new("replaced", &[service]);
         let [active, standby] = [0, 1].map(|own| Gate::of(Some(run.fences()), service, own));

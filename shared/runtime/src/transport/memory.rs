@@ -276,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn every_receiver_gets_every_message_in_order_and_knows_who_sent_it() {
+    fn every_receiver_gets_every_message_in_order_with_its_sender() {
         let bus = bus();
         let (plant, other) = (Seat::new(Rc::clone(&bus), 1, None), Seat::new(bus, 4, None));
         let sender = plant.publisher::<Odometry>(End::default());

@@ -262,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_shown_at_its_key() {
+    fn a_mistake_is_shown_at_its_key() {
         for (fault, place, what) in [
             ("kind = \"kill\"", "x.toml:3:1", "a fault of kind `kill` needs `service`"),
             ("service = \"plant\"", "x.toml:3:1", "a fault needs `kind`"),

@@ -206,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_road_is_refused_at_its_place() {
+    fn an_invalid_road_is_refused_at_its_place() {
         let cases = [
             (&[(0.0, 0.0)][..], 0, "a road of one point"),
             (&[(0.0, 0.0), (0.0, 1.0)], 1, "distances must increase"),

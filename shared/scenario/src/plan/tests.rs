@@ -67,7 +67,7 @@ fn a_generated_road_is_its_seeds() {
 }
 
 #[test]
-fn what_is_no_road_is_refused_at_its_place() {
+fn an_invalid_road_is_refused_at_its_place() {
     let cases = [
         ("[road.plan]\n", "this plan has no road"),
         (
@@ -131,7 +131,7 @@ fn what_is_no_road_is_refused_at_its_place() {
 }
 
 #[test]
-fn a_road_that_ends_before_the_drive_is_refused_where_that_is_known() {
+fn a_road_that_ends_before_the_drive_is_refused_if_its_end_is_known() {
     let short = "[road.plan]\npieces = [{ line_m = 300 }]\n";
     let cases = [
         (

@@ -96,7 +96,7 @@ fn the_end_is_as_chosen() {
 }
 
 #[test]
-fn a_gap_in_a_regular_record_is_refused_and_a_table_by_hand_has_none() {
+fn a_gap_in_a_regular_record_is_refused_and_a_table_by_hand_has_no_gap() {
     let mut text = String::from("time_s,speed_mps\n");
     (0..50).for_each(|k| text.push_str(&format!("{},10\n", f64::from(k) * 0.1)));
     (50..60).for_each(|k| text.push_str(&format!("{},10\n", 2.0 + f64::from(k) * 0.1)));

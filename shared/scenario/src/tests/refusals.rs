@@ -52,7 +52,7 @@ fn refusals_of_single_values() {
 }
 
 #[test]
-fn lists_and_kinds_of_a_wrong_shape_are_told_in_the_words_of_a_scenario() {
+fn lists_and_kinds_of_a_wrong_shape_are_named_in_the_words_of_a_scenario() {
     let of_actor = |rest: &str| format!("[[actors]]\nname = \"a\"\ngap_m = 50\n{rest}");
     let cases = [
         (

@@ -281,7 +281,7 @@ mod tests {
     use clap::FromArgMatches;
 
     #[test]
-    fn files_of_one_name_are_told_apart_by_their_files() {
+    fn files_of_one_name_are_distinguished_by_their_folders() {
         let all = |pairs: &[(&str, &str)]| -> Vec<(String, String)> {
             pairs.iter().map(|(file, name)| ((*file).to_owned(), (*name).to_owned())).collect()
         };

@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn of_several_seeds_means_and_real_differences_are_shown() {
+    fn several_seeds_show_means_and_real_differences() {
         let of = |law, gap_m: f64| {
             (1..=12).map(move |seed| row(law, seed, gap_m + 0.1 * (seed % 3) as f64))
         };

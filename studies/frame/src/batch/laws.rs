@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_that_is_none_or_there_twice_is_refused_with_what_was_expected() {
+    fn an_invalid_or_repeated_name_is_refused_with_the_expected_form() {
         for (names, what) in [
             ("acc-mpc,", "a name is missing"),
             ("", "a name is missing"),

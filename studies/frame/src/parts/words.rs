@@ -31,7 +31,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn where_and_how_a_study_runs_is_no_part_of_it() {
+    fn the_place_and_way_of_a_run_are_not_part_of_a_study() {
         let line = "sweep cacc-a --param a=1,2 --shard 1/3 --out x --json --jobs=2 --junit j.xml --seeds 1..3";
         let words = of_study(line.split(' ').map(OsString::from));
         assert_eq!(words.join(" "), "sweep cacc-a --param a=1,2 --seeds 1..3");

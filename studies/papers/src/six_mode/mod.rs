@@ -337,7 +337,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_paper_does_not_have_is_kept_with_its_place() {
+    fn a_key_that_the_paper_lacks_is_kept_with_its_place() {
         let changes =
             [(6, 1, 5.0), (1, 2, 7.5), (2, 5, 14.0), (5, 4, 14.9), (4, 2, 17.7), (2, 5, 32.0)];
         let (matched, others) = aligned(&changes);

@@ -188,7 +188,7 @@ mod tests {
 
     /// 20 m/s: the need is 80 m before what stands. 7 m of reaction and 33.3 m of braking are enough.
     #[test]
-    fn what_stands_in_sight_is_avoidable() {
+    fn a_vehicle_that_stands_in_sight_is_avoidable() {
         let (steps, car) = (steady(10.0), [Actor::car("car", 120.0, 0.0)]);
         assert!(Oracle::new(&car, &steps).is_avoidable(&Brakes::EMERGENCY));
         let weak = Brakes { deceleration_mps2: 2.6, lag_s: 0.5 };
@@ -197,7 +197,7 @@ mod tests {
 
     /// It comes in 25 m ahead and stands: 7 m and 33.3 m are too far.
     #[test]
-    fn what_comes_in_at_the_last_moment_is_not() {
+    fn a_vehicle_that_comes_in_at_the_last_moment_is_not() {
         let at = |gap_m: f64| Actor {
             lateral_m: 3.0,
             laterals: vec![LateralChange { from_s: 2.0, to_m: 0.0, lasts_s: 0.1 }],

@@ -311,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn replicas_do_not_know_of_each_other() {
+    fn replicas_are_independent_of_each_other() {
         let mut chooser = Chooser::new(MethodName::Gp, &kinds(2), 5, 2);
         for run in (0..40).step_by(2) {
             let Proposal { point, refused, .. } = chooser.propose(run, &admit).expect("one");

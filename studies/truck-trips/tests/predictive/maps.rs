@@ -91,7 +91,7 @@ fn a_map_that_ends_is_used_to_its_end_and_no_further() {
 }
 
 #[test]
-fn a_map_of_another_road_is_not_believed() {
+fn a_map_of_another_road_is_not_used() {
     let mut law = Loop::new();
     // The vehicle feels no slope; the map has two percent.
     let mut modes = Vec::new();
@@ -105,7 +105,7 @@ fn a_map_of_another_road_is_not_believed() {
 }
 
 #[test]
-fn a_map_that_is_no_road_is_as_good_as_none() {
+fn a_map_that_is_not_a_road_counts_as_no_map() {
     for spoil in [
         (|map| map.count = 0) as fn(&mut Preview),
         |map| map.count = 65,

@@ -100,7 +100,7 @@ fn a_descent_at_the_end_of_the_map_goes_on() {
 }
 
 #[test]
-fn a_short_preview_gives_a_short_plan_and_none_gives_none() {
+fn a_short_preview_gives_a_short_plan_and_no_preview_gives_no_plan() {
     let truck = Truck::preset(Preset::Jh6At49T);
     for kind in PLANNERS {
         let mut planner = create(&Settings::new(&truck, kind));
@@ -120,7 +120,7 @@ fn a_short_preview_gives_a_short_plan_and_none_gives_none() {
 
 /// The paper takes n = 2 of the segments that it defines for any n.
 #[test]
-fn the_published_planner_plans_as_many_segments_as_it_is_told() {
+fn the_published_planner_plans_as_many_segments_as_are_set() {
     let truck = Truck::preset(Preset::Jh6At49T);
     let mut grades = [0.0; 42];
     grades[12..20].fill(0.02);

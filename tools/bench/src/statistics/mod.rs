@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn what_differs_between_sessions_widens_the_interval() {
+    fn differences_between_sessions_widen_the_interval() {
         let steady = pairs(3, 1.3, 1.0);
         let mut shifting = steady.clone();
         for (session, pairs) in shifting.chunks_mut(4).enumerate() {

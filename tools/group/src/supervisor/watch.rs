@@ -288,7 +288,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_found_after_the_launcher_was_held_up_may_be_as_old_as_its_last_look() {
+    fn a_find_after_the_launcher_was_held_up_may_be_as_old_as_its_last_look() {
         let held_up = Some((1_500_000_000, 2_600_000_000));
         let mut course =
             Course { ended: Ended::Orderly, is_stopping: false, deadline: None, held_up };

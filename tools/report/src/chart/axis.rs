@@ -162,7 +162,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_axis_holds_its_values_even_when_they_are_one_or_none() {
+    fn an_axis_holds_its_values_even_when_there_is_one_or_no_value() {
         for values in [vec![], vec![3.0], vec![f64::NAN, -2.0, 17.3], vec![1e-9, 2e-9]] {
             let axis = Axis::holding("", values.iter().copied());
             for value in values.iter().filter(|value| value.is_finite()) {

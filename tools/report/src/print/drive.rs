@@ -192,7 +192,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_side_of_the_line_is_told_in_words() {
+    fn the_side_of_the_line_is_named_in_words() {
         assert_eq!(at_switch(-0.54), "0.5 m before it when the light changed");
         assert_eq!(at_switch(78.1), "78.1 m past it when the light changed");
     }

@@ -137,7 +137,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_loss_is_told_with_its_topic_and_its_reader() {
+    fn a_loss_is_reported_with_its_topic_and_its_reader() {
         let late = TopicCounts {
             sent: 600,
             lost_by: [("controller", 6)].into(),

@@ -325,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn what_can_not_be_narrowed_is_listed() {
+    fn columns_that_cannot_be_narrowed_are_listed() {
         let columns: [Column<Value>; 2] = [word("a", "a", ""), word("b", "b", "")];
         let rows = vec![json!({"a": "x ".repeat(30), "b": "y ".repeat(30)}); 9];
         let text = Table::new("", &columns, &rows).console(60);

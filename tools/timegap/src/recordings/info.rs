@@ -167,7 +167,7 @@ mod tests {
     use std::io::Cursor;
 
     #[test]
-    fn what_a_file_says_of_itself_does_not_reach_the_terminal_as_control_characters() {
+    fn text_of_a_file_does_not_reach_the_terminal_as_control_characters() {
         let scenario = Scenario::open("cacc-a", &Overrides::new(), &|_| Ok(Default::default()))
             .expect("built in");
         let scheduling = serde_json::json!({

@@ -222,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_and_what_contradicts_is_refused() {
+    fn a_value_that_is_not_a_number_or_contradicts_is_refused() {
         let nan = Config { actuator_lag_s: f64::NAN, ..Config::default() };
         assert_eq!(nan.check().expect_err("NaN").key(), "actuator_lag_s");
         let slow = Config { step_s: 0.4, actuator_lag_s: 0.3, ..Config::default() };

@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_answer_is_shown_as_soon_as_it_is_seen() {
+    fn an_invalid_answer_is_shown_as_soon_as_it_is_seen() {
         let (mut channel, _theirs, ours) = channel();
         ask(&mut channel).expect("there is room");
         write(&ours, b"hello\n").expect("there is room");
@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_not_asked_for_is_refused_and_an_end_is_an_end() {
+    fn unasked_answers_are_refused_and_an_end_is_an_end() {
         let (mut channel, _theirs, ours) = channel();
         ask(&mut channel).expect("there is room");
         write(&ours, &[answer(1), answer(1)].concat()).expect("there is room");

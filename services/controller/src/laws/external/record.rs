@@ -122,7 +122,7 @@ mod tests {
     const BOUNDS: Bounds = Bounds { least_mps2: -4.0, most_mps2: 2.0 };
 
     #[test]
-    fn a_question_tells_all_that_a_law_is_told() {
+    fn a_question_has_all_inputs_of_a_law() {
         let signal = |distance_m| {
             let mut signal =
                 SignalAhead { id: 257, distance_m, count: 1, ..SignalAhead::default() };
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn what_no_vehicle_can_follow_is_refused_by_its_name() {
+    fn a_value_that_no_vehicle_can_follow_is_refused_by_its_name() {
         let good = LawAnswer::zeroed();
         let refused = |answer: LawAnswer| {
             let mut output = Output { mode: 5, ..Output::default() };

@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_positive_definite_has_no_inverse() {
+    fn an_indefinite_matrix_has_no_inverse() {
         assert!(inverse(&Matrix3::new(1.0, 2.0, 0.0, 2.0, 1.0, 0.0, 0.0, 0.0, 1.0)).is_none());
         assert!(inverse(&Matrix3::from_diagonal_element(-1.0)).is_none());
         assert!(inverse(&Matrix3::from_diagonal_element(f64::NAN)).is_none());

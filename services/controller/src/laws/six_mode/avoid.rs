@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_target_that_brakes_harder_than_is_reckoned_with_is_braked_for_at_once() {
+    fn a_target_that_brakes_harder_than_assumed_is_braked_for_at_once() {
         let gap_m = 38.0;
         assert!(settled(gap_m, -9.0) < settled(gap_m, 0.0) - 1.0);
         assert_eq!(settled(gap_m, f64::NAN), settled(gap_m, 0.0));

@@ -95,7 +95,7 @@ fn a_rear_that_comes_into_view_is_one_after_some_scans() {
 
 /// Its range rate jumps by more than any braking explains: the first track was wrong about its speed.
 #[test]
-fn what_is_found_where_a_track_goes_on_unseen_is_the_same_vehicle() {
+fn a_track_found_in_the_place_of_an_unseen_one_is_the_same_vehicle() {
     let mut watch = Watch::after_a_lead();
     let first = watch.scan(&[lead(60)]);
     let mut range_m = 21.6;

@@ -131,7 +131,7 @@ fn the_gate_keeps_outliers_out_and_lets_the_rest_in() {
 
 /// The range rates of a lead that brakes as hard as it can pass their gate.
 #[test]
-fn hard_braking_is_believed_from_the_first_scan() {
+fn hard_braking_counts_from_the_first_scan() {
     for kind in [Kind::Singer, Kind::Interacting] {
         for deceleration in [3.0, 6.0, 9.0] {
             let model = model(kind);

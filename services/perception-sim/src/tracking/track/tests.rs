@@ -51,7 +51,7 @@ fn the_view_surely_shows_what_is_ahead_and_twice_the_margin_inside() {
 }
 
 #[test]
-fn where_fewer_scans_show_a_vehicle_more_of_them_are_asked() {
+fn more_scans_are_asked_where_fewer_show_a_vehicle() {
     let scans = |share: f64| LIFE.with_sight(share).scans;
     assert_eq!(
         [1.0, 0.7, 0.69, 0.5, 0.3, 0.125, 0.1, 0.0].map(scans),
@@ -190,7 +190,7 @@ fn a_new_track_has_moved_while_all_its_echoes_do_and_an_old_one_once_it_did() {
 }
 
 #[test]
-fn what_stands_beside_the_lane_is_of_the_roadside() {
+fn a_standing_object_beside_the_lane_is_of_the_roadside() {
     let is_roadside = |id: u32, moved: bool, lateral_m: f64| {
         DetectedTrack { id, moved, ..track(40.0, lateral_m, 0.0) }.is_roadside(&NUMBERS)
     };

@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_later_version_adds_is_passed_over() {
+    fn fields_that_a_later_version_adds_are_passed_over() {
         // Extended; no optional part; one bit; two known additions, the second present, of two octets; a 1.
         let bytes = [0b1100_0000, 0b1010_0000, 0b0101_0101, 0b0101_0101, 0b0101_0000];
         let sequence = |from: &mut Reader<'_>| from.extensible(|from, []| from.bit());

@@ -150,7 +150,7 @@ fn a_lane_without_a_link_ends_where_others_go_on() {
 }
 
 #[test]
-fn what_cannot_be_driven_is_refused_with_its_line() {
+fn a_road_that_cannot_be_driven_is_refused_with_its_line() {
     let arc = |curvature: &str| format!("<arc curvature=\"{curvature}\"/>");
     let twice = |x: f64, hdg: f64, s: f64| {
         let half = GEOMETRY.replace("\"100\"", "\"50\"").replace("\"0.5\"", "\"0\"");

@@ -37,7 +37,7 @@ mod tests {
     use hdrhistogram::serialization::interval_log::{IntervalLogIterator, LogEntry};
 
     #[test]
-    fn what_is_written_is_read_back() {
+    fn written_records_are_read_back() {
         let mut latencies = Latencies::default();
         (1..=1000).for_each(|us| latencies.record_ns(us * 1000));
         let mut file = Vec::new();

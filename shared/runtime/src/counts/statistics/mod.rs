@@ -293,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_above_a_limit_is_counted() {
+    fn figures_above_a_limit_are_counted() {
         let mut latencies = Latencies::default();
         for us in 1..=1_000 {
             latencies.record_ns(us * 1_000);
@@ -330,7 +330,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_recorded_is_none_and_extremes_saturate() {
+    fn nothing_recorded_gives_no_value_and_extremes_saturate() {
         let mut latencies = Latencies::default();
         assert_eq!(latencies.percentiles_us(), None);
         latencies.record_ns(-5);

@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn a_green_announced_for_later_is_not_shown_when_it_is_not_heard() {
+    fn a_green_announced_for_later_is_not_shown_when_it_is_not_received() {
         let mut memory = SignalMemory::default();
         let phases = [(Phase::Red, 3.0), (Phase::Green, 20.0)];
         memory.update(&input(0.0, 0.0, Some(signal(50.0, &phases))));

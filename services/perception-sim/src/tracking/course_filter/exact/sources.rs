@@ -78,7 +78,7 @@ fn a_circle_fades_as_a_whole() {
 }
 
 #[test]
-fn an_ego_that_stands_forgets_nothing_and_one_that_drives_passes_knots() {
+fn an_ego_that_stands_keeps_everything_and_one_that_drives_passes_knots() {
     let before = known(POSTS, linear(0.0, 1e-3, 1e-5), unsure(&[(0, 0.01), (3, 1e-3)]));
     for speed_mps in [0.0, -5.0] {
         let mut stands = before;

@@ -48,7 +48,7 @@ fn nearest_m(others: &[(u32, f64, f64)]) -> Option<f64> {
 }
 
 #[test]
-fn of_several_the_nearest_is_the_one_that_has_no_track_of_its_own() {
+fn the_nearest_of_several_is_the_one_without_a_track_of_its_own() {
     let (left, right) = ((2, 120.0, 3.0), (3, 120.0, -3.0));
     assert_eq!(nearest_m(&[]), Some(-3.4));
     assert_eq!(nearest_m(&[right]), Some(3.5));
