@@ -1,7 +1,7 @@
 //! Six-mode switching cruise control (`six-mode`).
 //!
 //! Wang, Liu, Zhang, Tong: "Simulation Test of a New Six-mode Switching Controller for Enhanced Adapt Cruise Control",
-//! 2014. Doi 10.3963/j.issn 1674-4861.2014.04.026. Boundaries in gap and relative speed divide driving into six modes;
+//! 2014, doi 10.3963/j.issn 1674-4861.2014.04.026. Boundaries in gap and relative speed divide driving into six modes;
 //! each mode has a simple law of its own. With V_h and V_p the speeds of ego and target, V_r = V_p - V_h and R the gap:
 //!
 //! | mode | when V_r < 0 | when V_r > 0 | request, m/s² |
