@@ -1,4 +1,4 @@
-"""What a law is, and which ones there are."""
+"""Laws: their form, and their names."""
 
 from __future__ import annotations
 

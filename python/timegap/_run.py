@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 class Results:
-    """What runs in memory and runs on disk have in common."""
+    """Common part of runs in memory and runs on disk."""
 
     @property
     def summary(self) -> dict[str, Any]:
@@ -64,7 +64,7 @@ class Results:
 
     @property
     def events(self) -> Table:
-        """What happened, as a `pyarrow.Table`: `t_s`, `kind` (mode, fault, end), `what`, `why`."""
+        """Events, as a `pyarrow.Table`: `t_s`, `kind` (mode, fault, end), `what`, `why`."""
         changes = self.summary["control"].get("mode_changes") or []
         rows = [
             {"t_s": change["t_s"], "kind": "mode", "what": f"{change['from']} -> {change['to']}", "why": change["reason"]}
@@ -129,7 +129,7 @@ class Run(Results):
         self._driven = driven
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """What goes to another process: the results, without the exception, whose traceback is in `error`."""
+        """Part that goes to another process: the results, without the exception, whose traceback is in `error`."""
         return _Copied, (self.summary, self.trajectory, self.modes)
 
     @cached_property

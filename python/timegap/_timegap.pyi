@@ -14,7 +14,7 @@ class RunError(RuntimeError):
     """A run cannot begin, or its results cannot be read."""
 
 class Question:
-    """What a law is told at one control period. Arrays are views: nothing is copied before a law asks for it."""
+    """Inputs of a law at one control period. Arrays are views: nothing is copied before a law asks for it."""
 
     @property
     def time_s(self) -> float:

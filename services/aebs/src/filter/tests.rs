@@ -236,7 +236,7 @@ fn no_vehicle_moves_across_faster_than_along() {
 fn a_state_that_others_become_is_their_mixture() {
     let mut lateral = of_states(&[(0, 0.5, 0.0, 0.01), (state(1.0), 0.5, 2.0, 0.03)]);
     lateral.predict(PERIOD_S, f64::INFINITY);
-    // Of the lane change 0.015 end, at 2 m; of the other 0.9925 stay.
+    // 0.015 of the lane change end, at 2 m. 0.9925 of the other stay.
     let (stay, end) = (0.5 * 0.9925, 0.5 * 0.015);
     let share = end / (stay + end);
     let keeps = lateral.states[0];

@@ -1,4 +1,4 @@
-//! What an object hides, shows and does, by places that follow by hand.
+//! Hidden and shown sides and motion of an object, by places computed by hand.
 
 use super::*;
 
@@ -125,7 +125,7 @@ fn a_side_shows_beside_the_line_of_sight() {
     let lead = Object { bow_m: 3.0, ..Object::at(40.0, 10.0, 0.0, 0.0, 0.95) };
     let (side, shown_m) = shown(lead).expect("its left side");
     assert!(side == -1.0 && (shown_m - 0.9).abs() < 1e-6);
-    // What stands there may point along a straight road: it shows the other side then.
+    // A standing object there may point along a straight road: it shows the other side then.
     assert_eq!(shown(Object { bow_m: 3.0, ..stands(40.0, 0.0) }), None);
     assert!(shown(Object { bow_m: 1.0, ..stands(40.0, 3.5) }).is_some(), "the same side both ways");
 }

@@ -1,7 +1,7 @@
 //! The edges of the road beside the course, as standing objects show them, and the place from which they mislead.
 //!
 //! An object counts for the edge of its side. The course is followed from the ego on: an object on the road says that
-//! the road bends otherwise. What stands beyond it may be of the other side, and counts for nothing for a while.
+//! the road bends otherwise. Objects beyond it may be of the other side, and do not count for a while.
 
 use super::course_numbers::CourseNumbers;
 

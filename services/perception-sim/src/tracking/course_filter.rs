@@ -207,7 +207,7 @@ impl CourseFilter {
         }
     }
 
-    /// Forgets how exactly the curvatures from here on are known. What was known is still the best guess.
+    /// Forgets how exactly the curvatures from here on are known. The earlier course is still the best guess.
     fn forget_from(&mut self, sigma_m: f64) {
         let CourseNumbers { kept, change_perm, first_curvature_perm, .. } = self.numbers;
         let first = (((sigma_m + self.passed_m) / APART_M).ceil().max(0.0) as usize).min(KNOTS) + 1;

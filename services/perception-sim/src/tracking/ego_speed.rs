@@ -264,7 +264,7 @@ mod tests {
         speeds_mps.iter().map(vote).collect()
     }
 
-    /// What is measured `after_ns` after a measurement of 20 m/s.
+    /// Measurement `after_ns` after one of 20 m/s.
     fn measured_after(after_ns: i64, speeds_mps: &[f64]) -> Option<f64> {
         let mut speed = EgoSpeed { last: Some((20.0, 0)), ..EgoSpeed::default() };
         speed.take_scan(after_ns, None, &votes(speeds_mps));

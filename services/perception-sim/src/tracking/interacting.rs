@@ -261,7 +261,7 @@ mod tests {
         }
         let mean = 0.875 * bank.filters[0].mean[0] + 0.125 * bank.filters[1].mean[0];
         assert_near(bank.combined().mean[0], mean);
-        // Of three models every other one is equally likely to follow.
+        // Each of the other two models is equally likely to follow.
         let mut three = Bank::<1, 3>::new([Gaussian::independent([0.0], [1.0]); 3]);
         three.predict(&[0.3, 0.0, 0.0], |_, _| ());
         let first = 0.9 + 0.1 / 3.0;

@@ -236,7 +236,7 @@ mod tests {
             let found = is_image_on(&track(gap_m, image_m, -2.0), &track(gap_m, vehicle_m, -2.0));
             assert_eq!(found, expected, "{vehicle_m} {image_m}");
         }
-        // What stands has no motion that the rail could turn.
+        // A standing object has no motion that the rail could turn.
         let (lead, post) = (track(gap_m, 0.0, -2.0), track(30.0, 0.0, -20.0));
         for (share, expected) in [(0.97, true), (1.03, false), (-0.97, true), (-1.03, false)] {
             let along = track(30.0 + share * along_m, 16.0, -20.0);

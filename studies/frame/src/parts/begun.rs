@@ -25,7 +25,7 @@ struct Line {
     drives: Vec<ExactDrive>,
 }
 
-/// What an interrupted run had computed.
+/// Results of an interrupted run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct SoFar {
     /// Its values, in their order.

@@ -96,7 +96,7 @@ fn a_confirmed_track_is_over_when_it_is_unseen_too_long_or_seen_rarely() {
     assert!(
         !is_over(0.0, 32, 0b11_1111) && is_over(0.0, 32, 0b1_1111) && !is_over(0.0, 31, 0b1_1111)
     );
-    // What is lost in the path goes on for 2.5 s.
+    // A track lost in the path goes on for 2.5 s.
     let lost = Lost { gap_m: 40.0, speed_mps: 10.0, acceleration_mps2: 0.0 };
     let is_over = |unseen_s: f64, coast_s: f64| {
         DetectedTrack { unseen_s, lost: Some(lost), ..firm(40.0, 0.0) }
@@ -120,7 +120,7 @@ fn a_scan_moves_a_track_on_and_ages_it() {
     assert_near(track.unseen_s, 41.0 * 0.05);
 }
 
-/// What is lost of a firm track at 20 m/s, after a scan.
+/// Lost part of a firm track at 20 m/s, after a scan.
 fn lost_of(track: &mut DetectedTrack, seen_share: f64) -> Option<Lost> {
     let ego = Ego { speed_mps: 20.0, ..Ego::default() };
     track.watch(0.05, &ego, seen_share, &NUMBERS);

@@ -1,4 +1,4 @@
-//! What each source and the way do to the state, with the numbers that follow by hand.
+//! Effect of each source and of the way on the state, with numbers computed by hand.
 
 use super::*;
 
