@@ -74,7 +74,20 @@ impl Choices<'_> {
     fn action(&mut self) -> String {
         let other = self.one(&ENTITIES);
         let (truth, free) = (self.one(&TRUTHS), self.one(&TRUTHS));
-        let inside = match self.below(7) {
+        let inside = match self.below(10) {
+            // An action that depends on its own actor is refused.
+            7 => {
+                let other = self.one(&["Ego", "Ego", "Ego", other]);
+                self.profile(other)
+            }
+            8 => {
+                let other = self.one(&["Ego", "Ego", "Ego", other]);
+                self.meeting(other)
+            }
+            9 => format!(
+                "<RoutingAction><AcquirePositionAction>{}</AcquirePositionAction></RoutingAction>",
+                self.position()
+            ),
             0 | 1 => {
                 let target = match self.below(2) {
                     0 => format!("<AbsoluteTargetSpeed value=\"{}\"/>", self.size()),
@@ -131,6 +144,75 @@ impl Choices<'_> {
         format!("<PrivateAction>{inside}</PrivateAction>")
     }
 
+    fn bounds(&mut self) -> String {
+        let names = [
+            "maxAcceleration",
+            "maxDeceleration",
+            "maxAccelerationRate",
+            "maxDecelerationRate",
+            "maxSpeed",
+        ];
+        let mut given = String::new();
+        for name in names {
+            let bound = self.size();
+            if self.below(2) == 0 && bound.parse() != Ok(0.0) {
+                let _ = write!(given, " {name}=\"{bound}\"");
+            }
+        }
+        format!("<DynamicConstraints{given}/>")
+    }
+
+    fn profile(&mut self, other: &str) -> String {
+        let entity = match self.below(2) {
+            0 => String::new(),
+            _ => format!(" entityRef=\"{other}\""),
+        };
+        let mode = self.one(&["follow", "position"]);
+        let mut inside = self.bounds();
+        for _ in 0..1 + self.below(4) {
+            let time = match self.below(3) {
+                0 => String::new(),
+                _ => format!(" time=\"{}\"", self.size()),
+            };
+            let speed = if entity.is_empty() { self.size() } else { self.number() };
+            let _ = write!(inside, "<SpeedProfileEntry speed=\"{speed}\"{time}/>");
+        }
+        format!(
+            "<LongitudinalAction><SpeedProfileAction followingMode=\"{mode}\"{entity}>{inside}</SpeedProfileAction></LongitudinalAction>"
+        )
+    }
+
+    fn meeting(&mut self, master: &str) -> String {
+        let steady = match self.below(3) {
+            0 => String::new(),
+            1 => format!("<TargetDistanceSteadyState distance=\"{}\"/>", self.size()),
+            _ => format!("<TargetTimeSteadyState time=\"{}\"/>", self.size()),
+        };
+        let speed = match self.below(3) {
+            0 => String::new(),
+            1 => format!(
+                "<FinalSpeed><AbsoluteSpeed value=\"{}\">{steady}</AbsoluteSpeed></FinalSpeed>",
+                self.size()
+            ),
+            _ => format!(
+                "<FinalSpeed><RelativeSpeedToMaster value=\"{}\" speedTargetValueType=\"{}\">{steady}</RelativeSpeedToMaster></FinalSpeed>",
+                self.size(),
+                self.one(&["delta", "factor"])
+            ),
+        };
+        let (near, near_master) = (self.size(), self.size());
+        let (master_goal, own_goal) = (self.position(), self.position());
+        let outer = |position: String, name: &str| {
+            let inside = position.trim_start_matches("<Position>").trim_end_matches("</Position>");
+            format!("<{name}>{inside}</{name}>")
+        };
+        format!(
+            "<SynchronizeAction masterEntityRef=\"{master}\" targetToleranceMaster=\"{near_master}\" targetTolerance=\"{near}\">{}{}{speed}</SynchronizeAction>",
+            outer(master_goal, "TargetPositionMaster"),
+            outer(own_goal, "TargetPosition")
+        )
+    }
+
     fn trajectory(&mut self) -> String {
         let (mut time_s, mut vertices) = (0.0, String::new());
         for _ in 0..2 + self.below(3) {
@@ -156,7 +238,14 @@ impl Choices<'_> {
         let (rule, value, other) = (self.one(&RULES), self.number(), self.one(&ENTITIES));
         let (free, system) = (self.one(&TRUTHS), self.one(&["road", "entity"]));
         let kind = self.one(&["longitudinal", "lateral", "euclidianDistance"]);
-        let of_entity = match self.below(8) {
+        let of_entity = match self.below(9) {
+            8 => {
+                let inside = format!("<TrafficSignalCondition name=\"7\" state=\"{value}\"/>");
+                return condition(
+                    self.one(&EDGES),
+                    &format!("<ByValueCondition>{inside}</ByValueCondition>"),
+                );
+            }
             0 => {
                 return condition(
                     self.one(&EDGES),
@@ -189,6 +278,12 @@ impl Choices<'_> {
             ),
         )
     }
+}
+
+fn signal(state: &str) -> String {
+    format!(
+        "<GlobalAction><InfrastructureAction><TrafficSignalAction><TrafficSignalStateAction name=\"7\" state=\"{state}\"/></TrafficSignalAction></InfrastructureAction></GlobalAction>"
+    )
 }
 
 fn condition(edge: &str, inside: &str) -> String {
@@ -224,6 +319,10 @@ pub fn file(bytes: &[u8]) -> String {
         for event in 0..1 + choose.below(4) {
             let (priority, action, start) =
                 (choose.one(&PRIORITIES), choose.action(), choose.trigger());
+            let action = match choose.below(8) {
+                0 => signal(choose.number()),
+                _ => action,
+            };
             let _ = write!(
                 events,
                 "<Event name=\"e{event}\" priority=\"{priority}\" maximumExecutionCount=\"{count}\"><Action name=\"a\">{action}</Action><StartTrigger>{start}</StartTrigger></Event>"

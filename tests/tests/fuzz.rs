@@ -29,9 +29,13 @@ fn examples(name: &str) -> Vec<Vec<u8>> {
             let example = |name: &str| file(&format!("examples/openscenario/{name}.xosc"));
             // The road is the same file, so that none is named.
             let road = "<LogicFile filepath=\"./straight.xodr\"/>";
-            let scenario = String::from_utf8(example("cut_in")).expect("it is text");
+            let without_road = |name: &str| {
+                let scenario = String::from_utf8(example(name)).expect("it is text");
+                text(&scenario.replace(road, ""))
+            };
             vec![
-                text(&scenario.replace(road, "")),
+                without_road("cut_in"),
+                without_road("joining_car"),
                 example("cut_in_variation"),
                 example("crossing_pedestrian"),
             ]

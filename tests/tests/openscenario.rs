@@ -144,6 +144,72 @@ fn parameters_change_what_happens() {
     assert!(shown.status.success() && text(&shown).contains("length_m = 12.0"), "{}", text(&shown));
 }
 
+/// The car arrives 35 m ahead of the ego with its speed, of which a car's length is no gap, and moves into its lane.
+#[test]
+fn a_car_arrives_ahead_of_the_ego_and_joins_it() {
+    let corner = corner();
+    let summary = lockstep(&corner, "examples/joining_car.xosc", &["--out", "a"]);
+    assert_eq!(summary["outcome"], "completed");
+    let gap_m = summary["control"]["min_gap_m"].as_f64().expect("a gap");
+    assert!((29.0..31.5).contains(&gap_m), "{gap_m}");
+}
+
+/// 64 cars beside the ego: the most that a scenario has.
+#[test]
+fn a_file_has_as_many_entities_as_a_scenario_has_actors() {
+    let corner = corner();
+    let path = corner.path().join("examples/cut_in.xosc");
+    let good = std::fs::read_to_string(&path).expect("it is there");
+    let with = |count: usize| {
+        let (mut objects, mut starts) = (String::new(), String::new());
+        for i in 0..count {
+            let s_m = 150 + 15 * i;
+            objects += &format!(
+                "<ScenarioObject name=\"More{i}\"><CatalogReference catalogName=\"road_users\" entryName=\"car\"/></ScenarioObject>"
+            );
+            starts += &format!(
+                "<Private entityRef=\"More{i}\"><PrivateAction><TeleportAction><Position><LanePosition roadId=\"1\" laneId=\"-1\" s=\"{s_m}\"/></Position></TeleportAction></PrivateAction></Private>"
+            );
+        }
+        good.replace("</Entities>", &format!("{objects}</Entities>"))
+            .replace("</Actions>", &format!("{starts}</Actions>"))
+    };
+    std::fs::write(&path, with(63)).expect("our own directory");
+    let summary = lockstep(&corner, "examples/cut_in.xosc", &["--duration", "2"]);
+    assert_eq!(summary["outcome"], "completed");
+    std::fs::write(&path, with(64)).expect("our own directory");
+    let output = corner.run(&["run", "examples/cut_in.xosc"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output).contains("too many entities, expected at most 65"), "{}", text(&output));
+}
+
+#[test]
+fn the_user_names_the_ego() {
+    let corner = corner();
+    let path = corner.path().join("examples/cut_in.xosc");
+    let good = std::fs::read_to_string(&path).expect("it is there");
+    std::fs::write(&path, good.replace("\"Ego\"", "\"Car 1\"")).expect("our own directory");
+    let refused = corner.run(&["run", "examples/cut_in.xosc"]);
+    assert_eq!(refused.status.code(), Some(2));
+    let said = text(&refused);
+    assert!(said.contains("expected `--ego NAME` with `Car 1` or `Cutter`"), "{said}");
+    let shown = corner.run(&["list", "--show", "examples/cut_in.xosc", "--ego", "Car 1"]);
+    assert!(
+        shown.status.success() && text(&shown).contains("name = \"Cutter\""),
+        "{}",
+        text(&shown)
+    );
+    let summary = lockstep(&corner, "examples/cut_in.xosc", &["--ego", "Car 1", "--duration", "2"]);
+    assert_eq!(summary["outcome"], "completed");
+    let own = corner.run(&["run", "following", "--ego", "Car 1"]);
+    assert_eq!(own.status.code(), Some(2));
+    assert!(
+        text(&own).contains("--ego Car 1: following is no OpenSCENARIO file"),
+        "{}",
+        text(&own)
+    );
+}
+
 #[test]
 fn a_pedestrian_is_a_target() {
     let corner = corner();
@@ -175,9 +241,9 @@ fn a_mistake_is_one_error_with_its_place() {
         ("revMinor=\"2\"", "revMinor=\"4\"", &[][..], "cut_in.xosc:5:3: version 1.4"),
         (
             "<LateralAction>",
-            "<SynchronizeAction/><LateralAction>",
+            "<PlatoonAction/><LateralAction>",
             &[],
-            "element `SynchronizeAction` in `PrivateAction` is not supported, expected `LongitudinalAction`",
+            "element `PlatoonAction` in `PrivateAction` is not supported, expected `LongitudinalAction`",
         ),
         ("./catalogs", "./nowhere", &[], "nowhere cannot be read"),
         (

@@ -2,6 +2,7 @@
 
 use road::{Lane, Lanes, Profile, Section};
 
+use super::border::{self, MOST_BELOW_M, Outlined};
 use super::text::{Text, children};
 use crate::error::ReadError;
 use crate::xml::Element;
@@ -24,9 +25,6 @@ const NOT_DRIVABLE: [&str; 15] = [
     "roadWorks",
     "slipLane",
 ];
-
-/// A width below 0 up to which it is the rounding of a program that wrote the file, m.
-const MOST_BELOW_M: f64 = 0.01;
 
 /// The lanes of one road, with the links of its outer ends.
 pub struct Side {
@@ -86,8 +84,9 @@ pub fn read(text: Text<'_>, road: &Element, length_m: f64) -> Result<Side, ReadE
         return Err(text.meaning(first, reason, "0".to_owned()));
     }
     let (mut sections, mut links) = (Vec::new(), Vec::new());
-    for (from_m, element) in starts {
-        let (section, link) = read_section(text, element, from_m)?;
+    let ends: Vec<f64> = starts[1..].iter().map(|(from_m, _)| *from_m).collect();
+    for ((from_m, element), to_m) in starts.into_iter().zip(ends.into_iter().chain([length_m])) {
+        let (section, link) = read_section(text, element, (from_m, to_m), &offset)?;
         sections.push(section);
         links.push(link);
     }
@@ -128,10 +127,14 @@ pub fn pairs(before: &[Link], after: &[Link], turned: bool) -> Vec<(usize, usize
 fn read_section(
     text: Text<'_>,
     element: &Element,
-    from_m: f64,
+    (from_m, to_m): (f64, f64),
+    offset: &Profile,
 ) -> Result<(Section, Links), ReadError> {
-    let right = read_side(text, element, "right", from_m)?;
-    let left = read_side(text, element, "left", from_m)?;
+    let read = |side| {
+        let lanes = read_side(text, element, side, from_m)?;
+        border::resolve(text, lanes, side, (from_m, to_m), offset)
+    };
+    let (right, left) = (read("right")?, read("left")?);
     let left_count = left.len();
     let mut links = Links { before: Vec::new(), after: Vec::new() };
     let mut lanes = Vec::with_capacity(right.len() + left_count);
@@ -146,30 +149,34 @@ fn read_section(
     Ok((Section { from_m, lanes, left: left_count }, links))
 }
 
-/// A lane with its links to the sections before and after.
-type Linked = (Lane, Option<i32>, Option<i32>);
-
-/// The lanes of one side from the middle outwards, each with its links to both sides.
-fn read_side(
+/// The lanes of one side from the middle outwards. A lane with borders has no width yet.
+fn read_side<'a>(
     text: Text<'_>,
-    section: &Element,
+    section: &'a Element,
     side: &'static str,
     from_m: f64,
-) -> Result<Vec<Linked>, ReadError> {
-    let mut lanes: Vec<Linked> = Vec::new();
+) -> Result<Vec<Outlined<'a>>, ReadError> {
+    let mut lanes: Vec<Outlined<'a>> = Vec::new();
     for element in children(section, side).flat_map(|group| children(group, "lane")) {
         let id = text.whole(element, "id")?;
         if id == 0 || (id > 0) != (side == "left") {
             let expected = "positive ids on the left, negative ones on the right";
             return Err(text.element(element, side, "has an id of the other side", expected));
         }
-        if lanes.iter().any(|(lane, ..)| lane.id == id) {
+        if lanes.iter().any(|lane| lane.lane.id == id) {
             return Err(text.element(element, side, "is there twice", "lanes with different ids"));
         }
         let widths = children(element, "width").map(|width| text.stretch(width, "sOffset", from_m));
         let widths: Vec<_> = widths.collect::<Result<_, _>>()?;
+        // Where a lane has both, the standard reads its widths.
+        let mut borders = Vec::new();
         if widths.is_empty() {
-            return Err(text.element(element, side, "has no width", "a `width`"));
+            for border in children(element, "border") {
+                borders.push((border, text.stretch(border, "sOffset", from_m)?));
+            }
+            if borders.is_empty() {
+                return Err(text.element(element, side, "has no width", "a `width` or a `border`"));
+            }
         }
         if let Some((stretch, width)) = widths
             .iter()
@@ -187,8 +194,9 @@ fn read_side(
         let drivable = !NOT_DRIVABLE.contains(&kind);
         let width = Profile::new(widths);
         let lane = Lane { id, drivable, width, before: None, after: None };
-        lanes.push((lane, link("predecessor")?, link("successor")?));
+        let (before, after) = (link("predecessor")?, link("successor")?);
+        lanes.push(Outlined { lane, before, after, borders });
     }
-    lanes.sort_by_key(|(lane, ..)| lane.id.abs());
+    lanes.sort_by_key(|lane| lane.lane.id.abs());
     Ok(lanes)
 }

@@ -1,5 +1,6 @@
 //! Reader of OpenDRIVE files.
 
+mod border;
 mod geometry;
 mod lanes;
 mod row;

@@ -125,6 +125,75 @@ fn a_road_with_grades_is_read_with_its_steepest_slope() {
 }
 
 #[test]
+fn a_border_is_the_distance_of_a_lanes_outer_line() {
+    let lane = |id: i32, inside: &str| format!("<lane id=\"{id}\">{inside}</lane>");
+    let cubic = |name: &str, at: f64, f: [f64; 4]| {
+        let [a, b, c, d] = f;
+        format!("<{name} sOffset=\"{at}\" a=\"{a}\" b=\"{b}\" c=\"{c}\" d=\"{d}\"/>")
+    };
+    // Lane -2 widens from 20 m on, and its border stays until 60 m; lane 1 has a width inside of a border.
+    let inner = cubic("border", 0.0, [-3.0, 0.0, 0.0, 0.0])
+        + &cubic("border", 20.0, [-3.0, -0.01, -0.002, 0.00003]);
+    let outer = cubic("border", 0.0, [-7.5, 0.0, 0.0, 0.0])
+        + &cubic("border", 60.0, [-7.5, -0.1, 0.0, 0.0]);
+    let left = lane(1, &cubic("width", 0.0, [2.0, 0.05, 0.0, 0.0]))
+        + &lane(2, &cubic("border", 0.0, [8.0, 0.0, 0.0, 0.0]));
+    let begin = STRAIGHT.find("<laneOffset").expect("it is there");
+    let text = |offset: &str, right: &str| {
+        format!(
+            "{}{offset}\n<laneSection s=\"0\"><left>{left}</left><right>{right}</right></laneSection></lanes></road></OpenDRIVE>",
+            &STRAIGHT[..begin]
+        )
+    };
+    let right = lane(-2, &outer) + &lane(-1, &inner);
+    let found = road(&text("", &right)).expect("borders are read");
+    for s_m in [0.0, 10.0, 20.0, 35.5, 60.0, 80.0, 99.0] {
+        let x = (s_m - 20.0_f64).max(0.0);
+        let inner_m = 3.0 + 0.01 * x + 0.002 * x * x - 0.00003 * x * x * x;
+        let outer_m = 7.5 + 0.1 * (s_m - 60.0).max(0.0);
+        let first_m = 2.0 + 0.05 * s_m;
+        let expected = [
+            (-2, -0.5 * (inner_m + outer_m)),
+            (-1, -0.5 * inner_m),
+            (1, 0.5 * first_m),
+            (2, 0.5 * (first_m + 8.0)),
+        ];
+        for ((id, center_m), (expected_id, expected_m)) in
+            centers(&found, s_m).into_iter().zip(expected)
+        {
+            assert_eq!(id, expected_id);
+            assert!(
+                (center_m - expected_m).abs() < 1e-12,
+                "{s_m}: {id} at {center_m}, {expected_m}"
+            );
+        }
+    }
+    let shown = refusal(&text("<laneOffset s=\"0\" a=\"0.5\" b=\"0\" c=\"0\" d=\"0\"/>", &right));
+    assert!(
+        shown.contains("a.xodr:4:")
+            && shown.contains("a `border` of a road with a `laneOffset`, expected widths"),
+        "{shown}"
+    );
+    let inside =
+        cubic("border", 0.0, [-7.5, 0.0, 0.0, 0.0]) + &cubic("border", 60.0, [-2.0, 0.0, 0.0, 0.0]);
+    let shown = refusal(&text("", &(lane(-1, &inner) + &lane(-2, &inside))));
+    assert!(
+        shown.contains("lane -2 has a width of -")
+            && shown.contains("at s = 60 m, expected a border outside"),
+        "{shown}"
+    );
+    let none = refusal(&text("", &lane(-1, "")));
+    assert!(
+        none.contains("element `lane` in `right` has no width, expected a `width` or a `border`"),
+        "{none}"
+    );
+    // A width hides a border.
+    let both = lane(-1, &(cubic("width", 0.0, [4.0, 0.0, 0.0, 0.0]) + &inner));
+    let found = road(&text("", &both)).expect("the width counts");
+    assert_eq!(found.lane(50.0, -1).map(|lane| lane.width_m), Some(4.0));
+}
+
+#[test]
 fn a_lane_without_a_link_ends_where_others_go_on() {
     let lane = |id: i32, link: &str| {
         format!(
