@@ -5,7 +5,8 @@ use std::path::Path;
 use crate::declare::{Element, Form, Node, SCENARIO_VERSIONS, check, check_head};
 use crate::error::{Place, ReadError, Spot};
 use crate::library::Source;
-use crate::model::Script;
+use crate::model::action::Action;
+use crate::model::{InitAction, Script};
 use crate::parameter::{Assignment, opened};
 use crate::scene::{LaneHeadings, Scene};
 use crate::scope::Scope;
@@ -101,12 +102,16 @@ pub fn scenario_by(
             }
             let (place, stop) = board.stop.unzip();
             let spots = Spots { entities, starts, stop: place.map(|place| place.spot) };
+            let cycles = scene.controllers.take().into_iter().map(|(_, cycle)| cycle);
+            let cycles =
+                cycles.map(|cycle| InitAction { actor: None, action: Action::Cycle(cycle) });
+            let init = cycles.chain(board.init).collect();
             let script = Script {
                 road: scene.road(None)?.road.clone(),
                 ego: scene.ego.get(),
                 entities: scene.entities.take(),
                 values: scene.values.take(),
-                init: board.init,
+                init,
                 stories: board.stories,
                 stop,
             };

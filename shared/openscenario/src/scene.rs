@@ -10,6 +10,7 @@ use crate::error::{Place, ReadError, Spot};
 use crate::ground::Ground;
 use crate::library::Source;
 use crate::model::element::ElementKind;
+use crate::model::signal::SignalCycle;
 use crate::model::{Entity, Named};
 use crate::road::{self, Road};
 use crate::xml::{self, Document};
@@ -47,6 +48,8 @@ pub(crate) struct Scene<'a> {
     /// The actors of the maneuver group that is read.
     pub actors: RefCell<Vec<usize>>,
     pub values: RefCell<Vec<Named>>,
+    /// Controllers of traffic signals by name.
+    pub controllers: RefCell<Vec<(String, SignalCycle)>>,
     /// References to parts of the storyboard, to be looked up once all of it has been read.
     pub references: RefCell<Vec<Reference>>,
     pub notices: RefCell<Vec<String>>,
@@ -91,6 +94,7 @@ impl<'a> Scene<'a> {
             headings: Cell::default(),
             actors: RefCell::default(),
             values: RefCell::default(),
+            controllers: RefCell::default(),
             references: RefCell::default(),
             notices: RefCell::default(),
         }

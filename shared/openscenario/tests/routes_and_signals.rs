@@ -131,3 +131,124 @@ fn a_condition_sees_the_state_of_a_signal() {
     near(run.to(3.0).lead().speed_mps, 0.0);
     near(run.to(20.0).lead().speed_mps, 0.0);
 }
+
+/// A controller of signal 7: red for 3 s, green for 2 s, from `delay_s` after another one.
+fn controller(name: &str, more: &str) -> String {
+    let phase = |name: &str, duration: f64, state: &str| {
+        format!(
+            "<Phase name=\"{name}\" duration=\"{duration}\"><TrafficSignalState trafficSignalId=\"{name}7\" state=\"{state}\"/></Phase>"
+        )
+    };
+    let states = [phase("red", 3.0, "on"), phase("green", 2.0, "off")].concat();
+    format!("<TrafficSignalController name=\"{name}\"{more}>{states}</TrafficSignalController>")
+}
+
+/// The scenario with controllers in its road network.
+fn controlled(controllers: &str, stories: &str) -> Parts {
+    let road = "<LogicFile filepath=\"road.xodr\"/>";
+    Parts {
+        network: format!("{road}<TrafficSignals>{controllers}</TrafficSignals>"),
+        stories: stories.to_owned(),
+        ..Parts::default()
+    }
+}
+
+fn in_phase(controller: &str, phase: &str) -> String {
+    let inside = format!(
+        "<TrafficSignalControllerCondition trafficSignalControllerRef=\"{controller}\" phase=\"{phase}\"/>"
+    );
+    condition("rising", 0.0, &format!("<ByValueCondition>{inside}</ByValueCondition>"))
+}
+
+#[test]
+fn a_controller_goes_through_its_phases_without_end() {
+    let fast = event(
+        "A",
+        "parallel",
+        &[&speed("step", "time", 0.0, 30.0)],
+        &trigger(&[&in_phase("b", "green")]),
+    );
+    let stories =
+        story(&[fast.replace(
+            "priority=\"parallel\"",
+            "priority=\"parallel\" maximumExecutionCount=\"9\"",
+        )]);
+    let both = controller("a", "") + &controller("b", " reference=\"a\" delay=\"1.5\"");
+    let mut run = controlled(&both, &stories).run();
+    // Red from 1.5 s, green from 4.5 s.
+    near(run.to(4.49).lead().speed_mps, 20.0);
+    near(run.to(4.5).lead().speed_mps, 30.0);
+}
+
+#[test]
+fn an_action_moves_a_controller_to_a_phase() {
+    let go = "<InfrastructureAction><TrafficSignalAction><TrafficSignalControllerAction trafficSignalControllerRef=\"a\" phase=\"green\"/></TrafficSignalAction></InfrastructureAction>";
+    let slow = |mps: f64| speed("step", "time", 0.0, mps);
+    let stories = story(&[
+        global("go", &trigger(&[&at(1.0)]), go),
+        event("A", "parallel", &[&slow(30.0)], &trigger(&[&in_phase("a", "green")])),
+        event(
+            "B",
+            "parallel",
+            &[&slow(10.0)],
+            &trigger(&[&at(1.5), &shows(0.0, "red7", "on"), &in_phase("a", "red")]),
+        ),
+    ]);
+    let mut run = controlled(&controller("a", ""), &stories).run();
+    near(run.to(0.99).lead().speed_mps, 20.0);
+    near(run.to(1.0).lead().speed_mps, 30.0);
+    near(run.to(2.99).lead().speed_mps, 30.0);
+    near(run.to(3.0).lead().speed_mps, 10.0);
+}
+
+#[test]
+fn controllers_that_make_no_sense_are_refused() {
+    let refused = |controllers: &str, stories: &str, expected: &str| {
+        let shown = controlled(controllers, stories).refusal();
+        assert!(shown.starts_with("dir/a.xosc:") && shown.contains(expected), "{shown}");
+    };
+    let when = |condition: &str| {
+        story(&[event(
+            "A",
+            "parallel",
+            &[&speed("step", "time", 0.0, 1.0)],
+            &trigger(&[condition]),
+        )])
+    };
+    let own = controller("a", " reference=\"a\"");
+    refused(
+        &own,
+        "",
+        "`reference` of `TrafficSignalController`: there is no controller `a` before this one",
+    );
+    let none = "<TrafficSignalController name=\"a\"/>";
+    refused(none, "", "a controller without a phase that lasts, expected a `Phase`");
+    let good = controller("a", "");
+    refused(&good.replace("\"3\"", "\"-3\""), "", "-3 is out of range, expected 0 or more");
+    refused(&good, &when(&in_phase("c", "red")), "there is no controller `c`, expected `a`");
+    refused(
+        &good,
+        &when(&in_phase("a", "blue")),
+        "there is no phase `blue`, expected `red` or `green`",
+    );
+    refused(
+        "",
+        &when(&in_phase("a", "red")),
+        "expected one in the `TrafficSignals` of the road network",
+    );
+}
+
+#[test]
+fn lights_and_commands_of_other_players_have_no_effect() {
+    let light = "<AppearanceAction><LightStateAction transitionTime=\"0.1\"><LightType><VehicleLight vehicleLightType=\"brakeLights\"/></LightType><LightState mode=\"on\"/></LightStateAction></AppearanceAction>";
+    let command = "<Action name=\"c\"><UserDefinedAction><CustomCommandAction type=\"python\">run me</CustomCommandAction></UserDefinedAction></Action>";
+    let first = event("A", "parallel", &[light], &trigger(&[&at(1.0)]));
+    let stories = story(&[first.replacen("<Action name", &format!("{command}<Action name"), 1)]);
+    let parts = Parts { stories, ..Parts::default() };
+    let notices = parts.read().expect("they are known").notices;
+    assert!(
+        notices.iter().any(|notice| notice.contains("a command of another player")),
+        "{notices:?}"
+    );
+    near(parts.run().to(3.0).lead().speed_mps, 20.0);
+}

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::meeting::Meeting;
 use super::position::Position;
 use super::profile::SpeedProfile;
+use super::signal::SignalCycle;
 use crate::expression::Value;
 
 /// An action.
@@ -70,6 +71,15 @@ pub enum Action {
     Profile(SpeedProfile),
     /// The entity arrives together with another one.
     Meet(Box<Meeting>),
+    /// Traffic signals go through a cycle from now on.
+    Cycle(SignalCycle),
+    /// The cycle of a controller goes on from the beginning of a phase.
+    Phase {
+        /// The place of the present phase's name among the script's values.
+        controller: usize,
+        /// The number of the phase.
+        phase: usize,
+    },
 }
 
 /// A target speed.

@@ -9,6 +9,7 @@ pub mod element;
 pub mod meeting;
 pub mod position;
 pub mod profile;
+pub mod signal;
 pub mod storyboard;
 
 use serde::{Deserialize, Serialize};

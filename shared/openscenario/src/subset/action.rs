@@ -1,5 +1,6 @@
 //! Actions of an entity and of the world.
 
+use super::appearance::AppearanceAction;
 use super::environment::{
     ActivateControllerAction, ControllerAction, EnvironmentAction, VisibilityAction,
 };
@@ -27,6 +28,7 @@ elements! { "Actions";
             VisibilityAction,
             ActivateControllerAction,
             SynchronizeAction,
+            AppearanceAction,
         )>,
     } { Ok(action) }
 

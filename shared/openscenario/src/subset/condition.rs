@@ -1,7 +1,7 @@
 //! Triggers and conditions.
 
 use super::reference::{ParameterName, VariableName};
-use super::signal::TrafficSignalCondition;
+use super::signal::{TrafficSignalCondition, TrafficSignalControllerCondition};
 use super::test::ByEntityCondition;
 use crate::comparison::Rule;
 use crate::declare::{
@@ -97,6 +97,7 @@ elements! { "Conditions";
             SimulationTimeCondition,
             StoryboardElementStateCondition,
             TrafficSignalCondition,
+            TrafficSignalControllerCondition,
         )>,
     } { Ok(test) }
 

@@ -3,6 +3,7 @@
 use super::catalog::CatalogLocations;
 use super::entity::{Controller, Entities, MiscObject, Pedestrian, Vehicle};
 use super::environment::Environment;
+use super::signal::TrafficSignals;
 use super::storyboard::{Board, Maneuver, Storyboard};
 use super::trajectory::Trajectory;
 use super::unused::{License, Properties, SceneGraphFile};
@@ -61,7 +62,11 @@ elements! { "File";
     { Ok(Named { name, value }) }
 
     /// the road; without one, lanes of 3.5 m on a straight road are assumed
-    RoadNetwork -> bool [] {file: Option<LogicFile>, _: Option<SceneGraphFile>}
+    RoadNetwork -> bool [] {
+        file: Option<LogicFile>,
+        _: Option<SceneGraphFile>,
+        _: Option<TrafficSignals>,
+    }
     |node| {
         let Some((path, place)) = file else { return Ok(false) };
         node.scene.open_road(&path, &place)?;

@@ -1,8 +1,8 @@
 //! Actions along the road.
 
-use super::profile::SpeedProfileAction;
+use super::profile::{DynamicConstraints, SpeedProfileAction};
 use super::reference::EntityName;
-use crate::declare::{AtLeastZero, Bound, Number, OneOf, Truth, elements, words};
+use crate::declare::{AtLeastZero, Number, OneOf, Truth, elements, words};
 use crate::model::action::{
     Action, Dimension, Distance, Gap, Limits, Shape, Side, SpeedTarget, Transition,
 };
@@ -109,22 +109,6 @@ elements! { "Actions";
         let side = side.unwrap_or(Side::Behind);
         let limits = bounds.and_then(limits);
         Ok(Action::Distance(Distance { entity, gap, freespace, side, continuous, limits }))
-    }
-
-    /// bounds on the way; a distance is there at once without both accelerations, and their rates have no effect on it
-    DynamicConstraints -> Bounds
-    ["maxAcceleration" up: Option<Bound> as "m/s²", "maxDeceleration" down: Option<Bound> as "m/s²",
-        "maxAccelerationRate" up_rate: Option<Bound> as "m/s³",
-        "maxDecelerationRate" down_rate: Option<Bound> as "m/s³",
-        "maxSpeed" speed: Option<Bound> as "m/s"] {}
-    {
-        Ok(Bounds {
-            acceleration_mps2: up.unwrap_or(f64::INFINITY),
-            deceleration_mps2: down.unwrap_or(f64::INFINITY),
-            acceleration_rate_mps3: up_rate.unwrap_or(f64::INFINITY),
-            deceleration_rate_mps3: down_rate.unwrap_or(f64::INFINITY),
-            speed_mps: speed.unwrap_or(f64::INFINITY),
-        })
     }
 }
 

@@ -1,6 +1,7 @@
 //! The elements of the standard that are read, each declared once.
 
 mod action;
+mod appearance;
 mod body;
 mod catalog;
 mod condition;

@@ -1,8 +1,7 @@
 //! Profiles of speeds over time.
 
-use super::longitudinal::DynamicConstraints;
 use super::reference::EntityName;
-use crate::declare::{AtLeastOne, AtLeastZero, Number, Placed, elements, words};
+use crate::declare::{AtLeastOne, AtLeastZero, Bound, Number, Placed, elements, words};
 use crate::error::ReadError;
 use crate::model::action::Action;
 use crate::model::profile::{Bounds, SpeedEntry, SpeedProfile};
@@ -35,4 +34,20 @@ elements! { "Actions";
     SpeedProfileEntry -> SpeedEntry
     ["speed" mps: Number as "m/s", "time" time_s: Option<AtLeastZero> as "s"] {}
     { Ok(SpeedEntry { mps, time_s }) }
+
+    /// bounds on the way; a distance is there at once without both accelerations, and their rates have no effect on it
+    DynamicConstraints -> Bounds
+    ["maxAcceleration" up: Option<Bound> as "m/s²", "maxDeceleration" down: Option<Bound> as "m/s²",
+        "maxAccelerationRate" up_rate: Option<Bound> as "m/s³",
+        "maxDecelerationRate" down_rate: Option<Bound> as "m/s³",
+        "maxSpeed" speed: Option<Bound> as "m/s"] {}
+    {
+        Ok(Bounds {
+            acceleration_mps2: up.unwrap_or(f64::INFINITY),
+            deceleration_mps2: down.unwrap_or(f64::INFINITY),
+            acceleration_rate_mps3: up_rate.unwrap_or(f64::INFINITY),
+            deceleration_rate_mps3: down_rate.unwrap_or(f64::INFINITY),
+            speed_mps: speed.unwrap_or(f64::INFINITY),
+        })
+    }
 }

@@ -1,47 +1,172 @@
 //! Traffic signals: their states are values that conditions compare.
 
-use super::condition::Meant;
 use crate::comparison::Rule;
-use crate::declare::{Node, Text, elements};
+use crate::declare::{Given, Node, OneOf, Scalar, Text, elements};
+use crate::error::{ReadError, meant};
 use crate::expression::Value;
 use crate::model::Named;
 use crate::model::action::{Action, Change};
 use crate::model::condition::Test;
+use crate::model::signal::{SignalCycle, SignalPhase};
 
 elements! { "Actions";
     /// an action on traffic signals
     InfrastructureAction -> Action [] {action: TrafficSignalAction} { Ok(action) }
 
     /// an action on a traffic signal
-    TrafficSignalAction -> Action [] {action: TrafficSignalStateAction} { Ok(action) }
+    TrafficSignalAction -> Action []
+    {action: OneOf<(TrafficSignalStateAction, TrafficSignalControllerAction)>}
+    { Ok(action) }
 
     /// the state that `TrafficSignalCondition` compares; neither the ego nor others see the signal
     TrafficSignalStateAction -> Action ["name" name: Text, "state" state: Text] {}
     |node| {
-        node.scene.notice(
-            "traffic signals of the file change what `TrafficSignalCondition` sees; neither the ego nor others see them"
-                .to_owned(),
-        );
-        let value = signal(node, &name);
+        unseen(node);
+        let value = value_of(node, &named(&name));
         Ok(Action::Set { value, change: Change::To(Value::Text(state)) })
+    }
+
+    /// the controller goes on from the beginning of the phase
+    TrafficSignalControllerAction -> Action
+    ["trafficSignalControllerRef" controller: ControllerName, "phase" phase: Text] {}
+    |node| {
+        let phase = phase_of(node, &controller, &phase)?;
+        Ok(Action::Phase { controller: controller.controller, phase })
+    }
+}
+
+elements! { "File";
+    /// controllers of traffic signals
+    TrafficSignals -> () [] {_: Vec<TrafficSignalController>} { Ok(()) }
+
+    /// its phases come one after the other, without end; with a reference it begins the delay after that controller, which comes before it in the file
+    TrafficSignalController -> ()
+    ["name" name: Text, "delay" delay_s: Option<Seconds> as "s", "reference" reference: Option<Text>]
+    {phases: Vec<Phase>}
+    |node| {
+        unseen(node);
+        let scene = node.scene;
+        let begins_ns = match reference.filter(|reference| !reference.is_empty()) {
+            None => 0,
+            Some(reference) => {
+                let controllers = scene.controllers.borrow();
+                let known = controllers.iter().find(|(known, _)| *known == reference);
+                let names = controllers.iter().map(|(name, _)| name.as_str());
+                known.map(|(_, cycle)| cycle.begins_ns).ok_or_else(|| {
+                    let reason = format!("there is no controller `{reference}` before this one");
+                    node.wrong("reference", reason, meant(&reference, names))
+                })?
+            }
+        };
+        let begins_ns = begins_ns.saturating_add_unsigned(delay_s.unwrap_or(0));
+        let controller = value_of(node, &format!("traffic signal controller {name}"));
+        let cycle = SignalCycle { controller, begins_ns, phases };
+        if cycle.duration_ns() == 0 {
+            return Err(node.refuse("a controller without a phase that lasts", "a `Phase`"));
+        }
+        scene.controllers.borrow_mut().push((name, cycle));
+        Ok(())
+    }
+
+    /// states of signals for a time
+    Phase -> SignalPhase ["name" name: Text, "duration" duration_ns: Seconds as "s"]
+    {states: Vec<TrafficSignalState>, _: Option<TrafficSignalGroupState>}
+    { Ok(SignalPhase { name, duration_ns, states }) }
+
+    /// the state of one signal
+    TrafficSignalState -> (usize, String) ["trafficSignalId" signal: Text, "state" state: Text] {}
+    |node| { Ok((value_of(node, &named(&signal)), state)) }
+
+    /// without effect: a group has no signals of its own
+    TrafficSignalGroupState -> () [] {} unused ["state"] { Ok(()) }
+}
+
+/// A duration of at most 1e6 s; its value is in ns.
+struct Seconds;
+
+impl Scalar for Seconds {
+    type Value = u64;
+
+    fn kind() -> String {
+        "0 or more".to_owned()
+    }
+
+    fn take(given: &Given<'_>) -> Result<u64, ReadError> {
+        let time_s = given.number(&Self::kind(), |time_s| (0.0..=1e6).contains(&time_s))?;
+        Ok(libm::round(time_s * 1e9) as u64)
+    }
+}
+
+/// The name of a controller of traffic signals.
+struct ControllerName;
+
+impl Scalar for ControllerName {
+    type Value = SignalCycle;
+
+    fn kind() -> String {
+        "a controller".to_owned()
+    }
+
+    fn take(given: &Given<'_>) -> Result<SignalCycle, ReadError> {
+        let name = given.text()?;
+        let controllers = given.node.scene.controllers.borrow();
+        let known = controllers.iter().find(|(known, _)| *known == name);
+        let names = controllers.iter().map(|(name, _)| name.as_str());
+        known.map(|(_, cycle)| cycle.clone()).ok_or_else(|| {
+            let expected = match controllers.is_empty() {
+                true => "one in the `TrafficSignals` of the road network".to_owned(),
+                false => meant(&name, names),
+            };
+            given.wrong(format!("there is no controller `{name}`"), expected)
+        })
     }
 }
 
 elements! { "Conditions";
     /// the signal has this state; none does before an action sets it
-    TrafficSignalCondition -> Meant ["name" name: Text, "state" state: Text] {}
+    TrafficSignalCondition -> Result<Test, (ReadError, bool)>
+    ["name" name: Text, "state" state: Text] {}
     |node| {
-        let of = signal(node, &name);
+        let of = value_of(node, &named(&name));
         Ok(Ok(Test::Value { of, rule: Rule::EqualTo, value: Value::Text(state) }))
+    }
+
+    /// the controller is in this phase
+    TrafficSignalControllerCondition -> Result<Test, (ReadError, bool)>
+    ["trafficSignalControllerRef" controller: ControllerName, "phase" phase: Text] {}
+    |node| {
+        phase_of(node, &controller, &phase)?;
+        let (of, value) = (controller.controller, Value::Text(phase));
+        Ok(Ok(Test::Value { of, rule: Rule::EqualTo, value }))
     }
 }
 
-/// The place of a signal's state among the values of the script.
-fn signal(node: Node<'_>, name: &str) -> usize {
-    let name = format!("traffic signal {name}");
+/// Notes that nobody on the road sees the signals.
+fn unseen(node: Node<'_>) {
+    node.scene.notice(
+        "traffic signals of the file change what conditions see; neither the ego nor others see them"
+            .to_owned(),
+    );
+}
+
+/// The number of a phase of a controller.
+fn phase_of(node: Node<'_>, controller: &SignalCycle, name: &str) -> Result<usize, ReadError> {
+    let names = || controller.phases.iter().map(|phase| phase.name.as_str());
+    names().position(|known| known == name).ok_or_else(|| {
+        node.wrong("phase", format!("there is no phase `{name}`"), meant(name, names()))
+    })
+}
+
+/// The name of a signal's state among the values of the script.
+fn named(signal: &str) -> String {
+    format!("traffic signal {signal}")
+}
+
+/// The place of a text among the values of the script.
+fn value_of(node: Node<'_>, name: &str) -> usize {
     let mut values = node.scene.values.borrow_mut();
     values.iter().position(|value| value.name == name).unwrap_or_else(|| {
-        values.push(Named { name, value: Value::Text(String::new()) });
+        values.push(Named { name: name.to_owned(), value: Value::Text(String::new()) });
         values.len() - 1
     })
 }

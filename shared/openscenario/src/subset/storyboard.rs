@@ -1,6 +1,7 @@
 //! The storyboard: Init, stories, acts, groups, maneuvers, events.
 
 use super::action::{GlobalAction, PrivateAction};
+use super::appearance::UserDefinedAction;
 use super::catalog::FromCatalog;
 use super::condition::{StartTrigger, StopTrigger};
 use super::entity::EntityRef;
@@ -75,7 +76,7 @@ elements! { "Storyboard";
 
     /// actions of Init
     Actions -> (Vec<action::Action>, Vec<Start>) []
-    {global: Vec<GlobalAction>, private: Vec<Private>}
+    {global: Vec<GlobalAction>, _: Vec<UserDefinedAction>, private: Vec<Private>}
     { Ok((global, private)) }
 
     /// actions of one entity
@@ -151,7 +152,8 @@ elements! { "Storyboard";
     }
 
     /// done for every actor of the group
-    Action -> NamedAction ["name" name: Text] {action: OneOf<(OfActors, GlobalAction)>}
+    Action -> NamedAction ["name" name: Text]
+    {action: OneOf<(OfActors, GlobalAction, UserDefinedAction)>}
     { Ok(NamedAction { name, action }) }
 }
 

@@ -59,7 +59,15 @@ fn check_action(script: &Script, action: &Action) -> Result<(), WorldError> {
         Action::Trajectory(line) => {
             line.vertices.iter().try_for_each(|vertex| at(&vertex.position))
         }
-        Action::Set { value, .. } => index("value", *value, script.values.len()),
+        Action::Set { value, .. } | Action::Phase { controller: value, .. } => {
+            index("value", *value, script.values.len())
+        }
+        Action::Cycle(cycle) => {
+            let signals = cycle.phases.iter().flat_map(|phase| &phase.states);
+            std::iter::once(cycle.controller)
+                .chain(signals.map(|(signal, _)| *signal))
+                .try_for_each(|value| index("value", value, script.values.len()))
+        }
         Action::Speed { .. }
         | Action::LaneChange { .. }
         | Action::LaneOffset { .. }

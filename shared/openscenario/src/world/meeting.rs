@@ -16,12 +16,15 @@
 
 use crate::model::meeting::{Meeting, MeetingSpeed, Steady};
 use crate::world::World;
-use crate::world::motion::{MAX_SPEED_MPS, rate};
-use crate::world::shape::{SHORTEST_S, seconds};
+use crate::world::motion::rate;
+use crate::world::shape::{MAX_SPEED_MPS, SHORTEST_S, seconds};
 
 /// Largest change of the speed, m/s². Just before the arrival a plan answers to the last change of the master's speed,
 /// and would ask for any acceleration.
 const MOST_MPS2: f64 = 20.0;
+
+/// A speed that counts as none, m/s: powers of a smaller one may vanish.
+const SMALLEST_MPS: f64 = 1e-9;
 
 /// A plan until the arrival.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,6 +38,7 @@ enum Plan {
 impl Plan {
     /// The plan for a way, a time, and the speeds at both ends.
     fn of(way_m: f64, time_s: f64, mps: f64, end_mps: Option<f64>) -> Self {
+        let mps = if mps < SMALLEST_MPS { 0.0 } else { mps };
         let roots = libm::sqrt(mps * end_mps.unwrap_or(0.0));
         let least_m = time_s * (mps - roots + end_mps.unwrap_or(0.0)) / 3.0;
         if time_s.is_infinite() || way_m <= least_m {
@@ -132,8 +136,9 @@ impl World {
         };
         let before = self.motion(entity).speed_mps;
         let (way_m, speed_mps) = match final_mps {
-            Some(mps) if way_m <= 0.0 || time_s <= 0.0 => (mps * elapsed_s, mps),
+            Some(mps) if way_m <= 0.0 || time_s < SHORTEST_S => (mps * elapsed_s, mps),
             None if way_m <= 0.0 => (0.0, 0.0),
+            None if time_s < SHORTEST_S => (before * elapsed_s, before),
             _ => {
                 let plan = Plan::of(way_m, time_s, before, final_mps);
                 let (planned_m, mps) = plan.after(elapsed_s.min(time_s));
@@ -157,6 +162,33 @@ impl World {
                 self.state.movers[entity].motion.speed_mps = final_mps;
             }
             self.end_pace(entity);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn extreme_ways_times_and_speeds_stay_finite() {
+        let sizes = [1e-320, 1e-9, 1e-3, 1.0, 1e4];
+        for way_m in [1e-320, 1e-9, 1.0, 1e9] {
+            for time_s in [SHORTEST_S, 1.0, 1e9, f64::INFINITY] {
+                for mps in [0.0].into_iter().chain(sizes) {
+                    for end_mps in [None, Some(0.0)].into_iter().chain(sizes.map(Some)) {
+                        let plan = Plan::of(way_m, time_s, mps, end_mps);
+                        for t in [0.0_f64, 1e-9, 0.01, 1.0] {
+                            let (covered_m, speed_mps) = plan.after(t.min(time_s));
+                            let is_good = covered_m.is_finite() && speed_mps.is_finite();
+                            assert!(
+                                is_good && covered_m >= 0.0 && speed_mps >= 0.0,
+                                "{way_m} m, {time_s} s, {mps} m/s, {end_mps:?}: {plan:?}"
+                            );
+                        }
+                    }
+                }
+            }
         }
     }
 }

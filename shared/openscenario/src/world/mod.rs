@@ -16,6 +16,7 @@ mod motion;
 mod plan;
 mod profile;
 mod shape;
+mod signals;
 mod start;
 mod state;
 mod storyboard;
@@ -37,6 +38,7 @@ pub use geometry::Extent;
 use motion::Mover;
 pub use plan::NotFound;
 use plan::Plan;
+use signals::Cycle;
 pub use state::Motion;
 use storyboard::Progress;
 pub use way::Way;
@@ -124,6 +126,9 @@ pub struct State {
     progress: Vec<Progress>,
     conditions: Vec<ConditionMemory>,
     values: Vec<Value>,
+    /// Controllers of traffic signals.
+    #[serde(default)]
+    cycles: Vec<Cycle>,
 }
 
 /// A script that moves.
@@ -191,6 +196,7 @@ impl World {
             progress: vec![Progress::default(); plan.elements.len()],
             conditions: vec![ConditionMemory::default(); plan.conditions],
             values: script.values.iter().map(|named| named.value.clone()).collect(),
+            cycles: Vec::new(),
         };
         if !script.road.lanes.is_sound() {
             return Err(WorldError::Lanes);
@@ -235,6 +241,7 @@ impl World {
         }
         self.state.time_ns = time_ns;
         if !self.state.stopped {
+            self.signals();
             self.storyboard();
         }
     }

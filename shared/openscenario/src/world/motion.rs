@@ -7,11 +7,8 @@ use crate::model::meeting::Meeting;
 use crate::model::{Category, Drive, MAX_ENTITIES};
 use crate::world::World;
 use crate::world::profile::Profile;
-use crate::world::shape::{SpeedShape, seconds};
+use crate::world::shape::{MAX_SPEED_MPS, SpeedShape, seconds};
 use crate::world::state::Motion;
-
-/// Largest target speed, m/s: a factor that is applied repeatedly stays finite.
-pub(super) const MAX_SPEED_MPS: f64 = 1e4;
 
 /// An entity with its longitudinal and lateral action.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -12,8 +12,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::model::profile::{Bounds, SpeedEntry, SpeedProfile};
-use crate::world::motion::MAX_SPEED_MPS;
-use crate::world::shape::{SHORTEST_S, seconds};
+use crate::world::shape::{MAX_SPEED_MPS, SHORTEST_S, seconds};
 
 /// A change of the speed that counts as none, m/s.
 const SMALLEST_MPS: f64 = 1e-9;

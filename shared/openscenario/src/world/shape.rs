@@ -4,6 +4,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::model::action::Shape;
 
+/// Largest target speed, m/s: a factor that is applied repeatedly stays finite.
+pub(super) const MAX_SPEED_MPS: f64 = 1e4;
 /// Shortest duration of a change, s: the clock's own step. A shorter one is done at once, because a time
 /// divided by it may overflow.
 pub(super) const SHORTEST_S: f64 = 1e-9;

@@ -91,6 +91,8 @@ impl World {
             Action::Add { entity, position } => self.teleport(*entity, position),
             Action::Delete { entity } => self.delete(*entity),
             Action::Nothing => {}
+            Action::Cycle(cycle) => self.begin_cycle(cycle),
+            Action::Phase { controller, phase } => self.begin_phase(*controller, *phase),
             _ => {
                 for &actor in actors {
                     self.begin(action, actor, element);
@@ -165,6 +167,8 @@ impl World {
             | Action::Set { .. }
             | Action::Add { .. }
             | Action::Delete { .. }
+            | Action::Cycle(_)
+            | Action::Phase { .. }
             | Action::Nothing => {}
         }
     }

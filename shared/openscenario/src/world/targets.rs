@@ -3,7 +3,7 @@
 use crate::model::action::{LaneTarget, SpeedTarget};
 use crate::model::position::{From, Heading, Position};
 use crate::world::World;
-use crate::world::motion::MAX_SPEED_MPS;
+use crate::world::shape::MAX_SPEED_MPS;
 use crate::world::state::Motion;
 
 impl World {

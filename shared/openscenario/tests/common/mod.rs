@@ -37,6 +37,9 @@ impl Source for Files {
     }
 }
 
+/// The reference to the road file.
+const LOGIC: &str = "<LogicFile filepath=\"road.xodr\"/>";
+
 /// The parts of a scenario file.
 #[derive(Clone, Default)]
 pub struct Parts {
@@ -49,6 +52,8 @@ pub struct Parts {
     pub assigned: Vec<(String, String)>,
     pub headings: LaneHeadings,
     pub ego: Option<String>,
+    /// The content of the road network; the road file alone where it is empty.
+    pub network: String,
 }
 
 impl Parts {
@@ -70,11 +75,12 @@ impl Parts {
         );
         format!(
             "<OpenSCENARIO>\n<FileHeader revMajor=\"1\" revMinor=\"2\" description=\"a test\"/>\n{}{}\
-             <RoadNetwork><LogicFile filepath=\"road.xodr\"/></RoadNetwork>\n\
+             <RoadNetwork>{}</RoadNetwork>\n\
              <Entities>{}{}{walker}</Entities>\n\
              <Storyboard><Init><Actions>{}{}</Actions></Init>\n{}\n<StopTrigger>{}</StopTrigger></Storyboard></OpenSCENARIO>",
             self.parameters,
             self.head,
+            if self.network.is_empty() { LOGIC } else { &self.network },
             car("Ego"),
             car("Lead"),
             private("Ego", &[&place(-1, 10.0), &speed("step", "time", 0.0, 20.0)]),
