@@ -68,7 +68,11 @@ impl<'a> Blame<'a> {
         reasons.extend(record.aborted_because.clone());
         reasons.extend(measured.leaks.iter().chain(&measured.degraded).cloned());
         let planned = self.plan.get(record.run);
-        let faults = planned.faults();
+        let mut faults = planned.faults();
+        // A case without a fault is known by its name.
+        if faults.is_empty() && planned.fault.starts_with("case ") {
+            faults.push(planned.fault.clone());
+        }
         faults.iter().for_each(|fault| self.count(&record.scenario, fault));
         self.failures.push(Failure {
             run: record.run,

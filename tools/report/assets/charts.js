@@ -76,7 +76,7 @@
     ctx.rect(bbox.left - 9 * ratio, 0, bbox.width + 18 * ratio, ctx.canvas.height);
     ctx.clip();
     let free = -Infinity;
-    for (const [at, label, tone] of chart.marks) {
+    for (const [at, label, tone] of [...chart.marks].sort((a, b) => a[0] - b[0])) {
       const x = u.valToPos(at, "x", true);
       ctx.strokeStyle = colour(tone); ctx.lineWidth = 1.2 * ratio;
       ctx.setLineDash([3 * ratio, 3 * ratio]);
