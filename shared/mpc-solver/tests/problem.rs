@@ -113,6 +113,15 @@ fn the_conditions_notice_every_kind_of_change() {
 }
 
 #[test]
+fn a_problem_shows_its_rows_in_their_order() {
+    let second = Row { gradient: [0.0, 1.0, 0.0], from: 3, to: 7, ..row() };
+    let problem = valid().row(row()).row(second).build().expect("it is well posed");
+    let stages: Vec<_> =
+        problem.rows().iter().map(|row| (row.gradient[1], row.from, row.to)).collect();
+    assert_eq!(stages, [(0.0, 1, 10), (1.0, 3, 7)]);
+}
+
+#[test]
 fn solvers_have_names() {
     for (name, kind) in [("riccati", Kind::Riccati), ("clarabel", Kind::Clarabel)] {
         assert_eq!(name.parse(), Ok(kind));
