@@ -58,6 +58,8 @@ pub struct Perception {
     ego_speed: EgoSpeed,
     /// The ego's motion that the tracker worked with.
     known: Ego,
+    /// The ego has come to the end of the road of a plan.
+    road_ended: bool,
 }
 
 /// The radar with its tracker.
@@ -113,6 +115,7 @@ impl Perception {
             list: TrackList::default(),
             ego_speed: EgoSpeed::default(),
             known: Ego::default(),
+            road_ended: false,
         };
         match road {
             Some(road) => perception.on_road(road, sources(scenario), &CourseNumbers::DEFAULT),
@@ -170,6 +173,10 @@ impl Perception {
         detections: &mut [Detection; MAX_DETECTIONS],
     ) -> &TrackList {
         self.traffic.advance(time_ns, ego);
+        let is_beyond = |road: &Arc<Axis>| ego.position_m >= road.length_m();
+        // A storyboard ends its drive itself.
+        self.road_ended |=
+            !self.traffic.has_storyboard() && self.road.as_ref().is_some_and(is_beyond);
         let now_ns = i64::try_from(time_ns).unwrap_or(i64::MAX);
         let mut scene = std::mem::take(&mut self.rooms[0]);
         (scene.time_ns, scene.ego, scene.told) = (now_ns, *ego, told);
@@ -305,9 +312,15 @@ impl Perception {
             detections: counts.then_some(self.detections),
             detections_left_out: counts.then_some(self.detections_left_out),
             unstarted_acts: self.traffic.unstarted_acts(),
-            road_ended: self.traffic.has_road_ended(),
+            road_ended: self.road_ended || self.traffic.has_road_ended(),
             ..self.quality.figures()
         }
+    }
+
+    /// The run is over: the storyboard has come to its end, or the ego to the road's.
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        self.road_ended || self.traffic.is_over()
     }
 
     /// The traffic, for the state that outlives the process.

@@ -37,7 +37,7 @@ pub struct PerceptionReport {
     /// Acts of an OpenSCENARIO file that never started.
     #[serde(default)]
     pub unstarted_acts: Vec<String>,
-    /// The ego came to the end of the road of an OpenSCENARIO file, and the drive ended there.
+    /// The ego came to the end of its road, and the drive ended there.
     #[serde(default)]
     pub road_ended: bool,
 }

@@ -96,7 +96,7 @@ pub fn run_behind(mut runtime: Runtime, mut ahead: Ahead) -> Result<(), RuntimeE
         if let Some(detections) = detections {
             output.send(detections, acquired, &perception)?;
         }
-        let ended = perception.traffic().is_over();
+        let ended = perception.is_over();
         // A reader with the first message of the vehicles has both.
         if let Some(more) = &mut more {
             more.send_with(|message| write_more(message, header, perception.vehicles()))?;

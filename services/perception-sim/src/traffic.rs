@@ -125,6 +125,12 @@ impl Traffic {
         }
     }
 
+    /// A storyboard moves the vehicles.
+    #[must_use]
+    pub fn has_storyboard(&self) -> bool {
+        self.stage.is_some()
+    }
+
     /// A storyboard has come to its end, and so has the run.
     #[must_use]
     pub fn is_over(&self) -> bool {

@@ -64,7 +64,7 @@ impl EgoSpeed {
         let reach_mps =
             |elapsed_s: f64| numbers.stand_noise_mps + numbers.ego_change_mps2 * elapsed_s;
         let known = self.last.or_else(|| told.map(|told| (told.speed_mps, time_ns)));
-        self.vote(course, detections);
+        self.vote(course, told, detections);
         let elapsed_s = known.map_or(0.0, |(_, then_ns)| (time_ns - then_ns) as f64 * 1e-9);
         let speed_mps = match known {
             Some((last_mps, _)) if elapsed_s <= numbers.forgotten_s => {
@@ -96,16 +96,22 @@ impl EgoSpeed {
     }
 
     /// Lists the ego's speeds that detections off the lane would show if they stood, in order.
-    fn vote(&mut self, course: &Course, detections: &[Detection]) {
+    ///
+    /// What goes along with an ego that moves by its odometry is traffic: it would show an ego that stands.
+    fn vote(&mut self, course: &Course, told: Option<Ego>, detections: &[Detection]) {
         self.votes_mps.clear();
+        let Numbers { disagrees_mps, stand_noise_mps, .. } = self.numbers;
+        let moves = told.is_some_and(|told| told.speed_mps > disagrees_mps + stand_noise_mps);
         for detection in detections {
             let (sine, cosine) = libm::sincos(detection.azimuth_rad);
             let Numbers { off_lane_m, off_lane_rad, .. } = self.numbers;
             let lane_m = off_lane_m + off_lane_rad * detection.range_m;
             let off_m = course.locate(detection.range_m * cosine, detection.range_m * sine).d_m;
             let is_beside = off_m.abs() > lane_m && cosine > 0.5;
-            if is_beside && detection.ambiguity_group == 0 {
-                self.votes_mps.push(-detection.range_rate_mps / cosine);
+            let vote_mps = -detection.range_rate_mps / cosine;
+            let goes_along = moves && vote_mps.abs() <= stand_noise_mps;
+            if is_beside && !goes_along && detection.ambiguity_group == 0 {
+                self.votes_mps.push(vote_mps);
             }
         }
         self.votes_mps.sort_unstable_by(f64::total_cmp);
@@ -204,6 +210,22 @@ mod tests {
         }
     }
 
+    /// Traffic at the ego's speed in other lanes, and nothing that stands.
+    #[test]
+    fn what_goes_along_with_the_ego_does_not_say_that_it_stands() {
+        let mut speed = EgoSpeed::default();
+        for k in 0..60 {
+            let along = &scan(9.0, 12, 9.0)[6..];
+            let posts = if k < 10 { &scan(9.0, 0, 0.0)[..] } else { &[] };
+            let chosen = speed.take_scan(k * 50_000_000, told(9.0), &[posts, along].concat());
+            assert_eq!(chosen.speed_mps, 9.0, "scan {k}");
+            assert_eq!(speed.measured().is_some(), k < 10, "scan {k}");
+        }
+        // Without odometry it may well stand.
+        speed.take_scan(3_500_000_000, None, &scan(0.0, 0, 0.0));
+        assert_eq!(speed.measured().map(|(mps, _)| mps < 0.3), Some(true));
+    }
+
     #[test]
     fn nothing_beside_the_road_is_no_measurement() {
         let mut speed = EgoSpeed::default();
@@ -234,7 +256,7 @@ mod tests {
     fn an_echo_off_the_lane_and_ahead_votes() {
         let votes = |detection: Detection| {
             let mut speed = EgoSpeed::default();
-            speed.vote(&Course::STRAIGHT, &[detection]);
+            speed.vote(&Course::STRAIGHT, None, &[detection]);
             speed.votes_mps
         };
         let vote = votes(stands(40.0, 8.0));
@@ -251,7 +273,7 @@ mod tests {
         assert!(votes(ambiguous).is_empty());
         // On a left curve of 100 m radius what is straight ahead is beside the road.
         let mut speed = EgoSpeed::default();
-        speed.vote(&Course::bent(0.0, |_| 0.01), &[stands(40.0, 0.0)]);
+        speed.vote(&Course::bent(0.0, |_| 0.01), None, &[stands(40.0, 0.0)]);
         assert_eq!(speed.votes_mps.len(), 1);
     }
 

@@ -174,8 +174,9 @@ fn unstarted_acts(acts: &[String]) -> Option<String> {
 }
 
 pub(super) fn storyboard(summary: &Summary, line: &mut dyn FnMut(&str, String)) {
+    let road_ended = summary.perception.as_ref().is_some_and(|perception| perception.road_ended);
     if let Some(text) = storyboard_remarks(summary) {
-        line("storyboard", text);
+        line(if road_ended { "road" } else { "storyboard" }, text);
     }
 }
 
