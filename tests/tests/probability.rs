@@ -104,7 +104,7 @@ fn a_variable_without_a_distribution_is_refused() {
     let corner = Corner::new(PROGRAM);
     let output = search(&corner, &GAP.replace("other = \"uniform(0, 1)\"\n", ""), &[]);
     assert_eq!(output.status.code(), Some(2), "{}", text(&output));
-    assert!(text(&output).contains("`other` has none"), "{}", text(&output));
+    assert!(text(&output).contains("`other` has no distribution"), "{}", text(&output));
 }
 
 /// The cut-in with all of 100,000 points of Monte Carlo, and 10,000 of the other estimator.

@@ -206,7 +206,7 @@ fn a_recovered_file_is_whole_and_counts_what_is_missing() {
 #[test]
 fn other_files_are_refused_with_the_reason() {
     let error = read(b"not a recording").expect_err("no magic").to_string();
-    assert!(error.contains("no MCAP file"), "{error}");
+    assert!(error.contains("not an MCAP file"), "{error}");
     let mut empty = Cursor::new(Vec::new());
     mcap::Writer::new(&mut empty).and_then(|mut writer| writer.finish()).expect("memory");
     let error = read(empty.get_ref()).expect_err("no metadata").to_string();

@@ -233,7 +233,7 @@ fn a_payload_that_is_not_ours_is_counted() {
 #[test]
 fn files_without_anything_are_refused_with_the_reason() {
     for (bytes, why) in
-        [(&b""[..], "empty"), (b"\x89MCAP", "no MCAP"), (b"\x89MCAP0\r\n", "which run")]
+        [(&b""[..], "empty"), (b"\x89MCAP", "not an MCAP file"), (b"\x89MCAP0\r\n", "which run")]
     {
         let error = Recording::of_bytes("test.mcap".into(), bytes).expect_err(why).to_string();
         assert!(error.contains(why), "{error}");

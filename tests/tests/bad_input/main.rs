@@ -203,7 +203,7 @@ fn radios() {
     let run = |radio, words: &[&str]| refused(&["run", "corridor", "--radio", radio], 2, words);
     run("morse", &["--radio", "`morse` is not a radio", "udp://"]);
     run("tcp://1.2.3.4:5", &["`tcp://1.2.3.4:5` is not a radio"]);
-    run("udp://somewhere:5520", &["no IP address with a port"]);
+    run("udp://somewhere:5520", &["is not an IP address with a port"]);
     // An address for documentation, which no host has (RFC 5737).
     run("udp://192.0.2.7:5520", &["cannot listen on 192.0.2.7:5520"]);
     run("udp://239.255.3.1:5520?interface=nowhere0", &["no network interface `nowhere0`"]);

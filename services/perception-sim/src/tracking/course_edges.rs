@@ -5,6 +5,9 @@
 
 use super::course_numbers::CourseNumbers;
 
+/// Distance along the course within which two scans show the same object, m. Chosen: the radar's errors and a scan's way.
+const SAME_M: f64 = 5.0;
+
 /// The edges of both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Edges {
@@ -80,12 +83,13 @@ impl Edges {
         if reach_m > numbers.post_reach_most_m {
             return Meaning::Nothing;
         }
-        if sigma_m > self.doubt.from_m {
+        if self.doubt.scans > 1 && sigma_m > self.doubt.from_m {
             return Meaning::OnRoad { is_certain: false };
         }
         let are_known = self.left.objects > 0 && self.right.objects > 0;
         if are_known && (self.right.d_m + reach_m..self.left.d_m - reach_m).contains(&d_m) {
-            let scans = self.doubt.scans + 1;
+            let is_same = (sigma_m - self.doubt.from_m).abs() < SAME_M;
+            let scans = if is_same { self.doubt.scans + 1 } else { 1 };
             self.doubt = Doubt { from_m: sigma_m, scans, left_s: numbers.doubt_s };
             return Meaning::OnRoad { is_certain: f64::from(scans) == numbers.doubt_scans };
         }
@@ -151,6 +155,11 @@ mod tests {
         let mut edges = known();
         let on_road = Meaning::OnRoad { is_certain: false };
         let of_edge = Meaning::OfEdge { off_m: 0.5 };
+        assert_eq!(edges.take((90.0, 6.4), REACH_M, &NUMBERS), on_road);
+        assert_eq!(edges.take((91.0, 9.5), REACH_M, &NUMBERS), of_edge, "one echo may be clutter");
+        assert_eq!(edges.take((84.9, 6.4), REACH_M, &NUMBERS), on_road);
+        assert_eq!(edges.take((91.0, 9.5), REACH_M, &NUMBERS), of_edge, "another place");
+        assert_eq!(edges.take((89.8, 6.4), REACH_M, &NUMBERS), on_road);
         assert_eq!(edges.take((90.0, 6.4), REACH_M, &NUMBERS), on_road);
         assert_eq!(edges.take((89.0, 9.5), REACH_M, &NUMBERS), of_edge);
         assert_eq!(edges.take((91.0, 9.5), REACH_M, &NUMBERS), on_road);

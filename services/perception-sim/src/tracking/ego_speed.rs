@@ -3,7 +3,8 @@
 //! A standing object at azimuth `phi` has the range rate `-v cos(phi)`. So each detection off the ego's lane measures
 //! `v`, if it stands. The measurements within reach of the last estimate vote. The reach is the change of speed that a
 //! vehicle can make since. The median of the votes is the new estimate. The first scan takes odometry's speed for the
-//! last estimate; from then on the two are independent of each other.
+//! last estimate; from then on the two are independent of each other. To contradict odometry takes objects at several
+//! places: a vehicle is at one, and traffic moves.
 //!
 //! Source: D. Kellner, M. Barjenbruch, J. Klappstein, J. Dickmann, K. Dietmayer, Instantaneous ego-motion estimation
 //! using Doppler radar, ITSC 2013: the velocity profile of standing targets. It is used without yaw rate and without
@@ -14,11 +15,20 @@ use super::numbers::Numbers;
 use crate::radar::scene::Ego;
 use messages::{Detection, MAX_DETECTIONS};
 
+/// A detection's measurement of the ego's speed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Vote {
+    speed_mps: f64,
+    range_m: f64,
+}
+
 /// Measures the ego's speed.
 #[derive(Clone, Debug)]
 pub struct EgoSpeed {
     numbers: Numbers,
-    votes_mps: Vec<f64>,
+    votes: Vec<Vote>,
+    /// Room for the ranges of votes, m.
+    ranges_m: Vec<f64>,
     /// The last estimate and its time, ns.
     last: Option<(f64, i64)>,
     /// Measurement of the last scan.
@@ -36,8 +46,14 @@ impl EgoSpeed {
     /// No measurement yet.
     #[must_use]
     pub fn new(numbers: &Numbers) -> Self {
-        let votes_mps = Vec::with_capacity(MAX_DETECTIONS);
-        Self { numbers: *numbers, votes_mps, last: None, measured: None, disagrees: 0 }
+        Self {
+            numbers: *numbers,
+            votes: Vec::with_capacity(MAX_DETECTIONS),
+            ranges_m: Vec::with_capacity(MAX_DETECTIONS),
+            last: None,
+            measured: None,
+            disagrees: 0,
+        }
     }
 
     /// The measurement of the last scan, m/s, and the detections behind it.
@@ -64,17 +80,21 @@ impl EgoSpeed {
         let reach_mps =
             |elapsed_s: f64| numbers.stand_noise_mps + numbers.ego_change_mps2 * elapsed_s;
         let known = self.last.or_else(|| told.map(|told| (told.speed_mps, time_ns)));
-        self.vote(course, told, detections);
+        self.vote(course, detections);
         let elapsed_s = known.map_or(0.0, |(_, then_ns)| (time_ns - then_ns) as f64 * 1e-9);
-        let speed_mps = match known {
+        let (near, least) = match known {
             Some((last_mps, _)) if elapsed_s <= numbers.forgotten_s => {
-                median_near(&self.votes_mps, last_mps, reach_mps(elapsed_s))
-                    .filter(|(_, points)| *points >= numbers.least_points as usize)
+                (near(&self.votes, last_mps, reach_mps(elapsed_s)), numbers.least_points)
             }
-            _ => densest(&self.votes_mps, numbers.stand_noise_mps)
-                .filter(|(_, points)| *points >= numbers.least_unbound as usize),
+            _ => (densest(&self.votes, numbers.stand_noise_mps), numbers.least_unbound),
         };
-        self.measured = speed_mps.map(|(mps, points)| (mps.max(0.0), points as u64));
+        self.measured = median_mps(near)
+            .filter(|_| near.len() >= least as usize)
+            .filter(|mps| {
+                told.is_none_or(|told| (mps - told.speed_mps).abs() <= numbers.disagrees_mps)
+                    || places(near, &mut self.ranges_m, &numbers) >= numbers.least_places
+            })
+            .map(|mps| (mps.max(0.0), near.len() as u64));
         if let Some((mps, _)) = self.measured {
             self.last = Some((mps, time_ns));
         }
@@ -96,40 +116,54 @@ impl EgoSpeed {
     }
 
     /// Lists the ego's speeds that detections off the lane would show if they stood, in order.
-    ///
-    /// What goes along with an ego that moves by its odometry is traffic: it would show an ego that stands.
-    fn vote(&mut self, course: &Course, told: Option<Ego>, detections: &[Detection]) {
-        self.votes_mps.clear();
-        let Numbers { disagrees_mps, stand_noise_mps, .. } = self.numbers;
-        let moves = told.is_some_and(|told| told.speed_mps > disagrees_mps + stand_noise_mps);
+    fn vote(&mut self, course: &Course, detections: &[Detection]) {
+        self.votes.clear();
         for detection in detections {
             let (sine, cosine) = libm::sincos(detection.azimuth_rad);
             let Numbers { off_lane_m, off_lane_rad, .. } = self.numbers;
             let lane_m = off_lane_m + off_lane_rad * detection.range_m;
             let off_m = course.locate(detection.range_m * cosine, detection.range_m * sine).d_m;
             let is_beside = off_m.abs() > lane_m && cosine > 0.5;
-            let vote_mps = -detection.range_rate_mps / cosine;
-            let goes_along = moves && vote_mps.abs() <= stand_noise_mps;
-            if is_beside && !goes_along && detection.ambiguity_group == 0 {
-                self.votes_mps.push(vote_mps);
+            if is_beside && detection.ambiguity_group == 0 {
+                let speed_mps = -detection.range_rate_mps / cosine;
+                self.votes.push(Vote { speed_mps, range_m: detection.range_m });
             }
         }
-        self.votes_mps.sort_unstable_by(f64::total_cmp);
+        self.votes.sort_unstable_by(|a, b| a.speed_mps.total_cmp(&b.speed_mps));
     }
 }
 
-/// The median of the sorted votes within `reach` of `at`, and how many they are.
-fn median_near(votes: &[f64], at: f64, reach: f64) -> Option<(f64, usize)> {
-    let from = votes.partition_point(|vote| *vote < at - reach);
-    let to = votes.partition_point(|vote| *vote <= at + reach);
-    let near = votes.get(from..to).filter(|near| !near.is_empty())?;
-    Some((near[near.len() / 2], near.len()))
+/// The sorted votes within `reach` of `at`.
+fn near(votes: &[Vote], at: f64, reach: f64) -> &[Vote] {
+    let from = votes.partition_point(|vote| vote.speed_mps < at - reach);
+    let to = votes.partition_point(|vote| vote.speed_mps <= at + reach);
+    votes.get(from..to).unwrap_or_default()
 }
 
-/// The median of the densest window of the sorted votes, and how many are in it.
-fn densest(votes: &[f64], reach: f64) -> Option<(f64, usize)> {
-    let around = votes.iter().filter_map(|vote| median_near(votes, *vote, reach));
-    around.max_by_key(|(_, points)| *points)
+/// The densest window of the sorted votes.
+fn densest(votes: &[Vote], reach: f64) -> &[Vote] {
+    let around = votes.iter().map(|vote| near(votes, vote.speed_mps, reach));
+    around.max_by_key(|window| window.len()).unwrap_or_default()
+}
+
+/// The median of sorted votes.
+fn median_mps(votes: &[Vote]) -> Option<f64> {
+    votes.get(votes.len() / 2).map(|vote| vote.speed_mps)
+}
+
+/// Places of the objects behind these votes: ranges apart by more than a vehicle's length.
+fn places(votes: &[Vote], ranges_m: &mut Vec<f64>, numbers: &Numbers) -> u32 {
+    ranges_m.clear();
+    ranges_m.extend(votes.iter().map(|vote| vote.range_m));
+    ranges_m.sort_unstable_by(f64::total_cmp);
+    let mut last_m = f64::NEG_INFINITY;
+    let mut count = 0;
+    for &range_m in &*ranges_m {
+        if range_m - last_m > numbers.place_m {
+            (last_m, count) = (range_m, count + 1);
+        }
+    }
+    count
 }
 
 #[cfg(test)]
@@ -210,20 +244,30 @@ mod tests {
         }
     }
 
-    /// Traffic at the ego's speed in other lanes, and nothing that stands.
+    /// Two vehicles beside the lane, at 30 and 50 m, that go with `other_mps`.
+    fn traffic(ego_mps: f64, other_mps: f64) -> Vec<Detection> {
+        let at = |x_m: f64| {
+            let azimuth_rad = libm::atan2(7.0, x_m);
+            let range_rate_mps = (other_mps - ego_mps) * libm::cos(azimuth_rad);
+            let range_m = libm::hypot(x_m, 7.0);
+            Detection { range_m, azimuth_rad, range_rate_mps, ..Detection::zeroed() }
+        };
+        (0..12).map(|k| at(if k < 6 { 30.0 } else { 50.0 } + 0.5 * f64::from(k % 6))).collect()
+    }
+
     #[test]
-    fn what_goes_along_with_the_ego_does_not_say_that_it_stands() {
+    fn vehicles_at_two_places_do_not_contradict_odometry() {
         let mut speed = EgoSpeed::default();
         for k in 0..60 {
-            let along = &scan(9.0, 12, 9.0)[6..];
-            let posts = if k < 10 { &scan(9.0, 0, 0.0)[..] } else { &[] };
-            let chosen = speed.take_scan(k * 50_000_000, told(9.0), &[posts, along].concat());
-            assert_eq!(chosen.speed_mps, 9.0, "scan {k}");
+            let posts = if k < 10 { scan(9.0, 0, 0.0) } else { Vec::new() };
+            let seen = [posts, traffic(9.0, 8.0)].concat();
+            assert_eq!(speed.take_scan(k * 50_000_000, told(9.0), &seen).speed_mps, 9.0);
             assert_eq!(speed.measured().is_some(), k < 10, "scan {k}");
         }
-        // Without odometry it may well stand.
-        speed.take_scan(3_500_000_000, None, &scan(0.0, 0, 0.0));
-        assert_eq!(speed.measured().map(|(mps, _)| mps < 0.3), Some(true));
+        // Posts at six places do.
+        let chosen = (60..64)
+            .map(|k| speed.take_scan(k * 50_000_000, told(9.0), &scan(14.0, 0, 0.0)).speed_mps);
+        assert!((chosen.last().expect("four scans") - 14.0).abs() < 0.3);
     }
 
     #[test]
@@ -236,13 +280,30 @@ mod tests {
 
     #[test]
     fn a_median_is_of_the_votes_within_reach_and_the_densest_window_has_most() {
-        let votes = [1.0, 2.0, 3.0, 4.0, 5.0];
-        assert_eq!(median_near(&votes, 3.0, 1.0), Some((3.0, 3)), "both ends count");
-        assert_eq!(median_near(&votes, 3.0, 0.9), Some((3.0, 1)));
-        assert_eq!(median_near(&votes, 2.5, 0.5), Some((3.0, 2)), "the upper one of two");
-        assert_eq!(median_near(&votes, 8.0, 2.9), None);
-        assert_eq!(densest(&[1.0, 5.0, 5.1, 5.3, 9.0, 9.1], 0.5), Some((5.1, 3)));
-        assert_eq!(densest(&[], 0.5), None);
+        let voted = |speeds_mps: &[f64]| -> Vec<Vote> {
+            speeds_mps.iter().map(|&speed_mps| Vote { speed_mps, range_m: 40.0 }).collect()
+        };
+        let found = |near: &[Vote]| median_mps(near).map(|mps| (mps, near.len()));
+        let votes = voted(&[1.0, 2.0, 3.0, 4.0, 5.0]);
+        assert_eq!(found(near(&votes, 3.0, 1.0)), Some((3.0, 3)), "both ends count");
+        assert_eq!(found(near(&votes, 3.0, 0.9)), Some((3.0, 1)));
+        assert_eq!(found(near(&votes, 2.5, 0.5)), Some((3.0, 2)), "the upper one of two");
+        assert_eq!(found(near(&votes, 8.0, 2.9)), None);
+        let votes = voted(&[1.0, 5.0, 5.1, 5.3, 9.0, 9.1]);
+        assert_eq!(found(densest(&votes, 0.5)), Some((5.1, 3)));
+        assert_eq!(found(densest(&[], 0.5)), None);
+    }
+
+    #[test]
+    fn a_place_ends_where_a_vehicle_would() {
+        let count = |ranges_m: &[f64]| {
+            let vote = |&range_m: &f64| Vote { speed_mps: 0.0, range_m };
+            let votes: Vec<Vote> = ranges_m.iter().map(vote).collect();
+            places(&votes, &mut Vec::new(), &Numbers::DEFAULT)
+        };
+        assert_eq!(count(&[30.0, 20.0, 26.0, 20.5]), 2, "20 to 26 m is one vehicle");
+        assert_eq!(count(&[20.0, 26.1, 32.2, 38.3]), 4);
+        assert_eq!(count(&[]), 0);
     }
 
     /// A detection at a place of the body's axes that stands, for an ego with 20 m/s.
@@ -256,11 +317,11 @@ mod tests {
     fn an_echo_off_the_lane_and_ahead_votes() {
         let votes = |detection: Detection| {
             let mut speed = EgoSpeed::default();
-            speed.vote(&Course::STRAIGHT, None, &[detection]);
-            speed.votes_mps
+            speed.vote(&Course::STRAIGHT, &[detection]);
+            speed.votes
         };
         let vote = votes(stands(40.0, 8.0));
-        assert!(vote.len() == 1 && (vote[0] - 20.0).abs() < 1e-12, "{vote:?}");
+        assert!(vote.len() == 1 && (vote[0].speed_mps - 20.0).abs() < 1e-12, "{vote:?}");
         // 4.5 m and 0.015 rad: 5.25 m at a range of 50 m.
         let at = |off_m: f64| stands(libm::sqrt(2500.0 - off_m * off_m), off_m);
         for (off_m, count) in [(5.24, 0), (5.26, 1), (-5.24, 0), (-5.26, 1)] {
@@ -273,17 +334,17 @@ mod tests {
         assert!(votes(ambiguous).is_empty());
         // On a left curve of 100 m radius what is straight ahead is beside the road.
         let mut speed = EgoSpeed::default();
-        speed.vote(&Course::bent(0.0, |_| 0.01), None, &[stands(40.0, 0.0)]);
-        assert_eq!(speed.votes_mps.len(), 1);
+        speed.vote(&Course::bent(0.0, |_| 0.01), &[stands(40.0, 0.0)]);
+        assert_eq!(speed.votes.len(), 1);
     }
 
     /// Detections that vote for these speeds.
     fn votes(speeds_mps: &[f64]) -> Vec<Detection> {
-        let vote = |mps: &f64| {
-            let there = stands(40.0, 8.0);
+        let vote = |(place, mps): (usize, &f64)| {
+            let there = stands(40.0 + 7.0 * place as f64, 8.0);
             Detection { range_rate_mps: there.range_rate_mps * mps / 20.0, ..there }
         };
-        speeds_mps.iter().map(vote).collect()
+        speeds_mps.iter().enumerate().map(vote).collect()
     }
 
     /// Measurement `after_ns` after one of 20 m/s.
@@ -322,12 +383,12 @@ mod tests {
         let mut chosen = |scan: i64, told_mps: f64, speeds_mps: &[f64]| {
             speed.take_scan(scan * 50_000_000, told(told_mps), &votes(speeds_mps)).speed_mps
         };
-        assert_eq!(chosen(1, 20.9, &[20.0; 3]), 20.9);
-        assert_eq!(chosen(2, 20.9, &[20.0; 3]), 20.9);
-        assert_eq!(chosen(3, 21.1, &[20.0; 3]), 21.1, "the first one");
+        assert_eq!(chosen(1, 20.9, &[20.0; 4]), 20.9);
+        assert_eq!(chosen(2, 20.9, &[20.0; 4]), 20.9);
+        assert_eq!(chosen(3, 21.1, &[20.0; 4]), 21.1, "the first one");
         assert_eq!(chosen(4, 18.9, &[]), 18.9, "no measurement");
-        assert!((chosen(5, 18.9, &[20.0; 3]) - 20.0).abs() < 1e-12, "the second one");
-        assert_eq!(chosen(6, 19.1, &[20.0; 3]), 19.1, "it agrees again");
-        assert_eq!(chosen(7, 18.9, &[20.0; 3]), 18.9, "the first one again");
+        assert!((chosen(5, 18.9, &[20.0; 4]) - 20.0).abs() < 1e-12, "the second one");
+        assert_eq!(chosen(6, 19.1, &[20.0; 4]), 19.1, "it agrees again");
+        assert_eq!(chosen(7, 18.9, &[20.0; 4]), 18.9, "the first one again");
     }
 }
