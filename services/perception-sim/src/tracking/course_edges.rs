@@ -72,6 +72,13 @@ impl Edges {
         }
     }
 
+    /// A strong echo stands at this place of the course: what was seen there is a vehicle, and says nothing of the road.
+    pub fn take_vehicle(&mut self, sigma_m: f64) {
+        if (sigma_m - self.doubt.from_m).abs() < SAME_M {
+            self.doubt = Doubt::NONE;
+        }
+    }
+
     /// Takes in an object at a place of the course, which is known there within `reach_m`.
     pub fn take(
         &mut self,
@@ -179,6 +186,19 @@ mod tests {
             edges.advance(0.05, 1.0);
         }
         assert_eq!(certain, [false, false, false, false, true, false, false, false]);
+    }
+
+    #[test]
+    fn a_strong_echo_at_the_same_place_ends_the_doubt() {
+        let mut edges = known();
+        for _ in 0..3 {
+            edges.take((60.0, 0.5), REACH_M, &NUMBERS);
+        }
+        edges.take_vehicle(66.0);
+        let beyond = edges.take((90.0, 9.5), REACH_M, &NUMBERS);
+        assert_eq!(beyond, Meaning::OnRoad { is_certain: false }, "another vehicle");
+        edges.take_vehicle(64.0);
+        assert_eq!(edges.take((90.0, 9.5), REACH_M, &NUMBERS), Meaning::OfEdge { off_m: 0.5 });
     }
 
     #[test]

@@ -161,6 +161,11 @@ impl CourseFilter {
         Course::bent(state[0], |sigma_m| knots::curvature_of(state, sigma_m, passed_m))
     }
 
+    /// A strong echo stands at a place in the body's axes: it is a vehicle's.
+    pub fn pass_vehicle(&mut self, (x_m, y_m): (f64, f64)) {
+        self.edges.take_vehicle(self.course.locate(x_m, y_m).sigma_m);
+    }
+
     /// Takes in a scan: the ego's motion, the map, and the standing echoes. These are in the body's axes, in the order
     /// of their ranges. The course before it was that of [`Self::advance`]. Allocates nothing.
     pub fn take(&mut self, motion: &Motion, map: Option<&MapAhead>, standing: &[(f64, f64)]) {

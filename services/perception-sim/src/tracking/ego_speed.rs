@@ -80,7 +80,7 @@ impl EgoSpeed {
         let reach_mps =
             |elapsed_s: f64| numbers.stand_noise_mps + numbers.ego_change_mps2 * elapsed_s;
         let known = self.last.or_else(|| told.map(|told| (told.speed_mps, time_ns)));
-        self.vote(course, detections);
+        self.vote(course, told, detections);
         let elapsed_s = known.map_or(0.0, |(_, then_ns)| (time_ns - then_ns) as f64 * 1e-9);
         let (near, least) = match known {
             Some((last_mps, _)) if elapsed_s <= numbers.forgotten_s => {
@@ -115,17 +115,20 @@ impl EgoSpeed {
         }
     }
 
-    /// Lists the ego's speeds that detections off the lane would show if they stood, in order.
-    fn vote(&mut self, course: &Course, detections: &[Detection]) {
+    /// Lists the ego's speeds by detections off the lane, in order. What goes along with a moving ego is traffic.
+    fn vote(&mut self, course: &Course, told: Option<Ego>, detections: &[Detection]) {
         self.votes.clear();
+        let Numbers { disagrees_mps, stand_noise_mps, .. } = self.numbers;
+        let moves = told.is_some_and(|told| told.speed_mps > disagrees_mps + stand_noise_mps);
         for detection in detections {
             let (sine, cosine) = libm::sincos(detection.azimuth_rad);
             let Numbers { off_lane_m, off_lane_rad, .. } = self.numbers;
             let lane_m = off_lane_m + off_lane_rad * detection.range_m;
             let off_m = course.locate(detection.range_m * cosine, detection.range_m * sine).d_m;
             let is_beside = off_m.abs() > lane_m && cosine > 0.5;
-            if is_beside && detection.ambiguity_group == 0 {
-                let speed_mps = -detection.range_rate_mps / cosine;
+            let speed_mps = -detection.range_rate_mps / cosine;
+            let goes_along = moves && speed_mps.abs() <= stand_noise_mps;
+            if is_beside && !goes_along && detection.ambiguity_group == 0 {
                 self.votes.push(Vote { speed_mps, range_m: detection.range_m });
             }
         }
@@ -143,12 +146,12 @@ fn near(votes: &[Vote], at: f64, reach: f64) -> &[Vote] {
 /// The densest window of the sorted votes.
 fn densest(votes: &[Vote], reach: f64) -> &[Vote] {
     let around = votes.iter().map(|vote| near(votes, vote.speed_mps, reach));
-    around.max_by_key(|window| window.len()).unwrap_or_default()
+    around.max_by_key(|near| near.len()).unwrap_or_default()
 }
 
 /// The median of sorted votes.
 fn median_mps(votes: &[Vote]) -> Option<f64> {
-    votes.get(votes.len() / 2).map(|vote| vote.speed_mps)
+    Some(votes.get(votes.len() / 2)?.speed_mps)
 }
 
 /// Places of the objects behind these votes: ranges apart by more than a vehicle's length.
@@ -264,8 +267,11 @@ mod tests {
             assert_eq!(speed.take_scan(k * 50_000_000, told(9.0), &seen).speed_mps, 9.0);
             assert_eq!(speed.measured().is_some(), k < 10, "scan {k}");
         }
-        // Posts at six places do.
-        let chosen = (60..64)
+        let mut along = scan(9.0, 0, 0.0);
+        along.iter_mut().for_each(|post| post.range_rate_mps = 0.1);
+        assert_eq!(speed.take_scan(3_000_000_000, told(9.0), &along).speed_mps, 9.0);
+        assert_eq!(speed.measured(), None);
+        let chosen = (61..65)
             .map(|k| speed.take_scan(k * 50_000_000, told(9.0), &scan(14.0, 0, 0.0)).speed_mps);
         assert!((chosen.last().expect("four scans") - 14.0).abs() < 0.3);
     }
@@ -317,7 +323,7 @@ mod tests {
     fn an_echo_off_the_lane_and_ahead_votes() {
         let votes = |detection: Detection| {
             let mut speed = EgoSpeed::default();
-            speed.vote(&Course::STRAIGHT, &[detection]);
+            speed.vote(&Course::STRAIGHT, None, &[detection]);
             speed.votes
         };
         let vote = votes(stands(40.0, 8.0));
@@ -334,7 +340,7 @@ mod tests {
         assert!(votes(ambiguous).is_empty());
         // On a left curve of 100 m radius what is straight ahead is beside the road.
         let mut speed = EgoSpeed::default();
-        speed.vote(&Course::bent(0.0, |_| 0.01), &[stands(40.0, 0.0)]);
+        speed.vote(&Course::bent(0.0, |_| 0.01), None, &[stands(40.0, 0.0)]);
         assert_eq!(speed.votes.len(), 1);
     }
 

@@ -268,7 +268,7 @@ parameters! {
         /// Fewest detections that agree in a measurement that is not bound.
         least_unbound: u32 = 6, "detections", 1.0..=30.0, "Chosen. At 3 error of the ego's speed -20 %; at 12 no change.";
         /// Places of the objects that contradict odometry.
-        least_places: u32 = 4, "places", 1.0..=20.0, "Chosen: three vehicles around the ego are usual.";
+        least_places: u32 = 3, "places", 1.0..=20.0, "Chosen: a vehicle ahead and one beside it are usual.";
         /// Distance along the range within which detections are of one place.
         place_m: f64 = 6.0, "m", 1.0..=30.0, "Chosen: a car's length and a metre.";
         /// Difference from which odometry contradicts the measurement.

@@ -93,8 +93,11 @@ impl RoadAhead {
             if point.y_m.abs() >= numbers.off_lane_m {
                 self.rates.push((reading.cosine, reading.sine, detection.range_rate_mps));
             }
+            let place = (reading.ahead_m, reading.left_m);
             if radar.area_m2(detection, reading.snr) < self.filter.numbers().post_area_m2 {
-                self.places.push((reading.ahead_m, reading.left_m));
+                self.places.push(place);
+            } else {
+                self.filter.pass_vehicle(place);
             }
         }
         self.slip.take_scan(dt_s, motion.speed_mps, &self.rates);
