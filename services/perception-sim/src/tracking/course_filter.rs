@@ -29,7 +29,7 @@ use std::array::from_fn;
 use kalman::{Gaussian, Innovation};
 
 use super::course::Course;
-use super::course_edges::{Edges, Meaning};
+use super::course_edges::Edges;
 use super::course_numbers::CourseNumbers;
 pub use super::course_sources::{MapAhead, Sources};
 use super::curvature_knots::{self as knots, APART_M, KNOTS, STATES};
@@ -105,7 +105,6 @@ impl CourseFilter {
             self.fade(way_m);
         }
         self.passed_m += way_m;
-        self.edges.advance(dt_s, way_m);
         while self.passed_m >= APART_M {
             self.pass_knot();
         }
@@ -161,11 +160,6 @@ impl CourseFilter {
         Course::bent(state[0], |sigma_m| knots::curvature_of(state, sigma_m, passed_m))
     }
 
-    /// A strong echo stands at a place in the body's axes: it is a vehicle's.
-    pub fn pass_vehicle(&mut self, (x_m, y_m): (f64, f64)) {
-        self.edges.take_vehicle(self.course.locate(x_m, y_m).sigma_m);
-    }
-
     /// Takes in a scan: the ego's motion, the map, and the standing echoes. These are in the body's axes, in the order
     /// of their ranges. The course before it was that of [`Self::advance`]. Allocates nothing.
     pub fn take(&mut self, motion: &Motion, map: Option<&MapAhead>, standing: &[(f64, f64)]) {
@@ -201,32 +195,24 @@ impl CourseFilter {
         self.course = self.bent();
     }
 
-    /// Forgets the road ahead where the ego's own way contradicts it: `off_perm` is beyond the gate.
+    /// Forgets how exactly the road ahead is known where the ego's own way contradicts it: `off_perm` is beyond the gate.
+    /// What was known is still the best guess.
     ///
     /// Objects of the wrong edge can keep a course straight while the road bends. Only the ego's own turn shows that,
     /// where the course arrives.
     fn forget_if_wrong(&mut self, h: &[f64; STATES], off_perm: f64) {
-        let variance = self.state.variance_along(h) + square(self.numbers.own_way_perm);
-        if self.sources.looks_ahead() && square(off_perm) > square(self.numbers.gate) * variance {
-            self.forget_from(-self.passed_m);
+        let CourseNumbers { kept, first_curvature_perm, own_way_perm, gate, .. } = self.numbers;
+        let variance = self.state.variance_along(h) + square(own_way_perm);
+        if !self.sources.looks_ahead() || square(off_perm) <= square(gate) * variance {
+            return;
         }
-    }
-
-    /// Forgets how exactly the curvatures from here on are known. The earlier course is still the best guess.
-    fn forget_from(&mut self, sigma_m: f64) {
-        let CourseNumbers { kept, change_perm, first_curvature_perm, .. } = self.numbers;
-        let first = (((sigma_m + self.passed_m) / APART_M).ceil().max(0.0) as usize).min(KNOTS) + 1;
+        let first = square(first_curvature_perm * self.sharper);
         let covariance = &mut self.state.covariance;
-        for a in first..STATES {
-            // The first knot has none before it.
-            let (share, before, own_perm) =
-                if a == 1 { (0.0, 0, first_curvature_perm) } else { (kept, a - 1, change_perm) };
-            for b in 0..a {
-                covariance[a][b] = share * covariance[before][b];
-                covariance[b][a] = covariance[a][b];
+        for a in 1..STATES {
+            (covariance[0][a], covariance[a][0]) = (0.0, 0.0);
+            for b in 1..STATES {
+                covariance[a][b] = first * libm::pow(kept, a.abs_diff(b) as f64);
             }
-            covariance[a][a] =
-                square(share) * covariance[before][before] + square(own_perm * self.sharper);
         }
     }
 
@@ -300,15 +286,8 @@ impl CourseFilter {
             let variance = self.state.variance_along(&weights);
             let doubt_m = 3.0 * variance.max(0.0).sqrt();
             let reach_m = numbers.post_reach_m + doubt_m;
-            let off_m = match self.edges.take((there.sigma_m, d_m), reach_m, &numbers) {
-                Meaning::Nothing => continue,
-                Meaning::OfEdge { off_m } => off_m,
-                Meaning::OnRoad { is_certain } => {
-                    if is_certain {
-                        self.forget_from(there.sigma_m - numbers.doubt_before_m);
-                    }
-                    break;
-                }
+            let Some(off_m) = self.edges.take((there.sigma_m, d_m), reach_m, &numbers) else {
+                continue;
             };
             if taken >= MOST_POSTS {
                 continue;

@@ -70,13 +70,6 @@ parameters! {
         /// Weight of an object in the edge's place.
         edge_weight: f64 = 0.02, "1", 0.001..=0.5, "Chosen. At 0.01 neighbour taken -50 %, lead's offset -3 %; at 0.04 neighbour taken -49 %.";
 
-        /// Time for which an object on the road makes those beyond it count for nothing.
-        doubt_s: f64 = 1.0, "s", 0.05..=10.0, "Chosen: half of its scans show it. At 0.5 lead lost -16 %; at 2 lead's offset +4 %.";
-        /// Scans with such an object, after which the course that was known is forgotten.
-        doubt_scans: f64 = 5.0, "scans", 1.0..=50.0, "Chosen: clutter is there once. At 2.5 and 10 nothing changes.";
-        /// Distance before the object from which it is forgotten.
-        doubt_before_m: f64 = 50.0, "m", 0.0..=150.0, "Chosen: an arc of 100 m leaves the edge after 26 m, one of 500 m after 59 m. At 25 and 100 nothing changes.";
-
         // Trails of other vehicles.
 
         /// Standard deviation of the distance between two places of a trail across the road.

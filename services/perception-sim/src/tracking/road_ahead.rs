@@ -87,17 +87,12 @@ impl RoadAhead {
         for (index, (detection, reading)) in detections.iter().zip(readings).enumerate() {
             let read = (detection, reading);
             let point = Point::new(index, read, motion, &radar.receiver, &before);
-            if birth::moves(&point, numbers) {
+            if birth::moves(&point, numbers) || point.y_m.abs() < numbers.off_lane_m {
                 continue;
             }
-            if point.y_m.abs() >= numbers.off_lane_m {
-                self.rates.push((reading.cosine, reading.sine, detection.range_rate_mps));
-            }
-            let place = (reading.ahead_m, reading.left_m);
+            self.rates.push((reading.cosine, reading.sine, detection.range_rate_mps));
             if radar.area_m2(detection, reading.snr) < self.filter.numbers().post_area_m2 {
-                self.places.push(place);
-            } else {
-                self.filter.pass_vehicle(place);
+                self.places.push((reading.ahead_m, reading.left_m));
             }
         }
         self.slip.take_scan(dt_s, motion.speed_mps, &self.rates);

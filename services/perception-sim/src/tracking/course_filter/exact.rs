@@ -224,21 +224,3 @@ fn an_own_turn_beyond_the_gate_forgets_the_road_and_one_within_it_does_not() {
     assert!((beyond.course().curvature_perm(0.0) - 1.3e-3).abs() < 2e-4, "{:?}", beyond.state.mean);
     assert!(forgotten > 4.0 * far, "{forgotten} m, {far} m");
 }
-
-#[test]
-fn objects_on_the_road_make_it_forgotten_from_before_them() {
-    let mut filter = known(POSTS, [0.0; STATES], [1e-8; STATES]);
-    for _ in 0..25 {
-        stand(&mut filter, 30.0, 9.0);
-        stand(&mut filter, 30.0, -9.0);
-    }
-    let before = deviations(&filter);
-    for _ in 0..4 {
-        stand(&mut filter, 90.0, 0.5);
-    }
-    assert_eq!(deviations(&filter), before, "four scans may be chance");
-    stand(&mut filter, 90.0, 0.5);
-    let [near, far] = deviations(&filter);
-    assert_eq!(near, before[0], "40 m ahead it begins");
-    assert!(far > 4.0 * before[1], "{far} m, {before:?}");
-}
