@@ -129,7 +129,7 @@ fn trajectories_are_kept_with_the_variables() {
     assert_eq!(runs.lines().count(), 7);
 }
 
-/// A lead that stands a metre ahead is avoided by nobody.
+/// No driver avoids a lead that stands a metre ahead.
 #[test]
 fn a_search_without_a_run_has_an_error_and_no_result() {
     let corner = Corner::new(PROGRAM);

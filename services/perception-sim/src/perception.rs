@@ -58,8 +58,6 @@ pub struct Perception {
     ego_speed: EgoSpeed,
     /// The ego's motion that the tracker worked with.
     known: Ego,
-    /// The ego has come to the end of the road of a plan.
-    road_ended: bool,
 }
 
 /// The radar with its tracker.
@@ -115,7 +113,6 @@ impl Perception {
             list: TrackList::default(),
             ego_speed: EgoSpeed::default(),
             known: Ego::default(),
-            road_ended: false,
         };
         match road {
             Some(road) => perception.on_road(road, sources(scenario), &CourseNumbers::DEFAULT),
@@ -173,10 +170,6 @@ impl Perception {
         detections: &mut [Detection; MAX_DETECTIONS],
     ) -> &TrackList {
         self.traffic.advance(time_ns, ego);
-        let is_beyond = |road: &Arc<Axis>| ego.position_m >= road.length_m();
-        // A storyboard ends its drive itself.
-        self.road_ended |=
-            !self.traffic.has_storyboard() && self.road.as_ref().is_some_and(is_beyond);
         let now_ns = i64::try_from(time_ns).unwrap_or(i64::MAX);
         let mut scene = std::mem::take(&mut self.rooms[0]);
         (scene.time_ns, scene.ego, scene.told) = (now_ns, *ego, told);
@@ -312,7 +305,7 @@ impl Perception {
             detections: counts.then_some(self.detections),
             detections_left_out: counts.then_some(self.detections_left_out),
             unstarted_acts: self.traffic.unstarted_acts(),
-            road_ended: self.road_ended || self.traffic.has_road_ended(),
+            road_ended: self.has_road_ended(),
             ..self.quality.figures()
         }
     }
@@ -320,7 +313,17 @@ impl Perception {
     /// The run is over: the storyboard has come to its end, or the ego to the road's.
     #[must_use]
     pub fn is_over(&self) -> bool {
-        self.road_ended || self.traffic.is_over()
+        self.traffic.is_over() || self.has_road_ended()
+    }
+
+    /// The ego has come to the end of its road. A storyboard decides that itself.
+    fn has_road_ended(&self) -> bool {
+        let [now, _] = &self.rooms;
+        let is_beyond = |road: &Arc<Axis>| now.ego.position_m >= road.length_m();
+        match self.traffic.has_storyboard() {
+            true => self.traffic.has_road_ended(),
+            false => self.road.as_ref().is_some_and(is_beyond),
+        }
     }
 
     /// The traffic, for the state that outlives the process.

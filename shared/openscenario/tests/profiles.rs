@@ -241,8 +241,8 @@ fn senseless_values_are_refused() {
     refused(&profile(position, "", &[(1.0, Some(f64::NAN))]), "`NaN` is not a number");
     let own = format!("{position} entityRef=\"Lead\"");
     refused(&profile(&own, "", &[(1.0, None)]), "`Lead` would follow itself");
-    let other = format!("{position} entityRef=\"Nobody\"");
-    refused(&profile(&other, "", &[(1.0, None)]), "there is no entity `Nobody`");
+    let other = format!("{position} entityRef=\"Absent\"");
+    refused(&profile(&other, "", &[(1.0, None)]), "there is no entity `Absent`");
     let zero = "<DynamicConstraints maxAcceleration=\"0\"/>";
     refused(&profile(position, zero, &[(1.0, None)]), "0 is out of range, expected more than 0");
 

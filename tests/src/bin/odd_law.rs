@@ -60,7 +60,7 @@ fn main() {
             return;
         }
     }
-    if manner == "linger" {
+    if manner == "stays" {
         std::thread::sleep(Duration::from_secs(600));
     }
 }

@@ -242,7 +242,7 @@ fn in_real_time_the_backup_drives_and_the_law_is_replaced() {
 fn no_orphan_when_the_controller_or_all_of_it_is_killed() {
     let corner = Corner::new(PROGRAM);
     let law = odd_law(&corner);
-    let command = by(&[&law, "linger"]);
+    let command = by(&[&law, "stays"]);
     let more = ["--duration", "600", "--out", "out", "--no-record"];
     let child = corner.start(&run_by(&command, &more));
     assert!(wait_for(|| corner.path().join("out/live.json").exists()), "never drove");

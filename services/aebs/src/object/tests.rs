@@ -82,7 +82,7 @@ fn a_face_shows_where_its_nearer_corner_is_in_the_field_of_view() {
     // It looks half a metre nearer than it is. It is 5 m to the side at 10.5 m, and the corner is 0.9 m nearer.
     assert!(shows(10.5, 5.8) && !shows(10.5, 6.0) && shows(10.5, -5.8) && !shows(10.5, -6.0));
     assert!(shows(0.6, 0.0) && !shows(0.5, 0.0) && !shows(-3.0, 0.0));
-    // Where the way bows to the left it is seen there.
+    // A way that bows to the left shows it there.
     let bowed = Object { bow_m: 1.0, ..stands(10.5, 4.8) };
     assert!(bowed.shows_its_face(0.5) && !Object { bow_m: 1.2, ..bowed }.shows_its_face(0.5));
 }

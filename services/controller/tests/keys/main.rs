@@ -174,7 +174,7 @@ const RARE: [(&str, &str, &str); 10] = [
     (
         "quadratic-bounded",
         "quadratic_bounded.lead_deceleration_mps2",
-        "acts in the fall-back, which the printed gains seldom need",
+        "acts in the fall-back, which the printed gains rarely need",
     ),
     ("cacc-mpc", "road.hysteresis", "acts where two programs cost nearly the same"),
 ];

@@ -129,7 +129,7 @@ fn run(seed: u64, p: &Parameters, tally: &mut Tally) {
             world.car = match rng.next_u32() % 5 {
                 0 => None,
                 1 => {
-                    // A cut-in, perhaps far too close.
+                    // A cut-in, which may be far too close.
                     let gap = uniform(&mut rng, 3.0, 50.0);
                     let speed = (ego.speed_mps + uniform(&mut rng, -8.0, 6.0)).max(0.0);
                     let car = Pcg32::new(seed, 100 + u64::from(ids));

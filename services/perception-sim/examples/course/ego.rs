@@ -5,8 +5,12 @@
 //! need 0.0055 rad per m/s². The yaw-rate sensor has an offset of 0.1 °/s (standard deviation over the drives) and as
 //! much noise.
 
+use messages::{Detection, MAX_DETECTIONS};
+use perception_sim::perception::Perception;
 use perception_sim::radar::scene::{Ego, PlaneEgo};
 use perception_sim::random::Random;
+use perception_sim::tracking::TrackList;
+use perception_sim::tracking::course_filter::MapAhead;
 use road::{Axis, Pose};
 
 /// Period of the radar, ns.
@@ -23,8 +27,51 @@ const AXLE_TO_BUMPER_M: f64 = 3.6;
 /// Slip of the rear tyres, rad per m/s².
 const SLIP_RAD_PER_MPS2: f64 = 0.0055;
 
+/// Length of a cell of the map, m.
+pub const CELL_M: f64 = 25.0;
+
+/// A scan of a drive.
+pub struct Scan<'a> {
+    /// Time after it, s.
+    pub time_s: f64,
+    /// Place of the ego along the road, m.
+    pub position_m: f64,
+    pub perception: &'a Perception,
+    pub tracks: &'a TrackList,
+}
+
+/// Drives an ego of `seed` along `road`, with a map of these curvatures in cells, until `each` scan returns false.
+pub fn drive(
+    perception: &mut Perception,
+    road: &Axis,
+    (seed, speed_mps): (u64, f64),
+    curvatures_perm: &[f64],
+    detections: &mut [Detection; MAX_DETECTIONS],
+    mut each: impl FnMut(&Scan<'_>) -> bool,
+) {
+    let mut ego = Driven::new(seed, speed_mps);
+    loop {
+        let (here, in_plane) = ego.now(road);
+        let first_m = 0.5 * CELL_M - here.position_m;
+        let map = MapAhead { curvatures_perm, first_m, cell_m: CELL_M };
+        let tracks = *perception.step_in_plane(
+            ego.time_ns(),
+            &here,
+            Some(here),
+            Some(in_plane),
+            Some(&map),
+            detections,
+        );
+        ego.advance(road);
+        let (time_s, position_m) = (ego.time_s(), here.position_m);
+        if !each(&Scan { time_s, position_m, perception, tracks: &tracks }) {
+            return;
+        }
+    }
+}
+
 /// The ego.
-pub struct Driven {
+struct Driven {
     random: Random,
     scan: u64,
     speed_mps: f64,
@@ -38,7 +85,7 @@ pub struct Driven {
 }
 
 impl Driven {
-    pub fn new(seed: u64, speed_mps: f64) -> Self {
+    fn new(seed: u64, speed_mps: f64) -> Self {
         let mut random = Random::of_run(seed, 99);
         let sensor_offset_radps = 0.1_f64.to_radians() * random.normal();
         Self {
@@ -55,16 +102,16 @@ impl Driven {
         }
     }
 
-    pub fn time_ns(&self) -> u64 {
+    fn time_ns(&self) -> u64 {
         self.scan * PERIOD_NS
     }
 
-    pub fn time_s(&self) -> f64 {
+    fn time_s(&self) -> f64 {
         self.scan as f64 * DT_S
     }
 
     /// The ego as it is, and its place in the plane.
-    pub fn now(&mut self, road: &Axis) -> (Ego, PlaneEgo) {
+    fn now(&mut self, road: &Axis) -> (Ego, PlaneEgo) {
         let there = road.point(self.position_m, self.offset_m);
         let slip_rad = self.slip_rad(road);
         let pose = Pose { heading_rad: self.heading(road), ..there };
@@ -93,7 +140,7 @@ impl Driven {
     }
 
     /// Moves on to the next scan.
-    pub fn advance(&mut self, road: &Axis) {
+    fn advance(&mut self, road: &Axis) {
         let shake = WANDER_M * (2.0 * DT_S / WANDER_S).sqrt() * self.random.normal();
         self.aim_m += shake - self.aim_m * DT_S / WANDER_S;
         let pull = FREQUENCY_RADPS * FREQUENCY_RADPS * (self.aim_m - self.offset_m);

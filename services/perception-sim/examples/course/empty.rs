@@ -10,7 +10,7 @@ use road::random::{Recipe, pieces};
 use scenario::Scenario;
 use std::sync::Arc;
 
-use super::ego::Driven;
+use super::ego;
 
 /// Smallest and largest radius, m. The speed keeps 2 m/s² on the smallest one.
 const RADII_M: [(f64, f64); 5] =
@@ -19,12 +19,23 @@ const RADII_M: [(f64, f64); 5] =
 const SPIRAL: [f64; 2] = [0.3, 0.8];
 const LATERAL_MPS2: f64 = 2.0;
 const FASTEST_MPS: f64 = 30.0;
+/// End of a road that is not driven, m.
+const END_M: f64 = 200.0;
+
+/// Counts over some way.
+#[derive(Default)]
+struct Wrong {
+    scans: u32,
+    with_a_track: u32,
+    times: u32,
+    km: f64,
+}
 
 /// Prints the share of the time with a track in the path, by radius.
 pub fn print(
     count: u64,
     kilometres: f64,
-    (course, tracker): (&CourseNumbers, &Numbers),
+    numbers: (&CourseNumbers, &Numbers),
     rows: &[(&str, Sources)],
     detections: &mut [Detection; MAX_DETECTIONS],
 ) {
@@ -37,49 +48,44 @@ pub fn print(
             let spiral_m = SPIRAL.map(|share| share * min_radius_m);
             let recipe =
                 Recipe { length_m: 1e3 * kilometres, min_radius_m, max_radius_m, spiral_m };
-            let (mut scans, mut wrong, mut times, mut km) = (0, 0, 0, 0.0);
+            let mut wrong = Wrong::default();
             for seed in 0..count {
-                let road = Arc::new(Axis::new(&pieces(&recipe, seed)).expect("a road"));
-                let scenario = Scenario::parse(
-                    "empty",
-                    &format!(
-                        "schema_version = 1\nname = \"empty\"\nseed = {seed}\n\
-                         [plant]\ninitial_speed_mps = {speed_mps}\n"
-                    ),
-                )
-                .unwrap_or_else(|error| panic!("{error}"));
-                let mut perception = Perception::with(&scenario, tracker).on_road(
-                    Arc::clone(&road),
-                    *sources,
-                    course,
-                );
-                let mut ego = Driven::new(seed, speed_mps);
-                let (mut was_wrong, mut here_m) = (false, 0.0);
-                while here_m < road.length_m() - 200.0 {
-                    let (here, in_plane) = ego.now(&road);
-                    here_m = here.position_m;
-                    let list = *perception.step_in_plane(
-                        ego.time_ns(),
-                        &here,
-                        Some(here),
-                        Some(in_plane),
-                        None,
-                        detections,
-                    );
-                    ego.advance(&road);
-                    let is_wrong = list.tracks().iter().any(|track| track.in_path);
-                    scans += 1;
-                    wrong += u32::from(is_wrong);
-                    times += u32::from(is_wrong && !was_wrong);
-                    was_wrong = is_wrong;
-                }
-                km += 1e-3 * here_m;
+                drive(&recipe, *sources, numbers, (seed, speed_mps), detections, &mut wrong);
             }
             println!(
                 "| {name:10} | {min_radius_m} to {max_radius_m} | {speed_mps:.1} | {:.2} | {:.2} |",
-                100.0 * f64::from(wrong) / f64::from(scans),
-                f64::from(times) / km,
+                100.0 * f64::from(wrong.with_a_track) / f64::from(wrong.scans),
+                f64::from(wrong.times) / wrong.km,
             );
         }
     }
+}
+
+/// Drives one road.
+fn drive(
+    recipe: &Recipe,
+    sources: Sources,
+    (course, tracker): (&CourseNumbers, &Numbers),
+    (seed, speed_mps): (u64, f64),
+    detections: &mut [Detection; MAX_DETECTIONS],
+    wrong: &mut Wrong,
+) {
+    let road = Arc::new(Axis::new(&pieces(recipe, seed)).expect("a road"));
+    let text = format!(
+        "schema_version = 1\nname = \"empty\"\nseed = {seed}\n\
+         [plant]\ninitial_speed_mps = {speed_mps}\n"
+    );
+    let scenario = Scenario::parse("empty", &text).unwrap_or_else(|error| panic!("{error}"));
+    let mut perception =
+        Perception::with(&scenario, tracker).on_road(Arc::clone(&road), sources, course);
+    let (mut was_wrong, mut way_m) = (false, 0.0);
+    ego::drive(&mut perception, &road, (seed, speed_mps), &[], detections, |scan| {
+        let is_wrong = scan.tracks.tracks().iter().any(|track| track.in_path);
+        wrong.scans += 1;
+        wrong.with_a_track += u32::from(is_wrong);
+        wrong.times += u32::from(is_wrong && !was_wrong);
+        (was_wrong, way_m) = (is_wrong, scan.position_m);
+        way_m < road.length_m() - END_M
+    });
+    wrong.km += 1e-3 * way_m;
 }

@@ -23,7 +23,7 @@ use parameters::{Row, Table};
 use perception_sim::perception::Perception;
 use perception_sim::random::Random;
 use perception_sim::tracking::Track;
-use perception_sim::tracking::course_filter::{MapAhead, Sources};
+use perception_sim::tracking::course_filter::Sources;
 use perception_sim::tracking::course_numbers::CourseNumbers;
 use perception_sim::tracking::numbers::Numbers;
 use road::random::{Recipe, pieces};
@@ -34,14 +34,12 @@ use std::sync::Arc;
 mod ego;
 mod empty;
 
-use ego::Driven;
+use ego::{CELL_M, Scan};
 
 /// Time that does not count, s.
 const SETTLES_S: f64 = 8.0;
 /// Distance within which a track is on a vehicle, m.
 const NEAR_M: f64 = 6.0;
-/// Length of a cell of the map, m.
-const CELL_M: f64 = 25.0;
 
 /// A row: its name and the sources.
 const ROWS: [(&str, Sources); 5] = [
@@ -158,31 +156,17 @@ fn drive(
     let cells: Vec<f64> = (0..(road.length_m() / CELL_M) as usize)
         .map(|cell| road.curvature_perm((cell as f64 + 0.5) * CELL_M))
         .collect();
-    let mut ego = Driven::new(seed, speed_mps);
     let (mut was_lost, mut was_taken, mut last_way_m) = (true, [false; 3], 0.0);
-    while ego.time_s() < duration_s {
-        let (here, in_plane) = ego.now(road);
-        let map = MapAhead {
-            curvatures_perm: &cells,
-            first_m: 0.5 * CELL_M - here.position_m,
-            cell_m: CELL_M,
-        };
-        let list = *perception.step_in_plane(
-            ego.time_ns(),
-            &here,
-            Some(here),
-            Some(in_plane),
-            Some(&map),
-            detections,
-        );
-        ego.advance(road);
-        if ego.time_s() < SETTLES_S {
-            last_way_m = here.position_m;
-            continue;
+    ego::drive(&mut perception, road, (seed, speed_mps), &cells, detections, |scan| {
+        let Scan { perception, tracks, .. } = scan;
+        let goes_on = scan.time_s < duration_s;
+        if scan.time_s < SETTLES_S {
+            last_way_m = scan.position_m;
+            return goes_on;
         }
         let (mut seen, mut in_path) = (false, [false; 3]);
-        for track in list.tracks() {
-            let Some(vehicle) = owner(&perception, track) else { continue };
+        for track in tracks.tracks() {
+            let Some(vehicle) = owner(perception, track) else { continue };
             in_path[vehicle] |= track.in_path;
             if vehicle == 0 {
                 seen = true;
@@ -193,8 +177,8 @@ fn drive(
         }
         sums.scans += 1.0;
         sums.missing_share = sums.missing_share.max(1.0 - perception.seen_share());
-        sums.km += (here.position_m - last_way_m) * 1e-3;
-        last_way_m = here.position_m;
+        sums.km += (scan.position_m - last_way_m) * 1e-3;
+        last_way_m = scan.position_m;
         sums.lost += f64::from(u8::from(!in_path[0]));
         sums.losses += f64::from(u8::from(!in_path[0] && !was_lost));
         was_lost = !in_path[0];
@@ -204,7 +188,8 @@ fn drive(
             sums.takes += f64::from(u8::from(*taken && !*was));
             *was = *taken;
         }
-    }
+        goes_on
+    });
 }
 
 /// Sets a number of a table, if it has one of the name.

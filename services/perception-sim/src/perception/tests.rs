@@ -116,7 +116,7 @@ fn a_cut_in_and_a_cut_out_change_the_target_once_each() {
                     targets.push((k as f64 * 0.05, id));
                 }
             }
-            // No target, the car, perhaps a moment of none, the lorry.
+            // No target, the car, the lorry. Between the two the target may be missing for a moment.
             let seen: Vec<_> = targets.iter().filter_map(|(_, id)| *id).collect();
             assert_eq!(seen.len(), 2, "{model} {seed}: {targets:?}");
             assert_eq!(targets[0].1, None);

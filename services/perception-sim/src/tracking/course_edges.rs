@@ -1,7 +1,4 @@
-//! The edges of the road beside the course, as standing objects show them, and the place from which they mislead.
-//!
-//! An object counts for the edge of its side. The course is followed from the ego on: an object on the road says that
-//! the road bends otherwise. Objects beyond it may be of the other side, and do not count for a while.
+//! The edges of the road beside the course, as standing objects show them. An object counts for the edge of its side.
 
 use super::course_numbers::CourseNumbers;
 

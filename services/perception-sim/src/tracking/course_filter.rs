@@ -51,8 +51,6 @@ pub struct CourseFilter {
     passed_m: f64,
     course: Course,
     edges: Edges,
-    /// Factor of the curves by the speed; see [`CourseNumbers::sharper`].
-    sharper: f64,
     trails: Trails,
     posts: u32,
     trail_points: u32,
@@ -66,12 +64,7 @@ impl CourseFilter {
         let numbers = &CourseNumbers { kept, ..*numbers };
         let mut state = Gaussian::independent([0.0; STATES], [0.0; STATES]);
         state.covariance[0][0] = square(numbers.first_heading_rad);
-        for a in 0..KNOTS {
-            for b in 0..KNOTS {
-                let kept = libm::pow(numbers.kept, a.abs_diff(b) as f64);
-                state.covariance[1 + a][1 + b] = square(numbers.first_curvature_perm) * kept;
-            }
-        }
+        forget_curvatures(&mut state, numbers, 1.0);
         Self {
             sources,
             numbers: *numbers,
@@ -79,7 +72,6 @@ impl CourseFilter {
             passed_m: 0.0,
             course: Course::STRAIGHT,
             edges: Edges::default(),
-            sharper: 1.0,
             trails: Trails::default(),
             posts: 0,
             trail_points: 0,
@@ -92,7 +84,7 @@ impl CourseFilter {
             return;
         }
         let way_m = (motion.speed_mps * dt_s).max(0.0);
-        self.sharper = self.numbers.sharper(motion.speed_mps);
+        let sharper = self.numbers.sharper(motion.speed_mps);
         let turn = knots::heading(way_m, self.passed_m);
         let road_rad: f64 = (1..STATES).map(|i| turn[i] * self.state.mean[i]).sum();
         // Without a usable yaw rate the ego follows the course.
@@ -102,19 +94,18 @@ impl CourseFilter {
         self.turn_covariance(&turn);
         if way_m > 0.0 {
             self.state.covariance[0][0] += square(self.numbers.heading_rad);
-            self.fade(way_m);
+            self.fade(way_m, sharper);
         }
         self.passed_m += way_m;
         while self.passed_m >= APART_M {
-            self.pass_knot();
+            self.pass_knot(sharper);
         }
         self.trails.advance(dt_s, turn_rad, motion);
         self.course = self.bent();
     }
 
     /// The curvatures become less certain on the way. A circle has one curvature, and changes as a whole.
-    fn fade(&mut self, way_m: f64) {
-        let sharper = self.sharper;
+    fn fade(&mut self, way_m: f64, sharper: f64) {
         let numbers = &self.numbers;
         if self.sources.looks_ahead() {
             let fading = square(numbers.curvature_perm * sharper) * way_m;
@@ -139,7 +130,7 @@ impl CourseFilter {
     }
 
     /// The first knot gives way to one beyond the last. Curves are `sharper` than at high speed.
-    fn pass_knot(&mut self) {
+    fn pass_knot(&mut self, sharper: f64) {
         self.passed_m -= APART_M;
         let numbers = &self.numbers;
         let before = self.state;
@@ -150,7 +141,7 @@ impl CourseFilter {
         self.state.covariance =
             from_fn(|i| from_fn(|j| share(i) * share(j) * before.covariance[from(i)][from(j)]));
         if self.sources.looks_ahead() {
-            self.state.covariance[KNOTS][KNOTS] += square(numbers.change_perm * self.sharper);
+            self.state.covariance[KNOTS][KNOTS] += square(numbers.change_perm * sharper);
         }
     }
 
@@ -175,7 +166,7 @@ impl CourseFilter {
             let curvature_perm = radps / motion.speed_mps;
             let weights = knots::curvature(0.0, self.passed_m);
             let off_perm = curvature_perm - sum(&weights, &self.state.mean);
-            self.forget_if_wrong(&weights, off_perm);
+            self.forget_if_wrong(&weights, off_perm, motion.speed_mps);
             self.see_limited(weights, off_perm, numbers.own_way_perm);
             let off_rad = motion.slip_rad - self.state.mean[0];
             self.see_limited(knots::heading(0.0, 0.0), off_rad, numbers.own_angle_rad);
@@ -195,24 +186,16 @@ impl CourseFilter {
         self.course = self.bent();
     }
 
-    /// Forgets how exactly the road ahead is known where the ego's own way contradicts it: `off_perm` is beyond the gate.
-    /// What was known is still the best guess.
+    /// Forgets how exactly the road ahead is known if the ego's own way contradicts it: `off_perm` is beyond the gate. The
+    /// mean stays.
     ///
     /// Objects of the wrong edge can keep a course straight while the road bends. Only the ego's own turn shows that,
-    /// where the course arrives.
-    fn forget_if_wrong(&mut self, h: &[f64; STATES], off_perm: f64) {
-        let CourseNumbers { kept, first_curvature_perm, own_way_perm, gate, .. } = self.numbers;
+    /// when the ego gets there.
+    fn forget_if_wrong(&mut self, h: &[f64; STATES], off_perm: f64, speed_mps: f64) {
+        let CourseNumbers { own_way_perm, gate, .. } = self.numbers;
         let variance = self.state.variance_along(h) + square(own_way_perm);
-        if !self.sources.looks_ahead() || square(off_perm) <= square(gate) * variance {
-            return;
-        }
-        let first = square(first_curvature_perm * self.sharper);
-        let covariance = &mut self.state.covariance;
-        for a in 1..STATES {
-            (covariance[0][a], covariance[a][0]) = (0.0, 0.0);
-            for b in 1..STATES {
-                covariance[a][b] = first * libm::pow(kept, a.abs_diff(b) as f64);
-            }
+        if self.sources.looks_ahead() && square(off_perm) > square(gate) * variance {
+            forget_curvatures(&mut self.state, &self.numbers, self.numbers.sharper(speed_mps));
         }
     }
 
@@ -324,6 +307,17 @@ impl CourseFilter {
             self.trails.forget(id);
         } else {
             self.trails.leave(id, self.course.place(sigma_m, d_m));
+        }
+    }
+}
+
+/// Sets the covariance of the curvatures as before any measurement. Curves are `sharper` than at high speed.
+fn forget_curvatures(state: &mut Gaussian<STATES>, numbers: &CourseNumbers, sharper: f64) {
+    let variance = square(numbers.first_curvature_perm * sharper);
+    for a in 1..STATES {
+        (state.covariance[0][a], state.covariance[a][0]) = (0.0, 0.0);
+        for b in 1..STATES {
+            state.covariance[a][b] = variance * libm::pow(numbers.kept, a.abs_diff(b) as f64);
         }
     }
 }

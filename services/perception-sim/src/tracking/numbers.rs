@@ -4,7 +4,7 @@
 //! `cargo run --release -p perception-sim --example perception_numbers -- 80`, over 80 scenes of 20 s. Their figures
 //! are: GOSPA 3.98 m; a cut-in is confirmed 0.36 s before the overlap; a false target for 2.6 s in all; an error of 0.41
 //! m/s² in the target's acceleration, and one of 0.018 in the seen share. While odometry is wrong, the ego's speed has
-//! an error of 0.25 m/s. "Nothing changes" means less than 1 % of GOSPA, 0.02 s, 10 % of that time, 2 % of the
+//! an error of 0.22 m/s. "Nothing changes" means less than 1 % of GOSPA, 0.02 s, 10 % of that time, 2 % of the
 //! acceleration's error, and 5 % of the other two.
 //!
 //! Rows in which nothing changes come from an earlier tracker (GOSPA 4.6 m). The exceptions are `misfits`,

@@ -180,6 +180,22 @@ numbers! {
     Positive: "more than 0", |number| number > 0.0;
 }
 
+/// A duration of at most 1e6 s; its value is in ns.
+pub(crate) struct Duration;
+
+impl Scalar for Duration {
+    type Value = u64;
+
+    fn kind() -> String {
+        AtLeastZero::kind()
+    }
+
+    fn take(given: &Given<'_>) -> Result<u64, ReadError> {
+        let time_s = given.number(&Self::kind(), |time_s| (0.0..=1e6).contains(&time_s))?;
+        Ok(libm::round(time_s * 1e9) as u64)
+    }
+}
+
 /// A bound above 0. `INF` means that there is none.
 pub(crate) struct Bound;
 

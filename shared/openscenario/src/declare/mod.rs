@@ -24,8 +24,8 @@ mod node;
 
 use crate::error::ReadError;
 pub(crate) use attribute::{
-    AtLeastZero, AttributeForm, Bound, Count, FromAttribute, Given, Later, Literal, Number,
-    Positive, Scalar, Text, Truth, Whole, kind_of, words,
+    AtLeastZero, AttributeForm, Bound, Count, Duration, FromAttribute, Given, Later, Literal,
+    Number, Positive, Scalar, Text, Truth, Whole, kind_of, words,
 };
 pub(crate) use check::{CATALOG_VERSIONS, SCENARIO_VERSIONS, check, check_head};
 pub(crate) use content::{AtLeastOne, ChildForm, Choice, Content, OneOf, Placed};

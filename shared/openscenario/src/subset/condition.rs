@@ -5,30 +5,12 @@ use super::signal::{TrafficSignalCondition, TrafficSignalControllerCondition};
 use super::test::ByEntityCondition;
 use crate::comparison::Rule;
 use crate::declare::{
-    AtLeastOne, Given, Later, Literal, Number, OneOf, Scalar, Text, elements, words,
+    AtLeastOne, Duration, Given, Later, Literal, Number, OneOf, Scalar, Text, elements, words,
 };
 use crate::error::ReadError;
 use crate::model::condition::{self, Edge, Test, Trigger};
 use crate::model::element::{ElementKind, ElementState};
 use crate::scene::Reference;
-
-/// Longest delay of a condition, s.
-const MAX_DELAY_S: f64 = 1e6;
-
-/// The delay of a condition.
-struct Delay;
-
-impl Scalar for Delay {
-    type Value = f64;
-
-    fn kind() -> String {
-        "0 or more".to_owned()
-    }
-
-    fn take(given: &Given<'_>) -> Result<f64, ReadError> {
-        given.number(&Self::kind(), |delay_s| (0.0..=MAX_DELAY_S).contains(&delay_s))
-    }
-}
 
 /// A test; or the error that the file declares no such parameter, and whether the name is empty.
 pub(super) type Meant = Result<Test, (ReadError, bool)>;
@@ -71,7 +53,7 @@ elements! { "Conditions";
 
     /// an edge needs an evaluation before it; the delay comes after the edge
     Condition -> Option<condition::Condition>
-    ["name" name: Later<Text>, "delay" delay_s: Option<Delay> as "s", "conditionEdge" edge: Edge]
+    ["name" name: Later<Text>, "delay" delay_ns: Option<Duration> as "s", "conditionEdge" edge: Edge]
     {test: OneOf<(ByEntityCondition, ByValueCondition)>}
     |node| {
         // Files for CARLA name the criteria of its tests like this. The name of a condition is not evaluated.
@@ -85,7 +67,7 @@ elements! { "Conditions";
             }
             Err((error, _)) => return Err(error),
         };
-        let delay_ns = libm::round(delay_s.unwrap_or(0.0) * 1e9) as u64;
+        let delay_ns = delay_ns.unwrap_or(0);
         Ok(Some(condition::Condition { edge, delay_ns, test }))
     }
 

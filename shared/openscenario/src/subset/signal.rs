@@ -1,13 +1,14 @@
 //! Traffic signals: their states are values that conditions compare.
 
 use crate::comparison::Rule;
-use crate::declare::{Given, Node, OneOf, Scalar, Text, elements};
+use crate::declare::{Duration, Given, Node, OneOf, Scalar, Text, elements};
 use crate::error::{ReadError, meant};
 use crate::expression::Value;
 use crate::model::Named;
 use crate::model::action::{Action, Change};
 use crate::model::condition::Test;
 use crate::model::signal::{SignalCycle, SignalPhase};
+use crate::scene::Scene;
 
 elements! { "Actions";
     /// an action on traffic signals
@@ -41,7 +42,7 @@ elements! { "File";
 
     /// its phases come one after the other, without end; with a reference it begins the delay after that controller, which comes before it in the file
     TrafficSignalController -> ()
-    ["name" name: Text, "delay" delay_s: Option<Seconds> as "s", "reference" reference: Option<Text>]
+    ["name" name: Text, "delay" delay_ns: Option<Duration> as "s", "reference" reference: Option<Text>]
     {phases: Vec<Phase>}
     |node| {
         unseen(node);
@@ -49,16 +50,14 @@ elements! { "File";
         let begins_ns = match reference.filter(|reference| !reference.is_empty()) {
             None => 0,
             Some(reference) => {
-                let controllers = scene.controllers.borrow();
-                let known = controllers.iter().find(|(known, _)| *known == reference);
-                let names = controllers.iter().map(|(name, _)| name.as_str());
-                known.map(|(_, cycle)| cycle.begins_ns).ok_or_else(|| {
+                let known = controller_named(scene, &reference).map_err(|expected| {
                     let reason = format!("there is no controller `{reference}` before this one");
-                    node.wrong("reference", reason, meant(&reference, names))
-                })?
+                    node.wrong("reference", reason, expected)
+                })?;
+                known.begins_ns
             }
         };
-        let begins_ns = begins_ns.saturating_add_unsigned(delay_s.unwrap_or(0));
+        let begins_ns = begins_ns.saturating_add_unsigned(delay_ns.unwrap_or(0));
         let controller = value_of(node, &format!("traffic signal controller {name}"));
         let cycle = SignalCycle { controller, begins_ns, phases };
         if cycle.duration_ns() == 0 {
@@ -69,7 +68,7 @@ elements! { "File";
     }
 
     /// states of signals for a time
-    Phase -> SignalPhase ["name" name: Text, "duration" duration_ns: Seconds as "s"]
+    Phase -> SignalPhase ["name" name: Text, "duration" duration_ns: Duration as "s"]
     {states: Vec<TrafficSignalState>, _: Option<TrafficSignalGroupState>}
     { Ok(SignalPhase { name, duration_ns, states }) }
 
@@ -79,22 +78,6 @@ elements! { "File";
 
     /// without effect: a group has no signals of its own
     TrafficSignalGroupState -> () [] {} unused ["state"] { Ok(()) }
-}
-
-/// A duration of at most 1e6 s; its value is in ns.
-struct Seconds;
-
-impl Scalar for Seconds {
-    type Value = u64;
-
-    fn kind() -> String {
-        "0 or more".to_owned()
-    }
-
-    fn take(given: &Given<'_>) -> Result<u64, ReadError> {
-        let time_s = given.number(&Self::kind(), |time_s| (0.0..=1e6).contains(&time_s))?;
-        Ok(libm::round(time_s * 1e9) as u64)
-    }
 }
 
 /// The name of a controller of traffic signals.
@@ -109,13 +92,11 @@ impl Scalar for ControllerName {
 
     fn take(given: &Given<'_>) -> Result<SignalCycle, ReadError> {
         let name = given.text()?;
-        let controllers = given.node.scene.controllers.borrow();
-        let known = controllers.iter().find(|(known, _)| *known == name);
-        let names = controllers.iter().map(|(name, _)| name.as_str());
-        known.map(|(_, cycle)| cycle.clone()).ok_or_else(|| {
-            let expected = match controllers.is_empty() {
+        let scene = given.node.scene;
+        controller_named(scene, &name).map_err(|names| {
+            let expected = match scene.controllers.borrow().is_empty() {
                 true => "one in the `TrafficSignals` of the road network".to_owned(),
-                false => meant(&name, names),
+                false => names,
             };
             given.wrong(format!("there is no controller `{name}`"), expected)
         })
@@ -141,12 +122,20 @@ elements! { "Conditions";
     }
 }
 
-/// Notes that nobody on the road sees the signals.
+/// Notes that the signals act on conditions alone.
 fn unseen(node: Node<'_>) {
     node.scene.notice(
         "traffic signals of the file change what conditions see; neither the ego nor others see them"
             .to_owned(),
     );
+}
+
+/// The controller of a name; or the expected names, in words.
+fn controller_named(scene: &Scene, name: &str) -> Result<SignalCycle, String> {
+    let controllers = scene.controllers.borrow();
+    let known = controllers.iter().find(|(known, _)| known == name);
+    let names = controllers.iter().map(|(name, _)| name.as_str());
+    known.map(|(_, cycle)| cycle.clone()).ok_or_else(|| meant(name, names))
 }
 
 /// The number of a phase of a controller.

@@ -66,10 +66,10 @@ impl Plan {
                 (way_m.max(0.0), (mps + t * (mps2 + t * mps3)).clamp(0.0, MAX_SPEED_MPS))
             }
             Self::Stop { mps, duration_s } => {
-                let rest = (1.0 - t / duration_s).max(0.0);
                 if !(duration_s >= SHORTEST_S) {
                     return (0.0, 0.0);
                 }
+                let rest = (1.0 - t / duration_s).max(0.0);
                 (mps * duration_s / 3.0 * (1.0 - rest * rest * rest), mps * rest * rest)
             }
         }
@@ -77,7 +77,7 @@ impl Plan {
 }
 
 impl World {
-    /// Whether both goals lie ahead.
+    /// True if both goals lie ahead.
     pub(super) fn can_meet(&self, entity: usize, meeting: &Meeting) -> bool {
         let ahead = |it: (f64, f64)| it.0 > 0.0 && it.1 > 0.0;
         entity != meeting.master && self.ways(entity, meeting).is_some_and(ahead)
@@ -91,7 +91,7 @@ impl World {
         Some((self.way_to(entity, s_m), self.way_to(meeting.master, master_s_m)))
     }
 
-    /// Whether the master is at its goal, or both are within their tolerances.
+    /// True if the master is at its goal, or both are within their tolerances.
     pub(super) fn has_met(&self, entity: usize, meeting: &Meeting) -> bool {
         self.ways(entity, meeting).is_none_or(|(way_m, master_m)| {
             let is_near = master_m <= meeting.master_tolerance_m && way_m <= meeting.tolerance_m;

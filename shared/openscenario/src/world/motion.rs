@@ -113,7 +113,7 @@ impl World {
             match self.state.movers[entity].pace {
                 Pace::Keep(distance) => self.keep(entity, &distance, from_ns, time_ns),
                 Pace::Meet(ref meeting) => {
-                    let meeting = meeting.clone();
+                    let meeting = **meeting;
                     self.meet(entity, &meeting, from_ns, time_ns);
                 }
                 _ => {}

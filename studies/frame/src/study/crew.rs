@@ -1,7 +1,7 @@
 //! The means by which a study does its runs.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::sync::Mutex;
+use std::sync::{Mutex, MutexGuard};
 
 use group::{Error, GroupOptions};
 use indicatif::ProgressBar;
@@ -29,12 +29,19 @@ pub(super) struct Observed<'a> {
     bar: &'a ProgressBar,
     /// Keeps values of runs that have not ended.
     begun: Begun,
-    /// Figures of the drives of runs that are not settled.
-    drives: Mutex<BTreeMap<usize, Vec<Drive>>>,
-    /// Number of these figures that `begun` has.
-    kept: Mutex<BTreeMap<usize, usize>>,
-    /// Steps that these runs have reported.
-    steps: Mutex<BTreeMap<usize, u64>>,
+    /// Runs that are not settled.
+    unsettled: Mutex<BTreeMap<usize, Unsettled>>,
+}
+
+/// Results so far of a run that is not settled.
+#[derive(Default)]
+struct Unsettled {
+    /// Figures of its drives.
+    drives: Vec<Drive>,
+    /// Number of these figures that [`Begun`] has.
+    kept: usize,
+    /// Steps that it has reported.
+    steps: u64,
 }
 
 impl<'a> Observed<'a> {
@@ -44,25 +51,24 @@ impl<'a> Observed<'a> {
         bar: &'a ProgressBar,
         (begun, so_far): (Begun, BTreeMap<usize, SoFar>),
     ) -> Self {
-        let kept = so_far.iter().map(|(run, one)| (*run, one.drives.len())).collect();
-        let steps: BTreeMap<usize, u64> =
-            so_far.iter().map(|(run, one)| (*run, one.values.len() as u64)).collect();
-        bar.inc(steps.values().sum());
-        let drives = so_far.into_iter().map(|(run, one)| (run, one.drives)).collect();
-        let (drives, kept, steps) = (Mutex::new(drives), Mutex::new(kept), Mutex::new(steps));
-        Self { keeper, bar, begun, drives, kept, steps }
+        let unsettled = so_far.into_iter().map(|(run, SoFar { values, drives })| {
+            let (kept, steps) = (drives.len(), values.len() as u64);
+            bar.inc(steps);
+            (run, Unsettled { drives, kept, steps })
+        });
+        Self { keeper, bar, begun, unsettled: Mutex::new(unsettled.collect()) }
     }
 
-    /// A run of this number of steps ended: those that it did not report are over too.
-    pub fn end(&self, run: usize, steps: u64) {
-        let reported = self.steps.lock().expect("no worker panics here").remove(&run);
-        self.bar.inc(steps.saturating_sub(reported.unwrap_or(0)));
+    fn unsettled(&self) -> MutexGuard<'_, BTreeMap<usize, Unsettled>> {
+        self.unsettled.lock().expect("no worker panics here")
     }
 
-    /// The figures of the drives of a run that ended.
-    pub fn take(&self, run: usize) -> Vec<Drive> {
-        let mut drives = self.drives.lock().expect("no worker panics here");
-        drives.remove(&run).unwrap_or_default()
+    /// A run of this number of steps ended: those that it did not report are over too. Returns the figures of its
+    /// drives.
+    pub fn end(&self, run: usize, steps: u64) -> Vec<Drive> {
+        let one = self.unsettled().remove(&run).unwrap_or_default();
+        self.bar.inc(steps.saturating_sub(one.steps));
+        one.drives
     }
 }
 
@@ -100,14 +106,12 @@ impl<'a> Crew<'a> {
             keeper.offer(run, scenario, keys, &done.summary, &done.drive);
         }
         let drive = Drive::of(scenario, keys, &done.summary);
-        let mut drives = self.observed.drives.lock().expect("no worker panics here");
-        drives.entry(run).or_default().push(drive);
+        self.observed.unsettled().entry(run).or_default().drives.push(drive);
     }
 
     /// Reports a step of run `run`, which goes on: the progress bar moves.
     pub fn step(&self, run: usize) {
-        let mut steps = self.observed.steps.lock().expect("no worker panics here");
-        *steps.entry(run).or_default() += 1;
+        self.observed.unsettled().entry(run).or_default().steps += 1;
         self.observed.bar.inc(1);
     }
 
@@ -117,12 +121,10 @@ impl<'a> Crew<'a> {
     /// # Errors
     /// If they cannot be written.
     pub fn keep(&self, run: usize, values: &[f64]) -> Result<(), Error> {
-        let drives = self.observed.drives.lock().expect("no worker panics here");
-        let drives: &[Drive] = drives.get(&run).map_or(&[], Vec::as_slice);
-        let mut kept = self.observed.kept.lock().expect("no worker panics here");
-        let kept = kept.entry(run).or_default();
-        self.observed.begun.keep(run, values, &drives[*kept..])?;
-        *kept = drives.len();
+        let mut unsettled = self.observed.unsettled();
+        let one = unsettled.entry(run).or_default();
+        self.observed.begun.keep(run, values, &one.drives[one.kept..])?;
+        one.kept = one.drives.len();
         Ok(())
     }
 

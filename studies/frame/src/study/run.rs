@@ -119,8 +119,8 @@ fn all<S: Study>(
             keeper.settle(run)?;
         }
         seen.insert(run, picture);
-        observed.end(run, study.steps(run) as u64);
-        part.keep(run, record, observed.take(run), repetition.as_ref())
+        let drives = observed.end(run, study.steps(run) as u64);
+        part.keep(run, record, drives, repetition.as_ref())
     };
     let at_once = batch::at_once(options.jobs, study.mode());
     for (runs, at_once) in [(together, at_once), (alone, 1)] {

@@ -78,15 +78,13 @@ fn the_heading_changes_by_the_road_less_the_own_turn() {
 #[test]
 fn curvatures_fade_on_the_way_and_a_new_knot_is_less_sharp() {
     let mut filter = known(POSTS, from_fn(|i| i as f64 * 1e-3), unsure(&[(3, 1e-3), (8, 2e-3)]));
-    filter.sharper = 2.0;
-    filter.fade(4.0);
+    filter.fade(4.0, 2.0);
     let faded = square(2.0 * NUMBERS.curvature_perm) * 4.0;
     assert_near(filter.state.covariance[1][1], faded);
     assert_near(filter.state.covariance[3][3], 1e-6 + faded);
     assert_eq!(filter.state.covariance[0][0], 0.0);
     filter.passed_m = 26.0;
-    filter.sharper = 1.0;
-    filter.pass_knot();
+    filter.pass_knot(1.0);
     assert_near(filter.passed_m, 1.0);
     let mean = filter.state.mean;
     assert_eq!((mean[0], mean[1], mean[7]), (0.0, 2e-3, 8e-3));

@@ -143,8 +143,8 @@ fn a_firm_track_that_is_unseen_in_the_path_is_lost_and_goes_on() {
     assert_eq!(lost_of(&mut track, 1.0), None);
     // A vehicle that comes towards the ego stands.
     assert_eq!(lost_of(&mut unseen(firm(40.0, -25.0)), 1.0).map(|lost| lost.speed_mps), Some(0.0));
-    let nobody = DetectedTrack { id: 0, ..firm(40.0, 0.0) };
-    assert_eq!(lost_of(&mut unseen(nobody), 1.0), None);
+    let unnumbered = DetectedTrack { id: 0, ..firm(40.0, 0.0) };
+    assert_eq!(lost_of(&mut unseen(unnumbered), 1.0), None);
     let aside = DetectedTrack { membership: Membership::default(), ..firm(40.0, 0.0) };
     assert_eq!(lost_of(&mut unseen(aside), 1.0), None);
 }

@@ -168,7 +168,7 @@ fn read_side<'a>(
         }
         let widths = children(element, "width").map(|width| text.stretch(width, "sOffset", from_m));
         let widths: Vec<_> = widths.collect::<Result<_, _>>()?;
-        // Where a lane has both, the standard reads its widths.
+        // If a lane has both, its widths count in the standard.
         let mut borders = Vec::new();
         if widths.is_empty() {
             for border in children(element, "border") {

@@ -67,8 +67,7 @@ fn the_doubt_of_the_heading_grows_by_the_doubt_of_the_curve_that_is_passed() {
 #[test]
 fn a_circle_fades_as_a_whole() {
     let mut circle = known(YAW_RATE, [0.0; STATES], unsure(&[(1, 1e-3)]));
-    circle.sharper = 2.0;
-    circle.fade(5.0);
+    circle.fade(5.0, 2.0);
     let p = &circle.state.covariance;
     let faded = square(2.0 * NUMBERS.change_perm) * 5.0 / 25.0;
     assert_near(p[1][1], 1e-6 + faded);
