@@ -7,7 +7,9 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 #[test]
 fn every_finding_has_its_shape() {
     let corner = Corner::new(PROGRAM);
-    let report = corner.json(&["doctor", "--seconds", "0.2"]);
+    // A busy machine wakes late, which is a bad finding and status 1.
+    let output = corner.run(&["doctor", "--seconds", "0.2", "--json"]);
+    let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
     assert_eq!(report["can_run"], true, "these tests run here");
     let uid = rustix::process::geteuid().as_raw();
     assert!(!corner.path().join(format!("timegap-{uid}")).exists(), "it leaves nothing");
@@ -19,6 +21,8 @@ fn every_finding_has_its_shape() {
         assert!(finding["found"].as_str().is_some_and(|found| !found.is_empty()), "{finding}");
         assert_eq!(finding["costs"].is_null(), verdict == "ok", "{finding}");
     }
+    let is_bad = findings.iter().any(|finding| finding["verdict"] == "bad");
+    assert_eq!(output.status.code(), Some(i32::from(is_bad)), "{}", text(&output));
     // Each loop's wake-ups are counted once, and the fast loop's stand in the histogram.
     let wake_ups = &report["wake_ups"];
     let count = |value: &serde_json::Value| value.as_u64().expect("a count");
