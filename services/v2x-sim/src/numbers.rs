@@ -5,11 +5,11 @@
 //! the map as a source of the course. Grades: `predictive` on `truck-hills`.
 //!
 //! ```sh
-//! cargo run --release -p regulation --example law_numbers -- cacc-mpc v2x-sim --built-in corridor --duration 100 \
+//! cargo run --release -p standards --example law_numbers -- cacc-mpc v2x-sim --built-in corridor --duration 100 \
 //!     --set 'v2x.radio="frames"' --set v2x.unit.contradicted_from_s=20
-//! cargo run --release -p regulation --example law_numbers -- acc-mpc v2x-sim --built-in curved-following --duration 60 \
+//! cargo run --release -p standards --example law_numbers -- acc-mpc v2x-sim --built-in curved-following --duration 60 \
 //!     --set 'perception.course.sources=["yaw-rate","standing","trails","map"]'
-//! cargo run --release -p regulation --example law_numbers -- predictive v2x-sim --built-in truck-hills --duration 300
+//! cargo run --release -p standards --example law_numbers -- predictive v2x-sim --built-in truck-hills --duration 300
 //! ```
 //!
 //! ```

@@ -40,9 +40,9 @@ pub enum Command {
     /// Drive scenarios with several controllers and compare them
     Compare(comparison::compare::CompareArguments),
     /// Drive UN R157's cut-in, following and cut-out scenarios with our controllers and its models
-    R157(regulation::r157::R157Arguments),
+    R157(standards::r157::R157Arguments),
     /// Run ISO 15622's tests of adaptive cruise control
-    Iso15622(regulation::iso15622::Iso15622Arguments),
+    Iso15622(standards::iso15622::Iso15622Arguments),
     /// Convert a recorded run to a trace for Perfetto
     Trace(TraceArguments),
     /// Drive many seeded runs with faults and give one verdict

@@ -53,8 +53,8 @@ fn results() -> serde_json::Value {
         comparison::sweep::schema(),
         search::schema(),
         string::schema(),
-        regulation::r157::schema(),
-        regulation::iso15622::schema(),
+        standards::r157::schema(),
+        standards::iso15622::schema(),
         papers::schema(),
         bench::schema(),
     ];

@@ -1,7 +1,7 @@
 //! The models against the outcomes that the Joint Research Centre published, and against the counts of
 //! its own program.
 
-use regulation::{Model, Outcome, PerModel, Tally, Verdict, cut_in, cut_out, following};
+use standards::{Model, Outcome, PerModel, Tally, Verdict, cut_in, cut_out, following};
 
 const LOW: &str = include_str!("data/cut-in-low.txt");
 

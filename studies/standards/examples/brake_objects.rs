@@ -1,7 +1,7 @@
 //! The emergency brake in an everyday scene, scan by scan: its objects and its demand.
 //!
 //! ```sh
-//! cargo run --release -p regulation --example brake_objects -- led-queue 0 --from 2 --until 4
+//! cargo run --release -p standards --example brake_objects -- led-queue 0 --from 2 --until 4
 //! ```
 //!
 //! The scene is driven once. The radar then sees the same drive again, with the same seed.
@@ -15,9 +15,9 @@ use messages::{Detection, MAX_DETECTIONS};
 use perception_sim::radar::detections::DetectionRadar;
 use perception_sim::radar::scene::{Ego, Scene};
 use perception_sim::vehicle::Vehicle;
-use regulation::everyday::Kind;
-use regulation::everyday::scene::{Actor, CAR_WIDTH_M};
 use scenario::{Overrides, Scenario};
+use standards::everyday::Kind;
+use standards::everyday::scene::{Actor, CAR_WIDTH_M};
 
 /// Periods of the plant between two scans.
 const SCAN_STEPS: usize = 5;

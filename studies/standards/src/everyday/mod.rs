@@ -29,7 +29,7 @@
 //! A scene is a function of its kind and its number alone.
 //!
 //! ```
-//! use regulation::everyday::Kind;
+//! use standards::everyday::Kind;
 //!
 //! let text = Kind::Standing.scene(7).text(7, "acc-mpc", true);
 //! assert!(text.contains("name = \"standing\""));

@@ -1,8 +1,8 @@
 //! Everyday scenes by the thousand: contacts that brakes would have avoided, and interventions that were not needed.
 //!
 //! ```sh
-//! cargo run --release -p regulation --example everyday -- --count 53
-//! cargo run --release -p regulation --example everyday -- --kinds braking-lead --count 500 --laws acc-mpc
+//! cargo run --release -p standards --example everyday -- --count 53
+//! cargo run --release -p standards --example everyday -- --kinds braking-lead --count 500 --laws acc-mpc
 //! ```
 //!
 //! `--count` scenes of each kind are driven by every law, with the emergency brake and without it. The table has for
@@ -16,9 +16,9 @@
 
 use clap::{Parser, ValueEnum};
 use controller::laws;
-use regulation::everyday::limits::ALONE_AT_MOST;
-use regulation::everyday::{Kind, Verdict};
 use report::table::TextTable;
+use standards::everyday::limits::ALONE_AT_MOST;
+use standards::everyday::{Kind, Verdict};
 use std::process::ExitCode;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -1,7 +1,7 @@
 //! Causes of the emergency brake's misses in UN R157's cut-ins: perception or decision.
 //!
 //! ```sh
-//! cargo run --release -p regulation --example emergency_brake -- --part low --every 5
+//! cargo run --release -p standards --example emergency_brake -- --part low --every 5
 //! ```
 //!
 //! The ego keeps its speed until the emergency brake acts: there is no control law. Three systems drive
@@ -31,13 +31,13 @@ use perception_sim::radar::scene::{Ego, Scene};
 use perception_sim::traffic::Traffic;
 use perception_sim::vehicle::Vehicle;
 use plant::brake::BrakePath;
-use regulation::r157::drive::Driver;
-use regulation::r157::judge::verdict;
-use regulation::r157::matrix::{Case, Matrix};
-use regulation::r157::scene::scenario;
-use regulation::r157::settled::Settled;
-use regulation::{Model, VEHICLE_LENGTH_M, VEHICLE_WIDTH_M, Verdict, contact, is_mastered_by_both};
 use scenario::Scenario;
+use standards::r157::drive::Driver;
+use standards::r157::judge::verdict;
+use standards::r157::matrix::{Case, Matrix};
+use standards::r157::scene::scenario;
+use standards::r157::settled::Settled;
+use standards::{Model, VEHICLE_LENGTH_M, VEHICLE_WIDTH_M, Verdict, contact, is_mastered_by_both};
 
 /// Period of the ego's motion, s and ns.
 const STEP_S: f64 = 0.01;
@@ -115,14 +115,14 @@ fn main() -> ExitCode {
         let &[ego_kmh, other_kmh, distance_m, lateral_tenths_mps] = case.as_slice() else {
             return ExitCode::from(2);
         };
-        let case = regulation::cut_in::Case { ego_kmh, other_kmh, distance_m, lateral_tenths_mps };
+        let case = standards::cut_in::Case { ego_kmh, other_kmh, distance_m, lateral_tenths_mps };
         let scenario = scene_of(&Case::CutIn(case), arguments.seed, FIRST_LAW);
         let verdict = drive(&scenario, &mut Aebs::new(&scenario, false, true));
         println!("{case:?}: {verdict:?}");
         return ExitCode::SUCCESS;
     }
     let high = arguments.part == Part::High;
-    let of_part = |case: &Case| (case.ego_kmh() > regulation::cut_in::LOW_UP_TO_KMH) == high;
+    let of_part = |case: &Case| (case.ego_kmh() > standards::cut_in::LOW_UP_TO_KMH) == high;
     let cases: Vec<Case> = (Matrix::CutIn.cases().into_iter().filter(of_part))
         .skip(arguments.first)
         .step_by(arguments.every.max(1))

@@ -1,9 +1,9 @@
 //! Effect of each number in a law's table, or of numbers that all laws share (`following`, `v2x-sim`).
 //!
 //! ```sh
-//! cargo run --release -p regulation --example law_numbers -- six-mode six_mode
-//! cargo run --release -p regulation --example law_numbers -- predictive predictive --built-in truck-traffic,truck-brake
-//! cargo run --release -p regulation --example law_numbers -- acc-mpc following
+//! cargo run --release -p standards --example law_numbers -- six-mode six_mode
+//! cargo run --release -p standards --example law_numbers -- predictive predictive --built-in truck-traffic,truck-brake
+//! cargo run --release -p standards --example law_numbers -- acc-mpc following
 //! ```
 //!
 //! Each number is halved and doubled while all others keep their values. If the law refuses a value, the nearest of 0.8
@@ -16,11 +16,11 @@ use controller::following::parameters::FOLLOWING;
 use controller::laws;
 use group::report::Outcome;
 use parameters::effect::{Figure, line, print_by_processes};
-use regulation::everyday::Kind;
 use report::summary::Summary;
 use runtime::Mode;
 use scenario::schema::{Key, Shape};
 use scenario::{Overrides, Scenario, builtin};
+use standards::everyday::Kind;
 use v2x_sim::numbers::NUMBERS;
 
 #[derive(Debug, Parser)]

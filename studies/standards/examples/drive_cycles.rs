@@ -1,8 +1,8 @@
 //! Behind leads that drive the regulatory cycles: every law, with the emergency brake.
 //!
 //! ```sh
-//! cargo run --release -p regulation --example drive_cycles -- --seed 1
-//! cargo run --release -p regulation --example drive_cycles -- --cycles udds --laws acc-mpc --show
+//! cargo run --release -p standards --example drive_cycles -- --seed 1
+//! cargo run --release -p standards --example drive_cycles -- --cycles udds --laws acc-mpc --show
 //! ```
 //!
 //! | column | meaning |
