@@ -17,7 +17,7 @@ const LAYERS: [&[&str]; 9] = [
     &["group", "report"],
     // Tools that run one group do not depend on studies.
     &["tools/"],
-    &["frame", "truck-trips"],
+    &["frame"],
     &["studies/"],
 ];
 

@@ -88,7 +88,7 @@ fn the_cacc_paper_has_the_rows_that_its_table_names() {
     has_the_rows_that_its_table_names(&["cacc"]);
 }
 
-/// The truck's trips of 60 km take most of the time. `truck-trips` holds its figures of fuel without processes.
+/// The truck's trips of 60 km take most of the time. `papers::trips` holds its figures of fuel without processes.
 #[test]
 #[ignore = "minutes: .ci/extended runs it"]
 fn every_paper_has_the_rows_that_its_table_names() {

@@ -20,6 +20,7 @@ mod runner;
 mod six_mode;
 mod study;
 mod tally;
+pub mod trips;
 
 pub use columns::schema;
 

@@ -1,10 +1,10 @@
 //! Figures computed without processes: the full-route plan, human driver models, generated roads.
 
 use super::SET_SPEED_MPS;
+use crate::trips::{Assisted, Bound, Cruise, Driver, Human, Map, Road, Trip, at_equal_time, drive};
 use controller::laws::truck::{Keys, Prices, Settings};
 use scenario::grade::{Alignment, GradeProfile, generate};
 use truck_model::{Preset, Truck};
-use truck_trips::{Assisted, Bound, Cruise, Driver, Human, Map, Road, Trip, at_equal_time, drive};
 
 /// Length of a road's cells, m.
 const CELL_M: f64 = 50.0;

@@ -2,10 +2,10 @@
 
 use crate::roads::{SET_MPS, generated, given, on_long_waves};
 use controller::laws::truck::PlannerKind::{DynamicProgramming, PaperN2};
+use papers::trips::{Comparison, EQUAL_TIME, Map, Trip};
 use truck_model::{Preset, Truck};
-use truck_trips::{Comparison, EQUAL_TIME, Map, Trip};
 
-fn on(preset: Preset, road: &truck_trips::Road) -> Comparison {
+fn on(preset: Preset, road: &papers::trips::Road) -> Comparison {
     Comparison::new(&Truck::preset(preset), road, SET_MPS).expect("the truck gets over this road")
 }
 

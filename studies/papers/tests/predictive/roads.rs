@@ -1,7 +1,7 @@
 //! The roads of these tests.
 
+use papers::trips::Road;
 use scenario::grade::{Alignment, GradeProfile, HILLS_60KM, Point, generate};
-use truck_trips::Road;
 
 /// Set speed, m/s.
 pub(crate) const SET_MPS: f64 = 75.0 / 3.6;

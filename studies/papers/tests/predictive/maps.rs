@@ -6,8 +6,8 @@ use controller::law::{
     Ego, Input, Law, Output, Plan, PlanRequest, Planner, Planning, Powertrain, Preview, Quality,
 };
 use controller::laws::truck::{PlannerKind, Predictive, Settings};
+use papers::trips::{Assisted, Map, Road, drive};
 use truck_model::{Preset, Truck};
-use truck_trips::{Assisted, Map, Road, drive};
 
 const CRUISE: u32 = 0;
 const PREDICTIVE: u32 = 1;

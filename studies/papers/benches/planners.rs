@@ -1,4 +1,4 @@
-//! Time that planning takes: `cargo bench -p truck-trips --bench planners`.
+//! Time that planning takes: `cargo bench -p papers --bench planners`.
 //!
 //! Requests along a generated road of 60 km, every 100 m, at the law's speeds there. Each has 2 km of preview. Each is
 //! planned `REPEATS` times; its time is the median of these. The bound is solved once per repeat.
@@ -7,9 +7,9 @@ use std::time::Instant;
 
 use controller::law::{Plan, PlanRequest};
 use controller::laws::truck::{PlannerKind, Settings, create};
+use papers::trips::{Bound, Road};
 use scenario::grade::{Alignment, generate};
 use truck_model::{Preset, Truck};
-use truck_trips::{Bound, Road};
 
 /// Plans of each request.
 const REPEATS: usize = 11;

@@ -1,8 +1,8 @@
 //! The reference of trip time against the truck that keeps its speed.
 
 use controller::laws::truck::reference::{Reference, Speeds};
+use papers::trips::{Cruise, Road, drive};
 use truck_model::{Preset, Truck};
-use truck_trips::{Cruise, Road, drive};
 
 /// The baseline of all savings, with the plant's engine, gearbox and shifts.
 #[test]

@@ -2,10 +2,10 @@
 
 use crate::roads::generated;
 use controller::laws::truck::{Brakes, Keys, PlannerKind, Prices, Settings};
+use papers::trips::{Assisted, Chase, Lead, Map, Moment, Noise, OrdinaryAcc, Road, chase};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 use truck_model::{Preset, Truck};
-use truck_trips::{Assisted, Chase, Lead, Map, Moment, Noise, OrdinaryAcc, Road, chase};
 
 /// Set speed of the following figure, m/s.
 const SET_MPS: f64 = 25.0;

@@ -117,8 +117,8 @@ impl Follower for Assisted {
 
 #[cfg(test)]
 mod tests {
+    use super::super::drive;
     use super::*;
-    use crate::drive;
     use controller::laws::truck::PlannerKind;
     use truck_model::{Preset, Truck};
 

@@ -12,7 +12,7 @@
 //!
 //! ```
 //! use truck_model::{Preset, Truck};
-//! use truck_trips::{Cruise, Road, drive};
+//! use papers::trips::{Cruise, Road, drive};
 //!
 //! let truck = Truck::preset(Preset::Jh6At25T);
 //! let flat = Road::new(50.0, vec![0.0; 40]);

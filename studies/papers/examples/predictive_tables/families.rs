@@ -1,9 +1,9 @@
 //! Families of generated roads: 50 m cells, each the sum of a few layers, repeatable from a seed.
 
+use papers::trips::Road;
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
 use scenario::grade::{Alignment, generate};
-use truck_trips::Road;
 
 /// Length of a road, m.
 const LENGTH_M: f64 = 60_000.0;

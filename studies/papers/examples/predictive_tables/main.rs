@@ -1,5 +1,5 @@
 //! The tables of the predictive truck, without processes:
-//! `cargo run --release -p truck-trips --example predictive_tables`. `-- families` prints the table of road families
+//! `cargo run --release -p papers --example predictive_tables`. `-- families` prints the table of road families
 //! alone, and `-- held-back` the same on other roads. `-- export FOLDER` writes these roads as CSV files, which
 //! scenarios can drive, too. `-- road FILE` drives one of such a file.
 //!
@@ -9,12 +9,12 @@ mod families;
 
 use controller::laws::truck::PlannerKind::{DynamicProgramming, PaperN2};
 use families::FAMILIES;
+use papers::trips::{Comparison, Map, Road, Trip};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 use scenario::grade::{Alignment, GradeProfile, HILLS_60KM, Point, generate};
 use std::ops::RangeInclusive;
 use truck_model::{Preset, Truck};
-use truck_trips::{Comparison, Map, Road, Trip};
 
 /// Set speed, m/s.
 const SET_MPS: f64 = 75.0 / 3.6;
