@@ -26,7 +26,7 @@ mutants-sample *ARGUMENTS:
     .ci/mutants sample {{ARGUMENTS}}
     .ci/mutants judge
 
-# Build what few use: advisories, the synthesis, zenoh.
+# Build what few use: advisories, zenoh.
 extended:
     .ci/extended
 
@@ -48,6 +48,6 @@ bench *ARGUMENTS:
     cargo run --release -- doctor
     cargo run --release -- bench {{ARGUMENTS}}
 
-# Count the lines of source as docs/measurements.md does.
-lines:
-    @git ls-files '*.rs' | grep -vE '(^|/)(tests|examples|benches|fuzz)/|/tests\.rs$' | xargs awk 'FNR == 1 { on = 1 } /^#\[cfg\(test\)\]/ { on = 0 } on' | wc -l
+# Count the lines of source by crate; `just lines files`: by file.
+lines *WHAT:
+    @.ci/lines {{WHAT}}

@@ -85,30 +85,6 @@ fn faults_are_ranked_by_what_they_break() {
     corner.expect_nothing_left(&[]);
 }
 
-/// A controller that does not answer for 250 ms beyond its period is ended. Without a restart the group ends with it. A
-/// budget of one tries the first fault, which stops the controller.
-#[test]
-fn a_stop_that_ends_the_group_is_reduced_to_the_shortest_one() {
-    let corner = Corner::new(PROGRAM);
-    let words =
-        ["search", "following", "--faults", "processes", "--budget", "1", "--duration", "2.5"];
-    let more = ["--set", "supervision.restart=\"never\"", "--seeds", "5", "--json", "--out", "a"];
-    let output = corner.run(&[&words[..], &more].concat());
-    assert_eq!(output.status.code(), Some(1), "{}", system_tests::text(&output));
-    let result: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
-    let row = &result["faults"][0];
-    assert_eq!((&row["fault"], &row["broken"]), (&json!("stop controller"), &json!(1)), "{row}");
-    let [failed, tried] = [0, 1].map(|k| row["holds_on"][k].as_u64().expect("a count"));
-    assert!(failed >= 3 && failed >= tried - failed + 3, "violations lead by three: {row}");
-    let for_s = row["for_s"].as_f64().expect("a duration");
-    assert!((0.2..=2.5).contains(&for_s), "a shorter stop is not noticed: {row}");
-    assert_eq!(row["requirement"], "orderly end");
-    let repeat = row["repeat"].as_str().expect("a command");
-    assert!(repeat.contains("--mode realtime"), "{repeat}");
-    assert!(file(&corner, "a/failure-1.toml").contains("kind = \"stop\""));
-    corner.expect_nothing_left(&[]);
-}
-
 #[test]
 fn trajectories_are_kept_with_the_variables() {
     let corner = Corner::new(PROGRAM);

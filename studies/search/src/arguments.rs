@@ -2,11 +2,10 @@
 
 use std::num::NonZeroUsize;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use frame::parts::{self, PartOptions};
 use group::{Failure, GroupOptions, ScenarioOptions};
 use report::results::ResultOptions;
-use runtime::Mode;
 
 use crate::method::MethodName;
 use crate::reference::ReferenceName;
@@ -32,44 +31,6 @@ const WITHOUT_MERGE: [&str; 17] = [
     "jobs",
 ];
 
-/// Which faults are tried.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum FaultsName {
-    /// All faults of messages and of timing
-    All,
-    /// Kills and stops of the services' processes, in realtime
-    Processes,
-}
-
-impl FaultsName {
-    /// The clock of the runs.
-    pub(crate) const fn mode(self) -> Mode {
-        match self {
-            Self::All => Mode::Lockstep,
-            Self::Processes => Mode::Realtime,
-        }
-    }
-
-    /// Its name on the command line.
-    pub(crate) const fn mode_name(self) -> &'static str {
-        match self {
-            Self::All => "lockstep",
-            Self::Processes => "realtime",
-        }
-    }
-
-    /// Targets of the faults.
-    pub(crate) const fn words(self) -> &'static str {
-        match self {
-            Self::All => "messages and timing",
-            Self::Processes => "processes",
-        }
-    }
-}
-
-/// Runs of a search for which no budget is given.
-pub(crate) const DEFAULT_BUDGET: usize = 500;
-
 /// Arguments of `search`.
 #[derive(Clone, Debug, Args)]
 #[command(mut_arg("merge", |merge| merge.conflicts_with_all(WITHOUT_MERGE).conflicts_with_all(parts::OF_RUNS)))]
@@ -80,20 +41,20 @@ pub struct SearchArguments {
     /// A key that varies: `KEY=A..B`, `KEY=A..B:log` or `KEY=a,b,c` (repeatable)
     #[arg(long, value_name = "KEY=VALUES")]
     pub vary: Vec<String>,
-    /// Search faults instead of keys: try each fault of this kind, and show what it breaks
-    #[arg(long, value_enum, value_name = "WHICH", conflicts_with_all = ["vary", "method", "replicas", "cases"])]
-    pub faults: Option<FaultsName>,
-    /// Number of runs, without those for minimal cases [default: 500, or 4 for each fault of processes]
-    #[arg(long, value_name = "N")]
-    pub budget: Option<NonZeroUsize>,
+    /// Search faults instead of keys: try each fault of messages and timing, and show what it breaks
+    #[arg(long, value_name = "WHICH", num_args = 0..=1, default_missing_value = "all", value_parser = ["all"],
+        conflicts_with_all = ["vary", "method", "replicas", "cases"])]
+    pub faults: Option<String>,
+    /// Number of runs, without those for minimal cases
+    #[arg(long, value_name = "N", default_value = "500")]
+    pub budget: NonZeroUsize,
     /// Choice of the points
     #[arg(long, value_enum, default_value_t = MethodName::Gp)]
     pub method: MethodName,
     /// Independent searches that share the budget (`gp`); a part does whole ones
     #[arg(long, value_name = "N", default_value = "1")]
     pub replicas: NonZeroUsize,
-    /// Seeds on which a minimal case is tried; it must fail on 80 % of them; with `--faults processes`: most
-    /// repetitions of a fault
+    /// Seeds on which a minimal case is tried; it must fail on 80 % of them
     #[arg(long, value_name = "N", default_value = "10")]
     pub seeds: NonZeroUsize,
     /// Failures that are reduced to minimal cases, 0 to 5
@@ -130,11 +91,6 @@ pub struct NoSeed(String);
 impl Failure for NoSeed {}
 
 impl SearchArguments {
-    /// Number of runs.
-    pub(crate) fn budget(&self) -> usize {
-        self.budget.map_or(DEFAULT_BUDGET, NonZeroUsize::get)
-    }
-
     /// Seed of the study: the seeds of its runs come from it.
     ///
     /// # Errors

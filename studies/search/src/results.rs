@@ -214,12 +214,12 @@ impl Search {
         }
     }
 
-    /// The result of a search among faults for every output; `which` names them.
-    pub fn faults_document(&self, which: &str) -> Document {
+    /// The result of a search among faults for every output.
+    pub fn faults_document(&self) -> Document {
         let place = &self.problem;
         let requirements = self.requirements.join(", ");
         let about = format!(
-            "{place} ({}): {} faults of {which}, {} of {} runs, {requirements}",
+            "{place} ({}): {} faults of messages and timing, {} of {} runs, {requirements}",
             self.controller,
             self.faults.len(),
             self.runs,

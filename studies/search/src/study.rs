@@ -145,7 +145,7 @@ impl Study for Runs {
         let chooser = Chooser::new(method, &problem.kinds(), seed, replicas);
         Ok(Self {
             method,
-            budget: arguments.budget(),
+            budget: arguments.budget.get(),
             seed,
             seeds: arguments.seeds.get(),
             cases: arguments.cases.into(),

@@ -65,8 +65,6 @@ pub enum Command {
     Diff(DiffArguments),
     /// Print the messages' layouts for Python or C
     Layouts(LayoutsArguments),
-    /// Design a controller offline (cargo feature `synthesize`)
-    Synthesize(crate::synthesize::SynthesizeArguments),
     /// Check this machine for real time, and print commands that improve it
     Doctor(doctor::DoctorArguments),
     /// Inject a fault into a run in progress

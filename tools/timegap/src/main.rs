@@ -26,7 +26,6 @@ mod reference;
 mod rsu;
 mod run;
 mod service;
-mod synthesize;
 mod trace;
 
 use clap::CommandFactory;
@@ -83,7 +82,6 @@ fn run_command() -> ExitCode {
         Command::Replay(arguments) => recordings::replay::run(&arguments),
         Command::Diff(arguments) => recordings::diff::run(&arguments),
         Command::Layouts(arguments) => recordings::layouts::run(&arguments),
-        Command::Synthesize(arguments) => synthesize::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
         Command::Inject(arguments) => inject::run(&arguments),
         Command::Lead(arguments) => lead::run(&arguments),

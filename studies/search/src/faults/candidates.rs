@@ -3,9 +3,8 @@
 use group::{Error, absent};
 use scenario::Scenario;
 
-use super::sort::{BEGIN, Sort};
-use super::{messages, processes};
-use crate::arguments::FaultsName;
+use super::sort::BEGIN;
+use super::messages;
 use crate::problem::{Draft, FAULT, Problem, Value, Variable, is_refusal};
 
 /// A fault with its ranges.
@@ -17,32 +16,23 @@ pub struct Candidate {
     pub unit: &'static str,
     /// Its variables: begin, duration and size, as far as it has them.
     pub problem: Problem,
-    /// Severity of a size or a duration that it does not have.
-    absent_counts: f64,
 }
 
-/// The faults of messages and of timing, or of processes, that a scenario of this duration can have. `open` makes a
+/// The faults of messages and of timing that a scenario of this duration can have. `open` makes a
 /// problem of a draft.
 ///
 /// # Errors
 /// Mistakes in the scenario.
 pub fn candidates(
-    which: FaultsName,
     draft: &dyn Fn() -> Draft,
     duration_s: f64,
     open: &dyn Fn(Draft) -> Result<Problem, Error>,
 ) -> Result<Vec<Candidate>, Error> {
     let mut found = Vec::new();
-    let sorts: Vec<Sort> = match which {
-        FaultsName::All => messages::sorts(),
-        FaultsName::Processes => processes::sorts(),
-    };
-    for sort in sorts {
+    for sort in messages::sorts() {
         let (name, unit) = (sort.name.clone(), sort.unit);
-        // Without a size a fault of messages has its full one. A kill is over at once.
-        let absent_counts = if which == FaultsName::Processes { 0.0 } else { 1.0 };
         let problem = open(sort.lay_over(draft(), duration_s))?;
-        let candidate = Candidate { name, unit, problem, absent_counts };
+        let candidate = Candidate { name, unit, problem };
         match candidate.problem.scenario(&candidate.severe(&[0.5]), 1) {
             Ok(scenario) if has_targets(&scenario) => found.push(candidate),
             Ok(_) => {}
@@ -83,7 +73,8 @@ impl Candidate {
     pub fn severity(&self, name: &str, values: &[Value]) -> f64 {
         let mut named = self.problem.variables.iter().zip(values);
         let Some((variable, value)) = named.find(|(one, _)| one.name == name) else {
-            return self.absent_counts;
+            // Without a size a fault has its full one.
+            return 1.0;
         };
         let place = |value| variable.domain.place(value);
         (place(value) - place(&variable.nominal)).abs()

@@ -28,7 +28,6 @@ pub(super) fn sorts() -> Vec<Sort> {
             name: format!("{kind} {}", topic.name()),
             unit,
             size,
-            is_instant: false,
             keys: Some(keys(kind)),
         };
         all.push(of("delay", "ms", Some(("delay_ms", 10.0, 1_000.0))));
@@ -50,7 +49,6 @@ pub(super) fn sorts() -> Vec<Sort> {
                 name: format!("bias {field} {word}"),
                 unit,
                 size: Some(("amount", sign * most / 10.0, sign * most)),
-                is_instant: false,
                 keys: Some(keys),
             });
         }
@@ -61,7 +59,6 @@ pub(super) fn sorts() -> Vec<Sort> {
             name: format!("clock-step {}", service.name()),
             unit: "s",
             size: Some(("amount", 0.05, 5.0)),
-            is_instant: false,
             keys: Some(keys),
         });
     }
@@ -71,7 +68,7 @@ pub(super) fn sorts() -> Vec<Sort> {
         ("runtime.miss_probability", "", 0.05, 0.95),
     ] {
         let name = key.trim_start_matches("runtime.").to_owned();
-        all.push(Sort { name, unit, size: Some((key, from, to)), is_instant: false, keys: None });
+        all.push(Sort { name, unit, size: Some((key, from, to)), keys: None });
     }
     all
 }

@@ -5,15 +5,11 @@
 //!                                                                    └─► smallest size and duration of each
 //! ```
 //!
-//! `--faults processes` does the same with kills and stops, in realtime, one run after the other.
-//!
 //! Run `r` tries fault `r mod n` at a point of the Sobol sequence over begin, duration and size. So the runs of a part
 //! are spread over all faults.
 
 mod candidates;
 mod messages;
-mod processes;
-mod repeats;
 mod sort;
 
 use std::num::NonZeroUsize;
@@ -23,11 +19,10 @@ use frame::{Found, Needs, Options, Study};
 use group::report::Outcome;
 use group::{Error, Failure, GroupOptions};
 use report::results::Document;
-use runtime::Mode;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::arguments::{DEFAULT_BUDGET, FaultsName, SearchArguments};
+use crate::arguments::SearchArguments;
 use crate::fault_row::FaultRow;
 use crate::method::{Sobol, seed_of};
 use crate::minimal::{self, Case, Trial};
@@ -37,15 +32,10 @@ use crate::results::Search;
 use crate::trial::Seeds;
 use crate::value::{Judged, judge};
 use candidates::{Candidate, candidates};
-use repeats::Repeats;
 use sort::{BEGIN, LASTS, SIZE};
 
 /// Faults that are reduced at most, the worst first.
 const MOST_REDUCED: usize = 20;
-/// The same in realtime, where each takes minutes.
-const MOST_REDUCED_IN_REALTIME: usize = 5;
-/// Runs for each fault of processes where no budget is given.
-const RUNS_EACH: usize = 4;
 /// Files that are written at most.
 const MOST_FILES: usize = 5;
 
@@ -68,7 +58,6 @@ pub struct FaultRecord {
 
 /// The study.
 pub struct Faults {
-    which: FaultsName,
     name: String,
     subject: String,
     candidates: Vec<Candidate>,
@@ -111,18 +100,12 @@ impl Study for Faults {
             ..Draft::default()
         };
         let open = |draft: Draft| draft.finish(options.clone());
-        let which = arguments.faults.unwrap_or(FaultsName::All);
-        let candidates = candidates(which, &draft, base.duration_s.value(), &open)?;
-        let usual = match which {
-            FaultsName::All => DEFAULT_BUDGET,
-            FaultsName::Processes => RUNS_EACH * candidates.len(),
-        };
+        let candidates = candidates(&draft, base.duration_s.value(), &open)?;
         Ok(Self {
-            which,
             name: scenario_name(&scenario),
             subject: base.to_toml(),
             sobol: Sobol::new(3, Some(seed_of(seed, 8, 0))),
-            budget: arguments.budget.map_or(usual, NonZeroUsize::get),
+            budget: arguments.budget.get(),
             seed,
             seeds: arguments.seeds.get(),
             group: arguments.group.clone(),
@@ -138,10 +121,6 @@ impl Study for Faults {
 
     fn seed(&self) -> u64 {
         self.seed
-    }
-
-    fn mode(&self) -> Mode {
-        self.which.mode()
     }
 
     fn label(&self) -> String {
@@ -165,7 +144,7 @@ impl Study for Faults {
     fn job(&self, run: usize) -> Result<Job, Error> {
         let seed = seed_of(self.seed, 9, run as u64);
         let scenario = self.candidate(run).problem.scenario(&self.values(run), seed)?;
-        Ok(Job { mode: self.mode(), ..Job::lockstep(scenario) })
+        Ok(Job::lockstep(scenario))
     }
 
     fn record(
@@ -175,10 +154,7 @@ impl Study for Faults {
         result: Result<Done, Error>,
     ) -> Result<(FaultRecord, ()), Error> {
         let summary = result?.summary;
-        let judged = match self.which {
-            FaultsName::All => judge(&summary),
-            FaultsName::Processes => repeats::judge_orderly(&summary),
-        };
+        let judged = judge(&summary);
         let outcome = summary.outcome;
         Ok((FaultRecord { values: self.values(run), outcome, judged }, ()))
     }
@@ -217,11 +193,7 @@ impl Study for Faults {
         bar.set_message("smallest faults");
         if shard.is_none() && is_whole {
             let broken = rows.iter_mut().filter(|(_, record, _)| record.judged.value < 0.0);
-            let most = match self.which {
-                FaultsName::All => MOST_REDUCED,
-                FaultsName::Processes => MOST_REDUCED_IN_REALTIME,
-            };
-            for (candidate, record, row) in broken.take(most) {
+            for (candidate, record, row) in broken.take(MOST_REDUCED) {
                 let case = self.smallest(candidate, &record.values, &bar)?;
                 let value = |name: &str| candidate.value(name, &case.values);
                 (row.size, row.for_s, row.at_s) = (value(SIZE), value(LASTS), value(BEGIN));
@@ -242,8 +214,7 @@ impl Study for Faults {
             row.file = Some(format!("failure-{}.toml", place + 1));
             let path = directory.join(format!("failure-{}.toml", place + 1));
             let path = path.to_string_lossy();
-            let mode = self.which.mode_name();
-            row.repeat = Some(runtime::command_line(&["timegap", "run", &path, "--mode", mode]));
+            row.repeat = Some(runtime::command_line(&["timegap", "run", &path, "--mode", "lockstep"]));
         }
         let problem = &self.candidates[0].problem;
         let values = records.iter().map(|(_, record)| record.judged.value);
@@ -254,7 +225,7 @@ impl Study for Faults {
             rows,
             sample,
         );
-        Ok(search.faults_document(self.which.words()))
+        Ok(search.faults_document())
     }
 }
 
@@ -275,12 +246,6 @@ impl Faults {
         values: &[Value],
         bar: &indicatif::ProgressBar,
     ) -> Result<Case, Error> {
-        if self.which == FaultsName::Processes {
-            let Self { group, seed, seeds, .. } = self;
-            let trial =
-                Repeats { problem: &candidate.problem, group, seed: *seed, most: *seeds, bar };
-            return repeats::smallest(candidate, values, &trial);
-        }
         let trial = Seeds {
             problem: &candidate.problem,
             group: &self.group,

@@ -18,8 +18,6 @@ pub(super) struct Sort {
     pub unit: &'static str,
     /// Key, smallest and largest value of its size.
     pub size: Option<(&'static str, f64, f64)>,
-    /// It is over at once.
-    pub is_instant: bool,
     /// Fixed keys of a fault; none: the size's key is one of the scenario.
     pub keys: Option<Vec<(&'static str, String)>>,
 }
@@ -41,14 +39,10 @@ impl Sort {
             return draft;
         };
         let begin = vary(BEGIN, 0.0, range(0.0, 0.8 * duration_s));
-        let mut keys = vec![Setting::of_fault("at_s", begin)];
-        if !self.is_instant {
-            let lasts = vary(LASTS, 0.1, range(0.1, duration_s.max(0.2)));
-            keys.push(Setting::of_fault("for_s", lasts));
-        }
+        let lasts = vary(LASTS, 0.1, range(0.1, duration_s.max(0.2)));
+        let mut keys = vec![Setting::of_fault("at_s", begin), Setting::of_fault("for_s", lasts)];
         if let Some((key, from, to)) = self.size {
-            let domain = if self.unit == "kills" { steps(1, from, to) } else { range(from, to) };
-            keys.push(Setting::of_fault(key, vary(SIZE, from, domain)));
+            keys.push(Setting::of_fault(key, vary(SIZE, from, range(from, to))));
         }
         let fixed = fixed.into_iter();
         keys.extend(fixed.map(|(key, text)| Setting::of_fault(key, Term::Constant(text))));

@@ -50,9 +50,8 @@
 //!
 //! # Design
 //!
-//! Gains are made offline, by semidefinite programming (crate `synthesis`), and come as a file
-//! with their certificate. [`Design::load`] proves the certificate again, by Cholesky alone; a
-//! [`Design`] that is not proven does not exist.
+//! Gains were made offline, by semidefinite programming, and come as a file with their certificate. [`Design::load`]
+//! proves the certificate again, by Cholesky alone; a [`Design`] that is not proven does not exist.
 //!
 //! # How hard it can brake
 //!
@@ -69,8 +68,8 @@
 //! | shipped, the whole gap error hidden from it | -1.05 | it leaves the ellipsoid, and the fall-back drives | 6.0 |
 //!
 //! So within the certificate "large" is at most about 1.3 m/s². A harder law slows down long before the gap needs it.
-//! The gap then closes late or never. The command is `cargo test --release -p synthesis --features openblas --
-//! --nocapture`, with `--ignored search` for the search itself.
+//! The gap then closes late or never. The program of the search is in the history of the repository, in
+//! `studies/synthesis` of version 0.2.
 
 mod certificate;
 mod checked;
