@@ -1,7 +1,7 @@
 //! The search for failures. It finds minimal cases that repeat, continues in the same way after an interruption, and
 //! makes a table of faults.
 
-use serde_json::{Value, json};
+use serde_json::Value;
 use system_tests::Corner;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");

@@ -3,8 +3,8 @@
 use group::{Error, absent};
 use scenario::Scenario;
 
-use super::sort::BEGIN;
 use super::messages;
+use super::sort::BEGIN;
 use crate::problem::{Draft, FAULT, Problem, Value, Variable, is_refusal};
 
 /// A fault with its ranges.

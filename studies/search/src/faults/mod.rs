@@ -214,7 +214,8 @@ impl Study for Faults {
             row.file = Some(format!("failure-{}.toml", place + 1));
             let path = directory.join(format!("failure-{}.toml", place + 1));
             let path = path.to_string_lossy();
-            row.repeat = Some(runtime::command_line(&["timegap", "run", &path, "--mode", "lockstep"]));
+            row.repeat =
+                Some(runtime::command_line(&["timegap", "run", &path, "--mode", "lockstep"]));
         }
         let problem = &self.candidates[0].problem;
         let values = records.iter().map(|(_, record)| record.judged.value);

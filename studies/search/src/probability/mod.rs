@@ -88,7 +88,7 @@ impl Study for Probability {
         }
         let problem = Problem::open(arguments)?;
         let model = Model::of(&problem)?;
-        let units = Units::new(arguments.budget(), model.monte_carlo, model.rows());
+        let units = Units::new(arguments.budget.get(), model.monte_carlo, model.rows());
         let seed = arguments.seed()?;
         Ok(Self { problem, model, units, seed, events: Mutex::default(), begun: Mutex::default() })
     }
