@@ -13,7 +13,7 @@ pub struct Require {
     /// outcome is `driven_by_backup`.
     pub max_backup_share: Share,
     /// Requirements that the drive is judged by: formulas over its signals, such as `always gap_m > 2`, or names, such as
-    /// `min-gap:2`. A drive that breaks one has the outcome `requirement_broken`. docs/requirements.md lists both.
+    /// `min-gap:2`. A drive that breaks one has the outcome `requirement_broken`. docs/search.md lists both.
     pub formulas: Vec<String>,
 }
 

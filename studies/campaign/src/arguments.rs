@@ -31,7 +31,7 @@ pub struct CampaignArguments {
     /// Hours of random drives without faults (`plausibility`) [default: 3]
     #[arg(long, value_name = "H", conflicts_with = "merge")]
     pub hours: Option<Hours>,
-    /// Judge every run by a requirement as well: a formula or a name (repeatable; docs/requirements.md)
+    /// Judge every run by a requirement as well: a formula or a name (repeatable; docs/search.md)
     #[arg(long = "require", value_name = "FORMULA", conflicts_with = "merge")]
     pub require: Vec<String>,
     /// Laws of the user's own. They drive if the campaign names no controllers. In `signals` they drive beside the two

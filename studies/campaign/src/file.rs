@@ -8,7 +8,7 @@
 //! controllers = ["cacc-mpc", "acc-mpc"]  # without the key: each scenario's own
 //! seeds = 20                             # runs of every combination
 //! set = ["duration_s=10"]                # keys set in all runs
-//! formulas = ["min-gap:1"]               # requirements of all runs (docs/requirements.md)
+//! formulas = ["min-gap:1"]               # requirements of all runs (docs/search.md)
 //! faults_per_run = [2, 4]                # number of faults in each run, drawn from all below
 //! variation = "./cut_in_variation.xosc"  # instead of scenarios: OpenSCENARIO parameter values
 //! sample = 200                           # number of runs that are done, drawn by the first seed

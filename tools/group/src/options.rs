@@ -26,7 +26,7 @@ pub struct ScenarioOptions {
     #[command(flatten)]
     pub laws: LawOptions,
     /// Judge the drive by a requirement as well: a formula such as 'always gap_m > 2', or a name such as min-gap:2
-    /// (repeatable; docs/requirements.md)
+    /// (repeatable; docs/search.md)
     #[arg(long = "require", value_name = "FORMULA")]
     pub require: Vec<String>,
     /// Direction from which headings of lane positions count in an OpenSCENARIO file: the road's reference line, as in

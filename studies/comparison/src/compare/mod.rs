@@ -59,7 +59,7 @@ pub struct CompareArguments {
     /// Change any key of every scenario, by its dotted path (repeatable)
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// Judge every drive by a requirement as well: a formula or a name (repeatable; docs/requirements.md)
+    /// Judge every drive by a requirement as well: a formula or a name (repeatable; docs/search.md)
     #[arg(long = "require", value_name = "FORMULA")]
     pub require: Vec<String>,
     /// Runs at once [default: one per core; 1 in realtime]
