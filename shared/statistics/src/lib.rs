@@ -16,7 +16,9 @@
 //! ```
 
 mod paired;
+mod quantile;
 mod spread;
 
 pub use paired::{Interval, interval, least_pairs};
+pub use quantile::{beta_quantile, poisson_interval, student_t};
 pub use spread::Spread;

@@ -26,6 +26,7 @@ mod curve_plots;
 mod drive;
 mod duration;
 pub mod fault;
+pub mod figures;
 mod following;
 pub mod html;
 mod lateral;

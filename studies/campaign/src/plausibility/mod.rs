@@ -12,7 +12,6 @@
 mod cases;
 mod draw;
 mod radar_figures;
-mod rate;
 mod results;
 mod table;
 

@@ -8,7 +8,9 @@ use serde::Serialize;
 
 use super::Kept;
 use super::cases::CASES;
-use super::rate::poisson;
+
+/// Probability outside the interval of a rate.
+const TAILS: f64 = 0.05;
 
 /// Rate of drives with a false alarm, in a time without faults.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -35,7 +37,8 @@ impl Rate {
     fn finish(&mut self) {
         let hours = self.hours.max(f64::MIN_POSITIVE);
         self.per_hour = self.alarmed as f64 / hours;
-        self.per_hour_ci95 = poisson(self.alarmed).map(|limit| limit / hours);
+        self.per_hour_ci95 =
+            statistics::poisson_interval(self.alarmed, TAILS).map(|limit| limit / hours);
     }
 }
 

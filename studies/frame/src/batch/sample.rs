@@ -5,6 +5,7 @@ use indicatif::ProgressBar;
 use rand_core::Rng;
 use rand_pcg::Pcg32;
 use report::summary::Summary;
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
@@ -50,7 +51,7 @@ impl Repetition {
 }
 
 /// Results of the repeated runs.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct ProcessesSample {
     /// Runs that were repeated.
     pub runs: usize,

@@ -7,11 +7,11 @@ use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
 use group::Error;
-use serde::de::{DeserializeOwned, IgnoredAny};
+use serde::de::DeserializeOwned;
 
 use super::Line;
 use super::journal::{JournalError, Place};
-use crate::drives::Take;
+use crate::drives::Drive;
 
 /// The records of a study, by the numbers of their runs.
 #[derive(Debug)]
@@ -100,36 +100,37 @@ impl<T: DeserializeOwned> Records<T> {
     /// # Errors
     /// If a journal cannot be read, or what `take` returns.
     pub fn each(&self, take: &mut dyn FnMut(usize, &T) -> Result<(), Error>) -> Result<(), Error> {
+        self.each_line(&mut |run, line| take(run, &line.result))
+    }
+
+    fn each_line(
+        &self,
+        take: &mut dyn FnMut(usize, &Line<T>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
         let mut reader = Reader { journals: &self.journals, opened: None, bytes: Vec::new() };
         for (run, entry) in self.runs.iter().enumerate() {
             match entry {
                 Entry::None => {}
-                Entry::Memory(line) => take(run, &line.result)?,
+                Entry::Memory(line) => take(run, line)?,
                 Entry::Journal(journal, place) => {
-                    take(run, &reader.read::<T>(*journal, *place)?.result)?;
+                    take(run, &reader.read::<T>(*journal, *place)?)?;
                 }
             }
         }
         Ok(())
     }
 
-    /// Hands over the figures of all drives in the order of the runs.
+    /// Hands over all drives in the order of the runs, each with the record of its run.
     ///
     /// # Errors
     /// If a journal cannot be read, or what `take` returns.
-    pub(crate) fn each_drive(&self, take: Take<'_>) -> Result<(), Error> {
-        let mut reader = Reader { journals: &self.journals, opened: None, bytes: Vec::new() };
-        for (run, entry) in self.runs.iter().enumerate() {
-            match entry {
-                Entry::None => {}
-                Entry::Memory(line) => line.drives.iter().try_for_each(|drive| take(run, drive))?,
-                Entry::Journal(journal, place) => {
-                    let line = reader.read::<IgnoredAny>(*journal, *place)?;
-                    line.drives.iter().try_for_each(|drive| take(run, drive))?;
-                }
-            }
-        }
-        Ok(())
+    pub(crate) fn each_drive(
+        &self,
+        take: &mut dyn FnMut(usize, &T, &Drive) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        self.each_line(&mut |run, line| {
+            line.drives.iter().try_for_each(|drive| take(run, &line.result, drive))
+        })
     }
 
     /// All records with the numbers of their runs, in memory.

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, FromArgMatches};
 use group::{Error, GroupOptions};
-use report::results::{Document, ResultOptions};
+use report::results::{Column, Document, ResultOptions};
 use runtime::Mode;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -135,6 +135,11 @@ pub trait Study: Sized + Sync {
     /// Chooses the runs that are repeated in process groups.
     fn seed(&self) -> u64 {
         1
+    }
+
+    /// The study's own columns of `runs.csv`. A drive has those of its run's record.
+    fn own_columns(&self) -> Vec<Column<Self::Record>> {
+        Vec::new()
     }
 
     /// Words beside the progress bar, and the name of a directory that the command names itself.

@@ -157,7 +157,7 @@ fn merge<S: Study>(arguments: &S::Arguments, parts: &PartOptions) -> Result<Exit
     let Merged { records, sample, .. } = merged;
     let seen = BTreeMap::new();
     let sample = agreed(&study, sample)?;
-    drives::write(&|take| records.each_drive(take), &columns(&study), &output)?;
+    drives::write(&records, &columns(&study), &study.own_columns(), &output)?;
     let directory = output.path().to_owned();
     let found = Found { records, seen, sample, shard: None, is_whole, directory };
     let document = study.judge(found)?;
@@ -205,7 +205,7 @@ fn conclude<S: Study>(
         }
     }
     let is_whole = records.len() == runs;
-    drives::write(&|take| records.each_drive(take), &columns(study), output)?;
+    drives::write(&records, &columns(study), &study.own_columns(), output)?;
     let directory = output.path().to_owned();
     let document = study.judge(Found { records, seen, sample, shard, is_whole, directory })?;
     match end {

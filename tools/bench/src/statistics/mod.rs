@@ -12,12 +12,10 @@
 //! * rare events: given their sum, the events of one arm are binomial. This gives an exact interval for the ratio of
 //!   two Poisson rates (Clopper and Pearson 1934; Przyborowski and Wilenski 1940).
 
-mod special;
-
+use ::statistics::{beta_quantile, student_t};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
-use special::{beta_quantile, student_t};
 
 /// Probability outside the intervals.
 const TAILS: f64 = 0.05;

@@ -5,10 +5,12 @@ use serde_json::Value;
 use std::borrow::Cow;
 
 use super::head::{Format, Good, Head, Kind};
+use crate::figures::{Figure, Values};
 
 /// A column of rows `R`.
 ///
-/// A cell is the value at the column's name in the row's JSON, or the value that [`Column::of`] computes.
+/// A cell is the value at the column's name in the row's JSON, a figure of the row's drive
+/// ([`Figure::of`](crate::figures::Figure::of)), or the value that [`Column::of`] computes.
 ///
 /// ```
 /// use report::results::{Column, number, word};
@@ -29,12 +31,32 @@ use super::head::{Format, Good, Head, Kind};
 pub struct Column<R> {
     /// Its description.
     pub head: Head,
-    value: Option<fn(&R) -> Value>,
+    cell: Cell<R>,
+}
+
+/// Origin of a column's cells.
+#[derive(Debug)]
+enum Cell<R> {
+    /// The row's JSON, at the column's name.
+    Json,
+    /// A function of the row.
+    Of(fn(&R) -> Value),
+    /// A figure among those that the row keeps.
+    Figure(Figure, fn(&R) -> &Values),
+}
+
+// Derived, these would demand a row that can be copied.
+impl<R> Copy for Cell<R> {}
+
+impl<R> Clone for Cell<R> {
+    fn clone(&self) -> Self {
+        *self
+    }
 }
 
 impl<R> Clone for Column<R> {
     fn clone(&self) -> Self {
-        Self { head: self.head.clone(), value: self.value }
+        Self { head: self.head.clone(), cell: self.cell }
     }
 }
 
@@ -58,7 +80,7 @@ pub const fn column<R>(
         is_hidden: false,
         is_optional: false,
     };
-    Column { head, value: None }
+    Column { head, cell: Cell::Json }
 }
 
 /// A number with a unit and a number of decimals.
@@ -199,7 +221,13 @@ impl<R> Column<R> {
     /// The same with a cell that is computed from the row.
     #[must_use]
     pub const fn of(mut self, value: fn(&R) -> Value) -> Self {
-        self.value = Some(value);
+        self.cell = Cell::Of(value);
+        self
+    }
+
+    /// The same with a figure of the row's drive in each cell.
+    pub(crate) const fn figure(mut self, figure: Figure, values: fn(&R) -> &Values) -> Self {
+        self.cell = Cell::Figure(figure, values);
         self
     }
 
@@ -214,9 +242,10 @@ impl<R> Column<R> {
 /// The cells of a row.
 pub(super) fn cells<R: Serialize>(columns: &[Column<R>], row: &R) -> Vec<Value> {
     let json = serde_json::to_value(row).expect("rows are plain data");
-    let cell = |column: &Column<R>| match column.value {
-        Some(value) => value(row),
-        None => at(&json, &column.head.name).cloned().unwrap_or_default(),
+    let cell = |column: &Column<R>| match column.cell {
+        Cell::Json => at(&json, &column.head.name).cloned().unwrap_or_default(),
+        Cell::Of(value) => value(row),
+        Cell::Figure(figure, values) => values(row).get(&figure).into(),
     };
     columns.iter().map(cell).collect()
 }

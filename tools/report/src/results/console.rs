@@ -2,6 +2,8 @@
 //!
 //! A table that is too wide is transposed. If it is still too wide, it loses the columns of the largest weight, and a
 //! line names them. At last the cells of its first column are broken behind dots and spaces.
+//!
+//! A table that is too long keeps its bad rows, then its first and its last ones.
 
 use serde_json::Value;
 use std::ops::Range;
@@ -16,6 +18,10 @@ const USUAL_WIDTH: usize = 80;
 const MOST_TRANSPOSED: usize = 8;
 /// Rows at the end of a table that is shortened.
 const LAST_ROWS: usize = 4;
+/// Rows of all blocks of a table together.
+const MOST_ROWS: usize = 120;
+/// Most blocks.
+const MOST_BLOCKS: usize = 20;
 /// Mark of the best value of a column.
 const BEST: &str = "*";
 
@@ -68,11 +74,28 @@ fn widest(text: &str) -> usize {
 }
 
 impl Table {
-    /// The table as text in at most `width` columns.
+    /// The table as text in at most `width` columns. Long tables are cut.
     #[must_use]
     pub fn console(&self, width: usize) -> String {
         let blocks = self.row_blocks();
-        blocks.iter().map(|(name, rows)| self.block_text(name, rows, width)).collect()
+        let shown = blocks.iter().take(MOST_BLOCKS);
+        let text: String = shown.map(|(name, rows)| self.block_text(name, rows, width)).collect();
+        match blocks.len().saturating_sub(MOST_BLOCKS) {
+            0 => text,
+            more => text + &format!("and {more} more blocks\n"),
+        }
+    }
+
+    /// True if a terminal does not show all rows.
+    pub(super) fn is_cut(&self) -> bool {
+        let blocks = self.row_blocks();
+        blocks.len() > MOST_BLOCKS || blocks.iter().any(|(_, rows)| rows.len() > self.most())
+    }
+
+    /// Most rows of a block that a terminal shows.
+    fn most(&self) -> usize {
+        let blocks = self.row_blocks().len().clamp(1, MOST_BLOCKS);
+        self.most_rows.min(MOST_ROWS / blocks)
     }
 
     fn block_text(&self, name: &str, rows: &Range<usize>, width: usize) -> String {
@@ -132,15 +155,27 @@ impl Table {
         }
     }
 
-    /// Rows of the block that are shown: none stands for those between.
+    /// Rows of the block that are shown; `None` stands for those that are left out.
     fn chosen(&self, rows: &Range<usize>) -> Vec<Option<usize>> {
-        if rows.len() <= self.most_rows {
+        let most = self.most();
+        if rows.len() <= most {
             return rows.clone().map(Some).collect();
         }
-        let last = LAST_ROWS.min(self.most_rows / 2);
-        let first = rows.start..rows.start + self.most_rows - last;
-        let end = rows.end - last..rows.end;
-        first.map(Some).chain([None]).chain(end.map(Some)).collect()
+        let is_bad = |row: &usize| !self.is_good(*row);
+        let bad: Vec<usize> = rows.clone().filter(is_bad).take(most).collect();
+        let room = most - bad.len();
+        let last = LAST_ROWS.min(room / 2);
+        let others = rows.clone().filter(|row| !is_bad(row));
+        let count = others.clone().count();
+        let kept =
+            others.enumerate().filter(|(place, _)| *place < room - last || *place >= count - last);
+        let mut kept: Vec<usize> = bad.into_iter().chain(kept.map(|(_, row)| row)).collect();
+        kept.sort_unstable();
+        // The note stands in the first gap.
+        let gap = kept.iter().zip(rows.clone()).take_while(|(kept, row)| *kept == row).count();
+        let (before, behind) = kept.split_at(gap);
+        let some = |rows: &[usize]| rows.iter().copied().map(Some).collect::<Vec<_>>();
+        [some(before), vec![None], some(behind)].concat()
     }
 
     /// The table with cells of the first column in several lines, so that it is narrower by `by`. `None` if that cannot
@@ -182,7 +217,7 @@ impl Table {
             TextTable::new(heads.iter().map(String::as_str).zip(shown.iter().map(align)));
         for row in self.chosen(rows) {
             let Some(row) = row else {
-                let more = rows.len() - self.most_rows;
+                let more = rows.len() - self.most();
                 table.row(["...".to_owned(), format!("{more} more")]);
                 continue;
             };
@@ -221,7 +256,7 @@ impl Table {
         let mut text = String::new();
         for row in self.chosen(rows) {
             let Some(row) = row else {
-                text += &format!("  and {} more\n", rows.len() - self.most_rows);
+                text += &format!("  and {} more\n", rows.len() - self.most());
                 continue;
             };
             let cell = |place: usize| {
@@ -251,7 +286,7 @@ fn without_trailing_spaces(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::column::{Column, column, number, word};
+    use super::super::column::{Column, column, count, flag, number, word};
     use super::*;
     use serde_json::json;
 
@@ -295,6 +330,24 @@ mod tests {
             "{text}"
         );
         assert_eq!(text.lines().count(), 14);
+        assert!(!table(12, 2).most_rows(12).is_cut() && table(13, 2).most_rows(12).is_cut());
+    }
+
+    #[test]
+    fn bad_rows_of_a_long_table_are_shown_in_each_of_its_blocks() {
+        let columns: [Column<Value>; 3] = [
+            word("law", "law", ""),
+            count("test", "test", ""),
+            flag("ok", "", ("ok", "MISSED"), ""),
+        ];
+        let row = |place: usize| json!({"law": format!("law {}", place / 100), "test": place, "ok": place % 100 != 57});
+        let rows: Vec<_> = (0..1_300).map(row).collect();
+        let table = Table::new("Tests", &columns, &rows).blocks("law");
+        let text = table.console(80);
+        assert_eq!(text.matches("MISSED").count(), 13, "{text}");
+        assert!(text.contains("91 more") && text.lines().count() < 160, "{text}");
+        let document = super::super::Document::new("x", "X", &()).table(table).console(80);
+        assert!(document.ends_with("  (all rows: x.json)\n"), "{document}");
     }
 
     #[test]

@@ -13,6 +13,9 @@ use super::table::{Table, csv_head, csv_line};
 use crate::html::Tile;
 use crate::output::ResultFile;
 
+/// Most findings that a terminal shows.
+const MOST_BROKEN: usize = 12;
+
 /// A part of a result for people.
 #[derive(Clone, Debug)]
 pub enum Part {
@@ -24,6 +27,30 @@ pub enum Part {
     Text(String),
     /// Figures that are read at a glance, on the page alone.
     Tiles(Vec<Tile>),
+}
+
+/// A finding against the verdict, and the command that repeats it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Broken {
+    /// The finding, in a few words.
+    pub what: String,
+    /// The command; empty where none repeats it.
+    pub command: String,
+}
+
+impl Broken {
+    /// A finding that `command` repeats.
+    pub fn new(what: impl Into<String>, command: impl Into<String>) -> Self {
+        Self { what: what.into(), command: command.into() }
+    }
+
+    /// One line.
+    pub(super) fn line(&self) -> String {
+        match self.command.as_str() {
+            "" => self.what.clone(),
+            command => format!("{}: {command}", self.what),
+        }
+    }
 }
 
 /// A file beside the JSON and the page.
@@ -81,6 +108,7 @@ pub struct Document {
     /// True if the command succeeds, where that is not the verdict.
     pub(super) succeeds: Option<bool>,
     pub(super) verdict: String,
+    pub(super) broken: Vec<Broken>,
     pub(super) json: String,
     pub(super) parts: Vec<Part>,
     pub(super) files: Vec<Attachment>,
@@ -97,6 +125,7 @@ impl Document {
             ok: true,
             succeeds: None,
             verdict: String::new(),
+            broken: Vec::new(),
             json,
             parts: Vec::new(),
             files: Vec::new(),
@@ -107,6 +136,24 @@ impl Document {
     #[must_use]
     pub fn verdict(mut self, ok: bool, sentence: impl Into<String>) -> Self {
         (self.ok, self.verdict) = (ok, sentence.into());
+        self
+    }
+
+    /// The same with what broke, the worst first: the last lines of the console, and the first ones of the page.
+    ///
+    /// ```
+    /// use report::results::{Broken, Document};
+    ///
+    /// let broken = [Broken::new("cut-in with acc-mpc, seed 3: COLLISION", "timegap run cut-in --seed 3")];
+    /// let document = Document::new("gaps", "Gaps", &()).verdict(false, "1 of 9 runs").broken(broken);
+    /// assert_eq!(
+    ///     document.console(80),
+    ///     "1 of 9 runs\n  cut-in with acc-mpc, seed 3: COLLISION: timegap run cut-in --seed 3\n"
+    /// );
+    /// ```
+    #[must_use]
+    pub fn broken(mut self, broken: impl IntoIterator<Item = Broken>) -> Self {
+        self.broken.extend(broken);
         self
     }
 
@@ -203,7 +250,7 @@ impl Document {
         serde_json::from_str(&self.json).expect("it was written as JSON")
     }
 
-    /// The text for a terminal of this width; the verdict is its last line.
+    /// The text for a terminal of this width. It ends with the verdict and what broke.
     #[must_use]
     pub fn console(&self, width: usize) -> String {
         let mut text = String::new();
@@ -219,6 +266,9 @@ impl Document {
                         text += &console::folded(&table.heading, 0, width);
                     }
                     text += &table.console(width);
+                    if table.is_cut() {
+                        text += &format!("  (all rows: {})\n", self.json_file());
+                    }
                 }
                 Part::Text(words) => {
                     words.lines().for_each(|line| text += &console::folded(line, 0, width));
@@ -229,6 +279,18 @@ impl Document {
         if !self.verdict.is_empty() {
             text += &console::folded(&self.verdict, 0, width);
         }
+        for broken in self.broken.iter().take(MOST_BROKEN) {
+            text += &format!("  {}\n", broken.line());
+        }
+        if self.broken.len() > MOST_BROKEN {
+            let more = self.broken.len() - MOST_BROKEN;
+            text += &format!("  and {more} more: {}, {}\n", self.json_file(), crate::FILE);
+        }
         text
+    }
+
+    /// Name of the file with the JSON.
+    pub(super) fn json_file(&self) -> String {
+        format!("{}.json", self.command)
     }
 }

@@ -22,6 +22,12 @@ fn text(document: &Document) -> String {
     if !document.about.is_empty() {
         text += &format!("\n{}\n", escape(&document.about));
     }
+    if !document.broken.is_empty() {
+        text.push('\n');
+    }
+    for broken in document.broken.iter().take(MOST_ROWS) {
+        text += &format!("- {}\n", escape(&broken.line()));
+    }
     for part in &document.parts {
         match part {
             Part::Table(table) if table.is_on_pages() => text += &self::table(table),

@@ -1,15 +1,17 @@
-//! A result declared once: its columns give every output.
+//! A result declared once: its type gives the JSON and its schema, its columns give every output for people.
 //!
 //! ```text
-//!                 ┌─► console (transposed or narrowed to its width)
+//! type (serde, schemars) ─► JSON, Schema ─► `timegap list --schema results`
+//!
+//!                 ┌─► console (chosen by its width, cut in its length)
 //! Column ─► Table ├─► page, Markdown (best of a column marked)
 //!           Document ─► JSON, CSV, JUnit XML
-//!       └─► Schema ─► `timegap list --schema results`
 //! ```
 //!
-//! A [`Column`] has a name: the dotted path of its value in the row's JSON. It also has unit, meaning and format. A
-//! [`Table`] is columns over rows. A [`Document`] is verdict, tables and charts of one command;
-//! [`ResultOptions::deliver`] writes and prints it. [`Schema`] describes the JSON.
+//! A [`Column`] has a name: the dotted path of its value in the row's JSON. It also has unit, meaning and format. The
+//! columns of a drive's figures stand in [`figures`](crate::figures). A [`Table`] is columns over rows. A [`Document`]
+//! is verdict, what broke, tables and charts of one command; [`ResultOptions::deliver`] writes and prints it.
+//! [`Schema::of`] describes the JSON of a type.
 
 mod column;
 mod console;
@@ -26,8 +28,8 @@ pub use column::{
     Column, at, column, count, fact, flag, judged, micros, nested, number, outcome, value, word,
 };
 pub use console::{folded, width};
-pub use document::{Attachment, Contents, Document, Fill, Part};
+pub use document::{Attachment, Broken, Contents, Document, Fill, Part};
 pub use head::{Format, Good, Head, Kind};
 pub use options::{ExportError, ResultOptions};
-pub use schema::{Schema, check, document as schema_document};
-pub use table::{Table, csv_head, csv_line, field};
+pub use schema::{Object, Schema, check, document as schema_document};
+pub use table::{Table, csv_fields, csv_head, csv_line, csv_names, field};

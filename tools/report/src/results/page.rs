@@ -1,9 +1,9 @@
 //! A result as a page: verdict, figures at a glance, tables, pictures.
 
-use super::document::{Document, Part};
+use super::document::{Broken, Document, Part};
 use super::table::Table;
 use crate::chart::escape;
-use crate::html::{Cell, Column, document, section, table, tiles};
+use crate::html::{Cell, Column, document, section, stacked_table, table, tiles};
 
 /// Most rows of a table.
 const MOST_ROWS: usize = 1_000;
@@ -18,8 +18,21 @@ impl Document {
 
 /// The page.
 fn text(result: &Document) -> String {
-    let body: String = result.parts.iter().map(part).collect();
+    let parts: String = result.parts.iter().map(part).collect();
+    let body = broken(&result.broken) + &parts;
     document(&result.title, &result.about, result.ok, &result.verdict, &body)
+}
+
+/// What broke; empty without a finding.
+fn broken(all: &[Broken]) -> String {
+    if all.is_empty() {
+        return String::new();
+    }
+    let heads = [("what broke", Column::Text), ("repeat by", Column::Text)];
+    let rows: Vec<Vec<String>> = (all.iter().take(MOST_ROWS))
+        .map(|broken| vec![broken.what.clone(), broken.command.clone()])
+        .collect();
+    section("What broke", &stacked_table(&heads, &rows))
 }
 
 fn part(part: &Part) -> String {

@@ -1,9 +1,14 @@
-//! JSON Schema of results, from the columns that declare them; and a check of a result against it.
+//! JSON Schema of results, from the types that are written as JSON.
 
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::{Map, Value, json};
 
 use super::column::Column;
 use super::head::{Format, Head, Kind};
+
+/// Any object, in the schema of a result whose parts another crate declares.
+pub type Object = Map<String, Value>;
 
 /// Contents of a command's JSON.
 ///
@@ -39,6 +44,50 @@ impl Schema {
             "properties": {"schema_version": version},
             "required": ["schema_version"],
         });
+        Self { command, root }
+    }
+
+    /// The schema of the results of type `T`, which `command` writes. Doc comments are its descriptions. A field of
+    /// another crate's type is [`Object`] in it: `#[schemars(with = "Object")]`.
+    ///
+    /// ```
+    /// use report::results::{Object, Schema};
+    ///
+    /// /// Gaps of the laws.
+    /// #[derive(serde::Serialize, schemars::JsonSchema)]
+    /// struct Gaps {
+    ///     schema_version: u32,
+    ///     /// Every law kept its gap.
+    ///     ok: bool,
+    ///     /// Verdict of each law.
+    ///     rows: Vec<Row>,
+    /// }
+    ///
+    /// #[derive(serde::Serialize, schemars::JsonSchema)]
+    /// struct Row {
+    ///     /// Smallest gap, m.
+    ///     gap_m: Option<f64>,
+    ///     /// Latencies, as in summary.json.
+    ///     #[schemars(with = "Object")]
+    ///     timing: report::summary::Timing,
+    /// }
+    ///
+    /// let schema = Schema::of::<Gaps>("gaps").json();
+    /// assert_eq!(schema["description"], "Gaps of the laws.");
+    /// let row = &schema["properties"]["rows"]["items"]["properties"];
+    /// assert_eq!(row["gap_m"]["type"], serde_json::json!(["number", "null"]));
+    /// assert_eq!(row["timing"]["type"], "object");
+    /// ```
+    #[must_use]
+    pub fn of<T: JsonSchema>(command: &'static str) -> Self {
+        let settings = SchemaSettings::draft2020_12()
+            .for_serialize()
+            .with(|settings| settings.inline_subschemas = true);
+        let mut root = SchemaGenerator::new(settings).into_root_schema_for::<T>().to_value();
+        if let Some(root) = root.as_object_mut() {
+            // The document around it has both.
+            root.retain(|key, _| key != "$schema" && key != "title");
+        }
         Self { command, root }
     }
 

@@ -225,18 +225,28 @@ pub fn field(value: &Value) -> String {
     }
 }
 
+/// Names of the columns that CSV has.
+pub fn csv_names<R>(columns: &[Column<R>]) -> impl Iterator<Item = &str> {
+    columns.iter().filter(|column| in_csv(&column.head)).map(|column| column.head.field())
+}
+
+/// The fields of a row under these names.
+pub fn csv_fields<R: Serialize>(columns: &[Column<R>], row: &R) -> impl Iterator<Item = String> {
+    // Rows without columns are not turned into JSON: there may be a million of them.
+    let cells = if columns.is_empty() { Vec::new() } else { cells(columns, row) };
+    let named = columns.iter().zip(cells).filter(|(column, _)| in_csv(&column.head));
+    named.map(|(_, value)| field(&value))
+}
+
 /// The line of CSV over rows that are written one by one: tables that do not fit in memory.
 #[must_use]
 pub fn csv_head<R>(columns: &[Column<R>]) -> Vec<u8> {
-    let named = columns.iter().filter(|column| in_csv(&column.head));
-    csv_row(named.map(|column| column.head.field()))
+    csv_row(csv_names(columns))
 }
 
 /// A line of CSV of one row.
 pub fn csv_line<R: Serialize>(columns: &[Column<R>], row: &R) -> Vec<u8> {
-    let cells = cells(columns, row);
-    let named = columns.iter().zip(cells).filter(|(column, _)| in_csv(&column.head));
-    csv_row(named.map(|(_, value)| field(&value)))
+    csv_row(csv_fields(columns, row))
 }
 
 #[cfg(test)]

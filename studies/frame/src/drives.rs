@@ -1,28 +1,28 @@
 //! `runs.csv`: the summary figures of every drive of a study, as one tidy table.
 //!
 //! A row is a drive. Columns: `run`, `scenario`, `law`, `seed`, the keys that the study varies, `outcome`,
-//! `duration_s`. Figures of `summary.json` follow, by their names there. A figure that does not apply is empty. A run
-//! of a study may be several drives, which then have a key of their own. The figures are kept with the run's record, so
-//! that a study in parts has the same table.
+//! `duration_s`. The study's own columns follow ([`Study::own_columns`](crate::Study::own_columns)), then the
+//! [`report::figures`]. A figure that does not apply is empty. A run of a study may be several drives, which then have a
+//! key of their own. The figures are kept with the run's record, so that a study in parts has the same table.
 //!
 //! ```text
 //! run,scenario,law,seed,runtime.extra_delay_ms,outcome,duration_s,min_gap_m,...
 //! 0,cut-in,acc-mpc,1,0,completed,40,12.3,...
 //! ```
 
-mod figures;
-
 use group::Error;
 use group::report::Outcome;
+use report::figures::{self, Values};
 use report::output::OutputDirectory;
-use report::results::field;
+use report::results::{Column, csv_fields, csv_names, field};
 use report::table::csv_row;
 use scenario::Scenario;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::keep::Key;
-use figures::FIGURES;
+use crate::parts::Records;
 use report::summary::Summary;
 
 /// Name of the file.
@@ -39,7 +39,7 @@ pub(crate) struct Drive {
     keys: Vec<String>,
     outcome: Outcome,
     duration_s: f64,
-    /// In the order of [`FIGURES`].
+    /// In the order of [`figures::ALL`].
     figures: Vec<Option<f64>>,
 }
 
@@ -74,7 +74,7 @@ impl Drive {
             keys: keys.iter().map(|(_, value)| value.clone()).collect(),
             outcome: summary.outcome,
             duration_s: summary.duration_s,
-            figures: FIGURES.iter().map(|(_, of)| of(summary)).collect(),
+            figures: Values::of(summary).0.to_vec(),
         }
     }
 
@@ -86,39 +86,39 @@ impl Drive {
         Self { scenario, law, seed: 1, keys, outcome, duration_s: 1.0, figures }
     }
 
-    fn line(&self, run: usize) -> Vec<u8> {
+    /// A line of the table; `own` are the study's own fields.
+    fn line(&self, run: usize, own: Vec<String>) -> Vec<u8> {
         let outcome = serde_json::to_value(self.outcome).expect("an outcome is a word");
         let number = |value: Option<f64>| field(&value.map_or(Value::Null, Value::from));
         let names =
             [run.to_string(), self.scenario.clone(), self.law.clone(), self.seed.to_string()];
         let ends = [field(&outcome), number(Some(self.duration_s))];
         let figures = self.figures.iter().map(|figure| number(*figure));
-        csv_row(names.into_iter().chain(self.keys.iter().cloned()).chain(ends).chain(figures))
+        let keys = self.keys.iter().cloned();
+        csv_row(names.into_iter().chain(keys).chain(ends).chain(own).chain(figures))
     }
 }
 
-/// The line of the names; `keys` are those of the study.
-fn head(keys: &[Key]) -> Vec<u8> {
+/// The line of the names; `keys` and `own` are those of the study.
+fn head(keys: &[Key], own: Vec<&str>) -> Vec<u8> {
     let keys = keys.iter().map(|key| key.name.as_str());
-    let figures = FIGURES.iter().map(|(name, _)| *name);
+    let figures = figures::ALL.iter().map(|figure| figure.name);
     let names = ["run", "scenario", "law", "seed"].into_iter().chain(keys);
-    csv_row(names.chain(["outcome", "duration_s"]).chain(figures))
+    csv_row(names.chain(["outcome", "duration_s"]).chain(own).chain(figures))
 }
 
-/// Takes a drive of the run with this number.
-pub(crate) type Take<'a> = &'a mut dyn FnMut(usize, &Drive) -> Result<(), Error>;
-
-/// Writes the table of all drives, which `each` hands over; no file without any.
+/// Writes the table of all drives; no file without any.
 ///
 /// # Errors
 /// If a journal cannot be read, or the file cannot be written.
-pub(crate) fn write(
-    each: &dyn Fn(Take<'_>) -> Result<(), Error>,
+pub(crate) fn write<R: Serialize + DeserializeOwned>(
+    records: &Records<R>,
     keys: &[Key],
+    own: &[Column<R>],
     output: &OutputDirectory,
 ) -> Result<(), Error> {
     let mut is_empty = true;
-    each(&mut |_, _| {
+    records.each_drive(&mut |_, _, _| {
         is_empty = false;
         Ok(())
     })?;
@@ -126,8 +126,10 @@ pub(crate) fn write(
         return Ok(());
     }
     output.write_by(FILE, |file| {
-        file.add(&head(keys))?;
-        each(&mut |run, drive| file.add(&drive.line(run)))
+        file.add(&head(keys, csv_names(own).collect()))?;
+        records.each_drive(&mut |run, record, drive| {
+            file.add(&drive.line(run, csv_fields(own, record).collect()))
+        })
     })
 }
 
@@ -145,20 +147,25 @@ mod tests {
             keys: vec!["1,5".to_owned()],
             outcome: Outcome::RedLight,
             duration_s: 12.5,
-            figures: FIGURES
-                .iter()
-                .enumerate()
-                .map(|(place, _)| (place == 1).then_some(0.25))
-                .collect(),
+            figures: Values::default().with(&figures::MAX_ABS_GAP_ERROR_M, 0.25).0.to_vec(),
         };
-        let text = String::from_utf8([head(&keys), drive.line(3)].concat()).expect("text");
+        let own = vec!["a, b".to_owned()];
+        let lines = [head(&keys, vec!["fault"]), drive.line(3, own)].concat();
+        let text = String::from_utf8(lines).expect("text");
         assert!(
             text.starts_with("run,scenario,law,seed,controller.time_headway_s,outcome,"),
             "{text}"
         );
-        assert!(text.contains("\n3,cut-in,mine,7,\"1,5\",red_light,12.5,,0.25,,"), "{text}");
-        let fields: Vec<usize> =
-            text.replace("1,5", "1").lines().map(|line| line.split(',').count()).collect();
-        assert_eq!(fields, [7 + FIGURES.len(); 2]);
+        assert!(
+            text.contains("\n3,cut-in,mine,7,\"1,5\",red_light,12.5,\"a, b\",,0.25,,"),
+            "{text}"
+        );
+        let fields: Vec<usize> = text
+            .replace("1,5", "1")
+            .replace("a, b", "a")
+            .lines()
+            .map(|line| line.split(',').count())
+            .collect();
+        assert_eq!(fields, [8 + figures::COUNT; 2]);
     }
 }
