@@ -27,6 +27,21 @@ impl Counters {
         }
     }
 
+    /// Raises the number that counters `index` (upper half) and `index + 1` hold to at least `number`. One process
+    /// at a time does so. Another one may read a mixture of two numbers.
+    pub(super) fn raise(&self, index: usize, number: u64) {
+        if self.records.load(Ordering::Relaxed) && number > self.number(index) {
+            let word = |index| self.words.word(self.first + index);
+            word(index).store((number >> 32) as u32, Ordering::Relaxed);
+            word(index + 1).store(number as u32, Ordering::Relaxed);
+        }
+    }
+
+    /// The number that [`Self::raise`] raises.
+    pub(super) fn number(&self, index: usize) -> u64 {
+        self.get(index) << 32 | self.get(index + 1)
+    }
+
     /// Value of counter `index`.
     pub(super) fn get(&self, index: usize) -> u64 {
         self.words.word(self.first + index).load(Ordering::Relaxed).into()

@@ -3,13 +3,13 @@
 //! ```text
 //! page 0         names of histograms | names of counts | counts
 //! pages 1 to 8   accounts: one page a process, in turn
-//! pages 9 to 12  buckets of the first histogram
+//! pages 9 to 12  buckets and extremes of the first histogram
 //! ...            four pages for each further histogram
 //! ```
 //!
 //! A page gets memory when a process opens it. The file is removed with everything else that carries the run's prefix.
 
-use super::statistics::BUCKETS;
+use super::statistics::KEPT_WORDS;
 use crate::words::{PAGE_BYTES, SharedWords, WORDS, open_existing_own, open_own};
 use crate::{Group, RuntimeError};
 use messages::Service;
@@ -25,7 +25,7 @@ const ACCOUNTS: usize = 8;
 const FIRST_ACCOUNT: usize = 1;
 const FIRST_HISTOGRAM: usize = FIRST_ACCOUNT + ACCOUNTS;
 /// Pages of a histogram.
-const HISTOGRAM_PAGES: usize = BUCKETS.div_ceil(WORDS);
+const HISTOGRAM_PAGES: usize = KEPT_WORDS.div_ceil(WORDS);
 /// Largest size of a service's file, bytes.
 pub(crate) const MOST_BYTES: usize = (FIRST_HISTOGRAM + SLOTS * HISTOGRAM_PAGES) * PAGE_BYTES;
 
@@ -60,7 +60,7 @@ impl CountsFile {
         SharedWords::of(&self.0, FIRST_ACCOUNT + incarnation as usize % ACCOUNTS, 1)
     }
 
-    /// The buckets of histogram `slot`.
+    /// The words of histogram `slot`.
     pub(super) fn histogram(&self, slot: usize) -> io::Result<SharedWords> {
         SharedWords::of(&self.0, FIRST_HISTOGRAM + slot * HISTOGRAM_PAGES, HISTOGRAM_PAGES)
     }

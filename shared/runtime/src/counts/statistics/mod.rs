@@ -12,7 +12,12 @@ const HIGHEST_NS: u64 = 60_000_000_000;
 /// Leading bits of a duration that determine its bucket: two decimal digits need 200 steps.
 const DIGIT_BITS: u32 = 8;
 /// Buckets of a histogram.
-pub(super) const BUCKETS: usize = bucket(HIGHEST_NS) + 1;
+const BUCKETS: usize = bucket(HIGHEST_NS) + 1;
+/// Words of a histogram in shared memory: the buckets, then the two [`Extremes`].
+pub(super) const KEPT_WORDS: usize = BUCKETS + 4;
+/// Place of the two extremes.
+const LONGEST: usize = BUCKETS;
+const SHORTEST: usize = BUCKETS + 2;
 
 /// The bucket of a duration, by HdrHistogram's layout: one for each ns below 2⁸, and 2⁷ for each doubling above.
 const fn bucket(duration_ns: u64) -> usize {
@@ -33,8 +38,9 @@ const fn longest_ns(bucket: usize) -> u64 {
 
 /// A histogram of durations, allocated once: at the first record, or from the start by [`Self::with_room`].
 ///
-/// High dynamic range from 1 ns to 60 s with two significant decimal digits.
-/// Serialized as pairs of a duration and its count. A copy has memory of its own.
+/// High dynamic range from 1 ns to 60 s with two significant decimal digits: a bucket is at most 1 % wide. The
+/// shortest and the longest duration are exact. Serialized as pairs of a duration and its count, the shortest first and
+/// the longest last. A copy has memory of its own.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(from = "Vec<(u64, u64)>", into = "Vec<(u64, u64)>")]
 pub struct Latencies(Counts);
@@ -59,11 +65,26 @@ struct OwnBuckets {
     counts: Vec<u64>,
     /// Place of each page among them, counted from 1; 0: it is not there.
     places: [u8; PAGES],
+    extremes: Extremes,
+}
+
+/// The longest duration, ns, and the complement of the shortest one: of memory that is 0, both only rise.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Extremes {
+    longest_ns: u64,
+    not_shortest_ns: u64,
+}
+
+impl Extremes {
+    fn include(&mut self, duration_ns: u64) {
+        self.longest_ns = self.longest_ns.max(duration_ns);
+        self.not_shortest_ns = self.not_shortest_ns.max(!duration_ns);
+    }
 }
 
 impl OwnBuckets {
     fn with_room() -> Self {
-        Self { counts: Vec::with_capacity(PAGES * PAGE), places: [0; PAGES] }
+        Self { counts: Vec::with_capacity(PAGES * PAGE), ..Self::default() }
     }
 
     fn add(&mut self, bucket: usize, count: u64) {
@@ -93,19 +114,30 @@ impl Clone for Latencies {
     fn clone(&self) -> Self {
         let mut copy = OwnBuckets::default();
         self.recorded().for_each(|(bucket, count)| copy.add(bucket, count));
+        copy.extremes = self.extremes();
         Self(Counts::Own(copy))
     }
 }
 
 impl PartialEq for Latencies {
     fn eq(&self, other: &Self) -> bool {
-        self.recorded().eq(other.recorded())
+        self.extremes() == other.extremes() && self.recorded().eq(other.recorded())
     }
 }
 
 impl From<Latencies> for Vec<(u64, u64)> {
     fn from(latencies: Latencies) -> Self {
-        latencies.recorded().map(|(bucket, count)| (longest_ns(bucket), count)).collect()
+        let mut pairs: Self =
+            latencies.recorded().map(|(bucket, count)| (longest_ns(bucket), count)).collect();
+        // Both extremes are in one bucket.
+        if let [(ns, count @ 2..)] = pairs[..] {
+            pairs = vec![(ns, count - 1), (ns, 1)];
+        }
+        if let Some((shortest_ns, longest_ns)) = latencies.range_ns() {
+            pairs.first_mut().expect("something was recorded").0 = shortest_ns;
+            pairs.last_mut().expect("something was recorded").0 = longest_ns;
+        }
+        pairs
     }
 }
 
@@ -114,6 +146,7 @@ impl From<Vec<(u64, u64)>> for Latencies {
         let mut own = OwnBuckets::default();
         for (duration_ns, count) in pairs {
             own.add(bucket(duration_ns.min(HIGHEST_NS)), count);
+            own.extremes.include(duration_ns);
         }
         Self(Counts::Own(own))
     }
@@ -132,11 +165,43 @@ impl Latencies {
 
     /// Records one duration, ns; a negative one counts as zero.
     pub fn record_ns(&mut self, duration_ns: i64) {
-        let bucket = bucket(u64::try_from(duration_ns).unwrap_or(0).min(HIGHEST_NS));
+        let duration_ns = u64::try_from(duration_ns).unwrap_or(0);
+        let bucket = bucket(duration_ns.min(HIGHEST_NS));
         match &mut self.0 {
-            Counts::Own(own) => own.add(bucket, 1),
-            Counts::Kept(buckets) => buckets.add(bucket, 1),
+            Counts::Own(own) => {
+                own.add(bucket, 1);
+                own.extremes.include(duration_ns);
+            }
+            Counts::Kept(words) => {
+                words.add(bucket, 1);
+                words.raise(LONGEST, duration_ns);
+                words.raise(SHORTEST, !duration_ns);
+            }
         }
+    }
+
+    fn extremes(&self) -> Extremes {
+        match &self.0 {
+            Counts::Own(own) => own.extremes,
+            Counts::Kept(words) => Extremes {
+                longest_ns: words.number(LONGEST),
+                not_shortest_ns: words.number(SHORTEST),
+            },
+        }
+    }
+
+    /// The shortest and the longest duration, ns; `None` if nothing was recorded.
+    fn range_ns(&self) -> Option<(u64, u64)> {
+        let mut recorded = self.recorded().map(|(bucket, _)| bucket);
+        let first = recorded.next()?;
+        let last = recorded.last().unwrap_or(first);
+        let Extremes { longest_ns: longest, not_shortest_ns } = self.extremes();
+        // A process that dies between two words leaves extremes that its buckets do not have.
+        let within = |bucket: usize, duration_ns: u64| {
+            let open_end = if bucket + 1 == BUCKETS { u64::MAX } else { longest_ns(bucket) };
+            duration_ns.clamp(shortest_ns(bucket), open_end)
+        };
+        Some((within(first, !not_shortest_ns), within(last, longest)))
     }
 
     /// The buckets with a count, in the order of their durations.
@@ -182,10 +247,12 @@ impl Latencies {
     #[must_use]
     pub fn quantile_curve(&self) -> QuantileCurve {
         // Ten points between the median and the next quarter, the next eighth, and so on.
+        let Some((shortest_ns, longest_ns)) = self.range_ns() else { return Vec::new() };
         let histogram = self.histogram();
-        let points = histogram
-            .iter_quantiles(10)
-            .map(|point| (point.quantile(), point.value_iterated_to() as f64 / 1e3));
+        let points = histogram.iter_quantiles(10).map(|point| {
+            let ns = point.value_iterated_to().clamp(shortest_ns, longest_ns);
+            (point.quantile(), ns as f64 / 1e3)
+        });
         points.collect()
     }
 
@@ -193,7 +260,7 @@ impl Latencies {
     #[must_use]
     pub fn percentiles_us(&self) -> Option<Percentiles> {
         let total = self.count();
-        let (last, _) = self.recorded().last()?;
+        let (_, most_ns) = self.range_ns()?;
         let mut recorded = self.recorded();
         let (mut reached, mut longest_us) = (0, 0.0);
         // In rising order: one pass finds them all.
@@ -203,7 +270,7 @@ impl Latencies {
                 && let Some((bucket, count)) = recorded.next()
             {
                 reached += count;
-                longest_us = longest_ns(bucket) as f64 / 1e3;
+                longest_us = longest_ns(bucket).min(most_ns) as f64 / 1e3;
             }
             longest_us
         };
@@ -213,7 +280,7 @@ impl Latencies {
             p99: at(0.99),
             p999: at(0.999),
             p9999: at(0.9999),
-            max: longest_ns(last) as f64 / 1e3,
+            max: most_ns as f64 / 1e3,
             count: total,
         })
     }
@@ -254,6 +321,7 @@ mod tests {
             let shortest_ns = shortest_ns(bucket(ns));
             assert_eq!(shortest_ns, histogram.lowest_equivalent(ns), "{ns}");
             assert_eq!(longest_ns(bucket(ns)), histogram.highest_equivalent(ns), "{ns}");
+            assert!((longest_ns(bucket(ns)) - shortest_ns) as f64 <= 0.01 * shortest_ns as f64);
             assert!(bucket(ns) < BUCKETS);
         }
     }
@@ -262,17 +330,19 @@ mod tests {
     fn percentiles_are_those_of_the_histogram() {
         let mut random = 1_u64;
         for samples in [1, 2, 3, 10, 999, 1_000, 1_001, 50_000] {
-            let mut latencies = Latencies::default();
+            let (mut latencies, mut longest_ns) = (Latencies::default(), 0);
             for _ in 0..samples {
                 random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-                latencies.record_ns((random >> 33 >> (random % 31)) as i64);
+                let ns = random >> 33 >> (random % 31);
+                latencies.record_ns(ns as i64);
+                longest_ns = ns.max(longest_ns);
             }
             let histogram = latencies.histogram();
-            let at = |quantile| histogram.value_at_quantile(quantile) as f64 / 1e3;
+            let at = |quantile| histogram.value_at_quantile(quantile).min(longest_ns) as f64 / 1e3;
             let p = latencies.percentiles_us().expect("samples were recorded");
             let [p50, p90, p99, p999, p9999] = [0.5, 0.9, 0.99, 0.999, 0.9999].map(at);
             assert_eq!([p.p50, p.p90, p.p99, p.p999, p.p9999], [p50, p90, p99, p999, p9999]);
-            assert_eq!((p.max, p.count), (histogram.max() as f64 / 1e3, histogram.len()));
+            assert_eq!((p.max, p.count), (longest_ns as f64 / 1e3, histogram.len()));
             let above = histogram.len() - histogram.count_between(0, 70_000);
             assert_eq!(latencies.count_above_ns(70_000), above);
             assert_eq!((latencies.clone(), latencies.count()), (latencies, samples));
@@ -320,13 +390,21 @@ mod tests {
     #[test]
     fn a_histogram_survives_its_journey() {
         let mut latencies = Latencies::default();
-        for k in 0..1000_i64 {
-            latencies.record_ns(k * k * k);
+        let mut journey = |durations_ns: &mut dyn Iterator<Item = i64>| {
+            durations_ns.for_each(|ns| latencies.record_ns(ns));
+            let text = serde_json::to_string(&latencies).expect("plain data");
+            let back: Latencies = serde_json::from_str(&text).expect("our own");
+            assert_eq!(back, latencies);
+            back.range_ns().zip(back.percentiles_us().map(|p| p.max))
+        };
+        assert_eq!(journey(&mut std::iter::empty()), None);
+        // Three in one bucket of 512 ns.
+        for (ns, range_ns) in [(70_001, (70_001, 70_001)), (70_003, (70_001, 70_003))] {
+            assert_eq!(journey(&mut [ns].into_iter()), Some((range_ns, range_ns.1 as f64 / 1e3)));
         }
-        let text = serde_json::to_string(&latencies).expect("plain data");
-        let back: Latencies = serde_json::from_str(&text).expect("our own");
-        assert_eq!(back.count(), 1000);
-        assert_eq!(back.percentiles_us(), latencies.percentiles_us());
+        assert_eq!(journey(&mut [70_002].into_iter()), Some(((70_001, 70_003), 70.003)));
+        let all = journey(&mut (1..1000).map(|k| k * k * k));
+        assert_eq!(all, Some(((1, 997_002_999), 997_002.999)));
     }
 
     #[test]
@@ -335,6 +413,6 @@ mod tests {
         assert_eq!(latencies.percentiles_us(), None);
         latencies.record_ns(-5);
         latencies.record_ns(i64::MAX);
-        assert_eq!(latencies.count(), 2);
+        assert_eq!((latencies.count(), latencies.range_ns()), (2, Some((0, i64::MAX as u64))));
     }
 }
