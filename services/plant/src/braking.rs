@@ -6,7 +6,7 @@ use crate::numbers::Numbers;
 use crate::parts::Actuated;
 use crate::report::BrakeFigures;
 use crate::times::BRAKE_PATH;
-use messages::{Brake, BrakeState};
+use messages::{Brake, BrakeState, Origin};
 use runtime::{Release, Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Snapshot {
     path: BrakePath,
+    last_radar: Option<Origin>,
     pub(crate) figures: BrakeFigures,
 }
 
@@ -94,6 +95,11 @@ impl Braking {
         &self.account.figures
     }
 
+    /// Counts the reaction that has just ended, once it is kept.
+    pub(crate) fn count(&mut self) {
+        self.chains.count();
+    }
+
     /// Its chains.
     pub(crate) fn chains(&self) -> &Chains {
         &self.chains
@@ -101,12 +107,17 @@ impl Braking {
 
     /// State that outlives this process.
     pub(crate) fn snapshot(&self) -> Snapshot {
-        Snapshot { path: self.path, figures: self.account.figures.clone() }
+        Snapshot {
+            path: self.path,
+            last_radar: self.chains.last_radar(),
+            figures: self.account.figures.clone(),
+        }
     }
 
     /// Goes on from what another process kept.
     pub(crate) fn restore(&mut self, kept: Snapshot) {
         (self.path, self.account.figures) = (kept.path, kept.figures);
+        self.chains.restore(kept.last_radar);
     }
 }
 

@@ -50,6 +50,8 @@ pub struct Chains {
     deadline_ns: i64,
     late: Count,
     last_radar: Option<Origin>,
+    /// A reaction that is not counted yet, and the designed waits in it, ns.
+    ended: Option<(Parts, i64)>,
 }
 
 impl Chains {
@@ -76,7 +78,19 @@ impl Chains {
             deadline_ns,
             late: figures.count(&format!("{path}.late"))?,
             last_radar: None,
+            ended: None,
         })
+    }
+
+    /// The radar sample of the last reaction, for the next process. A command that it finds held has acted before.
+    #[must_use]
+    pub fn last_radar(&self) -> Option<Origin> {
+        self.last_radar
+    }
+
+    /// Goes on after the reaction to this radar sample.
+    pub fn restore(&mut self, last_radar: Option<Origin>) {
+        self.last_radar = last_radar;
     }
 
     /// Records that `command` acts at `actuated`; called in every cycle of the plant.
@@ -91,7 +105,7 @@ impl Chains {
         self.record(&brake.into(), actuated);
     }
 
-    /// The parts of a chain that ends here for the first time.
+    /// The parts of a chain that ends here for the first time. [`Self::count`] counts them.
     fn record(&mut self, command: &Stamps, actuated: &Actuated) -> Option<Parts> {
         let radar = command.header.origins.radar;
         if !radar.is_some() {
@@ -103,7 +117,15 @@ impl Chains {
         }
         self.last_radar = Some(radar);
         let parts = Parts::of(command, actuated);
-        let (sum, designed) = (parts.sum_ns(), parts.designed_wait_ns(command));
+        self.ended = Some((parts, parts.designed_wait_ns(command)));
+        Some(parts)
+    }
+
+    /// Counts the reaction that has just ended, if any. Called when [`Self::last_radar`] is kept: a process that dies
+    /// before or after leaves no reaction that the next one counts again.
+    pub fn count(&mut self) {
+        let Some((parts, designed)) = self.ended.take() else { return };
+        let sum = parts.sum_ns();
         self.reaction.record_ns(sum);
         self.late.add(u64::from(sum > self.deadline_ns));
         self.designed_wait.record_ns(designed);
@@ -122,7 +144,6 @@ impl Chains {
         for (histogram, part) in self.parts.iter_mut().zip(in_order) {
             histogram.record_ns(part);
         }
-        Some(parts)
     }
 
     /// Chains whose reaction time, end to end, was longer than the deadline.
@@ -283,17 +304,43 @@ mod tests {
         assert_eq!(chains.age_us(), None, "a command without a radar sample is not a chain");
         let first = command(radar(1, 0, 500), 0, 0, 1_000, 2_000);
         chains.actuated(&first, &at(3_000, 3_000, 3_000));
+        chains.count();
         chains.actuated(&first, &at(13_000, 13_000, 13_000));
+        chains.count();
         let second = command(radar(2, 10_000, 10_500), 10_000, 3_000, 11_000, 12_000);
         chains.actuated(&second, &at(23_000, 23_000, 23_000));
+        chains.count();
         let count = |p: Option<Percentiles>| p.map_or(0, |p| p.count);
         assert_eq!((count(chains.reaction_us()), count(chains.age_us())), (2, 3));
         let hops = chains.hops_us();
         for part in [hops.radar_to_controller, hops.radar_transport, hops.actuate] {
             assert_eq!(count(part), 2);
         }
-        assert_eq!(chains.reaction_us().map(|p| p.max.round()), Some(13.0));
+        assert_eq!(chains.reaction_us().map(|p| p.max), Some(13.0));
         let longest = chains.worst().report();
         assert_eq!(longest.iter().map(|w| w.radar_sequence).collect::<Vec<_>>(), [2, 1]);
+    }
+
+    #[test]
+    fn a_process_that_dies_at_any_point_counts_no_sample_twice() {
+        for is_kept in [false, true] {
+            let open = || Chains::open(100_000, "control", &Figures::default()).expect("memory");
+            let (mut reactions, mut kept) = (0, None);
+            // Six processes, one after the other; each finds the held command and takes one more.
+            for sample in 1..=6 {
+                let mut chains = open();
+                chains.restore(kept);
+                for sequence in [sample, sample + 1] {
+                    let next = command(radar(sequence, 0, 500), 0, 0, 1_000, 2_000);
+                    chains.actuated(&next, &at(3_000, 3_000, 3_000));
+                    if sequence == sample || is_kept {
+                        kept = chains.last_radar();
+                        chains.count();
+                    }
+                }
+                reactions += chains.reaction_us().map_or(0, |p| p.count);
+            }
+            assert_eq!(reactions, if is_kept { 7 } else { 6 });
+        }
     }
 }

@@ -2,13 +2,14 @@
 
 use crate::e2e::profile7::Protection;
 use crate::layout::declare::*;
+use serde::{Deserialize, Serialize};
 
 layout! {
     /// Stamps of one input sample that a message was computed from.
     ///
     /// All stamps are run time: nanoseconds since the group's common start instant, the same in every
     /// process. An input that was not there has `sequence` 0 and stamps of −1.
-    #[derive(Eq, Hash)]
+    #[derive(Eq, Hash, Serialize, Deserialize)]
     #[type_name("timegap_msgs/msg/Origin")]
     pub struct Origin {
         /// Sequence number of the sample, counted from 1.

@@ -172,6 +172,10 @@ impl Plant {
             plane.step(&before, &mut self.ego);
         }
         self.keep(release.step)?;
+        self.chains.count();
+        if let Some(braking) = &mut self.braking {
+            braking.count();
+        }
         self.levels.observe(release.time_s, self.level(&release, actuation.source));
         if runtime.is_to_stop() {
             self.gateway.stop();

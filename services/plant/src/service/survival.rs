@@ -1,8 +1,8 @@
 //! State that outlives the plant's process: the vehicle, the referee's record and the counts. A report of the state
 //! ends the run.
 
-use messages::Service;
 use messages::level::LevelLog;
+use messages::{Origin, Service};
 use runtime::{Checkpoint, CountsReader, Group, Runtime, RuntimeError};
 use serde::{Deserialize, Serialize};
 
@@ -48,6 +48,7 @@ struct Keeping<'a> {
 struct Counted {
     time_s: f64,
     timeliness: Timeliness,
+    last_radar: Option<Origin>,
     longest_gap_ns: i64,
     undelivered: u64,
 }
@@ -98,6 +99,7 @@ impl Plant {
         self.levels = kept.levels;
         self.time_s = kept.counted.time_s;
         self.timeliness = kept.counted.timeliness;
+        self.chains.restore(kept.counted.last_radar);
         self.longest_gap_ns = kept.counted.longest_gap_ns;
         self.delivery.restore(kept.counted.undelivered);
     }
@@ -115,6 +117,7 @@ impl Plant {
             counted: Counted {
                 time_s: self.time_s,
                 timeliness: self.timeliness,
+                last_radar: self.chains.last_radar(),
                 longest_gap_ns: self.longest_gap_ns,
                 undelivered: self.delivery.undelivered(),
             },
