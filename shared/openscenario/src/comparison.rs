@@ -1,5 +1,8 @@
 //! Rules that compare two values.
 
+use jiff::Timestamp;
+use jiff::tz::TimeZone;
+
 use crate::expression::Value;
 
 /// A rule that compares two values.
@@ -52,4 +55,21 @@ impl Rule {
             },
         }
     }
+}
+
+/// Seconds since 1970 of a date and time of ISO 8601, without a zone in UTC. `None` for any other text.
+///
+/// ```
+/// use openscenario::instant_s;
+///
+/// assert_eq!(instant_s("1970-01-01T01:00:01.5+01:00"), Some(1.5));
+/// assert_eq!(instant_s("1970-01-01 00:00:01.5"), Some(1.5));
+/// assert_eq!(instant_s("19700101"), None);
+/// ```
+#[must_use]
+pub fn instant_s(text: &str) -> Option<f64> {
+    let in_utc = || TimeZone::UTC.to_timestamp(text.parse().ok()?).ok();
+    // A date alone, or a number, is not an instant.
+    let stamp: Timestamp = text.contains(':').then(|| text.parse().ok().or_else(in_utc))??;
+    Some(stamp.as_nanosecond() as f64 * 1e-9)
 }

@@ -59,7 +59,7 @@ pub mod variation;
 pub mod world;
 pub mod xml;
 
-pub use comparison::Rule;
+pub use comparison::{Rule, instant_s};
 pub use error::{Place, ReadError, Spot};
 pub use expression::Value;
 pub use library::{Disk, Source};

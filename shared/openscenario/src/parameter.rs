@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::marker::PhantomData;
 
-use crate::comparison::Rule;
+use crate::comparison::{Rule, instant_s};
 use crate::declare::{
     AtLeastOne, Content, Element, Form, Given, Later, Literal, Node, Scalar, Text, elements,
     kind_of,
@@ -29,6 +29,7 @@ enum Type {
     Integer,
     Unsigned,
     Boolean,
+    Instant,
 }
 
 const TYPES: &[(&str, Type)] = &[
@@ -39,7 +40,7 @@ const TYPES: &[(&str, Type)] = &[
     ("unsignedInt", Type::Unsigned),
     ("unsignedShort", Type::Unsigned),
     ("boolean", Type::Boolean),
-    ("dateTime", Type::Text),
+    ("dateTime", Type::Instant),
 ];
 
 impl Scalar for Type {
@@ -60,6 +61,10 @@ impl Type {
         let whole = |number: &f64| libm::trunc(*number) == *number;
         match (self, value) {
             (Self::Text, value) => Ok(Value::Text(value.text())),
+            (Self::Instant, Value::Text(text)) if instant_s(text.trim()).is_some() => {
+                Ok(Value::Text(text))
+            }
+            (Self::Instant, _) => Err("a date and time, such as 2026-05-01T12:00:00"),
             (Self::Boolean, Value::Boolean(value)) => Ok(Value::Boolean(value)),
             (Self::Boolean, Value::Text(text)) if text == "1" => Ok(Value::Boolean(true)),
             (Self::Boolean, Value::Number(number)) if number == 0.0 || number == 1.0 => {
@@ -133,7 +138,7 @@ elements! { "Parameters and catalogs";
     ConstraintGroup -> Vec<Constraint> [] {constraints: AtLeastOne<ValueConstraint>}
     { Ok(constraints) }
 
-    /// compares numbers where both values are numbers, texts otherwise
+    /// compares numbers, dates or truth values by the parameter's type, else numbers where both are numbers, or texts
     ValueConstraint -> Constraint ["rule" rule: Later<Rule>, "value" value: Later<Literal>] {}
     { Ok(Constraint { rule, value }) }
 
@@ -223,9 +228,19 @@ impl Declaration {
                     let reason = format!("`{name}` is not a rule");
                     return Err(rule.wrong(reason, meant(&name, RULES.iter().map(|rule| rule.0))));
                 };
-                let bound = bound.resolve(scope)?;
-                holds &= meaning.compares(value, &bound);
-                words.push(format!("{name} {}", bound.text()));
+                let (type_name, kind) = &self.kind;
+                let typed = kind.take(bound.resolve(scope)?).map_err(|expected| {
+                    bound.wrong(format!("`{}` is not of type {type_name}", bound.text), expected)
+                })?;
+                let comparable = |value: &Value| match kind {
+                    Type::Instant => instant_s(value.text().trim()).map(Value::Number),
+                    _ => None,
+                };
+                holds &= match comparable(value).zip(comparable(&typed)) {
+                    Some((value, typed)) => meaning.compares(&value, &typed),
+                    None => meaning.compares(value, &typed),
+                };
+                words.push(format!("{name} {}", typed.text()));
             }
             if holds {
                 return Ok(());
@@ -370,6 +385,29 @@ mod tests {
         assert_eq!(
             refusal(&text, &[("v", "0")]),
             "x.xosc:2:1: parameter `v` has the value 0, expected greaterThan 0 and lessOrEqual 60, or equalTo -1"
+        );
+    }
+
+    #[test]
+    fn truth_values_and_dates_are_compared_as_such() {
+        let of = |kind: &str, value: &str, rule: &str, bound: &str| {
+            let constraint = format!(
+                "<ConstraintGroup><ValueConstraint rule=\"{rule}\" value=\"{bound}\"/></ConstraintGroup>"
+            );
+            scope(&declared("p", kind, value, &constraint), &[]).map(|_| ())
+        };
+        for (value, bound) in [("true", "1"), ("1", "true"), ("false", "0")] {
+            assert_eq!(of("boolean", value, "equalTo", bound), Ok(()), "{value} {bound}");
+            assert!(of("boolean", value, "notEqualTo", bound).is_err());
+        }
+        let (early, late) = ("2024-03-31T01:59:59+01:00", "2024-03-31T01:00:00Z");
+        assert_eq!(of("dateTime", early, "lessThan", late), Ok(()));
+        assert_eq!(of("dateTime", late, "greaterOrEqual", early), Ok(()));
+        assert!(of("dateTime", late, "lessThan", early).is_err());
+        let said = of("dateTime", late, "lessThan", "noon").expect_err("no date").to_string();
+        assert!(
+            said.contains("`noon` is not of type dateTime, expected a date and time"),
+            "{said}"
         );
     }
 

@@ -4,10 +4,12 @@
 //! `[controller]`. Every other entity is an actor with the profile `storyboard`.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use openscenario::model::condition::{Condition, Test, Trigger};
 use openscenario::model::{Drive, Script};
 use openscenario::read;
+use openscenario::world::{Extent, Way};
 use openscenario::{Choices, Disk, ReadError, Rule, Spot, World, WorldError};
 use road::AxisError;
 
@@ -105,6 +107,8 @@ pub(super) fn keys_of(path: &Path, choices: &Choices) -> Result<ForeignKeys, Ope
     set(&mut keys, script.ego, "plant.initial_speed_mps", ego_mps.into());
     let length_m = script.entities[script.ego].body.length_m;
     set(&mut keys, script.ego, "plant.length_m", length_m.into());
+    let (plan, way) = plan_of(&script, &world)
+        .map_err(|cause| OpenError::Road { place: place_of(spots.starts[script.ego]), cause })?;
     let mut names: Vec<String> = Vec::new();
     for (number, index) in scripted(&script).enumerate() {
         let mut name = word(Some(&script.entities[index].name), "actor");
@@ -112,7 +116,7 @@ pub(super) fn keys_of(path: &Path, choices: &Choices) -> Result<ForeignKeys, Ope
             name = format!("{}-{index}", name.chars().take(60).collect::<String>());
         }
         names.push(name.clone());
-        let (gap_m, length_m) = place_of_actor(&script, &world, index);
+        let (gap_m, length_m) = place_of_actor(&script, &world, index, way.as_ref());
         let mut set_own =
             |key: &str, value| set(&mut keys, index, &format!("actors.{number}.{key}"), value);
         set_own("name", name.into());
@@ -121,8 +125,6 @@ pub(super) fn keys_of(path: &Path, choices: &Choices) -> Result<ForeignKeys, Ope
         set_own("length_m", length_m.into());
         set_own("profile", "storyboard".into());
     }
-    let plan = plan_of(&script, &world)
-        .map_err(|cause| OpenError::Road { place: place_of(spots.starts[script.ego]), cause })?;
     for (key, value) in plan {
         set(&mut keys, script.ego, key, value);
     }
@@ -137,22 +139,25 @@ pub(super) fn keys_of(path: &Path, choices: &Choices) -> Result<ForeignKeys, Ope
     Ok(keys)
 }
 
-/// The keys of the road along the line on which the ego begins: its course, if it has curves, and its heights.
-fn plan_of(script: &Script, world: &World) -> Result<Vec<(&'static str, toml::Value)>, AxisError> {
+type Keys = Vec<(&'static str, toml::Value)>;
+
+/// The keys of the road along the line on which the ego begins: its course, if it has curves, and its heights. With
+/// them comes the line itself, if it has curves.
+fn plan_of(script: &Script, world: &World) -> Result<(Keys, Option<Way>), AxisError> {
     let (road, start, extent) = (&script.road, world.motion(script.ego), world.extent(script.ego));
     let is_curved = !road.axis()?.is_straight();
     let mut keys = Vec::new();
     if !start.present || (!is_curved && road.steepest_slope() == 0.0) {
-        return Ok(keys);
+        return Ok((keys, None));
     }
     let direction = start.direction();
     let front_s_m = extent.front_s_m(direction);
     let middle_t_m = 0.5 * (extent.from_t_m + extent.to_t_m);
-    let Some(lane) = road.lane_at(front_s_m, middle_t_m) else { return Ok(keys) };
+    let Some(lane) = road.lane_at(front_s_m, middle_t_m) else { return Ok((keys, None)) };
     let line = road.driven(&lane, front_s_m, middle_t_m - lane.center_m, direction);
     let heights = road.heights_along(&line)?;
     let lines = road.lane_lines(&line)?;
-    let (_, begin) = line.axis()?;
+    let (axis, begin) = line.axis()?;
     if is_curved {
         let part = road.parts.iter().rev().find(|part| part.from_m <= front_s_m);
         let plan = OpendriveRoad {
@@ -174,7 +179,7 @@ fn plan_of(script: &Script, world: &World) -> Result<Vec<(&'static str, toml::Va
         let point = |point: &[f64; 2]| toml::Value::from(point.to_vec());
         keys.push(("road.points", toml::Value::Array(heights.iter().map(point).collect())));
     }
-    Ok(keys)
+    Ok((keys, is_curved.then(|| Way { axis: Arc::new(axis), start: begin })))
 }
 
 fn value_of(value: &impl serde::Serialize) -> toml::Value {
@@ -195,8 +200,9 @@ fn scripted(script: &Script) -> impl Iterator<Item = usize> {
     (0..script.entities.len()).filter(is_scripted)
 }
 
-/// The gap to the ego's front and the length of an entity that the storyboard moves, m, at the start.
-fn place_of_actor(script: &Script, world: &World, index: usize) -> (f64, f64) {
+/// The gap to the ego's front and the length of an entity that the storyboard moves, m, at the start: along `way`, or
+/// without one along the road.
+fn place_of_actor(script: &Script, world: &World, index: usize, way: Option<&Way>) -> (f64, f64) {
     let (ego, extent) = (world.extent(script.ego), world.extent(index));
     if !world.motion(index).present {
         return (0.0, script.entities[index].body.length_m.max(MIN_LENGTH_M));
@@ -205,6 +211,10 @@ fn place_of_actor(script: &Script, world: &World, index: usize) -> (f64, f64) {
         true => extent.from_s_m - ego.to_s_m,
         false => ego.from_s_m - extent.to_s_m,
     };
+    let extent = way.map_or(extent, |way| {
+        Extent::of(&script.entities[index].body, &way.along(world, index, gap_m))
+    });
+    let gap_m = if way.is_some() { extent.from_s_m } else { gap_m };
     (gap_m.max(0.0), (extent.to_s_m - extent.from_s_m).max(MIN_LENGTH_M))
 }
 
@@ -270,6 +280,53 @@ mod tests {
         groups.push(vec![at(20.0, 2.5), at(3.0, 0.0)]);
         groups.push(vec![at(40.0, 0.0)]);
         assert_eq!(ends_after(&script), Some(22.5));
+    }
+
+    #[test]
+    fn places_near_the_end_of_a_curve_are_measured_along_the_egos_lane() {
+        const ROAD: &str = r#"<OpenDRIVE><road id="2" length="30" junction="-1"><planView>
+            <geometry s="0" x="0" y="0" hdg="0" length="30"><arc curvature="-0.03"/></geometry></planView>
+            <lanes><laneSection s="0"><right><lane id="-1" type="driving">
+            <width sOffset="0" a="3" b="0" c="0" d="0"/></lane></right></laneSection></lanes></road></OpenDRIVE>"#;
+        let object = |name: &str, kind: &str, length: f64| {
+            format!(
+                "<ScenarioObject name=\"{name}\">{kind}<BoundingBox><Center x=\"0\" y=\"0\" z=\"0\"/>\
+                 <Dimensions length=\"{length}\" width=\"0.2\" height=\"1\"/></BoundingBox></{}></ScenarioObject>",
+                kind[1..].split(' ').next().expect("a name")
+            )
+        };
+        let place = |name: &str, position: &str| {
+            format!(
+                "<Private entityRef=\"{name}\"><PrivateAction><TeleportAction><Position>{position}</Position>\
+                 </TeleportAction></PrivateAction></Private>"
+            )
+        };
+        let text = format!(
+            "<OpenSCENARIO><FileHeader revMajor=\"1\" revMinor=\"2\" description=\"a\"/>\
+             <RoadNetwork><LogicFile filepath=\"a.xodr\"/></RoadNetwork><Entities>{}{}</Entities>\
+             <Storyboard><Init><Actions>{}{}</Actions></Init><StopTrigger/></Storyboard></OpenSCENARIO>",
+            object("Ego", "<Vehicle name=\"e\" vehicleCategory=\"car\">", 4.0),
+            object(
+                "Post",
+                "<MiscObject name=\"m\" miscObjectCategory=\"obstacle\" mass=\"1\">",
+                0.1
+            ),
+            place("Ego", "<LanePosition roadId=\"2\" laneId=\"-1\" s=\"3\"/>"),
+            place("Post", "<RoadPosition roadId=\"2\" s=\"29.325\" t=\"0\"/>"),
+        );
+        let folder = std::env::temp_dir().join(format!("timegap-near-end-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("ours");
+        std::fs::write(folder.join("a.xodr"), ROAD).expect("ours");
+        std::fs::write(folder.join("a.xosc"), text).expect("ours");
+        let all = |_: &Scenario| Ok(Default::default());
+        let (path, choices) = (folder.join("a.xosc"), Choices::default());
+        let read = Scenario::open_openscenario(&path, &choices, &Default::default(), &all);
+        std::fs::remove_dir_all(&folder).expect("ours");
+        let scenario = read.unwrap_or_else(|error| panic!("{error}"));
+        // From the ego's front at s = 5 m, on the lane's radius, 1.5 m inside.
+        let gap_m = (29.325 - 5.0) * (1.0 - 0.03 * 1.5) - 0.05;
+        let found_m = scenario.actors[0].gap_m.value();
+        assert!((found_m - gap_m).abs() < 0.01, "{found_m} {gap_m}");
     }
 
     #[test]

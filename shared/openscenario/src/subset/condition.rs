@@ -44,7 +44,7 @@ words! {
 }
 
 elements! { "Conditions";
-    /// fires when one group holds; without groups, never
+    /// fires when one group holds; without groups a stop trigger never does
     StartTrigger | StopTrigger -> Trigger [] {groups: Vec<ConditionGroup>} { Ok(Trigger(groups)) }
 
     /// holds when all its conditions do

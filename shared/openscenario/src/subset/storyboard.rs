@@ -113,10 +113,13 @@ elements! { "Storyboard";
     {_: Option<ParameterDeclarations>, acts: AtLeastOne<Act>}
     { Ok((name, acts)) }
 
-    /// without a start trigger it starts with its story
+    /// without a start trigger, or with an empty one, it starts with its story
     Act -> storyboard::Act ["name" name: Text]
     {groups: AtLeastOne<ManeuverGroup>, start: Option<StartTrigger>, stop: Option<StopTrigger>}
-    { Ok(storyboard::Act { name, start, stop, groups }) }
+    |node| {
+        let start = not_empty(node, start);
+        Ok(storyboard::Act { name, start, stop, groups })
+    }
 
     /// runs again until its count is reached
     ManeuverGroup -> storyboard::ManeuverGroup
@@ -141,13 +144,14 @@ elements! { "Storyboard";
     {_: Option<ParameterDeclarations>, events: AtLeastOne<Event>}
     { Ok(storyboard::Maneuver { name, events }) }
 
-    /// overwrite and override end other events of the maneuver; without a start trigger it starts with its maneuver
+    /// overwrite and override end other events of the maneuver; without a start trigger, or with an empty one, it
+    /// starts with its maneuver
     Event -> storyboard::Event
     ["name" name: Text, "priority" priority: Priority,
         "maximumExecutionCount" executions: Option<Count>]
     {actions: AtLeastOne<Action>, start: Option<StartTrigger>}
-    {
-        let executions = executions.unwrap_or(1);
+    |node| {
+        let (executions, start) = (executions.unwrap_or(1), not_empty(node, start));
         Ok(storyboard::Event { name, priority, executions, start, actions })
     }
 
@@ -155,6 +159,19 @@ elements! { "Storyboard";
     Action -> NamedAction ["name" name: Text]
     {action: OneOf<(OfActors, GlobalAction, UserDefinedAction)>}
     { Ok(NamedAction { name, action }) }
+}
+
+/// A start trigger without conditions is none: their authors mean "at once".
+fn not_empty(node: Node<'_>, start: Option<Trigger>) -> Option<Trigger> {
+    start.filter(|trigger| {
+        let is_empty = trigger.0.is_empty();
+        if is_empty {
+            let place = node.place();
+            node.scene
+                .notice(format!("{place}: its start trigger is empty, and it starts at once"));
+        }
+        !is_empty
+    })
 }
 
 /// An action of the actors of a group.

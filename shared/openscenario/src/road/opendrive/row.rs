@@ -29,8 +29,8 @@ struct Member<'a> {
 struct Read {
     pieces: Vec<Laid>,
     length_m: f64,
-    /// End of its last piece.
-    end: Pose,
+    /// End of its last piece; an error if it cannot be driven.
+    end: Result<Pose, ReadError>,
     lanes: Lanes,
     first: Vec<Link>,
     last: Vec<Link>,
@@ -74,7 +74,7 @@ impl<'a> Member<'a> {
         let heights = Profile::new(heights.collect::<Result<_, _>>()?);
         let Side { lanes, first, last } = lanes::read(text, self.road, length_m)?;
         // Only now: a word in place of a number is a clearer error than its effect on the line.
-        let end = line.axis(text)?.pose(length_m).placed(&line.pieces[0].start);
+        let end = line.axis(text).map(|axis| axis.pose(length_m).placed(&line.pieces[0].start));
         notices.extend(line.notices.iter().cloned());
         Ok(match self.reversed {
             false => Read { pieces: line.pieces, length_m, end, lanes, first, last, heights },
@@ -84,7 +84,7 @@ impl<'a> Member<'a> {
                 Read {
                     pieces: line.reversed(),
                     length_m,
-                    end: Pose { heading_rad, ..start },
+                    end: end.map(|_| Pose { heading_rad, ..start }),
                     lanes: lanes.reversed(),
                     first: last.into_iter().rev().collect(),
                     last: first.into_iter().rev().collect(),
@@ -136,17 +136,29 @@ impl<'a> Row<'a> {
     /// Reads its roads as one.
     pub fn read(&self, text: Text<'_>) -> Result<Found, ReadError> {
         let mut notices = Vec::new();
-        let mut whole: Option<(Road, Read)> = None;
+        let mut whole: Option<(Road, Read, Pose)> = None;
         for (number, member) in self.members.iter().enumerate() {
             let next = member.read(text, &mut notices)?;
+            let end = match (&next.end, number == self.asked) {
+                (Ok(end), _) => *end,
+                (Err(error), true) => return Err(error.clone()),
+                (Err(error), false) => {
+                    notices.push(format!("the row of roads ends there: {error}"));
+                    if number > self.asked {
+                        break;
+                    }
+                    whole = None;
+                    continue;
+                }
+            };
             let id = member.road.attribute("id").unwrap_or_default().to_owned();
             let (length_m, reversed) = (next.length_m, member.reversed);
             let part = |from_m| Part { id: id.clone(), from_m, length_m, reversed };
-            let Some((road, last)) = &mut whole else {
-                whole = Some((alone(part(0.0), member, &next), next));
+            let Some((road, last, last_end)) = &mut whole else {
+                whole = Some((alone(part(0.0), member, &next), next, end));
                 continue;
             };
-            if !is_joined(&last.end, &next.pieces[0].start) {
+            if !is_joined(last_end, &next.pieces[0].start) {
                 notices.push(format!(
                     "{}: road `{id}` is linked to the one before, and their reference lines do not meet: the row of roads \
                      ends between them",
@@ -156,7 +168,7 @@ impl<'a> Row<'a> {
                     break;
                 }
                 *road = alone(part(0.0), member, &next);
-                *last = next;
+                (*last, *last_end) = (next, end);
                 continue;
             }
             let turned = road.parts.last().is_some_and(|part| part.reversed) != member.reversed;
@@ -166,9 +178,9 @@ impl<'a> Row<'a> {
             let links = lanes::pairs(&last.last, &next.first, turned);
             road.lanes.append(&next.lanes, &links);
             road.length_m = Some(road.lanes.length_m);
-            *last = next;
+            (*last, *last_end) = (next, end);
         }
-        let Some((road, _)) = whole else { unreachable!("a row has a road") };
+        let Some((road, ..)) = whole else { unreachable!("a row has a road") };
         let axis = Axis::laid(&road.pieces);
         axis.map_err(|error| {
             text.meaning(

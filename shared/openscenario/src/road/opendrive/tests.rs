@@ -219,6 +219,22 @@ fn a_lane_without_a_link_ends_where_others_go_on() {
 }
 
 #[test]
+fn a_row_ends_before_a_road_that_is_too_tight() {
+    let tight = with_shape("<arc curvature=\"0.1\"/>").replace("id=\"7\"", "id=\"8\"");
+    let tight = tight.replace("<OpenDRIVE>", "");
+    for link in ["successor", "predecessor"] {
+        let link =
+            format!("<link><{link} elementType=\"road\" elementId=\"8\"/></link>\n<planView>");
+        let own = STRAIGHT.replacen("<planView>", &link, 1).replace("</OpenDRIVE>", "");
+        let found = found(&(own + &tight), Some("7")).expect("the asked road can be driven");
+        assert_eq!((found.road.parts.len(), found.road.length_m), (1, Some(100.0)));
+        assert_eq!(found.notices.len(), 1, "{:?}", found.notices);
+        let expected = ": a radius of 10.0 m, expected at least 20 m";
+        assert!(found.notices[0].contains(expected), "{}", found.notices[0]);
+    }
+}
+
+#[test]
 fn a_road_that_cannot_be_driven_is_refused_with_its_line() {
     let arc = |curvature: &str| format!("<arc curvature=\"{curvature}\"/>");
     let twice = |x: f64, hdg: f64, s: f64| {
