@@ -80,7 +80,7 @@ fn bad_files_and_options_end_with_status_2_and_one_error() {
     write("cut.mcap", "\u{89}MCAP0\r\n");
     let mcap = example("drive.mcap");
     let cases: [(&[&str], &str); 9] = [
-        (&["names.csv"], "names.csv:1:1: no column `time_s`"),
+        (&["names.csv"], "--columns: names.csv has no columns `time_s,speed_mps`"),
         (&["names.csv", "--columns", "t=t, v=v:kmh"], "did you mean `km/h`?"),
         (&["back.csv"], "back.csv:4:1: times must increase"),
         (&["nan.csv"], "nan.csv:3:3: NaN is out of range"),

@@ -1,6 +1,7 @@
 //! Reasons why a bag gives no series.
 
 use std::io;
+use std::path::PathBuf;
 
 /// Reason why a bag gives no series.
 #[derive(Debug, thiserror::Error)]
@@ -11,6 +12,14 @@ pub enum BagError {
     /// The file begins like no bag that is known.
     #[error("{}, expected {}", self.message(), self.expected().unwrap_or_default())]
     NoBag,
+    /// A folder with several files.
+    #[error("{}, expected {}", self.message(), self.expected().unwrap_or_default())]
+    Folder {
+        /// Number of bags in it.
+        bags: usize,
+        /// One of them.
+        last: PathBuf,
+    },
     /// A bag of ROS 2 that is an SQLite database, in a build without feature `sqlite`.
     #[error("{}, expected {}", self.message(), self.expected().unwrap_or_default())]
     Sqlite,
@@ -76,6 +85,7 @@ impl BagError {
     pub fn message(&self) -> String {
         match self {
             Self::NoBag => "it is not a bag".to_owned(),
+            Self::Folder { bags, .. } => format!("it is a folder with {bags} bags"),
             Self::Sqlite => "it is an SQLite bag".to_owned(),
             Self::NoTopic { topic, .. } => format!("no topic `{topic}`"),
             Self::Encoding { topic, encoding, .. } => {
@@ -93,6 +103,7 @@ impl BagError {
     pub fn expected(&self) -> Option<String> {
         Some(match self {
             Self::NoBag => "an MCAP file, a ROS 1 bag of version 2.0 or a ROS 2 bag".to_owned(),
+            Self::Folder { last, .. } => format!("one of them, such as {}", last.display()),
             Self::Sqlite => "an MCAP file (`ros2 bag convert` makes one of it), or a build with \
                              `--features sqlite-bags`"
                 .to_owned(),

@@ -7,7 +7,7 @@ use crate::{BagError, mcap, ros1};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Most messages of a topic that are read.
 const MOST_MESSAGES: usize = 4_000_000;
@@ -53,9 +53,18 @@ pub struct Series {
     pub rows: Vec<Row>,
 }
 
-/// True if the file at `path` begins like a bag. A bag of SQLite counts in every build.
+/// True if the file at `path` begins like a bag, or a file in the folder `path`. A bag of SQLite counts in every build.
 #[must_use]
 pub fn is_bag(path: &Path) -> bool {
+    if path.is_dir() {
+        return path
+            .read_dir()
+            .is_ok_and(|entries| entries.flatten().any(|e| is_bag_file(&e.path())));
+    }
+    is_bag_file(path)
+}
+
+fn is_bag_file(path: &Path) -> bool {
     let mut first = [0; 16];
     // Opening a pipe would wait for its other end.
     let is_file = path.metadata().is_ok_and(|metadata| metadata.is_file());
@@ -125,6 +134,21 @@ fn collect(
     Ok(Series { type_name, rows })
 }
 
+/// The one bag in a folder, which ROS 2 makes for it; `path` itself if it is not a folder.
+fn in_folder(path: &Path) -> Result<PathBuf, BagError> {
+    if !path.is_dir() {
+        return Ok(path.to_owned());
+    }
+    let entries = path.read_dir()?.flatten().map(|entry| entry.path());
+    let mut bags: Vec<PathBuf> = entries.filter(|path| is_bag_file(path)).collect();
+    bags.sort();
+    match bags.pop() {
+        Some(bag) if bags.is_empty() => Ok(bag),
+        Some(last) => Err(BagError::Folder { bags: bags.len() + 1, last }),
+        None => Err(BagError::NoBag),
+    }
+}
+
 fn open(path: &Path) -> Result<BufReader<File>, BagError> {
     if !path.metadata()?.is_file() {
         return Err(BagError::NoBag);
@@ -133,10 +157,11 @@ fn open(path: &Path) -> Result<BufReader<File>, BagError> {
 }
 
 fn read_path(path: &Path, sink: &mut dyn Sink) -> Result<(), BagError> {
-    let mut file = open(path)?;
+    let path = in_folder(path)?;
+    let mut file = open(&path)?;
     match read(&mut file, sink) {
         #[cfg(feature = "sqlite")]
-        Err(BagError::Sqlite) => crate::sqlite::read(path, sink),
+        Err(BagError::Sqlite) => crate::sqlite::read(&path, sink),
         done => done,
     }
 }

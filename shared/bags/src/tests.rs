@@ -102,6 +102,23 @@ fn read(bytes: &[u8], topic: &str) -> Result<Vec<Vec<f64>>, BagError> {
 }
 
 #[test]
+fn the_folder_of_a_bag_stands_for_its_one_file() {
+    let folder = std::env::temp_dir().join(format!("timegap-bag-{}", std::process::id()));
+    let write = |name: &str, bytes: &[u8]| std::fs::write(folder.join(name), bytes).expect("ours");
+    std::fs::create_dir(&folder).expect("ours");
+    write("metadata.yaml", b"rosbag2_bagfile_information:\n");
+    assert!(!crate::is_bag(&folder));
+    write("drive_0.mcap", &mcap_file(None));
+    assert!(crate::is_bag(&folder));
+    let rows = crate::series(&folder, "/speed", &fields()).map(|series| series.rows.len());
+    assert_eq!(rows.expect("one bag"), 2);
+    write("drive_1.mcap", &mcap_file(None));
+    let refused = crate::topics(&folder).expect_err("two bags").to_string();
+    assert!(refused.starts_with("it is a folder with 2 bags, expected one of them"), "{refused}");
+    std::fs::remove_dir_all(&folder).expect("ours");
+}
+
+#[test]
 fn numbers_come_out_by_topic_and_path_in_order_of_time() {
     let expected = vec![vec![10.5, 4.5, 8.0, -2.5], vec![11.5, 5.0, 8.0, -2.5]];
     let files = [

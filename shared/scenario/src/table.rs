@@ -14,10 +14,12 @@ const BYTE_ORDER_MARK: char = '\u{feff}';
 const SEPARATORS: [char; 3] = [',', ';', '\t'];
 
 /// A CSV text: a line of names, then lines of numbers. The line of names decides which separator it has. Fields may
-/// stand in quotes. Empty lines and those that start with `#` are passed over.
+/// stand in quotes. Empty lines and those that start with `#` are passed over. Where commas do not separate, a number
+/// may have a decimal comma.
 pub(super) struct Table<'a> {
     source: &'a str,
     text: &'a str,
+    separator: char,
     names: Vec<Field<'a>>,
     rows: Vec<Vec<Field<'a>>>,
 }
@@ -25,9 +27,9 @@ pub(super) struct Table<'a> {
 impl<'a> Table<'a> {
     /// Splits `text`; `source` stands for it in errors.
     pub(super) fn split(source: &'a str, text: &'a str) -> Self {
-        let mut table = Self { source, text, names: Vec::new(), rows: Vec::new() };
+        let separator = SEPARATORS[0];
+        let mut table = Self { source, text, separator, names: Vec::new(), rows: Vec::new() };
         let mut offset = text.len() - text.trim_start_matches(BYTE_ORDER_MARK).len();
-        let mut separator = SEPARATORS[0];
         for line in text[offset..].split_inclusive('\n') {
             let bare = line.trim_end_matches(['\n', '\r']);
             if !bare.trim().is_empty() && !bare.starts_with('#') {
@@ -36,10 +38,10 @@ impl<'a> Table<'a> {
                     // The first of those with the most fields.
                     let most = counts.iter().max().copied().unwrap_or_default();
                     let best = counts.iter().position(|count| *count == most).unwrap_or_default();
-                    separator = SEPARATORS[best];
-                    table.names = split(offset, bare, separator);
+                    table.separator = SEPARATORS[best];
+                    table.names = split(offset, bare, table.separator);
                 } else {
-                    table.rows.push(split(offset, bare, separator));
+                    table.rows.push(split(offset, bare, table.separator));
                 }
             }
             offset += line.len();
@@ -55,6 +57,11 @@ impl<'a> Table<'a> {
     /// Place of the column `name`.
     pub(super) fn find(&self, name: &str) -> Option<usize> {
         self.names.iter().position(|(_, field)| *field == name)
+    }
+
+    /// The names of the columns.
+    pub(super) fn names(&self) -> impl Iterator<Item = &'a str> + '_ {
+        self.names.iter().map(|(_, name)| *name)
     }
 
     /// Place of the column `name`, which must be there; `all` is the line of names as it should be.
@@ -91,7 +98,8 @@ impl<'a> Table<'a> {
                 .refusal(span, &format!("no `{name}` in this line"))
                 .expecting("as many columns as in the first line"));
         };
-        field.parse().map_err(|_| {
+        let point = if self.separator == ',' { "," } else { "." };
+        field.replace(',', point).parse().map_err(|_| {
             self.refusal(span.clone(), &format!("`{field}` is not a number"))
                 .expecting(format!("`{name}`"))
         })

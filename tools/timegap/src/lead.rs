@@ -21,7 +21,7 @@ use std::process::ExitCode;
 a scenario refuses this record because of its gaps."
 )]
 pub struct LeadArguments {
-    /// A CSV file, an MCAP file or a ROS bag
+    /// A CSV file, an MCAP file, a ROS bag or its folder
     pub file: PathBuf,
     /// Column of each quantity, with its unit: `t=stamp, v=speed:km/h` [default: time_s and speed_mps]
     #[arg(long, value_name = "LIST")]

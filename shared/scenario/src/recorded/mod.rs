@@ -99,7 +99,7 @@ pub fn read(path: &Path, keys: &CsvFile) -> Result<Record, RecordedError> {
         let columns = keys.columns.as_deref().map(usual).unwrap_or_else(|| {
             Err(RecordedError::key("columns", "a bag without columns", "v=FIELD or positions"))
         })?;
-        return record(&Source::messages(&source, keys, &columns)?, keys, &columns, true);
+        return record(&Source::messages(&source, keys, &columns)?, keys, &columns);
     }
     let text = files::read(path, MAX_RECORD_BYTES)
         .map_err(|reason| ScenarioError::whole(&source, reason.to_string()))?;
@@ -119,22 +119,15 @@ pub fn read_text(source: &str, text: &str, keys: &CsvFile) -> Result<Record, Rec
         Some(text) => Columns::parse(text, false)?,
         None => Columns::usual(),
     };
-    record(&Source::lines(source, text, keys, &columns)?, keys, &columns, false)
+    record(&Source::lines(source, text, keys, &columns)?, keys, &columns)
 }
 
-fn record(
-    source: &Source<'_>,
-    keys: &CsvFile,
-    columns: &Columns,
-    is_bag: bool,
-) -> Result<Record, RecordedError> {
+fn record(source: &Source<'_>, keys: &CsvFile, columns: &Columns) -> Result<Record, RecordedError> {
     if source.len() > MAX_ROWS {
         let error = source.fault(0, 0, "too many rows");
         return Err(error.expecting(format!("at most {MAX_ROWS}")).into());
     }
-    // The times of a bag are absolute.
-    let offset_s = keys.offset_s.map(|offset| offset.value()).or(is_bag.then_some(0.0));
-    let t = times(source, columns, offset_s)?;
+    let t = times(source, columns, keys.offset_s.map(|offset| offset.value()))?;
     let half_s = keys.smooth_s.map(|half| half.value());
     let v = speeds(source, columns, &t, half_s)?;
     let steps = steps(&t);
@@ -166,13 +159,16 @@ fn record(
 fn times(
     source: &Source<'_>,
     columns: &Columns,
-    offset_s: Option<f64>,
-) -> Result<Vec<f64>, ScenarioError> {
+    mut offset_s: Option<f64>,
+) -> Result<Vec<f64>, RecordedError> {
     let factor = columns.time.as_ref().map_or(1.0, |time| time.factor);
     let mut first = None;
     let mut times: Vec<f64> = Vec::with_capacity(source.len());
     for row in 0..source.len() {
-        let stamp = source.number(row, 0)?;
+        let (stamp, is_absolute) = source.stamp(row, factor)?;
+        if row == 0 && is_absolute {
+            offset_s.get_or_insert(0.0);
+        }
         let from = *first.get_or_insert(stamp);
         let time_s = match offset_s {
             Some(offset_s) => factor * (stamp - from) - offset_s,
@@ -183,15 +179,19 @@ fn times(
             _ => Time::try_from(time_s).err(),
         };
         if let Some(refused) = refused {
-            let hint =
-                if time_s.is_finite() { "; offset_s = 0 counts from the first row" } else { "" };
-            let expected = refused.expected() + hint;
-            return Err(source.fault(row, 0, &refused.message()).expecting(expected));
+            let message = refused.message();
+            if time_s.is_finite() && row == 0 {
+                let message = format!("the time of the first row: {message}");
+                let expected = "0 (the run begins with the first row)";
+                return Err(RecordedError::key("offset_s", message, expected));
+            }
+            return Err(source.fault(row, 0, &message).expecting(refused.expected()).into());
         }
         if times.last().is_some_and(|last| *last >= time_s) {
             return Err(source
                 .fault(row, 0, "times must increase")
-                .expecting("a time later than the line before"));
+                .expecting("a time later than the line before")
+                .into());
         }
         times.push(time_s);
     }

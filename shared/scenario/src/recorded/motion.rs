@@ -11,7 +11,7 @@ const ECCENTRICITY_2: f64 = 6.694_379_990_141e-3;
 ///
 /// Positions become speeds by the slope of the line that the filter fits ([`slopes`]). Without a filter, central
 /// differences are used. Latitude and longitude become metres on the ellipsoid's plane at the first row. 20 km from
-/// there, the speed is 0.3 % wrong.
+/// there, the speed is 0.3 % wrong. The longitude may jump by a turn (at 180°).
 pub(super) fn speeds(
     t: &[f64],
     motion: Motion,
@@ -31,7 +31,8 @@ pub(super) fn speeds(
             let [north, east] = [(0, north_m), (1, east_m)].map(|(index, scale)| {
                 // Relative to the first row, so that no digits are lost.
                 let first: f64 = columns[index][0];
-                columns[index].iter().map(|angle| scale * (angle - first)).collect::<Vec<_>>()
+                let turned = |angle: &f64| libm::remainder(angle - first, std::f64::consts::TAU);
+                columns[index].iter().map(|angle| scale * turned(angle)).collect::<Vec<_>>()
             });
             lengths(&rate(&north), &rate(&east))
         }

@@ -6,6 +6,7 @@ use super::keys::CsvFile;
 use crate::error::ScenarioError;
 use crate::table::Table;
 use bags::{BagError, Series};
+use openscenario::instant_s;
 use std::path::Path;
 
 /// Rows of a record. Column 0 holds the times.
@@ -33,6 +34,13 @@ impl<'a> Source<'a> {
             return Err(ScenarioError::whole(source, "no values")
                 .expecting(format!("a line `{all}` and at least one line of numbers"))
                 .into());
+        }
+        let has = |column: &&Column| table.find(&column.name).is_some();
+        if keys.columns.is_none() && !names.iter().all(has) {
+            let (message, found) = (format!("{source} has no columns `{all}`"), table.names());
+            let found = found.collect::<Vec<_>>().join(", ");
+            let expected = format!("t=NAME, v=NAME:UNIT or positions, of {found}");
+            return Err(RecordedError::key("columns", message, expected));
         }
         let places = names.iter().map(|column| table.column(&column.name, &all));
         let columns = places.collect::<Result<Vec<_>, _>>()?;
@@ -110,6 +118,21 @@ impl<'a> Source<'a> {
                     (false, _) => row.values[column - 1],
                 })
             }
+        }
+    }
+
+    /// The stamp of a row in units of `factor` s, and whether it counts from 1970: a number does not, and a date and
+    /// time of ISO 8601 does. Without a zone it is UTC.
+    pub(super) fn stamp(&self, row: usize, factor: f64) -> Result<(f64, bool), ScenarioError> {
+        let date = match self {
+            Self::Lines { table, rows, columns } => {
+                table.text(rows[row], columns[0]).and_then(instant_s)
+            }
+            Self::Messages { .. } => None,
+        };
+        match date {
+            Some(seconds) => Ok((seconds / factor, true)),
+            None => Ok((self.number(row, 0)?, matches!(self, Self::Messages { .. }))),
         }
     }
 

@@ -35,8 +35,12 @@ fn faults_are_shown_where_they_are() {
         ("time_s,speed_mps\n0,-1\n", "lead.csv:2:3: -1 is out of range"),
         ("time_s,speed_mps\n0, fast\n", "lead.csv:2:4: `fast` is not a number"),
         ("time_s,speed_mps\n0\n", "lead.csv:2:1: no `speed_mps` in this line"),
-        ("t,v\n0,1\n", "lead.csv:1:1: no column `time_s`"),
-        ("time_s,speed_mps\n1.7e9,1\n", "offset_s = 0 counts from the first row"),
+        ("t,v\n0,1\n", "columns: lead.csv has no columns `time_s,speed_mps`, expected t=NAME"),
+        ("time_s;speed_mps\n0,0;1.5.1\n", "lead.csv:2:5: `1.5.1` is not a number"),
+        (
+            "time_s,speed_mps\n1.7e9,1\n",
+            "offset_s: the time of the first row: 1700000000 is out of range, expected 0",
+        ),
         ("", "no values"),
         ("\n\n", "no values"),
         ("time_s,speed_mps\n", "no values"),
@@ -61,6 +65,32 @@ fn units_quotes_and_other_separators_are_read() {
     assert_eq!(points(text, &keys("t=Zeit; ms:ms, v=v:km/h")), [(1.0, 10.0), (1.5, 15.0)]);
     let text = "t\tv\n0\t10\n1\t20\n";
     assert_eq!(points(text, &keys("t=t, v=v:mph")), [(0.0, 4.4704), (1.0, 8.9408)]);
+}
+
+#[test]
+fn decimal_commas_dates_and_the_antimeridian_are_read() {
+    let text = "Zeit;v\n0,0;54,0000\n0,5;54,09\n";
+    let found = points(text, &keys("t=Zeit:s,v=v:km/h"));
+    assert_eq!(found, [(0.0, 54.0 / 3.6), (0.5, 54.09 / 3.6)]);
+    for (from, to) in [
+        ("2024-03-31T00:59:59.750Z", "2024-03-31T01:00:00.250Z"),
+        ("2024-03-31T01:59:59.750+01:00", "2024-03-31T03:00:00.250+02:00"),
+        ("2024-02-28 23:59:59.750", "2024-02-29 00:00:00.250"),
+    ] {
+        let found = points(&format!("t,v\n{from},5\n{to},6\n"), &keys("t=t,v=v"));
+        assert_eq!(found[0], (0.0, 5.0), "{from}");
+        assert!((found[1].0 - 0.5).abs() < 1e-6 && found[1].1 == 6.0, "{found:?}");
+    }
+    // 15 m/s to the east, over 180°.
+    let degrees = |metres: f64| (metres / 6_378_137.0).to_degrees();
+    let row = |k: i32| {
+        let east = degrees(1.5 * f64::from(k - 5));
+        format!("{},0,{:.9}\n", 0.1 * f64::from(k), east + if k < 5 { 180.0 } else { -180.0 })
+    };
+    let text = "t,lat,lon\n".to_owned() + &(0..10).map(row).collect::<String>();
+    for (_, speed) in points(&text, &keys("t=t,lat=lat,lon=lon")) {
+        assert!((speed - 15.0).abs() < 0.01, "{speed}");
+    }
 }
 
 #[test]
