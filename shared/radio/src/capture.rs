@@ -1,8 +1,9 @@
 //! A capture, pcap or pcapng, as a carrier. A frame is due when the run time equals its distance from the
 //! first frame.
 //!
-//! Two link types are read. In Ethernet, frames with the EtherType of GeoNetworking count (0x8947, also after a VLAN
-//! tag). Others are skipped. Packets of `USER0` to `USER15` are frames without a link header.
+//! In Ethernet, Linux's cooked link and IEEE 802.11 (with or without radiotap), frames with the EtherType of
+//! GeoNetworking count (0x8947, also after a VLAN tag). Others are skipped. Packets of `USER0` to `USER15` are frames
+//! without a link header.
 
 use crate::clock::ClockDifference;
 use crate::frame::{Frame, MAX_FRAME};
@@ -38,8 +39,8 @@ pub enum CaptureError {
     NoCapture,
     /// The packets have another link type.
     #[error(
-        "packet {packet}: its link type is {link_type}, expected 1 (Ethernet) or 147 to 162 (USER, the \
-         packet is the frame)"
+        "packet {packet}: its link type is {link_type}, expected 1 (Ethernet), 105 (IEEE 802.11), 113 (Linux \
+         cooked), 127 (radiotap) or 147 to 162 (USER, the packet is the frame)"
     )]
     LinkType {
         /// Number of the packet, from 1.
@@ -273,7 +274,10 @@ impl Capture {
         packet: u64,
     ) -> Result<(), CaptureError> {
         let frame = match link.0 {
-            1 => geonetworking(data),
+            1 => after_ether_type(data, 12),
+            105 => in_wireless(data),
+            113 => after_ether_type(data, 14),
+            127 => behind_radiotap(data).and_then(in_wireless),
             FIRST_USER..=LAST_USER => Some(data),
             link_type => return Err(CaptureError::LinkType { packet, link_type }),
         };
@@ -348,12 +352,45 @@ impl Interface {
     }
 }
 
-/// The GeoNetworking packet in an Ethernet frame, if it holds one.
-fn geonetworking(ethernet: &[u8]) -> Option<&[u8]> {
-    let word = |at: usize| Some(u16::from_be_bytes([*ethernet.get(at)?, *ethernet.get(at + 1)?]));
-    let mut at = 12;
+/// The GeoNetworking packet in a frame whose EtherType stands at `at`, if it holds one.
+fn after_ether_type(frame: &[u8], mut at: usize) -> Option<&[u8]> {
+    let word = |at: usize| Some(u16::from_be_bytes([*frame.get(at)?, *frame.get(at + 1)?]));
     if word(at)? == ETHERTYPE_VLAN {
         at += 4;
     }
-    (word(at)? == ETHERTYPE_GEONETWORKING).then(|| &ethernet[at + 2..])
+    (word(at)? == ETHERTYPE_GEONETWORKING).then(|| &frame[at + 2..])
+}
+
+/// The GeoNetworking packet in a data frame of IEEE 802.11 that is not encrypted. Its EtherType stands behind LLC and
+/// SNAP, or outside the context of a BSS (5.1.4 of the standard of 2020) behind the header at once.
+fn in_wireless(frame: &[u8]) -> Option<&[u8]> {
+    let (kind, flags) = (*frame.first()?, *frame.get(1)?);
+    let (is_data, is_empty, has_quality) =
+        (kind & 0x0c == 0x08, kind & 0x40 != 0, kind & 0x80 != 0);
+    if !is_data || is_empty || flags & 0x40 != 0 {
+        return None;
+    }
+    let fourth_address = if flags & 3 == 3 { 6 } else { 0 };
+    // With the quality of service comes the field of high throughput, if the order bit is set.
+    let quality = if has_quality { 2 + if flags & 0x80 != 0 { 4 } else { 0 } } else { 0 };
+    let at = 24 + fourth_address + quality;
+    let has_snap = frame.get(at..at + 6) == Some(&[0xaa, 0xaa, 3, 0, 0, 0]);
+    after_ether_type(frame, if has_snap { at + 6 } else { at })
+}
+
+/// The frame behind a header of radiotap, without its check sequence (`radiotap.org/fields`).
+fn behind_radiotap(packet: &[u8]) -> Option<&[u8]> {
+    let word = |at: usize| Some(u32::from_le_bytes(packet.get(at..at + 4)?.try_into().ok()?));
+    let length = usize::try_from(word(0)? >> 16).ok()?;
+    let present = word(4)?;
+    let mut at = 8;
+    while word(at - 4)? >> 31 == 1 {
+        at += 4;
+    }
+    // The flags stand behind the timer's 8 bytes.
+    if present & 1 != 0 {
+        at = at.next_multiple_of(8) + 8;
+    }
+    let has_check = present & 2 != 0 && packet.get(at)? & 0x10 != 0;
+    packet.get(length..packet.len().checked_sub(if has_check { 4 } else { 0 })?)
 }

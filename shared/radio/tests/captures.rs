@@ -88,10 +88,37 @@ fn pcapng_of_the_other_byte_order_and_packets_that_are_frames() {
 }
 
 #[test]
+fn wireless_and_cooked_frames_are_read() {
+    let snap = [0xaa, 0xaa, 3, 0, 0, 0];
+    let header = |control: [u8; 2], more: usize| [&control[..], &[0; 22], &vec![0; more]].concat();
+    let air = |header: Vec<u8>, snap: &[u8]| [&header, snap, &[0x89, 0x47], b"abc"].concat();
+    let quality = air(header([0x88, 0], 2), &snap);
+    let captured = |link: u32, packet: &[u8]| {
+        open(&pcap(link, &[(1, 0, packet)])).ok().map(|mut capture| due(&mut capture, 0).concat())
+    };
+    let read = Some(b"abc".to_vec());
+    assert_eq!(captured(105, &quality), read, "quality of service");
+    assert_eq!(captured(105, &air(header([0x08, 0], 0), &snap)), read, "plain");
+    assert_eq!(captured(105, &air(header([0x88, 3], 8), &snap)), read, "four addresses");
+    assert_eq!(captured(105, &air(header([0x88, 0x80], 6), &[])), read, "high throughput, no SNAP");
+    assert_eq!(captured(105, &air(header([0x88, 0x40], 2), &snap)), None, "encrypted");
+    assert_eq!(captured(105, &air(header([0x80, 0], 0), &snap)), None, "a beacon");
+    let tap = |head: &[u8], check: &[u8]| captured(127, &[head, &quality, check].concat());
+    assert_eq!(tap(&[0, 0, 8, 0, 0, 0, 0, 0], &[]), read, "no fields");
+    let timed = [&[0, 0, 25, 0, 3, 0, 0, 0][..], &[9; 8], &[0x10], &[0; 8]].concat();
+    assert_eq!(tap(&timed, &[1, 2, 3, 4]), read, "timer and flags, with a check sequence");
+    let extended = [&[0, 0, 17, 0, 2, 0, 0, 0x80][..], &[0; 4], &[0x10], &[0; 4]].concat();
+    assert_eq!(tap(&extended, &[1, 2, 3, 4]), read, "two words of fields");
+    assert_eq!(captured(127, &[0, 0, 200, 0, 0, 0, 0, 0]), None, "a header longer than the packet");
+    let cooked = [&[0, 4, 0, 1, 0, 6][..], &[2; 6], &[0, 0, 0x89, 0x47], b"abc"].concat();
+    assert_eq!(captured(113, &cooked), read);
+}
+
+#[test]
 fn another_link_type_is_one_error() {
-    for file in [pcap(113, &[(1, 0, b"cooked")]), pcapng(113, &[(1, b"cooked")])] {
+    for file in [pcap(228, &[(1, 0, b"IPv4")]), pcapng(228, &[(1, b"IPv4")])] {
         let error = open(&file).expect_err("no such link is read");
-        assert!(matches!(error, CaptureError::LinkType { packet: 1, link_type: 113 }), "{error}");
+        assert!(matches!(error, CaptureError::LinkType { packet: 1, link_type: 228 }), "{error}");
         assert!(error.to_string().contains("expected 1 (Ethernet)"), "{error}");
     }
 }
