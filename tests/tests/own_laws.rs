@@ -153,7 +153,16 @@ fn what_is_no_law_is_refused_with_its_place() {
         (&["run", "following", "--law", "gentle=./no-such"], "there is no program `./no-such`"),
         (&["run", "following", "--law", "gentle=library:./no.so"], "expected a shared library"),
         (&["run", "following", "--law", &mine, "--law", &mine], "the name is given twice"),
-        (&["compare", "following", "--controllers", "gentel", "--law", &mine], "expected acc-mpc"),
+        (
+            &["compare", "following", "--controllers", "gentel", "--law", &mine],
+            "did you mean `gentle`?",
+        ),
+        (&["compare", "following", "--controllers", "acc-mpc", "--law", &mine], "no run is driven"),
+        (&["iso15622", "--controllers", "acc-mpc", "--law", &mine], "no run is driven by it"),
+        (
+            &["run", "following", "--controller", "acc-mpc", "--law", &mine],
+            "no run is driven by it",
+        ),
         (&["iso15622", "--controllers", "gentle"], "unknown value `gentle`"),
         (
             &["run", "following", "--set", "laws.a.caller=true", "--controller", "a"],

@@ -97,6 +97,7 @@ impl Study for FileCampaign {
         if campaign.controllers.is_empty() {
             campaign.controllers = arguments.laws.names();
         }
+        arguments.laws.expect_all_in(&campaign.controllers)?;
         let study = Self::of(campaign, arguments)?;
         study.check()?;
         Ok(study)

@@ -177,6 +177,8 @@ impl Task {
             Ok::<_, Error>(scenario)
         };
         let scenarios = laws.iter().map(|law| open(law, &[])).collect::<Result<Vec<_>, _>>()?;
+        let names: Vec<&str> = scenarios.iter().map(|law| law.controller.name.as_str()).collect();
+        shared.laws.expect_all_in(&names)?;
         let plan = Plan { laws: scenarios, vehicles, wave: None };
         let frequencies = match &arguments.frequencies {
             Some(list) => frequencies(list)?,

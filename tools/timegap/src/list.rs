@@ -64,7 +64,7 @@ fn results() -> serde_json::Value {
 
 /// An unknown built-in name.
 #[derive(Debug, thiserror::Error)]
-#[error("no scenario or campaign `{name}`, expected one of {}", names.join(", "))]
+#[error("no scenario or campaign `{name}`, expected one of {}", scenario::accepted(name, names.iter().copied()))]
 pub struct UnknownFile {
     name: String,
     names: Vec<&'static str>,

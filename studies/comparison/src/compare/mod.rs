@@ -191,6 +191,7 @@ impl Study for Laws {
 
     fn plan(arguments: &CompareArguments) -> Result<Self, Error> {
         let laws = batch::laws::named(&arguments.controllers, &own_laws(arguments)?)?;
+        arguments.laws.expect_all_in(&laws)?;
         let mut programs = arguments.group.programs.iter();
         if laws.len() > 1 && programs.any(|(service, _)| *service == Service::Controller) {
             return Err(OneProgram { laws: laws.len() }.into());

@@ -133,6 +133,7 @@ impl Study for Grid {
             }
             first.get_or_insert(scenario);
         }
+        options.laws.expect_all_in(&controllers)?;
         let first = first.expect("a grid has a point");
         Ok(Self { scenario: argument, options, mode, params, points, controllers, first })
     }

@@ -13,7 +13,7 @@ pub enum LawsError {
         list: String,
     },
     /// There is no such law.
-    #[error("--controllers {list}: unknown value `{name}`, expected {}", names.join(", "))]
+    #[error("--controllers {list}: unknown value `{name}`, expected {}", scenario::accepted(name, names.iter().map(String::as_str)))]
     Unknown {
         /// The argument.
         list: String,
@@ -116,7 +116,8 @@ mod tests {
         for (names, what) in [
             ("acc-mpc,", "a name is missing"),
             ("", "a name is missing"),
-            ("acc-mpc,nope", "unknown value `nope`, expected acc-mpc, "),
+            ("acc-mpc,nope", "unknown value `nope`, expected `acc-mpc`, "),
+            ("acc-mcp", "(did you mean `acc-mpc`?)"),
             ("acc-mpc,six-mode,acc-mpc", "acc-mpc is there twice"),
         ] {
             let said = named(&list(names), &[]).expect_err(names).to_string();

@@ -111,6 +111,7 @@ impl Study for Tests {
 
     fn plan(arguments: &Iso15622Arguments) -> Result<Self, Error> {
         let laws = batch::laws::own_named(&arguments.controllers, &arguments.laws.names())?;
+        arguments.laws.expect_all_in(&laws)?;
         let tests = laws.iter().flat_map(|law| Test::all().map(|test| (law.clone(), test)));
         Ok(Self { tests: tests.collect(), own: arguments.laws.clone(), seed: arguments.seed })
     }

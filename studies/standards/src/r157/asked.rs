@@ -1,8 +1,8 @@
 //! The arguments as matrices, cases and laws.
 
 use clap::ValueEnum;
-use frame::batch::laws::{LawsError, own_named};
-use group::Failure;
+use frame::batch::laws::own_named;
+use group::{Error, Failure};
 
 use super::R157Arguments;
 use super::matrix::{self, Case, Matrix};
@@ -57,9 +57,11 @@ fn cases(matrix: Matrix, arguments: &R157Arguments) -> Vec<Case> {
 }
 
 /// The named laws; empty for the models alone.
-pub fn names(arguments: &R157Arguments) -> Result<Vec<String>, LawsError> {
-    match arguments.models_only {
-        true => Ok(Vec::new()),
-        false => own_named(&arguments.controllers, &arguments.laws.names()),
-    }
+pub fn names(arguments: &R157Arguments) -> Result<Vec<String>, Error> {
+    let names = match arguments.models_only {
+        true => Vec::new(),
+        false => own_named(&arguments.controllers, &arguments.laws.names())?,
+    };
+    arguments.laws.expect_all_in(&names)?;
+    Ok(names)
 }
