@@ -117,13 +117,18 @@ pub fn document(
     document
 }
 
-/// Laws that their backups drove for, in words.
+/// Laws of the user's that their backups drove for, at least a while, in words.
 fn backup(rows: &[Row]) -> String {
-    let by_backup = rows.iter().filter(|row| row.outcome == Outcome::DrivenByBackup);
-    let by_backup: Vec<_> = by_backup.flat_map(|row| &row.law).map(ToString::to_string).collect();
+    let laws = rows.iter().filter_map(|row| Some((row, row.law.as_ref()?)));
+    let by_backup = laws.filter(|(_, law)| law.backup > 0 && law.refused.is_some());
+    let by_backup: Vec<_> =
+        by_backup.map(|(row, law)| format!("{law} in {}", row.scenario)).collect();
     match by_backup.as_slice() {
         [] => String::new(),
-        laws => format!("; driven by the backup: {}", laws.join(", ")),
+        [first] => format!("; {first}"),
+        [first, rest @ ..] => {
+            format!("; {first}, and the backup drove in {} more runs", rest.len())
+        }
     }
 }
 
@@ -148,6 +153,25 @@ mod tests {
         let wrong = report::results::check(&columns::schema().json(), &document.value());
         assert_eq!(wrong, [""; 0]);
         assert!(document.junit().contains("name=\"following, acc-mpc\""), "{}", document.junit());
+    }
+
+    #[test]
+    fn a_backup_that_drove_a_part_is_on_the_console() {
+        let mut rows = vec![row("acc-mpc", 1, 20.0), row("mine", 1, 20.0)];
+        let mut law = |row: usize, refused| {
+            rows[row].law = Some(report::summary::LawAccount {
+                name: rows[row].controller.clone(),
+                cycles: 600,
+                backup: 82,
+                refused,
+                ..Default::default()
+            });
+        };
+        law(0, None);
+        law(1, Some(0));
+        let console = document(rows, 1, ProcessesSample::default(), Vec::new()).console(100);
+        let said = "; 82 of 600 cycles by the backup, not by mine in following";
+        assert!(console.replace('\n', " ").contains(said), "{console}");
     }
 
     #[test]
