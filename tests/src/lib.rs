@@ -181,6 +181,14 @@ pub fn wait_for(mut condition: impl FnMut() -> bool) -> bool {
     false
 }
 
+/// Lets commands that start from now on end by SIGHUP. Under `nohup` the tests ignore it, and so would the commands; a
+/// handled signal is not inherited.
+pub fn ignore_no_hang_up() {
+    let handled = std::sync::Arc::default();
+    signal_hook::flag::register(signal_hook::consts::SIGHUP, handled)
+        .expect("SIGHUP can be handled");
+}
+
 /// Output and errors of a command.
 #[must_use]
 pub fn text(output: &Output) -> String {

@@ -1,12 +1,9 @@
 //! No end of a run leaves a process, shared memory, a socket or a file.
 
 use rustix::process::{Pid, Signal, kill_process};
-use signal_hook::consts::SIGHUP;
 use std::process::{Child, Output};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
-use system_tests::{Corner, text, wait_for};
+use system_tests::{Corner, ignore_no_hang_up, text, wait_for};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 const SERVICES: [&str; 4] =
@@ -47,10 +44,10 @@ fn completion() {
 
 #[test]
 fn interrupt_and_termination() {
-    // Under `nohup` the tests ignore SIGHUP, and so would the run; a handled signal is not inherited.
-    let handled = Arc::new(AtomicBool::new(false));
-    signal_hook::flag::register(SIGHUP, handled).expect("SIGHUP can be handled");
-    for (kind, from) in [(Signal::INT, 130), (Signal::TERM, 130), (Signal::HUP, 130)] {
+    ignore_no_hang_up();
+    for (kind, from) in
+        [(Signal::INT, 130), (Signal::QUIT, 130), (Signal::TERM, 130), (Signal::HUP, 130)]
+    {
         let corner = Corner::new(PROGRAM);
         let child = started(&corner);
         let roots = corner.roots();

@@ -5,7 +5,7 @@ use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use std::fs::File;
 use std::os::fd::OwnedFd;
 use std::process::{Command, Stdio};
-use system_tests::{Corner, text, wait_for};
+use system_tests::{Corner, ignore_no_hang_up, text, wait_for};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
@@ -24,6 +24,7 @@ fn terminal() -> (OwnedFd, File) {
 /// The terminal does not control the run, so that no SIGHUP helps.
 #[test]
 fn a_run_ends_with_its_terminal() {
+    ignore_no_hang_up();
     let corner = Corner::new(PROGRAM);
     for (name, options, prints_there) in
         [("watched", ["--watch"].as_slice(), false), ("printing", &[], true)]

@@ -8,7 +8,7 @@ use messages::Service;
 use runtime::FromService;
 use scenario::faults::Fault;
 use serde::{Deserialize, Serialize};
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 use signal_hook::iterator::Handle;
 use std::io::{BufRead, BufReader, Read};
 use std::process::{ChildStderr, ChildStdout};
@@ -54,7 +54,7 @@ pub enum Event {
     Flooded(ServiceProcess),
     /// A process is gone, or closed its output; its status waits to be taken.
     Gone(ServiceProcess),
-    /// Ctrl-C, SIGTERM or SIGHUP asks for an end.
+    /// One of [`end_signals`] asks for an end.
     Signal,
     /// A fault from outside, and where its answer goes.
     Inject(Box<Fault>, Sender<Answer>),
@@ -128,13 +128,13 @@ fn kept(line: &[u8]) -> String {
     text.trim_end().chars().take(KEPT_CHARACTERS).collect()
 }
 
-/// The signals that ask this process for an end: SIGINT, SIGTERM and SIGHUP. SIGHUP does not count if this process was
-/// started to ignore it (`nohup`).
+/// The signals that ask this process for an end: SIGINT, SIGQUIT (`Ctrl-\`), SIGTERM and SIGHUP. SIGHUP does not count if
+/// this process was started to ignore it (`nohup`).
 #[must_use]
 pub fn end_signals() -> Vec<i32> {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    // Shells start background jobs with SIGINT ignored; it counts all the same.
-    let mut signals = vec![SIGINT, SIGTERM];
+    // Shells start background jobs with SIGINT and SIGQUIT ignored; they count all the same.
+    let mut signals = vec![SIGINT, SIGQUIT, SIGTERM];
     if !is_ignored(&status, SIGHUP) {
         signals.push(SIGHUP);
     }
