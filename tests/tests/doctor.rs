@@ -8,7 +8,7 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 fn every_finding_has_its_shape() {
     let corner = Corner::new(PROGRAM);
     // A busy machine wakes late, which is a bad finding and status 1.
-    let output = corner.run(&["doctor", "--seconds", "0.2", "--json"]);
+    let output = corner.run(&["doctor", "--for", "0.2", "--json"]);
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
     assert_eq!(report["can_run"], true, "these tests run here");
     let uid = rustix::process::geteuid().as_raw();
@@ -41,16 +41,28 @@ fn every_finding_has_its_shape() {
 }
 
 #[test]
+fn the_users_own_loop_is_answered_first() {
+    let corner = Corner::new(PROGRAM);
+    let own = ["doctor", "--period-ms", "2", "--budget-ms", "0.5", "--for", "0.1"];
+    let said = String::from_utf8(corner.run(&own).stdout).expect("text");
+    let first = said.lines().next().expect("a line");
+    let begins = "on this machine, now: a 2 ms loop with a budget of 500 µs ";
+    assert!(first.starts_with(begins) && first.contains(" of 50 late, worst "), "{first}");
+    let refused = corner.run(&["doctor", "--budget-ms", "0.5"]);
+    assert_eq!(refused.status.code(), Some(2), "{}", text(&refused));
+}
+
+#[test]
 fn no_temporary_directory_prevents_runs() {
     let corner = Corner::new(PROGRAM);
     let uid = rustix::process::geteuid().as_raw();
     let base = corner.path().join(format!("timegap-{uid}"));
     std::os::unix::fs::symlink("/tmp", &base).expect("our own directory");
-    let output = corner.run(&["doctor", "--seconds", "0.2"]);
+    let output = corner.run(&["doctor", "--for", "0.2"]);
     assert_eq!(output.status.code(), Some(3), "{}", text(&output));
     let said = text(&output);
     assert!(said.contains("BAD") && said.contains("fix:") && said.contains("nothing can run"));
-    let output = corner.run(&["doctor", "--seconds", "0.2", "--json"]);
+    let output = corner.run(&["doctor", "--for", "0.2", "--json"]);
     assert_eq!(output.status.code(), Some(3));
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("one object");
     assert_eq!(report["can_run"], false);

@@ -240,7 +240,8 @@ impl<'a> Bench<'a> {
 
     /// Measures which loops hold, before any other work on this machine.
     fn wake_ups(&mut self) {
-        let (wake_ups, latencies) = doctor::wake_ups::measure(self.seconds);
+        let (wake_ups, latencies) =
+            doctor::wake_ups::measure(&doctor::wake_ups::USUAL, self.seconds);
         self.report.wake_ups = Some(wake_ups);
         self.histograms.push((WAKE_UPS.to_owned(), latencies));
     }

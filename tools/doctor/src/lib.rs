@@ -33,7 +33,7 @@ use scenario::{Scenario, builtin};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
-use wake_ups::WakeUps;
+use wake_ups::{LoopOptions, WakeUps};
 
 /// Memory of a run's processes without its shared memory, bytes: five of up to 12 MiB.
 const PROCESSES_BYTES: u64 = 64 << 20;
@@ -44,8 +44,10 @@ const MEASURE_S: f64 = 2.0;
 /// Arguments of `doctor`.
 #[derive(Debug, Args)]
 pub struct DoctorArguments {
+    #[command(flatten)]
+    pub own: LoopOptions,
     /// Time for which wake-ups of each loop are measured, s: rare delays need minutes
-    #[arg(long, value_name = "S", default_value_t = MEASURE_S, value_parser = seconds)]
+    #[arg(long = "for", value_name = "S", default_value_t = MEASURE_S, value_parser = seconds)]
     pub seconds: f64,
     /// Print the findings as JSON, and nothing else
     #[arg(long)]
@@ -74,7 +76,7 @@ struct Report {
 /// Runs the command.
 pub fn run(arguments: &DoctorArguments) -> Result<ExitCode, Error> {
     let host = Host::this();
-    let (findings, wake_ups) = examine(&host, arguments.seconds);
+    let (findings, wake_ups) = examine(&host, arguments);
     let can_run = findings.iter().all(|finding| !finding.prevents_runs);
     let ok = findings.iter().all(|finding| finding.verdict == Verdict::Ok);
     let report = Report { schema_version: 1, ok, can_run, host, findings, wake_ups };
@@ -82,12 +84,13 @@ pub fn run(arguments: &DoctorArguments) -> Result<ExitCode, Error> {
         print::out(&(serde_json::to_string_pretty(&report).expect("plain data") + "\n"))?;
     } else {
         let histogram = format!(
-            "\nlateness of a 1 ms loop ({})\n{}",
+            "\nlateness of the last of these loops ({})\n{}",
             report.wake_ups.granted,
             report.wake_ups.histogram_text()
         );
+        let answer = report.wake_ups.answer() + "\n\n";
         let table = finding::table(&report.findings);
-        print::out(&(table + &histogram + "\n" + &conclusion(&report) + "\n"))?;
+        print::out(&(answer + &table + &histogram + "\n" + &conclusion(&report) + "\n"))?;
     }
     Ok(ExitCode::from(status(&report)))
 }
@@ -98,7 +101,7 @@ fn status(report: &Report) -> u8 {
     if report.can_run { u8::from(bad) } else { 3 }
 }
 
-fn examine(host: &Host, seconds: f64) -> (Vec<Finding>, WakeUps) {
+fn examine(host: &Host, arguments: &DoctorArguments) -> (Vec<Finding>, WakeUps) {
     let default = builtin::ALL.first().expect("there are built-in scenarios");
     let scenario = Scenario::parse(default.name, default.text).expect("built-in ones are right");
     let needed = shared_memory_bytes(&Timetable::of(&scenario), &[]);
@@ -110,7 +113,7 @@ fn examine(host: &Host, seconds: f64) -> (Vec<Finding>, WakeUps) {
     let proc = |name: &str| machine::read(format!("/proc/{name}"));
     let online = sys("cpu/online").unwrap_or_default();
     let before = machine::stat();
-    let (wake_ups, _) = wake_ups::measure(seconds);
+    let (wake_ups, _) = wake_ups::measure(&arguments.own.loops(), arguments.seconds);
     let after = machine::stat();
     let memory = storage::available_memory(&proc("meminfo").unwrap_or_default());
     let runtime = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);

@@ -1,24 +1,25 @@
 //! The question of a platform engineer: which loops hold on this machine, now?
 //!
 //! A thread with the scheduling of a service sleeps to absolute instants, as every service does. Its lateness
-//! is the floor of any loop of that period. A loop holds if no wake-up came later than its budget, a tenth of
-//! its period.
+//! is the floor of any loop of that period. A loop holds if no wake-up came later than its budget.
 //!
 //! ```text
 //!          period                     period
 //! ├────────────────────────┼────────────────────────┤
 //! ▲ due    ▲ woke          ▲ due  ▲ woke
-//! └ late ──┘ budget 1/10   └ late ┘
+//! └ late ──┘ budget        └ late ┘
 //! ```
 //!
 //! ```
 //! use doctor::wake_ups::LoopFigures;
 //!
 //! let figures = LoopFigures { period_us: 10_000, budget_us: 1_000, wakes: 200, late: 0, worst_us: 212.0 };
-//! assert_eq!(figures.answer(), "a 10 ms loop with a budget of 1 ms holds (0 of 200 late)");
+//! let answer = "a 10 ms loop with a budget of 1 ms holds (0 of 200 late, worst 212 µs)";
+//! assert_eq!(figures.answer(), answer);
 //! ```
 
 use super::finding::Finding;
+use clap::Args;
 use report::print::duration;
 use runtime::scheduling::{self, Granted, Policy, Request, usable_cores};
 use runtime::statistics::Latencies;
@@ -26,10 +27,63 @@ use runtime::{monotonic_ns, sleep_until};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 
-/// Periods of the loops: a fast chassis loop and the fastest loop of timegap.
-const PERIODS_US: [u32; 2] = [10_000, 1_000];
+/// A loop to be measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Loop {
+    /// Period, µs.
+    pub period_us: u32,
+    /// Largest accepted lateness, µs.
+    pub budget_us: u32,
+}
+
 /// Part of a period that a loop may lose to a late wake-up. Chosen: the law and the message need the rest.
 const BUDGET: u32 = 10;
+/// A fast chassis loop and the fastest loop of timegap.
+pub const USUAL: [Loop; 2] = [Loop::of(10_000), Loop::of(1_000)];
+
+impl Loop {
+    const fn of(period_us: u32) -> Self {
+        Self { period_us, budget_us: period_us / BUDGET }
+    }
+}
+
+/// A loop of the user's own.
+///
+/// ```
+/// use doctor::wake_ups::{Loop, LoopOptions};
+///
+/// let own = LoopOptions { period_ms: Some(2.0), budget_ms: Some(0.5) };
+/// assert_eq!(own.loops(), [Loop { period_us: 2_000, budget_us: 500 }]);
+/// assert_eq!(LoopOptions::default().loops().len(), 2);
+/// ```
+#[derive(Clone, Copy, Debug, Default, Args)]
+pub struct LoopOptions {
+    /// Period of a loop of yours, ms [default: loops of 10 ms and 1 ms]
+    #[arg(long, value_name = "MS", value_parser = milliseconds)]
+    pub period_ms: Option<f64>,
+    /// Largest lateness of a wake-up that your loop accepts, ms [default: a tenth of the period]
+    #[arg(long, value_name = "MS", value_parser = milliseconds, requires = "period_ms")]
+    pub budget_ms: Option<f64>,
+}
+
+fn milliseconds(argument: &str) -> Result<f64, &'static str> {
+    match argument.parse::<f64>() {
+        Ok(ms) if (0.01..=10_000.0).contains(&ms) => Ok(ms),
+        _ => Err("expected a number of milliseconds from 0.01 to 10000"),
+    }
+}
+
+impl LoopOptions {
+    /// The loops to be measured.
+    #[must_use]
+    pub fn loops(&self) -> Vec<Loop> {
+        let us = |ms: f64| (1e3 * ms).round() as u32;
+        let Some(period_ms) = self.period_ms else { return USUAL.to_vec() };
+        let usual = Loop::of(us(period_ms));
+        vec![Loop { budget_us: self.budget_ms.map_or(usual.budget_us, us), ..usual }]
+    }
+}
+
 /// Upper ends of the histogram's bins, µs; the last bin is open.
 const BINS_US: [u32; 9] = [5, 10, 20, 50, 100, 200, 500, 1_000, 10_000];
 /// Widest bar of the histogram, characters.
@@ -66,9 +120,9 @@ pub struct WakeUps {
     pub seconds: f64,
     /// Scheduling policy that the kernel granted.
     pub granted: String,
-    /// The loops, the slower one first.
+    /// The loops, the fastest one last.
     pub loops: Vec<LoopFigures>,
-    /// Lateness of the fastest loop.
+    /// Lateness of the last loop.
     pub histogram: Vec<Bin>,
 }
 
@@ -85,7 +139,10 @@ impl LoopFigures {
         let Self { wakes, late, .. } = self;
         let verb = if self.holds() { "holds" } else { "does not hold" };
         let (period, budget) = (whole(self.period_us), whole(self.budget_us));
-        format!("a {period} loop with a budget of {budget} {verb} ({late} of {wakes} late)")
+        let worst = duration(self.worst_us);
+        format!(
+            "a {period} loop with a budget of {budget} {verb} ({late} of {wakes} late, worst {worst})"
+        )
     }
 }
 
@@ -95,25 +152,27 @@ fn whole(us: u32) -> String {
 }
 
 /// Measures each loop for `seconds`, with the scheduling of a service on the last usable core. Returns the
-/// lateness of the fastest loop too.
+/// lateness of the last loop too.
 #[must_use]
-pub fn measure(seconds: f64) -> (WakeUps, Latencies) {
+pub fn measure(loops: &[Loop], seconds: f64) -> (WakeUps, Latencies) {
     let request = Request {
         policy: Policy::Fifo(80),
         core: usable_cores().last().copied(),
         lock_memory: true,
     };
-    let thread = std::thread::spawn(move || {
-        let granted = scheduling::apply(&request);
-        let measured = PERIODS_US.map(|period_us| (period_us, lateness(period_us, seconds)));
-        (granted, measured)
+    let (granted, mut measured) = std::thread::scope(|scope| {
+        let measuring = scope.spawn(|| {
+            let granted = scheduling::apply(&request);
+            let latencies = loops.iter().map(|each| lateness(each.period_us, seconds));
+            (granted, latencies.collect::<Vec<_>>())
+        });
+        measuring.join().expect("measuring does not panic")
     });
-    let (granted, measured) = thread.join().expect("measuring does not panic");
-    let loops = measured.iter().map(|(period_us, latencies)| figures(*period_us, latencies));
+    let loops = loops.iter().zip(&measured).map(|(each, latencies)| figures(*each, latencies));
     let loops = loops.collect();
-    let [_, (_, fastest)] = measured;
+    let last = measured.pop().unwrap_or_default();
     let Granted { granted, .. } = granted;
-    (WakeUps { seconds, granted, loops, histogram: histogram(&fastest) }, fastest)
+    (WakeUps { seconds, granted, loops, histogram: histogram(&last) }, last)
 }
 
 /// Lateness of the wake-ups of a loop. A late loop owes every instant that it missed.
@@ -132,8 +191,7 @@ fn lateness(period_us: u32, seconds: f64) -> Latencies {
     latencies
 }
 
-fn figures(period_us: u32, latencies: &Latencies) -> LoopFigures {
-    let budget_us = period_us / BUDGET;
+fn figures(Loop { period_us, budget_us }: Loop, latencies: &Latencies) -> LoopFigures {
     LoopFigures {
         period_us,
         budget_us,
@@ -160,15 +218,8 @@ impl WakeUps {
     /// The answer to the engineer's question, in a sentence.
     #[must_use]
     pub fn answer(&self) -> String {
-        let worst = self.loops.iter().map(|figures| figures.worst_us).fold(0.0, f64::max);
-        let wakes: u64 = self.loops.iter().map(|figures| figures.wakes).sum();
         let loops: Vec<_> = self.loops.iter().map(LoopFigures::answer).collect();
-        format!(
-            "on this machine, now: worst wake-up {} in {wakes} over {} s; {}",
-            duration(worst),
-            self.seconds * self.loops.len() as f64,
-            loops.join("; ")
-        )
+        format!("on this machine, now: {}", loops.join("; "))
     }
 
     /// The histogram as console text.
@@ -189,7 +240,9 @@ impl WakeUps {
     #[must_use]
     pub fn finding(&self, fix: Option<String>) -> Finding {
         const CHECK: &str = "wake-ups";
-        let found = self.answer();
+        let worst = self.loops.iter().map(|figures| figures.worst_us).fold(0.0, f64::max);
+        let seconds = self.seconds * self.loops.len() as f64;
+        let found = format!("the worst was {} late in {seconds} s", duration(worst));
         let late: Vec<_> = self.loops.iter().filter(|figures| !figures.holds()).collect();
         let names: Vec<_> = late.iter().map(|figures| whole(figures.period_us)).collect();
         let costs = format!("a loop of {} misses deadlines", names.join(" or "));
@@ -211,7 +264,7 @@ mod tests {
         for ns in late_ns {
             latencies.record_ns(*ns);
         }
-        let loops = PERIODS_US.map(|period_us| figures(period_us, &latencies)).to_vec();
+        let loops = USUAL.map(|each| figures(each, &latencies)).to_vec();
         let histogram = histogram(&latencies);
         WakeUps { seconds: 1.0, granted: "fifo:80".into(), loops, histogram }
     }
@@ -246,9 +299,13 @@ mod tests {
 
     #[test]
     fn a_measurement_counts_each_due_instant() {
-        let (measured, fastest) = measure(0.05);
+        let (measured, fastest) = measure(&USUAL, 0.05);
         assert_eq!(measured.loops.iter().map(|l| l.wakes).collect::<Vec<_>>(), [5, 50]);
         assert_eq!(fastest.count(), 50);
         assert!(measured.loops.iter().all(|l| l.worst_us >= 0.0 && l.late <= l.wakes));
+        let own = Loop { period_us: 2_000, budget_us: 500 };
+        let (measured, _) = measure(&[own], 0.02);
+        assert_eq!((measured.loops.len(), measured.loops[0].wakes), (1, 10));
+        assert_eq!(measured.loops[0].budget_us, 500);
     }
 }
