@@ -19,9 +19,11 @@ create_exception!(
 
 /// An error of timegap's: of the scenario, or of the run.
 pub fn raise(error: &group::Error) -> PyErr {
+    // The exception's name says that it is an error.
+    let words = error.to_string();
+    let words = words.strip_prefix("error: ").unwrap_or(&words).to_owned();
     match error {
-        group::Error::Scenario(error) => ScenarioError::new_err(error.to_string()),
-        group::Error::OpenScenario(error) => ScenarioError::new_err(error.to_string()),
-        error => RunError::new_err(error.to_string()),
+        group::Error::Scenario(_) | group::Error::OpenScenario(_) => ScenarioError::new_err(words),
+        _ => RunError::new_err(words),
     }
 }

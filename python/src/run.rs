@@ -13,10 +13,21 @@ use pyo3::types::PyBytes;
 use report::summary::Summary;
 use report::trajectory;
 use runtime::{Mode, Sealing};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 /// Turns of the services between two looks for signals.
 const TURNS: u32 = 512;
+
+/// Times that all runs of this process were interrupted. Python gives signals to its main thread alone, and the others
+/// look here.
+static INTERRUPTS: AtomicU64 = AtomicU64::new(0);
+
+/// Ends the runs that go on in other threads, with a KeyboardInterrupt.
+#[pyfunction]
+pub fn interrupt_runs() {
+    INTERRUPTS.fetch_add(1, Ordering::Relaxed);
+}
 
 /// The result of a run.
 #[pyclass(frozen, module = "timegap._timegap")]
@@ -114,6 +125,7 @@ fn to_its_end(scenario: &scenario::Scenario, law: Option<&Law>, sealing: Sealing
     let begun = SteppedRun::begin(scenario, sealing, nothing_ahead(), questions.clone());
     let mut run = begun.map_err(|error| raise(&error))?;
     let (mut turns, mut failed, mut raised) = (0_u32, None, None);
+    let interrupts = INTERRUPTS.load(Ordering::Relaxed);
     loop {
         match run.advance().map_err(|error| raise(&error))? {
             Advance::Turn => {}
@@ -126,6 +138,10 @@ fn to_its_end(scenario: &scenario::Scenario, law: Option<&Law>, sealing: Sealing
                     run.interrupt();
                 }
             }
+        }
+        if raised.is_none() && INTERRUPTS.load(Ordering::Relaxed) != interrupts {
+            raised = Some(PyKeyboardInterrupt::new_err(()));
+            run.interrupt();
         }
         turns = turns.wrapping_add(1);
         if turns.is_multiple_of(TURNS)

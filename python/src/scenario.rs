@@ -1,7 +1,7 @@
 //! A scenario with its keys set.
 
 use crate::errors::{ScenarioError, raise};
-use group::{LawOptions, LawSource, NamedLaw, ScenarioOptions};
+use group::{LawOptions, LawSource, NamedLaw, OptionNames, ScenarioOptions};
 use pyo3::prelude::*;
 use scenario::quantity::Seed;
 
@@ -29,6 +29,13 @@ impl Scenario {
             duration,
             set,
             laws: LawOptions { laws: own.into_iter().collect() },
+            names: OptionNames {
+                controller: "law:",
+                seed: "seed:",
+                duration: "duration_s:",
+                set: "set:",
+                law: "law:",
+            },
             ..ScenarioOptions::default()
         };
         group::open(name, &options).map(Self).map_err(|error| raise(&error))

@@ -17,6 +17,7 @@ pub struct Stepper {
     scenario: scenario::Scenario,
     run: Option<SteppedRun>,
     is_over: bool,
+    interventions: usize,
     questions: Questions,
     begun: Instant,
 }
@@ -28,7 +29,9 @@ impl Stepper {
             return Err(RunError::new_err("the run is over and its results were taken"));
         };
         loop {
-            match run.advance().map_err(|error| raise(&error))? {
+            let advance = run.advance();
+            self.interventions = run.moment().drive.interventions();
+            match advance.map_err(|error| raise(&error))? {
                 Advance::Turn => {}
                 Advance::Asked => return Ok(self.questions.question().map(Question::new)),
                 Advance::Over => {
@@ -50,7 +53,7 @@ impl Stepper {
         let own = Some(questions.clone());
         let run = SteppedRun::begin(&scenario, Sealing::Unsealed, nothing_ahead(), own);
         let run = Some(run.map_err(|error| raise(&error))?);
-        Ok(Self { scenario, run, is_over: false, questions, begun })
+        Ok(Self { scenario, run, is_over: false, interventions: 0, questions, begun })
     }
 
     /// The first question; none if the run ends without one.
@@ -63,6 +66,11 @@ impl Stepper {
         let name = self.scenario.controller.name.as_str();
         self.questions.answer(answer::of(answer, name)?);
         self.advance()
+    }
+
+    /// Times that the emergency brake has begun to brake.
+    fn interventions(&self) -> usize {
+        self.interventions
     }
 
     /// The results of a run that is over, or that ends here.

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 
 from ._compare import Comparison, Sweep, compare, sweep
 from ._laws import LawInfo, LawLike, ScenarioInfo, laws, scenarios
-from ._recording import Recorded, open
+from ._recording import Recorded, Study, open
 from ._run import Run, run
 from ._string import String, string
 from ._timegap import Answer, Question, RunError, ScenarioError, __version__
@@ -42,6 +42,7 @@ __all__ = [
     "ScenarioError",
     "ScenarioInfo",
     "String",
+    "Study",
     "Sweep",
     "__version__",
     "compare",

@@ -208,7 +208,10 @@ def _one(job: tuple[Any, ...]) -> Done:
 
 
 def _all(jobs: list[tuple[Any, ...]], workers: int | None, processes: bool) -> list[Done]:
-    """Does the runs, several at once. An interrupt ends those in progress."""
+    """Does the runs, several at once. An interrupt ends those in progress.
+
+    Python gives it to this thread alone, so the others are told.
+    """
     count = max(1, min(len(jobs), workers or os.cpu_count() or 1))
     if count == 1:
         return [_one(job) for job in jobs]
@@ -216,6 +219,9 @@ def _all(jobs: list[tuple[Any, ...]], workers: int | None, processes: bool) -> l
     pool = make(count)
     try:
         return list(pool.map(_one, jobs))
+    except BaseException:
+        _timegap.interrupt_runs()
+        raise
     finally:
         pool.shutdown(wait=not processes, cancel_futures=True)
 

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
     import polars as pl
 
 
+_BRAKING, _HOLDING = 2.0, 3.0
+"""States of the emergency brake in the trajectory."""
+
+
 class Results:
     """Common part of runs in memory and runs on disk."""
 
@@ -64,18 +68,27 @@ class Results:
 
     @property
     def events(self) -> Table:
-        """Events, as a `pyarrow.Table`: `t_s`, `kind` (mode, fault, end), `what`, `why`."""
+        """Events, as a `pyarrow.Table`: `t_s`, `kind` (mode, brake, fault, end), `what`, `why`."""
         changes = self.summary["control"].get("mode_changes") or []
         rows = [
             {"t_s": change["t_s"], "kind": "mode", "what": f"{change['from']} -> {change['to']}", "why": change["reason"]}
             for change in changes
         ]
+        rows += [{"t_s": t_s, "kind": "brake", "what": "emergency braking"} for t_s in self._interventions_s()]
         for fault in self.summary.get("faults") or []:
             target = fault.get("service") or fault.get("topic") or ""
             rows.append({"t_s": fault.get("t_s"), "kind": "fault", "what": f"{fault.get('kind')} {target}".strip()})
         rows.append({"t_s": self.summary["duration_s"], "kind": "end", "what": self.outcome, "why": self.error})
         rows.sort(key=lambda row: float("inf") if row["t_s"] is None else row["t_s"])
         return of_rows(rows, ["t_s", "kind", "what", "why"])
+
+    def _interventions_s(self) -> list[float]:
+        """Times at which the emergency brake began to brake."""
+        if not self.summary["aebs"]["interventions"]:
+            return []
+        times_s, states = (self.trajectory[name].to_pylist() for name in ("time_s", "brake_state"))
+        brakes = [state in (_BRAKING, _HOLDING) for state in states]
+        return [t_s for t_s, now, before in zip(times_s, brakes, [False, *brakes]) if now and not before]
 
     def to_pandas(self) -> pd.DataFrame:
         """The trajectory as a pandas DataFrame."""
@@ -102,6 +115,8 @@ class Results:
         figures = self.summary["control"]
         gap = figures.get("min_gap_m")
         shown = "" if gap is None else f", min_gap_m={gap:.2f}"
+        braked = self.summary["aebs"]["interventions"]
+        shown += f", interventions={braked}" if braked else ""
         return f"<{type(self).__name__} {self.scenario}, {self.law}: {self.outcome}{shown}>"
 
     def _repr_html_(self) -> str:
@@ -110,6 +125,7 @@ class Results:
         rows = [("law", self.law), ("outcome", self.outcome), ("duration_s", self.summary["duration_s"])]
         names = ("min_gap_m", "min_ttc_s", "rms_gap_error_m", "max_abs_jerk_mps3", "min_accel_mps2", "max_accel_mps2")
         rows += [(name, f"{control[name]:.3g}") for name in names if isinstance(control.get(name), (int, float))]
+        rows.append(("interventions", self.summary["aebs"]["interventions"]))
         if self.error is not None:
             rows.append(("error", self.error))
         lines = "".join(f"<tr><th>{_cell(name)}</th><td>{_cell(value)}</td></tr>" for name, value in rows)

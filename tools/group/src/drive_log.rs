@@ -326,6 +326,12 @@ impl DriveLog {
         &self.history
     }
 
+    /// Times that the emergency brake has begun to brake.
+    #[must_use]
+    pub fn interventions(&self) -> usize {
+        self.interventions_s.len()
+    }
+
     /// Step of the newest sample of the vehicle.
     pub fn reached(&self) -> u64 {
         self.steps.last().map_or(0, |step| step.step)

@@ -70,6 +70,13 @@ pub struct TwoLaws(String);
 
 impl Failure for TwoLaws {}
 
+/// No run is driven by a law that was given.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("--law {0}: no run is driven by it, expected `{0}` among the controllers, which are {1}")]
+pub struct UnusedLaw(String, String);
+
+impl Failure for UnusedLaw {}
+
 impl std::str::FromStr for NamedLaw {
     type Err = LawError;
 
@@ -120,6 +127,18 @@ impl LawOptions {
         };
         match self.laws.iter().enumerate().find(twice) {
             Some((_, law)) => Err(TwoLaws(law.name.clone())),
+            None => Ok(()),
+        }
+    }
+
+    /// Refuses a law that is not among those that drive.
+    ///
+    /// # Errors
+    /// [`UnusedLaw`].
+    pub fn expect_all_in(&self, driving: &[impl AsRef<str>]) -> Result<(), UnusedLaw> {
+        let driving: Vec<&str> = driving.iter().map(AsRef::as_ref).collect();
+        match self.laws.iter().find(|law| !driving.contains(&law.name.as_str())) {
+            Some(law) => Err(UnusedLaw(law.name.clone(), driving.join(", "))),
             None => Ok(()),
         }
     }
@@ -213,5 +232,9 @@ mod tests {
         let laws = LawOptions { laws: vec![law("a=x").expect("good"), law("a=y").expect("good")] };
         assert_eq!(laws.check(), Err(TwoLaws("a".to_owned())));
         assert_eq!(laws.only(), None);
+        let laws = LawOptions { laws: vec![law("a=x").expect("good")] };
+        assert_eq!(laws.expect_all_in(&["acc-mpc", "a"]), Ok(()));
+        let said = laws.expect_all_in(&["acc-mpc"]).expect_err("unused").to_string();
+        assert!(said.ends_with("expected `a` among the controllers, which are acc-mpc"), "{said}");
     }
 }

@@ -69,9 +69,11 @@ pub use fault_log::{FaultRecord, Recovery};
 pub use in_process::entry;
 pub use janitor::run as run_janitor;
 pub use launch::{Ended, GroupOutcome, Launch, Moment};
-pub use law_options::{LawError, LawOptions, LawSource, NamedLaw, TwoLaws};
+pub use law_options::{LawError, LawOptions, LawSource, NamedLaw, TwoLaws, UnusedLaw};
 pub use member::Heartbeats;
-pub use options::{GroupOptions, ModeName, ScenarioOptions, ServiceProgramError, service_program};
+pub use options::{
+    GroupOptions, ModeName, OptionNames, ScenarioOptions, ServiceProgramError, service_program,
+};
 pub use plane::{Body, EgoPlace, PlaneLog, PlaneScene, Seen, TargetPlace};
 pub use processes::{Janitor, SpawnError, this_program};
 pub use programs::{NoProgram, of_service};

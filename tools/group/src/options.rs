@@ -49,6 +49,36 @@ pub struct ScenarioOptions {
     /// Refuses a fault of a process at its place: in simulated time it shows nothing.
     #[arg(skip)]
     pub is_in_lockstep: bool,
+    /// Names of these options in errors.
+    #[arg(skip)]
+    pub names: OptionNames,
+}
+
+/// Names of the options in errors: those of the command line, or of a function's arguments.
+#[derive(Clone, Copy, Debug)]
+pub struct OptionNames {
+    /// Name of [`ScenarioOptions::controller`].
+    pub controller: &'static str,
+    /// Name of [`ScenarioOptions::seed`].
+    pub seed: &'static str,
+    /// Name of [`ScenarioOptions::duration`].
+    pub duration: &'static str,
+    /// Name of [`ScenarioOptions::set`].
+    pub set: &'static str,
+    /// Name of [`ScenarioOptions::laws`].
+    pub law: &'static str,
+}
+
+impl Default for OptionNames {
+    fn default() -> Self {
+        Self {
+            controller: "--controller",
+            seed: "--seed",
+            duration: "--duration",
+            set: "--set",
+            law: "--law",
+        }
+    }
 }
 
 /// Names of the directions from which headings of lane positions count.

@@ -83,24 +83,25 @@ impl Opening {
     pub fn of(name: &str, options: &ScenarioOptions) -> Result<Self, Error> {
         let overrides = Overrides::new();
         let mut overrides = if options.is_for_one_law { overrides } else { overrides.shared() };
+        let names = &options.names;
         options.laws.check()?;
-        options.laws.lay_over(&mut overrides)?;
+        options.laws.keys().iter().try_for_each(|key| overrides.set_by(names.law, key))?;
         match (&options.controller, options.laws.only()) {
             (Some(controller), _) => {
-                overrides.option("--controller", "controller.name", controller)
+                overrides.option(names.controller, "controller.name", controller)
             }
             // The only law of the user's that was named is meant.
-            (None, Some(law)) => overrides.option("--law", "controller.name", law),
+            (None, Some(law)) => overrides.option(names.law, "controller.name", law),
             (None, None) => {}
         }
         if let Some(seed) = &options.seed {
-            overrides.option("--seed", "seed", seed);
+            overrides.option(names.seed, "seed", seed);
         }
         if let Some(duration) = &options.duration {
-            overrides.option("--duration", "duration_s", duration);
+            overrides.option(names.duration, "duration_s", duration);
         }
         for argument in &options.set {
-            overrides.set(argument)?;
+            overrides.set_by(names.set, argument)?;
         }
         if let Some(radio) = &options.radio {
             overrides.option("--radio", "v2x.radio", &from_here(radio));
@@ -150,6 +151,9 @@ impl Opening {
         };
         scenario.require.formulas.extend(options.require.iter().cloned());
         crate::requirements(&scenario)?;
+        if options.is_for_one_law {
+            options.laws.expect_all_in(&[scenario.controller.name.as_str()])?;
+        }
         Ok(scenario)
     }
 }
