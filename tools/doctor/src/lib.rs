@@ -44,6 +44,7 @@ const MEASURE_S: f64 = 2.0;
 /// Arguments of `doctor`.
 #[derive(Debug, Args)]
 pub struct DoctorArguments {
+    /// A loop of the user's own.
     #[command(flatten)]
     pub own: LoopOptions,
     /// Time for which wake-ups of each loop are measured, s: rare delays need minutes
