@@ -227,6 +227,19 @@ impl SafeGap {
         least_m
     }
 
+    /// The steady speed from which full braking is enough behind a lead that brakes as hard as is assumed, m/s.
+    ///
+    /// With `b` the full braking and `h` the lag and one period, it is the root `w` of
+    /// `w²/(2b) + h w - b tau²/2 = gap + v_l²/(2 b_worst) - gap_min`.
+    pub(crate) fn safe_speed_mps(&self, lead: &LeadNow) -> f64 {
+        let b = -FOLLOWING.sure_share * self.min_mps2;
+        let (tau, h) = (self.lag.tau_s, self.lag.tau_s + self.period.step_s);
+        let v = lead.speed_mps.max(0.0);
+        let lead_m = 0.5 * v * v / self.worst_mps2(lead);
+        let room_m = lead.gap_m + lead_m - self.min_gap_m + 0.5 * b * tau * tau;
+        b * ((h * h + 2.0 * room_m.max(0.0) / b).sqrt() - h)
+    }
+
     /// The gap that is safe behind a lead of the same speed, both steady, m.
     pub(crate) fn steady_gap_m(&self, speed_mps: f64) -> f64 {
         let ego = Motion { position_m: 0.0, speed_mps, acceleration_mps2: 0.0 };

@@ -159,7 +159,7 @@ fn it_accelerates_to_pass_when_that_is_enough() {
 
 #[test]
 fn it_stops_when_green_is_out_of_reach() {
-    let run = run(with_signal(12.0, 13.0, 100.0, [20.0, 3.0, 20.0], 0, 5.0), 20.0, &[]);
+    let run = run(with_signal(12.0, 13.0, 100.0, [20.0, 3.0, 20.0], 0, 4.5), 20.0, &[]);
     assert!(run.crossings_s.is_empty());
     assert!(glides_to_line(&run), "{run:?}");
     assert!(run.hardest_mps2 > -3.0, "{run:?}");

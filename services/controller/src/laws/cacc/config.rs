@@ -75,7 +75,6 @@ impl Config {
                 if signals == Signals::Ignored {
                     let of_signals = [
                         "stop_margin_m",
-                        "pass_margin_s",
                         "yellow_reaction_s",
                         "light_weight_m",
                         "light_threshold_m",

@@ -30,8 +30,6 @@ pub struct RoadConfig {
     pub lead_deceleration_mps2: f64,
     /// Time constant with which the lead's acceleration is predicted to decay, s.
     pub lead_decay_s: f64,
-    /// A pass must reach the line this long before the end of green, s.
-    pub pass_margin_s: f64,
     /// Reaction time in a stop for yellow, s. The line may be crossed in yellow if a stop from the end of green would
     /// end beyond it. The stop has this time and the comfort deceleration. 0: only if a stop begun at once would.
     pub yellow_reaction_s: f64,
@@ -64,7 +62,6 @@ impl Default for RoadConfig {
             reference_deceleration_mps2: 1.7,
             lead_deceleration_mps2: 7.0,
             lead_decay_s: 1.5,
-            pass_margin_s: 0.5,
             yellow_reaction_s: 1.0,
             light_weight_m: 1500.0,
             light_threshold_m: 25.0,
@@ -83,7 +80,6 @@ impl Settings for RoadConfig {
         see.within("stop_margin_m", self.stop_margin_m, 0.3, 20.0);
         see.within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0);
         see.within("lead_decay_s", self.lead_decay_s, 0.05, 20.0);
-        see.within("pass_margin_s", self.pass_margin_s, 0.0, 10.0);
         see.within("yellow_reaction_s", self.yellow_reaction_s, 0.0, 2.0);
         see.within("light_weight_m", self.light_weight_m, 0.0, 1e6);
         see.within("light_threshold_m", self.light_threshold_m, 0.1, 1e3);

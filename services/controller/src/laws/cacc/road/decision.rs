@@ -1,7 +1,10 @@
 //! Pass or stop.
 //!
-//! Both programs are solved; a pass counts when its plan reaches the line before green ends. Their plans are then
-//! judged by one cost. A decision for a line stays until the other choice is better by the hysteresis. At a dilemma the
+//! Both programs are solved. A pass is possible when its own plan crosses before the earliest announced end of green, or
+//! in the part of the yellow in which a driver could not stop. The plan has the law's acceleration, the actuator's lag and
+//! the speeds that are safe behind the lead. The safety filter must let it through as well: from the place where a stop
+//! is no longer possible, the speed there is enough. No margin is added: an uncertain end is announced as an early one.
+//! The plans are then judged by one cost. A decision for a line stays until the other choice is better by the hysteresis. At a dilemma the
 //! vehicle can neither pass the line in green nor stop comfortably. It then crosses in yellow if that is possible, and
 //! brakes hard otherwise. Yellow counts as green for a vehicle that a driver with a reaction time could not stop
 //! comfortably. Yellow is as long as such a driver needs (ITE 2020). A line whose phase is not known is taken for red
@@ -39,7 +42,7 @@ pub(super) enum Reason {
 pub(super) struct Situation {
     /// The phase is known.
     pub(super) known: bool,
-    /// The pass reaches the line in green.
+    /// The pass's plan crosses the line in time, and the safety filter lets it.
     pub(super) reaches: bool,
     /// It stands, or starts, close to a line that shows green now.
     pub(super) starts: bool,

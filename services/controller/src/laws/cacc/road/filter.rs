@@ -179,10 +179,13 @@ impl Filter {
 
     fn crosses(&self, u: f64, ego: Motion, distance_m: f64, red_in_s: f64) -> bool {
         let next = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
-        // Speed once the present deceleration has died away.
-        let kept = next.speed_mps + next.acceleration_mps2.min(0.0) * self.lag.tau_s;
         let left = (red_in_s - self.period.step_s).max(0.0);
-        next.position_m + kept.max(0.0) * left >= distance_m + LINE_MARGIN_M
+        next.position_m + self.kept_mps(next) * left >= distance_m + LINE_MARGIN_M
+    }
+
+    /// Speed once the present deceleration has died away, m/s.
+    fn kept_mps(&self, ego: Motion) -> f64 {
+        (ego.speed_mps + ego.acceleration_mps2.min(0.0) * self.lag.tau_s).max(0.0)
     }
 
     /// True if a lead that goes on as it does now leaves room to cross before red. The ego keeps its speed, brakes only
@@ -199,30 +202,50 @@ impl Filter {
         let next = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
         let hardest = FOLLOWING.sure_share * self.min_mps2;
         let now = lead.braking_mps2();
-        let after = |at: f64| if at < distance_m { 0.0 } else { hardest };
+        let is_safe_there = |time_s: f64, at: Motion| {
+            // The gap must be safe there as well: otherwise it brakes for the lead before the line.
+            let moved = LeadNow {
+                gap_m: lead.position_m(now, time_s) - at.position_m,
+                speed_mps: (lead.speed_mps - now * time_s).max(0.0),
+                ..*lead
+            };
+            let at = Motion { position_m: 0.0, ..at };
+            self.safe.margin_m(at, 0.0, |_| hardest, &moved, self.safe.worst_mps2(&moved)) >= 0.0
+        };
+        let kept_mps = self.kept_mps(next);
+        let line_m = distance_m + LINE_MARGIN_M;
+        let at_kept_speed =
+            Motion { position_m: line_m, speed_mps: kept_mps, acceleration_mps2: 0.0 };
+        let way_s = (line_m - next.position_m) / kept_mps;
         if self.crosses(u, ego, distance_m, red_in_s)
-            && self.safe.margin_m(next, self.period.step_s, after, lead, now) >= 0.0
+            && is_safe_there(self.period.step_s + way_s, at_kept_speed)
         {
             return true;
         }
+        let left_s = red_in_s - self.period.step_s;
         BRAKING_SHARES.iter().any(|share| {
-            let request = share * hardest;
-            self.reaches(next, request, distance_m, red_in_s - self.period.step_s)
-                && self.safe.margin_m(next, self.period.step_s, |_| request, lead, now) >= 0.0
+            let reached = self.reaches(next, share * hardest, distance_m, left_s);
+            reached.is_some_and(|(time_s, at)| is_safe_there(self.period.step_s + time_s, at))
         })
     }
 
-    /// True if a constant request gets beyond a line in the time that is left.
-    fn reaches(&self, mut ego: Motion, request: f64, distance_m: f64, left_s: f64) -> bool {
+    /// Time and state at which a constant request gets beyond a line in the time that is left.
+    fn reaches(
+        &self,
+        mut ego: Motion,
+        request: f64,
+        distance_m: f64,
+        left_s: f64,
+    ) -> Option<(f64, Motion)> {
         let mut time = 0.0;
         while time + CHECK_S <= left_s && ego.speed_mps > 0.0 {
             ego = self.check.advance(ego, request);
             time += CHECK_S;
             if ego.position_m >= distance_m + LINE_MARGIN_M {
-                return true;
+                return Some((time, ego));
             }
         }
-        false
+        None
     }
 }
 

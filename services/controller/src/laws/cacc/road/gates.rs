@@ -30,11 +30,10 @@ impl RoadLaw {
                 (_, Some(green)) => {
                     let reference =
                         &self.planner.candidate_of(choice.unwrap_or(Choice::Pass)).reference;
-                    let margin = self.config.road.pass_margin_s;
                     line.known
-                        && reference.reaches(distance_m, n).is_some_and(|k| {
-                            now + k as f64 * self.planner.lag.step_s <= green.to_s - margin
-                        })
+                        && reference
+                            .reaches(distance_m, n)
+                            .is_some_and(|k| now + k as f64 * self.planner.lag.step_s <= green.to_s)
                 }
             };
             let rule = match open {

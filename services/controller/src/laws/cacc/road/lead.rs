@@ -25,6 +25,15 @@ impl Prediction {
         acceleration_mps2: [0.0; MAX_PLAN + 1],
     };
 
+    /// The lead at a stage, before an ego at `position_m`.
+    pub(super) fn at(&self, stage: usize, position_m: f64) -> Option<LeadNow> {
+        self.present.then(|| LeadNow {
+            gap_m: self.position_m[stage] - position_m,
+            speed_mps: self.speed_mps[stage],
+            acceleration_mps2: self.acceleration_mps2[stage],
+        })
+    }
+
     /// Predicts in steps of `step_s`; `decay` is `exp(-step / tau_l)`.
     pub(super) fn update(&mut self, lead: Option<&LeadNow>, step_s: f64, decay: f64) {
         let Some(lead) = lead else {

@@ -12,7 +12,7 @@
 //!
 //! minimise  1/2 sum( q_e (e - e_ref)² + q_v (ed - ed_ref)² + q_a (a - a_ref)²
 //!                  + q_j ((u - a)/tau)² + r (u - u_ref)² ) + exact penalties
-//! pass:  position >= line at the last stage of green, comfortable requests only
+//! pass:  position >= line at the last stage of green, comfortable requests only, within speeds safe behind the lead
 //! stop:  position <= line - margin while it is closed
 //! both:  position <= lead - gap_min,  0 <= v <= v_max
 //! ```
@@ -54,6 +54,7 @@
 //! | `w`, `d_th` | `RoadConfig::light_weight_m`, `light_threshold_m` | m |
 
 mod decision;
+mod fastest;
 mod filter;
 mod formulation;
 mod gates;
@@ -85,8 +86,6 @@ use crate::law::{Input, Law, MAX_SIGNALS, Output, Quality};
 const NO_LIMIT_MPS: f64 = 70.0;
 /// A previous plan older than this is not followed, s.
 const MAX_PLAN_AGE_S: f64 = 0.5;
-/// A pass that was decided may come this close to the end of green, s.
-const LAST_MARGIN_S: f64 = 0.1;
 /// Margin of a comfortable stop, m.
 const STOP_ROOM_M: f64 = 0.3;
 /// Distance to a closed line within which a vehicle that stands waits, m. Chosen: a car's length, as a driver does.
@@ -203,18 +202,13 @@ impl RoadLaw {
         } else {
             line.shown(now).copied()
         };
-        let margin = match before {
-            Some(Choice::Pass) => LAST_MARGIN_S,
-            _ => self.config.road.pass_margin_s,
-        };
+        let step_s = self.planner.lag.step_s;
         let stage_at = |time_s: f64| {
-            let stage = ((time_s - now) / self.planner.lag.step_s).floor();
+            let stage = ((time_s - now) / step_s + 1e-6).floor();
             (stage >= 1.0).then(|| (stage.min(1e6)) as usize)
         };
-        let deadline = green.and_then(|green| {
-            let latest_s = green.to_s + self.yellow_s(&green, seen.ego.speed_mps);
-            stage_at(latest_s - margin)
-        });
+        let deadline = green
+            .and_then(|green| stage_at(green.to_s + self.clearance_s(&green, seen.ego.speed_mps)));
         let n = self.config.horizon_steps;
         let (mut reaches, mut clears, mut untouched) = (false, false, false);
         let mut shortfall_m = 0.0;
@@ -229,23 +223,21 @@ impl RoadLaw {
                 Deadline { stage, switch, line_m }
             });
             self.planner.candidate(Choice::Pass, input, seen, gate, row);
-            let arrival = self.planner.arrival(Choice::Pass, seen.begin, line_m);
-            reaches = match (deadline, arrival) {
-                (Some(stage), Some(arrival)) => arrival <= stage,
-                (Some(stage), None) => stage > n,
-                (None, _) => false,
-            };
-            let clear = (green.clear_s - now - LAST_MARGIN_S) / self.planner.lag.step_s;
             let red_in_s = green.clear_s - now;
-            clears = clear > n as f64
-                || arrival.is_some_and(|stage| stage as f64 <= clear)
+            let arrival = self.planner.arrival(Choice::Pass, line_m);
+            let by = |stage: Option<usize>| {
+                stage.is_some_and(|stage| arrival.map_or(stage > n, |arrival| arrival <= stage))
+            };
+            reaches = by(deadline)
+                && (arrival.is_none() || self.planner.is_let_through(line_m, red_in_s, filter));
+            clears = by(stage_at(green.clear_s))
                 || green.from_s <= now
                     && filter.can_cross(seen.ego, seen.lead.as_ref(), line_m, red_in_s);
             // The undisturbed driver passes: nothing can be cheaper.
             let driver = &self.planner.candidate_of(Choice::Pass).reference;
             let in_time = |k| deadline.is_some_and(|stage| k <= stage);
             untouched = reaches && driver.reaches(line_m, n).is_some_and(in_time);
-            shortfall_m = self.planner.shortfall(seen.begin, line_m, deadline);
+            shortfall_m = self.planner.shortfall(line_m, deadline);
             output.figures[4] = shortfall_m;
         }
         let (mut pass_cost, mut stop_cost) = (0.0, f64::INFINITY);
@@ -258,8 +250,8 @@ impl RoadLaw {
                 .map_or(reference::Gate::Closed, |next| reference::Gate::ClosedUntil(next.from_s));
             self.planner.candidate(Choice::Stop, input, seen, gate, None);
             if green.is_some() {
-                pass_cost = self.planner.cost(Choice::Pass, seen.begin);
-                stop_cost = self.planner.cost(Choice::Stop, seen.begin);
+                pass_cost = self.planner.cost(Choice::Pass);
+                stop_cost = self.planner.cost(Choice::Stop);
                 output.figures[5] = pass_cost;
                 output.figures[6] = stop_cost;
             }
@@ -288,14 +280,14 @@ impl RoadLaw {
 
     /// Time after the end of green in which the line may still be crossed at a speed, s. A driver who brakes for the
     /// yellow would not stop before the line.
-    fn yellow_s(&self, green: &Green, speed_mps: f64) -> f64 {
+    fn clearance_s(&self, green: &Green, speed_mps: f64) -> f64 {
         let road = &self.config.road;
         if road.yellow_reaction_s == 0.0 {
             return 0.0;
         }
         let lag_s = road.yellow_reaction_s + self.config.actuator_lag_s;
         let stop_s = lag_s + speed_mps / (2.0 * road.comfort_deceleration_mps2);
-        stop_s.min(green.clear_s - green.to_s - road.pass_margin_s).max(0.0)
+        stop_s.min(green.clear_s - green.to_s)
     }
 }
 

@@ -3,14 +3,15 @@
 use mpc_solver::{ProblemError, Solver, Start};
 
 use super::decision::Choice;
-use super::filter::safe_gap;
+use super::fastest::Fastest;
+use super::filter::{Filter, safe_gap};
 use super::lead::Prediction;
 use super::program::{Deadline, Programs};
 use super::reference::{Gate, Reference, SafeGapTable, Scene};
 use super::signals::Line;
 use crate::following::driver::Driver;
 use crate::following::kinematics::{Lag, LagStep, Motion};
-use crate::following::safe_gap::LeadNow;
+use crate::following::safe_gap::{LeadNow, SafeGap};
 use crate::law::{Input, MAX_PLAN, MAX_SIGNALS};
 use crate::laws::cacc::config::Config;
 use crate::laws::cacc::paper::usable;
@@ -34,6 +35,7 @@ pub(super) struct Planner {
     driver: Driver,
     pub(super) lag: LagStep,
     lead_decay: f64,
+    safe: SafeGap,
     safe_gap: SafeGapTable,
     work: Box<Work>,
 }
@@ -41,6 +43,7 @@ pub(super) struct Planner {
 /// Buffers of one cycle.
 struct Work {
     lead: Prediction,
+    fastest: Fastest,
     pass: Candidate,
     stop: Candidate,
 }
@@ -49,6 +52,8 @@ struct Work {
 pub(super) struct Candidate {
     pub(super) reference: Reference,
     pub(super) requests: [f64; MAX_PLAN],
+    /// The ego that the requests move; position 0 is its front bumper now.
+    motion: [Motion; MAX_PLAN + 1],
     pub(super) solved: bool,
     pub(super) iterations: u32,
     pub(super) residual: f64,
@@ -58,6 +63,7 @@ impl Candidate {
     const EMPTY: Self = Self {
         reference: Reference::EMPTY,
         requests: [0.0; MAX_PLAN],
+        motion: Reference::EMPTY.motion,
         solved: false,
         iterations: 0,
         residual: 0.0,
@@ -71,6 +77,7 @@ impl Planner {
     ) -> Result<Self, ProblemError> {
         let lag = Lag { tau_s: config.actuator_lag_s }.discretise(config.step_s);
         let road = &config.road;
+        let safe = safe_gap(config, config.step_s);
         Ok(Self {
             config: *config,
             solver,
@@ -81,10 +88,12 @@ impl Planner {
                 hardest_mps2: -config.min_request_mps2,
             },
             lag,
-            safe_gap: SafeGapTable::new(&safe_gap(config, config.step_s)),
+            safe,
+            safe_gap: SafeGapTable::new(&safe),
             lead_decay: libm::exp(-config.step_s / road.lead_decay_s),
             work: Box::new(Work {
                 lead: Prediction::ABSENT,
+                fastest: Fastest::FREE,
                 pass: Candidate::EMPTY,
                 stop: Candidate::EMPTY,
             }),
@@ -105,7 +114,7 @@ impl Planner {
         gate: Gate,
         deadline: Option<Deadline>,
     ) {
-        let Work { lead, pass, stop } = &mut *self.work;
+        let Work { lead, fastest, pass, stop } = &mut *self.work;
         let scene = Scene {
             driver: self.driver,
             glide_mps2: self.config.road.comfort_deceleration_mps2,
@@ -117,7 +126,6 @@ impl Planner {
             standstill_m: self.config.road.standstill_gap_m,
             min_gap_m: self.config.road.min_gap_m,
             stop_margin_m: self.config.road.stop_margin_m,
-            pass_margin_s: self.config.road.pass_margin_s,
             origin_m: input.ego.position_m,
             safe_gap: &self.safe_gap,
             lead,
@@ -128,7 +136,13 @@ impl Planner {
         let emergency =
             candidate.reference.hardest_mps2 > self.config.road.comfort_deceleration_mps2;
         let problem = if choice == Choice::Pass && !emergency {
-            self.programs.fill_go(&candidate.reference, lead, seen.desired_mps, deadline);
+            if deadline.is_some() {
+                let limits = (seen.desired_mps, self.driver.acceleration_mps2);
+                let start = (seen.begin, self.config.horizon_steps);
+                let lag = (&self.lag, self.config.actuator_lag_s);
+                fastest.roll_out(start, limits, lag, &self.safe, lead);
+            }
+            self.programs.fill_go(&candidate.reference, lead, seen.desired_mps, deadline, fastest);
             &self.programs.go
         } else {
             self.programs.fill_hold(&candidate.reference, lead, seen.desired_mps);
@@ -142,6 +156,10 @@ impl Planner {
         let source =
             if candidate.solved { self.solver.inputs() } else { &candidate.reference.request_mps2 };
         candidate.requests[..n].copy_from_slice(&source[..n]);
+        candidate.motion[0] = seen.begin;
+        for (k, &request) in candidate.requests[..n].iter().enumerate() {
+            candidate.motion[k + 1] = self.lag.advance(candidate.motion[k], request);
+        }
     }
 
     /// The candidate made last for a choice.
@@ -153,41 +171,42 @@ impl Planner {
     }
 
     /// First stage at which a candidate's plan is beyond the line.
-    pub(super) fn arrival(&self, choice: Choice, ego: Motion, line_m: f64) -> Option<usize> {
-        let requests = &self.candidate_of(choice).requests[..self.config.horizon_steps];
-        let mut motion = ego;
-        for (k, &request) in requests.iter().enumerate() {
-            motion = self.lag.advance(motion, request);
-            if motion.position_m >= line_m {
-                return Some(k + 1);
-            }
-        }
-        None
+    pub(super) fn arrival(&self, choice: Choice, line_m: f64) -> Option<usize> {
+        let motion = &self.candidate_of(choice).motion[..=self.config.horizon_steps];
+        motion.iter().position(|motion| motion.position_m >= line_m)
     }
 
-    /// Distance by which the pass falls short of the line at the end of green, m; otherwise zero.
-    pub(super) fn shortfall(&self, ego: Motion, line_m: f64, deadline: Option<usize>) -> f64 {
-        let Some(stage) = deadline else { return 0.0 };
-        let n = self.config.horizon_steps;
-        let mut motion = ego;
-        for &request in &self.work.pass.requests[..stage.min(n)] {
-            motion = self.lag.advance(motion, request);
-        }
-        if stage <= n { (line_m - motion.position_m).max(0.0) } else { 0.0 }
+    /// True if the safety filter lets the pass's plan cross a line before red. From the first place where a stop is no
+    /// longer possible, the speed that the plan has there must be enough.
+    pub(super) fn is_let_through(&self, line_m: f64, red_in_s: f64, filter: &Filter) -> bool {
+        let motion = &self.work.pass.motion[..=self.config.horizon_steps];
+        let to_line_m = |at: &Motion| line_m - at.position_m;
+        let committed = motion.iter().position(|at| !filter.can_stop(*at, to_line_m(at)));
+        committed.is_none_or(|stage| {
+            let at = &motion[stage];
+            let lead = self.work.lead.at(stage, at.position_m);
+            let left_s = red_in_s - stage as f64 * self.lag.step_s;
+            filter.can_cross(*at, lead.as_ref(), to_line_m(at), left_s)
+        })
+    }
+
+    /// Distance by which the pass falls short of the line at its latest stage, m; otherwise zero.
+    pub(super) fn shortfall(&self, line_m: f64, deadline: Option<usize>) -> f64 {
+        let stage = deadline.filter(|&stage| stage <= self.config.horizon_steps);
+        stage.map_or(0.0, |stage| (line_m - self.work.pass.motion[stage].position_m).max(0.0))
     }
 
     /// Cost of a plan: time lost against the driver who passes, acceleration and jerk.
-    pub(super) fn cost(&self, choice: Choice, ego: Motion) -> f64 {
+    pub(super) fn cost(&self, choice: Choice) -> f64 {
         let road = &self.config.road;
         let n = self.config.horizon_steps;
         let passing = &self.work.pass.reference.motion;
-        let mut motion = ego;
+        let Candidate { requests, motion, .. } = self.candidate_of(choice);
         let mut sum = 0.0;
-        for (k, &request) in self.candidate_of(choice).requests[..n].iter().enumerate() {
-            let jerk = (request - motion.acceleration_mps2) / self.config.actuator_lag_s;
-            motion = self.lag.advance(motion, request);
-            let (a, slower) =
-                (motion.acceleration_mps2, motion.speed_mps - passing[k + 1].speed_mps);
+        for (k, &request) in requests[..n].iter().enumerate() {
+            let jerk = (request - motion[k].acceleration_mps2) / self.config.actuator_lag_s;
+            let next = &motion[k + 1];
+            let (a, slower) = (next.acceleration_mps2, next.speed_mps - passing[k + 1].speed_mps);
             sum += road.speed_weight_s2_per_m2 * slower * slower
                 + road.acceleration_weight_s4_per_m2 * a * a
                 + road.jerk_weight_s6_per_m2 * jerk * jerk;

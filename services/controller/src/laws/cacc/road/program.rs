@@ -30,6 +30,7 @@
 
 use mpc_solver::{Problem, ProblemError, Row, Softness};
 
+use super::fastest::Fastest;
 use super::lead::Prediction;
 use super::reference::Reference;
 use crate::following::kinematics::{LagStep, Motion};
@@ -119,6 +120,7 @@ impl Programs {
         lead: &Prediction,
         fastest_mps: f64,
         deadline: Option<Deadline>,
+        fastest: &Fastest,
     ) {
         let (t_h, s0) = (self.headway_s, self.standstill_m);
         self.fill(true, reference, lead, fastest_mps);
@@ -132,6 +134,11 @@ impl Programs {
                 }
                 let offset = lead.position_m[stage] - t_h * lead.speed_mps[stage] - s0;
                 self.go.set_row_stages(PASS, stage, stage);
+                // Faster than this the safety filter would brake.
+                for (k, limit) in self.go.row_limits_mut(FAST)[..=stage].iter_mut().enumerate() {
+                    let most_mps = fastest.speed_mps[k] + SPEED_MARGIN_MPS;
+                    *limit = limit.min(most_mps - lead.speed_mps[k]);
+                }
                 self.go.row_limits_mut(PASS)[stage] = offset - (line_m + PASS_M);
             }
             None => self.go.set_row_stages(PASS, 1, 0),

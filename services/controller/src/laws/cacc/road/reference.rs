@@ -59,7 +59,6 @@ pub(super) struct Scene<'a> {
     pub(super) standstill_m: f64,
     pub(super) min_gap_m: f64,
     pub(super) stop_margin_m: f64,
-    pub(super) pass_margin_s: f64,
     /// Distance on the odometer of the roll-out's origin, m.
     pub(super) origin_m: f64,
     pub(super) safe_gap: &'a SafeGapTable,
@@ -249,7 +248,7 @@ impl Scene<'_> {
         } else {
             ((v * v + 2.0 * a * distance).sqrt() - v) / a
         };
-        let arrival = time + way_s + self.pass_margin_s;
+        let arrival = time + way_s;
         for green in line.greens() {
             if arrival > green.to_s {
                 continue;
@@ -284,7 +283,6 @@ mod tests {
             standstill_m: 5.0,
             min_gap_m: 2.0,
             stop_margin_m: 1.0,
-            pass_margin_s: 0.5,
             origin_m: 0.0,
             safe_gap: &SafeGapTable::new(&safe),
             lead: &lead,

@@ -19,7 +19,7 @@ const SAME_END_S: f64 = 0.35;
 pub(super) struct Green {
     /// Start of green.
     pub(super) from_s: f64,
-    /// End of green.
+    /// Earliest end of green: a pass counts on no later one.
     pub(super) to_s: f64,
     /// End of the yellow that follows; the end of green where none is announced.
     pub(super) clear_s: f64,
