@@ -100,6 +100,27 @@ def test_ctrl_c_ends_a_long_sweep(workers: int) -> None:
     assert program.returncode in (1, -signal.SIGINT, 130)
 
 
+SLOW = """
+import time, timegap
+def slow(q):
+    time.sleep(0.01)
+    return 0.0
+print("begun", flush=True)
+timegap.sweep("udds", {"set_speed_mps": list(range(15, 40))}, slow, workers=2)
+"""
+
+
+def test_ctrl_c_does_not_wait_for_slow_runs() -> None:
+    program = subprocess.Popen(
+        [sys.executable, "-c", SLOW], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert program.stdout is not None and program.stdout.readline() == "begun\n"
+    program.send_signal(signal.SIGINT)
+    # A run of its own takes 137 s.
+    _, words = program.communicate(timeout=60)
+    assert "KeyboardInterrupt" in words, words
+
+
 @pytest.fixture(scope="module")
 def command() -> str:
     """The command line; tests of both need it."""
@@ -122,15 +143,28 @@ def test_digests_and_figures_are_the_command_lines(command: str, tmp_path: Path)
         assert {topic: counts["digests"] for topic, counts in here.summary["messages"].items()} == topics
         assert here.summary["control"] == there["control"]
         on_disk = timegap.open(tmp_path / scenario)
+        assert isinstance(on_disk, timegap.Recorded)
         assert on_disk.trajectory.column_names == here.trajectory.column_names
         assert on_disk.to_pandas()["speed_mps"].tolist() == here.to_pandas()["speed_mps"].tolist()
         assert on_disk.outcome == here.outcome and on_disk.ok == here.ok
+
+
+def test_the_results_of_a_study_are_opened(command: str, tmp_path: Path) -> None:
+    options = ["compare", "following", "cut-in", "--controllers", "acc-mpc", "--set", "duration_s=2"]
+    subprocess.run([command, *options, "--out", str(tmp_path / "study")], capture_output=True, check=True)
+    study = timegap.open(tmp_path / "study")
+    assert isinstance(study, timegap.Study) and study.name == "compare" and study.ok
+    assert len(study.results["rows"]) == 2 and study.table("runs").num_rows == 2
+    assert "runs" in study.tables and "compare" in repr(study)
+    with pytest.raises(KeyError, match="expected one of"):
+        study.table("run")
 
 
 def test_a_recording_is_read_by_topic(command: str, tmp_path: Path) -> None:
     options = ["run", "following", "--mode", "lockstep", "--duration", "3", "--out", str(tmp_path / "run")]
     subprocess.run([command, *options], capture_output=True, check=True)
     recorded = timegap.open(tmp_path / "run")
+    assert isinstance(recorded, timegap.Recorded)
     assert recorded.topics["radar/tracks"] > 30
     tracks = recorded.topic("radar/tracks")
     assert tracks.num_rows == recorded.topics["radar/tracks"]
@@ -142,7 +176,9 @@ def test_a_recording_is_read_by_topic(command: str, tmp_path: Path) -> None:
     with pytest.raises(KeyError, match="expected one of"):
         recorded.topic("radar/track")
     alone = timegap.open(tmp_path / "run" / "recording.mcap")
+    assert isinstance(alone, timegap.Recorded)
     assert alone.topic("vehicle/odometry").equals(odometry)
     (tmp_path / "broken.mcap").write_bytes(b"no recording")
     with pytest.raises(timegap.RunError):
-        timegap.open(tmp_path / "broken.mcap").topics
+        broken = timegap.open(tmp_path / "broken.mcap")
+        assert isinstance(broken, timegap.Recorded) and broken.topics

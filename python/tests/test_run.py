@@ -26,6 +26,16 @@ def test_a_function_drives_and_its_results_have_units_in_their_names() -> None:
     assert events[-1]["kind"] == "end" and events[-1]["what"] == "completed"
 
 
+def test_the_emergency_brake_is_seen() -> None:
+    run = timegap.run("tight-cut-in")
+    count = run.summary["aebs"]["interventions"]
+    brakes = [event for event in run.events.to_pylist() if event["kind"] == "brake"]
+    assert count > 0 and len(brakes) == count and brakes[0]["what"] == "emergency braking"
+    assert f"interventions={count}" in repr(run) and "interventions" in run._repr_html_()
+    quiet = timegap.run("following", duration_s=2)
+    assert "interventions" not in repr(quiet) and [e["kind"] for e in quiet.events.to_pylist()] == ["end"]
+
+
 def test_a_run_repeats_to_the_byte() -> None:
     runs = [timegap.run("following", law=two_seconds, digests=True, duration_s=5) for _ in range(2)]
     digests = [{topic: counts["digests"] for topic, counts in run.summary["messages"].items()} for run in runs]
