@@ -51,3 +51,7 @@ bench *ARGUMENTS:
 # Count the lines of source by crate; `just lines files`: by file.
 lines *WHAT:
     @.ci/lines {{WHAT}}
+
+# Measure this machine and the program, and write docs/measurements.md anew: all parts, or some.
+measure *PARTS:
+    .ci/measure {{PARTS}}
