@@ -7,6 +7,7 @@ use recorder::ReadError;
 use runtime::RuntimeError;
 use scenario::translation::OpenError;
 use scenario::{Problem, ScenarioError};
+use std::fmt::Display;
 use std::io::ErrorKind;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -36,6 +37,45 @@ impl<E: Failure> From<E> for Error {
         Self::Operation(Arc::new(error))
     }
 }
+
+/// A value of the user's that a command cannot use: an option's, or the content of a file.
+///
+/// ```
+/// use group::UsageError;
+///
+/// let error = UsageError::option("--seeds", "0", "no seeds", "a number of 1 or more");
+/// assert_eq!(error.to_string(), "--seeds 0: no seeds, expected a number of 1 or more");
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{place}: {why}, expected {expected}")]
+pub struct UsageError {
+    /// The option with its value, or the file with its line.
+    pub place: String,
+    /// The mistake.
+    pub why: String,
+    /// Values that are accepted.
+    pub expected: String,
+}
+
+impl UsageError {
+    /// A mistake at a place of any kind.
+    pub fn at(place: impl Display, why: impl Display, expected: impl Display) -> Self {
+        let (place, why) = (place.to_string(), why.to_string());
+        Self { place, why, expected: expected.to_string() }
+    }
+
+    /// A mistake in the value of an option.
+    pub fn option(
+        option: &str,
+        value: impl Display,
+        why: impl Display,
+        expected: impl Display,
+    ) -> Self {
+        Self::at(format_args!("{option} {value}"), why, expected)
+    }
+}
+
+impl Failure for UsageError {}
 
 /// The signals that end a command cannot be handled.
 #[derive(Debug, thiserror::Error)]

@@ -4,6 +4,7 @@ use crate::Failure;
 use clap::Args;
 use scenario::name::Name;
 use scenario::{Overrides, ScenarioError};
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
 /// The mark of a shared library.
@@ -18,7 +19,7 @@ const LIBRARY: &str = "library:";
 /// let laws = LawOptions { laws: vec![law] };
 /// assert_eq!(laws.names(), ["gentle"]);
 /// ```
-#[derive(Clone, Debug, Default, Args)]
+#[derive(Clone, Debug, Default, Args, Serialize, Deserialize)]
 pub struct LawOptions {
     /// A law of your own: NAME=COMMAND starts a program, with words as in a shell; NAME=library:FILE loads a shared
     /// library, which can crash or block timegap (repeatable)
@@ -27,7 +28,7 @@ pub struct LawOptions {
 }
 
 /// A law of the user's own with its name: `NAME=COMMAND`.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NamedLaw {
     /// Its name in rows, legends and JSON.
     pub name: String,
@@ -36,7 +37,8 @@ pub struct NamedLaw {
 }
 
 /// The program or library of a law of the user's own.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum LawSource {
     /// A program, with its arguments.
     Program(Vec<String>),

@@ -62,7 +62,7 @@ pub use attached::StandbyCost;
 pub use dead_runs::{DeadRun, dead_runs};
 pub use disturbance::run as run_hog;
 pub use drive::{Drive, DriveStep, PowertrainStep};
-pub use error::{Error, Failure, SignalsError, Status};
+pub use error::{Error, Failure, SignalsError, Status, UsageError};
 pub use events::{end_signals, hold_signals, is_signalled};
 pub use exits::Exit;
 pub use fault_log::{FaultRecord, Recovery};

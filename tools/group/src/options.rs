@@ -4,11 +4,12 @@ use crate::{Failure, LawOptions};
 use clap::{Args, ValueEnum};
 use messages::{Service, UnknownService};
 use openscenario::LaneHeadings;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 /// Changes of a scenario.
-#[derive(Clone, Debug, Default, Args)]
+#[derive(Clone, Debug, Default, Args, Serialize, Deserialize)]
 pub struct ScenarioOptions {
     /// Control law (see `timegap list`)
     #[arg(long, value_name = "NAME")]
@@ -82,7 +83,8 @@ impl Default for OptionNames {
 }
 
 /// Names of the directions from which headings of lane positions count.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum HeadingsName {
     /// The road's reference line.
     #[default]
@@ -101,7 +103,7 @@ impl From<HeadingsName> for LaneHeadings {
 }
 
 /// Settings of a group's start.
-#[derive(Clone, Debug, Args)]
+#[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub struct GroupOptions {
     /// Replace a service with PROGRAM (repeatable)
     #[arg(long = "service", value_name = "NAME=PROGRAM", value_parser = service_program)]
@@ -111,6 +113,7 @@ pub struct GroupOptions {
     pub ready_timeout: f64,
     /// Run every service as a separate process in lockstep too
     #[arg(long)]
+    #[serde(skip)]
     pub processes: bool,
 }
 
@@ -138,7 +141,8 @@ impl GroupOptions {
 }
 
 /// Clock by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum ModeName {
     /// Wall-clock time.
     Realtime,
