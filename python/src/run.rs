@@ -90,11 +90,6 @@ impl Driven {
     }
 }
 
-/// Makes it for a run without a vehicle whose motion grows.
-pub fn nothing_ahead() -> group::in_process::Ahead {
-    Box::new(|_, _| {})
-}
-
 /// End of a drive that did not raise.
 struct End {
     outcome: GroupOutcome,
@@ -122,7 +117,7 @@ pub fn drive(
 
 fn to_its_end(scenario: &scenario::Scenario, law: Option<&Law>, sealing: Sealing) -> PyResult<End> {
     let questions = law.map(|_| Questions::default());
-    let begun = SteppedRun::begin(scenario, sealing, nothing_ahead(), questions.clone());
+    let begun = SteppedRun::begin(scenario, sealing, questions.clone());
     let mut run = begun.map_err(|error| raise(&error))?;
     let (mut turns, mut failed, mut raised) = (0_u32, None, None);
     let interrupts = INTERRUPTS.load(Ordering::Relaxed);

@@ -3,7 +3,7 @@
 use crate::answer;
 use crate::errors::{RunError, raise};
 use crate::question::Question;
-use crate::run::{Driven, nothing_ahead};
+use crate::run::Driven;
 use crate::scenario::Scenario;
 use controller::laws::external::Questions;
 use group::in_process::{Advance, SteppedRun};
@@ -51,7 +51,7 @@ impl Stepper {
         let (scenario, questions, begun) =
             (scenario.0.clone(), Questions::default(), Instant::now());
         let own = Some(questions.clone());
-        let run = SteppedRun::begin(&scenario, Sealing::Unsealed, nothing_ahead(), own);
+        let run = SteppedRun::begin(&scenario, Sealing::Unsealed, own);
         let run = Some(run.map_err(|error| raise(&error))?);
         Ok(Self { scenario, run, is_over: false, interventions: 0, questions, begun })
     }

@@ -39,7 +39,7 @@ impl CarString {
 
     /// Takes the drive of the car that was next.
     fn drove(&self, scenario: &Scenario, driven: &Driven) {
-        self.string().drove(&scenario.0, &driven.summary, driven.drive.clone());
+        self.string().drove(&scenario.0, &driven.summary, &driven.drive);
     }
 
     /// The results as JSON, in the form of `timegap string --json`.

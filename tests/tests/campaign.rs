@@ -77,14 +77,14 @@ fn interrupted_or_in_shards_the_verdict_is_the_same() {
     kill_process(pid, Signal::INT).expect("our own child");
     let output = child.wait_with_output().expect("our own child");
     assert_eq!(output.status.code(), Some(130), "{}", text(&output));
-    assert!(text(&output).contains("--resume resumed"), "{}", text(&output));
+    assert!(text(&output).contains("timegap resume resumed"), "{}", text(&output));
     let kept = journal(&corner, "resumed").len();
     assert!((2..16).contains(&kept), "{kept} runs were kept");
     let path = corner.path().join("resumed/runs.jsonl");
     let mut file = std::fs::OpenOptions::new().append(true).open(path).expect("the journal");
     file.write_all(b"{\"run\":15,").expect("our own file");
     drop(file);
-    succeed(&corner, &["campaign", "--resume", "resumed"]);
+    succeed(&corner, &["resume", "resumed"]);
     assert_eq!(journal(&corner, "resumed").len(), 16, "no run twice");
     assert_eq!(verdict(&corner, "resumed"), whole);
 
@@ -92,10 +92,10 @@ fn interrupted_or_in_shards_the_verdict_is_the_same() {
         let out = format!("shard{}", &shard[..1]);
         succeed(&corner, &["campaign", "small.toml", "--shard", shard, "--out", &out]);
     }
-    let merge = ["campaign", "--merge", "shard3", "shard1", "shard2", "--out", "merged"];
+    let merge = ["merge", "shard3", "shard1", "shard2", "--out", "merged"];
     succeed(&corner, &merge);
     assert_eq!(verdict(&corner, "merged"), whole);
-    let output = corner.run(&["campaign", "--merge", "shard1", "shard3", "--out", "part"]);
+    let output = corner.run(&["merge", "shard1", "shard3", "--out", "part"]);
     assert_eq!(output.status.code(), Some(1), "a part is not a whole: {}", text(&output));
     corner.expect_nothing_left(&[]);
 }
@@ -132,7 +132,7 @@ fn what_does_not_fit_is_refused_before_anything_runs() {
     refused(&["campaign"], &["kills", "messages", "soak"]);
     refused(&["campaign", "none"], &["none", "kills"]);
     refused(&["campaign", "small.toml", "--shard", "4/3"], &["4/3", "I/N"]);
-    refused(&["campaign", "--merge", "nowhere"], &["nowhere", "cannot read"]);
+    refused(&["merge", "nowhere"], &["nowhere", "cannot read"]);
     let write = |text: String| {
         std::fs::write(corner.path().join("bad.toml"), text).expect("our own directory");
     };

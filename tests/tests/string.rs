@@ -28,9 +28,9 @@ fn every_car_follows_the_true_motion_of_the_one_before() {
         .fold(1.0, |product, gain| product * gain);
     let head_to_tail = string["head_to_tail_gain"].as_f64().expect("a gain");
     assert!((product / head_to_tail - 1.0).abs() < 1e-3, "{product} {head_to_tail}");
-    assert_eq!(string["processes_sample"]["different"], 0);
-    assert_eq!(string["processes_sample"]["runs"], 3);
-    assert_eq!(csv(&file(&corner, "a/string.csv"), &["index", "min_gap_m"]).len(), 5);
+    let runs = csv(&file(&corner, "a/runs.csv"), &["vehicle", "min_gap_m"]);
+    let gaps: Vec<_> = vehicles.iter().map(|car| car["min_gap_m"].as_f64()).collect();
+    assert_eq!(runs.iter().map(|row| Some(row[1])).collect::<Vec<_>>(), gaps);
     let page = file(&corner, "a/report.html");
     assert!(page.contains("Positions of all cars"), "no picture");
     let charts: Vec<&str> = page.split("<script type=\"application/json\">").skip(1).collect();
@@ -61,7 +61,8 @@ fn a_sine_is_swept_and_a_limit_is_found() {
     assert_eq!((&limits["stable"], &limits["unstable"]), (&0.0.into(), &1500.0.into()), "{limits}");
     let at = limits["ceases_at"].as_f64().expect("between numbers");
     assert!((0.0..1500.0).contains(&at), "{at}");
-    assert_eq!(csv(&file(&corner, "a/gains.csv"), &["hz", "gain"]).len(), 9);
+    // Three strings of two cars, and a car at each frequency and delay, beside the string of the scenario.
+    assert_eq!(csv(&file(&corner, "a/runs.csv"), &["vehicle"]).len(), 2 + 6 + 6);
 }
 
 #[test]
@@ -89,28 +90,15 @@ fn behind_a_car_that_collides_the_others_still_have_a_result() {
     );
 }
 
-/// A long run keeps every second step, an early end every step: the car behind must restart its table.
 #[test]
-fn behind_an_early_end_cars_driven_at_once_do_what_they_do_one_after_the_other() {
-    let corner = Corner::new(PROGRAM);
-    let scenario = "schema_version = 1\nname = \"crash\"\nduration_s = 200\nset_speed_mps = 40\n\
-        [plant]\ninitial_speed_mps = 40\n[perception]\nideal = true\n\
-        [controller]\nname = \"acc-mpc\"\n\
-        [[actors]]\nname = \"wall\"\ngap_m = 60\ninitial_speed_mps = 0\n";
-    std::fs::write(corner.path().join("crash.toml"), scenario).expect("our own directory");
-    let said = the_same_at_once(&corner, &["crash.toml"]);
-    assert!(said.contains("\"collision\""), "{said}");
-}
-
-#[test]
-fn cars_of_several_laws_driven_at_once_do_what_they_do_one_after_the_other() {
+fn strings_driven_at_once_do_what_they_do_one_after_the_other() {
     let corner = Corner::new(PROGRAM);
     let mixed = ["--controllers", "acc-mpc,six-mode", "--frequencies", "0.05,0.1"];
     let said = the_same_at_once(&corner, &[&["following"], &mixed[..]].concat());
     assert!(!said.contains("\"collision\""), "{said}");
 }
 
-/// Drives four cars one by one and all at once, and returns what both said.
+/// Drives strings of four cars one by one and all at once, and returns what both said.
 fn the_same_at_once(corner: &Corner, scenario: &[&str]) -> String {
     let [one_by_one, at_once] = ["1", "4"].map(|jobs| {
         let own = ["--vehicles", "4", "--json", "--jobs", jobs, "--out", jobs];

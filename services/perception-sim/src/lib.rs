@@ -44,4 +44,4 @@ pub mod traffic;
 pub mod vehicle;
 mod weaving;
 
-pub use service::{Ahead, run, run_behind};
+pub use service::run;

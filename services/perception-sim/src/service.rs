@@ -15,28 +15,15 @@ use messages::{
 };
 use runtime::{Checkpoint, Cycle, Loan, Mode, Overrun, Publisher, Release, Runtime, RuntimeError};
 use scenario::perception::RadarModel;
-use scenario::speeds::SpeedPoint;
 
 /// Age beyond which the tracker does not use odometry, ns.
 const STALE_ODOMETRY_NS: i64 = 200_000_000;
-
-/// Gives the points of a table of speeds that another run is still making: it appends new points. It returns once a
-/// point is later than the time, in s, or the last one has come.
-pub type Ahead = Box<dyn FnMut(f64, &mut Vec<SpeedPoint>)>;
 
 /// Runs traffic and radar in their group, to the end of the run.
 ///
 /// # Errors
 /// If the group's shared memory is not usable.
-pub fn run(runtime: Runtime) -> Result<(), RuntimeError> {
-    run_behind(runtime, Box::new(|_, _| {}))
-}
-
-/// The same behind a vehicle whose table of speeds grows during the run.
-///
-/// # Errors
-/// As [`run`].
-pub fn run_behind(mut runtime: Runtime, mut ahead: Ahead) -> Result<(), RuntimeError> {
+pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
     let scenario = runtime.scenario();
     let mut perception = Perception::new(&scenario);
     let mut odometry = runtime.subscriber::<Odometry>()?;
@@ -70,7 +57,6 @@ pub fn run_behind(mut runtime: Runtime, mut ahead: Ahead) -> Result<(), RuntimeE
         let ego = ego_truth.newest().map_or(start, |truth| true_at(truth, release.time_s));
         let told = told_at(odometry.newest(), start, &release);
         let time_ns = release.scheduled_ns.unsigned_abs();
-        perception.traffic().learn(time_ns, &mut ahead);
         if runtime.is_standby() {
             follow(&mut perception, checkpoint.as_mut(), time_ns);
         }

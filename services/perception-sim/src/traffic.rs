@@ -113,18 +113,6 @@ impl Traffic {
         }
     }
 
-    /// Takes points of the first vehicle's table of speeds from `ahead`, as many as [`Self::advance`] to `time_ns`
-    /// needs.
-    pub fn learn(&mut self, time_ns: u64, ahead: &mut dyn FnMut(f64, &mut Vec<SpeedPoint>)) {
-        let Some(Mover { actor, step_ns, .. }) = self.movers.first_mut() else { return };
-        let Profile::Speeds(points) = &mut actor.profile else { return };
-        // The step after the present one; the second is for the rounding of times.
-        let until_s = seconds(time_ns + 2 * *step_ns);
-        if points.last().is_none_or(|last| last.0.value() <= until_s) {
-            ahead(until_s, points);
-        }
-    }
-
     /// A storyboard moves the vehicles.
     #[must_use]
     pub fn has_storyboard(&self) -> bool {

@@ -1,62 +1,47 @@
 //! The arguments of `campaign`.
 
 use clap::Args;
-use frame::Options;
-use frame::parts::PartOptions;
-use group::{Failure, GroupOptions, LawOptions};
-use report::results::ResultOptions;
+use group::{Failure, LawOptions};
+use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::num::{NonZeroU32, NonZeroUsize};
 
 /// Arguments of `campaign`.
-#[derive(Debug, Args)]
-#[command(
-    mut_arg("laws", |laws| laws.conflicts_with("merge")),
-    after_help = "`timegap list` describes the built-in campaigns."
-)]
+#[derive(Clone, Debug, Args, Serialize, Deserialize)]
+#[command(after_help = "`timegap list` describes the built-in campaigns.")]
 pub struct CampaignArguments {
     /// A campaign file, an OpenSCENARIO parameter variation (.xosc), or the name of a built-in campaign
-    #[arg(conflicts_with = "merge")]
     pub campaign: Option<String>,
+    /// Content of the campaign as it takes effect: a part then needs no other file.
+    #[arg(skip)]
+    pub effective: Option<String>,
     /// Do only N of the runs, drawn by the first seed; `radio`: number of runs [default: 2000]
-    #[arg(long, value_name = "N", conflicts_with = "merge")]
+    #[arg(long, value_name = "N")]
     pub sample: Option<NonZeroUsize>,
     /// Number of the first run (`radio`), corridor (`signals`) or scene (`curves`) [default: 1]
-    #[arg(long, value_name = "N", conflicts_with = "merge")]
+    #[arg(long, value_name = "N")]
     pub first: Option<NonZeroUsize>,
     /// Runs of every combination [default: as in the file]; `signals`: corridors [default: 500]; `curves`: roads, and
     /// queues of each kind [default: 1000]
-    #[arg(long, value_name = "N", conflicts_with = "merge")]
+    #[arg(long, value_name = "N")]
     pub seeds: Option<NonZeroU32>,
     /// Hours of random drives without faults (`plausibility`) [default: 3]
-    #[arg(long, value_name = "H", conflicts_with = "merge")]
+    #[arg(long, value_name = "H")]
     pub hours: Option<Hours>,
     /// Judge every run by a requirement as well: a formula or a name (repeatable; docs/search.md)
-    #[arg(long = "require", value_name = "FORMULA", conflicts_with = "merge")]
+    #[arg(long = "require", value_name = "FORMULA")]
     pub require: Vec<String>,
     /// Laws of the user's own. They drive if the campaign names no controllers. In `signals` they drive beside the two
     /// laws of the campaign. In `radio`, `plausibility` and `curves` one replaces its laws.
     #[command(flatten)]
     pub laws: LawOptions,
     /// Seed of the random drives (`plausibility`) [default: 1]
-    #[arg(long, value_name = "S", conflicts_with = "merge")]
+    #[arg(long, value_name = "S")]
     pub seed: Option<u32>,
-    /// Parts of the campaign.
-    #[command(flatten)]
-    pub parts: PartOptions,
-    /// Runs at once [default: one per core; 1 in realtime]
-    #[arg(long, value_name = "N", conflicts_with = "merge")]
-    pub jobs: Option<NonZeroUsize>,
-    /// Start of each run's processes.
-    #[command(flatten)]
-    pub group: GroupOptions,
-    /// Directory and forms of the results.
-    #[command(flatten)]
-    pub results: ResultOptions,
 }
 
 /// Hours of driving, from 0.01 to 1000.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Hours(f64);
 
 /// Several laws where one drives.
@@ -76,12 +61,6 @@ impl CampaignArguments {
             0 | 1 => Ok(&self.laws),
             laws => Err(SeveralLaws { campaign, laws }),
         }
-    }
-
-    /// The options that all studies have.
-    pub(crate) fn options(&self) -> Options<'_> {
-        let Self { parts, jobs, group, results, .. } = self;
-        Options { parts: Some(parts), jobs: *jobs, group, results }
     }
 }
 

@@ -54,9 +54,6 @@ impl<'a> Blame<'a> {
             Some(format!("{} {value}", limit.figure.name))
         });
         let mut reasons: Vec<String> = blamed.collect();
-        if record.same_in_processes == Some(false) {
-            reasons.push("other bytes in a process group".into());
-        }
         if reasons.is_empty() {
             return;
         }

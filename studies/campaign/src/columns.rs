@@ -159,7 +159,7 @@ pub fn schema() -> Schema {
     ];
     let combinations: Vec<_> = names.into_iter().chain(sums()).collect();
     let shared: Vec<Column<()>> = of().chain(sums()).collect();
-    frame::schema("campaign", "A campaign of a file")
+    Schema::new("campaign", "A campaign of a file")
         .fields(FIELDS)
         .fields(&sums::<()>())
         .rows("exposure", "Events of the drives without faults", EXPOSURE)

@@ -198,11 +198,6 @@ fn sentence(verdict: &Verdict) -> String {
             format!("BROKEN: {} ({} of {all} requirements)", broken.join(", "), broken.len())
         }
     });
-    if verdict.processes_sample.different > 0 {
-        let different = verdict.processes_sample.different;
-        words
-            .push(format!("BROKEN: {different} repeated runs gave other bytes in a process group"));
-    }
     if verdict.met_nothing {
         words.push(
             "BROKEN: no fault acted while the ego braked, stood, closed in on a vehicle, came \

@@ -51,9 +51,6 @@ use std::collections::BTreeMap;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::{Path, PathBuf};
 
-/// The campaign as it took effect, in its directory.
-pub const FILE: &str = "campaign.toml";
-
 /// Longest campaign file, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 

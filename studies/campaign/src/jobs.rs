@@ -44,7 +44,7 @@ pub fn exposure(
     group: &GroupOptions,
 ) -> Result<Vec<Exposure>, Error> {
     let drive = |(name, scenario): (String, Scenario)| {
-        let done = batch::lockstep(&scenario, group, false, &|| true)?;
+        let done = batch::lockstep(&scenario, group, &|| true)?;
         let controller = scenario.controller.name.as_str().to_owned();
         Ok(Exposure::of(name, controller, &done.drive.steps))
     };

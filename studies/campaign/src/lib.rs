@@ -66,4 +66,4 @@ mod verdict;
 pub use arguments::CampaignArguments;
 pub use builtin::BUILTIN;
 pub use plausibility::radar_figures;
-pub use select::{WITHOUT_FILE, run, schemas};
+pub use select::{STUDIES, WITHOUT_FILE, run, schemas};

@@ -2,7 +2,7 @@
 
 use super::exposure::Struck;
 use super::planned::Planned;
-use frame::batch::{Done, Growth, Repetition};
+use frame::batch::{Done, Growth};
 use group::report::Outcome;
 use group::{Error, Evidence, FaultRecord, Recovery, RequirementVerdict, is_avoidable_collision};
 use messages::level::{Level, LevelChange};
@@ -33,9 +33,6 @@ pub struct Record {
     /// Verdicts on the requirements.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub requirements: Vec<RequirementVerdict>,
-    /// True if its repetition in a process group gave the same bytes. `None`: it was not repeated.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub same_in_processes: Option<bool>,
     #[serde(flatten)]
     pub measured: Measured,
 }
@@ -104,8 +101,6 @@ impl Record {
                 outcome: done.summary.outcome,
                 aborted_because: done.summary.aborted_because.clone(),
                 requirements: done.summary.requirements.clone(),
-                same_in_processes: (done.repetition.as_ref())
-                    .map(|repetition| *repetition == Repetition::Same),
                 measured: Measured::of(scenario, done),
                 ..aborted
             },
@@ -125,7 +120,6 @@ impl Record {
             outcome: Outcome::Aborted,
             aborted_because: None,
             requirements: Vec::new(),
-            same_in_processes: None,
             measured: Measured::default(),
         }
     }

@@ -3,7 +3,7 @@
 use crate::arguments::CampaignArguments;
 use crate::builtin::BUILTIN;
 use crate::{columns, curves, plausibility, radio, signals, study};
-use frame::parts;
+use frame::{Command, Entry};
 use group::{Error, Failure};
 use report::results::Schema;
 use std::path::Path;
@@ -18,7 +18,7 @@ pub struct Own {
     pub summary: &'static str,
     /// The options that it takes beside those of all campaigns.
     takes: &'static [&'static str],
-    run: fn(&CampaignArguments) -> Result<ExitCode, Error>,
+    run: fn(&Command<CampaignArguments>) -> Result<ExitCode, Error>,
     schema: fn() -> Schema,
 }
 
@@ -27,70 +27,39 @@ pub const WITHOUT_FILE: [Own; 4] = [
     Own {
         name: radio::NAME,
         summary: "2,000 drives through signals whose frames are lost, late and falsified",
-        takes: &[
-            "--sample N",
-            "--first N",
-            "--law NAME=COMMAND",
-            "--require FORMULA",
-            "--shard I/N",
-            "--resume DIR",
-        ],
+        takes: &["--sample N", "--first N", "--law NAME=COMMAND", "--require FORMULA"],
         run: radio::run,
         schema: radio::schema,
     },
     Own {
         name: signals::NAME,
         summary: "500 corridors of signals, `cacc-mpc` against an ACC that stops for them",
-        takes: &[
-            "--seeds N",
-            "--first N",
-            "--law NAME=COMMAND",
-            "--require FORMULA",
-            "--shard I/N",
-            "--resume DIR",
-        ],
+        takes: &["--seeds N", "--first N", "--law NAME=COMMAND", "--require FORMULA"],
         run: signals::run,
         schema: signals::schema,
     },
     Own {
         name: curves::NAME,
         summary: "1,000 random curved roads, and as many curves with queues beside and in the lane",
-        takes: &[
-            "--seeds N",
-            "--first N",
-            "--law NAME=COMMAND",
-            "--require FORMULA",
-            "--shard I/N",
-            "--resume DIR",
-        ],
+        takes: &["--seeds N", "--first N", "--law NAME=COMMAND", "--require FORMULA"],
         run: curves::run,
         schema: curves::schema,
     },
     Own {
         name: plausibility::NAME,
         summary: "how often and how fast the checks of the inputs find a false sender",
-        takes: &[
-            "--hours H",
-            "--seed S",
-            "--law NAME=COMMAND",
-            "--require FORMULA",
-            "--shard I/N",
-            "--resume DIR",
-        ],
+        takes: &["--hours H", "--seed S", "--law NAME=COMMAND", "--require FORMULA"],
         run: plausibility::run,
         schema: plausibility::schema,
     },
 ];
 
+/// All studies of the command, for `merge` and `resume`.
+pub const STUDIES: [Entry; 5] =
+    [study::ENTRY, radio::ENTRY, signals::ENTRY, curves::ENTRY, plausibility::ENTRY];
+
 /// The options that the campaigns of files take.
-const OF_FILES: &[&str] = &[
-    "--sample N",
-    "--seeds N",
-    "--law NAME=COMMAND",
-    "--require FORMULA",
-    "--shard I/N",
-    "--resume DIR",
-];
+const OF_FILES: &[&str] = &["--sample N", "--seeds N", "--law NAME=COMMAND", "--require FORMULA"];
 
 /// Reason why no campaign is chosen.
 #[derive(Debug, thiserror::Error)]
@@ -135,28 +104,25 @@ pub fn schemas() -> Vec<Schema> {
     std::iter::once(columns::schema()).chain(own).collect()
 }
 
-/// Runs the campaign that the arguments name, or that the directories to continue or to join hold.
-pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
+/// Runs the campaign that the arguments name.
+pub fn run(command: &Command<CampaignArguments>) -> Result<ExitCode, Error> {
+    let arguments = &command.study;
     let name = name(arguments)?;
     let Some(own) = WITHOUT_FILE.iter().find(|own| own.name == name) else {
         refuse_options(arguments, &name, OF_FILES)?;
-        return study::run(arguments);
+        return study::run(command);
     };
     refuse_options(arguments, &name, own.takes)?;
-    (own.run)(arguments)
+    (own.run)(command)
 }
 
 /// Name or file of the campaign.
-fn name(arguments: &CampaignArguments) -> Result<String, Error> {
-    let Some(argument) = arguments.campaign.clone() else {
-        let held = parts::held(&arguments.parts)?;
-        let held = held.map(|study| study.arguments::<CampaignArguments>()).transpose()?;
-        return Ok(held.and_then(|held| held.campaign).ok_or(SelectionError::NoneNamed)?);
-    };
+fn name(arguments: &CampaignArguments) -> Result<String, SelectionError> {
+    let argument = arguments.campaign.clone().ok_or(SelectionError::NoneNamed)?;
     if names().any(|name| name == argument) || Path::new(&argument).exists() {
         return Ok(argument);
     }
-    Err(SelectionError::Unknown { argument }.into())
+    Err(SelectionError::Unknown { argument })
 }
 
 /// Refuses options that the campaign does not take.
@@ -173,8 +139,6 @@ fn refuse_options(
         ("--seed S", arguments.seed.is_some()),
         ("--law NAME=COMMAND", !arguments.laws.laws.is_empty()),
         ("--require FORMULA", !arguments.require.is_empty()),
-        ("--shard I/N", arguments.parts.shard.is_some()),
-        ("--resume DIR", arguments.parts.resume.is_some()),
     ];
     let refused = |(option, is_given): &(&str, bool)| *is_given && !takes.contains(option);
     let Some((option, _)) = given.into_iter().find(refused) else { return Ok(()) };

@@ -3,7 +3,7 @@
 use super::arguments::CampaignArguments;
 use super::blame::Blame;
 use super::document::document;
-use super::file::{Campaign, FILE};
+use super::file::Campaign;
 use super::jobs::{self, job};
 use super::launcher_death;
 use super::open::open;
@@ -14,20 +14,43 @@ use super::sums::Sums;
 use super::targets::Targets;
 use super::verdict::{Scope, Verdict};
 use frame::batch::{Done, Job};
-use frame::{Crew, Found, Options, RunResult, Study};
+use frame::{Command, Crew, Entry, Found, RunOptions, RunResult, Study, parts};
 use group::{Error, GroupOptions};
 use report::results::Document;
 use runtime::Mode;
 use std::collections::BTreeSet;
-use std::path::Path;
 use std::process::ExitCode;
 
 /// Largest number of scenarios that are read before anything runs.
 const MAX_CHECKED: usize = 1_000;
 
-/// Runs a campaign file, or joins its parts.
-pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
-    frame::study::run::<FileCampaign>(arguments)
+/// The study, for `merge` and `resume`.
+pub const ENTRY: Entry = Entry::of::<FileCampaign>();
+
+/// Runs a campaign file.
+pub fn run(command: &Command<CampaignArguments>) -> Result<ExitCode, Error> {
+    let mut command = command.clone();
+    let campaign = effective(&command.study)?;
+    FileCampaign::of(campaign.clone(), &command.options)?.check()?;
+    command.study.effective = Some(campaign.to_toml());
+    frame::run::<FileCampaign>(&command)
+}
+
+/// The campaign of the arguments' file, with the options laid over it.
+fn effective(arguments: &CampaignArguments) -> Result<Campaign, Error> {
+    let mut campaign = open(arguments.campaign.as_deref().unwrap_or_default())?;
+    if let Some(seeds) = arguments.seeds {
+        campaign.limit_seeds(seeds);
+    }
+    campaign.sample = arguments.sample.or(campaign.sample);
+    campaign.judge_by(&arguments.require);
+    arguments.laws.check()?;
+    campaign.set.extend(arguments.laws.keys());
+    if campaign.controllers.is_empty() {
+        campaign.controllers = arguments.laws.names();
+    }
+    arguments.laws.expect_all_in(&campaign.controllers)?;
+    Ok(campaign)
 }
 
 /// A campaign of a file with its runs.
@@ -40,10 +63,10 @@ struct FileCampaign {
 }
 
 impl FileCampaign {
-    fn of(campaign: Campaign, arguments: &CampaignArguments) -> Result<Self, Error> {
+    fn of(campaign: Campaign, options: &RunOptions) -> Result<Self, Error> {
         let plan = plan(&campaign)?;
         let may_kill_launcher = campaign.faults.iter().any(launcher_death::may_be);
-        Ok(Self { campaign, plan, group: arguments.group.clone(), may_kill_launcher })
+        Ok(Self { campaign, plan, group: options.group.clone(), may_kill_launcher })
     }
 
     /// Reads scenarios before anything runs: all of a small campaign, or evenly spread ones of a large one.
@@ -77,43 +100,10 @@ impl Study for FileCampaign {
     type Seen = ();
 
     const NAME: &'static str = "campaign";
-    const KEEPS_JOURNAL: bool = true;
-    const JUDGES_SAMPLE: bool = true;
 
-    fn options(arguments: &CampaignArguments) -> Options<'_> {
-        arguments.options()
-    }
-
-    fn plan(arguments: &CampaignArguments) -> Result<Self, Error> {
-        let name = arguments.campaign.as_deref().unwrap_or_default();
-        let mut campaign = open(name)?;
-        if let Some(seeds) = arguments.seeds {
-            campaign.limit_seeds(seeds);
-        }
-        campaign.sample = arguments.sample.or(campaign.sample);
-        campaign.judge_by(&arguments.require);
-        arguments.laws.check()?;
-        campaign.set.extend(arguments.laws.keys());
-        if campaign.controllers.is_empty() {
-            campaign.controllers = arguments.laws.names();
-        }
-        arguments.laws.expect_all_in(&campaign.controllers)?;
-        let study = Self::of(campaign, arguments)?;
-        study.check()?;
-        Ok(study)
-    }
-
-    fn reopen(arguments: &CampaignArguments, directory: &Path) -> Result<Self, Error> {
-        let kept = directory.join(FILE);
-        if kept.exists() {
-            Self::of(Campaign::read(&kept)?, arguments)
-        } else {
-            Self::plan(arguments)
-        }
-    }
-
-    fn inputs(&self) -> Option<(&'static str, String)> {
-        Some((FILE, self.campaign.to_toml()))
+    fn plan(arguments: &CampaignArguments, options: &RunOptions) -> Result<Self, Error> {
+        let text = arguments.effective.as_deref().unwrap_or_default();
+        Self::of(Campaign::parse(parts::FILE, text)?, options)
     }
 
     fn subject(&self) -> Result<String, Error> {
@@ -147,7 +137,7 @@ impl Study for FileCampaign {
         }
         let (planned, mode) = (self.plan.at(run), self.campaign.mode);
         let record = launcher_death::run(&planned, &job.scenario, mode, crew.going_on())?;
-        Ok(RunResult { record, seen: (), repetition: None })
+        Ok(RunResult { record, seen: () })
     }
 
     fn keys(&self, run: usize) -> Vec<(String, String)> {
@@ -165,7 +155,7 @@ impl Study for FileCampaign {
     }
 
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
-        let Found { records, sample, shard, .. } = found;
+        let Found { records, shard, .. } = found;
         let exposure = jobs::exposure(&self.campaign, &self.plan, &self.group)?;
         let mut sums = Sums::default();
         records.each(&mut |_, record| {
@@ -175,7 +165,7 @@ impl Study for FileCampaign {
         let is_mine = |run: &usize| shard.is_none_or(|shard| shard.holds(*run));
         let planned = (0..self.runs()).filter(is_mine).count();
         let scope = Scope { planned, is_part: shard.is_some() };
-        let mut verdict = Verdict::new(&self.campaign, &self.plan, scope, exposure, &sums, sample);
+        let mut verdict = Verdict::new(&self.campaign, &self.plan, scope, exposure, &sums);
         if !verdict.ok {
             let mut blame = Blame::new(&self.plan, self.campaign.mode, verdict.broken_limits());
             records.each(&mut |_, record| {

@@ -7,7 +7,6 @@ use super::file::Campaign;
 use super::plan::Plan;
 use super::sums::{Combination, Shared, Sums};
 use super::tally::Tally;
-use frame::batch::ProcessesSample;
 use runtime::Mode;
 use serde::Serialize;
 
@@ -33,7 +32,6 @@ pub struct Verdict {
     pub faults: Vec<Shared>,
     pub failures: Vec<Failure>,
     pub broken: Vec<Broken>,
-    pub processes_sample: ProcessesSample,
 }
 
 /// A limit and what was found.
@@ -63,7 +61,6 @@ impl Verdict {
         scope: Scope,
         exposure: Vec<Exposure>,
         sums: &Sums,
-        processes_sample: ProcessesSample,
     ) -> Self {
         let Scope { planned, is_part } = scope;
         let all = sums.all.tally();
@@ -87,7 +84,6 @@ impl Verdict {
         Self {
             schema_version: 1,
             ok: requirements.iter().all(|requirement| requirement.ok)
-                && processes_sample.different == 0
                 && !met_nothing
                 && runs == planned,
             campaign: campaign.name.as_str().into(),
@@ -105,7 +101,6 @@ impl Verdict {
             faults: sums.faults(),
             failures: Vec::new(),
             broken: Vec::new(),
-            processes_sample,
         }
     }
 
@@ -142,7 +137,6 @@ pub mod tests {
             outcome,
             aborted_because: None,
             requirements: Vec::new(),
-            same_in_processes: None,
             measured: Measured {
                 duration_s: 1.0,
                 min_gap_m: Some(gap_m),
@@ -175,8 +169,8 @@ pub mod tests {
     fn of_records(campaign: &Campaign, plan: &Plan, is_part: bool, records: &[Record]) -> Verdict {
         let mut sums = Sums::default();
         records.iter().for_each(|record| sums.add(record));
-        let (scope, sample) = (Scope { planned: plan.len(), is_part }, ProcessesSample::default());
-        let mut verdict = Verdict::new(campaign, plan, scope, Vec::new(), &sums, sample);
+        let scope = Scope { planned: plan.len(), is_part };
+        let mut verdict = Verdict::new(campaign, plan, scope, Vec::new(), &sums);
         let mut blame = Blame::new(plan, campaign.mode, verdict.broken_limits());
         records.iter().for_each(|record| blame.add(record));
         (verdict.failures, verdict.broken) = blame.found();

@@ -1,7 +1,7 @@
 //! `runs.csv`: the summary figures of every drive of a study, as one tidy table.
 //!
 //! A row is a drive. Columns: `run`, `scenario`, `law`, `seed`, the keys that the study varies, `outcome`,
-//! `duration_s`. The study's own columns follow ([`Study::own_columns`](crate::Study::own_columns)), then the
+//! `duration_s`. The study's own columns follow ([`Study::OWN_COLUMNS`](crate::Study::OWN_COLUMNS)), then the
 //! [`report::figures`]. A figure that does not apply is empty. A run of a study may be several drives, which then have a
 //! key of their own. The figures are kept with the run's record, so that a study in parts has the same table.
 //!

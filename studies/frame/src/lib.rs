@@ -2,57 +2,44 @@
 //!
 //! ```text
 //! arguments ─ plan ─► run 0 … run N-1 ─ job ─► drive ─ record ─► journal ─ judge ─► Document
-//!                     └─ workers, parts, resume, sample in process groups ─┘        every output
+//!                     └─ workers, parts, resume ─────────────┘              every output
 //! ```
 //!
-//! A study implements [`Study`]. The frame does the rest: workers, `--shard`, `--resume` and `--merge`, and the sample
-//! that is repeated as separate processes. It also has the progress bar, interrupts, the exit status, and every output.
-//! It also
-//! writes the summary figures of every drive as one tidy table ([`drives`]), and keeps trajectories ([`keep`]).
+//! A study implements [`Study`]. The frame does the rest: workers, the journal, `--shard`, `--resume`, `timegap merge`
+//! and `timegap resume`. It also has the progress bar, interrupts, the exit status, and every output. It writes the
+//! summary figures of every drive as one tidy table ([`drives`]), and keeps trajectories ([`keep`]).
 //!
 //! # A new study
 //!
-//! 1. A folder in `studies` with an arguments struct. It flattens [`parts::PartOptions`], `GroupOptions` and
-//!    `report::results::ResultOptions`, and [`Study::options`] names them.
+//! 1. A folder in `studies` with an arguments struct: what the study asks, as clap arguments that serde can keep.
+//!    [`RunOptions`] are beside them in [`Command`]; a study does not declare them.
 //! 2. A plan: [`Study::plan`] reads and checks everything before the first run. [`Study::job`] makes run `n`.
 //!    The scenarios of all runs do not fit in memory, so a job is made when its turn comes.
 //! 3. A record: the plain data of a run that the verdict needs. [`Study::record`] makes it in the worker's thread.
 //!    The other half of its result ([`Study::Seen`]) is for pictures alone.
 //! 4. Columns: `report::results::Column`, one line each. A column's name is the path of its value in the record's
 //!    JSON. Tables of them make a `Document`, with a verdict that answers the command's question.
-//! 5. A schema: [`schema`] has the fields that all studies have, and the columns add the study's own. It gets a row in
-//!    `results()` of timegap's `list.rs`, and a command in `tests/tests/schema.rs`.
-//! 6. `pub fn run(arguments) { frame::study::run::<MyStudy>(arguments) }`, and its row in timegap's `cli.rs`.
+//! 5. `pub fn run(command) { frame::run::<MyStudy>(command) }`, its row in timegap's `cli.rs`, and
+//!    [`Entry::of`]`::<MyStudy>()` among the `STUDIES` of its crate, for `merge` and `resume`.
 //!
-//! A study whose runs depend on earlier ones gets their records back by [`Study::recall`], and names its keys by
-//! [`Study::columns`].
-//!
-//! Runs that are not one drive implement [`Study::drive`] with a [`Crew`], and hand each drive to [`Crew::observe`].
-//! Runs begin in the order of their numbers,
-//! so that a run may wait for an earlier one. [`Study::is_alone`] names runs beside which no other may go on.
-//! [`Study::NEEDS`] says whether some of the runs are worth a result. With [`Study::KEEPS_JOURNAL`] records stay on
-//! the disk, and [`Records::each`](parts::Records::each) reads them back one by one. With [`Study::inputs`] a part keeps
-//! the files that its command names, and [`Study::reopen`] plans from them.
+//! A study whose runs depend on earlier ones gets their records back by [`Study::recall`]. Runs that are not one drive
+//! implement [`Study::drive`] with a [`Crew`], and hand each drive to [`Crew::observe`]. Runs begin in the order of
+//! their numbers, so that a run may wait for an earlier one. [`Study::is_alone`] names runs beside which no other may
+//! go on. [`Study::NEEDS`] says whether some of the runs are worth a result. Records stay on the disk, and
+//! [`Records::each`](parts::Records::each) reads them back one by one.
 //!
 //! ```
 //! use clap::Args;
 //! use frame::batch::{Done, Job};
-//! use frame::parts::PartOptions;
-//! use frame::{Found, Options, Study};
-//! use group::{Error, GroupOptions, ScenarioOptions};
-//! use report::results::{Column, Document, ResultOptions, Table, count, number};
+//! use frame::{Found, RunOptions, Study};
+//! use group::{Error, ScenarioOptions};
+//! use report::results::{Column, Document, Table, count, number};
 //! use serde::{Deserialize, Serialize};
 //!
-//! #[derive(Debug, Args)]
+//! #[derive(Debug, Args, Serialize, Deserialize)]
 //! struct Arguments {
 //!     #[arg(long, default_value_t = 2)]
 //!     seeds: usize,
-//!     #[command(flatten)]
-//!     parts: PartOptions,
-//!     #[command(flatten)]
-//!     group: GroupOptions,
-//!     #[command(flatten)]
-//!     results: ResultOptions,
 //! }
 //!
 //! #[derive(Serialize, Deserialize)]
@@ -71,11 +58,7 @@
 //!     type Seen = ();
 //!     const NAME: &'static str = "gaps";
 //!
-//!     fn options(arguments: &Arguments) -> Options<'_> {
-//!         let Arguments { parts, group, results, .. } = arguments;
-//!         Options { parts: Some(parts), jobs: None, group, results }
-//!     }
-//!     fn plan(arguments: &Arguments) -> Result<Self, Error> {
+//!     fn plan(arguments: &Arguments, _: &RunOptions) -> Result<Self, Error> {
 //!         Ok(Self { seeds: arguments.seeds })
 //!     }
 //!     fn runs(&self) -> usize {
@@ -102,11 +85,18 @@
 //! ```
 
 pub mod batch;
+mod command;
+mod crew;
 pub mod drives;
 pub mod keep;
 pub mod param;
 pub mod parts;
+mod run;
 pub mod seeds;
-pub mod study;
+mod study;
+mod verify;
 
-pub use study::{Crew, Found, Needs, Options, RunResult, Study, ok, schema};
+pub use command::{Command, Entry, MergeArguments, ResumeArguments, RunOptions, merge, resume};
+pub use crew::Crew;
+pub use run::run;
+pub use study::{Found, Needs, RunResult, Study, ok};

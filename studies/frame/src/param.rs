@@ -9,7 +9,7 @@
 //! assert_eq!(grid(&[delay, law]).len(), 6);
 //! ```
 
-use group::{Failure, ScenarioOptions};
+use group::{ScenarioOptions, UsageError};
 
 /// Most values of one key.
 const MAX_VALUES: usize = 10_000;
@@ -53,17 +53,6 @@ fn count(values: f64) -> String {
     if values < 1e15 { format!("{values:.0}") } else { format!("{values:.1e}") }
 }
 
-/// An argument that is not a key with values.
-#[derive(Debug, thiserror::Error)]
-#[error("--param {argument}: {reason}, expected KEY=A..B/STEP or KEY=a,b,c")]
-pub struct ParamError {
-    argument: String,
-    #[source]
-    reason: ValuesError,
-}
-
-impl Failure for ParamError {}
-
 /// A key and the values that it takes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Param {
@@ -75,34 +64,21 @@ pub struct Param {
 
 impl Param {
     /// Reads `KEY=A..B/STEP` or `KEY=a,b,c`, the argument of `--param`.
-    pub fn parse(argument: &str) -> Result<Self, ParamError> {
-        let refuse = |reason| ParamError { argument: argument.to_owned(), reason };
+    pub fn parse(argument: &str) -> Result<Self, UsageError> {
+        let refuse = |why: ValuesError| {
+            UsageError::option("--param", argument, why, "KEY=A..B/STEP or KEY=a,b,c")
+        };
         let (key, list) = argument.split_once('=').ok_or_else(|| refuse(ValuesError::NoKey))?;
         let values = values(list, None).map_err(refuse)?;
         Ok(Self { key: key.trim().into(), values })
     }
 }
 
-/// A key whose values are swept has another value by an option.
-#[derive(Debug, thiserror::Error)]
-#[error("{by}: {option} says what it is, expected the key in one of them")]
-pub struct KeySetElsewhere {
-    /// The option that sweeps it.
-    by: String,
-    option: String,
-}
-
-impl Failure for KeySetElsewhere {}
-
 /// Refuses an option that sets a key which the option `by` sweeps.
 ///
 /// # Errors
-/// [`KeySetElsewhere`].
-pub fn refuse_if_set(
-    by: &str,
-    key: &str,
-    options: &ScenarioOptions,
-) -> Result<(), KeySetElsewhere> {
+/// An option that says what the key is.
+pub fn refuse_if_set(by: &str, key: &str, options: &ScenarioOptions) -> Result<(), UsageError> {
     let by_name = [
         ("controller.name", "--controller", options.controller.as_ref()),
         ("duration_s", "--duration", options.duration.as_ref()),
@@ -113,7 +89,10 @@ pub fn refuse_if_set(
     let of_key = |set: &&String| set.split_once('=').is_some_and(|(of, _)| of.trim() == key);
     let by_set = options.set.iter().filter(of_key).map(|set| format!("--set {set}"));
     match by_name.chain(by_set).next() {
-        Some(option) => Err(KeySetElsewhere { by: by.to_owned(), option }),
+        Some(option) => {
+            let why = format_args!("{option} says what it is");
+            Err(UsageError::at(by, why, "the key in one of them"))
+        }
         None => Ok(()),
     }
 }

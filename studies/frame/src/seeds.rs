@@ -10,56 +10,30 @@
 //! assert!(frame::seeds::read("0").is_err());
 //! ```
 
-use group::Failure;
+use std::fmt::Display;
+
+use group::UsageError;
 use scenario::quantity::Seed;
 
-use crate::param::{self, ValuesError};
-
-/// Seeds that cannot be read.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum SeedsError {
-    /// The text is not a list.
-    #[error("--seeds {text}: {reason}, expected a number of seeds, A..B or a,b,c")]
-    List {
-        /// The argument.
-        text: String,
-        /// The mistake in it.
-        #[source]
-        reason: ValuesError,
-    },
-    /// One of them is not a seed.
-    #[error("--seeds {text}: `{value}` is not a seed, expected whole numbers of 0 or more")]
-    Seed {
-        /// The argument.
-        text: String,
-        /// The value.
-        value: String,
-    },
-    /// There is none.
-    #[error("--seeds {text}: no seeds, expected a number of 1 or more, A..B or a,b,c")]
-    None {
-        /// The argument.
-        text: String,
-    },
-}
-
-impl Failure for SeedsError {}
+use crate::param;
 
 /// Reads the argument: a number N of seeds means 1 to N.
 ///
 /// # Errors
-/// [`SeedsError`].
-pub fn read(text: &str) -> Result<Vec<Seed>, SeedsError> {
+/// A text that names no seeds.
+pub fn read(text: &str) -> Result<Vec<Seed>, UsageError> {
+    let refuse = |why: &dyn Display| {
+        UsageError::option("--seeds", text, why, "a number of seeds of 1 or more, A..B or a,b,c")
+    };
     let list = match text.trim().parse::<u64>() {
-        Ok(0) => return Err(SeedsError::None { text: text.to_owned() }),
+        Ok(0) => return Err(refuse(&"no seeds")),
         Ok(count) => &format!("1..{count}"),
         Err(_) => text,
     };
-    let values = param::values(list, Some("1"));
-    let values = values.map_err(|reason| SeedsError::List { text: text.to_owned(), reason })?;
+    let values = param::values(list, Some("1")).map_err(|why| refuse(&why))?;
     let seed = |value: String| {
         let seed = value.parse::<i64>().ok().and_then(|seed| Seed::try_from(seed).ok());
-        seed.ok_or_else(|| SeedsError::Seed { text: text.to_owned(), value })
+        seed.ok_or_else(|| refuse(&format_args!("`{value}` is not a seed")))
     };
     values.into_iter().map(seed).collect()
 }

@@ -102,7 +102,7 @@ fn verdict_words(name: &str) -> (&'static str, bool) {
 /// Contents of the JSON.
 #[must_use]
 pub fn schema() -> Schema {
-    frame::schema("reproduce", "Figures of the papers beside ours")
+    Schema::new("reproduce", "Figures of the papers beside ours")
         .fields(FIELDS)
         .rows("papers", "The papers", PAPERS)
         .rows("papers.tally", "Counts of each kind of figure", TALLY)

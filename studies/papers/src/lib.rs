@@ -27,14 +27,12 @@ pub use columns::schema;
 use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
-use frame::batch::ProcessesSample;
-use frame::keep::Keep;
-use group::{Error, GroupOptions};
+use frame::{Command, Entry};
+use group::Error;
 use pictures::{Gallery, Pictures};
-use report::results::ResultOptions;
 use row::Row;
 use runner::Piece;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use study::Papers;
 use tally::Tally;
 
@@ -47,7 +45,6 @@ struct Reproduction {
     schema_version: u32,
     ok: bool,
     papers: Vec<Paper>,
-    processes_sample: ProcessesSample,
 }
 
 #[derive(Debug, Serialize)]
@@ -61,7 +58,7 @@ struct Paper {
 }
 
 /// Arguments of `reproduce`.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub struct ReproduceArguments {
     /// Paper [default: all]
     #[arg(value_enum)]
@@ -69,15 +66,6 @@ pub struct ReproduceArguments {
     /// Standard deviation of the skilled driver's aimed speed, km/h
     #[arg(long, value_name = "KMH", default_value_t = 2.5, value_parser = spread)]
     pub driver_spread: f64,
-    /// Keep the trajectories of drives in trajectories.parquet: all, failures, or worst:N by the smallest gap
-    #[arg(long, value_name = "WHICH")]
-    pub keep: Option<Keep>,
-    /// Start of each run's processes.
-    #[command(flatten)]
-    pub group: GroupOptions,
-    /// Directory and forms of the results.
-    #[command(flatten)]
-    pub results: ResultOptions,
 }
 
 /// A spread of a driver's speed, km/h.
@@ -91,7 +79,8 @@ fn spread(text: &str) -> Result<f64, NoSpread> {
 struct NoSpread;
 
 /// A paper by the name of its controller.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum PaperName {
     /// Wang, Liu, Zhang, Tong 2014.
     SixMode,
@@ -124,10 +113,13 @@ impl PaperName {
     }
 }
 
+/// The study, for `merge` and `resume`.
+pub const ENTRY: Entry = Entry::of::<Papers>();
+
 /// Runs the command.
 ///
 /// # Errors
-/// As [`frame::study::run`].
-pub fn run(arguments: &ReproduceArguments) -> Result<ExitCode, Error> {
-    frame::study::run::<Papers>(arguments)
+/// As [`frame::run`].
+pub fn run(command: &Command<ReproduceArguments>) -> Result<ExitCode, Error> {
+    frame::run::<Papers>(command)
 }

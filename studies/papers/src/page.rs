@@ -62,13 +62,12 @@ mod tests {
     use super::super::row::{Row, Tolerance, paper, reconstruction, requirement, within};
     use super::super::study::reproduction;
     use super::*;
-    use frame::batch::ProcessesSample;
 
     const TENTH: Tolerance = within(0.1, "a reason");
 
     fn of(name: &'static str, rows: Vec<Row>) -> Document {
         let paper = Paper { paper: name, tally: Vec::new(), rows, pictures: Pictures::default() };
-        document(&reproduction(vec![paper], ProcessesSample::default()))
+        document(&reproduction(vec![paper]))
     }
 
     #[test]

@@ -1,10 +1,10 @@
 //! Pieces of a paper, and the runner that drives their scenarios.
 
-use std::cell::{Cell, RefCell};
+use std::cell::Cell;
 use std::sync::Arc;
 
 use frame::Crew;
-use frame::batch::{self, Repetition};
+use frame::batch::{self, Job};
 use group::{Drive, Error, ScenarioOptions};
 use report::RunPicture;
 use report::summary::Summary;
@@ -109,7 +109,6 @@ pub struct Runner<'a> {
     drives: Cell<usize>,
     /// Standard deviation of the skilled driver's aimed speed, m/s.
     driver_spread_mps: f64,
-    repetition: RefCell<Option<Repetition>>,
 }
 
 impl<'a> Runner<'a> {
@@ -120,8 +119,7 @@ impl<'a> Runner<'a> {
         names: (&'a str, &'a str),
         driver_spread_mps: f64,
     ) -> Self {
-        let (drives, repetition) = (Cell::default(), RefCell::default());
-        Self { crew, run, names, drives, driver_spread_mps, repetition }
+        Self { crew, run, names, drives: Cell::default(), driver_spread_mps }
     }
 
     /// Standard deviation of the skilled driver's aimed speed, m/s.
@@ -129,30 +127,22 @@ impl<'a> Runner<'a> {
         self.driver_spread_mps
     }
 
-    /// Drives a built-in scenario with these keys set. The first drive of a piece in the sample is repeated.
+    /// Drives a built-in scenario with these keys set.
     ///
     /// # Errors
     /// Reasons why the run does not reach its end.
     pub fn drive(&self, name: &str, keys: &[&str]) -> Result<Driven, Error> {
         let set = keys.iter().map(ToString::to_string).collect();
         let scenario = group::open(name, &ScenarioOptions { set, ..ScenarioOptions::default() })?;
-        let repeats = self.crew.repeats(self.run) && self.repetition.borrow().is_none();
-        let (group, going_on) = (self.crew.group(), self.crew.going_on());
-        let done = batch::lockstep(&scenario, group, repeats, going_on)?;
+        let job = Job::lockstep(scenario);
+        let done = self.crew.drive(self.run, &job)?;
+        let scenario = job.scenario;
         batch::whole(&done.summary)?;
         self.drives.set(self.drives.get() + 1);
         let (paper, piece) = self.names;
         let keys = self::keys(paper, piece, self.drives.get(), keys);
         self.crew.observe(self.run, &keys, &scenario, &done);
-        if done.repetition.is_some() {
-            self.repetition.replace(done.repetition);
-        }
         let figure_names = controller::laws::figure_names(&scenario);
         Ok(Driven { scenario, drive: done.drive, summary: done.summary, figure_names })
-    }
-
-    /// Result of repeating the first drive; none where it was not repeated.
-    pub fn repetition(self) -> Option<Repetition> {
-        self.repetition.into_inner()
     }
 }

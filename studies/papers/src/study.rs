@@ -1,8 +1,6 @@
 //! The papers as a study: each piece of a paper is a run.
 
-use frame::batch::ProcessesSample;
-use frame::keep::Keep;
-use frame::{Crew, Found, Needs, Options, RunResult, Study};
+use frame::{Crew, Found, Needs, RunOptions, RunResult, Study};
 use group::Error;
 use report::results::Document;
 
@@ -28,12 +26,7 @@ impl Study for Papers {
     const NAME: &'static str = "reproduce";
     const NEEDS: Needs = Needs::All;
 
-    fn options(arguments: &ReproduceArguments) -> Options<'_> {
-        let ReproduceArguments { group, results, .. } = arguments;
-        Options { parts: None, jobs: None, group, results }
-    }
-
-    fn plan(arguments: &ReproduceArguments) -> Result<Self, Error> {
+    fn plan(arguments: &ReproduceArguments, _: &RunOptions) -> Result<Self, Error> {
         let papers = arguments.paper.map_or(PAPERS.to_vec(), |paper| vec![paper]);
         let of_paper =
             |&paper: &PaperName| paper.pieces().into_iter().map(move |piece| (paper, piece));
@@ -43,10 +36,6 @@ impl Study for Papers {
 
     fn runs(&self) -> usize {
         self.pieces.len()
-    }
-
-    fn keep(arguments: &ReproduceArguments) -> Option<Keep> {
-        arguments.keep
     }
 
     fn keys(&self, run: usize) -> Vec<(String, String)> {
@@ -64,16 +53,11 @@ impl Study for Papers {
         let names = (paper.as_str(), piece.name.as_str());
         let runner = Runner::new(crew, run, names, self.driver_spread_mps);
         let Part { rows, pictures } = piece.reproduce(&runner)?;
-        Ok(RunResult { record: rows, seen: pictures, repetition: runner.repetition() })
-    }
-
-    fn describe(&self, run: usize) -> String {
-        let (paper, piece) = &self.pieces[run];
-        format!(" ({}, {})", paper.as_str(), piece.name)
+        Ok(RunResult { record: rows, seen: pictures })
     }
 
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
-        let Found { records, mut seen, sample, .. } = found;
+        let Found { records, mut seen, .. } = found;
         let mut papers: Vec<Paper> = self.papers.iter().map(|&name| empty(name)).collect();
         for (run, rows) in records.all()? {
             let name = self.pieces[run].0;
@@ -82,7 +66,7 @@ impl Study for Papers {
             paper.rows.extend(rows);
             paper.pictures.extend(seen.remove(&run).unwrap_or_default());
         }
-        Ok(page::document(&reproduction(papers, sample)))
+        Ok(page::document(&reproduction(papers)))
     }
 }
 
@@ -92,14 +76,14 @@ fn empty(name: PaperName) -> Paper {
 }
 
 /// Judges the rows.
-pub fn reproduction(mut papers: Vec<Paper>, processes_sample: ProcessesSample) -> Reproduction {
+pub fn reproduction(mut papers: Vec<Paper>) -> Reproduction {
     for paper in &mut papers {
         by_set(&mut paper.rows);
         paper.tally = tally(&paper.rows);
     }
     let mut rows = papers.iter().flat_map(|paper| &paper.rows);
     let ok = rows.all(|row| row.verdict() != Verdict::Outside);
-    Reproduction { schema_version: 1, ok, papers, processes_sample }
+    Reproduction { schema_version: 1, ok, papers }
 }
 
 /// Puts the rows of each set together. The sets keep their order.

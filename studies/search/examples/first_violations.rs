@@ -7,7 +7,7 @@
 
 use std::time::Instant;
 
-use clap::{Args, FromArgMatches};
+use frame::Command;
 use frame::batch::share;
 use group::Error;
 use indicatif::ProgressBar;
@@ -17,12 +17,6 @@ use search::problem::Problem;
 use search::single::first_violation;
 
 const METHODS: [MethodName; 3] = [MethodName::Random, MethodName::Sobol, MethodName::Gp];
-
-fn arguments(file: &str) -> SearchArguments {
-    let command = SearchArguments::augment_args(clap::Command::new("search"));
-    let matches = command.get_matches_from(["search", file]);
-    SearchArguments::from_arg_matches(&matches).expect("clap has read them")
-}
 
 fn main() -> Result<(), Error> {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -36,13 +30,14 @@ fn main() -> Result<(), Error> {
     let named: Vec<MethodName> = words.iter().filter_map(method_of).collect();
     let methods = if named.is_empty() { METHODS.to_vec() } else { named };
     for file in words.iter().skip(2).filter(|word| method_of(word).is_none()) {
-        let arguments = arguments(file);
-        let problem = Problem::open(&arguments)?;
+        let Command { study, options } =
+            Command::<SearchArguments>::read(&[file]).expect("the name of a file");
+        let problem = Problem::open(&study, &options.group)?;
         for &method in &methods {
             let begun = Instant::now();
             let work = |place: usize, going_on: &dyn Fn() -> bool| {
                 let which = (method, 1_000 + place as u64);
-                first_violation(&problem, which, budget, &arguments.group, going_on)
+                first_violation(&problem, which, budget, &options.group, going_on)
             };
             let mut found: Vec<Option<usize>> = vec![None; repetitions];
             let mut each = |place: usize, first: Result<Option<usize>, Error>| {

@@ -3,41 +3,17 @@
 use std::num::NonZeroUsize;
 
 use clap::Args;
-use frame::parts::{self, PartOptions};
-use group::{Failure, GroupOptions, ScenarioOptions};
-use report::results::ResultOptions;
+use group::{Failure, ScenarioOptions};
+use serde::{Deserialize, Serialize};
 
 use crate::method::MethodName;
 use crate::reference::ReferenceName;
 
-/// Options that a merge takes from the parts.
-const WITHOUT_MERGE: [&str; 17] = [
-    "scenario",
-    "vary",
-    "faults",
-    "budget",
-    "method",
-    "replicas",
-    "seeds",
-    "cases",
-    "probability",
-    "reference",
-    "controller",
-    "laws",
-    "seed",
-    "duration",
-    "set",
-    "require",
-    "jobs",
-];
-
 /// Arguments of `search`.
-#[derive(Clone, Debug, Args)]
-#[command(mut_arg("merge", |merge| merge.conflicts_with_all(WITHOUT_MERGE).conflicts_with_all(parts::OF_RUNS)))]
+#[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub struct SearchArguments {
     /// A search file (docs/search.md), or a scenario with --vary or --faults
-    #[arg(required_unless_present_any = ["merge", "resume"])]
-    pub scenario: Option<String>,
+    pub scenario: String,
     /// A key that varies: `KEY=A..B`, `KEY=A..B:log` or `KEY=a,b,c` (repeatable)
     #[arg(long, value_name = "KEY=VALUES")]
     pub vary: Vec<String>,
@@ -69,18 +45,6 @@ pub struct SearchArguments {
     /// Options of all runs.
     #[command(flatten)]
     pub scenario_options: ScenarioOptions,
-    /// Runs at once [default: one per core]
-    #[arg(long, value_name = "N")]
-    pub jobs: Option<NonZeroUsize>,
-    /// Parts of the search.
-    #[command(flatten)]
-    pub parts: PartOptions,
-    /// Start of each run's processes.
-    #[command(flatten)]
-    pub group: GroupOptions,
-    /// Directory and forms of the results.
-    #[command(flatten)]
-    pub results: ResultOptions,
 }
 
 /// A text that is not a seed.

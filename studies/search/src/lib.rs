@@ -36,4 +36,4 @@ pub mod value;
 
 pub use arguments::SearchArguments;
 pub use results::schema;
-pub use study::run;
+pub use study::{STUDIES, run};

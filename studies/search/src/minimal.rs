@@ -150,7 +150,7 @@ fn halved(
 mod tests {
     use super::*;
     use crate::arguments::SearchArguments;
-    use clap::{Args, FromArgMatches};
+    use frame::Command;
 
     /// Fails if the gap is below 30 and the set speed above 20, on nine of ten seeds. The mass does not matter.
     struct Fake;
@@ -167,17 +167,13 @@ mod tests {
         }
     }
 
-    pub(crate) fn arguments(words: &str) -> SearchArguments {
-        let command = SearchArguments::augment_args(clap::Command::new("search"));
-        let matches = command.try_get_matches_from(words.split(' ')).expect("good arguments");
-        SearchArguments::from_arg_matches(&matches).expect("good arguments")
-    }
-
     #[test]
     fn a_case_keeps_what_it_needs_and_is_round() {
-        let words = "search tight-brake --vary actors.0.gap_m=20..60 --vary set_speed_mps=10..40 \
+        let words = "tight-brake --vary actors.0.gap_m=20..60 --vary set_speed_mps=10..40 \
                      --vary plant.length_m=4..6";
-        let problem = Problem::open(&arguments(words)).expect("a problem");
+        let words: Vec<&str> = words.split(' ').collect();
+        let Command { study, options } = Command::<SearchArguments>::read(&words).expect("good");
+        let problem = Problem::open(&study, &options.group).expect("a problem");
         // Nominal: a gap of 27 m, 25 m/s, 4.5 m, all from the scenario.
         let from = [Value::Number(21.234), Value::Number(36.75), Value::Number(5.789)];
         let case = reduce(&problem, &from, &Fake).expect("it runs");

@@ -1,6 +1,6 @@
 //! The problem that the arguments name.
 
-use group::Error;
+use group::{Error, GroupOptions};
 
 use crate::arguments::SearchArguments;
 use crate::problem::{self, Draft, Problem, scenario_name};
@@ -11,8 +11,8 @@ impl Problem {
     ///
     /// # Errors
     /// [`problem::ProblemError`], [`problem::FileError`], or mistakes in the scenario.
-    pub fn open(arguments: &SearchArguments) -> Result<Self, Error> {
-        let name = arguments.scenario.as_deref().unwrap_or_default();
+    pub fn open(arguments: &SearchArguments, group: &GroupOptions) -> Result<Self, Error> {
+        let name = arguments.scenario.as_str();
         let mut draft = match problem::read(name)? {
             Some(file) => file.draft()?,
             None => {
@@ -26,7 +26,7 @@ impl Problem {
             draft.reference = Some(Reference::named(reference));
         }
         let problem = draft.finish(arguments.scenario_options.clone())?;
-        problem.check(&arguments.group)?;
+        problem.check(group)?;
         Ok(problem)
     }
 }

@@ -1,6 +1,5 @@
 //! The result of a search.
 
-use frame::batch::ProcessesSample;
 use report::html::{Tile, figure};
 use report::results::{Column, Document, Kind, Schema, Table, count, nested, number, word};
 use serde::Serialize;
@@ -48,7 +47,6 @@ pub struct Search {
     /// Faults by what they break, with `--faults`.
     faults: Vec<FaultRow>,
     probability: Option<Json>,
-    processes_sample: ProcessesSample,
     #[serde(skip)]
     drives: Vec<Drives>,
 }
@@ -98,7 +96,7 @@ const FIELDS: &[Column<()>] = &[
 /// The schema of the command's JSON.
 #[must_use]
 pub fn schema() -> Schema {
-    frame::schema("search", "Scenes and faults that break a requirement")
+    Schema::new("search", "Scenes and faults that break a requirement")
         .fields(FIELDS)
         .rows("failures", "Minimal cases, the worst first", failure_row::COLUMNS)
         .rows("variables", "The variables", VARIABLES)
@@ -112,7 +110,6 @@ impl Search {
         (method, planned): (MethodName, usize),
         records: &[(usize, Record)],
         distinct: usize,
-        processes_sample: ProcessesSample,
     ) -> Self {
         let values = || records.iter().map(|(_, record)| record.value());
         let least = |values: &mut dyn Iterator<Item = f64>| values.min_by(f64::total_cmp);
@@ -152,19 +149,13 @@ impl Search {
             variables: rows.collect(),
             faults: Vec::new(),
             probability: None,
-            processes_sample,
             drives: Vec::new(),
         }
     }
 
     /// The result of `--probability`, which has no runs of a search.
-    pub fn of_probability(
-        problem: &Problem,
-        (found, ok): (Json, bool),
-        runs: usize,
-        processes_sample: ProcessesSample,
-    ) -> Self {
-        let none = Self::new(problem, (MethodName::Random, runs), &[], 0, processes_sample);
+    pub fn of_probability(problem: &Problem, (found, ok): (Json, bool), runs: usize) -> Self {
+        let none = Self::new(problem, (MethodName::Random, runs), &[], 0);
         Self { ok, method: "probability", runs, probability: Some(found), ..none }
     }
 
@@ -192,7 +183,6 @@ impl Search {
         (planned, reducing_runs, first_violation): (usize, u64, Option<usize>),
         values: Vec<f64>,
         faults: Vec<FaultRow>,
-        sample: ProcessesSample,
     ) -> Self {
         let runs = values.len();
         let least = |values: &mut dyn Iterator<Item = f64>| values.min_by(f64::total_cmp);
@@ -210,7 +200,7 @@ impl Search {
             nearest_miss: least(&mut values.iter().copied().filter(|value| *value >= 0.0)),
             variables: Vec::new(),
             faults,
-            ..Self::new(problem, (MethodName::Sobol, planned), &[], 0, sample)
+            ..Self::new(problem, (MethodName::Sobol, planned), &[], 0)
         }
     }
 

@@ -33,7 +33,7 @@ pub fn first_violation(
         let proposal = chooser.propose(run, &|point| admit(problem, point))?;
         let values = problem.values(&proposal.point);
         let scenario = problem.scenario(&values, seed_of(seed, 6, run as u64))?;
-        let summary = batch::lockstep(&scenario, group, false, going_on)?.summary;
+        let summary = batch::lockstep(&scenario, group, going_on)?.summary;
         let value = judge(&summary).value;
         if value < 0.0 {
             return Ok(Some(run + 1));

@@ -7,9 +7,8 @@ use std::sync::{Condvar, Mutex};
 use std::time::Duration;
 
 use frame::batch::{Done, Job};
-use frame::keep::Key;
-use frame::parts::{self, ShardChoice};
-use frame::{Crew, Found, Needs, Options, RunResult, Study};
+use frame::parts::ShardChoice;
+use frame::{Command, Crew, Entry, Found, Needs, RunOptions, RunResult, Study};
 use group::{Error, Failure, GroupOptions};
 use indicatif::ProgressBar;
 use report::results::Document;
@@ -22,7 +21,7 @@ use crate::faults::Faults;
 use crate::method::{Chooser, MethodName, Proposal, independent, seed_of};
 use crate::minimal::{self, Case, Held, Trial};
 use crate::pictures::Drives;
-use crate::probability;
+use crate::probability::Probability;
 use crate::problem::Problem;
 use crate::record::Record;
 use crate::results::Search;
@@ -56,22 +55,18 @@ impl Failure for PlanError {}
 /// Runs the command.
 ///
 /// # Errors
-/// Mistakes in the arguments or the file, else as [`frame::study::run`].
-pub fn run(arguments: &SearchArguments) -> Result<ExitCode, Error> {
-    // A part that is continued or joined names the whole of which it is a part.
-    let held = parts::held(&arguments.parts)?;
-    let has = |option: &str| {
-        let words = held.iter().flat_map(|study| &study.words);
-        words.into_iter().any(|word| word.starts_with(option))
-    };
-    if arguments.probability || has("--probability") {
-        return probability::run(arguments);
+/// Mistakes in the arguments or the file, else as [`frame::run`].
+pub fn run(command: &Command<SearchArguments>) -> Result<ExitCode, Error> {
+    match &command.study {
+        arguments if arguments.probability => frame::run::<Probability>(command),
+        arguments if arguments.faults.is_some() => frame::run::<Faults>(command),
+        _ => frame::run::<Runs>(command),
     }
-    if arguments.faults.is_some() || has("--faults") {
-        return frame::study::run::<Faults>(arguments);
-    }
-    frame::study::run::<Runs>(arguments)
 }
+
+/// The studies of the command, for `merge` and `resume`.
+pub const STUDIES: [Entry; 3] =
+    [Entry::of::<Runs>(), Entry::of::<Faults>(), Entry::of::<Probability>()];
 
 /// The study.
 struct Runs {
@@ -124,24 +119,19 @@ impl Study for Runs {
     const NAME: &'static str = "search";
     const NEEDS: Needs = Needs::Any;
 
-    fn options(arguments: &SearchArguments) -> Options<'_> {
-        let SearchArguments { parts, jobs, group, results, .. } = arguments;
-        Options { parts: Some(parts), jobs: *jobs, group, results }
-    }
-
-    fn plan(arguments: &SearchArguments) -> Result<Self, Error> {
+    fn plan(arguments: &SearchArguments, options: &RunOptions) -> Result<Self, Error> {
         let (method, replicas) = (arguments.method, arguments.replicas.get());
         if replicas > 1 && method != MethodName::Gp {
             return Err(PlanError::Replicas(method.name()).into());
         }
-        if let Some(shard) = arguments.parts.shard.map(ShardChoice::resolve).transpose()?
+        if let Some(shard) = options.shard.map(ShardChoice::resolve).transpose()?
             && method == MethodName::Gp
             && !replicas.is_multiple_of(shard.count as usize)
         {
             return Err(PlanError::Part { index: shard.index, count: shard.count }.into());
         }
         let seed = arguments.seed()?;
-        let problem = Problem::open(arguments)?;
+        let problem = Problem::open(arguments, &options.group)?;
         let chooser = Chooser::new(method, &problem.kinds(), seed, replicas);
         Ok(Self {
             method,
@@ -149,9 +139,9 @@ impl Study for Runs {
             seed,
             seeds: arguments.seeds.get(),
             cases: arguments.cases.into(),
-            group: arguments.group.clone(),
-            jobs: arguments.jobs,
-            is_quiet: arguments.results.json,
+            group: options.group.clone(),
+            jobs: options.jobs,
+            is_quiet: options.results.json,
             chooser: Mutex::new(chooser),
             ended: Condvar::new(),
             under_way: Mutex::default(),
@@ -161,10 +151,6 @@ impl Study for Runs {
 
     fn runs(&self) -> usize {
         self.budget
-    }
-
-    fn seed(&self) -> u64 {
-        self.seed
     }
 
     fn label(&self) -> String {
@@ -182,11 +168,7 @@ impl Study for Runs {
     fn keys(&self, run: usize) -> Vec<(String, String)> {
         let under_way = self.under_way.lock().expect("no worker panics here");
         let values = under_way.get(&run).map(|proposal| self.problem.values(&proposal.point));
-        self.problem.named(&values.unwrap_or_default())
-    }
-
-    fn columns(&self, _: &[usize]) -> Vec<Key> {
-        self.problem.columns()
+        self.problem.named(&values.unwrap_or_else(|| self.problem.middle()))
     }
 
     fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<RunResult<Record, ()>, Error> {
@@ -222,17 +204,12 @@ impl Study for Runs {
         Ok((record, ()))
     }
 
-    fn describe(&self, run: usize) -> String {
-        let _ = run;
-        format!(" of the search in {}", self.problem.name)
-    }
-
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
-        let Found { records, sample, shard, is_whole, directory, .. } = found;
+        let Found { records, shard, is_whole, directory, .. } = found;
         let records = records.all()?;
         let groups = distinct::groups(&self.problem.variables, &records);
         let plan = (self.method, self.budget);
-        let search = Search::new(&self.problem, plan, &records, groups.len(), sample);
+        let search = Search::new(&self.problem, plan, &records, groups.len());
         // A part and an interrupted search have no last word on what is distinct.
         if shard.is_some() || !is_whole {
             return Ok(search.document(&self.problem, &records));

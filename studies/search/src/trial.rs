@@ -41,7 +41,7 @@ pub fn repeatable(scenario: &Scenario) -> String {
 impl Seeds<'_> {
     fn run(&self, values: &[Value], seed: u64, going_on: &dyn Fn() -> bool) -> Result<Done, Error> {
         let scenario = self.problem.scenario(values, seed)?;
-        batch::lockstep(&scenario, self.group, false, going_on)
+        batch::lockstep(&scenario, self.group, going_on)
     }
 
     /// The drive with a seed.

@@ -2,18 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, FromArgMatches};
+use frame::Command;
 use search::SearchArguments;
 use search::method::{Chooser, MethodName};
 use search::problem::{FAULT, Problem};
 use search::single::admit;
 
 fn open(words: &[&str]) -> Result<Problem, String> {
-    let command = SearchArguments::augment_args(clap::Command::new("search"));
-    let words = std::iter::once(&"search").chain(words);
-    let matches = command.try_get_matches_from(words).expect("good arguments");
-    let arguments = SearchArguments::from_arg_matches(&matches).expect("good arguments");
-    Problem::open(&arguments).map_err(|error| error.to_string())
+    let Command { study, options } = Command::<SearchArguments>::read(words).expect("arguments");
+    Problem::open(&study, &options.group).map_err(|error| error.to_string())
 }
 
 fn folder() -> PathBuf {

@@ -1,17 +1,17 @@
 //! The command's arguments, read and checked.
 
+use std::fmt::Display;
 use std::num::NonZeroUsize;
 
 use clap::Args;
-use group::{Error, Failure, GroupOptions, ScenarioOptions};
-use report::results::ResultOptions;
+use group::{Error, GroupOptions, ScenarioOptions, UsageError};
 use runtime::Mode;
+use serde::{Deserialize, Serialize};
 
 use super::results::STABILITY;
 use super::scene::Plan;
 use frame::batch;
-use frame::keep::Keep;
-use frame::param::{self, Param, ValuesError};
+use frame::param::{self, Param};
 
 /// Frequencies that are swept unless others are given.
 const USUAL_FREQUENCIES: &str = "0.005..0.5/13";
@@ -27,7 +27,7 @@ const MAX_VEHICLES: usize = 1_000;
 const MAX_RUNS: usize = 1_000_000;
 
 /// Arguments of `string`.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub struct StringArguments {
     /// Scenario of the first car: name of a built-in one (see `timegap list`), or a TOML file
     pub scenario: String,
@@ -53,76 +53,6 @@ pub struct StringArguments {
     /// Options of all cars.
     #[command(flatten)]
     pub scenario_options: ScenarioOptions,
-    /// Cars driven at once, each a moment behind the one before it [default: one per core]
-    #[arg(long, value_name = "N")]
-    pub jobs: Option<NonZeroUsize>,
-    /// Keep the trajectories of drives in trajectories.parquet: all, failures, or worst:N by the smallest gap
-    #[arg(long, value_name = "WHICH")]
-    pub keep: Option<Keep>,
-    /// Start of each run's processes.
-    #[command(flatten)]
-    pub group: GroupOptions,
-    /// Directory and forms of the results.
-    #[command(flatten)]
-    pub results: ResultOptions,
-}
-
-/// Reason why a string is not driven.
-#[derive(Debug, thiserror::Error)]
-pub enum StringError {
-    /// It has too many cars.
-    #[error("--vehicles {0}: expected at most {MAX_VEHICLES} cars")]
-    Vehicles(usize),
-    /// Some laws would drive no car.
-    #[error("--controllers: {laws} laws, and --vehicles {vehicles}: expected a car for each law")]
-    Laws {
-        /// Laws that are named.
-        laws: usize,
-        /// Cars.
-        vehicles: usize,
-    },
-    /// The frequencies cannot be read.
-    #[error(
-        "--frequencies {list}: {reason}, expected A..B/N, N frequencies from A to B Hz, or a,b,c"
-    )]
-    Frequencies {
-        /// The argument.
-        list: String,
-        /// The mistake in it.
-        #[source]
-        reason: FrequenciesError,
-    },
-    /// The swept key is the law itself.
-    #[error("--param {key}: each law has a limit of its own, expected laws by --controllers")]
-    SweptLaw {
-        /// The key.
-        key: String,
-    },
-    /// The sweeps are too large.
-    #[error("the sweeps have more than {MAX_RUNS} runs")]
-    TooManyRuns,
-}
-
-impl Failure for StringError {}
-
-/// A list or range of frequencies that cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum FrequenciesError {
-    /// A list cannot be read.
-    #[error(transparent)]
-    List(#[from] ValuesError),
-    /// No car follows at such a frequency.
-    #[error("{0} Hz is not from {LOWEST_HZ} to {HIGHEST_HZ} Hz")]
-    OutOfRange(f64),
-    /// A range without the number of its frequencies.
-    #[error("the range has no number N")]
-    NoCount,
-    /// The number of frequencies.
-    #[error("N is not from 2 to {MAX_FREQUENCIES}")]
-    Count,
-    /// A range that does not rise.
-    #[error("the range begins at its end or after it")]
-    Backwards,
 }
 
 /// The strings to drive, read and checked.
@@ -153,11 +83,12 @@ impl Task {
     /// Reads the arguments.
     ///
     /// # Errors
-    /// [`StringError`] or an error of the scenario.
-    pub fn read(arguments: &StringArguments) -> Result<Self, Error> {
+    /// A string that cannot be driven, or an error of the scenario.
+    pub fn read(arguments: &StringArguments, group: &GroupOptions) -> Result<Self, Error> {
         let vehicles = arguments.vehicles.get();
         if vehicles > MAX_VEHICLES {
-            return Err(StringError::Vehicles(vehicles).into());
+            let expected = format_args!("at most {MAX_VEHICLES} cars");
+            return Err(UsageError::option("--vehicles", vehicles, "too many", expected).into());
         }
         let laws: Vec<Option<String>> = match arguments.controllers.as_slice() {
             [] => vec![arguments.scenario_options.controller.clone()],
@@ -165,7 +96,8 @@ impl Task {
         };
         // A limit is found of each law, in however short a string.
         if laws.len() > vehicles && arguments.param.is_none() {
-            return Err(StringError::Laws { laws: laws.len(), vehicles }.into());
+            let why = format_args!("{} laws, and --vehicles {vehicles}", laws.len());
+            return Err(UsageError::at("--controllers", why, "a car for each law").into());
         }
         let mut shared = arguments.scenario_options.clone();
         shared.require.retain(|requirement| requirement.trim() != STABILITY);
@@ -173,7 +105,7 @@ impl Task {
         let open = |law: &Option<String>, keys: &[String]| {
             let options = ScenarioOptions { controller: law.clone(), ..shared.clone() };
             let scenario = group::open_with(&arguments.scenario, &options, "--param", keys)?;
-            batch::check(&scenario, Mode::Lockstep, &arguments.group)?;
+            batch::check(&scenario, Mode::Lockstep, group)?;
             Ok::<_, Error>(scenario)
         };
         let scenarios = laws.iter().map(|law| open(law, &[])).collect::<Result<Vec<_>, _>>()?;
@@ -194,7 +126,9 @@ impl Task {
             Some(argument) => {
                 let param = Param::parse(argument)?;
                 if param.key == "controller.name" {
-                    return Err(StringError::SweptLaw { key: param.key }.into());
+                    let why = "each law has a limit of its own";
+                    let expected = "laws by --controllers";
+                    return Err(UsageError::option("--param", param.key, why, expected).into());
                 }
                 param::refuse_if_set(
                     &format!("--param {}", param.key),
@@ -222,7 +156,8 @@ impl Task {
         };
         let task = Self { plan, frequencies, sweep, sweep_frequencies, requires_stability };
         if task.runs() > MAX_RUNS {
-            return Err(StringError::TooManyRuns.into());
+            let why = format_args!("the sweeps have {} runs", task.runs());
+            return Err(UsageError::at("--param", why, format_args!("at most {MAX_RUNS}")).into());
         }
         Ok(task)
     }
@@ -235,30 +170,30 @@ impl Task {
 }
 
 /// `A..B/N`: N frequencies from A to B, evenly on a logarithmic scale; or a list by commas.
-fn frequencies(list: &str) -> Result<Vec<f64>, StringError> {
-    spread(list).map_err(|reason| StringError::Frequencies { list: list.to_owned(), reason })
-}
-
-fn spread(list: &str) -> Result<Vec<f64>, FrequenciesError> {
+fn frequencies(list: &str) -> Result<Vec<f64>, UsageError> {
+    let refuse = |why: &dyn Display| {
+        let expected = "A..B/N, N frequencies from A to B Hz, or a,b,c";
+        UsageError::option("--frequencies", list, why, expected)
+    };
     let number = |text: &str| match text.trim().parse::<f64>() {
         Ok(hz) if (LOWEST_HZ..=HIGHEST_HZ).contains(&hz) => Ok(hz),
-        Ok(hz) => Err(FrequenciesError::OutOfRange(hz)),
-        Err(_) => Err(ValuesError::NotANumber(text.trim().to_owned()).into()),
+        Ok(hz) => Err(refuse(&format_args!("{hz} Hz is not from {LOWEST_HZ} to {HIGHEST_HZ} Hz"))),
+        Err(_) => Err(refuse(&format_args!("`{}` is not a number", text.trim()))),
     };
     let Some((from, rest)) = list.split_once("..") else {
-        let all = param::values(list, None)?;
+        let all = param::values(list, None).map_err(|why| refuse(&why))?;
         let mut all = all.iter().map(|hz| number(hz)).collect::<Result<Vec<_>, _>>()?;
         all.sort_by(f64::total_cmp);
         return Ok(all);
     };
-    let (to, count) = rest.split_once('/').ok_or(FrequenciesError::NoCount)?;
+    let (to, count) = rest.split_once('/').ok_or_else(|| refuse(&"the range has no number N"))?;
     let (from, to) = (number(from)?, number(to)?);
     let count = match count.trim().parse::<usize>() {
         Ok(count) if (2..=MAX_FREQUENCIES).contains(&count) => count,
-        _ => return Err(FrequenciesError::Count),
+        _ => return Err(refuse(&format_args!("N is not from 2 to {MAX_FREQUENCIES}"))),
     };
     if from >= to {
-        return Err(FrequenciesError::Backwards);
+        return Err(refuse(&"the range begins at its end or after it"));
     }
     let ratio = libm::log(to / from) / (count - 1) as f64;
     let inner = (1..count - 1).map(|k| from * libm::exp(ratio * k as f64));

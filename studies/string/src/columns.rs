@@ -99,19 +99,9 @@ const POINTS: &[Column<Point>] = &[
     nested("frequencies", Kind::List, "The gain curve"),
 ];
 
-/// A line of `gains.csv`.
-#[derive(serde::Serialize)]
-struct Gain<'a> {
-    string: &'a str,
-    key: &'a str,
-    value: &'a str,
-    #[serde(flatten)]
-    response: &'a Response,
-}
-
 /// Contents of the JSON.
 pub fn schema() -> Schema {
-    frame::schema("string", "A string of cars")
+    Schema::new("string", "A string of cars")
         .fields(FIELDS)
         .rows("vehicles", "The cars, first to last", CARS)
         .rows("frequencies", "The string behind a sine of each frequency", CURVE)
@@ -135,29 +125,4 @@ pub fn limit(limits: &Limits) -> Table {
     let mut columns = POINTS.to_vec();
     columns[0].head.heading = limits.key.clone().into();
     Table::new(&limits.controller, &columns, &limits.points).without_cases()
-}
-
-/// A line for each frequency: of the string, then of each law at each value of the swept key.
-pub fn gains_csv(results: &Results) -> String {
-    let columns: [Column<Gain<'_>>; 6] = [
-        word("string", "", ""),
-        word("key", "", ""),
-        word("value", "", ""),
-        number("hz", "", "", 4, ""),
-        number("gain", "", "", 3, ""),
-        number("head_to_tail_gain", "", "", 3, ""),
-    ];
-    let own = (results.frequencies.iter()).map(|response| Gain {
-        string: "whole",
-        key: "",
-        value: "",
-        response,
-    });
-    let swept = results.limits.iter().flat_map(|limits| {
-        limits.points.iter().flat_map(move |point| {
-            let (string, key, value) = (&limits.controller, &limits.key, &point.value.0);
-            point.frequencies.iter().map(move |response| Gain { string, key, value, response })
-        })
-    });
-    Table::new("", &columns, &own.chain(swept).collect::<Vec<_>>()).csv()
 }

@@ -11,11 +11,9 @@
 //! of Swaroop and Hedrick (1996), in the norms that are printed.
 
 mod arguments;
-mod car_by_car;
+mod cars;
 mod columns;
 mod drive;
-mod driven;
-mod growing;
 mod limits;
 mod measure;
 mod motion;
@@ -24,25 +22,29 @@ mod response;
 mod results;
 mod scene;
 #[cfg(test)]
-mod theory;
+mod theory_tests;
 mod wave;
 
 pub use arguments::StringArguments;
-pub use car_by_car::CarByCar;
+pub use cars::CarByCar;
 pub use columns::schema;
 pub use scene::SceneError;
 
 use std::process::ExitCode;
 
+use frame::{Command, Entry};
 use group::Error;
 
 /// Above this a gain counts as amplification. The margin is for what a measurement over a finite time leaves.
 pub const STABLE_GAIN: f64 = 1.005;
 
+/// The study, for `merge` and `resume`.
+pub const ENTRY: Entry = Entry::of::<drive::Strings>();
+
 /// Runs the command.
 ///
 /// # Errors
-/// A scenario, law or range that cannot be driven, else as [`frame::study::run`].
-pub fn run(arguments: &StringArguments) -> Result<ExitCode, Error> {
-    frame::study::run::<drive::Strings>(arguments)
+/// A scenario, law or range that cannot be driven, else as [`frame::run`].
+pub fn run(command: &Command<StringArguments>) -> Result<ExitCode, Error> {
+    frame::run::<drive::Strings>(command)
 }

@@ -10,13 +10,14 @@
 use controller::laws;
 use group::Drive;
 use scenario::Scenario;
+use serde::{Deserialize, Serialize};
 
 /// Largest deviation, m/s or m, below which a signal is not a disturbance. Its gain would be noise over noise. Cars
 /// behind a constant speed deviate by 0.1 m/s by their radars' noise.
 const QUIET: f64 = 0.2;
 
 /// Two norms of a signal.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Norms {
     /// Root of the integral of the square.
     pub l2: f64,
@@ -67,7 +68,7 @@ pub fn samples(drive: &Drive) -> impl Iterator<Item = Sample> + '_ {
 }
 
 /// The norms of a drive; `None` for a signal that the drive does not have.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Measured {
     /// Norms of the car's speed.
     pub speed: Option<Norms>,

@@ -39,11 +39,6 @@ impl Motion {
         Self(points)
     }
 
-    /// One of these points.
-    pub fn from_points(points: Vec<SpeedPoint>) -> Self {
-        Self(points)
-    }
-
     /// One that never changes its speed.
     #[cfg(test)]
     pub fn constant(speed_mps: f64) -> Self {
@@ -57,12 +52,11 @@ impl Motion {
 }
 
 /// Steps from one point to the next, if a drive has at least this number.
-pub fn stride(steps: usize) -> usize {
+fn stride(steps: usize) -> usize {
     steps.div_ceil(MAX_POINTS).max(1)
 }
 
-/// The point of a step.
-pub fn point(time_s: f64, speed_mps: f64) -> SpeedPoint {
+fn point(time_s: f64, speed_mps: f64) -> SpeedPoint {
     let speed_mps = Speed::try_from(speed_mps.clamp(0.0, 100.0));
     SpeedPoint(time(time_s), speed_mps.expect("inside the range"))
 }

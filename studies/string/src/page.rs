@@ -5,8 +5,8 @@ use report::html::{Tile, figure};
 use report::results::Document;
 use report::table::NONE;
 
+use super::cars::Driven;
 use super::columns;
-use super::driven::Driven;
 use super::limits::Limits;
 use super::results::{Results, cars_in_words};
 
@@ -30,9 +30,7 @@ pub fn document(results: &Results, driven: &[Driven]) -> Document {
         .succeeds(whole && results.meets_requirements())
         .tiles(figures_of(results))
         .figures("Motion", grid(&motion))
-        .table(columns::cars(results))
-        .file("string.csv", columns::cars(results).csv())
-        .file("gains.csv", columns::gains_csv(results));
+        .table(columns::cars(results));
     if driven.len() > 1 {
         document =
             document.figures("Amplification along the string", grid(&figure(&along(results))));

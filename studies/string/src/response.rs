@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::driven::Driven;
+use super::cars::Driven;
 use super::wave::Amplitudes;
 
 /// A sine ahead of a car is lost in its noise when it is smaller than this times the noise ...

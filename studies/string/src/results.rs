@@ -5,11 +5,10 @@ use group::report::{ControlFigures, Outcome};
 use serde::Serialize;
 
 use super::STABLE_GAIN;
-use super::driven::Driven;
+use super::cars::Driven;
 use super::limits::Limits;
 use super::response::{Response, peak};
 use super::scene::Plan;
-use frame::batch::ProcessesSample;
 
 /// Name of the requirement that the string as a whole is judged by.
 pub const STABILITY: &str = "string-stable";
@@ -44,8 +43,6 @@ pub struct Results {
     pub frequencies: Vec<Response>,
     /// Limit of string stability of each law.
     pub limits: Vec<Limits>,
-    /// Runs in one process that were repeated in process groups.
-    pub processes_sample: ProcessesSample,
 }
 
 /// The highest point of a gain curve.
@@ -126,7 +123,6 @@ impl Results {
         cars: &[Driven],
         frequencies: Vec<Response>,
         limits: Vec<Limits>,
-        processes_sample: ProcessesSample,
     ) -> Self {
         let vehicles = vehicles(cars);
         let whole = vehicles.iter().all(Vehicle::reached_the_end);
@@ -161,7 +157,6 @@ impl Results {
             peak,
             frequencies,
             limits,
-            processes_sample,
         }
     }
 
@@ -211,7 +206,7 @@ fn vehicles(cars: &[Driven]) -> Vec<Vehicle> {
         let gap = measured.gap_error.map(|error| error.over(gap_before)).unwrap_or_default();
         let ControlFigures { min_gap_m, max_abs_jerk_mps3, rms_jerk_mps3, .. } = car.figures;
         vehicles.push(Vehicle {
-            index: car.place.index + 1,
+            index: car.index,
             controller: car.controller.clone(),
             outcome: car.outcome,
             requirements: car.requirements.clone(),

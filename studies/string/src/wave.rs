@@ -14,6 +14,7 @@ use std::f64::consts::TAU;
 
 use group::Drive;
 use scenario::Scenario;
+use serde::{Deserialize, Serialize};
 
 use super::measure::{Sample, samples};
 
@@ -118,7 +119,7 @@ impl Wave {
 }
 
 /// Amplitudes of a sine, m/s.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Amplitudes {
     /// Amplitude of the car's speed.
     pub car_mps: f64,

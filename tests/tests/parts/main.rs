@@ -73,7 +73,7 @@ fn a_sweep_in_parts_gives_the_bytes_of_one_machine() {
         succeed(&corner, &[&SWEEP[..], &["--shard", &shard, "--out", out]].concat());
     }
     // The merge names the command that begins part 2.
-    let output = corner.run(&["sweep", "--merge", "c", "a", "--out", "incomplete"]);
+    let output = corner.run(&["merge", "c", "a", "--out", "incomplete"]);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output));
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(said.contains("shard 2/3 is missing, 3 runs"), "{said}");
@@ -83,16 +83,16 @@ fn a_sweep_in_parts_gives_the_bytes_of_one_machine() {
     let words: Vec<&str> = command.split(' ').collect();
     succeed(&corner, &words);
     let part = words.last().expect("a directory");
-    succeed(&corner, &["sweep", "--merge", part, "c", "a", "--out", "merged"]);
+    succeed(&corner, &["merge", part, "c", "a", "--out", "merged"]);
     for name in ["sweep.json", "sweep.csv", "runs.csv", "report.html"] {
         let (whole, merged) = (format!("whole/{name}"), format!("merged/{name}"));
         assert_eq!(file(&corner, &whole), file(&corner, &merged), "{name}");
     }
-    refused(&corner, &["sweep", "--merge", "a", "a", "--out", "x"], &["the same part as"]);
+    refused(&corner, &["merge", "a", "a", "--out", "x"], &["the same part as"]);
     let other = [&SWEEP[..6], &["--seeds", "1..4", "--shard", "2/3", "--out", "other"]].concat();
     succeed(&corner, &other);
-    refused(&corner, &["sweep", "--merge", "a", "other", "--out", "x"], &["another sweep"]);
-    refused(&corner, &["compare", "--merge", "a", "--out", "x"], &["no part of a compare"]);
+    refused(&corner, &["merge", "a", "other", "--out", "x"], &["another sweep"]);
+    refused(&corner, &["merge", "a", "--seed", "3"], &["unexpected argument '--seed'"]);
     corner.expect_nothing_left(&[]);
 }
 
@@ -111,7 +111,7 @@ fn a_comparison_and_a_matrix_in_parts_give_the_figures_of_one_machine() {
             assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
         }
         let merged = format!("{name}-merged");
-        let output = corner.run(&[name, "--merge", &parts[0], &parts[1], "--out", &merged]);
+        let output = corner.run(&["merge", &parts[0], &parts[1], "--out", &merged]);
         assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
         let json = |directory: &str| {
             let text = file(&corner, &format!("{directory}/{name}.json"));
@@ -124,10 +124,6 @@ fn a_comparison_and_a_matrix_in_parts_give_the_figures_of_one_machine() {
         };
         assert_eq!(json(&whole), json(&merged), "{name}");
     }
-    let table = ["--csv", "cut-ins.csv", "--out", "again"];
-    let merged = corner.run(&[&["r157", "--merge", "r157-1", "r157-2"], &table[..]].concat());
-    assert!(matches!(merged.status.code(), Some(0 | 1)), "{}", text(&merged));
-    assert_eq!(file(&corner, "cut-ins.csv").lines().count(), 4, "a heading and three cases");
 }
 
 fn outside_an_array_job_auto_is_refused() {
@@ -159,7 +155,7 @@ fn journals_that_do_not_fit_are_refused() {
         let output = corner.run(&own);
         assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
     }
-    let merge = ["campaign", "--merge", "1", "2", "--out", "x"];
+    let merge = ["merge", "1", "2", "--out", "x"];
     let journal = corner.path().join("2/runs.jsonl");
     let good = std::fs::read_to_string(&journal).expect("a journal");
     let first = good.lines().next().expect("a run").to_owned() + "\n";
@@ -183,7 +179,7 @@ fn journals_that_do_not_fit_are_refused() {
     std::fs::write(&journal, &good[..good.len() - 5]).expect("our own file");
     let output = corner.run(&merge);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output));
-    let words = ["shard 2/2 in 2 is not finished, 1 runs", "timegap campaign --resume 2"];
+    let words = ["shard 2/2 in 2 is not finished, 1 runs", "timegap resume 2"];
     assert!(words.iter().all(|word| text(&output).contains(word)), "{}", text(&output));
 }
 
@@ -204,9 +200,9 @@ fn a_campaigns_part_goes_on_and_is_merged_without_the_file_of_its_command() {
     let kept = std::fs::read_to_string(&journal).expect("a journal");
     let first = kept.lines().next().expect("a run").to_owned() + "\n";
     std::fs::write(&journal, first).expect("our own file");
-    done(&["campaign", "--resume", "2"]);
+    done(&["resume", "2"]);
     assert_eq!(file(&corner, "2/runs.jsonl"), kept, "its own runs, the same bytes");
-    done(&["campaign", "--merge", "1", "2", "--out", "merged"]);
+    done(&["merge", "1", "2", "--out", "merged"]);
     assert_eq!(file(&corner, "merged/campaign.json"), file(&corner, "whole/campaign.json"));
 }
 
@@ -224,7 +220,7 @@ fn a_killed_part_goes_on_with_what_it_kept() {
     child.wait().expect("our own child");
     let kept = lines();
     assert!((2..40).contains(&kept), "{kept} runs were kept");
-    let output = corner.run(&["campaign", "--resume", "killed"]);
+    let output = corner.run(&["resume", "killed"]);
     assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
     let output = corner.run(&[&own[..], &["--out", "whole"]].concat());
     assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
@@ -242,11 +238,13 @@ fn nothing_is_gone_on_with_that_was_not_begun() {
         &["run", "following", "--mode", "lockstep", "--duration", "1", "--out", "run"],
     );
     succeed(&corner, &[&sweep("cut-in")[..], &["--out", "sweep"]].concat());
-    for (place, held) in [("run", "report.html"), ("sweep", "sweep.json")] {
+    for (place, held, words) in
+        [("run", "report.html", "no part.json"), ("sweep", "sweep.json", "it holds another study")]
+    {
         let before = file(&corner, &format!("{place}/{held}"));
         let output = corner.run(&[&sweep("following")[..], &["--resume", place]].concat());
         assert_eq!(output.status.code(), Some(2), "{}", text(&output));
-        assert!(text(&output).contains("no part.json"), "{}", text(&output));
+        assert!(text(&output).contains(words), "{}", text(&output));
         assert_eq!(file(&corner, &format!("{place}/{held}")), before, "replaced");
     }
 }
@@ -259,7 +257,7 @@ fn a_journal_survives_a_full_disk() {
     let script = "mount -t tmpfs -o size=16k none disk && {
         \"$0\" campaign small.toml --seeds 10 --resume disk/out; echo \"first: $?\"
         mount -o remount,size=4m disk
-        \"$0\" campaign --resume disk/out --json > json; echo \"second: $?\"; }";
+        \"$0\" resume disk/out --json > json; echo \"second: $?\"; }";
     let output = Command::new("unshare")
         .args(["--user", "--map-root-user", "--mount", "sh", "-c", script, PROGRAM])
         .current_dir(corner.path())
@@ -268,7 +266,7 @@ fn a_journal_survives_a_full_disk() {
         .expect("it starts");
     let said = text(&output);
     assert!(said.contains("first: 3") && said.contains("No space left"), "{said}");
-    assert!(said.contains("--resume disk/out"), "{said}");
+    assert!(said.contains("timegap resume disk/out"), "{said}");
     let json: serde_json::Value = serde_json::from_str(&file(&corner, "json")).expect("a verdict");
     assert_eq!((&json["runs"], &json["planned"]), (&40.into(), &40.into()), "{said}");
 }
@@ -309,8 +307,7 @@ fn an_array_of_eight_with_a_killed_task_gives_the_bytes_of_one_machine() {
 
     let shards: Vec<String> = (1..=8).map(|task| format!("shards/{task}")).collect();
     let shards: Vec<&str> = shards.iter().map(String::as_str).collect();
-    let output =
-        corner.run(&[&["campaign", "--merge"], &shards[..], &["--out", "merged"]].concat());
+    let output = corner.run(&[&["merge"], &shards[..], &["--out", "merged"]].concat());
     assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
     let output = corner.run(&["campaign", "small.toml", "--out", "whole"]);
     assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));

@@ -13,7 +13,6 @@ use crate::Error;
 use crate::report::{ServiceReport, read};
 use controller::laws::external::Questions;
 use messages::Service;
-pub use perception_sim::Ahead;
 use runtime::{Carrier, Entry, FromService, InProcess, Program, Sealing};
 use scenario::Scenario;
 use std::collections::BTreeMap;
@@ -50,7 +49,7 @@ pub fn run_watched(
     interrupted: &dyn Fn() -> bool,
     watch: &mut dyn FnMut(&Moment<'_>),
 ) -> Result<GroupOutcome, Error> {
-    run_behind(scenario, Sealing::Sealed, Box::new(|_, _| {}), interrupted, watch)
+    drive(scenario, Sealing::Sealed, interrupted, watch)
 }
 
 /// The same for a run whose messages are not compared with another run's. CRCs and digests are not computed, and the
@@ -62,22 +61,16 @@ pub fn run_unsealed(
     scenario: &Scenario,
     interrupted: &dyn Fn() -> bool,
 ) -> Result<GroupOutcome, Error> {
-    run_behind(scenario, Sealing::Unsealed, Box::new(|_, _| {}), interrupted, &mut |_| {})
+    drive(scenario, Sealing::Unsealed, interrupted, &mut |_| {})
 }
 
-/// Either of them behind a vehicle, the scenario's first, whose table of speeds `ahead` makes longer during
-/// the run. The run is to the byte the one with the whole table.
-///
-/// # Errors
-/// As [`run`].
-pub fn run_behind(
+fn drive(
     scenario: &Scenario,
     sealing: Sealing,
-    ahead: Ahead,
     interrupted: &dyn Fn() -> bool,
     watch: &mut dyn FnMut(&Moment<'_>),
 ) -> Result<GroupOutcome, Error> {
-    let mut run = SteppedRun::begin(scenario, sealing, ahead, None)?;
+    let mut run = SteppedRun::begin(scenario, sealing, None)?;
     loop {
         match run.advance()? {
             Advance::Over => return run.finish(),
@@ -123,8 +116,7 @@ pub enum Advance {
 /// let options = group::ScenarioOptions { duration: Some("5".into()), ..Default::default() };
 /// let scenario = group::open("following", &options).expect("built in");
 /// let questions = Questions::default();
-/// let nothing_ahead = Box::new(|_, _: &mut Vec<_>| {});
-/// let mut run = SteppedRun::begin(&scenario, Sealing::Unsealed, nothing_ahead, Some(questions.clone()))?;
+/// let mut run = SteppedRun::begin(&scenario, Sealing::Unsealed, Some(questions.clone()))?;
 /// let mut asked = 0;
 /// loop {
 ///     match run.advance()? {
@@ -162,7 +154,6 @@ impl SteppedRun {
     pub fn begin(
         scenario: &Scenario,
         sealing: Sealing,
-        ahead: Ahead,
         questions: Option<Questions>,
     ) -> Result<Self, Error> {
         check_in_process(scenario)?;
@@ -174,15 +165,12 @@ impl SteppedRun {
         let mut run = InProcess::new(scenario, sealing);
         let log = DriveLog::in_process(&run, scenario)?;
         let told = for_services(scenario, false);
-        let mut perception = Some(|runtime| perception_sim::run_behind(runtime, ahead));
         for service in scenario.services() {
-            let asked = questions.clone().filter(|_| service == Service::Controller);
-            match (perception.take_if(|_| service == Service::PerceptionSim), asked) {
-                (Some(perception), _) => run.start(service, &told, perception)?,
-                (None, Some(questions)) => {
+            match questions.clone().filter(|_| service == Service::Controller) {
+                Some(questions) => {
                     run.start(service, &told, |runtime| controller::run_asked(runtime, questions))?
                 }
-                (None, None) => run.start(service, &told, entry(service))?,
+                None => run.start(service, &told, entry(service))?,
             }
         }
         let mut course = Course::default();

@@ -52,6 +52,7 @@ pub struct ScenarioOptions {
     pub is_in_lockstep: bool,
     /// Names of these options in errors.
     #[arg(skip)]
+    #[serde(skip)]
     pub names: OptionNames,
 }
 
@@ -103,7 +104,7 @@ impl From<HeadingsName> for LaneHeadings {
 }
 
 /// Settings of a group's start.
-#[derive(Clone, Debug, Args, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Args, Serialize, Deserialize)]
 pub struct GroupOptions {
     /// Replace a service with PROGRAM (repeatable)
     #[arg(long = "service", value_name = "NAME=PROGRAM", value_parser = service_program)]

@@ -8,7 +8,7 @@
 use std::process::Command;
 use std::time::Instant;
 
-use clap::{Args, FromArgMatches};
+use frame::Command as Study;
 use search::SearchArguments;
 use search::problem::Problem;
 
@@ -54,10 +54,9 @@ fn search(method: &str, budget: usize) -> [f64; 2] {
 
 /// Processor time of the loop of a run, ms: scenes spread evenly over the box.
 fn floor() -> f64 {
-    let command = SearchArguments::augment_args(clap::Command::new("search"));
-    let matches = command.try_get_matches_from(["search", PROBLEM]).expect("good arguments");
-    let arguments = SearchArguments::from_arg_matches(&matches).expect("good arguments");
-    let problem = Problem::open(&arguments).expect("a published problem");
+    let Study { study, options } =
+        Study::<SearchArguments>::read(&[PROBLEM]).expect("good arguments");
+    let problem = Problem::open(&study, &options.group).expect("a published problem");
     let sobol = search::method::Sobol::new(problem.dimensions(), Some(1));
     let scene = |k: usize| {
         let values = problem.values(&sobol.point(k as u64));

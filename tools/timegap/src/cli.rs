@@ -34,25 +34,29 @@ pub enum Command {
     /// Run a scenario's roadside units for vehicles on other hosts
     Rsu(crate::rsu::RsuArguments),
     /// Run a paper's scenarios and compare the results with its published figures
-    Reproduce(papers::ReproduceArguments),
+    Reproduce(frame::Command<papers::ReproduceArguments>),
     /// Measure latency, jitter and deadline misses against the machine's own floor
     Bench(bench::BenchArguments),
     /// Drive scenarios with several controllers and compare them
-    Compare(comparison::compare::CompareArguments),
+    Compare(frame::Command<comparison::compare::CompareArguments>),
     /// Drive UN R157's cut-in, following and cut-out scenarios with our controllers and its models
-    R157(standards::r157::R157Arguments),
+    R157(frame::Command<standards::r157::R157Arguments>),
     /// Run ISO 15622's tests of adaptive cruise control
-    Iso15622(standards::iso15622::Iso15622Arguments),
+    Iso15622(frame::Command<standards::iso15622::Iso15622Arguments>),
     /// Convert a recorded run to a trace for Perfetto
     Trace(TraceArguments),
     /// Drive many seeded runs with faults and give one verdict
-    Campaign(campaign::CampaignArguments),
+    Campaign(frame::Command<campaign::CampaignArguments>),
     /// Drive a string of cars and print how it amplifies speed changes
-    String(string::StringArguments),
+    String(frame::Command<string::StringArguments>),
     /// Drive a scenario for several values of a key and print a figure of each
-    Sweep(comparison::sweep::SweepArguments),
+    Sweep(frame::Command<comparison::sweep::SweepArguments>),
     /// Search the scenes and faults that break a requirement
-    Search(Box<search::SearchArguments>),
+    Search(Box<frame::Command<search::SearchArguments>>),
+    /// Join the parts of a study
+    Merge(frame::MergeArguments),
+    /// Go on with a study that was interrupted
+    Resume(frame::ResumeArguments),
     /// Show the contents of a recording
     Info(InfoArguments),
     /// Repair a truncated recording
@@ -189,23 +193,27 @@ mod tests {
     fn words_that_would_be_ignored_are_refused() {
         for (line, one, other) in [
             ("timegap layouts --law --msg x", "--law", "--msg <DIR>"),
-            ("timegap compare cacc-a --merge x", "--merge <DIR>", "[SCENARIOS]"),
-            ("timegap compare --merge x --controllers acc-mpc", "--merge <DIR>", "--controllers"),
-            ("timegap compare --merge x --set seed=1", "--merge <DIR>", "--set"),
-            ("timegap sweep cacc-a --merge x", "--merge <DIR>", "[SCENARIO]"),
-            ("timegap sweep --merge x --seeds 1,2", "--merge <DIR>", "--seeds"),
-            ("timegap sweep --merge x --jobs 2", "--merge <DIR>", "--jobs"),
-            ("timegap r157 --merge x --sample 2", "--merge <DIR>", "--sample"),
-            ("timegap r157 --merge x --processes", "--merge <DIR>", "--processes"),
-            ("timegap campaign --merge x --jobs 2", "--merge <DIR>", "--jobs"),
+            (
+                "timegap sweep cacc-a --param a=1 --resume x --out y",
+                "--resume <DIR>",
+                "--out <DIR>",
+            ),
+            ("timegap compare cacc-a --resume x --keep all", "--keep <WHICH>", "--resume <DIR>"),
+            ("timegap r157 --models-only --processes", "--models-only", "--processes"),
         ] {
             let said = refusal(line);
             let says = said.contains("cannot be used with") && said.contains(one);
             assert!(says && said.contains(other), "{line}: {said}");
         }
-        for line in ["timegap compare --merge x y --json", "timegap r157 --merge x --out z --force"]
-        {
+        for line in ["timegap merge x y --out z --force", "timegap resume x --jobs 2 --json"] {
             assert!(Cli::of(line.split(' ')).is_ok(), "{line}");
+        }
+        for (line, what) in [
+            ("timegap merge x --seed 3", "unexpected argument '--seed'"),
+            ("timegap resume x --out y", "--shard <I/N>"),
+            ("timegap resume x --require comfort", "unexpected argument '--require'"),
+        ] {
+            assert!(refusal(line).contains(what), "{line}: {}", refusal(line));
         }
     }
 

@@ -76,6 +76,8 @@ fn run_command() -> ExitCode {
         Command::String(arguments) => string::run(&arguments),
         Command::Sweep(arguments) => comparison::sweep::run(&arguments),
         Command::Search(arguments) => search::run(&arguments),
+        Command::Merge(arguments) => frame::merge(&arguments, &studies()),
+        Command::Resume(arguments) => frame::resume(&arguments, &studies()),
         Command::Info(arguments) => recordings::info::run(&arguments),
         Command::Recover(arguments) => recordings::recover::run(&arguments),
         Command::Export(arguments) => recordings::export::run(&arguments),
@@ -101,6 +103,19 @@ fn run_command() -> ExitCode {
         }
         error.exit_code()
     })
+}
+
+/// All studies, for `merge` and `resume`.
+fn studies() -> Vec<frame::Entry> {
+    let one = [
+        papers::ENTRY,
+        comparison::compare::ENTRY,
+        comparison::sweep::ENTRY,
+        standards::r157::ENTRY,
+        standards::iso15622::ENTRY,
+        string::ENTRY,
+    ];
+    [&one[..], &campaign::STUDIES, &search::STUDIES].concat()
 }
 
 /// Turns a write beyond the limit on file sizes (`ulimit -f`) from the end of the process into an error.

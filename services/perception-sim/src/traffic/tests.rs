@@ -117,27 +117,6 @@ fn a_table_of_speeds_is_followed_between_and_beyond_its_points() {
 }
 
 #[test]
-fn a_table_that_grows_on_the_way_moves_a_vehicle_as_the_whole_one_does() {
-    let all: Vec<String> =
-        (0..200_u32).map(|k| format!("[{}, {}]", f64::from(k) * 0.02, 9 + k % 7)).collect();
-    let table = |count: usize| format!("profile.speeds = [{}]", all[..count].join(", "));
-    let mut whole = lead(&table(200));
-    let Profile::Speeds(points) = whole.movers[0].actor.profile.clone() else { panic!("so") };
-    let (mut growing, mut asked) = (lead(&table(1)), 0);
-    for time_ns in (0..=5_000_000_000).step_by(PERIOD_NS as usize) {
-        growing.learn(time_ns, &mut |until_s, known| {
-            asked += 1;
-            let wanted = points.partition_point(|point| point.0.value() <= until_s) + 1;
-            known.extend_from_slice(&points[known.len()..wanted.min(points.len())]);
-        });
-        whole.advance(time_ns, &ego(0.0));
-        growing.advance(time_ns, &ego(0.0));
-        assert_eq!(growing.vehicles(), whole.vehicles(), "{time_ns}");
-    }
-    assert!(asked > 70, "{asked}");
-}
-
-#[test]
 fn a_vehicle_appears_relative_to_the_ego_and_leaves() {
     let mut traffic = lead("initial_speed_mps = 10\nappears_at_s = 2\nleaves_at_s = 4");
     traffic.advance(1_950_000_000, &ego(30.0));

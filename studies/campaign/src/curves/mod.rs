@@ -27,7 +27,7 @@ use std::num::{NonZeroU32, NonZeroUsize};
 use std::process::ExitCode;
 
 use frame::batch::{Done, Job};
-use frame::{Found, Options, Study};
+use frame::{Command, Entry, Found, RunOptions, Study};
 use group::{Error, LawOptions};
 use judge::Kept;
 use report::results::Document;
@@ -49,10 +49,13 @@ const RUNS: usize = Scene::ALL.len() * sources::ALL.len();
 /// Runs the campaign, or joins its parts.
 ///
 /// # Errors
-/// As [`frame::study::run`].
-pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
-    frame::study::run::<Curves>(arguments)
+/// As [`frame::run`].
+pub fn run(command: &Command<CampaignArguments>) -> Result<ExitCode, Error> {
+    frame::run::<Curves>(command)
 }
+
+/// The study, for `merge` and `resume`.
+pub const ENTRY: Entry = Entry::of::<Curves>();
 
 /// The study: each scene with each set of sources.
 struct Curves {
@@ -78,13 +81,9 @@ impl Study for Curves {
     type Record = Kept;
     type Seen = ();
 
-    const NAME: &'static str = "campaign";
+    const NAME: &'static str = NAME;
 
-    fn options(arguments: &CampaignArguments) -> Options<'_> {
-        arguments.options()
-    }
-
-    fn plan(arguments: &CampaignArguments) -> Result<Self, Error> {
+    fn plan(arguments: &CampaignArguments, _: &RunOptions) -> Result<Self, Error> {
         let count = arguments.seeds.map_or(NUMBERS, NonZeroU32::get);
         Ok(Self {
             first: arguments.first.map_or(1, NonZeroUsize::get),
@@ -96,10 +95,6 @@ impl Study for Curves {
 
     fn runs(&self) -> usize {
         self.count * RUNS
-    }
-
-    fn label(&self) -> String {
-        NAME.to_owned()
     }
 
     fn job(&self, run: usize) -> Result<Job, Error> {
@@ -129,14 +124,9 @@ impl Study for Curves {
         keys.map(|(key, value)| (key.to_owned(), value)).to_vec()
     }
 
-    fn describe(&self, run: usize) -> String {
-        let (number, scene, sources) = self.run(run);
-        format!(" ({} {number}, {})", scene.name(), sources.name)
-    }
-
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
         let kept: Vec<Kept> = found.records.all()?.into_iter().map(|(_, kept)| kept).collect();
-        Ok(table::document(&kept, &self.laws, found.sample))
+        Ok(table::document(&kept, &self.laws))
     }
 }
 

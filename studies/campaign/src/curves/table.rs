@@ -1,6 +1,5 @@
 //! The result: all drives added up, and the limits.
 
-use frame::batch::ProcessesSample;
 use group::LawOptions;
 use report::results::{
     Column, Document, Format, Kind, Schema, Table, column, count, fact, flag, nested, number,
@@ -39,7 +38,6 @@ struct Results {
     law: Option<String>,
     failures: Vec<String>,
     margins: Vec<Least>,
-    processes_sample: ProcessesSample,
 }
 
 /// A figure with its limit.
@@ -146,7 +144,7 @@ const FAILURES: &[Column<Kept>] = &[
 /// Contents of the JSON.
 #[must_use]
 pub fn schema() -> Schema {
-    frame::schema(NAME, "Random curved roads, and curve entries and exits with queues")
+    Schema::new(NAME, "Random curved roads, and curve entries and exits with queues")
         .fields(FIELDS)
         .rows("sources", "Figures with each set of sources of the course", &figures::columns())
         .rows("places", "Figures by part of a curve", &figures::place_columns())
@@ -155,8 +153,8 @@ pub fn schema() -> Schema {
 }
 
 /// The document of all drives.
-pub fn document(runs: &[Kept], laws: &LawOptions, processes_sample: ProcessesSample) -> Document {
-    let results = Results::of(runs, laws.only(), processes_sample);
+pub fn document(runs: &[Kept], laws: &LawOptions) -> Document {
+    let results = Results::of(runs, laws.only());
     let law = laws.only().unwrap_or(LAW);
     let failed: Vec<Kept> = runs.iter().filter(|run| is_failure(run)).cloned().collect();
     let met = results.limits.iter().filter(|limit| limit.met).count();
@@ -215,7 +213,7 @@ fn with_sources(runs: &[Kept]) -> impl Iterator<Item = (&'static str, Vec<&Kept>
 }
 
 impl Results {
-    fn of(runs: &[Kept], law: Option<&str>, processes_sample: ProcessesSample) -> Self {
+    fn of(runs: &[Kept], law: Option<&str>) -> Self {
         let judged: Vec<&Kept> = runs.iter().filter(|run| run.sources == JUDGED.name).collect();
         let figures = Figures::of(JUDGED.name, &judged);
         let limits = Limit::all(&figures);
@@ -248,7 +246,6 @@ impl Results {
             margins: verdicts::least(judged.iter().map(|run| {
                 (format!("{} {}", run.scene.name(), run.number), run.requirements.as_slice())
             })),
-            processes_sample,
         }
     }
 }
@@ -302,15 +299,15 @@ mod tests {
         straight.places[0] = Sums { lost_s: 90.0, losses: 30, ..straight.places[0] };
         straight.outcome = Outcome::Collision;
         runs.push(straight);
-        let results = Results::of(&runs, None, ProcessesSample::default());
+        let results = Results::of(&runs, None);
         assert!(results.ok, "{:?}", results.limits);
         assert_eq!(results.sources.len(), 2);
         assert_eq!(results.sources[0].lead_lost, Often { share: 0.6, per_km: 6.0 });
         assert_eq!(results.lead_lost, Often::default());
         runs[1].interventions = 1;
-        let results = Results::of(&runs, None, ProcessesSample::default());
+        let results = Results::of(&runs, None);
         assert!(!results.ok && results.phantom_interventions == 1);
-        let document = document(&runs, &LawOptions::default(), ProcessesSample::default());
+        let document = document(&runs, &LawOptions::default());
         assert!(document.junit().contains("<failure"), "{}", document.junit());
         assert!(document.console(200).contains("6 of 7 limits met"), "{}", document.console(200));
         assert_eq!(report::results::check(&schema().json(), &document.value()), [""; 0]);
@@ -320,7 +317,7 @@ mod tests {
     fn a_loss_too_many_exceeds_its_limit() {
         let mut runs = all(JUDGED.name);
         runs[0].places[1] = Sums { km: 0.0, losses: 1, ..Sums::default() };
-        let results = Results::of(&runs, None, ProcessesSample::default());
+        let results = Results::of(&runs, None);
         assert_eq!(results.lead_lost.per_km, 0.2);
         let exceeded: Vec<_> =
             results.limits.iter().filter(|limit| !limit.met).map(|limit| limit.name).collect();

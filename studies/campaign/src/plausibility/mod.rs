@@ -21,7 +21,7 @@ pub use table::schema;
 use std::process::ExitCode;
 
 use frame::batch::{Done, Job};
-use frame::{Found, Options, Study};
+use frame::{Command, Entry, Found, RunOptions, Study};
 use group::report::CheckReport;
 use group::{Error, LawOptions, RequirementVerdict, ScenarioOptions};
 use report::results::Document;
@@ -109,10 +109,13 @@ fn quiet(seed: u32, laws: &LawOptions, hours: f64) -> Result<Vec<Planned>, Error
 /// Runs the campaign, or joins its parts.
 ///
 /// # Errors
-/// As [`frame::study::run`].
-pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
-    frame::study::run::<Checks>(arguments)
+/// As [`frame::run`].
+pub fn run(command: &Command<CampaignArguments>) -> Result<ExitCode, Error> {
+    frame::run::<Checks>(command)
 }
+
+/// The study, for `merge` and `resume`.
+pub const ENTRY: Entry = Entry::of::<Checks>();
 
 /// The study: random drives without faults, then the drives with each false sender.
 struct Checks {
@@ -129,13 +132,9 @@ impl Study for Checks {
     type Record = Kept;
     type Seen = ();
 
-    const NAME: &'static str = "campaign";
+    const NAME: &'static str = NAME;
 
-    fn options(arguments: &CampaignArguments) -> Options<'_> {
-        arguments.options()
-    }
-
-    fn plan(arguments: &CampaignArguments) -> Result<Self, Error> {
+    fn plan(arguments: &CampaignArguments, _: &RunOptions) -> Result<Self, Error> {
         let seed = arguments.seed.unwrap_or(1);
         let laws = arguments.one_law(NAME)?.clone();
         let mut drives = quiet(seed, &laws, arguments.hours.map_or(HOURS, f64::from))?;
@@ -147,14 +146,6 @@ impl Study for Checks {
 
     fn runs(&self) -> usize {
         self.drives.len()
-    }
-
-    fn seed(&self) -> u64 {
-        self.seed.into()
-    }
-
-    fn label(&self) -> String {
-        NAME.to_owned()
     }
 
     fn job(&self, run: usize) -> Result<Job, Error> {
@@ -190,19 +181,9 @@ impl Study for Checks {
         vec![("fault".to_owned(), fault), ("drive".to_owned(), drive.to_string())]
     }
 
-    fn describe(&self, run: usize) -> String {
-        match self.drives[run] {
-            Planned::Quiet(number) => format!(" ({}-{number})", draw::kind(number)),
-            Planned::Faulty(case, drive) => {
-                let (fault, size, ..) = CASES[case];
-                format!(" ({fault} {size}, drive {})", drive + 1)
-            }
-        }
-    }
-
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
         let kept = found.records.all()?;
-        let mut results = results::Results::new(self.seed, self.laws.only(), found.sample);
+        let mut results = results::Results::new(self.seed, self.laws.only());
         for (run, kept) in &kept {
             match self.drives[*run] {
                 Planned::Quiet(number) => results.quiet(draw::kind(number), kept),
@@ -211,8 +192,14 @@ impl Study for Checks {
         }
         results.finish();
         results.require(verdicts::least(kept.iter().map(|(run, kept)| {
-            let name = self.describe(*run);
-            (name.trim_matches([' ', '(', ')']).to_owned(), kept.requirements.as_slice())
+            let name = match self.drives[*run] {
+                Planned::Quiet(number) => format!("{}-{number}", draw::kind(number)),
+                Planned::Faulty(case, drive) => {
+                    let (fault, size, ..) = CASES[case];
+                    format!("{fault} {size}, drive {}", drive + 1)
+                }
+            };
+            (name, kept.requirements.as_slice())
         })));
         Ok(table::document(&results))
     }

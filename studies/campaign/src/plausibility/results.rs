@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use frame::batch::ProcessesSample;
 use report::verdicts::Least;
 use serde::Serialize;
 
@@ -102,12 +101,11 @@ pub struct Results {
     pub faults: Vec<Found>,
     /// Requirements of the command: their least margins over all drives.
     pub margins: Vec<Least>,
-    processes_sample: ProcessesSample,
 }
 
 impl Results {
     /// The result without a drive.
-    pub fn new(seed: u32, law: Option<&str>, processes_sample: ProcessesSample) -> Self {
+    pub fn new(seed: u32, law: Option<&str>) -> Self {
         let faults = CASES.map(|(fault, size, scenario, ..)| Found {
             fault,
             size,
@@ -129,7 +127,6 @@ impl Results {
             kinds: BTreeMap::new(),
             faults: faults.into(),
             margins: Vec::new(),
-            processes_sample,
         }
     }
 

@@ -62,7 +62,7 @@ pub fn schema() -> Schema {
         word("scenario", "", "The drive with that value"),
     ];
     let check: Vec<Column<()>> = own.into_iter().chain(rate("")).collect();
-    frame::schema(
+    Schema::new(
         NAME,
         "False alarms of the controller's checks, and the false senders that they find",
     )
@@ -196,7 +196,6 @@ pub fn document(results: &Results) -> Document {
 mod tests {
     use super::super::Kept;
     use super::*;
-    use frame::batch::ProcessesSample;
     use group::report::CheckReport;
 
     #[test]
@@ -207,7 +206,7 @@ mod tests {
             checks: vec![CheckReport { check: "motion".to_owned(), cycles, first_s, nearest: 0.4 }],
             requirements: Vec::new(),
         };
-        let mut results = Results::new(1, None, ProcessesSample::default());
+        let mut results = Results::new(1, None);
         results.quiet(KINDS[0].0, &kept(0, None));
         results.quiet(KINDS[0].0, &kept(3, Some(7.0)));
         results.faulty(0, 5.0, &kept(9, Some(5.25)));

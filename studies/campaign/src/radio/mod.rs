@@ -14,7 +14,7 @@ use std::num::NonZeroUsize;
 use std::process::ExitCode;
 
 use frame::batch::{Done, Job};
-use frame::{Found, Options, Study};
+use frame::{Command, Entry, Found, RunOptions, Study};
 use group::report::Outcome;
 use group::{Error, LawOptions, RequirementVerdict, ScenarioOptions};
 use report::results::Document;
@@ -139,10 +139,13 @@ fn job(number: usize, laws: &LawOptions, require: &[String]) -> Result<Job, Erro
 /// Runs the campaign, or joins its parts.
 ///
 /// # Errors
-/// As [`frame::study::run`].
-pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
-    frame::study::run::<Drives>(arguments)
+/// As [`frame::run`].
+pub fn run(command: &Command<CampaignArguments>) -> Result<ExitCode, Error> {
+    frame::run::<Drives>(command)
 }
+
+/// The study, for `merge` and `resume`.
+pub const ENTRY: Entry = Entry::of::<Drives>();
 
 /// The study: each number is a run.
 struct Drives {
@@ -158,23 +161,15 @@ impl Study for Drives {
     type Record = Kept;
     type Seen = ();
 
-    const NAME: &'static str = "campaign";
+    const NAME: &'static str = NAME;
 
-    fn options(arguments: &CampaignArguments) -> Options<'_> {
-        arguments.options()
-    }
-
-    fn plan(arguments: &CampaignArguments) -> Result<Self, Error> {
+    fn plan(arguments: &CampaignArguments, _: &RunOptions) -> Result<Self, Error> {
         let laws = arguments.one_law(NAME)?.clone();
         Ok(Self { numbers: Numbers::of(arguments), laws, require: arguments.require.clone() })
     }
 
     fn runs(&self) -> usize {
         self.numbers.count
-    }
-
-    fn label(&self) -> String {
-        NAME.to_owned()
     }
 
     fn job(&self, run: usize) -> Result<Job, Error> {
@@ -191,21 +186,13 @@ impl Study for Drives {
         Ok((Kept { law_options: self.laws.words(), ..kept }, ()))
     }
 
-    fn notice(&self, kept: &Kept) -> Option<String> {
-        (!kept.holds()).then(|| kept.failure())
-    }
-
     fn keys(&self, run: usize) -> Vec<(String, String)> {
         vec![("number".to_owned(), self.numbers.number(run).to_string())]
     }
 
-    fn describe(&self, run: usize) -> String {
-        format!(" (number {})", self.numbers.number(run))
-    }
-
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
         let kept: Vec<Kept> = found.records.all()?.into_iter().map(|(_, kept)| kept).collect();
-        Ok(table::document(&kept, found.sample))
+        Ok(table::document(&kept))
     }
 }
 

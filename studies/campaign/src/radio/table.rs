@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use frame::batch::ProcessesSample;
 use report::print::outcome_word;
 use report::results::{
     Column, Document, Format, Kind, Schema, Table, column, count, nested, number, outcome, word,
@@ -31,7 +30,6 @@ struct Results {
     signals_lost_s: f64,
     driven_s: f64,
     margins: Vec<Least>,
-    processes_sample: ProcessesSample,
 }
 
 /// Fields of the JSON.
@@ -87,14 +85,14 @@ const FRAMES: &[Column<Frames>] = &[
 /// Contents of the JSON.
 #[must_use]
 pub fn schema() -> Schema {
-    frame::schema(NAME, "Drives through signals whose frames are lost, late and falsified")
+    Schema::new(NAME, "Drives through signals whose frames are lost, late and falsified")
         .fields(FIELDS)
         .rows("margins", "Least margins of the requirements of the command", LEAST)
 }
 
 /// The document of all runs.
-pub fn document(runs: &[Kept], processes_sample: ProcessesSample) -> Document {
-    let results = Results::of(runs, processes_sample);
+pub fn document(runs: &[Kept]) -> Document {
+    let results = Results::of(runs);
     let frames = results.verdicts.iter().map(|(verdict, &count)| {
         let share_percent = 100.0 * count as f64 / results.frames.max(1) as f64;
         Frames { verdict: verdict.replace('_', " "), count, share_percent }
@@ -125,7 +123,7 @@ pub fn document(runs: &[Kept], processes_sample: ProcessesSample) -> Document {
 }
 
 impl Results {
-    fn of(runs: &[Kept], processes_sample: ProcessesSample) -> Self {
+    fn of(runs: &[Kept]) -> Self {
         let (mut outcomes, mut verdicts) = (BTreeMap::new(), BTreeMap::new());
         for run in runs {
             *outcomes.entry(outcome_word(run.outcome).to_lowercase()).or_default() += 1;
@@ -148,7 +146,6 @@ impl Results {
             margins: verdicts::least(
                 runs.iter().map(|run| (format!("run {}", run.number), run.requirements.as_slice())),
             ),
-            processes_sample,
         }
     }
 }
@@ -172,7 +169,7 @@ mod tests {
             requirements: Vec::new(),
         };
         let runs = [run(1, Outcome::Completed), run(2, Outcome::RedLight)];
-        let document = document(&runs, ProcessesSample::default());
+        let document = document(&runs);
         assert!(!document.is_ok());
         let text = document.console(80);
         assert!(

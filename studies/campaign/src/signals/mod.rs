@@ -23,7 +23,7 @@ use std::process::ExitCode;
 use controller::laws;
 use draw::Corridor;
 use frame::batch::{Done, Job};
-use frame::{Found, Options, Study};
+use frame::{Command, Entry, Found, RunOptions, Study};
 use group::{Error, LawOptions};
 use judge::Kept;
 use report::results::Document;
@@ -82,10 +82,13 @@ fn scenario(
 /// Runs the campaign, or joins its parts.
 ///
 /// # Errors
-/// As [`frame::study::run`].
-pub fn run(arguments: &CampaignArguments) -> Result<ExitCode, Error> {
-    frame::study::run::<Corridors>(arguments)
+/// As [`frame::run`].
+pub fn run(command: &Command<CampaignArguments>) -> Result<ExitCode, Error> {
+    frame::run::<Corridors>(command)
 }
+
+/// The study, for `merge` and `resume`.
+pub const ENTRY: Entry = Entry::of::<Corridors>();
 
 /// The study: each corridor with each law.
 struct Corridors {
@@ -110,13 +113,9 @@ impl Study for Corridors {
     type Record = Kept;
     type Seen = ();
 
-    const NAME: &'static str = "campaign";
+    const NAME: &'static str = NAME;
 
-    fn options(arguments: &CampaignArguments) -> Options<'_> {
-        arguments.options()
-    }
-
-    fn plan(arguments: &CampaignArguments) -> Result<Self, Error> {
+    fn plan(arguments: &CampaignArguments, _: &RunOptions) -> Result<Self, Error> {
         let own = arguments.laws.clone();
         own.check()?;
         let laws = LAWS.map(str::to_owned).into_iter().chain(own.names()).collect();
@@ -126,10 +125,6 @@ impl Study for Corridors {
 
     fn runs(&self) -> usize {
         self.numbers.count * self.laws.len()
-    }
-
-    fn label(&self) -> String {
-        NAME.to_owned()
     }
 
     fn job(&self, run: usize) -> Result<Job, Error> {
@@ -153,14 +148,9 @@ impl Study for Corridors {
         vec![("corridor".to_owned(), self.run(run).0.to_string())]
     }
 
-    fn describe(&self, run: usize) -> String {
-        let (number, law) = self.run(run);
-        format!(" (corridor {number}, {law})")
-    }
-
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
         let kept: Vec<Kept> = found.records.all()?.into_iter().map(|(_, kept)| kept).collect();
-        Ok(table::document(&kept, found.sample))
+        Ok(table::document(&kept))
     }
 }
 

@@ -1,6 +1,5 @@
 //! The result: all drives added up, and the goals.
 
-use frame::batch::ProcessesSample;
 use group::report::Outcome;
 use report::results::{
     Column, Document, Format, Kind, Schema, Table, column, count, fact, flag, nested, number,
@@ -26,7 +25,6 @@ struct Results {
     goals: Vec<Goal>,
     failures: Vec<String>,
     margins: Vec<Least>,
-    processes_sample: ProcessesSample,
 }
 
 /// Figures of a law.
@@ -131,23 +129,20 @@ pub fn schema() -> Schema {
         .into_iter()
         .chain(["", "free.", "led."].into_iter().flat_map(figures::columns))
         .collect();
-    frame::schema(
-        NAME,
-        "Corridors of signals, driven by cacc-mpc and by an ACC that stops for them",
-    )
-    .fields(FIELDS)
-    .rows("laws", "Each law over all corridors, without a lead, and with one", &laws)
-    .rows("goals", "Figures of cacc-mpc that may be at most a share of the rival's", GOALS)
-    .rows(
-        "margins",
-        "Least margins of the requirements of the command, but for the rival's",
-        LEAST,
-    )
+    Schema::new(NAME, "Corridors of signals, driven by cacc-mpc and by an ACC that stops for them")
+        .fields(FIELDS)
+        .rows("laws", "Each law over all corridors, without a lead, and with one", &laws)
+        .rows("goals", "Figures of cacc-mpc that may be at most a share of the rival's", GOALS)
+        .rows(
+            "margins",
+            "Least margins of the requirements of the command, but for the rival's",
+            LEAST,
+        )
 }
 
 /// The document of all drives.
-pub fn document(runs: &[Kept], processes_sample: ProcessesSample) -> Document {
-    let results = Results::of(runs, processes_sample);
+pub fn document(runs: &[Kept]) -> Document {
+    let results = Results::of(runs);
     let columns: Vec<Column<Line<'_>>> =
         [word("kind", "corridors", "Kind of the corridors"), word("law", "law", "Control law")]
             .into_iter()
@@ -183,7 +178,7 @@ pub fn document(runs: &[Kept], processes_sample: ProcessesSample) -> Document {
 }
 
 impl Results {
-    fn of(runs: &[Kept], processes_sample: ProcessesSample) -> Self {
+    fn of(runs: &[Kept]) -> Self {
         let mut names: Vec<&str> = LAWS.to_vec();
         for run in runs {
             if !names.contains(&run.law.as_str()) {
@@ -218,7 +213,6 @@ impl Results {
             goals,
             failures,
             margins,
-            processes_sample,
         }
     }
 }
@@ -262,14 +256,14 @@ mod tests {
     fn a_goal_is_judged_by_the_rival_and_a_red_light_by_itself() {
         let done = Outcome::Completed;
         let runs = [run(OURS, 2.0, 3, done), run(RIVAL, 5.0, 2, done)];
-        let results = Results::of(&runs, ProcessesSample::default());
+        let results = Results::of(&runs);
         assert!(results.ok);
         assert_eq!(
             results.goals.iter().map(|goal| goal.met).collect::<Vec<_>>(),
             [true, true, true]
         );
         let runs = [run(OURS, 3.0, 2, Outcome::RedLight), run(RIVAL, 5.0, 2, Outcome::RedLight)];
-        let results = Results::of(&runs, ProcessesSample::default());
+        let results = Results::of(&runs);
         assert!(
             !results.ok && results.failures.len() == 1 && results.failures[0].contains("red light")
         );
@@ -277,7 +271,7 @@ mod tests {
             results.goals.iter().map(|goal| goal.met).collect::<Vec<_>>(),
             [false, false, false]
         );
-        let document = document(&runs, ProcessesSample::default());
+        let document = document(&runs);
         assert!(
             document.console(80).contains("cacc-mpc: 1 red lights"),
             "{}",

@@ -187,7 +187,7 @@ pub fn schema() -> Schema {
     };
     let means: Vec<Column<Means>> =
         OF_SEEDS.iter().cloned().chain(ALL.iter().flat_map(spread)).collect();
-    frame::schema("compare", "Laws side by side on the same scenarios")
+    Schema::new("compare", "Laws side by side on the same scenarios")
         .fields(FIELDS)
         .rows("rows", "A row for each scenario, law and seed", &columns)
         .rows("means", "A row for each scenario and law, over its seeds", &means)

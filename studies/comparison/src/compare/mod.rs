@@ -18,31 +18,25 @@ pub use results::over_seeds;
 use clap::Args;
 use frame::batch::{self, Done, Job};
 use frame::param;
-use frame::parts::{self, PartOptions};
-use frame::{Found, Needs, Options, Study, seeds};
-use group::{Error, Failure, GroupOptions, LawOptions, ModeName, ScenarioOptions};
+use frame::{Command, Entry, Found, Needs, RunOptions, Study, seeds};
+use group::{Error, Failure, LawOptions, ModeName, ScenarioOptions};
 use messages::Service;
 use report::RunPicture;
-use report::results::{Document, ResultOptions};
+use report::results::Document;
 use results::{document, drives};
 use row::Row;
 use runtime::Mode;
 use scenario::Scenario;
 use scenario::quantity::Seed;
-use std::num::NonZeroUsize;
+use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Options that a merge takes from the parts.
-const WITHOUT_MERGE: [&str; 8] =
-    ["scenarios", "controllers", "laws", "seeds", "mode", "set", "require", "jobs"];
-
 /// Arguments of `compare`.
-#[derive(Debug, Args)]
-#[command(mut_arg("merge", |merge| merge.conflicts_with_all(WITHOUT_MERGE).conflicts_with_all(parts::OF_RUNS)))]
+#[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub struct CompareArguments {
     /// Names of built-in scenarios, or TOML files
-    #[arg(required_unless_present_any = ["merge", "resume"])]
+    #[arg(required = true)]
     pub scenarios: Vec<String>,
     /// Controllers, by commas [default: all]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
@@ -62,26 +56,14 @@ pub struct CompareArguments {
     /// Judge every drive by a requirement as well: a formula or a name (repeatable; docs/search.md)
     #[arg(long = "require", value_name = "FORMULA")]
     pub require: Vec<String>,
-    /// Runs at once [default: one per core; 1 in realtime]
-    #[arg(long, value_name = "N")]
-    pub jobs: Option<NonZeroUsize>,
-    /// Parts of the comparison.
-    #[command(flatten)]
-    pub parts: PartOptions,
-    /// Start of each run's processes.
-    #[command(flatten)]
-    pub group: GroupOptions,
-    /// Directory and forms of the results.
-    #[command(flatten)]
-    pub results: ResultOptions,
 }
 
 /// Runs the command.
 ///
 /// # Errors
-/// A scenario or law that cannot be driven, else as [`frame::study::run`].
-pub fn run(arguments: &CompareArguments) -> Result<ExitCode, Error> {
-    frame::study::run::<Laws>(arguments)
+/// A scenario or law that cannot be driven, else as [`frame::run`].
+pub fn run(command: &Command<CompareArguments>) -> Result<ExitCode, Error> {
+    frame::run::<Laws>(command)
 }
 
 /// A scenario would be driven twice, in rows that look the same.
@@ -104,6 +86,9 @@ pub struct OneProgram {
 }
 
 impl Failure for OneProgram {}
+
+/// The study, for `merge` and `resume`.
+pub const ENTRY: Entry = Entry::of::<Laws>();
 
 /// The study: each scenario with each law and each seed.
 struct Laws {
@@ -184,15 +169,10 @@ impl Study for Laws {
     const NAME: &'static str = "compare";
     const NEEDS: Needs = Needs::Part;
 
-    fn options(arguments: &CompareArguments) -> Options<'_> {
-        let CompareArguments { parts, jobs, group, results, .. } = arguments;
-        Options { parts: Some(parts), jobs: *jobs, group, results }
-    }
-
-    fn plan(arguments: &CompareArguments) -> Result<Self, Error> {
+    fn plan(arguments: &CompareArguments, run: &RunOptions) -> Result<Self, Error> {
         let laws = batch::laws::named(&arguments.controllers, &own_laws(arguments)?)?;
         arguments.laws.expect_all_in(&laws)?;
-        let mut programs = arguments.group.programs.iter();
+        let mut programs = run.group.programs.iter();
         if laws.len() > 1 && programs.any(|(service, _)| *service == Service::Controller) {
             return Err(OneProgram { laws: laws.len() }.into());
         }
@@ -220,7 +200,7 @@ impl Study for Laws {
                 for notice in scenario.notices() {
                     eprintln!("note: {notice}");
                 }
-                batch::check(&scenario, mode, &arguments.group)?;
+                batch::check(&scenario, mode, &run.group)?;
                 if names.last().is_none_or(|(known, _)| known != argument) {
                     names.push((argument.clone(), scenario.name.as_str().to_owned()));
                 }
@@ -239,10 +219,6 @@ impl Study for Laws {
         self.mode
     }
 
-    fn seed(&self) -> u64 {
-        self.at(0).1.seed.value()
-    }
-
     fn job(&self, run: usize) -> Result<Job, Error> {
         Ok(Job { mode: self.mode, ..Job::lockstep(self.at(run).1) })
     }
@@ -259,27 +235,17 @@ impl Study for Laws {
         Ok((Row::new(&self.pairs[run / self.seeds()].label, summary), picture))
     }
 
-    fn describe(&self, run: usize) -> String {
-        let (label, scenario) = self.at(run);
-        let seed = match self.seeds.len() {
-            0 | 1 => String::new(),
-            _ => format!(", seed {}", scenario.seed.value()),
-        };
-        format!(" ({label} with {}{seed})", scenario.controller.name.as_str())
-    }
-
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
         let rows: Vec<(usize, Row)> = found.records.all()?;
         let drives = drives(&rows, &found.seen);
         let rows: Vec<Row> = rows.into_iter().map(|(_, row)| row).collect();
-        Ok(document(rows, self.seeds(), found.sample, drives))
+        Ok(document(rows, self.seeds(), drives))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::FromArgMatches;
 
     #[test]
     fn files_of_one_name_are_distinguished_by_their_folders() {
@@ -300,31 +266,29 @@ mod tests {
     #[test]
     fn one_program_is_not_compared_with_itself() {
         let program = ["--service", "controller=./mine"];
-        let said = Laws::plan(&arguments(&program)).err().expect("many laws").to_string();
+        let said = plan(&program).err().expect("many laws").to_string();
         assert!(said.contains("expected one law by --controllers"), "{said}");
         let one = [&program[..], &["--controllers", "acc-mpc"]].concat();
-        assert_eq!(Laws::plan(&arguments(&one)).expect("one law").runs(), 1);
+        assert_eq!(plan(&one).expect("one law").runs(), 1);
     }
 
-    fn arguments(words: &[&str]) -> CompareArguments {
-        let command = CompareArguments::augment_args(clap::Command::new("compare"));
-        let matches = command.get_matches_from([&["compare", "cacc-a"], words].concat());
-        CompareArguments::from_arg_matches(&matches).expect("they are arguments")
+    fn plan(words: &[&str]) -> Result<Laws, Error> {
+        let command = Command::read(&[&["cacc-a"], words].concat()).expect("they are arguments");
+        Laws::plan(&command.study, &command.options)
     }
 
     #[test]
     fn every_law_meets_every_seed() {
         let two = ["--controllers", "acc-mpc,six-mode", "--seeds", "3"];
-        let laws = Laws::plan(&arguments(&two)).expect("built in");
+        let laws = plan(&two).expect("built in");
         let run = |run| {
             let (_, scenario) = laws.at(run);
             (scenario.controller.name.as_str().to_owned(), scenario.seed.value())
         };
         assert_eq!(laws.runs(), 6);
         assert_eq!((run(2), run(3)), (("acc-mpc".into(), 3), ("six-mode".into(), 1)));
-        assert_eq!(laws.describe(4), " (cacc-a with six-mode, seed 2)");
         let set = [&two[..], &["--set", "seed=7"]].concat();
-        let said = Laws::plan(&arguments(&set)).err().expect("two seeds").to_string();
+        let said = plan(&set).err().expect("two seeds").to_string();
         assert!(said.contains("--seeds: --set seed=7 says what it is"), "{said}");
     }
 }

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use frame::batch::ProcessesSample;
 use group::report::Outcome;
 use report::results::Document;
 use report::summary::braked;
@@ -27,7 +26,6 @@ pub struct Comparison {
     pub differences: Vec<Difference>,
     /// Rule for a real difference; null for one seed.
     pub rule: Option<String>,
-    pub processes_sample: ProcessesSample,
 }
 
 /// `means`, `differences` and `rule` of the JSON, of runs that the caller drove. `rows` is the list of the same name.
@@ -70,12 +68,7 @@ pub fn drives(
 }
 
 /// The result for every output.
-pub fn document(
-    rows: Vec<Row>,
-    seeds: usize,
-    processes_sample: ProcessesSample,
-    drives: Vec<(String, String)>,
-) -> Document {
+pub fn document(rows: Vec<Row>, seeds: usize, drives: Vec<(String, String)>) -> Document {
     let completed = rows.iter().filter(|row| row.outcome == Outcome::Completed).count();
     let ok = completed == rows.len();
     let (means, differences) = (means(&rows), differences(&rows));
@@ -95,8 +88,7 @@ pub fn document(
         1 => about,
         seeds => format!("{about}, {seeds} seeds each (mean ± standard deviation)"),
     };
-    let whole =
-        Comparison { schema_version: 1, ok, rows, means, differences, rule, processes_sample };
+    let whole = Comparison { schema_version: 1, ok, rows, means, differences, rule };
     let table = match seeds {
         1 => columns::runs(&whole.rows),
         _ => columns::means(&whole.means),
@@ -140,7 +132,7 @@ mod tests {
     #[test]
     fn time_gaps_are_shown_and_columns_without_a_figure_are_not() {
         let rows = vec![row("acc-mpc", 1, 20.0), row("six-mode", 1, -0.01)];
-        let document = document(rows, 1, ProcessesSample::default(), Vec::new());
+        let document = document(rows, 1, Vec::new());
         for text in [document.console(80), document.page(), document.markdown()] {
             for heading in ["min time gap, s", "median time gap, s", "gap error rms, m"] {
                 assert!(text.contains(heading), "{heading}: {text}");
@@ -169,7 +161,7 @@ mod tests {
         };
         law(0, None);
         law(1, Some(0));
-        let console = document(rows, 1, ProcessesSample::default(), Vec::new()).console(100);
+        let console = document(rows, 1, Vec::new()).console(100);
         let said = "; 82 of 600 cycles by the backup, not by mine in following";
         assert!(console.replace('\n', " ").contains(said), "{console}");
     }
@@ -181,7 +173,7 @@ mod tests {
         };
         let mut rows: Vec<Row> = of("acc-mpc", 20.0).chain(of("six-mode", 15.0)).collect();
         rows[3].outcome = Outcome::Collision;
-        let document = document(rows, 12, ProcessesSample::default(), Vec::new());
+        let document = document(rows, 12, Vec::new());
         let console = document.console(100);
         for words in ["lockstep, 12 seeds each", "20.10", "± 0.09", "11 completed, 1 COLLISION"] {
             assert!(console.contains(words), "{words}: {console}");

@@ -14,45 +14,28 @@ mod words;
 
 use clap::Args;
 pub use results::schema;
+use serde::{Deserialize, Serialize};
 
 use frame::batch::{self, Done, Job};
 use frame::param::{self, Param};
-use frame::parts::{self, PartOptions};
-use frame::{Found, Needs, Options, Study, seeds};
-use group::{Error, Failure, GroupOptions, ModeName, ScenarioOptions};
-use report::results::{Document, ResultOptions};
+use frame::{Command, Entry, Found, Needs, RunOptions, Study, seeds};
+use group::{Error, Failure, ModeName, ScenarioOptions};
+use report::results::Document;
 use results::{Run, Sweep};
 use runtime::Mode;
 use scenario::Scenario;
-use std::num::NonZeroUsize;
 use std::process::ExitCode;
 
 /// Most runs of a sweep.
 const MAX_RUNS: usize = 100_000;
 
-/// Options that a merge takes from the parts.
-const WITHOUT_MERGE: [&str; 10] = [
-    "scenario",
-    "params",
-    "seeds",
-    "controller",
-    "laws",
-    "seed",
-    "duration",
-    "set",
-    "mode",
-    "jobs",
-];
-
 /// Arguments of `sweep`.
-#[derive(Debug, Args)]
-#[command(mut_arg("merge", |merge| merge.conflicts_with_all(WITHOUT_MERGE).conflicts_with_all(parts::OF_RUNS)))]
+#[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub struct SweepArguments {
     /// Name of a built-in scenario (see `timegap list`), or a TOML file
-    #[arg(required_unless_present_any = ["merge", "resume"])]
-    pub scenario: Option<String>,
+    pub scenario: String,
     /// A key and its values: `KEY=A..B/STEP` or `KEY=a,b,c`; given again: their grid
-    #[arg(long = "param", value_name = "KEY=VALUES", required_unless_present_any = ["merge", "resume"])]
+    #[arg(long = "param", value_name = "KEY=VALUES", required = true)]
     pub params: Vec<String>,
     /// Seeds of every point: a number N for 1 to N, A..B or a,b,c
     #[arg(long, value_name = "SEEDS", conflicts_with = "seed")]
@@ -63,27 +46,18 @@ pub struct SweepArguments {
     /// Clock: curves repeat exactly in `lockstep`; `realtime` also measures deadlines
     #[arg(long, value_enum, default_value_t = ModeName::Lockstep)]
     pub mode: ModeName,
-    /// Runs at once [default: one per core; 1 in realtime]
-    #[arg(long, value_name = "N")]
-    pub jobs: Option<NonZeroUsize>,
-    /// Parts of the sweep.
-    #[command(flatten)]
-    pub parts: PartOptions,
-    /// Start of each run's processes.
-    #[command(flatten)]
-    pub group: GroupOptions,
-    /// Directory and forms of the results.
-    #[command(flatten)]
-    pub results: ResultOptions,
 }
 
 /// Runs the command.
 ///
 /// # Errors
-/// A scenario, key or grid that cannot be driven, else as [`frame::study::run`].
-pub fn run(arguments: &SweepArguments) -> Result<ExitCode, Error> {
-    frame::study::run::<Grid>(arguments)
+/// A scenario, key or grid that cannot be driven, else as [`frame::run`].
+pub fn run(command: &Command<SweepArguments>) -> Result<ExitCode, Error> {
+    frame::run::<Grid>(command)
 }
+
+/// The study, for `merge` and `resume`.
+pub const ENTRY: Entry = Entry::of::<Grid>();
 
 /// The study: each point of the grid with each seed.
 struct Grid {
@@ -96,8 +70,6 @@ struct Grid {
     points: Vec<Vec<String>>,
     /// Controllers of the runs, each once.
     controllers: Vec<String>,
-    /// The first run's scenario.
-    first: Scenario,
 }
 
 fn open(scenario: &str, options: &ScenarioOptions, keys: &[String]) -> Result<Scenario, Error> {
@@ -112,30 +84,22 @@ impl Study for Grid {
     const NAME: &'static str = "sweep";
     const NEEDS: Needs = Needs::Any;
 
-    fn options(arguments: &SweepArguments) -> Options<'_> {
-        let SweepArguments { parts, jobs, group, results, .. } = arguments;
-        Options { parts: Some(parts), jobs: *jobs, group, results }
-    }
-
     /// Everything is read before anything runs; the scenarios are made again when their turn comes.
-    fn plan(arguments: &SweepArguments) -> Result<Self, Error> {
+    fn plan(arguments: &SweepArguments, run: &RunOptions) -> Result<Self, Error> {
         let (params, points) = points(arguments)?;
         let (mode, options) = (arguments.mode.into(), arguments.scenario_options.clone());
-        let argument = arguments.scenario.clone().unwrap_or_default();
+        let argument = arguments.scenario.clone();
         let mut controllers: Vec<String> = Vec::new();
-        let mut first = None;
         for keys in &points {
             let scenario = open(&argument, &options, keys)?;
-            batch::check(&scenario, mode, &arguments.group)?;
+            batch::check(&scenario, mode, &run.group)?;
             let name = scenario.controller.name.as_str();
             if !controllers.iter().any(|known| known == name) {
                 controllers.push(name.to_owned());
             }
-            first.get_or_insert(scenario);
         }
         options.laws.expect_all_in(&controllers)?;
-        let first = first.expect("a grid has a point");
-        Ok(Self { scenario: argument, options, mode, params, points, controllers, first })
+        Ok(Self { scenario: argument, options, mode, params, points, controllers })
     }
 
     fn runs(&self) -> usize {
@@ -144,10 +108,6 @@ impl Study for Grid {
 
     fn mode(&self) -> Mode {
         self.mode
-    }
-
-    fn seed(&self) -> u64 {
-        self.first.seed.value()
     }
 
     fn job(&self, run: usize) -> Result<Job, Error> {
@@ -178,15 +138,10 @@ impl Study for Grid {
         self.points[run].iter().map(pair).filter(|(key, _)| key != "seed").collect()
     }
 
-    fn describe(&self, run: usize) -> String {
-        format!(" ({})", self.points[run].join(" "))
-    }
-
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
         let runs = found.records.all()?.into_iter().map(|(_, run)| run).collect();
         let controllers = self.controllers.clone();
-        let mut sweep = Sweep::new(&self.scenario, controllers, self.mode, &self.params, runs);
-        sweep.processes_sample = found.sample;
+        let sweep = Sweep::new(&self.scenario, controllers, self.mode, &self.params, runs);
         Ok(page::document(&sweep))
     }
 }

@@ -1,7 +1,6 @@
 //! The result of a sweep: every run, and every point folded over its seeds.
 
 use crate::figure::{self, ALL, COUNT, Folded, Values};
-use frame::batch::ProcessesSample;
 use frame::param::Param;
 use group::report::Outcome;
 use group::{Error, RequirementVerdict};
@@ -32,8 +31,6 @@ pub struct Sweep {
     pub points: Vec<Point>,
     /// Every run, in the grid's order.
     pub runs: Vec<Run>,
-    /// Runs in one process that were repeated in process groups.
-    pub processes_sample: ProcessesSample,
 }
 
 /// A point of the grid, folded over its seeds.
@@ -134,7 +131,7 @@ pub fn schema() -> Schema {
         word("aborted_because", "", "Why the run was aborted"),
         nested("requirements", Kind::List, "Verdicts on the requirements, as in summary.json"),
     ];
-    frame::schema("sweep", "Figures as functions of keys")
+    Schema::new("sweep", "Figures as functions of keys")
         .fields(&fields)
         .rows(
             "points",
@@ -239,7 +236,6 @@ impl Sweep {
             params: params.iter().map(|param| param.key.clone()).collect(),
             points: points.collect(),
             runs,
-            processes_sample: ProcessesSample::default(),
         }
     }
 

@@ -1,109 +1,100 @@
-//! One run: driven, repeated, compared.
+//! One run, driven.
 
-use super::errors::PrepareError;
 use super::usage::Sample;
-use super::{Done, Job, Repetition, Scratch, leftovers, sample};
-use group::in_process::Ahead;
-use group::{Ended, Error, GroupOptions, GroupOutcome, Keep, Moment};
+use super::{Done, Job, Scratch, carrier, leftovers};
+use group::report::Outcome;
+use group::{Ended, Error, Failure, GroupOptions, Keep, Status};
 use report::summary::Summary;
-use runtime::{Carrier, Mode, Sealing};
+use runtime::{Carrier, Sealing};
 use scenario::Scenario;
 use std::time::{Duration, Instant};
 
-/// Does one lockstep run. With `repeat`, a run in memory is repeated in a process group.
+/// The machine cannot give what a run needs.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot {what}: {cause}")]
+pub struct PrepareError {
+    what: &'static str,
+    cause: std::io::Error,
+}
+
+impl PrepareError {
+    /// An error from the system's.
+    pub fn of(what: &'static str) -> impl Fn(std::io::Error) -> Self + Copy {
+        move |cause| Self { what, cause }
+    }
+}
+
+impl Failure for PrepareError {
+    fn status(&self) -> Status {
+        Status::Machine
+    }
+}
+
+/// A run did not reach its end.
+#[derive(Debug, thiserror::Error)]
+#[error("{scenario} with {controller}: {}", why.as_deref().unwrap_or("aborted"))]
+pub struct Aborted {
+    scenario: String,
+    controller: String,
+    /// The reason in its summary.
+    why: Option<String>,
+}
+
+impl Failure for Aborted {
+    fn status(&self) -> Status {
+        Status::Machine
+    }
+}
+
+/// Refuses a run that did not reach its end: it has no figures.
 ///
 /// # Errors
-/// Reasons why the run does not start, or [`Error::Interrupted`].
+/// [`Aborted`].
+pub fn whole(summary: &Summary) -> Result<(), Aborted> {
+    match (&summary.outcome, &summary.aborted_because) {
+        (Outcome::Aborted, why) => Err(Aborted {
+            scenario: summary.scenario.clone(),
+            controller: summary.controller.clone(),
+            why: why.clone(),
+        }),
+        _ => Ok(()),
+    }
+}
+
+/// Does one lockstep run.
+///
+/// # Errors
+/// As [`drive`].
 pub fn lockstep(
     scenario: &Scenario,
     group: &GroupOptions,
-    repeat: bool,
     going_on: &dyn Fn() -> bool,
 ) -> Result<Done, Error> {
-    let job = Job::lockstep(scenario.clone());
-    drive_and_repeat(&job, group, repeat, going_on)
+    drive(&Job::lockstep(scenario.clone()), group, going_on)
 }
 
-/// Does one realtime run, in a process group.
+/// Does one run.
 ///
 /// # Errors
 /// Reasons why the run does not start, or [`Error::Interrupted`].
-pub fn realtime(
-    scenario: &Scenario,
-    group: &GroupOptions,
-    going_on: &dyn Fn() -> bool,
-) -> Result<Done, Error> {
-    let job = Job { mode: Mode::Realtime, ..Job::lockstep(scenario.clone()) };
-    drive_and_repeat(&job, group, false, going_on)
+pub fn drive(job: &Job, group: &GroupOptions, going_on: &dyn Fn() -> bool) -> Result<Done, Error> {
+    let carrier = match is_in_memory(job, group) {
+        true => Carrier::Memory,
+        false => Carrier::SharedMemory,
+    };
+    drive_on(job, carrier, Sealing::Unsealed, group, going_on)
 }
 
-/// Repeats a lockstep run that was done in memory in a process group, and compares bytes and figures.
+/// True if the services of the run share the thread that does it.
+pub(crate) fn is_in_memory(job: &Job, group: &GroupOptions) -> bool {
+    job.sample_every.is_none() && carrier(group, job.mode) == Carrier::Memory
+}
+
+/// Does one run, its messages in memory or between processes, with digests or without.
 ///
 /// # Errors
-/// Reasons why the run does not start, or [`Error::Interrupted`].
-pub fn repeat(
-    scenario: &Scenario,
-    summary: &Summary,
-    group: &GroupOptions,
-    going_on: &dyn Fn() -> bool,
-) -> Result<Repetition, Error> {
-    repetition(&Job::lockstep(scenario.clone()), summary, group, going_on)
-}
-
-/// Does one lockstep run in this thread, behind a vehicle whose table of speeds grows meanwhile. `watch` is called at
-/// each moment of it.
-///
-/// # Errors
-/// Reasons why the run does not start, or [`Error::Interrupted`].
-pub fn lockstep_behind(
-    scenario: &Scenario,
-    sealing: Sealing,
-    ahead: Ahead,
-    going_on: &dyn Fn() -> bool,
-    watch: &mut dyn FnMut(&Moment<'_>),
-) -> Result<Done, Error> {
-    let begun = Instant::now();
-    let outcome = group::in_process::run_behind(scenario, sealing, ahead, &|| !going_on(), watch)?;
-    done(scenario, Mode::Lockstep, outcome, begun, Vec::new())
-}
-
-pub(crate) fn drive_and_repeat(
-    job: &Job,
-    group: &GroupOptions,
-    repeat: bool,
-    going_on: &dyn Fn() -> bool,
-) -> Result<Done, Error> {
-    let carrier = job.carrier(group);
-    let repeat = repeat && carrier == Carrier::Memory;
-    // Digests are there to be compared.
-    let sealing = if repeat { Sealing::Sealed } else { Sealing::Unsealed };
-    let mut done = drive(job, carrier, sealing, group, going_on)?;
-    if repeat {
-        done.repetition = Some(repetition(job, &done.summary, group, going_on)?);
-    }
-    Ok(done)
-}
-
-/// Repeats a run in a process group and compares.
-fn repetition(
-    job: &Job,
-    in_process: &Summary,
-    group: &GroupOptions,
-    going_on: &dyn Fn() -> bool,
-) -> Result<Repetition, Error> {
-    match drive(job, Carrier::SharedMemory, Sealing::Sealed, group, going_on) {
-        Ok(again) => Ok({
-            sample::difference(in_process, &again.summary)
-                .map_or(Repetition::Same, Repetition::Different)
-        }),
-        Err(error @ (Error::NotReady { .. } | Error::Runtime(_))) => {
-            Ok(Repetition::Different(error.to_string()))
-        }
-        Err(error) => Err(error),
-    }
-}
-
-fn drive(
+/// As [`drive`].
+pub(crate) fn drive_on(
     job: &Job,
     carrier: Carrier,
     sealing: Sealing,
@@ -113,14 +104,15 @@ fn drive(
     let begun = Instant::now();
     let mut samples: Vec<Sample> = Vec::new();
     let mut next = Duration::ZERO;
-    let outcome = match carrier {
-        Carrier::Memory => match sealing {
-            Sealing::Sealed => {
-                group::in_process::run_watched(&job.scenario, &|| !going_on(), &mut |_| {})?
-            }
-            Sealing::Unsealed => group::in_process::run_unsealed(&job.scenario, &|| !going_on())?,
-        },
-        Carrier::SharedMemory => {
+    let stop = || !going_on();
+    let outcome = match (carrier, sealing) {
+        (Carrier::Memory, Sealing::Sealed) => {
+            group::in_process::run_watched(&job.scenario, &stop, &mut |_| {})?
+        }
+        (Carrier::Memory, Sealing::Unsealed) => {
+            group::in_process::run_unsealed(&job.scenario, &stop)?
+        }
+        (Carrier::SharedMemory, _) => {
             let directory = job.record.then(Scratch::new).transpose();
             let directory = directory.map_err(PrepareError::of("make a directory"))?;
             let keep = directory.as_ref().map(|directory| Keep {
@@ -136,25 +128,14 @@ fn drive(
             })?
         }
     };
-    done(&job.scenario, job.mode, outcome, begun, samples)
-}
-
-/// The result of a run that began at `begun` and is over.
-fn done(
-    scenario: &Scenario,
-    mode: Mode,
-    outcome: GroupOutcome,
-    begun: Instant,
-    samples: Vec<Sample>,
-) -> Result<Done, Error> {
     if outcome.ended == Ended::Interrupted {
         return Err(Error::Interrupted);
     }
-    let summary = Summary::new(scenario, mode, &outcome, begun.elapsed());
+    let summary = Summary::new(&job.scenario, job.mode, &outcome, begun.elapsed());
     let leftovers = match outcome.carrier {
         // A thread leaves nothing behind.
         Carrier::Memory => Vec::new(),
         Carrier::SharedMemory => leftovers(&outcome.root),
     };
-    Ok(Done { summary, drive: outcome.drive, leftovers, samples, repetition: None })
+    Ok(Done { summary, drive: outcome.drive, leftovers, samples })
 }

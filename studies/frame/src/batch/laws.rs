@@ -1,49 +1,7 @@
 //! The laws that an option names.
 
 use controller::laws;
-use group::Failure;
-
-/// Reason why `--controllers` names no laws.
-#[derive(Debug, PartialEq, Eq, thiserror::Error)]
-pub enum LawsError {
-    /// There is nothing between two commas.
-    #[error("--controllers {list}: a name is missing, expected names by commas")]
-    Missing {
-        /// The argument.
-        list: String,
-    },
-    /// There is no such law.
-    #[error("--controllers {list}: unknown value `{name}`, expected {}", scenario::accepted(name, names.iter().map(String::as_str)))]
-    Unknown {
-        /// The argument.
-        list: String,
-        /// The name.
-        name: String,
-        /// The known laws.
-        names: Vec<String>,
-    },
-    /// A law would be driven twice, and counted twice.
-    #[error("--controllers {list}: {name} is there twice, expected each once")]
-    Twice {
-        /// The argument.
-        list: String,
-        /// The name.
-        name: String,
-    },
-    /// The law has no program in these runs.
-    #[error(
-        "--controllers {list}: `external` has no program in these runs, expected laws by --law NAME=COMMAND, or {}",
-        names.join(", ")
-    )]
-    NoProgram {
-        /// The argument.
-        list: String,
-        /// The laws that take part.
-        names: Vec<String>,
-    },
-}
-
-impl Failure for LawsError {}
+use group::UsageError;
 
 /// Each law of `option` once; where the option is empty all of timegap's own, and the user's, which are `own`.
 ///
@@ -58,24 +16,24 @@ impl Failure for LawsError {}
 /// ```
 ///
 /// # Errors
-/// [`LawsError`].
-pub fn named(option: &[String], own: &[String]) -> Result<Vec<String>, LawsError> {
+/// A name that is missing, unknown or there twice.
+pub fn named(option: &[String], own: &[String]) -> Result<Vec<String>, UsageError> {
     if option.is_empty() {
         let ours = laws::own().map(|law| law.name.to_owned());
         return Ok(ours.chain(own.iter().cloned()).collect());
     }
-    let list = || option.join(",");
+    let refuse = |why: &str, expected: &str| Err(refusal(option, why, expected));
     for (place, name) in option.iter().enumerate() {
         if name.is_empty() {
-            return Err(LawsError::Missing { list: list() });
+            return refuse("a name is missing", "names by commas");
         }
         if laws::find(name).is_none() && !own.contains(name) {
-            let names = laws::ALL.iter().map(|law| law.name.to_owned());
-            let names = names.chain(own.iter().cloned()).collect();
-            return Err(LawsError::Unknown { list: list(), name: name.clone(), names });
+            let names = laws::ALL.iter().map(|law| law.name).chain(own.iter().map(String::as_str));
+            let expected = scenario::accepted(name, names);
+            return refuse(&format!("unknown value `{name}`"), &expected);
         }
         if option[..place].contains(name) {
-            return Err(LawsError::Twice { list: list(), name: name.clone() });
+            return refuse(&format!("{name} is there twice"), "each once");
         }
     }
     Ok(option.to_vec())
@@ -84,15 +42,20 @@ pub fn named(option: &[String], own: &[String]) -> Result<Vec<String>, LawsError
 /// The same for a command that makes its scenarios. The law `external` has no program in them.
 ///
 /// # Errors
-/// [`LawsError`].
-pub fn own_named(option: &[String], own: &[String]) -> Result<Vec<String>, LawsError> {
+/// As [`named`].
+pub fn own_named(option: &[String], own: &[String]) -> Result<Vec<String>, UsageError> {
     let named = named(option, own)?;
     let ours = laws::own().map(|law| law.name.to_owned());
     let names: Vec<String> = ours.chain(own.iter().cloned()).collect();
     if named.iter().any(|name| !names.contains(name)) {
-        return Err(LawsError::NoProgram { list: option.join(","), names });
+        let expected = format!("laws by --law NAME=COMMAND, or {}", names.join(", "));
+        return Err(refusal(option, "`external` has no program in these runs", &expected));
     }
     Ok(named)
+}
+
+fn refusal(option: &[String], why: &str, expected: &str) -> UsageError {
+    UsageError::option("--controllers", option.join(","), why, expected)
 }
 
 #[cfg(test)]

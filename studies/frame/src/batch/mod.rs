@@ -5,8 +5,7 @@
 //!      └─ shared memory: a process group (realtime, too) ───┘
 //! ```
 //!
-//! A seeded sample of the runs in memory is repeated in process groups, and must give the same bytes. An interrupt
-//! ends every run in progress and keeps further ones from beginning. Finished runs are kept.
+//! An interrupt ends every run in progress and keeps further ones from beginning. Finished runs are kept.
 //!
 //! ```
 //! use frame::batch::{Job, at_once};
@@ -18,21 +17,17 @@
 //! ```
 
 mod drive;
-mod errors;
 mod interrupt;
 pub mod laws;
 mod leftovers;
-mod sample;
 mod scratch;
 mod usage;
 mod workers;
 
-pub(crate) use drive::drive_and_repeat;
-pub use drive::{lockstep, lockstep_behind, realtime, repeat};
-pub use errors::{Aborted, PrepareError, whole};
+pub use drive::{Aborted, PrepareError, drive, lockstep, whole};
+pub(crate) use drive::{drive_on, is_in_memory};
 pub use interrupt::Interrupt;
 pub use leftovers::leftovers;
-pub use sample::{OtherBytes, ProcessesSample, Repetition, choose};
 pub use scratch::Scratch;
 pub use usage::Growth;
 pub use workers::share;
@@ -69,22 +64,12 @@ pub struct Done {
     pub leftovers: Vec<String>,
     /// Resources of its processes, sampled during the run.
     pub samples: Vec<Sample>,
-    /// Result of repeating a run in memory in a process group; none: it was not repeated.
-    pub repetition: Option<Repetition>,
 }
 
 impl Job {
     /// A lockstep run.
     pub fn lockstep(scenario: Scenario) -> Self {
         Self { scenario, mode: Mode::Lockstep, sample_every: None, record: false }
-    }
-
-    /// The carrier of the run's messages.
-    fn carrier(&self, group: &GroupOptions) -> Carrier {
-        match self.sample_every {
-            Some(_) => Carrier::SharedMemory,
-            None => carrier(group, self.mode),
-        }
     }
 }
 
@@ -99,12 +84,6 @@ fn carrier(group: &GroupOptions, mode: Mode) -> Carrier {
 pub fn at_once(chosen: Option<NonZeroUsize>, mode: Mode) -> usize {
     let cores = || std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     chosen.map_or_else(|| if mode == Mode::Realtime { 1 } else { cores() }, NonZeroUsize::get)
-}
-
-/// True if a lockstep run's services share the thread that does it.
-#[must_use]
-pub fn in_one_thread(group: &GroupOptions) -> bool {
-    carrier(group, Mode::Lockstep) == Carrier::Memory
 }
 
 /// Refuses a scenario that its run would refuse, before any run begins.

@@ -4,7 +4,7 @@
 //! few times a second. A line that a crash cut off is dropped; its run is done again. The last key of a line is a
 //! checksum of the rest. Otherwise a flipped digit would pass as a result.
 
-use group::{Error, Failure};
+use group::{Error, UsageError};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fs::{File, OpenOptions};
@@ -19,40 +19,6 @@ pub const FILE: &str = "runs.jsonl";
 /// Longest time of which the runs can be lost with the machine. Waiting for the disk after each run would take longer
 /// than the run.
 const SYNC_PERIOD: Duration = Duration::from_millis(200);
-
-/// Reason why a journal is not one of the study's.
-#[derive(Debug, thiserror::Error)]
-pub enum JournalError {
-    /// A line cannot be read.
-    #[error("{}:{line}: {reason}, expected the record of a run", path.display())]
-    NoRecord {
-        /// The journal.
-        path: PathBuf,
-        /// Number of the line, from 1.
-        line: usize,
-        /// The mistake in it.
-        #[source]
-        reason: serde_json::Error,
-    },
-    /// A run is there twice.
-    #[error("{}: run {run} is there twice", path.display())]
-    Twice {
-        /// The journal.
-        path: PathBuf,
-        /// The run's number.
-        run: usize,
-    },
-    /// A run belongs to another part.
-    #[error("{}: run {run} does not belong to this part", path.display())]
-    OtherPart {
-        /// The journal.
-        path: PathBuf,
-        /// The run's number.
-        run: usize,
-    },
-}
-
-impl Failure for JournalError {}
 
 /// Place of a record in its journal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,13 +83,6 @@ impl Drop for Journal {
     }
 }
 
-/// A record as its journal gives it back. A number may differ in its last digit from the written one. So this is kept
-/// of every run, and a study gives the same bytes in any number of parts.
-pub fn as_read_back<T: Serialize + DeserializeOwned>(record: &T) -> T {
-    let line = serde_json::to_string(record).expect("records are plain data");
-    serde_json::from_str(&line).expect("what was written can be read")
-}
-
 /// Text before a line's checksum, which has 16 digits, and text behind it.
 const BEFORE_CHECKSUM: &str = ",\"xxh3\":\"";
 const BEHIND_CHECKSUM: &str = "\"}";
@@ -154,7 +113,7 @@ fn unsealed(line: &[u8]) -> serde_json::Result<&[u8]> {
 /// Hands over the records of a journal, line by line; returns the length of its whole lines, bytes.
 ///
 /// # Errors
-/// [`JournalError::NoRecord`], what `each` refuses, or the journal cannot be read.
+/// A line that is no record, what `each` refuses, or the journal cannot be read.
 pub fn read<T: DeserializeOwned>(
     path: &Path,
     each: &mut dyn FnMut(Place, T) -> Result<(), Error>,
@@ -169,8 +128,8 @@ pub fn read<T: DeserializeOwned>(
             break;
         }
         let record = unsealed(&line).and_then(serde_json::from_slice).map_err(|reason| {
-            let path = path.to_owned();
-            JournalError::NoRecord { path, line: number, reason }
+            let place = format_args!("{}:{number}", path.display());
+            UsageError::at(place, reason, "the record of a run")
         })?;
         each(Place { offset, length }, record)?;
         offset += length as u64;

@@ -1,41 +1,34 @@
-//! The records of a study's runs: in memory, or in journals.
+//! The records of a study's runs, in their journals.
 //!
-//! A study may have a million runs. With a journal, memory holds only the place of each line.
+//! A study may have a million runs: memory holds only the place of each line.
 
 use std::fs::File;
+use std::marker::PhantomData;
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
-use group::Error;
+use group::{Error, UsageError};
 use serde::de::DeserializeOwned;
 
 use super::Line;
-use super::journal::{JournalError, Place};
+use super::journal::Place;
 use crate::drives::Drive;
 
 /// The records of a study, by the numbers of their runs.
 #[derive(Debug)]
 pub struct Records<T> {
-    runs: Vec<Entry<T>>,
+    /// Journal of each record, and place in it.
+    runs: Vec<Option<(u32, Place)>>,
     journals: Vec<PathBuf>,
     count: usize,
-}
-
-#[derive(Debug)]
-enum Entry<T> {
-    None,
-    /// Boxed: the others are small, and there may be a million of them.
-    Memory(Box<Line<T>>),
-    /// Journal, and place in it.
-    Journal(u32, Place),
+    records: PhantomData<fn() -> T>,
 }
 
 impl<T> Records<T> {
     /// No record yet of `runs` runs.
     #[must_use]
     pub fn new(runs: usize) -> Self {
-        let runs = std::iter::repeat_with(|| Entry::None).take(runs).collect();
-        Self { runs, journals: Vec::new(), count: 0 }
+        Self { runs: vec![None; runs], journals: Vec::new(), count: 0, records: PhantomData }
     }
 
     /// Number of records.
@@ -53,14 +46,7 @@ impl<T> Records<T> {
     /// True if the run has one.
     #[must_use]
     pub fn has(&self, run: usize) -> bool {
-        !matches!(self.runs.get(run), None | Some(Entry::None))
-    }
-
-    /// Keeps a record in memory.
-    pub(crate) fn keep(&mut self, line: Line<T>) {
-        let run = line.run;
-        self.runs[run] = Entry::Memory(Box::new(line));
-        self.count += 1;
+        self.runs.get(run).is_some_and(Option::is_some)
     }
 
     /// The records added from now on are in this journal.
@@ -72,23 +58,19 @@ impl<T> Records<T> {
     /// journal belongs to.
     ///
     /// # Errors
-    /// [`JournalError`] if the run belongs to another part, or is there twice.
-    pub(crate) fn add(
-        &mut self,
-        run: usize,
-        place: Place,
-        is_mine: bool,
-    ) -> Result<(), JournalError> {
+    /// If the run belongs to another part, or is there twice.
+    pub(crate) fn add(&mut self, run: usize, place: Place, is_mine: bool) -> Result<(), Error> {
         let journal = self.journals.len() - 1;
-        let path = || self.journals[journal].clone();
-        match self.runs.get(run) {
-            Some(Entry::None) if is_mine => {}
-            Some(Entry::Memory(_) | Entry::Journal(..)) if is_mine => {
-                return Err(JournalError::Twice { path: path(), run });
-            }
-            _ => return Err(JournalError::OtherPart { path: path(), run }),
+        let why = match self.runs.get(run) {
+            Some(None) if is_mine => None,
+            Some(Some(_)) if is_mine => Some("is there twice"),
+            _ => Some("does not belong to this part"),
+        };
+        if let Some(why) = why {
+            let (path, why) = (self.journals[journal].display(), format_args!("run {run} {why}"));
+            return Err(UsageError::at(path, why, "each run of the part once").into());
         }
-        self.runs[run] = Entry::Journal(u32::try_from(journal).expect("few journals"), place);
+        self.runs[run] = Some((u32::try_from(journal).expect("few journals"), place));
         self.count += 1;
         Ok(())
     }
@@ -100,24 +82,7 @@ impl<T: DeserializeOwned> Records<T> {
     /// # Errors
     /// If a journal cannot be read, or what `take` returns.
     pub fn each(&self, take: &mut dyn FnMut(usize, &T) -> Result<(), Error>) -> Result<(), Error> {
-        self.each_line(&mut |run, line| take(run, &line.result))
-    }
-
-    fn each_line(
-        &self,
-        take: &mut dyn FnMut(usize, &Line<T>) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        let mut reader = Reader { journals: &self.journals, opened: None, bytes: Vec::new() };
-        for (run, entry) in self.runs.iter().enumerate() {
-            match entry {
-                Entry::None => {}
-                Entry::Memory(line) => take(run, line)?,
-                Entry::Journal(journal, place) => {
-                    take(run, &reader.read::<T>(*journal, *place)?)?;
-                }
-            }
-        }
-        Ok(())
+        self.lines(&mut |run, line| take(run, &line.result))
     }
 
     /// Hands over all drives in the order of the runs, each with the record of its run.
@@ -128,7 +93,7 @@ impl<T: DeserializeOwned> Records<T> {
         &self,
         take: &mut dyn FnMut(usize, &T, &Drive) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        self.each_line(&mut |run, line| {
+        self.lines(&mut |run, line| {
             line.drives.iter().try_for_each(|drive| take(run, &line.result, drive))
         })
     }
@@ -138,40 +103,35 @@ impl<T: DeserializeOwned> Records<T> {
     /// # Errors
     /// If a journal cannot be read.
     pub fn all(self) -> Result<Vec<(usize, T)>, Error> {
-        let mut reader = Reader { journals: &self.journals, opened: None, bytes: Vec::new() };
         let mut all = Vec::with_capacity(self.count);
-        for (run, entry) in self.runs.into_iter().enumerate() {
-            match entry {
-                Entry::None => {}
-                Entry::Memory(line) => all.push((run, line.result)),
-                Entry::Journal(journal, place) => {
-                    all.push((run, reader.read::<T>(journal, place)?.result));
-                }
-            }
-        }
+        self.lines(&mut |run, line| {
+            all.push((run, line.result));
+            Ok(())
+        })?;
         Ok(all)
     }
-}
 
-/// Reads lines of journals, one open file at a time. A study of many parts has more journals than a process may have
-/// files.
-struct Reader<'a> {
-    journals: &'a [PathBuf],
-    opened: Option<(u32, File)>,
-    bytes: Vec<u8>,
-}
-
-impl Reader<'_> {
-    fn read<T: DeserializeOwned>(&mut self, journal: u32, place: Place) -> Result<Line<T>, Error> {
-        let path = &self.journals[journal as usize];
-        let error = |reason| Error::Path { action: "read", path: path.clone(), reason };
-        let (_, file) = match self.opened.take().filter(|(of, _)| *of == journal) {
-            Some(same) => self.opened.insert(same),
-            None => self.opened.insert((journal, File::open(path).map_err(error)?)),
-        };
-        self.bytes.resize(place.length, 0);
-        let read = file.read_exact_at(&mut self.bytes, place.offset);
-        let line = read.and_then(|()| Ok(serde_json::from_slice::<Line<T>>(&self.bytes)?));
-        line.map_err(error)
+    /// Reads the lines, with one open file at a time. A study of many parts has more journals than a process may have
+    /// files.
+    fn lines(
+        &self,
+        take: &mut dyn FnMut(usize, Line<T>) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let mut opened: Option<(u32, File)> = None;
+        let mut bytes = Vec::new();
+        for (run, entry) in self.runs.iter().enumerate() {
+            let Some((journal, place)) = *entry else { continue };
+            let path = &self.journals[journal as usize];
+            let error = |reason| Error::Path { action: "read", path: path.clone(), reason };
+            let (_, file) = match opened.take().filter(|(of, _)| *of == journal) {
+                Some(same) => opened.insert(same),
+                None => opened.insert((journal, File::open(path).map_err(error)?)),
+            };
+            bytes.resize(place.length, 0);
+            let read = file.read_exact_at(&mut bytes, place.offset);
+            let line = read.and_then(|()| Ok(serde_json::from_slice::<Line<T>>(&bytes)?));
+            take(run, line.map_err(error)?)?;
+        }
+        Ok(())
     }
 }

@@ -1,9 +1,10 @@
 //! The part of a study that a command does: by its option, or by the environment of an array job.
 
+use std::fmt::Display;
 use std::num::NonZeroU32;
 use std::str::FromStr;
 
-use group::Failure;
+use group::UsageError;
 use serde::{Deserialize, Serialize};
 
 /// A part of a study's runs: those whose number leaves `index - 1` when divided by `count`.
@@ -84,88 +85,39 @@ impl FromStr for ShardChoice {
     }
 }
 
-/// Reason why the environment of an array job names no part.
-#[derive(Debug, thiserror::Error)]
-pub enum ArrayJobError {
-    /// No engine's variables are there.
-    #[error(
-        "--shard auto: this is not an array job: neither SLURM_ARRAY_TASK_ID nor JOB_COMPLETION_INDEX nor \
-         AWS_BATCH_JOB_ARRAY_INDEX is set, expected --shard I/N"
-    )]
-    None,
-    /// The engine does not give the number of the job's tasks.
-    #[error(
-        "--shard auto: {engine} does not give the number of its tasks, expected --shard auto/N"
-    )]
-    NoCount {
-        /// The engine.
-        engine: &'static str,
-    },
-    /// The task's number is beyond the number of tasks.
-    #[error("--shard auto: {engine} names task {index}, counted from 0, of {count}")]
-    Beyond {
-        /// The engine.
-        engine: &'static str,
-        /// The task, from 0.
-        index: u64,
-        /// Tasks of the job.
-        count: u32,
-    },
-    /// A variable is not a number.
-    #[error("--shard auto: {name} = `{text}` is not a whole number")]
-    NoNumber {
-        /// The variable.
-        name: &'static str,
-        /// Its value.
-        text: String,
-    },
-    /// There are more tasks than parts can be.
-    #[error("--shard auto: {count} tasks are too many")]
-    TooMany {
-        /// Tasks of the job.
-        count: u64,
-    },
-    /// Slurm's tasks have no common step.
-    #[error(
-        "--shard auto: the array's {told} tasks from {least} on are not at even steps, expected \
-         --array=A-B, or --shard I/N"
-    )]
-    Uneven {
-        /// Tasks of the array.
-        told: u64,
-        /// The first of them.
-        least: u64,
-    },
-    /// Slurm's task does not belong to its array.
-    #[error("--shard auto: SLURM_ARRAY_TASK_ID = {id} is not one of the array's")]
-    NoTask {
-        /// The task.
-        id: u64,
-    },
+/// A refusal of `auto`.
+fn refuse(why: impl Display, expected: &str) -> UsageError {
+    UsageError::at("--shard auto", why, expected)
 }
-
-impl Failure for ArrayJobError {}
 
 impl ShardChoice {
     /// The shard, by this process's environment where it is asked for.
     ///
     /// # Errors
-    /// [`ArrayJobError`].
-    pub fn resolve(self) -> Result<Shard, ArrayJobError> {
+    /// An environment that names no part.
+    pub fn resolve(self) -> Result<Shard, UsageError> {
         self.resolve_in(&|name| std::env::var(name).ok())
     }
 
-    fn resolve_in(self, variable: Variables<'_>) -> Result<Shard, ArrayJobError> {
+    fn resolve_in(self, variable: Variables<'_>) -> Result<Shard, UsageError> {
         let count = match self {
             Self::Given(shard) => return Ok(shard),
             Self::Auto(count) => count.map(NonZeroU32::get),
         };
         let found = [slurm, kubernetes, aws].into_iter().find_map(|engine| engine(variable));
-        let found = found.transpose()?.ok_or(ArrayJobError::None)?;
+        let found = found.transpose()?.ok_or_else(|| {
+            let why = "this is not an array job: neither SLURM_ARRAY_TASK_ID nor JOB_COMPLETION_INDEX nor \
+                       AWS_BATCH_JOB_ARRAY_INDEX is set";
+            refuse(why, "--shard I/N")
+        })?;
         let Task { engine, index, count: told } = found;
-        let count = count.or(told).ok_or(ArrayJobError::NoCount { engine })?;
+        let count = count.or(told).ok_or_else(|| {
+            let why = format_args!("{engine} does not give the number of its tasks");
+            refuse(why, "--shard auto/N")
+        })?;
         if index >= u64::from(count) {
-            return Err(ArrayJobError::Beyond { engine, index, count });
+            let why = format_args!("{engine} names task {index} of {count}");
+            return Err(refuse(why, "a task below their number, counted from 0"));
         }
         let index = u32::try_from(index).expect("below the count") + 1;
         Ok(Shard { index, count })
@@ -184,18 +136,18 @@ struct Task {
 type Variables<'a> = &'a dyn Fn(&str) -> Option<String>;
 
 /// A variable's number.
-fn number(variable: Variables<'_>, name: &'static str) -> Option<Result<u64, ArrayJobError>> {
+fn number(variable: Variables<'_>, name: &'static str) -> Option<Result<u64, UsageError>> {
     let text = variable(name)?;
     let number = text.trim().parse::<u64>();
-    Some(number.map_err(|_| ArrayJobError::NoNumber { name, text }))
+    Some(number.map_err(|_| refuse(format_args!("{name} = `{text}`"), "a whole number")))
 }
 
-fn tasks(count: u64) -> Result<u32, ArrayJobError> {
-    u32::try_from(count).map_err(|_| ArrayJobError::TooMany { count })
+fn tasks(count: u64) -> Result<u32, UsageError> {
+    u32::try_from(count).map_err(|_| refuse(format_args!("{count} tasks"), "fewer of them"))
 }
 
 /// `sbatch --array=MIN-MAX[:STEP]`. A job of single tasks (`--array=1,5`) has no even steps.
-fn slurm(variable: Variables<'_>) -> Option<Result<Task, ArrayJobError>> {
+fn slurm(variable: Variables<'_>) -> Option<Result<Task, UsageError>> {
     let id = number(variable, "SLURM_ARRAY_TASK_ID")?;
     let engine = "Slurm (SLURM_ARRAY_TASK_ID)";
     let bounds = || {
@@ -209,10 +161,13 @@ fn slurm(variable: Variables<'_>) -> Option<Result<Task, ArrayJobError>> {
         if let (Some(told), Some(spanned)) = (told, spanned)
             && told != spanned
         {
-            return Err(ArrayJobError::Uneven { told, least });
+            let why =
+                format_args!("the array's {told} tasks from {least} on are not at even steps");
+            return Err(refuse(why, "--array=A-B, or --shard I/N"));
         }
         if id < least || (id - least) % step != 0 {
-            return Err(ArrayJobError::NoTask { id });
+            let why = format_args!("SLURM_ARRAY_TASK_ID = {id}");
+            return Err(refuse(why, "one of the array's tasks"));
         }
         let count = told.or(spanned).map(tasks).transpose()?;
         Ok(Task { engine, index: (id - least) / step, count })
@@ -222,7 +177,7 @@ fn slurm(variable: Variables<'_>) -> Option<Result<Task, ArrayJobError>> {
 
 /// A job with `completionMode: Indexed`; the number of completions is not in its environment unless the
 /// manifest puts it there.
-fn kubernetes(variable: Variables<'_>) -> Option<Result<Task, ArrayJobError>> {
+fn kubernetes(variable: Variables<'_>) -> Option<Result<Task, UsageError>> {
     let index = number(variable, "JOB_COMPLETION_INDEX")?;
     let count = number(variable, "JOB_COMPLETIONS").transpose();
     Some(index.and_then(|index| {
@@ -231,7 +186,7 @@ fn kubernetes(variable: Variables<'_>) -> Option<Result<Task, ArrayJobError>> {
     }))
 }
 
-fn aws(variable: Variables<'_>) -> Option<Result<Task, ArrayJobError>> {
+fn aws(variable: Variables<'_>) -> Option<Result<Task, UsageError>> {
     let index = number(variable, "AWS_BATCH_JOB_ARRAY_INDEX")?;
     let count = number(variable, "AWS_BATCH_JOB_ARRAY_SIZE").transpose();
     Some(index.and_then(|index| {

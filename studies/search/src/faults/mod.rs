@@ -15,7 +15,7 @@ mod sort;
 use std::num::NonZeroUsize;
 
 use frame::batch::{Done, Job};
-use frame::{Found, Needs, Options, Study};
+use frame::{Found, Needs, RunOptions, Study};
 use group::report::Outcome;
 use group::{Error, Failure, GroupOptions};
 use report::results::Document;
@@ -75,17 +75,12 @@ impl Study for Faults {
     type Record = FaultRecord;
     type Seen = ();
 
-    const NAME: &'static str = "search";
+    const NAME: &'static str = "search-faults";
     const NEEDS: Needs = Needs::Any;
 
-    fn options(arguments: &SearchArguments) -> Options<'_> {
-        let SearchArguments { parts, jobs, group, results, .. } = arguments;
-        Options { parts: Some(parts), jobs: *jobs, group, results }
-    }
-
-    fn plan(arguments: &SearchArguments) -> Result<Self, Error> {
+    fn plan(arguments: &SearchArguments, run: &RunOptions) -> Result<Self, Error> {
         let seed = arguments.seed()?;
-        let scenario = arguments.scenario.clone().unwrap_or_default();
+        let scenario = arguments.scenario.clone();
         let options = &arguments.scenario_options;
         let base = group::open(&scenario, options)?;
         let reference = Reference::named(arguments.reference.unwrap_or_default());
@@ -108,19 +103,15 @@ impl Study for Faults {
             budget: arguments.budget.get(),
             seed,
             seeds: arguments.seeds.get(),
-            group: arguments.group.clone(),
-            jobs: arguments.jobs,
-            is_quiet: arguments.results.json,
+            group: run.group.clone(),
+            jobs: run.jobs,
+            is_quiet: run.results.json,
             candidates,
         })
     }
 
     fn runs(&self) -> usize {
         self.budget
-    }
-
-    fn seed(&self) -> u64 {
-        self.seed
     }
 
     fn label(&self) -> String {
@@ -159,12 +150,8 @@ impl Study for Faults {
         Ok((FaultRecord { values: self.values(run), outcome, judged }, ()))
     }
 
-    fn describe(&self, run: usize) -> String {
-        format!(" ({} in {})", self.candidate(run).name, self.name)
-    }
-
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
-        let Found { records, sample, shard, is_whole, directory, .. } = found;
+        let Found { records, shard, is_whole, directory, .. } = found;
         let records = records.all()?;
         let mut worst: Vec<Option<(usize, FaultRecord)>> = vec![None; self.candidates.len()];
         let mut tried = vec![(0, 0); self.candidates.len()];
@@ -219,13 +206,8 @@ impl Study for Faults {
         }
         let problem = &self.candidates[0].problem;
         let values = records.iter().map(|(_, record)| record.judged.value);
-        let search = Search::of_faults(
-            problem,
-            (self.budget, reducing_runs, first),
-            values.collect(),
-            rows,
-            sample,
-        );
+        let search =
+            Search::of_faults(problem, (self.budget, reducing_runs, first), values.collect(), rows);
         Ok(search.faults_document())
     }
 }

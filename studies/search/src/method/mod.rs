@@ -22,9 +22,11 @@ pub use scan::{Admission, Admit, NoneAdmissible, Proposal, Refused};
 pub use sobol::Sobol;
 
 use clap::ValueEnum;
+use serde::{Deserialize, Serialize};
 
 /// Names of the methods.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum MethodName {
     /// A Gaussian process with expected improvement
     #[default]

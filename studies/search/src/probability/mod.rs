@@ -19,12 +19,11 @@ pub use model::ModelError;
 pub use unit::Unit;
 
 use std::collections::{BTreeMap, VecDeque};
-use std::process::ExitCode;
 use std::sync::Mutex;
 
-use frame::batch::{self, Repetition};
-use frame::keep::{Keep, Key};
-use frame::{Crew, Found, Needs, Options, RunResult, Study};
+use frame::batch::Job;
+use frame::keep::Keep;
+use frame::{Crew, Found, Needs, RunOptions, RunResult, Study};
 use group::{Error, Failure};
 use rare_events::{Budget, REPLICAS, replica, sobol};
 use report::results::Document;
@@ -36,14 +35,6 @@ use crate::problem::{Problem, Value};
 use crate::value::judge;
 use model::Model;
 use unit::{Kind, Units};
-
-/// Runs the command.
-///
-/// # Errors
-/// Mistakes in the arguments or the file, else as [`frame::study::run`].
-pub fn run(arguments: &SearchArguments) -> Result<ExitCode, Error> {
-    frame::study::run::<Probability>(arguments)
-}
 
 /// Points of a unit that are kept at once: more than a unit of Monte Carlo has.
 const KEPT_AT_ONCE: usize = 100;
@@ -58,15 +49,13 @@ pub struct KeepsAll;
 impl Failure for KeepsAll {}
 
 /// The study.
-struct Probability {
+pub struct Probability {
     problem: Problem,
     model: Model,
     units: Units,
     seed: u64,
     /// Events of the units of Monte Carlo that ended.
     events: Mutex<BTreeMap<usize, usize>>,
-    /// Values of the points of replicas that were interrupted.
-    begun: Mutex<BTreeMap<usize, Vec<f64>>>,
 }
 
 impl Study for Probability {
@@ -74,31 +63,22 @@ impl Study for Probability {
     type Record = Unit;
     type Seen = ();
 
-    const NAME: &'static str = "search";
+    const NAME: &'static str = "search-probability";
     const NEEDS: Needs = Needs::All;
 
-    fn options(arguments: &SearchArguments) -> Options<'_> {
-        let SearchArguments { parts, jobs, group, results, .. } = arguments;
-        Options { parts: Some(parts), jobs: *jobs, group, results }
-    }
-
-    fn plan(arguments: &SearchArguments) -> Result<Self, Error> {
-        if arguments.parts.keep == Some(Keep::All) {
+    fn plan(arguments: &SearchArguments, run: &RunOptions) -> Result<Self, Error> {
+        if run.keep == Some(Keep::All) {
             return Err(KeepsAll.into());
         }
-        let problem = Problem::open(arguments)?;
+        let problem = Problem::open(arguments, &run.group)?;
         let model = Model::of(&problem)?;
         let units = Units::new(arguments.budget.get(), model.monte_carlo, model.rows());
         let seed = arguments.seed()?;
-        Ok(Self { problem, model, units, seed, events: Mutex::default(), begun: Mutex::default() })
+        Ok(Self { problem, model, units, seed, events: Mutex::default() })
     }
 
     fn runs(&self) -> usize {
         self.units.count()
-    }
-
-    fn seed(&self) -> u64 {
-        self.seed
     }
 
     fn label(&self) -> String {
@@ -113,27 +93,18 @@ impl Study for Probability {
         self.tell(run, unit);
     }
 
-    fn recall_begun(&self, run: usize, values: &[f64]) {
-        self.begun.lock().expect("no worker panics here").insert(run, values.to_vec());
-    }
-
-    fn columns(&self, _: &[usize]) -> Vec<Key> {
-        self.problem.columns()
-    }
-
-    fn steps(&self, run: usize) -> usize {
-        self.units.points(run, self.problem.dimensions())
+    fn keys(&self, _: usize) -> Vec<(String, String)> {
+        self.problem.named(&self.problem.middle())
     }
 
     fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<RunResult<Unit, ()>, Error> {
-        let known = self.begun.lock().expect("no worker panics here").remove(&run);
+        crew.steps(run, self.units.points(run, self.problem.dimensions()));
         let mut points = Points {
             study: self,
             run,
             crew,
             unit: Unit::default(),
-            repetition: None,
-            known: known.unwrap_or_default().into(),
+            known: crew.recalled(run).into(),
             fresh: Vec::new(),
         };
         match self.units.kind(run) {
@@ -163,19 +134,15 @@ impl Study for Probability {
                 }
             }
         }
-        let Points { unit, repetition, .. } = points;
+        let unit = points.unit;
         self.tell(run, &unit);
-        Ok(RunResult { record: unit, seen: (), repetition })
-    }
-
-    fn describe(&self, run: usize) -> String {
-        format!(" (unit {run} of the probability in {})", self.problem.name)
+        Ok(RunResult { record: unit, seen: () })
     }
 
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
         let units: Vec<Unit> = found.records.all()?.into_iter().map(|(_, unit)| unit).collect();
         let answer = results::Answer::of(&self.units, &self.model, &units);
-        Ok(answer.document(&self.problem, &self.model, found.sample))
+        Ok(answer.document(&self.problem, &self.model))
     }
 }
 
@@ -202,7 +169,6 @@ struct Points<'a> {
     run: usize,
     crew: &'a Crew<'a>,
     unit: Unit,
-    repetition: Option<Repetition>,
     /// Values of the next points, from before an interrupt.
     known: VecDeque<f64>,
     /// Values that are not kept yet.
@@ -214,8 +180,8 @@ impl Points<'_> {
     fn value(&mut self, point: &[f64]) -> Result<f64, Error> {
         let known = self.known.pop_front();
         let value = self.evaluate(point, known)?;
+        self.crew.step(self.run);
         if known.is_none() {
-            self.crew.step(self.run);
             self.fresh.push(value);
         }
         // A unit of Monte Carlo is short enough to be done again.
@@ -242,13 +208,10 @@ impl Points<'_> {
             self.unit.driven += 1;
             return Ok(value);
         }
-        // The first drive stands for the unit in the sample.
-        let repeats = self.crew.repeats(self.run) && self.repetition.is_none();
-        let crew = self.crew;
-        let done = batch::lockstep(&scenario, crew.group(), repeats, crew.going_on())?;
-        crew.observe(self.run, &problem.named(&values), &scenario, &done);
+        let job = Job::lockstep(scenario);
+        let done = self.crew.drive(self.run, &job)?;
+        self.crew.observe(self.run, &problem.named(&values), &job.scenario, &done);
         self.unit.driven += 1;
-        self.repetition = self.repetition.take().or(done.repetition);
         Ok(judge(&done.summary).value.max(reference))
     }
 }

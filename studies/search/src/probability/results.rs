@@ -1,6 +1,5 @@
 //! The answer: the estimates beside each other, and which variable matters.
 
-use frame::batch::ProcessesSample;
 use rare_events::sobol::{self, Indices};
 use rare_events::{ENOUGH_EVENTS, Estimate, Replica, disagree};
 use report::html::Tile;
@@ -192,15 +191,10 @@ impl Answer {
     }
 
     /// The result for every output.
-    pub(super) fn document(
-        &self,
-        problem: &Problem,
-        model: &Model,
-        sample: ProcessesSample,
-    ) -> Document {
+    pub(super) fn document(&self, problem: &Problem, model: &Model) -> Document {
         let ok = !self.disagrees();
         let found = (self.json(problem, model), ok);
-        let whole = Search::of_probability(problem, found, self.points, sample);
+        let whole = Search::of_probability(problem, found, self.points);
         let about = format!(
             "{} ({}): {}, {}",
             problem.name,

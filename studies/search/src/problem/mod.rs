@@ -20,7 +20,6 @@ pub use keys::is_whole;
 pub use setting::{Setting, Term};
 pub use variable::{Domain, DomainError, Value, Variable, rounded};
 
-use frame::keep::Key;
 use gaussian_process::Kind;
 use group::{Error, Failure, GroupOptions, Opening, ScenarioOptions};
 use runtime::Mode;
@@ -243,14 +242,10 @@ impl Problem {
         self.variables.iter().zip(values).map(pair).collect()
     }
 
-    /// The variables as columns of tables.
+    /// Values in the middle of the variables' domains.
     #[must_use]
-    pub fn columns(&self) -> Vec<Key> {
-        let key = |variable: &Variable| Key {
-            name: variable.name.clone(),
-            is_number: !variable.domain.is_of_words(),
-        };
-        self.variables.iter().map(key).collect()
+    pub fn middle(&self) -> Vec<Value> {
+        self.values(&vec![0.5; self.dimensions()])
     }
 
     /// Text that distinguishes this problem from others.

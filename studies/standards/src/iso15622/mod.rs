@@ -14,22 +14,17 @@ mod scenes;
 mod sheet;
 
 use clap::Args;
-use frame::batch::{self, Done, Job, ProcessesSample};
-use frame::parts::{self, PartOptions};
-use frame::{Found, Options, Study};
-use group::{Error, GroupOptions, LawOptions};
-use report::results::{Column, Document, ResultOptions, Schema, Table, flag, number, word};
+use frame::batch::{self, Done, Job};
+use frame::{Command, Entry, Found, RunOptions, Study};
+use group::{Error, LawOptions};
+use report::results::{Column, Document, Schema, Table, flag, number, word};
 use scenes::Test;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use sheet::Row;
 use std::process::ExitCode;
 
-/// Options that a merge takes from the parts.
-const WITHOUT_MERGE: [&str; 2] = ["controllers", "laws"];
-
 /// Arguments of `iso15622`.
-#[derive(Debug, Args)]
-#[command(mut_arg("merge", |merge| merge.conflicts_with_all(WITHOUT_MERGE).conflicts_with_all(parts::OF_RUNS)))]
+#[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub struct Iso15622Arguments {
     /// Controllers, by commas [default: all]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
@@ -40,15 +35,6 @@ pub struct Iso15622Arguments {
     /// Seed of the sensors' noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u32,
-    /// Parts of the study.
-    #[command(flatten)]
-    pub parts: PartOptions,
-    /// Start of each run's processes.
-    #[command(flatten)]
-    pub group: GroupOptions,
-    /// Directory and forms of the results.
-    #[command(flatten)]
-    pub results: ResultOptions,
 }
 
 #[derive(Debug, Serialize)]
@@ -56,7 +42,6 @@ struct Results {
     schema_version: u32,
     ok: bool,
     rows: Vec<Row>,
-    processes_sample: ProcessesSample,
 }
 
 /// Fields beside the rows.
@@ -77,17 +62,22 @@ const ROWS: &[Column<Row>] = &[
 /// Contents of the JSON.
 #[must_use]
 pub fn schema() -> Schema {
-    frame::schema("iso15622", "Tests of adaptive cruise control after ISO 15622")
-        .fields(FIELDS)
-        .rows("rows", "A row for each figure of each test and law", ROWS)
+    Schema::new("iso15622", "Tests of adaptive cruise control after ISO 15622").fields(FIELDS).rows(
+        "rows",
+        "A row for each figure of each test and law",
+        ROWS,
+    )
 }
+
+/// The study, for `merge` and `resume`.
+pub const ENTRY: Entry = Entry::of::<Tests>();
 
 /// Runs the command.
 ///
 /// # Errors
-/// [`Error::Scenario`] for an unknown controller, else as [`frame::study::run`].
-pub fn run(arguments: &Iso15622Arguments) -> Result<ExitCode, Error> {
-    frame::study::run::<Tests>(arguments)
+/// [`Error::Scenario`] for an unknown controller, else as [`frame::run`].
+pub fn run(command: &Command<Iso15622Arguments>) -> Result<ExitCode, Error> {
+    frame::run::<Tests>(command)
 }
 
 /// The study: each test with each law.
@@ -104,12 +94,7 @@ impl Study for Tests {
 
     const NAME: &'static str = "iso15622";
 
-    fn options(arguments: &Iso15622Arguments) -> Options<'_> {
-        let Iso15622Arguments { parts, group, results, .. } = arguments;
-        Options { parts: Some(parts), jobs: None, group, results }
-    }
-
-    fn plan(arguments: &Iso15622Arguments) -> Result<Self, Error> {
+    fn plan(arguments: &Iso15622Arguments, _: &RunOptions) -> Result<Self, Error> {
         let laws = batch::laws::own_named(&arguments.controllers, &arguments.laws.names())?;
         arguments.laws.expect_all_in(&laws)?;
         let tests = laws.iter().flat_map(|law| Test::all().map(|test| (law.clone(), test)));
@@ -118,10 +103,6 @@ impl Study for Tests {
 
     fn runs(&self) -> usize {
         self.tests.len()
-    }
-
-    fn seed(&self) -> u64 {
-        self.seed.into()
     }
 
     fn job(&self, run: usize) -> Result<Job, Error> {
@@ -145,22 +126,17 @@ impl Study for Tests {
         vec![("test".to_owned(), self.tests[run].1.name().to_owned())]
     }
 
-    fn describe(&self, run: usize) -> String {
-        let (law, test) = &self.tests[run];
-        format!(" ({} with {law})", test.name())
-    }
-
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
         let records = found.records.all()?;
         let rows: Vec<Row> = records.into_iter().flat_map(|(_, rows)| rows).collect();
-        Ok(document(rows, found.sample))
+        Ok(document(rows))
     }
 }
 
-fn document(rows: Vec<Row>, processes_sample: ProcessesSample) -> Document {
+fn document(rows: Vec<Row>) -> Document {
     let inside = rows.iter().filter(|row| row.ok).count();
     let (ok, all) = (inside == rows.len(), rows.len());
-    let results = Results { schema_version: 1, ok, rows, processes_sample };
+    let results = Results { schema_version: 1, ok, rows };
     let table = Table::new("Figures", ROWS, &results.rows).blocks("law");
     Document::new("iso15622", "ISO 15622", &results)
         .about("tests on a straight road and in curves, lockstep; the curves after ISO 15622, from secondary sources")
@@ -179,7 +155,7 @@ mod tests {
                 "value": 3.5, "least": null, "most": 3.0, "ok": ok});
             serde_json::from_value::<Row>(row).expect("a row")
         };
-        let document = document(vec![row("a", true), row("b", false)], ProcessesSample::default());
+        let document = document(vec![row("a", true), row("b", false)]);
         assert!(!document.is_ok());
         assert!(document.console(80).contains("1 of 2 figures inside"), "{}", document.console(80));
         assert!(document.junit().contains("failure"), "{}", document.junit());

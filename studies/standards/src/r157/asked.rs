@@ -2,33 +2,24 @@
 
 use clap::ValueEnum;
 use frame::batch::laws::own_named;
-use group::{Error, Failure};
+use group::{Error, UsageError};
 
 use super::R157Arguments;
 use super::matrix::{self, Case, Matrix};
 
-/// Arguments that make no study.
-#[derive(Debug, thiserror::Error)]
-pub enum Refused {
-    /// A matrix would count twice.
-    #[error("--matrix: {} is there twice, expected each once", .0.name())]
-    Twice(Matrix),
-    /// There is no random number in the study.
-    #[error("--seed {0}: the models have no noise, and no cases are drawn without --sample")]
-    Seed(u32),
-}
-
-impl Failure for Refused {}
-
 /// Refuses arguments that contradict each other.
-pub fn refuse(arguments: &R157Arguments) -> Result<(), Refused> {
+pub fn refuse(arguments: &R157Arguments) -> Result<(), UsageError> {
     let matrices = arguments.matrix.iter().enumerate();
     let mut twice = matrices.filter(|(place, matrix)| arguments.matrix[..*place].contains(matrix));
     if let Some((_, matrix)) = twice.next() {
-        return Err(Refused::Twice(*matrix));
+        let why = format_args!("{} is there twice", matrix.name());
+        return Err(UsageError::at("--matrix", why, "each once"));
     }
     match (arguments.models_only, arguments.sample, arguments.seed) {
-        (true, None, Some(seed)) => Err(Refused::Seed(seed)),
+        (true, None, Some(seed)) => {
+            let why = "the models have no noise";
+            Err(UsageError::option("--seed", seed, why, "--sample, or no seed"))
+        }
         _ => Ok(()),
     }
 }

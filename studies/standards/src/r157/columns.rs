@@ -109,7 +109,7 @@ pub fn schema() -> Schema {
         nested("parts", Kind::Object, "The same figures of each part, by its name"),
     ];
     let matrices: Vec<_> = matrix.into_iter().chain(FIGURES.iter().cloned()).collect();
-    frame::schema("r157", "UN R157's matrices")
+    Schema::new("r157", "UN R157's matrices")
         .fields(FIELDS)
         .rows("matrices", "The matrices", &matrices)
         .rows("matrices.laws", "Each law over all cases", LAWS)
@@ -270,8 +270,7 @@ mod tests {
         }
         let matrices = vec![judged.result()];
         let ok = matrices.iter().all(super::super::results::MatrixResult::holds);
-        let processes_sample = frame::batch::ProcessesSample::default();
-        let results = Results { schema_version: 1, ok, matrices, processes_sample };
+        let results = Results { schema_version: 1, ok, matrices };
         let document = document(&results, &[judged]);
         assert!(document.is_ok());
         for text in [document.console(200), document.page(), document.markdown()] {

@@ -27,31 +27,6 @@ pub struct Kept {
     with_brake: Option<End>,
 }
 
-/// End of a case with equal laws, and the drives that it took.
-pub struct Shared {
-    /// The ends.
-    pub kept: Kept,
-    /// The emergency brake braked, so that the case was driven without it too.
-    pub brake_acted: bool,
-}
-
-impl Shared {
-    /// The ends with and without the emergency brake, of one run if it never braked.
-    pub fn of(
-        with_brake: bool,
-        drive: &dyn Fn(bool) -> Result<Done, Error>,
-    ) -> Result<Self, Error> {
-        let braked = with_brake.then(|| drive(true)).transpose()?;
-        let silent = braked.as_ref().filter(|done| done.summary.aebs.interventions == Some(0));
-        let alone = match silent {
-            Some(done) => End::of(done),
-            None => End::of(&drive(false)?),
-        };
-        let brake_acted = with_brake && silent.is_none();
-        Ok(Self { kept: Kept { alone, with_brake: braked.as_ref().map(End::of) }, brake_acted })
-    }
-}
-
 impl End {
     /// The end of a drive.
     pub fn of(done: &Done) -> Self {
@@ -76,6 +51,20 @@ impl End {
 }
 
 impl Kept {
+    /// The ends with and without the emergency brake, of one run if it never braked.
+    pub fn of(
+        with_brake: bool,
+        drive: &dyn Fn(bool) -> Result<Done, Error>,
+    ) -> Result<Self, Error> {
+        let braked = with_brake.then(|| drive(true)).transpose()?;
+        let silent = braked.as_ref().filter(|done| done.summary.aebs.interventions == Some(0));
+        let alone = match silent {
+            Some(done) => End::of(done),
+            None => End::of(&drive(false)?),
+        };
+        Ok(Self { alone, with_brake: braked.as_ref().map(End::of) })
+    }
+
     /// A drive without the emergency brake.
     pub fn alone(done: &Done) -> Self {
         Self { alone: End::of(done), with_brake: None }

@@ -4,12 +4,14 @@ use crate::{PerModel, Verdict, cut_in, cut_out, following};
 use clap::ValueEnum;
 use rand_core::Rng;
 use rand_pcg::Pcg64;
+use serde::{Deserialize, Serialize};
 
 /// True for the cases of a part.
 type IsOfPart = fn(&Case) -> bool;
 
 /// A matrix of the regulation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Matrix {
     /// A slower vehicle comes into the ego's lane.
     CutIn,

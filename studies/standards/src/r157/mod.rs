@@ -28,23 +28,19 @@ use std::process::ExitCode;
 use crate::table;
 use clap::Args;
 use frame::batch::{Done, Job};
-use frame::parts::{self, PartOptions};
-use frame::{Crew, Found, Needs, Options, RunResult, Study};
-use group::{Error, Failure, GroupOptions, LawOptions};
+use frame::{Command, Crew, Entry, Found, Needs, RunOptions, RunResult, Study};
+use group::{Error, Failure, LawOptions};
 use judged::Judged;
 use kept::Kept;
 use matrix::{Case, Matrix};
 use plan::{Plan, first_scenario};
-use report::results::{Document, ResultOptions};
+use report::results::Document;
 use results::{MatrixResult, Results};
 use scenario::Scenario;
-
-/// Options that a merge takes from the parts.
-const WITHOUT_MERGE: [&str; 6] = ["matrix", "controllers", "laws", "sample", "seed", "require"];
+use serde::{Deserialize, Serialize};
 
 /// Arguments of `r157`.
-#[derive(Debug, Args)]
-#[command(mut_arg("merge", |merge| merge.conflicts_with_all(WITHOUT_MERGE).conflicts_with_all(parts::OF_RUNS)))]
+#[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub struct R157Arguments {
     /// Matrices, by commas [default: all]
     #[arg(long, value_enum, value_name = "NAME,...", value_delimiter = ',')]
@@ -58,7 +54,7 @@ pub struct R157Arguments {
     /// Drive the regulation's models alone, without controllers and processes
     #[arg(
         long,
-        conflicts_with_all = ["laws", "require", "processes", "programs", "ready_timeout", "shard", "resume", "merge"]
+        conflicts_with_all = ["laws", "require", "processes", "programs", "ready_timeout", "shard", "resume"]
     )]
     pub models_only: bool,
     /// Draw this many cases of each matrix [default: all]
@@ -73,33 +69,21 @@ pub struct R157Arguments {
     /// Write the models' outcomes of the cut-ins as a table
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
-    /// Parts of the study.
-    #[command(flatten)]
-    pub parts: PartOptions,
-    /// Start of each run's processes.
-    #[command(flatten)]
-    pub group: GroupOptions,
-    /// Directory and forms of the results.
-    #[command(flatten)]
-    pub results: ResultOptions,
 }
 
 /// Runs the command.
 ///
 /// # Errors
-/// [`Error::Scenario`] for an unknown controller, [`NoCutIns`], else as [`frame::study::run`].
-pub fn run(arguments: &R157Arguments) -> Result<ExitCode, Error> {
-    if let Some(path) = &arguments.csv {
-        let matrices = if arguments.parts.merge.is_empty() {
-            asked::matrices(arguments)
-        } else {
-            let study = parts::held(&arguments.parts)?.expect("a merge has a directory");
-            asked::matrices(&study.arguments()?)
-        };
-        write_table(path, &matrices)?;
+/// [`Error::Scenario`] for an unknown controller, [`NoCutIns`], else as [`frame::run`].
+pub fn run(command: &Command<R157Arguments>) -> Result<ExitCode, Error> {
+    if let Some(path) = &command.study.csv {
+        write_table(path, &asked::matrices(&command.study))?;
     }
-    frame::study::run::<Plan>(arguments)
+    frame::run::<Plan>(command)
 }
+
+/// The study, for `merge` and `resume`.
+pub const ENTRY: Entry = Entry::of::<Plan>();
 
 impl Study for Plan {
     type Arguments = R157Arguments;
@@ -109,21 +93,12 @@ impl Study for Plan {
     const NAME: &'static str = "r157";
     const NEEDS: Needs = Needs::All;
 
-    fn options(arguments: &R157Arguments) -> Options<'_> {
-        let R157Arguments { parts, group, results, .. } = arguments;
-        Options { parts: Some(parts), jobs: None, group, results }
-    }
-
-    fn plan(arguments: &R157Arguments) -> Result<Self, Error> {
+    fn plan(arguments: &R157Arguments, _: &RunOptions) -> Result<Self, Error> {
         Self::of(arguments)
     }
 
     fn runs(&self) -> usize {
         self.number_of_runs()
-    }
-
-    fn seed(&self) -> u64 {
-        self.settled.seed()
     }
 
     fn subject(&self) -> Result<String, Error> {
@@ -139,12 +114,13 @@ impl Study for Plan {
     }
 
     fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<RunResult<Kept, ()>, Error> {
-        let observe = |aebs: bool, scenario: &Scenario, done: &Done| {
-            crew.observe(run, &self.keys_of(run, aebs), scenario, done);
+        let drive = |aebs: bool, scenario: Scenario| {
+            let job = Job::lockstep(scenario);
+            let done = crew.drive(run, &job)?;
+            crew.observe(run, &self.keys_of(run, aebs), &job.scenario, &done);
+            Ok(done)
         };
-        let (record, repetition) =
-            self.drive_case(run, crew.repeats(run), crew.group(), crew.going_on(), &observe)?;
-        Ok(RunResult { record, seen: (), repetition })
+        Ok(RunResult { record: self.drive_case(run, &drive)?, seen: () })
     }
 
     fn keys(&self, run: usize) -> Vec<(String, String)> {
@@ -159,7 +135,7 @@ impl Study for Plan {
         let judged = self.judged(&kept)?.expect("the frame judges whole studies alone");
         let matrices: Vec<MatrixResult> = judged.iter().map(Judged::result).collect();
         let ok = matrices.iter().all(|matrix| matrix.holds() && matrix.requirements_broken() == 0);
-        let results = Results { schema_version: 1, ok, matrices, processes_sample: found.sample };
+        let results = Results { schema_version: 1, ok, matrices };
         Ok(columns::document(&results, &judged))
     }
 }

@@ -4,26 +4,22 @@
 //!   run without it.
 //! * Without signals, a law may equal another law ([`without_signals`](controller::law::Descriptor::without_signals)).
 //!
-//! So a run of the study is a case with one group of equal laws, with and without the brake. Some runs are chosen to be
-//! repeated. One law of the group, in turn, repeats its drives in process groups. Every other driver drives the case
-//! alone, in one process. A verdict that differs from the shared one counts like other bytes.
-
-use std::collections::BTreeSet;
+//! So a run of the study is a case with one group of equal laws, with and without the brake.
 
 use crate::{Model, Verdict};
 use controller::laws;
-use group::{Error, GroupOptions};
+use group::Error;
 use scenario::Scenario;
 
 use super::R157Arguments;
 use super::asked::{matrices, names, refuse, seed};
 use super::drive::{Conditions, Driver};
 use super::judged::{Driven, Judged};
-use super::kept::{End, Kept, Shared};
+use super::kept::{End, Kept};
 use super::matrix::{Case, Matrix};
 use super::scene;
 use super::settled::Settled;
-use frame::batch::{self, Done, Repetition};
+use frame::batch::{self, Done};
 
 /// Laws whose runs are the same.
 struct Laws {
@@ -31,23 +27,6 @@ struct Laws {
     names: Vec<String>,
     /// True if there are detections for an emergency brake.
     with_brake: bool,
-}
-
-impl Laws {
-    /// The drivers of run number `run` if it is repeated, each with whether it drives in a process group too. If the
-    /// run took a drive of its own, the laws take turns.
-    fn repeated(&self, run: usize, brake_acted: bool) -> Vec<(Driver, bool)> {
-        let distinct: BTreeSet<&String> = self.names.iter().collect();
-        let in_turn = run % distinct.len();
-        let with_brake: &[bool] = if self.with_brake { &[false, true] } else { &[false] };
-        let drivers = distinct.into_iter().enumerate().flat_map(|(place, law)| {
-            with_brake.iter().map(move |&aebs| {
-                let was_driven = aebs == self.with_brake || brake_acted;
-                (Driver { law: law.clone(), aebs }, place == in_turn && was_driven)
-            })
-        });
-        drivers.collect()
-    }
 }
 
 /// Every case of every matrix by every law, in this order.
@@ -119,52 +98,22 @@ impl Plan {
         scene::scenario(case, &driver, &self.settled)
     }
 
-    /// Drives run number `run`: as often as it takes, or `repeat`ing it in process groups and with every driver. Each
-    /// drive of its own is shown to `observe`, with whether the emergency brake took part.
+    /// Drives run number `run` as often as it takes. `drive` does a drive, with or without the emergency brake.
     ///
     /// # Errors
-    /// As [`batch::lockstep`]; [`batch::Aborted`].
+    /// As `drive`; [`batch::Aborted`].
     pub fn drive_case(
         &self,
         run: usize,
-        repeat: bool,
-        group: &GroupOptions,
-        going_on: &dyn Fn() -> bool,
-        observe: &dyn Fn(bool, &Scenario, &Done),
-    ) -> Result<(Kept, Option<Repetition>), Error> {
+        drive: &dyn Fn(bool, Scenario) -> Result<Done, Error>,
+    ) -> Result<Kept, Error> {
         let (laws, _, _, case) = self.place(run);
-        let drive = |law: &str, aebs: bool, repeat: bool| -> Result<(Scenario, Done), Error> {
-            let driver = Driver { law: law.to_owned(), aebs };
-            let scenario = scene::scenario(case, &driver, &self.settled)?;
-            let done = batch::lockstep(&scenario, group, repeat, going_on)?;
+        Kept::of(laws.with_brake, &|aebs| {
+            let driver = Driver { law: laws.names[0].clone(), aebs };
+            let done = drive(aebs, scene::scenario(case, &driver, &self.settled)?)?;
             batch::whole(&done.summary)?;
-            Ok((scenario, done))
-        };
-        let Shared { kept, brake_acted } = Shared::of(laws.with_brake, &|aebs| {
-            let (scenario, done) = drive(&laws.names[0], aebs, false)?;
-            observe(aebs, &scenario, &done);
             Ok(done)
-        })?;
-        if !(repeat && batch::in_one_thread(group)) {
-            return Ok((kept, None));
-        }
-        let mut repetition = Repetition::Same;
-        for (Driver { law, aebs }, in_group) in laws.repeated(run, brake_acted) {
-            let (_, done) = drive(&law, aebs, in_group)?;
-            let found = match done.repetition {
-                Some(different @ Repetition::Different(_)) => different,
-                _ if kept.end(aebs) != Some(End::of(&done)) => {
-                    let brake = if aebs { "with" } else { "without" };
-                    let what = format!("{law} {brake} emergency brake ends differently alone");
-                    Repetition::Different(what)
-                }
-                _ => continue,
-            };
-            if repetition == Repetition::Same {
-                repetition = found;
-            }
-        }
-        Ok((kept, Some(repetition)))
+        })
     }
 
     /// The verdicts of models and drivers; `None` if a run is missing.
@@ -265,15 +214,13 @@ mod tests {
     use std::collections::BTreeMap;
     use std::num::NonZeroUsize;
 
-    use clap::{Args, Command, FromArgMatches};
+    use frame::Command;
     use group::in_process::run_watched;
     use group::report::Details;
     use messages::Service;
 
     fn arguments(words: &[&str]) -> R157Arguments {
-        let command = R157Arguments::augment_args(Command::new("r157"));
-        let matches = command.get_matches_from([&["r157"], words].concat());
-        R157Arguments::from_arg_matches(&matches).expect("they are arguments")
+        Command::read(words).expect("they are arguments").study
     }
 
     /// Digests of all messages except the brake's own, and the count of its interventions.
@@ -311,22 +258,6 @@ mod tests {
     }
 
     #[test]
-    fn the_drives_that_a_run_took_are_repeated_in_groups_by_its_laws_in_turn() {
-        let names = ["b", "a", "a"].map(String::from).to_vec();
-        let laws = |with_brake| Laws { names: names.clone(), with_brake };
-        let in_groups = |laws: &Laws, run, brake_acted| -> Vec<(String, bool)> {
-            let all = laws.repeated(run, brake_acted);
-            assert_eq!(all.len(), if laws.with_brake { 4 } else { 2 }, "every driver drives");
-            let in_groups = all.into_iter().filter(|(_, in_group)| *in_group);
-            in_groups.map(|(driver, _)| (driver.law, driver.aebs)).collect()
-        };
-        let (a, b) = ("a".to_owned(), "b".to_owned());
-        assert_eq!(in_groups(&laws(true), 6, false), [(a.clone(), true)]);
-        assert_eq!(in_groups(&laws(true), 7, true), [(b, false), ("b".into(), true)]);
-        assert_eq!(in_groups(&laws(false), 8, false), [(a, false)]);
-    }
-
-    #[test]
     fn laws_that_are_the_same_without_signals_send_the_same_bytes() {
         for law in laws::own() {
             let Some(same) = law.without_signals else { continue };
@@ -360,11 +291,16 @@ mod tests {
         let plan = Plan::of(&R157Arguments { sample, ..arguments(&controllers) }).expect("laws");
         assert_eq!(plan.laws.len(), 2, "cacc-mpc and acc-mpc are one");
         assert_eq!((plan.drivers.len(), plan.number_of_runs()), (6, 12));
-        let group = arguments(&[]).group;
+        let group = Command::<R157Arguments>::read(&[]).expect("no words").options.group;
         let observed = Cell::new(0);
-        let observe = |_: bool, _: &Scenario, _: &Done| observed.set(observed.get() + 1);
-        let drive = |run| plan.drive_case(run, false, &group, &|| true, &observe);
-        let drive = |run| drive(run).expect("it runs").0;
+        let lockstep = |scenario: &Scenario| batch::lockstep(scenario, &group, &|| true);
+        let drive = |run| {
+            let one = |_: bool, scenario: Scenario| {
+                observed.set(observed.get() + 1);
+                lockstep(&scenario)
+            };
+            plan.drive_case(run, &one).expect("it runs")
+        };
         let kept: Vec<_> = (0..plan.number_of_runs()).map(|run| Some(drive(run))).collect();
         assert!(observed.get() >= plan.number_of_runs(), "{observed:?}");
         assert_eq!(plan.keys_of(7, true)[0].1, "following", "{:?}", plan.keys_of(7, true));
@@ -379,7 +315,7 @@ mod tests {
                 assert_eq!(from_its_gap.is_some(), judged.matrix == Matrix::CutOut);
                 for (case, verdict) in judged.cases.iter().zip(verdicts) {
                     let scenario = scene::scenario(case, driver, &plan.settled).expect("a law");
-                    let done = batch::lockstep(&scenario, &group, false, &|| true);
+                    let done = lockstep(&scenario);
                     let own = judge::verdict(&done.expect("it runs").drive);
                     assert_eq!(*verdict, own, "{driver:?} {case:?}");
                 }

@@ -1,6 +1,5 @@
 //! Counts over the cases.
 
-use frame::batch::ProcessesSample;
 use std::collections::BTreeMap;
 
 use crate::Model;
@@ -17,8 +16,6 @@ pub struct Results {
     pub ok: bool,
     /// The matrices.
     pub matrices: Vec<MatrixResult>,
-    /// The runs that were repeated in process groups.
-    pub processes_sample: ProcessesSample,
 }
 
 /// A matrix, or a part of it.

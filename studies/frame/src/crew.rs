@@ -1,85 +1,88 @@
 //! The means by which a study does its runs.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard};
 
 use group::{Error, GroupOptions};
 use indicatif::ProgressBar;
+use scenario::Scenario;
 
-use super::{RunResult, Study};
 use crate::batch::{self, Done, Job};
 use crate::drives::Drive;
 use crate::keep::Keeper;
 use crate::parts::{Begun, SoFar};
-use scenario::Scenario;
+use crate::study::{RunResult, Study};
+use crate::verify::{self, Verify};
 
-/// Drives runs in threads or process groups, and repeats the runs of the sample.
+/// Drives runs in threads or process groups.
 pub struct Crew<'a> {
     group: &'a GroupOptions,
-    repeated: &'a BTreeSet<usize>,
     going_on: &'a dyn Fn() -> bool,
     observed: &'a Observed<'a>,
 }
 
 /// Values taken of drives as they end, beside their records.
-pub(super) struct Observed<'a> {
-    /// Keeps trajectories.
-    pub keeper: Option<&'a Keeper>,
-    /// Counts the steps of all runs.
+pub(crate) struct Observed<'a> {
+    keeper: Option<&'a Keeper>,
+    verify: Verify,
     bar: &'a ProgressBar,
     /// Keeps values of runs that have not ended.
     begun: Begun,
-    /// Runs that are not settled.
     unsettled: Mutex<BTreeMap<usize, Unsettled>>,
 }
 
-/// Results so far of a run that is not settled.
+/// Results so far of a run that has not ended.
 #[derive(Default)]
 struct Unsettled {
-    /// Figures of its drives.
+    /// Values that an interrupted command had kept.
+    recalled: Vec<f64>,
     drives: Vec<Drive>,
-    /// Number of these figures that [`Begun`] has.
+    /// Number of these drives that [`Begun`] has.
     kept: usize,
-    /// Steps that it has reported.
-    steps: u64,
+    /// Steps that it does, and those that it has done.
+    steps: [u64; 2],
 }
 
 impl<'a> Observed<'a> {
     /// `so_far` is what interrupted runs had computed.
     pub fn new(
         keeper: Option<&'a Keeper>,
+        verify: Verify,
         bar: &'a ProgressBar,
         (begun, so_far): (Begun, BTreeMap<usize, SoFar>),
     ) -> Self {
         let unsettled = so_far.into_iter().map(|(run, SoFar { values, drives })| {
-            let (kept, steps) = (drives.len(), values.len() as u64);
-            bar.inc(steps);
-            (run, Unsettled { drives, kept, steps })
+            let kept = drives.len();
+            (run, Unsettled { recalled: values, drives, kept, steps: [0; 2] })
         });
-        Self { keeper, bar, begun, unsettled: Mutex::new(unsettled.collect()) }
+        Self { keeper, verify, bar, begun, unsettled: Mutex::new(unsettled.collect()) }
     }
 
     fn unsettled(&self) -> MutexGuard<'_, BTreeMap<usize, Unsettled>> {
         self.unsettled.lock().expect("no worker panics here")
     }
 
-    /// A run of this number of steps ended: those that it did not report are over too. Returns the figures of its
-    /// drives.
-    pub fn end(&self, run: usize, steps: u64) -> Vec<Drive> {
+    /// A run ended: the steps that it did not report are over too. Returns the figures of its drives.
+    pub fn end(&self, run: usize) -> Vec<Drive> {
         let one = self.unsettled().remove(&run).unwrap_or_default();
-        self.bar.inc(steps.saturating_sub(one.steps));
+        let [steps, done] = one.steps;
+        self.bar.inc(steps.max(1).saturating_sub(done));
         one.drives
+    }
+
+    /// Runs that were repeated in process groups.
+    pub fn verified(&self) -> usize {
+        self.verify.count()
     }
 }
 
 impl<'a> Crew<'a> {
-    pub(super) fn new(
+    pub(crate) fn new(
         group: &'a GroupOptions,
-        repeated: &'a BTreeSet<usize>,
         going_on: &'a dyn Fn() -> bool,
         observed: &'a Observed<'a>,
     ) -> Self {
-        Self { group, repeated, going_on, observed }
+        Self { group, going_on, observed }
     }
 
     /// Start of processes.
@@ -93,10 +96,9 @@ impl<'a> Crew<'a> {
         self.going_on
     }
 
-    /// True if run `run` is in the sample that is repeated in process groups.
-    #[must_use]
-    pub fn repeats(&self, run: usize) -> bool {
-        self.repeated.contains(&run)
+    /// Writes a line on standard error, above the progress bar.
+    pub fn note(&self, line: &str) {
+        self.observed.bar.suspend(|| report::print::note(line));
     }
 
     /// Takes a drive of run `run` into the table of all drives, and keeps its trajectory if that is asked for. `keys`
@@ -109,14 +111,20 @@ impl<'a> Crew<'a> {
         self.observed.unsettled().entry(run).or_default().drives.push(drive);
     }
 
+    /// Run `run` is of this number of steps. It reports each by [`Crew::step`].
+    pub fn steps(&self, run: usize, steps: usize) {
+        self.observed.unsettled().entry(run).or_default().steps[0] = steps as u64;
+        self.observed.bar.inc_length((steps as u64).saturating_sub(1));
+    }
+
     /// Reports a step of run `run`, which goes on: the progress bar moves.
     pub fn step(&self, run: usize) {
-        self.observed.unsettled().entry(run).or_default().steps += 1;
+        self.observed.unsettled().entry(run).or_default().steps[1] += 1;
         self.observed.bar.inc(1);
     }
 
-    /// Keeps further values of run `run`, which goes on, and the figures of its drives: an interrupted study gives the
-    /// values back by [`Study::recall_begun`]. Without a journal nothing is kept. Each value counts as a step.
+    /// Keeps further values of run `run`, which goes on, and the figures of its drives. An interrupted study gives the
+    /// values back by [`Crew::recalled`].
     ///
     /// # Errors
     /// If they cannot be written.
@@ -128,15 +136,25 @@ impl<'a> Crew<'a> {
         Ok(())
     }
 
-    /// Drives, and repeats what is in the sample.
-    ///
-    /// # Errors
-    /// Reasons why the run does not start, or [`Error::Interrupted`].
-    pub fn drive(&self, run: usize, job: &Job) -> Result<Done, Error> {
-        batch::drive_and_repeat(job, self.group, self.repeats(run), self.going_on)
+    /// Values that an interrupted command kept of run `run`, once.
+    #[must_use]
+    pub fn recalled(&self, run: usize) -> Vec<f64> {
+        let mut unsettled = self.observed.unsettled();
+        unsettled.get_mut(&run).map(|one| std::mem::take(&mut one.recalled)).unwrap_or_default()
     }
 
-    /// Drives, repeats, and lets the study record the run. A failure of this run alone is its result.
+    /// Does a drive of run `run`. With `--verify-processes` it may be repeated in a process group.
+    ///
+    /// # Errors
+    /// Reasons why the run does not start, [`Error::Interrupted`], or [`verify::OtherBytes`].
+    pub fn drive(&self, run: usize, job: &Job) -> Result<Done, Error> {
+        if self.observed.verify.takes(run) && batch::is_in_memory(job, self.group) {
+            return verify::twice(run, job, self.group, self.going_on);
+        }
+        batch::drive(job, self.group, self.going_on)
+    }
+
+    /// Drives, and lets the study record the run. A failure of this run alone is its result.
     ///
     /// # Errors
     /// As [`Crew::drive`], or that of [`Study::record`].
@@ -153,9 +171,8 @@ impl<'a> Crew<'a> {
         if let Ok(done) = &result {
             self.observe(run, &study.keys(run), &job.scenario, done);
         }
-        let repetition = result.as_ref().ok().and_then(|done| done.repetition.clone());
         let (record, seen) = study.record(run, job, result)?;
-        Ok(RunResult { record, seen, repetition })
+        Ok(RunResult { record, seen })
     }
 }
 
@@ -166,20 +183,25 @@ mod tests {
     #[test]
     fn steps_move_the_bar_before_their_run_ends() {
         let bar = ProgressBar::hidden();
+        bar.set_length(3);
         let so_far = SoFar { values: vec![0.5], ..SoFar::default() };
         let begun = (Begun::default(), BTreeMap::from([(9, so_far)]));
-        let observed = Observed::new(None, &bar, begun);
+        let observed = Observed::new(None, Verify::default(), &bar, begun);
         let group = GroupOptions { programs: Vec::new(), ready_timeout: 1.0, processes: false };
-        let sample = BTreeSet::new();
-        let crew = Crew::new(&group, &sample, &|| true, &observed);
+        let crew = Crew::new(&group, &|| true, &observed);
+        assert_eq!(
+            (crew.recalled(9), crew.recalled(9), crew.recalled(3)),
+            (vec![0.5], vec![], vec![])
+        );
+        crew.steps(7, 5);
         crew.step(7);
         crew.step(7);
-        assert_eq!(bar.position(), 3, "an earlier command did one");
+        assert_eq!((bar.position(), bar.length()), (2, Some(7)));
         // A run that reports no steps, and one that skips two of five.
-        observed.end(3, 1);
+        observed.end(3);
         crew.step(7);
-        observed.end(7, 5);
-        observed.end(9, 2);
-        assert_eq!(bar.position(), 8);
+        observed.end(7);
+        observed.end(9);
+        assert_eq!(bar.position(), 7);
     }
 }

@@ -1,50 +1,27 @@
-//! The trait of all studies, and the one way in which they run.
-
-mod crew;
-mod run;
-mod schema;
-
-pub use crew::Crew;
-pub use run::run;
-pub use schema::{ok, schema};
+//! The trait of all studies.
 
 use std::collections::BTreeMap;
-use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-use clap::{Args, FromArgMatches};
-use group::{Error, GroupOptions};
-use report::results::{Column, Document, ResultOptions};
+use clap::Args;
+use group::Error;
+use report::results::{Column, Document, flag};
 use runtime::Mode;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::batch::{Done, Job, ProcessesSample, Repetition};
-use crate::keep::{self, Keep, Key};
-use crate::parts::{PartOptions, Records, Shard};
-
-/// The options that all studies have, where an argument struct keeps them.
-#[derive(Clone, Copy, Debug)]
-pub struct Options<'a> {
-    /// Parts; none where the study cannot be split.
-    pub parts: Option<&'a PartOptions>,
-    /// Runs at once; none: one per core, or one in realtime.
-    pub jobs: Option<NonZeroUsize>,
-    /// Start of processes.
-    pub group: &'a GroupOptions,
-    /// Directory and forms of the results.
-    pub results: &'a ResultOptions,
-}
+use crate::batch::{Done, Job};
+use crate::command::RunOptions;
+use crate::crew::Crew;
+use crate::parts::{Records, Shard};
 
 /// Results of one run.
 #[derive(Debug)]
 pub struct RunResult<R, S> {
-    /// Its record, which goes into the journal too.
+    /// Its record, which goes into the journal.
     pub record: R,
     /// Data for pictures, which stays in memory alone.
     pub seen: S,
-    /// Result of repeating it in a process group; none: it was not repeated.
-    pub repetition: Option<Repetition>,
 }
 
 /// Condition for a result of some of the runs.
@@ -64,9 +41,7 @@ pub struct Found<S: Study> {
     pub records: Records<S::Record>,
     /// Data for pictures, of the runs that this command did.
     pub seen: BTreeMap<usize, S::Seen>,
-    /// Runs that were repeated in process groups.
-    pub sample: ProcessesSample,
-    /// The part that was done; none: the whole study.
+    /// The part that was done; `None` is the whole study.
     pub shard: Option<Shard>,
     /// Every run of the study, or of this part, is there.
     pub is_whole: bool,
@@ -80,49 +55,25 @@ pub struct Found<S: Study> {
 /// with a smaller number. The judgement sees records alone, so that it is the same
 /// for a study that was interrupted or split.
 pub trait Study: Sized + Sync {
-    /// The command's arguments.
-    type Arguments: Args + FromArgMatches;
+    /// What the command asks. A part keeps it in `part.json`.
+    type Arguments: Args + Serialize + DeserializeOwned;
     /// The record of a run: a line of the journal.
-    type Record: Serialize + DeserializeOwned + Send;
+    type Record: Serialize + DeserializeOwned + Send + 'static;
     /// Data of a run for pictures, in memory alone. Merged parts do not have such data.
     type Seen: Send;
 
-    /// Name of the command.
+    /// Name of the study in `part.json`; no other study has it.
     const NAME: &'static str;
     /// Condition for a result of some of the runs.
     const NEEDS: Needs = Needs::Part;
-    /// There may be too many records for memory: a journal is kept in any case.
-    const KEEPS_JOURNAL: bool = false;
-    /// A run that gave other bytes in a process group is a finding of the study. Otherwise it ends the study.
-    const JUDGES_SAMPLE: bool = false;
-
-    /// Finds the common options in the arguments.
-    fn options(arguments: &Self::Arguments) -> Options<'_>;
-
-    /// The trajectories to keep. A study that cannot be split has an option of its own.
-    fn keep(arguments: &Self::Arguments) -> Option<Keep> {
-        Self::options(arguments).parts.and_then(|parts| parts.keep)
-    }
+    /// The study's own columns of `runs.csv`. A drive has those of its run's record.
+    const OWN_COLUMNS: &'static [Column<Self::Record>] = &[];
 
     /// Reads and checks all that the arguments name. Nothing is written before.
     ///
     /// # Errors
     /// Mistakes in the arguments.
-    fn plan(arguments: &Self::Arguments) -> Result<Self, Error>;
-
-    /// Plans the study of the part in `directory`, by the arguments that it began with.
-    ///
-    /// # Errors
-    /// As [`Study::plan`].
-    fn reopen(arguments: &Self::Arguments, directory: &Path) -> Result<Self, Error> {
-        let _ = directory;
-        Self::plan(arguments)
-    }
-
-    /// Name and contents of a file that each part keeps, for [`Study::reopen`]: a part then needs no other file.
-    fn inputs(&self) -> Option<(&'static str, String)> {
-        None
-    }
+    fn plan(arguments: &Self::Arguments, options: &RunOptions) -> Result<Self, Error>;
 
     /// Number of runs.
     fn runs(&self) -> usize;
@@ -130,16 +81,6 @@ pub trait Study: Sized + Sync {
     /// The clock of the runs.
     fn mode(&self) -> Mode {
         Mode::Lockstep
-    }
-
-    /// Chooses the runs that are repeated in process groups.
-    fn seed(&self) -> u64 {
-        1
-    }
-
-    /// The study's own columns of `runs.csv`. A drive has those of its run's record.
-    fn own_columns(&self) -> Vec<Column<Self::Record>> {
-        Vec::new()
     }
 
     /// Words beside the progress bar, and the name of a directory that the command names itself.
@@ -158,7 +99,7 @@ pub trait Study: Sized + Sync {
         unreachable!("run {run} of {} is not one job", Self::NAME)
     }
 
-    /// Content of the files that the command names. Parts of other contents are not joined.
+    /// Content of the files that the arguments name. Parts of other contents are not joined.
     ///
     /// # Errors
     /// As [`Study::job`].
@@ -195,12 +136,6 @@ pub trait Study: Sized + Sync {
         crew.drive_and_record(self, run, &self.job(run)?)
     }
 
-    /// Steps of a run, as the progress bar counts them. A run of several reports each by [`Crew::step`].
-    fn steps(&self, run: usize) -> usize {
-        let _ = run;
-        1
-    }
-
     /// True if no other run may go on beside this one. Such runs come last.
     ///
     /// # Errors
@@ -216,34 +151,12 @@ pub trait Study: Sized + Sync {
         let _ = (run, record);
     }
 
-    /// Takes the values that an interrupted run had kept ([`Crew::keep`]), before the first run of this command begins.
-    fn recall_begun(&self, run: usize, values: &[f64]) {
-        let _ = (run, values);
-    }
-
     /// Keys that the study varies, with their values in a run. They are columns of the table of drives, and of the
-    /// trajectories that `--keep` keeps. All runs have the same keys. It is asked for a run that is under way.
+    /// trajectories that `--keep` keeps. All runs have the same keys. A run that has not begun may give any values
+    /// of the same kinds: numbers, or words.
     fn keys(&self, run: usize) -> Vec<(String, String)> {
         let _ = run;
         Vec::new()
-    }
-
-    /// The same keys without values, by those of `runs`, none of which need have begun. A study that chooses values by
-    /// the results of earlier runs has its own.
-    fn columns(&self, runs: &[usize]) -> Vec<Key> {
-        keep::keys(runs.iter().map(|run| self.keys(*run)))
-    }
-
-    /// A line for standard error when a run has ended.
-    fn notice(&self, record: &Self::Record) -> Option<String> {
-        let _ = record;
-        None
-    }
-
-    /// Words on a run, for the message that it gave other bytes in a process group.
-    fn describe(&self, run: usize) -> String {
-        let _ = run;
-        String::new()
     }
 
     /// Judges the records.
@@ -251,4 +164,10 @@ pub trait Study: Sized + Sync {
     /// # Errors
     /// If a journal cannot be read.
     fn judge(&self, found: Found<Self>) -> Result<Document, Error>;
+}
+
+/// The field `ok` of a result: the verdict over all runs. `meaning` says when it is true.
+#[must_use]
+pub const fn ok<R>(meaning: &'static str) -> Column<R> {
+    flag("ok", "", ("ok", "BROKEN"), meaning)
 }

@@ -1,0 +1,137 @@
+//! The command line of a study, of `merge` and of `resume`.
+
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use clap::{Args, FromArgMatches};
+use group::{Error, GroupOptions, UsageError};
+use report::results::ResultOptions;
+
+use crate::keep::Keep;
+use crate::parts::{PartFile, Shard, ShardChoice};
+use crate::run;
+use crate::study::Study;
+
+/// The command line of a study: what it asks, and how that is done.
+#[derive(Clone, Debug, Args)]
+pub struct Command<A: Args> {
+    /// What it asks.
+    #[command(flatten)]
+    pub study: A,
+    /// How it is done.
+    #[command(flatten)]
+    pub options: RunOptions,
+}
+
+impl<A: Args> Command<A> {
+    /// Reads the words of a command line, without those of its name.
+    ///
+    /// # Errors
+    /// Words that are no such command line.
+    pub fn read(words: &[&str]) -> Result<Self, clap::Error> {
+        let command = Self::augment_args(clap::Command::new("study").no_binary_name(true));
+        Self::from_arg_matches(&command.try_get_matches_from(words)?)
+    }
+}
+
+/// How the runs of a study are done, and the place and forms of its results.
+#[derive(Clone, Debug, Args)]
+pub struct RunOptions {
+    /// Do only part I of N of the runs; `auto` takes both numbers from the array job's environment, `auto/N` only I;
+    /// `timegap merge` joins the parts
+    #[arg(long, value_name = "I/N|auto")]
+    pub shard: Option<ShardChoice>,
+    /// Do the study in this directory: go on with the same study there, or begin it
+    #[arg(long, value_name = "DIR", conflicts_with = "out")]
+    pub resume: Option<PathBuf>,
+    /// Keep the trajectories of runs in trajectories.parquet: all, failures, or worst:N by the smallest gap
+    #[arg(long, value_name = "WHICH", conflicts_with = "resume")]
+    pub keep: Option<Keep>,
+    /// Runs at once [default: one per core; 1 in realtime]
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<NonZeroUsize>,
+    /// Repeat some of the runs in process groups too: they must give the same bytes
+    #[arg(long, conflicts_with = "processes")]
+    pub verify_processes: bool,
+    /// Start of each run's processes.
+    #[command(flatten)]
+    pub group: GroupOptions,
+    /// Directory and forms of the results.
+    #[command(flatten)]
+    pub results: ResultOptions,
+}
+
+/// Arguments of `merge`.
+#[derive(Clone, Debug, Args)]
+pub struct MergeArguments {
+    /// Directories of the parts
+    #[arg(required = true)]
+    pub parts: Vec<PathBuf>,
+    /// Directory and forms of the results.
+    #[command(flatten)]
+    pub results: ResultOptions,
+}
+
+/// Arguments of `resume`.
+#[derive(Clone, Debug, Args)]
+#[command(mut_arg("out", |out| out.requires("shard")))]
+pub struct ResumeArguments {
+    /// Directory of a study, or of a part of one, that was interrupted
+    pub directory: PathBuf,
+    /// Do this other part of the study, in a directory of its own (`--out`)
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
+    /// Runs at once [default: one per core; 1 in realtime]
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<NonZeroUsize>,
+    /// Directory and forms of the results.
+    #[command(flatten)]
+    pub results: ResultOptions,
+}
+
+/// A study as `merge` and `resume` find it: by the name in `part.json`.
+#[derive(Clone, Copy, Debug)]
+pub struct Entry {
+    name: &'static str,
+    merge: fn(&MergeArguments, PartFile) -> Result<ExitCode, Error>,
+    resume: fn(&ResumeArguments, PartFile) -> Result<ExitCode, Error>,
+}
+
+impl Entry {
+    /// The entry of a study.
+    #[must_use]
+    pub const fn of<S: Study>() -> Self {
+        Self { name: S::NAME, merge: run::merge::<S>, resume: run::resume::<S> }
+    }
+}
+
+/// Joins the parts of one of the `studies`.
+///
+/// # Errors
+/// Parts that do not belong together, or a file that cannot be read or written.
+pub fn merge(arguments: &MergeArguments, studies: &[Entry]) -> Result<ExitCode, Error> {
+    let (entry, part) = find(&arguments.parts[0], studies)?;
+    (entry.merge)(arguments, part)
+}
+
+/// Goes on with one of the `studies` in its directory.
+///
+/// # Errors
+/// A directory that holds no part, else as [`run`](fn@crate::run).
+pub fn resume(arguments: &ResumeArguments, studies: &[Entry]) -> Result<ExitCode, Error> {
+    let (entry, part) = find(&arguments.directory, studies)?;
+    (entry.resume)(arguments, part)
+}
+
+/// The study that a directory holds a part of.
+fn find<'a>(directory: &Path, studies: &'a [Entry]) -> Result<(&'a Entry, PartFile), Error> {
+    let part = PartFile::read(directory)?;
+    let entry = studies.iter().find(|entry| entry.name == part.study);
+    let names = || studies.iter().map(|entry| entry.name).collect::<Vec<_>>().join(", ");
+    let unknown = || {
+        let why = format_args!("`{}` is not a study of this version", part.study);
+        UsageError::at(directory.display(), why, names())
+    };
+    Ok((entry.ok_or_else(unknown)?, part))
+}

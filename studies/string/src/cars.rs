@@ -1,0 +1,127 @@
+//! The cars of a string, driven one after another: by the study, or by a caller with laws of its own.
+
+use group::report::{ControlFigures, Outcome};
+use group::{Drive, RequirementVerdict};
+use report::summary::Summary;
+use scenario::Scenario;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+
+use super::measure::{Measured, measure};
+use super::motion::Motion;
+use super::results::Results;
+use super::scene::{Place, Plan, SceneError};
+use super::wave::Amplitudes;
+
+/// Points of a trace, for the pictures.
+const TRACE_POINTS: usize = 400;
+
+/// A string of which some cars were driven.
+///
+/// ```
+/// use string::CarByCar;
+///
+/// let options = group::ScenarioOptions { duration: Some("3".into()), ..Default::default() };
+/// let laws = vec![group::open("following", &options).expect("built in")];
+/// let mut string = CarByCar::new(laws, 2);
+/// while let Some(scenario) = string.next().expect("a short string") {
+///     let outcome = group::in_process::run_unsealed(&scenario, &|| false).expect("it drives");
+///     let wall = std::time::Duration::from_millis(1);
+///     let summary = report::summary::Summary::new(&scenario, runtime::Mode::Lockstep, &outcome, wall);
+///     string.drove(&scenario, &summary, &outcome.drive);
+/// }
+/// assert_eq!(string.results()["vehicles"].as_array().map(Vec::len), Some(2));
+/// ```
+#[derive(Debug)]
+pub struct CarByCar {
+    plan: Plan,
+    places: Vec<Place>,
+    cars: Vec<Driven>,
+    last: Option<Motion>,
+}
+
+/// The drive of one car, reduced to figures and a trace.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Driven {
+    /// Place of the car in the string, from 1.
+    pub index: usize,
+    /// Its law.
+    pub controller: String,
+    /// End of its drive.
+    pub outcome: Outcome,
+    /// Verdicts on the requirements.
+    pub requirements: Vec<RequirementVerdict>,
+    /// Figures of the referee.
+    pub figures: ControlFigures,
+    /// Norms of its speeds and gaps.
+    pub measured: Measured,
+    /// Amplitudes behind a sine.
+    pub amplitudes: Option<Amplitudes>,
+    /// Time, s, position of its front bumper from the first car's start, m, and speed, m/s; empty
+    /// behind a sine.
+    pub trace: Vec<[f64; 3]>,
+}
+
+impl CarByCar {
+    /// A string of `vehicles` cars; the scenarios, one a law, are repeated along it. There must be one.
+    #[must_use]
+    pub fn new(laws: Vec<Scenario>, vehicles: usize) -> Self {
+        assert!(!laws.is_empty(), "a string has a law");
+        Self::of(Plan { laws, vehicles, wave: None })
+    }
+
+    pub(crate) fn of(plan: Plan) -> Self {
+        Self { places: plan.places(), plan, cars: Vec::new(), last: None }
+    }
+
+    /// The scenario of the next car; `None` when all were driven.
+    ///
+    /// # Errors
+    /// If the string is too long for its road.
+    pub fn next(&self) -> Result<Option<Scenario>, SceneError> {
+        match (self.places.get(self.cars.len()), &self.last) {
+            (None, _) => Ok(None),
+            (Some(_), None) => Ok(Some(self.plan.first())),
+            (Some(place), Some(motion)) => self.plan.behind(*place, motion).map(Some),
+        }
+    }
+
+    /// Takes the drive of the car that was next.
+    pub fn drove(&mut self, scenario: &Scenario, summary: &Summary, drive: &Drive) {
+        let Some(place) = self.places.get(self.cars.len()) else { return };
+        self.last = Some(Motion::of(scenario, drive, summary.outcome));
+        self.cars.push(Driven {
+            index: place.index + 1,
+            controller: summary.controller.clone(),
+            outcome: summary.outcome,
+            requirements: summary.requirements.clone(),
+            figures: summary.control.figures.clone(),
+            measured: measure(scenario, drive),
+            amplitudes: self.plan.wave.and_then(|wave| wave.amplitudes(drive)),
+            trace: if self.plan.wave.is_some() { Vec::new() } else { trace(drive, place) },
+        });
+    }
+
+    pub(crate) fn into_cars(self) -> Vec<Driven> {
+        self.cars
+    }
+
+    /// The results of the cars that were driven, as the command's JSON.
+    ///
+    /// # Panics
+    /// Never: results are plain data.
+    #[must_use]
+    pub fn results(&self) -> Value {
+        let results = Results::new(&self.plan, &self.cars, Vec::new(), Vec::new());
+        serde_json::to_value(&results).expect("results are plain data")
+    }
+}
+
+/// Evenly spread steps of a drive, and its last one.
+fn trace(drive: &Drive, place: &Place) -> Vec<[f64; 3]> {
+    let stride = drive.steps.len().div_ceil(TRACE_POINTS).max(1);
+    let last = drive.steps.len().saturating_sub(1);
+    let kept = drive.steps.iter().enumerate().filter(|(k, _)| k % stride == 0 || *k == last);
+    kept.map(|(_, step)| [step.time_s, step.position_m - place.behind_first_m, step.speed_mps])
+        .collect()
+}
