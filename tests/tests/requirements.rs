@@ -39,7 +39,7 @@ fn requirements_that_hold_are_shown_and_leave_the_run_completed() {
     let output = run(&corner, &["--require", "always (gap_m > 2 and acceleration_mps2 > -9)"]);
     let printed = text(&output);
     assert!(output.status.success(), "{printed}");
-    assert!(printed.contains("requirements") && printed.contains("met, margin"), "{printed}");
+    assert!(printed.contains("Requirements") && printed.contains(" met"), "{printed}");
 }
 
 /// A standing car 20 m ahead of 20 m/s: 33.3 m of braking and 7 m of reaction are more.

@@ -60,7 +60,7 @@ use self::stage::Stage;
 use clap::Args;
 use group::{Error, SignalsError};
 use messages::Topic;
-use report::output::OutputDirectory;
+use report::output::{HISTOGRAMS, OutputDirectory, histogram_log};
 use report::print;
 use report::results::ResultOptions;
 use report::summary::Host;
@@ -173,7 +173,7 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
     let json = serde_json::to_string_pretty(&report).expect("plain data") + "\n";
     let written = output
         .write("bench.json", json.as_bytes())
-        .and_then(|()| output.write_histograms(&histograms))
+        .and_then(|()| output.write(HISTOGRAMS, &histogram_log(&histograms)))
         .and_then(|()| output.write(report::FILE, page::page(&report, &histograms).as_bytes()));
     if let Some(path) = &arguments.save {
         std::fs::write(path, &json).map_err(|reason| Error::Path {

@@ -21,14 +21,6 @@ pub fn p99(p: &Percentiles) -> Option<f64> {
     carries(p.count, 0.99).then_some(p.p99)
 }
 
-/// Percentiles of a time in µs, on one line. Those that the samples do not carry are left out.
-pub(crate) fn percentiles(p: &Percentiles) -> String {
-    let p50 = carries(p.count, 0.5).then(|| format!("p50 {}, ", duration(p.p50)));
-    let p99 = p99(p).map(|us| format!("p99 {}, ", duration(us)));
-    let (p50, p99) = (p50.unwrap_or_default(), p99.unwrap_or_default());
-    format!("{p50}{p99}max {} (n = {})", duration(p.max), p.count)
-}
-
 /// A duration in µs with the unit that reads best.
 ///
 /// ```
@@ -47,25 +39,6 @@ pub fn duration(us: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn percentiles_need_their_samples() {
-        let of = |count| {
-            let p = Percentiles {
-                p50: 1.0,
-                p90: 1.0,
-                p99: 2.0,
-                p999: 2.0,
-                p9999: 2.0,
-                max: 3.0,
-                count,
-            };
-            percentiles(&p)
-        };
-        assert_eq!(of(1), "max 3.0 µs (n = 1)");
-        assert_eq!(of(4), "p50 1.0 µs, max 3.0 µs (n = 4)");
-        assert_eq!(of(100), "p50 1.0 µs, p99 2.0 µs, max 3.0 µs (n = 100)");
-    }
 
     #[test]
     fn durations_choose_their_unit() {

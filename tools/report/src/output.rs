@@ -65,6 +65,21 @@ const RESULTS: [&str; 41] = [
     "trajectory.csv",
 ];
 
+/// File with histograms.
+pub const HISTOGRAMS: &str = "histograms.hlog";
+
+/// Tagged histograms as [`HISTOGRAMS`], which the tools of the HdrHistogram family read.
+///
+/// # Panics
+/// Never: memory takes all.
+#[must_use]
+pub fn histogram_log(histograms: &[(String, Latencies)]) -> Vec<u8> {
+    let mut log = Vec::new();
+    let tagged = histograms.iter().map(|(tag, histogram)| (tag.as_str(), histogram));
+    histogram_log::write(&mut log, tagged).expect("memory takes all, and our tags are words");
+    log
+}
+
 /// Directory of earlier results until new ones replace them.
 const REPLACED: &str = ".replaced";
 
@@ -222,17 +237,6 @@ impl OutputDirectory {
             // A file that cannot be removed stays aside.
             let _ = remove(&self.path.join(REPLACED));
         }
-    }
-
-    /// Writes tagged histograms as `histograms.hlog`, which the tools of the HdrHistogram family read.
-    ///
-    /// # Errors
-    /// [`Error::Path`].
-    pub fn write_histograms(&self, histograms: &[(String, Latencies)]) -> Result<(), Error> {
-        let mut log = Vec::new();
-        let tagged = histograms.iter().map(|(tag, histogram)| (tag.as_str(), histogram));
-        histogram_log::write(&mut log, tagged).expect("memory takes all, and our tags are words");
-        self.write("histograms.hlog", &log)
     }
 
     /// Writes a result, whole or not at all.

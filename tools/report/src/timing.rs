@@ -1,12 +1,10 @@
-//! Charts and tables of time: latency of each hop, percentiles, longest chains.
+//! Charts of time: latency of each hop, longest chains.
 
 use super::chart::{Axis, Bands, Curve, Plot, Row, Span, Stroke, Tone};
-use super::html::{Cell, Column, stacked_table};
 use super::picture::RunPicture;
-use crate::duration::{carries, duration};
-use crate::summary::Summary;
+use crate::duration::duration;
 use group::report::{HopTimes, WorstChain};
-use runtime::statistics::{Latencies, Percentiles, QuantileCurve};
+use runtime::statistics::{Latencies, QuantileCurve};
 
 /// Chains drawn as timelines; the table has all.
 const DRAWN_CHAINS: usize = 5;
@@ -120,44 +118,6 @@ fn spans(hops: &HopTimes) -> Vec<Span> {
     spans
 }
 
-/// Events during the longest chains.
-pub fn worst_table(chains: &[WorstChain]) -> String {
-    let age = |us: Option<f64>| us.map_or_else(|| "–".to_owned(), duration);
-    let rows: Vec<Vec<Cell>> = chains
-        .iter()
-        .map(|chain| {
-            vec![
-                Cell::Plain(format!("until {:.3} s", chain.t_s)),
-                Cell::Plain(duration(chain.reaction_time_us)),
-                Cell::Plain(duration(chain.reaction_time_us - chain.designed_wait_us)),
-                Cell::Plain(age(chain.radar_age_us)),
-                Cell::Plain(chain.solver_iterations.to_string()),
-                Cell::Plain(format!(
-                    "{} + {}",
-                    chain.voluntary_switches, chain.involuntary_switches
-                )),
-                Cell::Plain(format!("{} + {}", chain.minor_faults, chain.major_faults)),
-                if chain.deadline_missed {
-                    Cell::Bad("missed".into())
-                } else {
-                    Cell::Good("kept".into())
-                },
-            ]
-        })
-        .collect();
-    let head = [
-        ("chain", Column::Text),
-        ("reaction", Column::Number),
-        ("without waits", Column::Number),
-        ("radar age", Column::MoreNumber),
-        ("iterations", Column::MoreNumber),
-        ("switches, own + forced", Column::MoreNumber),
-        ("page faults, minor + major", Column::MoreNumber),
-        ("control cycle", Column::Number),
-    ];
-    stacked_table(&head, &rows)
-}
-
 /// A quantile curve as points (latency, share). The largest of n samples is drawn at 1 - 1/2n, since samples
 /// do not show the end of the distribution. A logarithmic axis cannot show zeros: the curve begins above their
 /// share.
@@ -181,85 +141,9 @@ fn zeros(curve: &QuantileCurve) -> String {
     }
 }
 
-/// Percentiles of all timed quantities; empty without any.
-pub fn percentiles(summary: &Summary) -> String {
-    let timing = &summary.timing;
-    let hops = &timing.hops_us;
-    table([
-        ("Reaction time, radar to first actuation", timing.reaction_time_us),
-        ("… software overhead only", timing.net_reaction_us),
-        ("… radar to start of the control cycle", hops.radar_to_controller),
-        ("… control cycle to its command", hops.controller_compute),
-        ("… command to actuation", hops.controller_to_plant),
-        ("Data age at every actuation", timing.data_age_us),
-        ("Release jitter of the controller", timing.release_jitter_us),
-        ("The law alone", timing.solve_us),
-    ])
-}
-
-/// Percentiles, a row each; empty without any.
-pub fn table<'a>(timed: impl IntoIterator<Item = (&'a str, Option<Percentiles>)>) -> String {
-    let rows: Vec<Vec<String>> = timed
-        .into_iter()
-        // Zero durations of simulated time are left out.
-        .filter_map(|(name, percentiles)| Some((name, percentiles.filter(|p| p.max > 0.0)?)))
-        .map(|(name, percentiles)| row(name, &percentiles))
-        .collect();
-    if rows.is_empty() {
-        return String::new();
-    }
-    stacked_table(
-        &[
-            ("", Column::Text),
-            ("median", Column::Number),
-            ("90 %", Column::MoreNumber),
-            ("99 %", Column::Number),
-            ("99.9 %", Column::MoreNumber),
-            ("99.99 %", Column::MoreNumber),
-            ("max", Column::Number),
-            ("samples", Column::Number),
-        ],
-        &rows,
-    )
-}
-
-/// A row of percentiles. A dash replaces a percentile that the number of samples cannot distinguish from the
-/// maximum.
-fn row(name: &str, p: &Percentiles) -> Vec<String> {
-    let known = |share: f64, us: f64| {
-        if carries(p.count, share) { duration(us) } else { "–".to_owned() }
-    };
-    vec![
-        name.to_owned(),
-        known(0.5, p.p50),
-        known(0.9, p.p90),
-        known(0.99, p.p99),
-        known(0.999, p.p999),
-        known(0.9999, p.p9999),
-        duration(p.max),
-        p.count.to_string(),
-    ]
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_percentile_without_samples_behind_it_is_a_dash() {
-        let p = Percentiles {
-            p50: 1.0,
-            p90: 2.0,
-            p99: 3.0,
-            p999: 3.0,
-            p9999: 3.0,
-            max: 3.0,
-            count: 100,
-        };
-        let row = row("x", &p);
-        assert_eq!(row[3], "3.0 µs");
-        assert_eq!((row[4].as_str(), row[5].as_str(), row[7].as_str()), ("–", "–", "100"));
-    }
 
     #[test]
     fn the_largest_sample_is_not_the_end_of_the_distribution() {

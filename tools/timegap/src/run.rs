@@ -11,7 +11,8 @@ use group::{
 };
 use indicatif::{ProgressBar, ProgressStyle};
 use messages::Service;
-use report::output::{OutputDirectory, OutputOptions};
+use report::output::{HISTOGRAMS, OutputDirectory, histogram_log};
+use report::results::ResultOptions;
 use report::summary::{self, Summary};
 use report::{RunPicture, print, trajectory};
 use runtime::Mode;
@@ -46,15 +47,12 @@ pub struct RunArguments {
     #[arg(long)]
     pub in_process: bool,
     #[command(flatten)]
-    pub output: OutputOptions,
+    pub results: ResultOptions,
     #[command(flatten)]
     pub live: LiveOptions,
     /// Do not record the topics
     #[arg(long)]
     pub no_record: bool,
-    /// Print the summary as JSON, and nothing else
-    #[arg(long)]
-    pub json: bool,
 }
 
 /// Runs the command.
@@ -77,11 +75,11 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         refuse_what_needs_processes(arguments)?;
     }
     group::hold_signals()?;
-    let output = OutputDirectory::create(&arguments.output, scenario.name.as_str())?;
+    let output = OutputDirectory::create(&arguments.results.output, scenario.name.as_str())?;
     output.write_input("scenario.toml", scenario.to_toml().as_bytes())?;
 
     let mut live = Live::open(&arguments.live, &scenario, &driver(&scenario, arguments))?;
-    let bar = progress_bar(&scenario, arguments.json || arguments.live.watch);
+    let bar = progress_bar(&scenario, arguments.results.json || arguments.live.watch);
     let (mut drove, mut shown_ms) = (false, 0);
     let mut watch = |moment: &Moment<'_>| {
         drove = true;
@@ -111,47 +109,30 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         .map(|group| Summary::new(&scenario, mode, group, begun.elapsed()))
         .map_err(ToString::to_string);
     live.end(&match &summary {
-        Ok(summary) => print::outcome(summary),
+        Ok(summary) => {
+            format!("{}, {:.1} s driven", print::outcome_word(summary.outcome), summary.duration_s)
+        }
         Err(why) => why.clone(),
     });
     let group = result?;
     let summary = summary.expect("a run that succeeded has one");
-    let json = serde_json::to_string_pretty(&summary).expect("a summary is plain data");
     let figures = group.formulation(&scenario).map_or_else(Vec::new, Formulation::figure_names);
-    let written = output.write("summary.json", (json.clone() + "\n").as_bytes()).and_then(|()| {
-        output.write("trajectory.csv", trajectory::csv(&group.drive, &figures).as_bytes())
-    });
-    let written = written.and_then(|()| match mode {
-        Mode::Realtime => output.write_histograms(&summary::histograms(&group)),
+    let picture = RunPicture::of(&scenario, &group).judged(&summary.requirements);
+    let document = report::run_document(&scenario, &summary, &picture)
+        .file("trajectory.csv", trajectory::csv(&group.drive, &figures));
+    let document = match mode {
+        Mode::Realtime => document.file(HISTOGRAMS, histogram_log(&summary::histograms(&group))),
         // Simulated time has no latencies.
-        Mode::Lockstep => Ok(()),
-    });
-    let written = written.and_then(|()| {
-        let picture = RunPicture::of(&scenario, &group).judged(&summary.requirements);
-        let page = report::run_page(&scenario, &summary, &picture);
-        output.write(report::FILE, page.as_bytes())
-    });
+        Mode::Lockstep => document,
+    };
     for (service, line) in &group.wrote {
         print::note(&format!("{service}: {line}"));
     }
-    let printed = if arguments.json {
-        print::out(&(json + "\n"))
-    } else {
-        let results = format!("  {:<14} {}\n", "results", output.path().display());
-        let page = match written {
-            Ok(()) => {
-                format!("  {:<14} {}\n", "report", output.path().join(report::FILE).display())
-            }
-            Err(_) => String::new(),
-        };
-        print::out(&(print::summary(&summary) + &results + &page))
-    };
+    let delivered = arguments.results.deliver(&document, &output);
     // A closed terminal interrupts the run and accepts no more text.
     if group.ended != Ended::Interrupted {
-        printed?;
+        delivered?;
     }
-    // Print first, then fail on a full disk.
-    written?;
     Ok(exit_code(&group.ended, summary.outcome))
 }
 

@@ -8,6 +8,7 @@
 use serde_json::Value;
 use std::ops::Range;
 
+use super::document::Fact;
 use super::head::Format;
 use super::table::Table;
 use crate::table::{Align, TextTable};
@@ -50,6 +51,21 @@ pub fn folded(words: &str, indent: usize, width: usize) -> String {
         }
     }
     lines.join("\n") + "\n"
+}
+
+/// Facts as lines of name and value in at most `width` columns.
+pub(super) fn facts(facts: &[Fact], width: usize) -> String {
+    let longest = facts.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+    let begin = longest + 4;
+    let lines = facts.iter().flat_map(|(name, value)| {
+        let value = folded(value, 0, width.saturating_sub(begin).max(20));
+        let lines = value.lines().enumerate().map(|(place, line)| match place {
+            0 => format!("  {name:<longest$}  {line}\n"),
+            _ => format!("{:begin$}{line}\n", ""),
+        });
+        lines.collect::<Vec<_>>()
+    });
+    lines.collect()
 }
 
 /// A cell in lines of at most `most` characters, broken behind dots and spaces; none where a part is longer.
@@ -375,6 +391,17 @@ mod tests {
             "{text}"
         );
         assert!(widest(&text) <= 24, "{text}");
+    }
+
+    #[test]
+    fn facts_stand_below_each_other_and_long_ones_are_folded() {
+        let fact = |name: &str, value: &str| (name.to_owned(), value.to_owned());
+        let text = facts(
+            &[fact("min gap", "8.25 m"), fact("law", "word word word word word word word word")],
+            34,
+        );
+        let folded = "  law      word word word word\n             word word word word\n";
+        assert_eq!(text, format!("  min gap  8.25 m\n{folded}"));
     }
 
     #[test]

@@ -27,7 +27,12 @@ pub enum Part {
     Text(String),
     /// Figures that are read at a glance, on the page alone.
     Tiles(Vec<Tile>),
+    /// Facts below a heading, which a terminal leaves out.
+    Facts(String, Vec<Fact>),
 }
+
+/// A name and its value in words. A fact without a name belongs to the one before it.
+pub type Fact = (String, String);
 
 /// A finding against the verdict, and the command that repeats it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -102,6 +107,8 @@ impl fmt::Debug for Contents {
 #[derive(Clone, Debug)]
 pub struct Document {
     pub(super) command: &'static str,
+    /// Name of the file with the JSON, where it is not the command's.
+    json_file: Option<&'static str>,
     pub(super) title: String,
     pub(super) about: String,
     pub(super) ok: bool,
@@ -120,6 +127,7 @@ impl Document {
         let json = serde_json::to_string_pretty(whole).expect("plain data") + "\n";
         Self {
             command,
+            json_file: None,
             title: title.to_owned(),
             about: String::new(),
             ok: true,
@@ -164,6 +172,13 @@ impl Document {
         self
     }
 
+    /// The same with this file for the JSON.
+    #[must_use]
+    pub fn json_file(mut self, name: &'static str) -> Self {
+        self.json_file = Some(name);
+        self
+    }
+
     /// The same with a line about what was driven.
     #[must_use]
     pub fn about(mut self, about: impl Into<String>) -> Self {
@@ -193,6 +208,15 @@ impl Document {
         let text = text.into();
         if !text.is_empty() {
             self.parts.push(Part::Text(text));
+        }
+        self
+    }
+
+    /// The same with named values, a line each; none add nothing.
+    #[must_use]
+    pub fn facts(mut self, heading: &str, facts: Vec<Fact>) -> Self {
+        if !facts.is_empty() {
+            self.parts.push(Part::Facts(heading.to_owned(), facts));
         }
         self
     }
@@ -267,12 +291,13 @@ impl Document {
                     }
                     text += &table.console(width);
                     if table.is_cut() {
-                        text += &format!("  (all rows: {})\n", self.json_file());
+                        text += &format!("  (all rows: {})\n", self.json_name());
                     }
                 }
                 Part::Text(words) => {
                     words.lines().for_each(|line| text += &console::folded(line, 0, width));
                 }
+                Part::Facts(_, facts) => text += &console::facts(facts, width),
                 Part::Figures(..) | Part::Tiles(_) => {}
             }
         }
@@ -284,13 +309,13 @@ impl Document {
         }
         if self.broken.len() > MOST_BROKEN {
             let more = self.broken.len() - MOST_BROKEN;
-            text += &format!("  and {more} more: {}, {}\n", self.json_file(), crate::FILE);
+            text += &format!("  and {more} more: {}, {}\n", self.json_name(), crate::FILE);
         }
         text
     }
 
     /// Name of the file with the JSON.
-    pub(super) fn json_file(&self) -> String {
-        format!("{}.json", self.command)
+    pub(super) fn json_name(&self) -> String {
+        self.json_file.map_or_else(|| format!("{}.json", self.command), str::to_owned)
     }
 }

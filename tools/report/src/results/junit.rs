@@ -73,7 +73,7 @@ mod tests {
         let columns: [Column<serde_json::Value>; 2] =
             [word("law", "law", ""), flag("ok", "verdict", ("ok", "MISSED"), "")];
         let rows =
-            [json!({"law": "a & <b>", "ok": true}), json!({"law": "c\u{1b}\"é", "ok": false})];
+            [json!({"law": "a & <b>", "ok": true}), json!({"law": "c\u{1}\"é", "ok": false})];
         let document = Document::new("x", "Laws \u{1}> 1", &json!({}))
             .verdict(false, "1 of 2 laws")
             .table(Table::new("Rows", &columns, &rows));

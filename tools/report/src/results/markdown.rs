@@ -31,6 +31,12 @@ fn text(document: &Document) -> String {
     for part in &document.parts {
         match part {
             Part::Table(table) if table.is_on_pages() => text += &self::table(table),
+            Part::Facts(heading, facts) => {
+                text += &format!("\n### {}\n\n| | |\n| --- | --- |\n", escape(heading));
+                for (name, value) in facts {
+                    text += &format!("| {} | {} |\n", escape(name), escape(value));
+                }
+            }
             Part::Text(words) => text += &format!("\n{}\n", escape(words)),
             _ => {}
         }

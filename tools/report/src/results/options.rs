@@ -104,7 +104,7 @@ fn write(document: &Document, output: &OutputDirectory) -> Result<(), Error> {
             Contents::Stream(fill) => output.write_by(&file.name, |file| fill(file))?,
         }
     }
-    output.write(&document.json_file(), document.json.as_bytes())?;
+    output.write(&document.json_name(), document.json.as_bytes())?;
     output.write(crate::FILE, document.page().as_bytes())
 }
 

@@ -43,6 +43,11 @@ fn part(part: &Part) -> String {
         Part::Figures(heading, html) => section(heading, html),
         Part::Text(text) => text.lines().map(|line| format!("<p>{}</p>\n", escape(line))).collect(),
         Part::Tiles(all) => tiles(all),
+        Part::Facts(heading, facts) => {
+            let rows: Vec<Vec<String>> =
+                facts.iter().map(|(name, value)| vec![name.clone(), value.clone()]).collect();
+            section(heading, &stacked_table(&[("", Column::Text), ("", Column::Text)], &rows))
+        }
     }
 }
 
