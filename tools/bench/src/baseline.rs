@@ -1,9 +1,9 @@
 //! Comparison with an earlier benchmark, on this or another machine, by ratios to the floor.
 
 use super::results::{Report, TransportRow};
-use crate::in_words;
 use group::{Error, Failure};
 use runtime::statistics::Percentiles;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ const ENOUGH: u64 = 1000;
 const CHANCE: f64 = 5.0;
 
 /// A figure over its floor, then and now.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Change {
     /// Name of the figure.
     pub what: String,
@@ -65,7 +65,7 @@ pub fn compare(then: &Report, now: &Report, factor: f64) -> Vec<Change> {
         };
         let Some(before) = then.transport_us.iter().find(same) else { continue };
         let (Some(before), Some(after)) = (over(then, before), over(now, row)) else { continue };
-        let what = format!("transport of {} B, {}", row.bytes, in_words(&row.conditions));
+        let what = format!("transport of {} B, {}", row.bytes, row.conditions.in_words());
         let ratio = |(us, floor): (Percentiles, Percentiles), of: fn(&Percentiles) -> f64| {
             of(&us) / of(&floor)
         };
@@ -81,7 +81,7 @@ pub fn compare(then: &Report, now: &Report, factor: f64) -> Vec<Change> {
             Some(row.net_reaction_us?.p50 / row.floor_sum_us?)
         };
         if let (Some(before), Some(after)) = (ratio(then), ratio(now)) {
-            let what = format!("net reaction at {} ms, {}", key.1 / 1000, in_words(&key.0));
+            let what = format!("net reaction at {} ms, {}", key.1 / 1000, key.0.in_words());
             add(format!("{what}, p50"), before, after);
         }
     }
@@ -94,7 +94,7 @@ pub fn compare(then: &Report, now: &Report, factor: f64) -> Vec<Change> {
         };
         if let (Some((before, _)), Some((after, misses))) = (excess(then), excess(now)) {
             let what =
-                format!("misses over the floor's at {} ms, {}", key.1 / 1000, in_words(&key.0));
+                format!("misses over the floor's at {} ms, {}", key.1 / 1000, key.0.in_words());
             let worse = after > factor * before && misses > CHANCE;
             changes.push(Change { what, then: before, now: after, worse });
         }
@@ -158,9 +158,9 @@ mod tests {
                 floor_misses_per_million: Some(200.0),
             }],
             paired: Vec::new(),
-            not_compared: Vec::new(),
             goals: Vec::new(),
             caveats: Vec::new(),
+            against: None,
         }
     }
 

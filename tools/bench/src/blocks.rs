@@ -1,13 +1,14 @@
 //! The judged part of a benchmark: comparisons in alternating blocks.
 
+use super::Bench;
 use super::chain::{self, Chain};
 use super::goals::{self, Goal};
 use super::paired::{Compared, Comparison, sessions};
 use super::plan::{self, CHAIN_WAKES, Cell, ChainBlocks, Measure};
+use super::progress::millis;
 use super::results::PairedRow;
 use super::setup::{Conditions, Mechanism};
 use super::statistics::Events;
-use super::{Bench, in_words, millis};
 use group::Error;
 use indicatif::ProgressBar;
 use rand_core::Rng;
@@ -34,7 +35,7 @@ impl Bench<'_> {
         let mut all: Vec<Option<Compared>> = comparisons.iter().map(|_| None).collect();
         for session in 0..sessions {
             for (&(comparison, conditions, period_us), all) in comparisons.iter().zip(&mut all) {
-                bar.set_message(format!("{}, {}", comparison.name(), in_words(&conditions)));
+                bar.set_message(format!("{}, {}", comparison.name(), conditions.in_words()));
                 let compared = self.stage.compare(comparison, conditions, period_us, session)?;
                 match (all.as_mut(), compared) {
                     (Some(all), Some(compared)) => all.add(compared),
@@ -46,7 +47,7 @@ impl Bench<'_> {
         }
         for compared in all.into_iter().flatten() {
             let Compared { comparison, conditions, period_us, .. } = compared;
-            let tag = format!("{}:{period_us}us", in_words(&conditions).replace(' ', ":"));
+            let tag = conditions.tag(period_us);
             let name = comparison.name().replace(' ', "-");
             for (arm, histogram) in ["ours", "floor"].into_iter().zip(compared.histograms()) {
                 self.histograms.push((format!("{name}-{arm}:{tag}"), histogram));
@@ -55,7 +56,7 @@ impl Bench<'_> {
             self.judge(goals::of_comparison(&compared, !quick));
         }
         for blocks in chains {
-            bar.set_message(format!("chain in blocks, {}", in_words(&blocks.conditions)));
+            bar.set_message(format!("chain in blocks, {}", blocks.conditions.in_words()));
             self.chain_in_blocks(blocks)?;
             bar.inc(millis(blocks.estimate()));
         }

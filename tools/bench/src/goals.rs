@@ -4,10 +4,11 @@ use super::limits;
 use super::paired::Compared;
 use super::setup::Placement;
 use super::statistics::{self, Estimate, Events};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Outcome of a goal.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
     /// The whole interval is at or below the limit.
@@ -18,19 +19,8 @@ pub enum Verdict {
     Undecided,
 }
 
-impl Verdict {
-    /// Name in tables and results.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Met => "met",
-            Self::Missed => "missed",
-            Self::Undecided => "undecided",
-        }
-    }
-}
-
 /// A figure over its floor, with the judgement.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Goal {
     /// Names of the two sides and of the figure.
     pub name: String,
@@ -74,11 +64,7 @@ impl Goal {
 
 /// The goals of a comparison. `tails` also judges the 99th percentiles if there are enough samples.
 pub fn of_comparison(compared: &Compared, tails: bool) -> Vec<Goal> {
-    let Some((p50, p99)) =
-        limits::of_comparison(compared.comparison, compared.conditions.placement)
-    else {
-        return Vec::new();
-    };
+    let (p50, p99) = limits::of_comparison(compared.comparison, compared.conditions.placement);
     let name = |figure: &str| format!("{}, {figure}", compared.comparison.label());
     let placement = compared.conditions.placement;
     let sessions = compared.sessions();

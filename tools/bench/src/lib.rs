@@ -25,44 +25,38 @@
 mod baseline;
 mod blocks;
 mod chain;
-mod columns;
 mod conditions;
+mod document;
+mod event;
 mod goals;
 mod limits;
 mod load;
-mod middleware;
 mod outcome;
-mod page;
 mod paired;
+mod payload;
 mod peer;
 mod plan;
 mod progress;
 mod results;
-mod schema;
 mod setup;
 mod stage;
 mod statistics;
-mod table;
 mod wake;
 mod words;
 
 pub use peer::run as run_peer;
-pub use schema::schema;
 
-use self::baseline::Change;
-use self::goals::Verdict;
 use self::plan::{Cell, Measure};
 use self::progress::{millis, progress_bar};
 use self::results::TransportRow;
 use self::results::{ChainRow, DeadlineRow, Floor, FloorMeasure, FloorRow, Passing, Report};
-use self::setup::{Conditions, Mechanism};
+use self::setup::Mechanism;
 use self::stage::Stage;
 use clap::Args;
 use group::{Error, SignalsError};
 use messages::Topic;
-use report::output::{HISTOGRAMS, OutputDirectory, histogram_log};
-use report::print;
-use report::results::ResultOptions;
+use report::output::OutputDirectory;
+use report::results::{ResultOptions, Schema};
 use report::summary::Host;
 use runtime::statistics::{Latencies, Percentiles};
 use std::collections::BTreeSet;
@@ -87,10 +81,6 @@ pub struct BenchArguments {
     /// Measure an idle machine under the best available scheduling only, in at most a minute; judge no p99
     #[arg(long)]
     pub quick: bool,
-    /// Also compare with iceoryx2's own services, unix datagrams and TCP; with the feature "peers" also with
-    /// zenoh, and with CycloneDDS if its library was found
-    #[arg(long)]
-    pub peers: bool,
     /// Length of each measurement, s [default: 2, quick: 0.4]
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub seconds: Option<f64>,
@@ -134,14 +124,11 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
     let stage = Stage::create(Arc::clone(&interrupted))?;
     let (quick, cores, reference) = (arguments.quick, stage.cores().len(), stage.reference()?);
     let cells = plan::cells(quick, cores, reference);
-    let compared = plan::comparisons(quick, arguments.peers, cores, reference);
+    let compared = plan::comparisons(quick, cores, reference);
     let chains = plan::chain_blocks(quick, cores, reference);
     let seconds = arguments.seconds.unwrap_or(if arguments.quick { QUICK_S } else { FULL_S });
     let mut bench = Bench::new(&stage, arguments.quick, seconds);
     bench.report.caveats = conditions::caveats(cores, reference, conditions::quota());
-    if arguments.peers {
-        bench.report.not_compared = plan::not_compared();
-    }
     let whole: Duration = (cells.iter().map(|cell| cell.estimate(seconds)))
         .chain(compared.iter().map(|(_, _, us)| plan::comparison_estimate(quick, *us)))
         .chain(chains.iter().map(plan::ChainBlocks::estimate))
@@ -151,7 +138,7 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
     bench.wake_ups();
     let mut load = None;
     for cell in &cells {
-        bar.set_message(table::describe(cell));
+        bar.set_message(cell.describe());
         // Neighbours in the plan share a load.
         if load.as_ref().is_none_or(|(kind, _)| *kind != cell.conditions.load) {
             drop(load.take());
@@ -167,45 +154,25 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
     drop(load);
     bench.compare(&compared, &chains, &bar)?;
     bar.finish_and_clear();
-    let Bench { report, histograms, .. } = bench.finish();
-
-    let changes = before.map(|before| baseline::compare(&before, &report, arguments.factor));
-    let json = serde_json::to_string_pretty(&report).expect("plain data") + "\n";
-    let written = output
-        .write("bench.json", json.as_bytes())
-        .and_then(|()| output.write(HISTOGRAMS, &histogram_log(&histograms)))
-        .and_then(|()| output.write(report::FILE, page::page(&report, &histograms).as_bytes()));
+    let Bench { mut report, histograms, .. } = bench.finish();
     if let Some(path) = &arguments.save {
-        std::fs::write(path, &json).map_err(|reason| Error::Path {
+        let json = serde_json::to_string_pretty(&report).expect("plain data") + "\n";
+        std::fs::write(path, json).map_err(|reason| Error::Path {
             action: "write",
             path: path.clone(),
             reason,
         })?;
     }
-    if arguments.results.json {
-        print::out(&with_changes(&report, changes.as_deref()))?;
-    } else {
-        print::out(&table::report(&report))?;
-        if let Some(changes) = &changes {
-            print::out(&table::changes(changes, arguments.factor))?;
-        }
-        print::out(&output.places())?;
-    }
-    // Print first: a full disk must not lose the measurements.
-    written?;
-    arguments.results.export(&columns::document(&report))?;
-    let worse = changes.is_some_and(|changes| changes.iter().any(|change| change.worse));
-    let missed = report.goals.iter().any(|goal| goal.verdict == Verdict::Missed);
-    Ok(if worse || missed { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+    report.against = before.map(|before| baseline::compare(&before, &report, arguments.factor));
+    let document = document::of(&report, &histograms);
+    arguments.results.deliver(&document, &output)?;
+    Ok(document.exit_code())
 }
 
-/// The report as JSON, with the comparison if there is one.
-fn with_changes(report: &Report, changes: Option<&[Change]>) -> String {
-    let mut value = serde_json::to_value(report).expect("plain data");
-    if let Some(changes) = changes {
-        value["against"] = serde_json::to_value(changes).expect("plain data");
-    }
-    serde_json::to_string_pretty(&value).expect("plain data") + "\n"
+/// Contents of the JSON.
+#[must_use]
+pub fn schema() -> Schema {
+    Schema::of::<Report>("bench")
 }
 
 /// A running benchmark.
@@ -231,9 +198,9 @@ impl<'a> Bench<'a> {
             chain: Vec::new(),
             deadlines: Vec::new(),
             paired: Vec::new(),
-            not_compared: Vec::new(),
             goals: Vec::new(),
             caveats: Vec::new(),
+            against: None,
         };
         Self { stage, seconds, report, refused: BTreeSet::new(), histograms: Vec::new() }
     }
@@ -267,17 +234,12 @@ impl<'a> Bench<'a> {
     fn wake(&mut self, cell: &Cell, mechanism: Mechanism) -> Result<(), Error> {
         let count = (self.seconds * 1e6 / f64::from(cell.period_us)).ceil() as u64;
         let outcome = self.stage.wake(mechanism, cell.conditions, cell.period_us, count)?;
-        let us = self.figure(cell, &table::mechanism(mechanism), &outcome);
+        let us = self.figure(cell, &mechanism.name(), &outcome);
         match mechanism {
             Mechanism::Futex => self.floor(cell, FloorMeasure::Futex, us),
             Mechanism::Eventfd => self.floor(cell, FloorMeasure::Eventfd, us),
             Mechanism::Iceoryx2Event => self.floor(cell, FloorMeasure::Iceoryx2Event, us),
-            Mechanism::Message
-            | Mechanism::Iceoryx2PubSub
-            | Mechanism::UnixDatagram
-            | Mechanism::Tcp
-            | Mechanism::Zenoh
-            | Mechanism::CycloneDds => {
+            Mechanism::Message => {
                 let bytes = Topic::RadarTracks.message_bytes();
                 self.transport(cell, bytes, Passing::Message, &outcome, us);
             }
@@ -327,7 +289,7 @@ impl<'a> Bench<'a> {
         if granted.granted != granted.requested {
             return None;
         }
-        let tag = format!("{name}:{}", table::tag(cell));
+        let tag = format!("{name}:{}", cell.conditions.tag(cell.period_us));
         self.histograms.push((tag, outcome.latencies.clone()));
         outcome.latencies.percentiles_us()
     }
@@ -340,7 +302,8 @@ impl<'a> Bench<'a> {
         let floor = self.figure(cell, "sleep-beside-chain", &chain.floor);
         if chain.as_asked {
             let tagged = chain.histograms.into_iter();
-            let tagged = tagged.map(|(name, h)| (format!("{name}:{}", table::tag(cell)), h));
+            let tagged = tagged
+                .map(|(name, h)| (format!("{name}:{}", cell.conditions.tag(cell.period_us)), h));
             self.histograms.extend(tagged);
         }
         let timing = chain.timing;
@@ -391,10 +354,4 @@ impl<'a> Bench<'a> {
         let futex = self.report.futex(row.conditions, row.period_us)?;
         Some(2.0 * row.sleep_jitter_us?.p50 + futex.p50 + row.solve_us?.p50)
     }
-}
-
-/// Conditions in words.
-fn in_words(conditions: &Conditions) -> String {
-    let Conditions { placement, scheduling, load } = conditions;
-    format!("{} {} {}", scheduling.name(), placement.name(), load.name())
 }

@@ -17,19 +17,14 @@ pub const CHAIN: f64 = 1.5;
 /// Largest ratio of the deadline misses to the floor's.
 pub const MISSES: f64 = 1.0;
 
-/// Limits of a comparison: of the medians' ratio and, if judged, of the 99th percentiles' ratio. `None` for a
-/// comparison that is only shown.
-pub fn of_comparison(comparison: Comparison, placement: Placement) -> Option<(f64, Option<f64>)> {
-    Some(match (comparison, placement) {
+/// Limits of a comparison: of the medians' ratio and, if judged, of the 99th percentiles' ratio.
+pub fn of_comparison(comparison: Comparison, placement: Placement) -> (f64, Option<f64>) {
+    match (comparison, placement) {
         // The true ratio is 1: excess up to here may be chance.
         (Comparison::FloorItself, _) => (1.1, Some(1.5)),
         (Comparison::Message, Placement::SameCore) => (1.3, Some(1.5)),
         (Comparison::Message, Placement::TwoCores) => (1.15, Some(1.5)),
         (Comparison::Detections, _) => (1.2, None),
         (Comparison::Payload, _) => (1.1, None),
-        (peer, _) => {
-            debug_assert!(peer.is_peer());
-            return None;
-        }
-    })
+    }
 }

@@ -9,6 +9,7 @@ use super::statistics::Pair;
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 use runtime::statistics::Latencies;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Fewest pairs of blocks of a comparison.
@@ -29,7 +30,7 @@ pub const fn sessions(quick: bool) -> u32 {
 }
 
 /// A comparison of a mechanism with its floor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Comparison {
     /// The futex with itself: a control of the method.
@@ -40,48 +41,11 @@ pub enum Comparison {
     Detections,
     /// The largest payload with one of 4 KiB, both loaned and borrowed.
     Payload,
-    /// iceoryx2's own event service, which carries no data, with a message.
-    Iceoryx2Event,
-    /// The same message by iceoryx2's own publish-subscribe and event services with a message through the
-    /// services' ports.
-    Iceoryx2PubSub,
-    /// The same message over a unix datagram socket.
-    UnixDatagram,
-    /// The same message over TCP on the loopback device.
-    Tcp,
-    /// The same message over zenoh with shared memory.
-    Zenoh,
-    /// The same message over CycloneDDS.
-    CycloneDds,
 }
 
 impl Comparison {
     /// All comparisons in the order of the results.
-    pub const ALL: [Self; 10] = [
-        Self::FloorItself,
-        Self::Message,
-        Self::Detections,
-        Self::Payload,
-        Self::Iceoryx2Event,
-        Self::Iceoryx2PubSub,
-        Self::UnixDatagram,
-        Self::Tcp,
-        Self::Zenoh,
-        Self::CycloneDds,
-    ];
-
-    /// True if it compares with an alternative: shown, but no goal.
-    pub const fn is_peer(self) -> bool {
-        match self {
-            Self::FloorItself | Self::Message | Self::Detections | Self::Payload => false,
-            Self::Iceoryx2Event
-            | Self::Iceoryx2PubSub
-            | Self::UnixDatagram
-            | Self::Tcp
-            | Self::Zenoh
-            | Self::CycloneDds => true,
-        }
-    }
+    pub const ALL: [Self; 4] = [Self::FloorItself, Self::Message, Self::Detections, Self::Payload];
 
     /// Names of the two sides, also in tags of histograms.
     pub const fn name(self) -> &'static str {
@@ -90,12 +54,6 @@ impl Comparison {
             Self::Message => "message over futex",
             Self::Detections => "radar detections over radar tracks",
             Self::Payload => "hand-over of 4 MiB over 4 KiB",
-            Self::Iceoryx2Event => "iceoryx2 event over message",
-            Self::Iceoryx2PubSub => "iceoryx2 pub/sub over message",
-            Self::UnixDatagram => "unix datagram over message",
-            Self::Tcp => "TCP on loopback over message",
-            Self::Zenoh => "zenoh over message",
-            Self::CycloneDds => "CycloneDDS over message",
         }
     }
 
@@ -114,12 +72,6 @@ impl Comparison {
             Self::Message => [Mechanism::Message, Mechanism::Futex],
             Self::Detections => [Mechanism::Detections, Mechanism::Message],
             Self::Payload => [Mechanism::Payload(LARGEST), Mechanism::Payload(FLAT_FROM)],
-            Self::Iceoryx2Event => [Mechanism::Iceoryx2Event, Mechanism::Message],
-            Self::Iceoryx2PubSub => [Mechanism::Iceoryx2PubSub, Mechanism::Message],
-            Self::UnixDatagram => [Mechanism::UnixDatagram, Mechanism::Message],
-            Self::Tcp => [Mechanism::Tcp, Mechanism::Message],
-            Self::Zenoh => [Mechanism::Zenoh, Mechanism::Message],
-            Self::CycloneDds => [Mechanism::CycloneDds, Mechanism::Message],
         }
     }
 }

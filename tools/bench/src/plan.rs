@@ -1,6 +1,5 @@
 //! Measurements, their conditions and their order.
 
-use super::middleware::missing;
 use super::paired::{Comparison, PAIRS, PAIRS_IN_SESSION, UNCOUNTED, WAKES, sessions};
 use super::setup::{Conditions, FLAT_FROM, LARGEST, Load, Mechanism, Placement, Scheduling};
 use std::time::Duration;
@@ -39,6 +38,16 @@ const QUICK_WAKE_PERIOD_US: u32 = 330;
 pub const COLD_PERIOD_US: u32 = 10_000;
 
 impl Cell {
+    /// Words beside the progress bar.
+    pub fn describe(&self) -> String {
+        let what = match self.measure {
+            Measure::Sleep => "sleep".into(),
+            Measure::Wake(way) => way.name(),
+            Measure::Chain => format!("chain {} ms", self.period_us / 1000),
+        };
+        format!("{what}, {}", self.conditions.in_words())
+    }
+
     /// Duration if each measurement lasts `seconds`.
     pub fn estimate(&self, seconds: f64) -> Duration {
         let overhead_s = match self.measure {
@@ -53,33 +62,17 @@ impl Cell {
 /// wakes more often.
 pub fn comparisons(
     quick: bool,
-    peers: bool,
     cores: usize,
     reference: Scheduling,
 ) -> Vec<(Comparison, Conditions, u32)> {
-    let asked = move |comparison: &Comparison| match comparison.arms() {
-        [ours, _] if comparison.is_peer() => peers && missing(ours).is_none(),
-        _ => true,
-    };
     let period_us = if quick { QUICK_WAKE_PERIOD_US } else { WAKE_PERIOD_US };
     let best = move |conditions: &Conditions| {
         conditions.load == Load::Idle && conditions.scheduling == reference
     };
     let of = move |conditions: Conditions| {
-        let all = Comparison::ALL.into_iter().filter(asked);
-        all.map(move |comparison| (comparison, conditions, period_us))
+        Comparison::ALL.into_iter().map(move |comparison| (comparison, conditions, period_us))
     };
     conditions(cores).filter(best).flat_map(of).collect()
-}
-
-/// Peers that this build lacks, each with the reason.
-pub fn not_compared() -> Vec<String> {
-    let peers = Comparison::ALL.into_iter().filter(|comparison| comparison.is_peer());
-    let reason = |comparison: Comparison| {
-        let (name, _) = comparison.name().split_once(" over ")?;
-        missing(comparison.arms()[0]).map(|why| format!("{name}: {why}"))
-    };
-    peers.filter_map(reason).collect()
 }
 
 /// Duration of a comparison.
@@ -202,7 +195,7 @@ mod tests {
             let quick = cells(true, 2, reference);
             assert!(quick.iter().all(|cell| full.contains(cell)));
             let sum: Duration = quick.iter().map(|cell| cell.estimate(super::super::QUICK_S)).sum();
-            let compared = comparisons(true, false, 2, reference);
+            let compared = comparisons(true, 2, reference);
             let compared = compared.into_iter().map(|(_, _, us)| comparison_estimate(true, us));
             let chains = chain_blocks(true, 2, reference);
             let chains = chains.iter().map(ChainBlocks::estimate);

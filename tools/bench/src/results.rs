@@ -1,25 +1,30 @@
 //! `bench.json`: stable names for the measurements. A figure that is not available is null.
 
+use super::baseline::Change;
 use super::goals::Goal;
 use super::paired::{Compared, Comparison};
 use super::setup::{Conditions, Load, Placement, Scheduling};
 use super::statistics;
 use doctor::wake_ups::WakeUps;
 use group::report::Hops;
+use report::results::Object;
 use report::summary::Host;
 use runtime::statistics::Percentiles;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A benchmark.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Report {
     pub schema_version: u32,
+    #[schemars(with = "Object")]
     pub host: Host,
     pub quick: bool,
     /// Length of each measurement, s.
     pub seconds: f64,
     /// Loops that hold on this machine; null in reports of earlier versions.
     #[serde(default)]
+    #[schemars(with = "Option<Object>")]
     pub wake_ups: Option<WakeUps>,
     /// Requests that the kernel refused, with its reasons.
     pub refused: Vec<String>,
@@ -30,19 +35,19 @@ pub struct Report {
     /// Comparisons in alternating blocks, which decide the goals.
     #[serde(skip_deserializing)]
     pub paired: Vec<PairedRow>,
-    /// Peers that this build lacks, each with the reason.
-    #[serde(default)]
-    pub not_compared: Vec<String>,
     /// Goals with interval and verdict.
     #[serde(skip_deserializing)]
     pub goals: Vec<Goal>,
     /// Differences between this machine and the one that the goals are meant for.
     #[serde(default)]
     pub caveats: Vec<String>,
+    /// The comparison with an earlier benchmark; absent without one.
+    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
+    pub against: Option<Vec<Change>>,
 }
 
 /// A comparison of two ways to wake, block by block.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct PairedRow {
     /// The compared sides.
     pub comparison: Comparison,
@@ -56,8 +61,10 @@ pub struct PairedRow {
     /// Wake-ups that never arrived.
     pub lost: u64,
     /// Ours, µs.
+    #[schemars(with = "Option<Object>")]
     pub ours_us: Option<Percentiles>,
     /// The floor, µs.
+    #[schemars(with = "Option<Object>")]
     pub floor_us: Option<Percentiles>,
     /// Ratio of the medians.
     pub ratio: Option<f64>,
@@ -85,9 +92,10 @@ impl PairedRow {
 }
 
 /// The machine's floor. The named figures are of an idle machine under `SCHED_FIFO` at 1 kHz.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Floor {
     /// Lateness of absolute sleeps.
+    #[schemars(with = "Option<Object>")]
     pub sleep_jitter_us: Option<Percentiles>,
     pub futex_us: ByPlacement,
     pub eventfd_us: ByPlacement,
@@ -95,14 +103,16 @@ pub struct Floor {
     pub rows: Vec<FloorRow>,
 }
 
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct ByPlacement {
+    #[schemars(with = "Option<Object>")]
     pub same_core: Option<Percentiles>,
+    #[schemars(with = "Option<Object>")]
     pub two_cores: Option<Percentiles>,
 }
 
 /// Measurement of a floor row.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FloorMeasure {
     Sleep,
@@ -111,17 +121,18 @@ pub enum FloorMeasure {
     Iceoryx2Event,
 }
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct FloorRow {
     pub measure: FloorMeasure,
     #[serde(flatten)]
     pub conditions: Conditions,
     pub period_us: u32,
+    #[schemars(with = "Option<Object>")]
     pub us: Option<Percentiles>,
 }
 
 /// Kind of hand-over.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Passing {
     /// A message of the services, protected and checked.
@@ -132,7 +143,7 @@ pub enum Passing {
     Protected,
 }
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct TransportRow {
     #[serde(flatten)]
     pub conditions: Conditions,
@@ -144,28 +155,36 @@ pub struct TransportRow {
     pub copied_bytes: Option<f64>,
     /// Messages sent and never received.
     pub lost: Option<u64>,
+    #[schemars(with = "Option<Object>")]
     pub us: Option<Percentiles>,
 }
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct ChainRow {
     #[serde(flatten)]
     pub conditions: Conditions,
     pub period_us: u32,
+    #[schemars(with = "Option<Object>")]
     pub reaction_time_us: Option<Percentiles>,
+    #[schemars(with = "Option<Object>")]
     pub designed_wait_us: Option<Percentiles>,
     /// Software overhead: reaction time without radar latency and waits for the next period.
+    #[schemars(with = "Option<Object>")]
     pub net_reaction_us: Option<Percentiles>,
     /// Sum of the medians of the floors. They are two absolute sleeps (radar and plant), a futex wake-up at this
     /// period, and the law. Null without a futex measurement at this period.
     pub floor_sum_us: Option<f64>,
+    /// Percentiles of each hop.
+    #[schemars(with = "Object")]
     pub hops_us: Hops,
+    #[schemars(with = "Option<Object>")]
     pub solve_us: Option<Percentiles>,
     /// Lateness of a process that only sleeps, on the controller's core, during the same seconds.
+    #[schemars(with = "Option<Object>")]
     pub sleep_jitter_us: Option<Percentiles>,
 }
 
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct DeadlineRow {
     #[serde(flatten)]
     pub conditions: Conditions,

@@ -1,9 +1,10 @@
 //! Mechanisms and conditions of a measurement.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Scheduling of the measured processes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Scheduling {
     /// `SCHED_FIFO`, priorities as in a group.
@@ -13,7 +14,7 @@ pub enum Scheduling {
 }
 
 /// Cores of the measured processes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Placement {
     /// All on the last usable core.
@@ -23,7 +24,7 @@ pub enum Placement {
 }
 
 /// Load of the machine during a measurement.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Load {
     /// No load of ours.
@@ -52,11 +53,24 @@ names! {
 }
 
 /// Conditions of a measurement.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Conditions {
     pub placement: Placement,
     pub scheduling: Scheduling,
     pub load: Load,
+}
+
+impl Conditions {
+    /// Words in tables.
+    pub fn in_words(&self) -> String {
+        let Self { placement, scheduling, load } = self;
+        format!("{} {} {}", scheduling.name(), placement.name(), load.name())
+    }
+
+    /// Words in the tag of a histogram.
+    pub fn tag(&self, period_us: u32) -> String {
+        format!("{}:{period_us}us", self.in_words().replace(' ', ":"))
+    }
 }
 
 /// Mechanism of a wake-up, with its data.
@@ -77,23 +91,21 @@ pub enum Mechanism {
     Payload(usize),
     /// The same, written, protected and checked in place.
     ProtectedPayload(usize),
-    /// The radar's tracks by iceoryx2's own publish-subscribe and event services.
-    Iceoryx2PubSub,
-    /// The radar's tracks over a unix datagram socket.
-    UnixDatagram,
-    /// The radar's tracks over TCP on the loopback device.
-    Tcp,
-    /// The radar's tracks over zenoh with shared memory.
-    Zenoh,
-    /// The radar's tracks over CycloneDDS.
-    CycloneDds,
 }
 
 impl Mechanism {
-    /// Mechanisms that carry the radar's tracks without the services' ports.
-    #[cfg(test)]
-    pub const PEERS: [Self; 5] =
-        [Self::Iceoryx2PubSub, Self::UnixDatagram, Self::Tcp, Self::Zenoh, Self::CycloneDds];
+    /// Name in tables and tags.
+    pub fn name(self) -> String {
+        match self {
+            Self::Futex => "futex".into(),
+            Self::Eventfd => "eventfd".into(),
+            Self::Iceoryx2Event => "iceoryx2-event".into(),
+            Self::Message => "message".into(),
+            Self::Detections => "detections".into(),
+            Self::Payload(bytes) => format!("payload-{bytes}"),
+            Self::ProtectedPayload(bytes) => format!("protected-payload-{bytes}"),
+        }
+    }
 }
 
 /// Size from which on a hand-over takes constant time, bytes: larger ones are not copied.

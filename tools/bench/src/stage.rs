@@ -1,6 +1,5 @@
 //! The stage of measurements: a run's root of their own, with the processes on it.
 
-use super::middleware;
 use super::outcome::Outcome;
 use super::paired::{Blocks, Compared, Comparison, PAIRS_IN_SESSION, WAKES};
 use super::peer::{self, BLOCKS_FILE, Job, Task, metronome};
@@ -241,7 +240,6 @@ impl Stage {
             return Ok(None);
         }
         let root = self.root.as_ref().expect("there until the end").path();
-        middleware::forget(root);
         let path = root.join(BLOCKS_FILE);
         let text = std::fs::read_to_string(&path).map_err(|reason| Error::Path {
             action: "read",

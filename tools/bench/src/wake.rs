@@ -3,14 +3,13 @@
 //! Every wake-up carries the instant before the sender's first action. So a stalled sink is charged for each late
 //! wake-up. An end may hold several ways open and use them in turn; equal mechanisms share one.
 
-use super::middleware::event::{EventReceiver, EventSender};
-use super::middleware::payload::{Contents, PayloadReceiver, PayloadSender};
-use super::middleware::{self, MiddlewareError, Receiving, Sending};
+use super::event::{EventReceiver, EventSender};
+use super::payload::{Contents, PayloadReceiver, PayloadSender};
 use super::setup::Mechanism;
 use super::words::{COUNT, RING, STAMPS};
-use bytemuck::Zeroable;
 use group::{Failure, Status};
 use messages::Service;
+use messages::e2e::profile7;
 use messages::{Header, MAX_DETECTIONS, Origins, RadarDetections, RadarTracks};
 use runtime::{
     Group, Guest, Publisher, RuntimeError, SharedWords, Subscriber, enroll, monotonic_ns,
@@ -27,14 +26,6 @@ const LOOK: Duration = Duration::from_millis(50);
 /// Reason why a wake-up failed.
 #[derive(Debug, thiserror::Error)]
 pub enum WakeError {
-    /// This build lacks the mechanism.
-    #[error("{mechanism:?} cannot be measured: {why}")]
-    Missing {
-        /// The requested mechanism.
-        mechanism: Mechanism,
-        /// The missing part.
-        why: &'static str,
-    },
     /// The kernel does not wake the sink.
     #[error("cannot wake: {0}")]
     Wake(#[source] Errno),
@@ -44,18 +35,34 @@ pub enum WakeError {
     /// A port of ours failed.
     #[error(transparent)]
     Port(#[from] RuntimeError),
-    /// Another transport failed.
-    #[error(transparent)]
-    Middleware(#[from] MiddlewareError),
+    /// iceoryx2 itself, whose errors are names.
+    #[error("iceoryx2 cannot {what}: {reason:?}")]
+    Iceoryx2 {
+        /// Failed operation.
+        what: &'static str,
+        /// Its error.
+        reason: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// A payload cannot be waited for.
+    #[error("waiting for a payload: {0}")]
+    Waiter(#[source] std::io::Error),
+    /// A payload does not pass its check.
+    #[error("a payload's {0:?}")]
+    Corrupted(profile7::Corrupted),
 }
 
 impl Failure for WakeError {
     fn status(&self) -> Status {
-        match self {
-            Self::Missing { .. } => Status::Usage,
-            Self::Wake(_) | Self::Wait(_) | Self::Port(_) | Self::Middleware(_) => Status::Machine,
-        }
+        Status::Machine
     }
+}
+
+/// The error of an operation of iceoryx2.
+pub fn failed<E>(what: &'static str) -> impl Fn(E) -> WakeError
+where
+    E: std::error::Error + Send + Sync + 'static,
+{
+    move |reason| WakeError::Iceoryx2 { what, reason: Box::new(reason) }
 }
 
 /// The sending end.
@@ -74,7 +81,6 @@ enum SourceWay {
     Message(Box<Publisher<RadarTracks>>),
     Detections(Box<Publisher<RadarDetections>>),
     Payload(PayloadSender),
-    Peer(Box<dyn Sending>),
 }
 
 fn join(root: &Path, name: &str) -> Result<Guest, WakeError> {
@@ -99,11 +105,6 @@ fn guest(mechanisms: &[Mechanism], root: &Path, name: &str) -> Result<Option<Gue
         matches!(mechanism, Iceoryx2Event | Message | Detections | Payload(_) | ProtectedPayload(_))
     };
     if mechanisms.iter().any(ours) { join(root, name).map(Some) } else { Ok(None) }
-}
-
-/// The error of a mechanism that this build lacks.
-fn missing(mechanism: Mechanism) -> WakeError {
-    WakeError::Missing { mechanism, why: middleware::missing(mechanism).unwrap_or("unknown") }
 }
 
 /// Words of the stamp of a wake-up.
@@ -145,13 +146,6 @@ impl<'a> Source<'a> {
                 Mechanism::ProtectedPayload(bytes) => {
                     SourceWay::Payload(PayloadSender::open(needed(), bytes, Contents::Protected)?)
                 }
-                Mechanism::Iceoryx2PubSub
-                | Mechanism::UnixDatagram
-                | Mechanism::Tcp
-                | Mechanism::Zenoh
-                | Mechanism::CycloneDds => SourceWay::Peer(
-                    middleware::source(mechanism, root)?.ok_or_else(|| missing(mechanism))?,
-                ),
             };
             ways.push((mechanism, way));
         }
@@ -173,9 +167,6 @@ impl<'a> Source<'a> {
                 port.send(message)?;
             }
             Some((_, SourceWay::Payload(port))) => port.send()?,
-            Some((_, SourceWay::Peer(peer))) => {
-                peer.send(&RadarTracks { header, ..RadarTracks::zeroed() })?;
-            }
             Some((_, SourceWay::Futex | SourceWay::Eventfd | SourceWay::Event(_))) => {
                 let now = monotonic_ns().cast_unsigned();
                 let [high, low] = stamp_words(self.page, self.sent);
@@ -207,13 +198,7 @@ impl<'a> Source<'a> {
                     .map_err(WakeError::Wake)?;
             }
             Some((_, SourceWay::Event(event))) => event.wake()?,
-            Some((
-                _,
-                SourceWay::Message(_)
-                | SourceWay::Detections(_)
-                | SourceWay::Payload(_)
-                | SourceWay::Peer(_),
-            ))
+            Some((_, SourceWay::Message(_) | SourceWay::Detections(_) | SourceWay::Payload(_)))
             | None => {}
         }
         Ok(())
@@ -236,7 +221,6 @@ enum SinkWay {
     Message(Box<Subscriber<RadarTracks>>),
     Detections(Box<Subscriber<RadarDetections>>),
     Payload(PayloadReceiver),
-    Peer(Box<dyn Receiving>),
 }
 
 impl<'a> Sink<'a> {
@@ -264,13 +248,6 @@ impl<'a> Sink<'a> {
                 Mechanism::ProtectedPayload(bytes) => {
                     SinkWay::Payload(PayloadReceiver::open(needed(), bytes, Contents::Protected)?)
                 }
-                Mechanism::Iceoryx2PubSub
-                | Mechanism::UnixDatagram
-                | Mechanism::Tcp
-                | Mechanism::Zenoh
-                | Mechanism::CycloneDds => SinkWay::Peer(
-                    middleware::sink(mechanism, root)?.ok_or_else(|| missing(mechanism))?,
-                ),
             };
             ways.push((mechanism, way));
         }
@@ -283,11 +260,7 @@ impl<'a> Sink<'a> {
             SinkWay::Message(port) => port.copied_bytes(),
             SinkWay::Detections(port) => port.copied_bytes(),
             // Borrowed, or not a message.
-            SinkWay::Payload(_)
-            | SinkWay::Futex
-            | SinkWay::Eventfd
-            | SinkWay::Event(_)
-            | SinkWay::Peer(_) => 0,
+            SinkWay::Payload(_) | SinkWay::Futex | SinkWay::Eventfd | SinkWay::Event(_) => 0,
         });
         copied.sum()
     }
@@ -306,10 +279,6 @@ impl<'a> Sink<'a> {
             }
             Some((_, SinkWay::Payload(port))) => {
                 port.next(LOOK, each)?;
-                return Ok(());
-            }
-            Some((_, SinkWay::Peer(peer))) => {
-                peer.receive(LOOK, &mut each)?;
                 return Ok(());
             }
             Some((_, SinkWay::Futex)) => {

@@ -3,7 +3,7 @@
 //! They take the same steps through the same node, iceoryx2 variant and wake-up. Payloads are loaned, sent where they
 //! are, and borrowed by the reader. They are bare, or written, protected and checked in place.
 
-use super::{MiddlewareError, iceoryx2_failed as failed};
+use super::wake::{WakeError, failed};
 use iceoryx2::port::{publisher::Publisher, subscriber::Subscriber};
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
@@ -27,7 +27,7 @@ struct Stamp {
 type Payload = [u8];
 
 /// The iceoryx2 service of payloads of `bytes`, beside the one of the topic.
-fn topic(guest: &Guest, bytes: usize) -> Result<PortFactory<Ipc, Payload, Stamp>, MiddlewareError> {
+fn topic(guest: &Guest, bytes: usize) -> Result<PortFactory<Ipc, Payload, Stamp>, WakeError> {
     let name = format!("bench/payload/{bytes}");
     (guest.service(&name.as_str().try_into().expect("a valid service name")))
         .publish_subscribe::<Payload>()
@@ -66,7 +66,7 @@ pub struct PayloadSender {
 
 impl PayloadSender {
     /// The sending end for payloads of `bytes`.
-    pub fn open(guest: &Guest, bytes: usize, contents: Contents) -> Result<Self, MiddlewareError> {
+    pub fn open(guest: &Guest, bytes: usize, contents: Contents) -> Result<Self, WakeError> {
         let port = (topic(guest, bytes)?.publisher_builder())
             .initial_max_slice_len(bytes)
             .create()
@@ -76,7 +76,7 @@ impl PayloadSender {
 
     /// Loans a payload, stamps it with the time before the loan, sends it and wakes who waits.
     #[expect(unsafe_code, reason = "a payload is not written to please the type")]
-    pub fn send(&mut self) -> Result<(), MiddlewareError> {
+    pub fn send(&mut self) -> Result<(), WakeError> {
         let sent_ns = monotonic_ns();
         let sample = self.port.loan_slice_uninit(self.bytes);
         let mut sample = sample.map_err(failed("loan a payload"))?;
@@ -106,7 +106,7 @@ pub struct PayloadReceiver {
 
 impl PayloadReceiver {
     /// The receiving end for payloads of `bytes`.
-    pub fn open(guest: &Guest, bytes: usize, contents: Contents) -> Result<Self, MiddlewareError> {
+    pub fn open(guest: &Guest, bytes: usize, contents: Contents) -> Result<Self, WakeError> {
         let port = (topic(guest, bytes)?.subscriber_builder())
             .create()
             .map_err(failed("make a receiver of payloads"))?;
@@ -115,26 +115,22 @@ impl PayloadReceiver {
 
     /// Waits for payloads, at most for `timeout`. Hands the stamp of each one to `each`, after its check if it is
     /// protected.
-    pub fn next(
-        &self,
-        timeout: Duration,
-        mut each: impl FnMut(i64),
-    ) -> Result<(), MiddlewareError> {
+    pub fn next(&self, timeout: Duration, mut each: impl FnMut(i64)) -> Result<(), WakeError> {
         let ticket = self.waiter.ticket();
         if self.take(&mut each)? {
             return Ok(());
         }
-        self.waiter.wait(ticket, timeout).map_err(super::failed("waiting for a payload"))?;
+        self.waiter.wait(ticket, timeout).map_err(WakeError::Waiter)?;
         self.take(&mut each).map(|_| ())
     }
 
-    fn take(&self, each: &mut impl FnMut(i64)) -> Result<bool, MiddlewareError> {
+    fn take(&self, each: &mut impl FnMut(i64)) -> Result<bool, WakeError> {
         let mut found = false;
         while let Some(sample) = self.port.receive().map_err(failed("receive a payload"))? {
             found = true;
             if self.contents == Contents::Protected {
                 let checked = profile7::check(sample.payload(), PAYLOAD_DATA_ID);
-                checked.map_err(MiddlewareError::Corrupted)?;
+                checked.map_err(WakeError::Corrupted)?;
             }
             each(sample.user_header().sent_ns);
         }
