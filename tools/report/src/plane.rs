@@ -63,14 +63,14 @@ struct Finding {
 
 /// Length and width, m.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Size {
+struct Size {
     length: f64,
     width: f64,
 }
 
 /// The bodies at an instant.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Frame {
+struct Frame {
     /// Place and heading of the ego.
     ego: (f64, f64, f64),
     /// Middle, heading, length, width, and 1 in the ego's lane.
@@ -191,21 +191,12 @@ impl PlaneView {
 }
 
 impl Size {
-    /// Size of the ego.
-    #[must_use]
-    pub fn of_ego(scenario: &Scenario) -> Self {
+    fn of_ego(scenario: &Scenario) -> Self {
         Self { length: scenario.plant.length_m.value(), width: scenario::event::VEHICLE_WIDTH_M }
     }
 }
 
 impl Frame {
-    /// A scene of a drive that goes on: nothing judges its target yet.
-    #[must_use]
-    pub fn live(scene: &PlaneScene, step: &DriveStep) -> Self {
-        let text = format!("{:.2} s · {:.1} m/s", scene.time_s, step.speed_mps);
-        Self::with(scene, "t0", text)
-    }
-
     fn of(scene: &PlaneScene, step: &DriveStep, scan: Option<&JudgedScan>) -> Self {
         let (tone, whose) = match scan {
             Some(scan) if scan.is_neighbour_taken() => ("clear", "a neighbour is the target"),

@@ -104,18 +104,9 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         // The recording is kept in any case.
         output.keep();
     }
-    let summary = result
-        .as_ref()
-        .map(|group| Summary::new(&scenario, mode, group, begun.elapsed()))
-        .map_err(ToString::to_string);
-    live.end(&match &summary {
-        Ok(summary) => {
-            format!("{}, {:.1} s driven", print::outcome_word(summary.outcome), summary.duration_s)
-        }
-        Err(why) => why.clone(),
-    });
+    live.end();
     let group = result?;
-    let summary = summary.expect("a run that succeeded has one");
+    let summary = Summary::new(&scenario, mode, &group, begun.elapsed());
     let figures = group.formulation(&scenario).map_or_else(Vec::new, Formulation::figure_names);
     let picture = RunPicture::of(&scenario, &group).judged(&summary.requirements);
     let document = report::run_document(&scenario, &summary, &picture)

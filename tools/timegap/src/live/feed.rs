@@ -3,17 +3,15 @@
 use group::{FaultRecord, Moment};
 use messages::Diagnostics;
 use messages::level::Level;
-use report::{PlaneFrame, fault};
+use report::fault;
 use runtime::statistics::{Latencies, Percentiles};
-use serde::Serialize;
 use std::collections::VecDeque;
-use std::sync::Arc;
 use std::sync::mpsc::{SyncSender, TrySendError};
 use std::time::{Duration, Instant};
 
 /// Time between two frames.
 const PERIOD: Duration = Duration::from_millis(100);
-/// Time that all views together get to take the end of the run.
+/// Time that the view gets to take the end of the run.
 const END_PATIENCE: Duration = Duration::from_millis(500);
 /// Most points of the drive in one frame.
 const MAX_POINTS: usize = 100;
@@ -23,7 +21,7 @@ const STEPS: u64 = 10;
 const EVENTS: usize = 12;
 
 /// State of the run, and the part of the drive since the last frame.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
     /// Run time reached, s.
     pub time_s: f64,
@@ -31,9 +29,6 @@ pub struct Frame {
     pub duration_s: f64,
     /// The drive, in order of time.
     pub points: Vec<Point>,
-    /// The surroundings from above, on a road with a plan.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub plane: Option<PlaneFrame>,
     /// Mode of the law.
     pub mode: String,
     /// Quality of its last command.
@@ -47,7 +42,7 @@ pub struct Frame {
 }
 
 /// The drive at an instant. A figure that does not apply is null.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point {
     /// Run time, s.
     pub t_s: f64,
@@ -64,7 +59,7 @@ pub struct Point {
 }
 
 /// A fault or a degradation.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct LiveEvent {
     /// Run time of its start, s.
     pub t_s: f64,
@@ -76,9 +71,9 @@ pub struct LiveEvent {
 #[derive(Clone, Debug)]
 pub enum Update {
     /// The next frame.
-    Frame(Arc<Frame>),
-    /// The end of the run: its outcome in a line.
-    Ended(Arc<str>),
+    Frame(Box<Frame>),
+    /// The end of the run.
+    Ended,
 }
 
 /// Degradation below the full level.
@@ -88,12 +83,12 @@ struct Degradation {
     to_s: Option<f64>,
 }
 
-/// Makes frames of a run and sends them to its views. It never waits: a view that does not keep up
+/// Makes frames of a run and sends them to its view. It never waits: a view that does not keep up
 /// misses frames.
 pub struct LiveFeed {
     modes: &'static [&'static str],
     duration_s: f64,
-    views: Vec<SyncSender<Update>>,
+    view: SyncSender<Update>,
     due: Instant,
     step: Option<u64>,
     truth_step: Option<u64>,
@@ -107,16 +102,16 @@ pub struct LiveFeed {
 }
 
 impl LiveFeed {
-    /// A feed for `views` of a run of `duration_s` under a law with these modes.
+    /// A feed for the `view` of a run of `duration_s` under a law with these modes.
     pub fn new(
         duration_s: f64,
         modes: &'static [&'static str],
-        views: Vec<SyncSender<Update>>,
+        view: SyncSender<Update>,
     ) -> Self {
         Self {
             modes,
             duration_s,
-            views,
+            view,
             due: Instant::now(),
             step: None,
             truth_step: None,
@@ -133,30 +128,25 @@ impl LiveFeed {
     /// Sends a frame if one is due. The run calls this more often.
     pub fn look(&mut self, moment: &Moment<'_>) {
         let now = Instant::now();
-        if self.views.is_empty() || now < self.due {
+        if now < self.due {
             return;
         }
         self.due = now + PERIOD;
-        let frame = Arc::new(self.frame(moment));
-        self.views.retain(|view| {
-            let sent = view.try_send(Update::Frame(Arc::clone(&frame)));
-            !matches!(sent, Err(TrySendError::Disconnected(_)))
-        });
+        let frame = Box::new(self.frame(moment));
+        // A view that does not keep up, or that is gone, misses it.
+        let _ = self.view.try_send(Update::Frame(frame));
     }
 
-    /// Sends the outcome of the run to all views.
-    pub fn end(self, how: &str) {
-        let how: Arc<str> = how.into();
+    /// Sends the end of the run.
+    pub fn end(self) {
         let begun = Instant::now();
-        for view in self.views {
-            let mut last = Update::Ended(Arc::clone(&how));
-            // A view that does not keep up sees the end of its channel instead.
-            while let Err(TrySendError::Full(unsent)) = view.try_send(last)
-                && begun.elapsed() < END_PATIENCE
-            {
-                last = unsent;
-                std::thread::sleep(Duration::from_millis(1));
-            }
+        let mut last = Update::Ended;
+        // A view that does not keep up sees the end of its channel instead.
+        while let Err(TrySendError::Full(unsent)) = self.view.try_send(last)
+            && begun.elapsed() < END_PATIENCE
+        {
+            last = unsent;
+            std::thread::sleep(Duration::from_millis(1));
         }
     }
 
@@ -203,13 +193,10 @@ impl LiveFeed {
         let points = points.into_iter().step_by(stride).collect();
         self.step = steps.last().map(|ego| ego.step).or(self.step);
         self.cycle_step = cycles.last().map(|message| message.header.step).or(self.cycle_step);
-        let scene = moment.drive.plane().and_then(|plane| plane.newest(all_truths));
-        let step = steps.last().copied().unwrap_or_default();
         Frame {
             time_s: moment.time_ns as f64 / 1e9,
             duration_s: self.duration_s,
             points,
-            plane: scene.map(|scene| PlaneFrame::live(&scene, &step)),
             mode: self.mode.map_or_else(String::new, |mode| self.mode_name(mode)),
             quality: ["full", "relaxed", "backup", "fall-back"][self.quality.min(3) as usize],
             level: self.level.name(),
@@ -265,10 +252,11 @@ impl LiveFeed {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::mpsc::sync_channel;
 
     #[test]
     fn a_degradation_is_an_event_with_its_end() {
-        let mut feed = LiveFeed::new(20.0, &[], Vec::new());
+        let mut feed = LiveFeed::new(20.0, &[], sync_channel(1).0);
         let mut enter = |level, time_s| {
             feed.enter(Some(level), time_s);
             feed.events(&[]).into_iter().map(|event| event.what).collect::<Vec<_>>()

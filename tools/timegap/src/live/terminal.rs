@@ -139,7 +139,7 @@ impl Held {
         loop {
             match updates.recv_timeout(PATIENCE) {
                 Ok(Update::Frame(frame)) => history.take(&frame),
-                Ok(Update::Ended(_)) | Err(RecvTimeoutError::Disconnected) => return,
+                Ok(Update::Ended) | Err(RecvTimeoutError::Disconnected) => return,
                 Err(RecvTimeoutError::Timeout) => {}
             }
             let asked = keys.asked();
