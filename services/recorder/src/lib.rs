@@ -36,7 +36,6 @@ mod sequencer;
 mod service;
 mod source;
 mod takes;
-mod unit_takes;
 mod writer;
 
 pub use damage::{Damage, ReadError};
@@ -49,7 +48,6 @@ pub use recover::{Recovered, recover};
 pub use replayer::{FromReplayer, ToReplayer, replay};
 pub use service::run;
 pub use takes::{Cycle, Take};
-pub use unit_takes::{UnitCycle, UnitTake};
 pub use writer::Writer;
 
 /// Name of the recording in a run's directory of results.

@@ -226,14 +226,14 @@ impl Iterator for Cycles {
 
 /// The newest samples of a topic, and the one that was used last, however old.
 #[derive(Default)]
-pub(crate) struct Window {
+struct Window {
     samples: VecDeque<(Origin, Arc<[u8]>)>,
     bytes: usize,
     used: Option<(Origin, Arc<[u8]>)>,
 }
 
 impl Window {
-    pub(crate) fn push(&mut self, origin: Origin, bytes: &[u8]) {
+    fn push(&mut self, origin: Origin, bytes: &[u8]) {
         self.samples.push_back((origin, bytes.into()));
         self.bytes += bytes.len();
         while self.bytes > WINDOW_BYTES
@@ -244,7 +244,7 @@ impl Window {
     }
 
     /// The sample that `origin` means ([`Origin::means`]).
-    pub(crate) fn find(&mut self, origin: Origin, rides: bool) -> Option<Arc<[u8]>> {
+    fn find(&mut self, origin: Origin, rides: bool) -> Option<Arc<[u8]>> {
         if !origin.is_some() {
             return None;
         }

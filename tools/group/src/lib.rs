@@ -56,7 +56,6 @@ mod starvation;
 mod succession;
 mod supervisor;
 mod unfinished;
-mod unit_replay;
 
 pub use attached::StandbyCost;
 pub use dead_runs::{DeadRun, dead_runs};
@@ -88,4 +87,3 @@ pub use room::{RoomError, check_room, shared_memory_room};
 pub use root::{RootError, RunRoot, base, is_alive};
 pub use run::{Keep, Opening, ParameterError, drive, is_openscenario, open, open_with};
 pub use supervisor::launch;
-pub use unit_replay::{UnitSaid, replay_unit};

@@ -2,6 +2,7 @@
 
 pub use crate::duration::{carries, duration, p99};
 
+use crate::results::{Document, width};
 use group::report::Outcome;
 use group::{Error, RequirementVerdict};
 use std::io::{ErrorKind, Write as _};
@@ -20,6 +21,14 @@ pub fn out(text: &str) -> Result<(), Error> {
             reason,
         }),
     }
+}
+
+/// Prints a result without files of its own: as JSON, or as text.
+///
+/// # Errors
+/// As [`out`].
+pub fn show(json: bool, document: &Document) -> Result<(), Error> {
+    out(&if json { document.json().to_owned() } else { document.console(width()) })
 }
 
 /// Writes a line on standard error. A closed one, as of a closed terminal, is not an error.

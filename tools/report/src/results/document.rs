@@ -311,7 +311,9 @@ impl Document {
             let more = self.broken.len() - MOST_BROKEN;
             text += &format!("  and {more} more: {}, {}\n", self.json_name(), crate::FILE);
         }
-        text
+        // Names in a file of another program must not command the terminal.
+        let is_bad = |c: char| c.is_control() && c != '\n';
+        text.replace(is_bad, "\u{fffd}")
     }
 
     /// Name of the file with the JSON.

@@ -51,10 +51,9 @@ impl ResultOptions {
     /// A file that cannot be written, after everything was printed.
     pub fn deliver(&self, document: &Document, output: &OutputDirectory) -> Result<(), Error> {
         let written = write(document, output);
-        if self.json {
-            print::out(document.json())?;
-        } else {
-            print::out(&(document.console(width()) + &output.places()))?;
+        print::show(self.json, document)?;
+        if !self.json {
+            print::out(&output.places())?;
         }
         written?;
         self.export(document)

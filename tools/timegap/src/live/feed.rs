@@ -103,11 +103,7 @@ pub struct LiveFeed {
 
 impl LiveFeed {
     /// A feed for the `view` of a run of `duration_s` under a law with these modes.
-    pub fn new(
-        duration_s: f64,
-        modes: &'static [&'static str],
-        view: SyncSender<Update>,
-    ) -> Self {
+    pub fn new(duration_s: f64, modes: &'static [&'static str], view: SyncSender<Update>) -> Self {
         Self {
             modes,
             duration_s,

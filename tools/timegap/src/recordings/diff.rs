@@ -7,6 +7,7 @@ use messages::Service;
 use messages::Topic;
 use recorder::{Damage, Record, Recording};
 use report::print;
+use report::results::Document;
 use serde::Serialize;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
@@ -33,11 +34,7 @@ pub fn run(arguments: &DiffArguments) -> Result<ExitCode, Error> {
     {
         return Err(NothingToCompare { path: damaged.path().to_owned() }.into());
     }
-    if arguments.json {
-        print::out(&(serde_json::to_string_pretty(&comparison).expect("plain data") + "\n"))?;
-    } else {
-        print::out(&as_text(&comparison))?;
-    }
+    print::show(arguments.json, &document(&comparison))?;
     Ok(if comparison.equal { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
@@ -224,31 +221,28 @@ fn divergence(
     Some(found)
 }
 
-fn as_text(comparison: &Comparison) -> String {
+fn document(comparison: &Comparison) -> Document {
+    let document = Document::new("diff", "Difference", comparison);
     let Some(first) = &comparison.first else {
         let of_what = match comparison.damage.iter().all(Vec::is_empty) {
             true => "",
             false => " in the readable parts",
         };
-        return format!("equal: {} messages{of_what}, byte for byte\n", comparison.messages);
+        let messages = comparison.messages;
+        return document
+            .verdict(true, format!("equal: {messages} messages{of_what}, byte for byte"));
     };
     let value = |value: &Option<String>| value.clone().unwrap_or_else(|| "no message".into());
-    let field = first.field.as_ref().map_or_else(String::new, |field| format!(", {field}"));
-    let others = match comparison.diverging_streams - 1 {
-        0 => String::new(),
-        n => format!(
-            "  {} on other topics or from other senders diverge later\n",
-            super::count(n as u64, "stream")
-        ),
-    };
-    format!(
-        "first divergence: {} from {}, message {}, at {:.6} s{field}\n  first          {}\n  \
-         second         {}\n{others}",
-        first.topic,
-        first.source,
-        first.index,
-        first.publish_ns as f64 / 1e9,
-        value(&first.a),
-        value(&first.b),
-    )
+    let at = format!("{:.6} s", first.publish_ns as f64 / 1e9);
+    let Divergence { topic, source, index, field, .. } = first;
+    let mut facts = vec![
+        ("message", format!("{index} of {topic} from {source}, at {at}")),
+        ("first", value(&first.a)),
+        ("second", value(&first.b)),
+    ];
+    facts.extend(field.clone().map(|field| ("field", field)));
+    let facts = facts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+    let streams = super::count(comparison.diverging_streams as u64, "stream");
+    let verdict = format!("different: {streams} of a sender and a topic, the first one at {at}");
+    document.facts("First divergence", facts).verdict(false, verdict)
 }

@@ -1,14 +1,14 @@
 //! `timegap info`: the contents of a recording.
 
-use super::{count, in_words, lines, open, printable};
+use super::{count, in_words, lines, open};
 use clap::Args;
 use group::Error;
 use messages::TOPICS;
 use recorder::{Damage, Recording, Survey};
 use report::print;
+use report::results::{self, Column, Document, Fact, Table, number, word};
 use runtime::Mode;
 use serde_json::{Value, json};
-use std::fmt::Write;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
@@ -30,12 +30,7 @@ pub fn run(arguments: &InfoArguments) -> Result<ExitCode, Error> {
     let recording = open(&arguments.run)?;
     let statistics = if arguments.verify { None } else { recording.statistics() };
     let survey = statistics.unwrap_or_else(|| recording.survey());
-    if arguments.json {
-        let text = serde_json::to_string_pretty(&as_json(&recording, &survey)).expect("plain data");
-        print::out(&(text + "\n"))?;
-    } else {
-        print::out(&as_text(&recording, &survey))?;
-    }
+    print::show(arguments.json, &document(&recording, &survey))?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -88,45 +83,36 @@ fn as_json(recording: &Recording, survey: &Survey) -> Value {
     })
 }
 
-fn as_text(recording: &Recording, survey: &Survey) -> String {
+fn document(recording: &Recording, survey: &Survey) -> Document {
     let (metadata, tally) = (recording.metadata(), &survey.tally);
-    let mut text = format!(
-        "{} · {} · {} · seed {}\n",
-        printable(&metadata.scenario_name),
-        printable(&metadata.controller),
-        metadata.mode.name(),
-        metadata.seed
-    );
-    let mut line = |label: &str, value: String| {
-        let (label, value) = (printable(label), printable(&value));
-        writeln!(text, "  {label:<14} {value}").expect("a string takes all");
-    };
+    let mut facts: Vec<Fact> = Vec::new();
+    let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
     let at = jiff::Timestamp::from_nanosecond(metadata.started_unix_ns.into()).map_or_else(
         |_| "at an unknown time".into(),
         |time| time.strftime("%F %T UTC").to_string(),
     );
     let started = if metadata.mode == Mode::Lockstep { "in simulated time".into() } else { at };
-    line("recorded", format!("{started} by {}", metadata.program));
+    add("recorded", format!("{started} by {}", metadata.program));
     if let Some(host) = &metadata.host {
         let cpus = count(host.cpus as u64, "cpu");
-        line("on", format!("{}, Linux {}, {cpus}", host.name, host.kernel));
+        add("on", format!("{}, Linux {}, {cpus}", host.name, host.kernel));
     }
     for (service, granted) in &metadata.scheduling {
         let core = granted.core.map_or_else(|| "any core".into(), |core| format!("core {core}"));
-        line(service, format!("{}, {core}", granted.granted));
+        add(service, format!("{}, {core}", granted.granted));
     }
     for (service, program) in &metadata.programs {
         let (command, digest) = (&program.command, program.short_digest());
-        line("program", format!("{service}: {command} (sha256 {digest}...)"));
+        add("program", format!("{service}: {command} (sha256 {digest}...)"));
     }
     for (service, processes) in &tally.incarnations {
         if *processes > 1 {
-            line(service, format!("restarted {}", count(u64::from(processes - 1), "time")));
+            add(service, format!("restarted {}", count(u64::from(processes - 1), "time")));
         }
     }
     let messages = tally.messages();
     let per_message = recording.file_bytes() as f64 / messages.max(1) as f64;
-    line(
+    add(
         "length",
         format!(
             "{:.2} s, {messages} messages, {} lost, {:.2} MiB ({per_message:.0} bytes a message)",
@@ -140,23 +126,29 @@ fn as_text(recording: &Recording, survey: &Survey) -> String {
         false => damage.to_string(),
     };
     for damage in lines(&survey.damage, in_words(recording, advised)) {
-        line("INCOMPLETE", damage);
+        add("INCOMPLETE", damage);
     }
-    writeln!(text, "\n  {:<22} {:>9} {:>8} {:>6}  type", "topic", "messages", "Hz", "lost")
-        .expect("a string takes all");
-    for topic in TOPICS {
-        let counts = tally.topics.get(topic.name()).copied().unwrap_or_default();
-        let rate = rate_hz(counts.messages, survey)
-            .map_or_else(|| "-".into(), |rate| format!("{rate:.1}"));
-        let (name, type_name) = (topic.name(), topic.layout().type_name);
-        writeln!(
-            text,
-            "  {name:<22} {:>9} {rate:>8} {:>6}  {type_name}",
-            counts.messages, counts.lost
-        )
-        .expect("a string takes all");
-    }
-    text
+    let whole = as_json(recording, survey);
+    let rows: Vec<Value> = (TOPICS.into_iter())
+        .map(|topic| {
+            let mut row = whole["topics"][topic.name()].clone();
+            row["topic"] = json!(topic.name());
+            row
+        })
+        .collect();
+    let columns: [Column<Value>; 5] = [
+        word("topic", "topic", "Topic"),
+        results::count("messages", "messages", "Recorded messages"),
+        number("rate_hz", "Hz", "", 1, "Messages a second"),
+        results::count("lost", "lost", "Messages that the recorder missed"),
+        word("type", "type", "Type of the messages"),
+    ];
+    let (scenario, law) = (&metadata.scenario_name, &metadata.controller);
+    let (mode, seed) = (metadata.mode.name(), metadata.seed);
+    Document::new("info", "Recording", &whole)
+        .about(format!("{scenario} · {law} · {mode} · seed {seed}"))
+        .facts("Recording", facts)
+        .table(Table::new("Topics", &columns, &rows))
 }
 
 #[cfg(test)]
@@ -185,8 +177,8 @@ mod tests {
         let writer = Writer::begin(&mut file, &metadata).expect("memory");
         writer.finish(&Tally::default()).expect("memory");
         let recording = Recording::of_bytes("x.mcap".into(), file.get_ref()).expect("a recording");
-        let text = as_text(&recording, &recording.survey());
+        let text = document(&recording, &recording.survey()).console(80);
         assert!(!text.contains(|c: char| c.is_control() && c != '\n'), "{text:?}");
-        assert!(text.starts_with("\u{fffd}[31mred\u{fffd}another line"), "{text:?}");
+        assert!(text.starts_with("\u{fffd}[31mred\nanother line"), "{text:?}");
     }
 }

@@ -77,11 +77,6 @@ fn lines(damage: &[Damage], line: impl Fn(&Damage) -> String) -> impl Iterator<I
     damage.iter().take(MOST_TOLD).map(line).collect::<Vec<_>>().into_iter().chain(rest)
 }
 
-/// A text of the file on one line, without control characters.
-fn printable(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect()
-}
-
 /// `n things`, or `1 thing`.
 fn count(n: u64, thing: &str) -> String {
     if n == 1 { format!("1 {thing}") } else { format!("{n} {thing}s") }

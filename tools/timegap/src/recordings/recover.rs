@@ -5,6 +5,7 @@ use clap::Args;
 use group::{Error, Failure};
 use recorder::{Recording, Recovered};
 use report::print;
+use report::results::Document;
 use serde_json::json;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -58,33 +59,28 @@ pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
     } else {
         rewrite(&broken, arguments.out.as_deref())?
     };
-    if arguments.json {
-        let result = json!({
-            "schema_version": 1,
-            "path": path.to_string_lossy(),
-            "recovered": !whole,
-            "messages": tally.messages(),
-            "lost_between": tally.lost(),
-            "duration_s": survey.end_ns as f64 / 1e9,
-            "damage": damage,
-        });
-        print::out(&(serde_json::to_string_pretty(&result).expect("plain data") + "\n"))?;
-        return Ok(ExitCode::SUCCESS);
-    }
-    if whole {
-        print::out(&format!("{} is complete: nothing to recover\n", path.display()))?;
-        return Ok(ExitCode::SUCCESS);
-    }
-    let mut text = format!(
-        "recovered {} up to {:.2} s, {} lost between them\n",
-        count(tally.messages(), "message"),
-        survey.end_ns as f64 / 1e9,
-        tally.lost()
-    );
+    let duration_s = survey.end_ns as f64 / 1e9;
+    let whole_result = json!({
+        "schema_version": 1,
+        "path": path.to_string_lossy(),
+        "recovered": !whole,
+        "messages": tally.messages(),
+        "lost_between": tally.lost(),
+        "duration_s": duration_s,
+        "damage": damage,
+    });
+    let verdict = match (whole, tally.lost()) {
+        (true, _) => format!("{} is complete: nothing to recover", path.display()),
+        (false, lost) => {
+            let messages = count(tally.messages(), "message");
+            format!("recovered {messages} up to {duration_s:.2} s, {lost} lost between them")
+        }
+    };
     let broken = super::lines(&survey.damage, ToString::to_string);
-    broken.for_each(|line| text.push_str(&format!("  broken         {line}\n")));
-    text.push_str(&format!("  results        {}\n", path.display()));
-    print::out(&text)?;
+    let mut facts: Vec<_> = broken.map(|line| ("broken".to_owned(), line)).collect();
+    facts.push(("results".to_owned(), path.display().to_string()));
+    let document = Document::new("recover", "Recovery", &whole_result);
+    print::show(arguments.json, &document.facts("Recovery", facts).verdict(true, verdict))?;
     Ok(ExitCode::SUCCESS)
 }
 

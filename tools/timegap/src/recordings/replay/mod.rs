@@ -9,15 +9,12 @@
 //! message is compared. In realtime these are left out: publication time and checksum, start of the cycle's
 //! wait, context switches and page faults. A recording does not hold the arrival of plans made beside the
 //! loop. In a replay every plan is in time, so that a realtime run with late plans may differ.
-//!
-//! `--of obu` replays the on-board unit from the raw frames.
 
 mod comparison;
 mod difference;
-mod unit;
 
-use super::{count, expect_another_file, open, print_damage, printable};
-use clap::{Args, ValueEnum};
+use super::{count, expect_another_file, open, print_damage};
+use clap::Args;
 use comparison::{Comparison, Pairs, Row};
 use controller::laws;
 use group::{Error, Failure, replay, service_program};
@@ -25,12 +22,12 @@ use messages::Service;
 use recorder::Recording;
 use report::print;
 use report::progress::count_bar;
+use report::results::Document;
 use runtime::Program;
 use scenario::{Overrides, Problem, Scenario};
-use std::fmt::Write as _;
 use std::fs::File;
 use std::io::{BufWriter, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Arguments of `replay`.
@@ -38,9 +35,6 @@ use std::process::ExitCode;
 pub struct ReplayArguments {
     /// Results directory of a run, or a recording
     pub run: PathBuf,
-    /// Service to replay: the controller, or `obu` (the on-board unit) from the recorded radio frames
-    #[arg(long, value_name = "SERVICE", value_enum, default_value_t = Of::Controller)]
-    pub of: Of,
     /// Use another control law (see `timegap list`) and compare its commands
     #[arg(long, value_name = "NAME")]
     pub controller: Option<String>,
@@ -58,31 +52,12 @@ pub struct ReplayArguments {
     pub json: bool,
 }
 
-/// Replayed service.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Of {
-    /// The controller, from its recorded samples.
-    Controller,
-    /// The on-board unit, from the recorded frames.
-    Obu,
-}
-
 /// Reason why a recording cannot be replayed.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
     /// No cycle of the controller is recorded.
     #[error("{} holds no control cycle that could be replayed", .0.display())]
     Empty(PathBuf),
-    /// No on-board unit is recorded, or none that names its frames.
-    #[error(
-        "{} holds no frames that an on-board unit decoded: replay a run with v2x.radio = \"frames\", udp://, \
-         zenoh or pcap: of this version",
-        .0.display()
-    )]
-    NoFrames(PathBuf),
-    /// An option for the controller only.
-    #[error("{0} has no meaning with --of obu")]
-    OfTheController(&'static str),
     /// The program that the law hosts is not valid.
     #[error("{}", .0.message)]
     Law(#[source] Problem),
@@ -109,23 +84,6 @@ impl Failure for ReplayError {}
 
 /// Runs the command.
 pub fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
-    match arguments.of {
-        Of::Controller => replay_controller(arguments),
-        Of::Obu => {
-            let given = [
-                ("--controller", arguments.controller.is_some()),
-                ("--service", arguments.service.is_some()),
-                ("--out", arguments.out.is_some()),
-            ];
-            match given.into_iter().find(|(_, is_given)| *is_given) {
-                Some((option, _)) => Err(ReplayError::OfTheController(option).into()),
-                None => unit::run(arguments),
-            }
-        }
-    }
-}
-
-fn replay_controller(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     let recording = open(&arguments.run)?;
     let (scenario, changed) = scenario(&recording, arguments)?;
     let programs = programs(&recording, &scenario, arguments)?;
@@ -152,11 +110,7 @@ fn replay_controller(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     bar.finish_and_clear();
     comparison.finish();
     let (path, written) = table.finish();
-    if arguments.json {
-        print::out(&(serde_json::to_string_pretty(&comparison).expect("plain data") + "\n"))?;
-    } else {
-        print::out(&(as_text(&comparison) + &format!("  results        {}\n", path.display())))?;
-    }
+    print::show(arguments.json, &document(&comparison, &path))?;
     let damage = recording.survey().damage;
     print_damage(&recording, &damage);
     written?;
@@ -265,46 +219,41 @@ impl Table {
     }
 }
 
-fn as_text(comparison: &Comparison) -> String {
-    let c = comparison;
+fn document(c: &Comparison, table: &Path) -> Document {
     let laws = if c.recorded_controller == c.replayed_controller {
         c.recorded_controller.clone()
     } else {
         format!("{} recorded, {} replayed", c.recorded_controller, c.replayed_controller)
     };
-    let (scenario, laws) = (printable(&c.scenario), printable(&laws));
-    let mut text = format!("{scenario} · {laws} · {}\n", c.mode);
-    let mut line = |label: &str, value: String| {
-        writeln!(text, "  {label:<14} {value}").expect("a string takes all");
-    };
-    line("replayed", count(c.cycles, "control cycle"));
+    let mut facts = vec![("replayed".to_owned(), count(c.cycles, "control cycle"))];
+    let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
     for why in &c.cut_short {
-        line("CUT SHORT", why.clone());
+        add("CUT SHORT", why.clone());
     }
     if !c.changed {
         let same = |identical: u64, all: u64| match identical == all {
             true => format!("all {all} byte-identical"),
             false => format!("ONLY {identical} of {all} BYTE-IDENTICAL"),
         };
-        line("commands", same(c.identical_commands, c.commands));
-        line("diagnostics", same(c.identical_diagnostics, c.cycles));
+        add("commands", same(c.identical_commands, c.commands));
+        add("diagnostics", same(c.identical_diagnostics, c.cycles));
         if !c.not_compared.is_empty() {
-            line("", format!("not compared: {}", c.not_compared.join(", ")));
+            add("", format!("not compared: {}", c.not_compared.join(", ")));
         }
     }
     if !c.identical {
-        line(
-            "requests",
-            format!(
-                "differ by at most {:.3} m/s², at {:.2} s; root mean square {:.3} m/s²",
-                c.max_request_difference_mps2,
-                c.max_request_difference_at_s,
-                c.rms_request_difference_mps2
-            ),
+        let (most, at_s) = (c.max_request_difference_mps2, c.max_request_difference_at_s);
+        let rms = c.rms_request_difference_mps2;
+        let requests = format!(
+            "differ by at most {most:.3} m/s², at {at_s:.2} s; root mean square {rms:.3} m/s²"
         );
+        add("requests", requests);
         if let Some(first) = &c.first_difference {
-            line("first", first.to_string());
+            add("first", first.to_string());
         }
     }
-    text
+    add("results", table.display().to_string());
+    Document::new("replay", "Replay", c)
+        .about(format!("{} · {laws} · {}", c.scenario, c.mode))
+        .facts("Replay", facts)
 }
