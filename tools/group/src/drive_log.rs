@@ -290,11 +290,6 @@ impl DriveLog {
         (&self.steps, &self.truths.steps, &self.cycles)
     }
 
-    /// Poses so far; none where the road has no plan.
-    pub fn plane(&self) -> Option<&PlaneLog> {
-        self.plane.as_ref().map(|plane| &plane.log)
-    }
-
     /// Gap and acceleration of the drive so far.
     pub fn figures(&self) -> ControlFigures {
         let accelerations = || self.steps.iter().map(|step| step.acceleration_mps2);

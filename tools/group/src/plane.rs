@@ -244,27 +244,6 @@ impl PlaneLog {
         self.seen.retain(|entry| keeps(entry.0));
     }
 
-    /// The newest scene with the newest target before it. `truths` are those of the same drive so far.
-    #[must_use]
-    pub fn newest(&self, truths: &[AllVehicles]) -> Option<PlaneScene> {
-        let (_, time_ns, bodies) = self.bodies.last()?;
-        let ego = self.ego_at(*time_ns)?;
-        let mut bodies = bodies.clone();
-        let truth = truths.last().filter(|truth| truth.header.acquisition_ns == *time_ns);
-        place_on_axis(&mut bodies, truth);
-        let seen = self.seen.last().and_then(|(_, scanned_ns, published_s, selected)| {
-            let ego = self.ego_at(*scanned_ns)?;
-            let target = selected.map(|selected| selected.from(&ego));
-            Some(Seen { published_s: *published_s, target })
-        });
-        Some(PlaneScene { time_s: *time_ns as f64 / 1e9, ego, bodies, seen })
-    }
-
-    fn ego_at(&self, time_ns: i64) -> Option<EgoPlace> {
-        let newest = self.egos.iter().rev().take_while(|entry| entry.1 >= time_ns);
-        newest.last().filter(|entry| entry.1 == time_ns).map(|entry| entry.2)
-    }
-
     /// The scenes, in order of time. `truths` are those of the same drive.
     pub(crate) fn finish(self, truths: &[AllVehicles]) -> Vec<PlaneScene> {
         let mut egos = self.egos.iter().peekable();
@@ -353,9 +332,7 @@ mod tests {
         truth.vehicles[0].rear_position_m = 35.0;
         truth.vehicles[0].in_lane = 1;
         let truths = [truth];
-        let newest = log.newest(&truths).expect("there is a scene");
         let scenes = log.finish(&truths);
-        assert_eq!(scenes, [newest]);
         let [PlaneScene { time_s, ego, bodies, seen: Some(seen) }] = scenes.as_slice() else {
             panic!("{scenes:?}")
         };
