@@ -31,7 +31,6 @@ static LAW: Descriptor = Descriptor {
     formulation: |_| &ONE,
     gap: GapPolicy::Internal,
     target: TargetSource::Tracked,
-    without_signals: None,
     build: |_| Ok(Box::new(TwoSeconds)),
 };
 

@@ -25,6 +25,7 @@ use aebs::objects::Objects;
 use aebs::prediction::Ego as OwnMotion;
 use bytemuck::Zeroable;
 use clap::{Parser, ValueEnum};
+use group::LawOptions;
 use messages::{Detection, MAX_DETECTIONS};
 use perception_sim::radar::detections::DetectionRadar;
 use perception_sim::radar::scene::{Ego, Scene};
@@ -32,12 +33,8 @@ use perception_sim::traffic::Traffic;
 use perception_sim::vehicle::Vehicle;
 use plant::brake::BrakePath;
 use scenario::Scenario;
-use standards::r157::drive::Driver;
-use standards::r157::judge::verdict;
-use standards::r157::matrix::{Case, Matrix};
-use standards::r157::scene::scenario;
-use standards::r157::settled::Settled;
-use standards::{Model, VEHICLE_LENGTH_M, VEHICLE_WIDTH_M, Verdict, contact, is_mastered_by_both};
+use standards::r157::{Case, Matrix, Scenes, verdict};
+use standards::{Model, VEHICLE_LENGTH_M, VEHICLE_WIDTH_M, Verdict, contact};
 
 /// Period of the ego's motion, s and ns.
 const STEP_S: f64 = 0.01;
@@ -150,11 +147,11 @@ fn main() -> ExitCode {
 }
 
 fn report(arguments: &Arguments, all: &[(Case, Verdicts)]) {
-    let models: Vec<_> = all.iter().map(|(case, _)| case.verdicts()).collect();
-    let hit = |verdict: &Verdict| verdict.outcome.is_collision();
-    let mastered: Vec<bool> = models.iter().map(is_mastered_by_both).collect();
-    let regulation = models.iter().filter_map(|models| models[Model::Regulation]);
-    let regulation = regulation.filter(hit).count();
+    let hit = |verdict: &Verdict| verdict.is_collision();
+    let hits = |case: &Case, model| case.drive(model).is_some_and(|verdict| hit(&verdict));
+    let regulation = all.iter().filter(|(case, _)| hits(case, Model::Regulation)).count();
+    let masters = |case| !hits(case, Model::CarefulDriver) && !hits(case, Model::Regulation);
+    let mastered: Vec<bool> = all.iter().map(|(case, _)| masters(case)).collect();
     let of_both = mastered.iter().filter(|mastered| **mastered).count();
     println!("{} cases, {of_both} mastered by both, regulation hits {regulation}", all.len());
     let systems = arguments.systems.iter().map(|system| system.name());
@@ -188,8 +185,8 @@ fn report(arguments: &Arguments, all: &[(Case, Verdicts)]) {
 }
 
 fn scene_of(case: &Case, seed: u32, law: &str) -> Scenario {
-    let driver = Driver { law: law.into(), aebs: true };
-    scenario(case, &driver, &Settled::new(seed.into()))
+    Scenes::new(seed.into(), LawOptions::default(), Vec::new())
+        .scenario(case, law, true)
         .expect("every case is a scenario of every law")
 }
 

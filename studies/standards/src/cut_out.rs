@@ -1,22 +1,18 @@
 //! Cut-out: the vehicle ahead leaves the lane in front of a standing one.
 
-use crate::contact::contact;
-use crate::travel::Travel;
+use crate::contact::{Travel, contact};
 use crate::{
-    Driver, Model, Outcome, STEP_S, Situation, VEHICLE_LENGTH_M, VEHICLE_WIDTH_M, Verdict, View,
-    mps,
+    Driver, Model, Outcome, STEP_S, VEHICLE_LENGTH_M, VEHICLE_WIDTH_M, Verdict, View, mps,
 };
 
 /// Offset of the lead's centre from the lane's at which a driver behind sees past it \[m\].
-pub const VISIBLE_OFFSET_M: f64 = 0.375;
+const VISIBLE_OFFSET_M: f64 = 0.375;
 
 /// The slowest lead needs 19 s to be out of the way.
 const LONGEST_S: f64 = 100.0;
 
-/// One cut-out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Case {
-    /// Speed of the ego and the lead \[km/h\].
     pub speed_kmh: u32,
     /// Distance from the lead's front bumper to the standing vehicle's rear bumper \[m\].
     pub standing_distance_m: u32,
@@ -25,7 +21,6 @@ pub struct Case {
 }
 
 impl Case {
-    /// Lateral speed of the lead \[m/s\].
     pub fn lateral_mps(&self) -> f64 {
         f64::from(self.lateral_tenths_mps) * 0.1
     }
@@ -60,19 +55,14 @@ impl Case {
         let mut ego = Travel::from_m(0.0);
         let mut lead = Lead::new(self, distance_m);
         let standing = self.standing_from(distance_m);
-        let mut driver = Driver::new(model, Situation::InLane);
+        let mut driver = Driver::in_lane(model);
         for _ in 0..(LONGEST_S / STEP_S) as u32 {
             let obstacle = if lead.known_to_stand && lead.clearance_m() < 0.0 {
                 Some(&lead.travel)
             } else {
-                lead.is_out_of_sight().then_some(&standing)
+                (lead.offset.position_m() >= VISIBLE_OFFSET_M).then_some(&standing)
             };
-            let view = obstacle.map(|obstacle| View {
-                gap_m: obstacle.gap_to_m(&ego),
-                other_speed_mps: 0.0,
-                clearance_m: -VEHICLE_WIDTH_M,
-                lateral_speed_mps: 0.0,
-            });
+            let view = obstacle.map(|obstacle| View::in_lane(obstacle.gap_to_m(&ego), 0.0));
             speed_mps = driver.step(speed_mps, view.as_ref());
             ego.step(speed_mps);
             lead.step(&standing);
@@ -139,10 +129,6 @@ impl Lead {
     /// Clearance between its side and the side of a vehicle in the middle of the lane \[m\].
     fn clearance_m(&self) -> f64 {
         self.offset.position_m() - VEHICLE_WIDTH_M
-    }
-
-    fn is_out_of_sight(&self) -> bool {
-        self.offset.position_m() >= VISIBLE_OFFSET_M
     }
 
     /// The ego's contact with it where it stands; `None` without one.

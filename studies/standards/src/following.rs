@@ -1,23 +1,19 @@
 //! Car following: the vehicle ahead brakes to a stop.
 
-use crate::contact::contact;
-use crate::travel::Travel;
-use crate::{Driver, GRAVITY_MPS2, Model, STEP_S, Situation, VEHICLE_WIDTH_M, Verdict, View, mps};
+use crate::contact::{Travel, contact};
+use crate::{Driver, GRAVITY_MPS2, Model, STEP_S, VEHICLE_WIDTH_M, Verdict, View, mps};
 
 /// From 128 km/h at 0.05 g a vehicle needs 73 s to stop.
 const LONGEST_S: f64 = 120.0;
 
-/// One braking lead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Case {
-    /// Speed of both vehicles \[km/h\].
     pub speed_kmh: u32,
     /// Deceleration of the lead in hundredths of g.
     pub lead_hundredths_g: u32,
 }
 
 impl Case {
-    /// Deceleration of the lead \[m/s²\].
     pub fn lead_deceleration_mps2(&self) -> f64 {
         f64::from(self.lead_hundredths_g) / 100.0 * GRAVITY_MPS2
     }
@@ -28,14 +24,9 @@ impl Case {
         let mut speed_mps = mps(self.speed_kmh);
         let mut lead_mps = speed_mps;
         let mut gap = Travel::from_m(model.following_distance_m(speed_mps)?);
-        let mut driver = Driver::new(model, Situation::InLane);
+        let mut driver = Driver::in_lane(model);
         for _ in 0..(LONGEST_S / STEP_S) as u32 {
-            let view = View {
-                gap_m: gap.position_m(),
-                other_speed_mps: lead_mps,
-                clearance_m: -VEHICLE_WIDTH_M,
-                lateral_speed_mps: 0.0,
-            };
+            let view = View::in_lane(gap.position_m(), lead_mps);
             speed_mps = driver.step(speed_mps, Some(&view));
             lead_mps = (lead_mps - self.lead_deceleration_mps2() * STEP_S).max(0.0);
             gap.step(lead_mps - speed_mps);

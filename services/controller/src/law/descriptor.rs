@@ -31,8 +31,6 @@ pub struct Descriptor {
     pub gap: GapPolicy,
     /// Information on the target.
     pub target: TargetSource,
-    /// The law that gives the same commands, to the byte, where a scenario has no signals.
-    pub without_signals: Option<&'static Descriptor>,
     /// Builds the law from the keys that it reads, or names the key that it refuses.
     pub build: fn(&Reader<'_>) -> Result<Box<dyn Law>, Problem>,
 }

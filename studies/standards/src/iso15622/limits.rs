@@ -1,8 +1,8 @@
 //! Limits of the study, and the worst window of a drive against a limit over speed. A changed limit is an entry of
 //! its own in CHANGELOG.md.
 //!
-//! All stand since 2026-11-21 unless they say another date. Source: ISO 15622:2018, as secondary sources give it. "Chosen" marks a value without
-//! that source.
+//! All stand since 2026-11-21 unless they say another date. Source: ISO 15622:2018, as secondary sources give it.
+//! "Chosen" marks a value without that source.
 
 use group::DriveStep;
 
@@ -25,9 +25,24 @@ pub const HOLD_S: f64 = 3.0;
 /// Time in which the ego has to follow a lead that moves off, s. Chosen.
 pub const MOVE_OFF_S: f64 = 3.0;
 
-/// Design values of the lateral acceleration in curves of 500, 250 and 125 m, m/s². Since 2026-11-26; ISO 15622:2010, as
-/// secondary sources give it.
-pub const DESIGN_LATERAL_MPS2: [f64; 3] = [2.0, 2.3, 2.3];
+/// A class of curve capability.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Class {
+    pub name: &'static str,
+    pub radius_m: f64,
+    /// Design value of the lateral acceleration, m/s².
+    pub lateral_mps2: f64,
+}
+
+impl Class {
+    /// All classes. Since 2026-11-26; ISO 15622:2010, as secondary sources give it.
+    pub const ALL: [Self; 3] = [
+        Self { name: "ii", radius_m: 500.0, lateral_mps2: 2.0 },
+        Self { name: "iii", radius_m: 250.0, lateral_mps2: 2.3 },
+        Self { name: "iv", radius_m: 125.0, lateral_mps2: 2.3 },
+    ];
+}
+
 /// Allowed excess of the ego's lateral acceleration, m/s². Since 2026-11-26. Chosen: 1 m/s more, and the driver's
 /// steering.
 pub const CURVE_LATERAL_MARGIN_MPS2: f64 = 0.3;
@@ -63,27 +78,22 @@ pub const ACCELERATION: Limit = Limit { slow: 4.0, fast: 2.0, window_s: 2.0 };
 /// Jerk while the deceleration builds up, m/s³, averaged over 1 s.
 pub const JERK: Limit = Limit { slow: 5.0, fast: 2.5, window_s: 1.0 };
 
-/// A mean over a window, with the limit at the speed in which the window begins.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Worst {
-    /// The mean.
-    pub mean: f64,
-    /// The limit.
-    pub limit: f64,
-}
-
 impl Limit {
-    /// At `speed_mps`.
     pub fn at(self, speed_mps: f64) -> f64 {
         let share = ((speed_mps - SLOW_MPS) / (FAST_MPS - SLOW_MPS)).clamp(0.0, 1.0);
         self.slow + share * (self.fast - self.slow)
     }
 
-    /// The window whose mean change of `quantity` per second comes nearest to its limit, or is farthest beyond it.
+    /// Mean and limit of the window whose mean change of `quantity` per second comes nearest to its limit, or is
+    /// farthest beyond it. The limit is that at the speed in which the window begins.
     /// `None` for a drive shorter than a window.
-    pub fn worst(self, steps: &[DriveStep], quantity: impl Fn(&DriveStep) -> f64) -> Option<Worst> {
+    pub fn worst(
+        self,
+        steps: &[DriveStep],
+        quantity: impl Fn(&DriveStep) -> f64,
+    ) -> Option<(f64, f64)> {
         let mut ends = steps.iter();
-        let mut worst: Option<Worst> = None;
+        let mut worst: Option<(f64, f64)> = None;
         for begin in steps {
             let until_s = begin.time_s + self.window_s - 1e-6;
             let Some(end) = ends.as_slice().iter().find(|step| step.time_s >= until_s) else {
@@ -94,8 +104,8 @@ impl Limit {
             }
             let mean = (quantity(end) - quantity(begin)) / (end.time_s - begin.time_s);
             let limit = self.at(begin.speed_mps);
-            if worst.is_none_or(|worst| mean - limit > worst.mean - worst.limit) {
-                worst = Some(Worst { mean, limit });
+            if worst.is_none_or(|(worst, its_limit)| mean - limit > worst - its_limit) {
+                worst = Some((mean, limit));
             }
         }
         worst
@@ -134,10 +144,9 @@ mod tests {
     fn the_worst_window_is_the_one_nearest_to_its_limit() {
         let steps = drive(3.0);
         let worst = DECELERATION.worst(&steps, |step| -step.speed_mps).expect("6 s hold windows");
-        assert!((worst.mean - 3.0).abs() < 1e-9, "{worst:?}");
-        assert!(worst.limit < 3.6, "{worst:?}");
+        assert!((worst.0 - 3.0).abs() < 1e-9 && worst.1 < 3.6, "{worst:?}");
         let jerk = JERK.worst(&steps, |step| -step.acceleration_mps2).expect("6 s hold windows");
-        assert!((jerk.mean - 3.0).abs() < 1e-9 && (jerk.limit - 2.5).abs() < 1e-9, "{jerk:?}");
+        assert!((jerk.0 - 3.0).abs() < 1e-9 && (jerk.1 - 2.5).abs() < 1e-9, "{jerk:?}");
         assert_eq!(DECELERATION.worst(&steps[..100], |step| -step.speed_mps), None);
     }
 }

@@ -7,23 +7,22 @@
 //!      └─ six curves ──────────┘
 //! ```
 
-mod curves;
+mod judge;
 mod limits;
-mod rows;
 mod scenes;
-mod sheet;
+
+use std::process::ExitCode;
 
 use clap::Args;
 use frame::batch::{self, Done, Job};
 use frame::{Command, Entry, Found, RunOptions, Study};
 use group::{Error, LawOptions};
-use report::results::{Column, Document, Schema, Table, flag, number, word};
+use judge::Row;
+use report::results::{Broken, Column, Document, Schema, Table, flag, number, word};
 use scenes::Test;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use sheet::Row;
-use std::process::ExitCode;
 
-/// Arguments of `iso15622`.
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub struct Iso15622Arguments {
     /// Controllers, by commas [default: all]
@@ -37,17 +36,16 @@ pub struct Iso15622Arguments {
     pub seed: u32,
 }
 
-#[derive(Debug, Serialize)]
+/// Tests of adaptive cruise control after ISO 15622.
+#[derive(Debug, Serialize, JsonSchema)]
 struct Results {
     schema_version: u32,
+    /// Every figure is inside its limits.
     ok: bool,
+    /// A row for each figure of each test and law.
     rows: Vec<Row>,
 }
 
-/// Fields beside the rows.
-const FIELDS: &[Column<Results>] = &[frame::ok("Every figure is inside its limits")];
-
-/// Columns of the figures.
 const ROWS: &[Column<Row>] = &[
     word("law", "law", "Control law that drove"),
     word("test", "test", "Test of the standard"),
@@ -59,32 +57,20 @@ const ROWS: &[Column<Row>] = &[
     flag("ok", "verdict", ("ok", "MISSED"), "The value is inside its limits"),
 ];
 
-/// Contents of the JSON.
-#[must_use]
 pub fn schema() -> Schema {
-    Schema::new("iso15622", "Tests of adaptive cruise control after ISO 15622").fields(FIELDS).rows(
-        "rows",
-        "A row for each figure of each test and law",
-        ROWS,
-    )
+    Schema::of::<Results>("iso15622")
+}
+
+pub fn run(command: &Command<Iso15622Arguments>) -> Result<ExitCode, Error> {
+    frame::run::<Tests>(command)
 }
 
 /// The study, for `merge` and `resume`.
 pub const ENTRY: Entry = Entry::of::<Tests>();
 
-/// Runs the command.
-///
-/// # Errors
-/// [`Error::Scenario`] for an unknown controller, else as [`frame::run`].
-pub fn run(command: &Command<Iso15622Arguments>) -> Result<ExitCode, Error> {
-    frame::run::<Tests>(command)
-}
-
-/// The study: each test with each law.
-struct Tests {
+pub struct Tests {
     tests: Vec<(String, Test)>,
-    own: LawOptions,
-    seed: u32,
+    arguments: Iso15622Arguments,
 }
 
 impl Study for Tests {
@@ -98,7 +84,7 @@ impl Study for Tests {
         let laws = batch::laws::own_named(&arguments.controllers, &arguments.laws.names())?;
         arguments.laws.expect_all_in(&laws)?;
         let tests = laws.iter().flat_map(|law| Test::all().map(|test| (law.clone(), test)));
-        Ok(Self { tests: tests.collect(), own: arguments.laws.clone(), seed: arguments.seed })
+        Ok(Self { tests: tests.collect(), arguments: arguments.clone() })
     }
 
     fn runs(&self) -> usize {
@@ -106,8 +92,9 @@ impl Study for Tests {
     }
 
     fn job(&self, run: usize) -> Result<Job, Error> {
-        let (law, test) = &self.tests[run];
-        test.scenario(law, &self.own, self.seed).map(Job::lockstep)
+        let ((law, test), Iso15622Arguments { laws, seed, .. }) =
+            (&self.tests[run], &self.arguments);
+        test.scenario(law, laws, *seed).map(Job::lockstep)
     }
 
     fn record(
@@ -119,29 +106,41 @@ impl Study for Tests {
         let done = result?;
         batch::whole(&done.summary)?;
         let (law, test) = &self.tests[run];
-        Ok((rows::rows(*test, law, &job.scenario, &done.drive), ()))
+        Ok((judge::rows(*test, law, &job.scenario, &done.drive), ()))
     }
 
     fn keys(&self, run: usize) -> Vec<(String, String)> {
-        vec![("test".to_owned(), self.tests[run].1.name().to_owned())]
+        vec![("test".to_owned(), self.tests[run].1.name())]
     }
 
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
-        let records = found.records.all()?;
-        let rows: Vec<Row> = records.into_iter().flat_map(|(_, rows)| rows).collect();
-        Ok(document(rows))
+        let rows = found.records.all()?.into_iter().flat_map(|(_, rows)| rows).collect();
+        Ok(document(rows, &self.arguments))
     }
 }
 
-fn document(rows: Vec<Row>) -> Document {
+fn document(rows: Vec<Row>, arguments: &Iso15622Arguments) -> Document {
     let inside = rows.iter().filter(|row| row.ok).count();
     let (ok, all) = (inside == rows.len(), rows.len());
     let results = Results { schema_version: 1, ok, rows };
     let table = Table::new("Figures", ROWS, &results.rows).blocks("law");
+    let missed = results.rows.iter().filter(|row| !row.ok);
     Document::new("iso15622", "ISO 15622", &results)
         .about("tests on a straight road and in curves, lockstep; the curves after ISO 15622, from secondary sources")
         .verdict(ok, format!("{inside} of {all} figures inside their limits"))
         .table(table)
+        .broken(missed.map(|row| broken(row, arguments)))
+}
+
+/// A missed figure, with the command that drives its law again.
+fn broken(row: &Row, arguments: &Iso15622Arguments) -> Broken {
+    let Row { law, test, figure, unit, .. } = row;
+    let value = row.value.map_or_else(|| "never".to_owned(), |value| format!("{value:.2} {unit}"));
+    let (limit, seed) = (row.least.or(row.most).unwrap_or_default(), arguments.seed.to_string());
+    let words = ["timegap", "iso15622", "--controllers", law, "--seed", &seed];
+    let words = [words.map(str::to_owned).to_vec(), arguments.laws.words()].concat();
+    let what = format!("{law}, {test}: {figure} {value}, limit {limit:.2}");
+    Broken::new(what, runtime::command_line(&words))
 }
 
 #[cfg(test)]
@@ -149,16 +148,49 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_figure_beyond_its_limit_is_missed_in_every_form() {
-        let row = |law: &str, ok| {
-            let row = serde_json::json!({"law": law, "test": "go", "figure": "moves_off_after_s", "unit": "s",
-                "value": 3.5, "least": null, "most": 3.0, "ok": ok});
-            serde_json::from_value::<Row>(row).expect("a row")
+    fn a_figure_beyond_its_limit_is_missed_in_every_form_and_stands_at_the_end() {
+        let row = |law: &str, ok| Row {
+            law: law.into(),
+            test: "go".into(),
+            figure: "moves_off_after_s".into(),
+            unit: "s".into(),
+            value: Some(3.5),
+            most: Some(3.0),
+            ok,
+            ..Row::default()
         };
-        let document = document(vec![row("a", true), row("b", false)]);
+        let arguments =
+            Iso15622Arguments { controllers: Vec::new(), laws: LawOptions::default(), seed: 7 };
+        let document = document(vec![row("a", true), row("b", false)], &arguments);
         assert!(!document.is_ok());
-        assert!(document.console(80).contains("1 of 2 figures inside"), "{}", document.console(80));
+        let console = document.console(120);
+        assert!(console.contains("1 of 2 figures inside"), "{console}");
+        let last = console.lines().last().expect("it has lines").trim();
+        assert_eq!(
+            last,
+            "b, go: moves_off_after_s 3.50 s, limit 3.00: timegap iso15622 --controllers b --seed 7"
+        );
         assert!(document.junit().contains("failure"), "{}", document.junit());
         assert_eq!(report::results::check(&schema().json(), &document.value()), [""; 0]);
+    }
+
+    /// Six laws with 37 figures each.
+    #[test]
+    fn a_terminal_shows_the_figures_in_a_few_screens() {
+        let rows = (0..222).map(|index| Row {
+            law: format!("law-{}", index / 37),
+            test: "curve-class-iii-right".into(),
+            figure: "time_gap_share_when_it_slows".into(),
+            unit: "m/s³".into(),
+            value: Some(12.34),
+            least: Some(0.67),
+            ok: index != 100,
+            ..Row::default()
+        });
+        let arguments =
+            Iso15622Arguments { controllers: Vec::new(), laws: LawOptions::default(), seed: 1 };
+        let console = document(rows.collect(), &arguments).console(80);
+        assert!(console.lines().count() < 250, "{}", console.lines().count());
+        assert!(console.lines().last().is_some_and(|line| line.contains("law-2")), "{console}");
     }
 }

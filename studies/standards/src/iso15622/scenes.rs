@@ -1,9 +1,22 @@
-//! The tests of ISO 15622 as scenarios.
+//! The tests as scenarios.
+//!
+//! The curve tests have one of constant radius:
+//!
+//! ```text
+//! line, 30 s ── clothoid ── arc of the class's radius ────────────────────────────►
+//!               target and neighbour abreast, ego follows │ 12 s   │ the target loses 3.5 m/s in 2 s
+//!                                                          ego on the arc
+//! ```
+//!
+//! The speed is √(a R), by the class's design value a and its radius R. The standard allows a radius of 80 to 100 % of
+//! that and a speed within 1 m/s. The target drives 1 m/s slower than √(a R) here, so the cap of the curve speed is above
+//! it. The neighbour in the outer lane keeps its speed: an ego that follows it does not slow down.
 
-use super::curves::Curve;
 use controller::laws;
 use group::{Error, LawOptions};
 use scenario::{Overrides, Scenario};
+
+use super::limits::{Class, STEADY_S};
 
 /// Time when the lead of [`Test::StopAndGo`] brakes, s.
 pub const BRAKES_AT_S: f64 = 25.0;
@@ -14,8 +27,23 @@ pub const SIDE_BY_SIDE_MPS: f64 = 24.0;
 /// Set speed in [`Test::Acquisition`], m/s.
 pub const APPROACH_MPS: f64 = 30.0;
 
-/// A test.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Time on the line of a curve test, in which the law settles, s.
+const SETTLES_S: f64 = 30.0;
+const CLOTHOID_M: f64 = 80.0;
+/// Time of the ego on the arc before the target slows down, s.
+const ON_ARC_S: f64 = STEADY_S + 2.0;
+/// Time after that, s.
+const ANSWERS_S: f64 = 8.0;
+/// Loss of the target's speed, m/s, and its time, s.
+const LOSES: (f64, f64) = (3.5, 2.0);
+/// The target is slower than the speed of the design value by this, m/s.
+const SLOWER_MPS: f64 = 1.0;
+/// The set speed is above the target's by this, m/s. Chosen: the ego follows.
+const SET_ABOVE_MPS: f64 = 3.0;
+/// Distance of the next lane, m.
+const LANE_M: f64 = 3.5;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Test {
     /// A slower vehicle comes into the radar's range.
     Acquisition,
@@ -27,47 +55,52 @@ pub enum Test {
     Curve(Curve),
 }
 
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Curve {
+    /// The class of curve capability.
+    pub class: Class,
+    is_left: bool,
+}
+
 impl Test {
-    /// All tests.
-    pub fn all() -> impl Iterator<Item = Self> + Clone {
-        let straight = [Self::Acquisition, Self::Discrimination, Self::StopAndGo];
-        straight.into_iter().chain(Curve::ALL.into_iter().map(Self::Curve))
+    pub fn all() -> impl Iterator<Item = Self> {
+        let curve = |class| [true, false].map(|is_left| Self::Curve(Curve { class, is_left }));
+        let curves = Class::ALL.into_iter().flat_map(curve);
+        [Self::Acquisition, Self::Discrimination, Self::StopAndGo].into_iter().chain(curves)
     }
 
-    /// Its name in results.
-    #[must_use]
-    pub fn name(self) -> &'static str {
+    pub fn name(self) -> String {
         match self {
-            Self::Acquisition => "acquisition",
-            Self::Discrimination => "discrimination",
-            Self::StopAndGo => "stop-and-go",
-            Self::Curve(curve) => curve.name(),
+            Self::Acquisition => "acquisition".to_owned(),
+            Self::Discrimination => "discrimination".to_owned(),
+            Self::StopAndGo => "stop-and-go".to_owned(),
+            Self::Curve(Curve { class, is_left }) => {
+                format!("curve-class-{}-{}", class.name, if is_left { "left" } else { "right" })
+            }
         }
     }
 
     /// Its scenario for `law`, which may be one of the user's `own`.
-    ///
-    /// # Errors
-    /// [`Error::Scenario`] if there is no such law.
     pub fn scenario(self, law: &str, own: &LawOptions, seed: u32) -> Result<Scenario, Error> {
-        let (duration_s, set_mps, initial_mps, actors) = match self {
+        let (duration_s, set_mps, initial_mps, keys) = match self {
             Self::Acquisition => (60.0, APPROACH_MPS, APPROACH_MPS, ACQUISITION.to_owned()),
             Self::Discrimination => {
                 (90.0, APPROACH_MPS, SIDE_BY_SIDE_MPS, DISCRIMINATION.to_owned())
             }
             Self::StopAndGo => (70.0, 25.0, 20.0, STOP_AND_GO.to_owned()),
             Self::Curve(curve) => {
-                let (set_mps, initial_mps) = curve.speeds_mps();
-                (curve.duration_s(), set_mps, initial_mps, curve.tables())
+                let speed_mps = curve.speed_mps();
+                let duration_s = curve.slows_at_s() + ANSWERS_S;
+                (duration_s, speed_mps + SET_ABOVE_MPS, speed_mps, curve.keys())
             }
         };
         let text = format!(
             "schema_version = 1\nname = \"iso15622\"\nduration_s = {duration_s}\nseed = {seed}\n\
-             set_speed_mps = {set_mps}\n\
+             set_speed_mps = {set_mps}\n{keys}\n\
              [plant]\ninitial_speed_mps = {initial_mps}\n\
              powertrain = {{ mass_kg = 1600, max_power_kw = 110 }}\n\
              [aebs]\nenabled = false\n\
-             [controller]\nname = \"{law}\"\n{actors}"
+             [controller]\nname = \"{law}\"\n"
         );
         let mut overrides = Overrides::new();
         own.lay_over(&mut overrides)?;
@@ -75,43 +108,75 @@ impl Test {
     }
 }
 
-const ACQUISITION: &str = "\
-[[actors]]
-name = \"target\"
-gap_m = 250
-initial_speed_mps = 22
-";
+const ACQUISITION: &str = "actors = [{ name = \"target\", gap_m = 250, initial_speed_mps = 22 }]";
 
-const DISCRIMINATION: &str = "\
-[[actors]]
-name = \"lead\"
-gap_m = 50
-initial_speed_mps = 24
-profile.steps = [{ time_s = 20, speed_mps = 27, acceleration_mps2 = 0.5 }]
+const DISCRIMINATION: &str = "actors = [\
+    { name = \"lead\", gap_m = 50, initial_speed_mps = 24, \
+      profile.steps = [{ time_s = 20, speed_mps = 27, acceleration_mps2 = 0.5 }] }, \
+    { name = \"neighbour\", gap_m = 50, initial_speed_mps = 24, lateral_offset_m = 3.5 }]";
 
-[[actors]]
-name = \"neighbour\"
-gap_m = 50
-initial_speed_mps = 24
-lateral_offset_m = 3.5
-";
+const STOP_AND_GO: &str = "actors = [\
+    { name = \"lead\", gap_m = 40, initial_speed_mps = 20, \
+      profile.steps = [{ time_s = 25, speed_mps = 0, acceleration_mps2 = 2.5 }, \
+                       { time_s = 50, speed_mps = 10, acceleration_mps2 = 1 }] }]";
 
-const STOP_AND_GO: &str = "\
-[[actors]]
-name = \"lead\"
-gap_m = 40
-initial_speed_mps = 20
-profile.steps = [
-    { time_s = 25, speed_mps = 0, acceleration_mps2 = 2.5 },
-    { time_s = 50, speed_mps = 10, acceleration_mps2 = 1 },
-]
-";
+impl Curve {
+    /// Speed of target and neighbour, m/s.
+    fn speed_mps(self) -> f64 {
+        libm::sqrt(self.class.lateral_mps2 * self.class.radius_m) - SLOWER_MPS
+    }
+
+    /// Distance of the target's rear at the start, m: that from which every law settles.
+    fn gap_m(self) -> f64 {
+        2.0 * self.speed_mps() + 6.0
+    }
+
+    /// Beginning of the arc, m.
+    fn arc_begins_m(self) -> f64 {
+        SETTLES_S * self.speed_mps() + CLOTHOID_M
+    }
+
+    fn arc_m(self) -> f64 {
+        self.speed_mps() * (ON_ARC_S + ANSWERS_S) + self.gap_m() + 20.0
+    }
+
+    /// Time at which the target slows down, s.
+    pub fn slows_at_s(self) -> f64 {
+        self.arc_begins_m() / self.speed_mps() + ON_ARC_S
+    }
+
+    /// The road and the vehicles, as keys of a scenario.
+    fn keys(self) -> String {
+        let (speed_mps, gap_m, radius_m) = (self.speed_mps(), self.gap_m(), self.class.radius_m);
+        let (line_m, arc_m, slows_at_s) = (SETTLES_S * speed_mps, self.arc_m(), self.slows_at_s());
+        let (loses_mps, in_s) = LOSES;
+        let (slower_mps, loses_mps2) = (speed_mps - loses_mps, loses_mps / in_s);
+        let (turn, beside_m) = if self.is_left { ("left", -LANE_M) } else { ("right", LANE_M) };
+        format!(
+            "road.plan.pieces = [{{ line_m = {line_m} }}, {{ spiral_m = {CLOTHOID_M} }}, \
+             {{ arc_m = {arc_m}, radius_m = {radius_m}, turn = \"{turn}\" }}, \
+             {{ spiral_m = {CLOTHOID_M} }}, {{ line_m = 500 }}]\n\
+             actors = [{{ name = \"target\", gap_m = {gap_m}, initial_speed_mps = {speed_mps}, \
+             profile.steps = [{{ time_s = {slows_at_s}, speed_mps = {slower_mps}, \
+             acceleration_mps2 = {loses_mps2} }}] }}, \
+             {{ name = \"neighbour\", gap_m = {gap_m}, initial_speed_mps = {speed_mps}, \
+             lateral_offset_m = {beside_m} }}]"
+        )
+    }
+}
 
 #[cfg(test)]
 mod tests {
     use scenario::actor::Profile;
 
     use super::*;
+
+    fn curves() -> impl Iterator<Item = Curve> {
+        Test::all().filter_map(|test| match test {
+            Test::Curve(curve) => Some(curve),
+            _ => None,
+        })
+    }
 
     #[test]
     fn every_test_is_a_scenario_and_its_times_are_those_named() {
@@ -124,5 +189,31 @@ mod tests {
         let Profile::Steps(steps) = &scenario.actors[0].profile else { panic!("it has steps") };
         let times: Vec<f64> = steps.iter().map(|step| step.time_s.value()).collect();
         assert_eq!(times, [BRAKES_AT_S, MOVES_OFF_AT_S]);
+    }
+
+    #[test]
+    fn names_of_tests_stay() {
+        let names: Vec<String> = Test::all().map(Test::name).collect();
+        assert_eq!(
+            names[..4],
+            ["acquisition", "discrimination", "stop-and-go", "curve-class-ii-left"]
+        );
+        assert_eq!(names.last().map(String::as_str), Some("curve-class-iv-right"));
+    }
+
+    #[test]
+    fn speeds_are_those_of_the_design_values() {
+        let speeds_mps = curves().map(|curve| curve.speed_mps() + SLOWER_MPS);
+        for (speed_mps, expected_mps) in speeds_mps.zip([31.6, 31.6, 24.0, 24.0, 17.0, 17.0]) {
+            assert!((speed_mps - expected_mps).abs() < 0.05, "{speed_mps}");
+        }
+    }
+
+    #[test]
+    fn the_vehicles_stay_on_the_arc_until_the_end() {
+        for curve in curves() {
+            let end_m = curve.gap_m() + curve.speed_mps() * (curve.slows_at_s() + ANSWERS_S);
+            assert!(end_m <= curve.arc_begins_m() + curve.arc_m(), "{curve:?}");
+        }
     }
 }

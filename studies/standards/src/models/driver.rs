@@ -1,7 +1,6 @@
 //! A model with its memory: from what is seen to the ego's next speed.
 
-use super::braking::Braking;
-use super::{Model, Situation, View, careful_driver, fuzzy, regulation, rss};
+use super::{Braking, Model, View, fuzzy, rss, un_r157};
 use crate::STEP_S;
 use crate::contact::is_ahead;
 
@@ -9,21 +8,21 @@ use crate::contact::is_ahead;
 #[derive(Clone, Debug)]
 pub struct Driver {
     model: Model,
-    recognition: careful_driver::Recognition,
+    recognition: un_r157::Recognition,
     acceleration_mps2: f64,
-    /// Steps since the trigger first held.
     reacting_steps: Option<u32>,
 }
 
 impl Driver {
-    /// A driver at constant speed.
-    pub fn new(model: Model, situation: Situation) -> Driver {
-        Driver {
-            model,
-            recognition: careful_driver::Recognition::new(situation),
-            acceleration_mps2: 0.0,
-            reacting_steps: None,
-        }
+    /// A driver at constant speed that another vehicle is beside, which may come in.
+    pub fn beside(model: Model) -> Driver {
+        let recognition = un_r157::Recognition::Waiting;
+        Driver { model, recognition, acceleration_mps2: 0.0, reacting_steps: None }
+    }
+
+    /// A driver at constant speed behind a vehicle in its lane, which brakes or stands.
+    pub fn in_lane(model: Model) -> Driver {
+        Driver { recognition: un_r157::Recognition::Risk, ..Driver::beside(model) }
     }
 
     /// The ego's speed \[m/s\] after one step of [`STEP_S`]. The step begins at `speed_mps`; `view` is of the relevant
@@ -37,9 +36,15 @@ impl Driver {
             Some(steps) => Some(steps + 1),
             None => braking.map(|_| 0),
         };
+        // The deceleration during the reaction time is that of the pedal.
+        let (reaction_steps, pedal_mps2) = match self.model {
+            Model::CarefulDriver => (un_r157::DRIVER_STEPS, un_r157::PEDAL_RELEASED_MPS2),
+            Model::Regulation => (un_r157::SYSTEM_STEPS, 0.0),
+            Model::Rss | Model::Fuzzy => (un_r157::DRIVER_STEPS, 0.0),
+        };
         self.acceleration_mps2 = match (braking, self.reacting_steps) {
-            (Some(braking), Some(steps)) if steps >= self.reaction_steps() => self.brake(braking),
-            (Some(_), _) => -self.pedal_released_mps2(),
+            (Some(braking), Some(steps)) if steps >= reaction_steps => self.brake(braking),
+            (Some(_), _) => -pedal_mps2,
             (None, _) => 0.0,
         };
         let next_mps = (speed_mps + self.acceleration_mps2 * STEP_S).max(0.0);
@@ -51,31 +56,15 @@ impl Driver {
 
     /// True if the model has found that no reaction is needed: the case then counts as no collision.
     pub fn needs_no_reaction(&self) -> bool {
-        self.model == Model::CarefulDriver && self.recognition.needs_no_reaction()
+        self.model == Model::CarefulDriver && self.recognition == un_r157::Recognition::NotNeeded
     }
 
     fn trigger(&mut self, speed_mps: f64, view: &View) -> Option<Braking> {
         match self.model {
             Model::CarefulDriver => self.recognition.trigger(speed_mps, view),
-            Model::Regulation => regulation::trigger(speed_mps, view),
+            Model::Regulation => un_r157::trigger(speed_mps, view),
             Model::Rss => rss::trigger(speed_mps, view),
             Model::Fuzzy => fuzzy::trigger(speed_mps, self.acceleration_mps2, view),
-        }
-    }
-
-    /// The reaction time in whole steps.
-    fn reaction_steps(&self) -> u32 {
-        match self.model {
-            Model::Regulation => regulation::REACTION_STEPS,
-            Model::CarefulDriver | Model::Rss | Model::Fuzzy => careful_driver::REACTION_STEPS,
-        }
-    }
-
-    /// Deceleration during the reaction time \[m/s²\].
-    fn pedal_released_mps2(&self) -> f64 {
-        match self.model {
-            Model::CarefulDriver => careful_driver::PEDAL_RELEASED_MPS2,
-            Model::Regulation | Model::Rss | Model::Fuzzy => 0.0,
         }
     }
 

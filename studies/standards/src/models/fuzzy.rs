@@ -12,9 +12,8 @@
 //! Deceleration: `C·(6 - 4) + 4` if `C > 0`, else `4·P`. A vehicle beside the lane counts only if it
 //! arrives before the ego has passed it.
 
-use super::View;
-use super::braking::Braking;
-use super::careful_driver::FULL_BRAKING;
+use super::un_r157::FULL_BRAKING;
+use super::{Braking, View};
 use crate::VEHICLE_LENGTH_M;
 
 const REACTION_S: f64 = 0.75;

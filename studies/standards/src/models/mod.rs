@@ -1,18 +1,12 @@
 //! The four models, and the driver that each of them makes.
 
-mod braking;
-mod careful_driver;
 mod driver;
 mod fuzzy;
-mod regulation;
 mod rss;
-
-use std::fmt;
-use std::str::FromStr;
+mod un_r157;
 
 pub use driver::Driver;
 
-/// A performance model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Model {
     /// The competent and careful human driver of UN R157, annex 4, appendix 3.
@@ -26,10 +20,8 @@ pub enum Model {
 }
 
 impl Model {
-    /// All models, in the order of the tables.
     pub const ALL: [Model; 4] = [Model::CarefulDriver, Model::Regulation, Model::Rss, Model::Fuzzy];
 
-    /// The model's name.
     pub fn name(self) -> &'static str {
         match self {
             Model::CarefulDriver => "careful-driver",
@@ -43,7 +35,7 @@ impl Model {
     /// `None` for `regulation`, which describes cut-ins alone.
     pub fn following_distance_m(self, speed_mps: f64) -> Option<f64> {
         match self {
-            Model::CarefulDriver => Some(careful_driver::following_distance_m(speed_mps)),
+            Model::CarefulDriver => Some(un_r157::TIME_GAP_S * speed_mps),
             Model::Regulation => None,
             Model::Rss => Some(rss::following_distance_m(speed_mps)),
             Model::Fuzzy => Some(fuzzy::following_distance_m(speed_mps)),
@@ -51,43 +43,11 @@ impl Model {
     }
 }
 
-impl fmt::Display for Model {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-/// A name that no model has.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct UnknownModel(pub String);
-
-impl fmt::Display for UnknownModel {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let names = Model::ALL.map(Model::name).join(", ");
-        write!(f, "no model is called '{}'; the models are {names}", self.0)
-    }
-}
-
-impl std::error::Error for UnknownModel {}
-
-impl FromStr for Model {
-    type Err = UnknownModel;
-
-    fn from_str(name: &str) -> Result<Model, UnknownModel> {
-        Model::ALL
-            .into_iter()
-            .find(|model| model.name() == name)
-            .ok_or_else(|| UnknownModel(name.to_owned()))
-    }
-}
-
 /// A model's view of another vehicle at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
-    /// Distance from the ego's front bumper to the other's rear bumper \[m\], negative once they
-    /// overlap.
+    /// Distance from the ego's front bumper to the other's rear bumper \[m\], negative once they overlap.
     pub gap_m: f64,
-    /// Speed of the other \[m/s\].
     pub other_speed_mps: f64,
     /// Between the sides of the two \[m\], negative once they overlap.
     pub clearance_m: f64,
@@ -95,11 +55,17 @@ pub struct View {
     pub lateral_speed_mps: f64,
 }
 
-/// Situation that the model has to recognise.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Situation {
-    /// Another vehicle comes from the side.
-    CutIn,
-    /// A vehicle ahead in the ego's lane brakes or stands.
-    InLane,
+impl View {
+    /// The view of a vehicle straight ahead.
+    pub(crate) fn in_lane(gap_m: f64, other_speed_mps: f64) -> View {
+        let clearance_m = -crate::VEHICLE_WIDTH_M;
+        View { gap_m, other_speed_mps, clearance_m, lateral_speed_mps: 0.0 }
+    }
+}
+
+/// Braking of a model after its reaction time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Braking {
+    deceleration_mps2: f64,
+    growth_mps3: f64,
 }

@@ -8,9 +8,8 @@
 //! s < 0.3 m + (2w + l t) t/2 + (w + l t)²/(2l)
 //! ```
 
-use super::View;
-use super::braking::Braking;
-use super::careful_driver::FULL_BRAKING;
+use super::un_r157::FULL_BRAKING;
+use super::{Braking, View};
 
 const RESPONSE_S: f64 = 0.75;
 const ACCELERATION_MPS2: f64 = 3.0;

@@ -1,98 +1,129 @@
-//! An ego at constant speed among scripted vehicles, as a scenario. All vehicles have the regulation's length.
+//! A case driven by a law, and its end by the regulation's rectangles.
+//!
+//! The emergency brake reaches the plant alone, while it brakes or holds. A drive in which it never did so has the same
+//! bytes as the drive without it, so it counts for both.
 
-use crate::VEHICLE_LENGTH_M;
-use controller::laws;
-use group::{Error, LawOptions};
-use scenario::{Overrides, Scenario};
+use frame::batch::Done;
+use group::{Drive, Error};
+use messages::AllVehicles;
+use serde::{Deserialize, Serialize};
 
-/// Time gap from which a law closes up or falls back to its own.
-const FIRST_TIME_GAP_S: f64 = 2.0;
-/// Distance added to that.
-const FIRST_DISTANCE_M: f64 = 5.0;
-/// Time for which the ego is clear of all others before a run ends, s. It is five cycles of every law, so that a law
-/// that turns back to another vehicle shows it.
-const CLEAR_S: f64 = 0.5;
+use super::results::End;
+use crate::{VEHICLE_WIDTH_M, Verdict, contact};
 
-/// Driver of a case.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Driver {
-    /// The control law.
-    pub law: String,
-    /// With the emergency brake.
-    pub aebs: bool,
+/// Ends of a case with a law: the record of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ends {
+    braked: End,
+    alone: End,
 }
 
-/// The common part of a study's drives.
-#[derive(Clone, Debug, Default)]
-pub struct Conditions {
-    /// Seed of the sensors' noise.
-    pub seed: u64,
-    /// Laws of the user's own.
-    pub laws: LawOptions,
-    /// Requirements that every drive is judged by.
-    pub formulas: Vec<String>,
+impl Ends {
+    /// The ends of drives with the emergency brake and without it.
+    pub fn of(drive: impl Fn(bool) -> Result<Done, Error>) -> Result<Self, Error> {
+        let done = drive(true)?;
+        let braked = End::of(&done);
+        let alone = match done.summary.aebs.interventions {
+            Some(0) => braked,
+            _ => End::of(&drive(false)?),
+        };
+        Ok(Self { braked, alone })
+    }
+
+    pub fn end(&self, aebs: bool) -> End {
+        if aebs { self.braked } else { self.alone }
+    }
 }
 
-/// The ego behind a lead that keeps its speed.
-///
-/// # Errors
-/// [`Error::Scenario`] if there is no such law.
-pub fn behind_a_lead(
-    speed_kmh: u32,
-    driver: &Driver,
-    conditions: &Conditions,
-    duration_s: f64,
-) -> Result<Scenario, Error> {
-    let speed_mps = f64::from(speed_kmh) / 3.6;
-    let first_gap_m = FIRST_TIME_GAP_S * speed_mps + FIRST_DISTANCE_M;
-    let actors = actor("lead", first_gap_m, &format!("initial_speed_mps = {speed_mps}"));
-    parse(&Scene { scripted_s: duration_s, duration_s, actors }, speed_mps, driver, conditions)
+impl End {
+    fn of(done: &Done) -> Self {
+        let requirements = &done.summary.requirements;
+        let is_broken = || requirements.iter().any(|verdict| !verdict.met);
+        let is_broken = (!requirements.is_empty()).then(is_broken);
+        Self { verdict: verdict(&done.drive), is_broken }
+    }
 }
 
-/// Traffic around the ego.
-pub(super) struct Scene {
-    /// Time after which nothing scripted comes any more, s.
-    pub(super) scripted_s: f64,
-    /// Length of the run, s.
-    pub(super) duration_s: f64,
-    /// The vehicles, as TOML.
-    pub(super) actors: String,
+/// End of the drive: the first contact of the ego with any other vehicle. Between two samples of
+/// the others they keep their speed, and move evenly from one lateral position to the next.
+pub fn verdict(drive: &Drive) -> Verdict {
+    let mut truths = drive.vehicles.iter().peekable();
+    let mut seen: Option<&AllVehicles> = None;
+    for step in &drive.steps {
+        while let Some(truth) = truths.next_if(|truth| truth.header.step <= step.step) {
+            seen = Some(truth);
+        }
+        let Some(seen) = seen else { continue };
+        let since_s = step.time_s - seen.header.acquisition_ns as f64 * 1e-9;
+        let next = truths.peek().filter(|next| next.vehicles.len() == seen.vehicles.len());
+        for (index, vehicle) in seen.vehicles.iter().enumerate() {
+            let gap_m = vehicle.rear_position_m + vehicle.speed_mps * since_s - step.position_m;
+            if gap_m >= 0.0 {
+                continue;
+            }
+            let lateral_m = next.map_or(vehicle.lateral_m, |next| {
+                let ns = next.header.acquisition_ns - seen.header.acquisition_ns;
+                let share = (since_s / (ns as f64 * 1e-9)).clamp(0.0, 1.0);
+                vehicle.lateral_m + share * (next.vehicles[index].lateral_m - vehicle.lateral_m)
+            });
+            let outcome = contact(gap_m, lateral_m.abs() - VEHICLE_WIDTH_M);
+            if outcome.is_collision() {
+                return Verdict { outcome, impact_speed_mps: step.speed_mps - vehicle.speed_mps };
+            }
+        }
+    }
+    Verdict::NONE
 }
 
-/// The scenario of an ego that drives at `speed_mps` in `scene`.
-///
-/// # Errors
-/// [`Error::Scenario`] if there is no such law.
-pub(super) fn parse(
-    scene: &Scene,
-    speed_mps: f64,
-    driver: &Driver,
-    conditions: &Conditions,
-) -> Result<Scenario, Error> {
-    let Scene { scripted_s, duration_s, actors } = scene;
-    let Driver { law, aebs } = driver;
-    let Conditions { seed, laws: own, formulas } = conditions;
-    let text = format!(
-        "schema_version = 1\nname = \"r157\"\nduration_s = {duration_s}\nseed = {seed}\n\
-         set_speed_mps = {speed_mps}\n\
-         [plant]\ninitial_speed_mps = {speed_mps}\n\
-         length_m = {VEHICLE_LENGTH_M}\n\
-         powertrain = {{ mass_kg = 1600, max_power_kw = 110 }}\n\
-         [aebs]\nenabled = {aebs}\n\
-         [referee]\nends_when_clear = {{ after_s = {scripted_s}, for_s = {CLEAR_S} }}\n\
-         [controller]\nname = \"{law}\"\n{actors}"
-    );
-    let mut overrides = Overrides::new();
-    own.lay_over(&mut overrides)?;
-    let mut scenario = Scenario::parse_with("a case of UN R157", &text, &overrides, &laws::check)?;
-    scenario.require.formulas.clone_from(formulas);
-    group::requirements(&scenario)?;
-    Ok(scenario)
-}
+#[cfg(test)]
+mod tests {
+    use crate::Outcome;
+    use bytemuck::Zeroable;
+    use group::DriveStep;
+    use messages::VehicleTruthItem;
 
-/// A vehicle `gap_m` ahead of the ego, with these keys, as TOML.
-pub(super) fn actor(name: &str, gap_m: f64, keys: &str) -> String {
-    format!(
-        "[[actors]]\nname = \"{name}\"\ngap_m = {gap_m}\nlength_m = {VEHICLE_LENGTH_M}\n{keys}\n"
-    )
+    use super::*;
+
+    fn truth(step: u64, rear_position_m: f64, lateral_m: f64) -> AllVehicles {
+        let mut truth = AllVehicles::with_room(1);
+        truth.header.step = step;
+        truth.header.acquisition_ns = 10_000_000 * step as i64;
+        truth.vehicles.push(VehicleTruthItem::zeroed());
+        truth.vehicles[0].rear_position_m = rear_position_m;
+        truth.vehicles[0].speed_mps = 10.0;
+        truth.vehicles[0].lateral_m = lateral_m;
+        truth
+    }
+
+    fn drive(vehicles: Vec<AllVehicles>) -> Drive {
+        let step = |step: u64| DriveStep {
+            step,
+            time_s: 0.01 * step as f64,
+            position_m: 0.2 * step as f64,
+            speed_mps: 20.0,
+            ..DriveStep::default()
+        };
+        Drive { steps: (0..100).map(step).collect(), vehicles, ..Drive::default() }
+    }
+
+    #[test]
+    fn a_vehicle_that_is_caught_up_with_is_hit_from_behind() {
+        let verdict =
+            verdict(&drive((0..20).map(|k| truth(5 * k, 1.0 + 0.5 * k as f64, 0.0)).collect()));
+        assert_eq!(verdict.outcome, Outcome::RearEnd);
+        assert!((verdict.impact_speed_mps - 10.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_vehicle_that_comes_in_beside_the_ego_is_a_side_contact() {
+        let beside = |k: u64| truth(5 * k, k as f64 - 6.0, 3.0 - 0.2 * k as f64);
+        assert_eq!(verdict(&drive((0..20).map(beside).collect())).outcome, Outcome::Side);
+    }
+
+    #[test]
+    fn a_vehicle_that_stays_beside_is_passed() {
+        let beside = |k: u64| truth(5 * k, 1.0 + 0.5 * k as f64, 3.5);
+        assert_eq!(verdict(&drive((0..20).map(beside).collect())), Verdict::NONE);
+        assert_eq!(verdict(&drive(Vec::new())), Verdict::NONE);
+    }
 }

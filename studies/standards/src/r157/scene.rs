@@ -1,48 +1,137 @@
 //! A case as a scenario for a control law.
 //!
-//! The ego drives at the case's speed, which is also the set speed. Behind a lead it begins at the gap that its law
-//! keeps there ([`super::settled`]). The run ends when no contact can follow any more.
+//! The ego drives at the case's speed, which is also the set speed. All vehicles have the regulation's length. Behind a
+//! lead the ego begins at the gap that its law keeps there. With that set speed a law has no reason to close up from a
+//! larger gap, so the gap is found by one drive for each law and speed. The run ends when no contact can follow any
+//! more.
 
-use std::fmt::Write;
+use std::collections::BTreeMap;
+use std::sync::Mutex;
 
-use crate::cut_in::{CLEARANCE_M, LATERAL_ACCELERATION_MPS2};
-use crate::{STEP_S, VEHICLE_LENGTH_M, VEHICLE_WIDTH_M, cut_in, cut_out, following};
-use group::Error;
-use scenario::Scenario;
+use controller::laws;
+use frame::batch;
+use group::{Error, GroupOptions, LawOptions};
+use scenario::{Overrides, Scenario};
 
-use super::drive::{Driver, Scene, actor, parse};
 use super::matrix::Case;
-use super::settled::Settled;
+use crate::cut_in::{CLEARANCE_M, LATERAL_ACCELERATION_MPS2};
+use crate::{STEP_S, VEHICLE_LENGTH_M, VEHICLE_WIDTH_M, cut_in, cut_out, following, mps};
 
 /// Time before a cut-in: the ego drives alone, and sees the other.
 const CRUISE_S: f64 = 3.0;
 /// Time before a lead brakes or leaves. Law and emergency brake need it to settle; the tracker has the lead from the
 /// start. It is long enough. After 25 s gap, speed and acceleration differ by at most 0.05 m, 0.11 m/s and 0.03 m/s².
-pub const RUN_IN_S: f64 = 2.0;
-/// Time after which the ego stands or has matched the speed, from the last point at which something
-/// can happen.
+const RUN_IN_S: f64 = 2.0;
+/// Time after which the ego stands or has matched the speed, from the last point at which something can happen.
 const AFTER_S: f64 = 4.0;
 /// Deceleration by which every law stops at the latest.
 const GENTLE_MPS2: f64 = 2.5;
-/// The scenario of `case` for `driver`.
-///
-/// # Errors
-/// [`Error::Scenario`] if there is no such law; as [`Settled::gap_m`].
-pub fn scenario(case: &Case, driver: &Driver, settled: &Settled) -> Result<Scenario, Error> {
-    let speed_mps = f64::from(case.ego_kmh()) / 3.6;
-    let gap_m = || settled.gap_m(&driver.law, case.ego_kmh());
-    let scene = match case {
-        Case::CutIn(case) => cut_in_scene(case, speed_mps),
-        Case::Following(case) => following_scene(case, speed_mps, gap_m()?),
-        Case::CutOut(case) => cut_out_scene(case, speed_mps, gap_m()?),
-    };
-    parse(&scene, speed_mps, driver, settled.conditions())
+/// Time for which the ego is clear of all others before a run ends, s. It is five cycles of every law, so that a law
+/// that turns back to another vehicle shows it.
+const CLEAR_S: f64 = 0.5;
+/// Time in which a law closes up or falls back to its own gap, s.
+const CLOSES_UP_S: f64 = 25.0;
+/// Time gap and distance from which it does.
+const FIRST_TIME_GAP_S: f64 = 2.0;
+const FIRST_DISTANCE_M: f64 = 5.0;
+
+/// The common part of a study's drives, and the gaps that were found so far.
+#[derive(Debug, Default)]
+pub struct Scenes {
+    pub seed: u64,
+    pub laws: LawOptions,
+    /// Requirements that every drive is judged by.
+    pub formulas: Vec<String>,
+    /// By law and speed, km/h.
+    gaps_m: Mutex<BTreeMap<(String, u32), f64>>,
+}
+
+struct Traffic {
+    /// Time after which nothing scripted comes any more, s.
+    scripted_s: f64,
+    duration_s: f64,
+    /// The vehicles, as TOML.
+    actors: String,
+}
+
+impl Scenes {
+    pub fn new(seed: u64, laws: LawOptions, formulas: Vec<String>) -> Self {
+        Self { seed, laws, formulas, ..Self::default() }
+    }
+
+    /// The scenario of `case` for a law, with the emergency brake or without it.
+    pub fn scenario(&self, case: &Case, law: &str, aebs: bool) -> Result<Scenario, Error> {
+        let gap_m = || self.gap_m(law, case.ego_kmh());
+        let traffic = match case {
+            Case::CutIn(case) => cut_in(case),
+            Case::Following(case) => following(case, gap_m()?),
+            Case::CutOut(case) => cut_out(case, gap_m()?),
+        };
+        self.parse(&traffic, case.ego_kmh(), law, aebs)
+    }
+
+    /// The gap that `law` keeps at `speed_kmh`, m. The first to ask drives; two at once drive the same.
+    pub fn gap_m(&self, law: &str, speed_kmh: u32) -> Result<f64, Error> {
+        let key = (law.to_owned(), speed_kmh);
+        if let Some(gap_m) = self.gaps_m.lock().expect("no drive panics here").get(&key) {
+            return Ok(*gap_m);
+        }
+        let scenario = self.behind_a_lead(law, speed_kmh)?;
+        let group = GroupOptions { programs: Vec::new(), ready_timeout: 1.0, processes: false };
+        let done = batch::lockstep(&scenario, &group, &|| true)?;
+        batch::whole(&done.summary)?;
+        let last = done.drive.steps.iter().rev().find_map(|step| step.gap_m);
+        let gap_m = last.expect("the lead is ahead");
+        self.gaps_m.lock().expect("no drive panics here").insert(key, gap_m);
+        Ok(gap_m)
+    }
+
+    fn behind_a_lead(&self, law: &str, speed_kmh: u32) -> Result<Scenario, Error> {
+        let speed_mps = mps(speed_kmh);
+        let gap_m = FIRST_TIME_GAP_S * speed_mps + FIRST_DISTANCE_M;
+        let actors = actor("lead", gap_m, &format!("initial_speed_mps = {speed_mps}"));
+        let traffic = Traffic { scripted_s: CLOSES_UP_S, duration_s: CLOSES_UP_S, actors };
+        self.parse(&traffic, speed_kmh, law, false)
+    }
+
+    fn parse(
+        &self,
+        traffic: &Traffic,
+        speed_kmh: u32,
+        law: &str,
+        aebs: bool,
+    ) -> Result<Scenario, Error> {
+        let Traffic { scripted_s, duration_s, actors } = traffic;
+        let (seed, speed_mps) = (self.seed, mps(speed_kmh));
+        let text = format!(
+            "schema_version = 1\nname = \"r157\"\nduration_s = {duration_s}\nseed = {seed}\n\
+             set_speed_mps = {speed_mps}\nactors = [{actors}]\n\
+             [plant]\ninitial_speed_mps = {speed_mps}\n\
+             length_m = {VEHICLE_LENGTH_M}\n\
+             powertrain = {{ mass_kg = 1600, max_power_kw = 110 }}\n\
+             [aebs]\nenabled = {aebs}\n\
+             [referee]\nends_when_clear = {{ after_s = {scripted_s}, for_s = {CLEAR_S} }}\n\
+             [controller]\nname = \"{law}\"\n"
+        );
+        let mut overrides = Overrides::new();
+        self.laws.lay_over(&mut overrides)?;
+        let name = "a case of UN R157";
+        let mut scenario = Scenario::parse_with(name, &text, &overrides, &laws::check)?;
+        scenario.require.formulas.clone_from(&self.formulas);
+        group::requirements(&scenario)?;
+        Ok(scenario)
+    }
+}
+
+/// A vehicle `gap_m` ahead of the ego, with these keys, as TOML.
+fn actor(name: &str, gap_m: f64, keys: &str) -> String {
+    format!("{{ name = \"{name}\", gap_m = {gap_m}, length_m = {VEHICLE_LENGTH_M}, {keys} }}")
 }
 
 /// The vehicle that comes in. It keeps its speed, so that a motion aside has no part in whether the ego comes nearer.
-fn cut_in_scene(case: &cut_in::Case, speed_mps: f64) -> Scene {
-    let other_mps = f64::from(case.other_kmh) / 3.6;
-    let closing_mps = speed_mps - other_mps;
+fn cut_in(case: &cut_in::Case) -> Traffic {
+    let other_mps = mps(case.other_kmh);
+    let closing_mps = mps(case.ego_kmh) - other_mps;
     let lateral_mps = case.lateral_mps();
     let rise_s = lateral_mps / LATERAL_ACCELERATION_MPS2;
     let lane_m = CLEARANCE_M + VEHICLE_WIDTH_M;
@@ -52,29 +141,26 @@ fn cut_in_scene(case: &cut_in::Case, speed_mps: f64) -> Scene {
     let passed_s = (f64::from(case.distance_m) + 2.0 * VEHICLE_LENGTH_M) / closing_mps;
     let overlap_s = if lateral_mps > 0.0 { CLEARANCE_M / lateral_mps } else { passed_s };
     let duration_s = CRUISE_S + rise_s + overlap_s + closing_mps / GENTLE_MPS2 + AFTER_S;
-    let mut actors = actor("other", gap_m, &format!("initial_speed_mps = {other_mps}"));
-    writeln!(actors, "lateral_offset_m = {start_m}").expect("a string takes all");
+    let mut keys = format!("initial_speed_mps = {other_mps}, lateral_offset_m = {start_m}");
     if lateral_mps > 0.0 {
-        writeln!(
-            actors,
-            "lateral = [{{ time_s = {CRUISE_S}, to_m = 0, duration_s = {}, rise_s = {rise_s} }}]",
-            rise_s + lane_m / lateral_mps,
-        )
-        .expect("a string takes all");
+        let lasts_s = rise_s + lane_m / lateral_mps;
+        keys += &format!(
+            ", lateral = [{{ time_s = {CRUISE_S}, to_m = 0, duration_s = {lasts_s}, rise_s = {rise_s} }}]"
+        );
     }
-    Scene { scripted_s: CRUISE_S + rise_s, duration_s, actors }
+    let actors = actor("other", gap_m, &keys);
+    Traffic { scripted_s: CRUISE_S + rise_s, duration_s, actors }
 }
 
-/// The lead that brakes.
-fn following_scene(case: &following::Case, speed_mps: f64, gap_m: f64) -> Scene {
-    let deceleration_mps2 = case.lead_deceleration_mps2();
+fn following(case: &following::Case, gap_m: f64) -> Traffic {
+    let (speed_mps, deceleration_mps2) = (mps(case.speed_kmh), case.lead_deceleration_mps2());
     let stop_s = speed_mps / deceleration_mps2.min(GENTLE_MPS2);
     let profile = format!(
-        "initial_speed_mps = {speed_mps}\nprofile.piecewise = [\
-         {{ time_s = {RUN_IN_S}, acceleration_mps2 = {} }}]",
+        "initial_speed_mps = {speed_mps}, \
+         profile.piecewise = [{{ time_s = {RUN_IN_S}, acceleration_mps2 = {} }}]",
         -deceleration_mps2
     );
-    Scene {
+    Traffic {
         scripted_s: RUN_IN_S + speed_mps / deceleration_mps2,
         duration_s: RUN_IN_S + stop_s + AFTER_S,
         actors: actor("lead", gap_m, &profile),
@@ -83,13 +169,15 @@ fn following_scene(case: &following::Case, speed_mps: f64, gap_m: f64) -> Scene 
 
 /// The lead that leaves and the vehicle that stands in front of it. A lead that does not get past in the matrix's steps
 /// stands where it touches the other.
-fn cut_out_scene(case: &cut_out::Case, speed_mps: f64, gap_m: f64) -> Scene {
-    let lateral_mps = case.lateral_mps();
-    let standing_m =
-        gap_m + VEHICLE_LENGTH_M + speed_mps * RUN_IN_S + f64::from(case.standing_distance_m);
-    let reaches_s = f64::from(case.standing_distance_m) / speed_mps;
+fn cut_out(case: &cut_out::Case, gap_m: f64) -> Traffic {
+    let (speed_mps, lateral_mps) = (mps(case.speed_kmh), case.lateral_mps());
+    let standing_distance_m = f64::from(case.standing_distance_m);
+    let standing_m = gap_m + VEHICLE_LENGTH_M + speed_mps * RUN_IN_S + standing_distance_m;
     let hits = case.lead_hits();
-    let leaves_s = if hits { reaches_s } else { (VEHICLE_WIDTH_M + CLEARANCE_M) / lateral_mps };
+    let leaves_s = match hits {
+        true => standing_distance_m / speed_mps,
+        false => (VEHICLE_WIDTH_M + CLEARANCE_M) / lateral_mps,
+    };
     let end_s = RUN_IN_S + leaves_s;
     let profile = if hits {
         let stands_s = end_s + STEP_S / 10.0;
@@ -97,41 +185,36 @@ fn cut_out_scene(case: &cut_out::Case, speed_mps: f64, gap_m: f64) -> Scene {
     } else {
         format!("initial_speed_mps = {speed_mps}")
     };
-    let mut actors = actor("lead", gap_m, &profile);
-    writeln!(
-        actors,
-        "lateral = [{{ time_s = {RUN_IN_S}, to_m = {}, duration_s = {leaves_s}, rise_s = 0 }}]",
-        lateral_mps * leaves_s,
-    )
-    .expect("a string takes all");
-    actors += &actor("standing", standing_m, "initial_speed_mps = 0");
-    let distance_m = gap_m + f64::from(case.standing_distance_m) + VEHICLE_LENGTH_M;
+    let to_m = lateral_mps * leaves_s;
+    let leaves = format!(
+        "lateral = [{{ time_s = {RUN_IN_S}, to_m = {to_m}, duration_s = {leaves_s}, rise_s = 0 }}]"
+    );
+    let lead = actor("lead", gap_m, &format!("{profile}, {leaves}"));
+    let actors = lead + ", " + &actor("standing", standing_m, "initial_speed_mps = 0");
+    let distance_m = gap_m + standing_distance_m + VEHICLE_LENGTH_M;
     let duration_s = RUN_IN_S + distance_m / speed_mps + speed_mps / GENTLE_MPS2 + AFTER_S;
-    Scene { scripted_s: end_s + STEP_S, duration_s, actors }
+    Traffic { scripted_s: end_s + STEP_S, duration_s, actors }
 }
 
 #[cfg(test)]
 mod tests {
     use clap::ValueEnum;
-    use controller::laws;
     use perception_sim::radar::scene::Ego;
     use perception_sim::traffic::Traffic;
 
-    use super::super::drive::behind_a_lead;
     use super::super::matrix::Matrix;
-    use super::super::settled::CLOSES_UP_S;
     use super::*;
 
-    fn driver(law: &str) -> Driver {
-        Driver { law: law.into(), aebs: false }
+    fn scenes() -> Scenes {
+        Scenes::new(1, LawOptions::default(), Vec::new())
     }
 
     #[test]
     fn every_case_is_a_scenario() {
-        let (driver, settled) = (driver("acc-mpc"), Settled::new(1));
+        let scenes = scenes();
         for matrix in Matrix::value_variants() {
             for case in matrix.cases().iter().step_by(97) {
-                let scenario = scenario(case, &driver, &settled);
+                let scenario = scenes.scenario(case, "acc-mpc", false);
                 let scenario = scenario.unwrap_or_else(|error| panic!("{error}"));
                 assert!(scenario.duration_s.value() < 100.0, "{case:?}");
             }
@@ -141,7 +224,7 @@ mod tests {
     #[test]
     fn an_unknown_law_is_refused() {
         for matrix in Matrix::value_variants() {
-            let refused = scenario(&matrix.cases()[0], &driver("acc"), &Settled::new(1));
+            let refused = scenes().scenario(&matrix.cases()[0], "acc", false);
             let refused = refused.expect_err("no such law");
             assert!(refused.to_string().contains("acc-mpc"), "{refused}");
         }
@@ -151,7 +234,7 @@ mod tests {
     fn a_cut_in_is_at_its_distance_when_it_has_its_lateral_speed() {
         let case =
             cut_in::Case { ego_kmh: 60, other_kmh: 20, distance_m: 25, lateral_tenths_mps: 15 };
-        let scenario = scenario(&Case::CutIn(case), &driver("acc-mpc"), &Settled::new(1));
+        let scenario = scenes().scenario(&Case::CutIn(case), "acc-mpc", false);
         let scenario = scenario.expect("the case is right");
         let other = &scenario.actors[0];
         let time_s = CRUISE_S + 1.0;
@@ -169,7 +252,7 @@ mod tests {
         // s.
         for (standing_distance_m, stands) in [(67, false), (39, true)] {
             let case = cut_out::Case { speed_kmh: 110, standing_distance_m, lateral_tenths_mps: 9 };
-            let scenario = scenario(&Case::CutOut(case), &driver("acc-mpc"), &Settled::new(1));
+            let scenario = scenes().scenario(&Case::CutOut(case), "acc-mpc", false);
             let scenario = scenario.expect("the case is right");
             let mut traffic = Traffic::new(&scenario);
             let ego = Ego::default();
@@ -194,13 +277,12 @@ mod tests {
     #[test]
     fn the_state_at_the_onset_is_the_one_after_a_long_time_behind_the_lead() {
         for law in laws::own() {
-            let (driver, settled) = (driver(law.name), Settled::new(1));
+            let scenes = scenes();
             for speed_kmh in [12, 30, 60, 90, 128] {
-                let long = behind_a_lead(speed_kmh, &driver, settled.conditions(), CLOSES_UP_S)
-                    .expect("a law");
+                let long = scenes.behind_a_lead(law.name, speed_kmh).expect("a law");
                 let long = state_at(&long, CLOSES_UP_S);
                 let case = following::Case { speed_kmh, lead_hundredths_g: 50 };
-                let case = scenario(&Case::Following(case), &driver, &settled).expect("a law");
+                let case = scenes.scenario(&Case::Following(case), law.name, false).expect("a law");
                 let onset = state_at(&case, RUN_IN_S);
                 for (i, most) in [0.05, 0.11, 0.03].into_iter().enumerate() {
                     let off = (onset[i] - long[i]).abs();

@@ -24,7 +24,6 @@ pub static ACC_MPC: Descriptor = Descriptor {
     formulation,
     gap: GapPolicy::Scenario(desired_gap),
     target: TargetSource::Tracked,
-    without_signals: None,
     build: |reader| of(reader, Signals::Ignored),
 };
 
@@ -38,7 +37,6 @@ pub static CACC_MPC: Descriptor = Descriptor {
     formulation,
     gap: GapPolicy::Scenario(desired_gap),
     target: TargetSource::Tracked,
-    without_signals: Some(&ACC_MPC),
     build: |reader| of(reader, Signals::Used),
 };
 

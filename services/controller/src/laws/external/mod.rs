@@ -64,7 +64,6 @@ pub static EXTERNAL: Descriptor = Descriptor {
     formulation: |_| &FORMULATION,
     gap: GapPolicy::Internal,
     target: TargetSource::Tracked,
-    without_signals: None,
     build,
 };
 

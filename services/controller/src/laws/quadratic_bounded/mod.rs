@@ -113,7 +113,6 @@ pub static QUADRATIC_BOUNDED: Descriptor = Descriptor {
     },
     gap: GapPolicy::Figure("gap_error_m"),
     target: TargetSource::Tracked,
-    without_signals: None,
     build,
 };
 

@@ -46,7 +46,6 @@ pub static ACC_SIGNAL_STOP: Descriptor = Descriptor {
     gap: GapPolicy::Scenario(cacc::desired_gap),
     target: TargetSource::Tracked,
     // Its modes and figures are its own: the commands are those of `acc-mpc`.
-    without_signals: None,
     build: |reader| {
         let settings: SignalStop = reader.table(TABLE.name)?;
         let config = Config::of(reader, cacc::Signals::Ignored)?;

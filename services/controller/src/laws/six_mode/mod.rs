@@ -94,7 +94,6 @@ pub static SIX_MODE: Descriptor = Descriptor {
     formulation: |_| &law::FORMULATION,
     gap: GapPolicy::Internal,
     target: TargetSource::Tracked,
-    without_signals: None,
     build: |reader| {
         let parameters: Parameters = reader.table(TABLE.name)?;
         reader.without(TABLE.name, parameters.unused());

@@ -84,7 +84,6 @@ pub static PREDICTIVE: Descriptor = Descriptor {
     formulation: |_| &formulation::FORMULATION,
     gap: GapPolicy::Internal,
     target: TargetSource::Measured,
-    without_signals: None,
     build,
 };
 
