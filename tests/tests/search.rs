@@ -51,7 +51,7 @@ fn a_minimal_case_repeats_and_an_interrupted_search_goes_on_the_same_way() {
     assert!(failure["robustness"].as_f64().is_some_and(|value| value < 0.0), "{failure}");
     let run = ["run", "a/failure-1.toml", "--mode", "lockstep", "--in-process", "--out", "r"];
     assert_eq!(corner.run(&run).status.code(), Some(1), "the case repeats");
-    assert_eq!(file(&corner, "a/search.csv").lines().count(), 41);
+    assert_eq!(file(&corner, "a/runs.csv").lines().count(), 41);
     // A journal that ends after 25 runs, in the middle of a half batch.
     let kept = search(&["--resume", "b"]);
     assert_eq!(comparable(kept), comparable(whole.clone()));

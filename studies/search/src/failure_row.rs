@@ -1,6 +1,7 @@
 //! A row of the table of minimal cases.
 
-use report::results::{Column, Format, Kind, column, count, judged, nested, number, word};
+use report::results::{Column, Format, column, count, judged, number, word};
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Value as Json, json};
 
@@ -9,7 +10,7 @@ use crate::problem::{Problem, Value};
 use crate::value::Judged;
 
 /// A minimal case.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct FailureRow {
     /// Its file.
     pub file: String,
@@ -47,18 +48,9 @@ pub const COLUMNS: &[Column<FailureRow>] = &[
     number("robustness", "robustness", "tolerances", 1, "Margin in tolerances of its unit")
         .less()
         .weight(3),
-    column(
-        "holds_on",
-        "fails on",
-        "",
-        Format::Nested(Kind::List),
-        "Seeds on which it fails, and seeds that were tried",
-    )
-    .hidden(),
     judged("", "fails on", "").of(held),
     count("runs", "runs like it", "Failing runs of the search in its group").weight(2),
     count("from_run", "from run", "Run that it was reduced from").weight(3),
-    nested("values", Kind::Object, "All values, by the names of the variables"),
     column(
         "differs",
         "departs from the nominal values by",
@@ -66,7 +58,6 @@ pub const COLUMNS: &[Column<FailureRow>] = &[
         Format::Sentence,
         "Values that differ from the nominal ones",
     ),
-    column("repeat", "repeat", "", Format::Command, "Command that repeats it"),
 ];
 
 fn held(row: &FailureRow) -> Json {

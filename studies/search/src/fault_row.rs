@@ -2,7 +2,8 @@
 
 use std::cmp::Ordering;
 
-use report::results::{Column, Format, Kind, column, count, judged, number, word};
+use report::results::{Column, count, judged, number, word};
+use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Value as Json, json};
 
@@ -10,7 +11,7 @@ use crate::problem::rounded;
 use crate::value::Judged;
 
 /// A fault and what it breaks.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct FaultRow {
     /// Kind and target.
     pub fault: String,
@@ -20,7 +21,7 @@ pub struct FaultRow {
     pub broken: usize,
     /// Smallest size that breaks a requirement.
     pub size: Option<f64>,
-    /// Unit of the size.
+    /// Unit of the size; empty for a share.
     pub size_unit: &'static str,
     /// Shortest duration that breaks a requirement, s.
     pub for_s: Option<f64>,
@@ -53,18 +54,6 @@ pub const COLUMNS: &[Column<FaultRow>] = &[
     word("fault", "fault", "Kind and target of the fault"),
     judged("", "breaks", "").of(breaks),
     judged("", "smallest that breaks", "").of(smallest),
-    number("size", "", "", 3, "Smallest size that breaks a requirement").hidden(),
-    word("size_unit", "", "Unit of the size; empty for a share").hidden(),
-    number("for_s", "", "s", 2, "Shortest duration that breaks a requirement").hidden(),
-    number("at_s", "", "s", 2, "Its begin").hidden(),
-    column(
-        "holds_on",
-        "",
-        "",
-        Format::Nested(Kind::List),
-        "Seeds on which the smallest one breaks it, and seeds that were tried",
-    )
-    .hidden(),
     number(
         "robustness",
         "least margin",
@@ -73,12 +62,8 @@ pub const COLUMNS: &[Column<FaultRow>] = &[
         "Least margin of its runs, in tolerances",
     ),
     word("requirement", "of", "Requirement with this margin").weight(3),
-    number("margin", "", "", 3, "The same in the requirement's unit").hidden(),
-    word("unit", "", "Unit of the margin").hidden(),
     count("runs", "runs", "Runs with the fault").weight(2),
-    count("broken", "", "Runs with the fault that broke a requirement").hidden(),
     word("file", "file", "Scenario file that repeats the smallest one").weight(1),
-    word("repeat", "", "Command that repeats it").hidden(),
 ];
 
 fn breaks(row: &FaultRow) -> Json {

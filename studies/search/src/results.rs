@@ -1,9 +1,10 @@
 //! The result of a search.
 
 use report::html::{Tile, figure};
-use report::results::{Column, Document, Kind, Schema, Table, count, nested, number, word};
+use report::results::{Broken, Column, Document, Object, Schema, Table, number, word};
+use schemars::JsonSchema;
 use serde::Serialize;
-use serde_json::{Value as Json, json};
+use serde_json::Value as Json;
 
 use crate::effect::effects;
 use crate::failure_row::{self, FailureRow};
@@ -13,13 +14,17 @@ use crate::pictures::{self, Drives};
 use crate::problem::{Problem, Value};
 use crate::record::Record;
 
-/// The whole search.
-#[derive(Debug, Serialize)]
+/// Scenes and faults that break a requirement.
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct Search {
     schema_version: u32,
+    /// No run broke a requirement in a scene that the reference avoids.
     ok: bool,
+    /// Name of the problem.
     problem: String,
+    /// Control law.
     controller: String,
+    /// Choice of the points: gp, sobol or random; probability with `--probability`.
     method: &'static str,
     requirements: Vec<String>,
     /// Runs of the search.
@@ -36,6 +41,7 @@ pub struct Search {
     violations: usize,
     /// Groups of failing runs that are not neighbours.
     distinct: usize,
+    /// Minimal cases, the worst first.
     failures: Vec<FailureRow>,
     /// Least value, tolerances.
     worst_robustness: Option<f64>,
@@ -46,16 +52,20 @@ pub struct Search {
     variables: Vec<VariableRow>,
     /// Faults by what they break, with `--faults`.
     faults: Vec<FaultRow>,
+    /// Probability of a failure, with `--probability`.
+    #[schemars(with = "Option<Object>")]
     probability: Option<Json>,
     #[serde(skip)]
     drives: Vec<Drives>,
 }
 
 /// A variable.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 struct VariableRow {
     name: String,
     values: String,
+    /// Its harmless value.
+    #[schemars(with = "Json")]
     nominal: Value,
     /// Share of the values' variance that it explains alone.
     effect: Option<f64>,
@@ -68,39 +78,10 @@ const VARIABLES: &[Column<VariableRow>] = &[
     number("effect", "effect", "", 2, "Share of the variance of the values that it explains alone"),
 ];
 
-const FIELDS: &[Column<()>] = &[
-    frame::ok("No run broke a requirement in a scene that the reference avoids"),
-    word("problem", "", "Name of the problem"),
-    word("controller", "", "Control law"),
-    word("method", "", "Choice of the points: gp, sobol or random; probability with --probability"),
-    nested("requirements", Kind::List, "Requirements"),
-    count("runs", "", "Runs of the search"),
-    count("planned", "", "Runs that were planned"),
-    count("reducing_runs", "", "Runs for minimal cases"),
-    count("refused", "", "Points that the reference did not avoid, which cost no run"),
-    count("first_violation", "", "Number of the first failing run, from 1"),
-    count("violations", "", "Failing runs"),
-    count("distinct", "", "Groups of failing runs that are not neighbours"),
-    number("worst_robustness", "", "tolerances", 2, "Least value of a run"),
-    number("nearest_miss", "", "tolerances", 2, "Least value of a run that is not a failure"),
-    number(
-        "share_below",
-        "",
-        "",
-        4,
-        "Upper end of the 95 % interval of the share of failures by even points, where none of them failed",
-    ),
-    nested("probability", Kind::Object, "Probability of a failure, with --probability"),
-];
-
 /// The schema of the command's JSON.
 #[must_use]
 pub fn schema() -> Schema {
-    Schema::new("search", "Scenes and faults that break a requirement")
-        .fields(FIELDS)
-        .rows("failures", "Minimal cases, the worst first", failure_row::COLUMNS)
-        .rows("variables", "The variables", VARIABLES)
-        .rows("faults", "Faults by what they break, with --faults", fault_row::COLUMNS)
+    Schema::of::<Search>("search")
 }
 
 impl Search {
@@ -225,7 +206,11 @@ impl Search {
         let document = Document::new("search", &format!("Faults in {place}"), self)
             .about(about)
             .table(table)
-            .verdict(self.ok, sentence);
+            .verdict(self.ok, sentence)
+            .broken(self.faults.iter().filter_map(|row| {
+                let command = row.repeat.clone()?;
+                Some(Broken::new(format!("{} breaks {}", row.fault, row.requirement), command))
+            }));
         self.faults.iter().fold(document, |document, row| match &row.file {
             Some(file) => document.file(file, row.text.clone()),
             None => document,
@@ -258,8 +243,10 @@ impl Search {
             .table(Table::new("Minimal cases", failure_row::COLUMNS, &self.failures))
             .table(Table::new("Variables", VARIABLES, &self.variables).without_cases())
             .figures("Runs", pictures)
-            .file("search.csv", csv(problem, records))
-            .verdict(self.ok, self.sentence());
+            .verdict(self.ok, self.sentence())
+            .broken(self.failures.iter().map(|row| {
+                Broken::new(format!("{} breaks {}", row.file, row.requirement), &row.repeat)
+            }));
         for row in &self.failures {
             document = document.file(&row.file, row.text.clone());
         }
@@ -313,30 +300,4 @@ impl Search {
             }
         }
     }
-}
-
-/// One line for each run.
-fn csv(problem: &Problem, records: &[(usize, Record)]) -> String {
-    let variables = problem.variables.iter().enumerate().map(|(place, variable)| {
-        report::results::value("", "", "").named(format!("values.{place}"), variable.name.clone())
-    });
-    let columns: Vec<Column<Json>> = std::iter::once(count("run", "run", ""))
-        .chain(variables)
-        .chain([
-            count("seed", "seed", ""),
-            word("outcome", "outcome", ""),
-            word("judged.requirement", "requirement", ""),
-            number("judged.margin", "margin", "", 4, ""),
-            word("judged.unit", "unit", ""),
-            number("value", "value", "", 4, ""),
-            report::results::fact("is_even", "is even", ""),
-        ])
-        .collect();
-    let row = |(run, record): &(usize, Record)| {
-        let mut row = serde_json::to_value(record).expect("plain data");
-        row["run"] = json!(run + 1);
-        row["value"] = json!(record.value());
-        row
-    };
-    Table::new("Runs", &columns, &records.iter().map(row).collect::<Vec<_>>()).csv()
 }

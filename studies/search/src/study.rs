@@ -11,7 +11,8 @@ use frame::parts::ShardChoice;
 use frame::{Command, Crew, Entry, Found, Needs, RunOptions, RunResult, Study};
 use group::{Error, Failure, GroupOptions};
 use indicatif::ProgressBar;
-use report::results::Document;
+use report::results::{Column, Document, fact, number, word};
+use serde_json::json;
 use thiserror::Error;
 
 use crate::arguments::SearchArguments;
@@ -116,6 +117,14 @@ impl Study for Runs {
     type Record = Record;
     type Seen = ();
 
+    const OWN_COLUMNS: &[Column<Record>] = &[
+        word("judged.requirement", "", "Requirement that decides the run"),
+        number("judged.margin", "", "", 4, "Its margin"),
+        word("judged.unit", "", "Unit of the margin"),
+        number("value", "", "tolerances", 4, "The margin in tolerances")
+            .of(|record| json!(record.value())),
+        fact("is_even", "", "Drawn evenly from the admissible points"),
+    ];
     const NAME: &'static str = "search";
     const NEEDS: Needs = Needs::Any;
 

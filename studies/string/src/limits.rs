@@ -1,20 +1,23 @@
 //! The value of a key at which a law stops to be string stable.
 
+use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
 use super::STABLE_GAIN;
 use super::response::{Response, peak};
 
 /// A law over the values of a key.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Limits {
     /// Name of the law.
     pub controller: String,
     /// The key.
     pub key: String,
     /// The stable value of the first two neighbours that differ in stability.
+    #[schemars(with = "serde_json::Value")]
     pub stable: Option<Value>,
     /// The unstable value of these two.
+    #[schemars(with = "serde_json::Value")]
     pub unstable: Option<Value>,
     /// Value between the two at which the peak of the gain passes the limit, if they are numbers.
     pub ceases_at: Option<f64>,
@@ -23,9 +26,10 @@ pub struct Limits {
 }
 
 /// A law at one value of the key.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Point {
     /// The value.
+    #[schemars(with = "serde_json::Value")]
     pub value: Value,
     /// The largest gain at any frequency; none if a run did not reach its end.
     pub peak_gain: Option<f64>,

@@ -1,5 +1,6 @@
 //! The gains of a string behind a sine, over its frequency.
 
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::cars::Driven;
@@ -11,7 +12,7 @@ const NOISES: f64 = 20.0;
 const LOST_SHARE: f64 = 0.75;
 
 /// The gains of a string behind a sine.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Response {
     /// Frequency, Hz.
     pub hz: f64,

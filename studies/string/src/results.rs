@@ -2,6 +2,8 @@
 
 use group::RequirementVerdict;
 use group::report::{ControlFigures, Outcome};
+use report::results::Object;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::STABLE_GAIN;
@@ -14,7 +16,7 @@ use super::scene::Plan;
 pub const STABILITY: &str = "string-stable";
 
 /// The results of the command.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 pub struct Results {
     schema_version: u32,
     /// Name of the scenario.
@@ -36,6 +38,7 @@ pub struct Results {
     /// No car amplifies: no frequency where there are some, else not the scenario's disturbance.
     pub string_stable: bool,
     /// Verdict on `string-stable`, if it is required.
+    #[schemars(with = "Option<Object>")]
     pub stability: Option<RequirementVerdict>,
     /// The highest point of the gain curve.
     pub peak: Option<Peak>,
@@ -46,7 +49,7 @@ pub struct Results {
 }
 
 /// The highest point of a gain curve.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Peak {
     /// Frequency, Hz.
     pub hz: f64,
@@ -55,15 +58,17 @@ pub struct Peak {
 }
 
 /// The drive of one car in results.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Vehicle {
     /// Place in the string, from 1.
     pub index: usize,
     /// Its law.
     pub controller: String,
     /// End of its drive.
+    #[schemars(with = "String")]
     pub outcome: Outcome,
     /// Verdicts on the requirements.
+    #[schemars(with = "Vec<Object>")]
     pub requirements: Vec<RequirementVerdict>,
     /// A car ahead of it collided: the vehicle before it braked to a stand.
     pub behind_collision: bool,

@@ -6,7 +6,7 @@ use crate::drive::{Drive, DriveStep, PowertrainStep};
 use crate::further::{Further, Truths};
 use crate::headers::{Headers, listen_to};
 use crate::kept_steps::{KeptSteps, MOST_IN_REALTIME};
-use crate::plane::{PlaneLog, PlaneTopics};
+use crate::plane::PlaneTopics;
 use crate::present::{Present, place_at};
 use crate::report::ControlFigures;
 use bytemuck::Zeroable;

@@ -5,7 +5,6 @@
 //! tags and add a compiler stage. The test of the finished page does the same for less.
 
 use super::chart::{Picture, escape, script_json};
-use super::table::{Align, TextTable};
 use std::fmt::Write;
 
 /// Licence of the library that draws the charts.
@@ -170,16 +169,6 @@ impl From<String> for Cell {
 /// A table.
 pub fn table<C: Clone + Into<Cell>>(head: &[(&str, Column)], rows: &[Vec<C>]) -> String {
     classed_table("", head, rows)
-}
-
-/// A table of the console.
-pub fn text_table(of: &TextTable) -> String {
-    let align = |align: &Align| match align {
-        Align::Left => Column::Text,
-        Align::Right => Column::Number,
-    };
-    let head: Vec<_> = of.head().iter().map(|(name, side)| (name.as_str(), align(side))).collect();
-    table(&head, of.rows())
 }
 
 /// A table whose first column, on a narrow page, stands above the others of its row.

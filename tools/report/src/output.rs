@@ -21,7 +21,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Files that commands write into their directory; a name without a dot is a directory.
-const RESULTS: [&str; 41] = [
+const RESULTS: [&str; 40] = [
     "bench.json",
     "campaign.csv",
     "campaign.json",
@@ -51,7 +51,6 @@ const RESULTS: [&str; 41] = [
     "reproduce.json",
     "runs.jsonl",
     "scenario.toml",
-    "search.csv",
     "search.json",
     "signals.csv",
     "signals.json",

@@ -43,16 +43,6 @@ impl TextTable {
         self.rows.push(row);
     }
 
-    /// The headings, with the side on which the cells are flush.
-    pub fn head(&self) -> &[(String, Align)] {
-        &self.head
-    }
-
-    /// The rows.
-    pub fn rows(&self) -> &[Vec<String>] {
-        &self.rows
-    }
-
     /// The table as lines, indented by two spaces and ended by a line break.
     pub fn text(&self) -> String {
         let empty = |cell: &str| cell.is_empty() || cell == NONE;
@@ -79,23 +69,8 @@ impl TextTable {
     }
 }
 
-/// Rows under `head` as CSV (RFC 4180, lines ended by a line feed). A field is quoted where it must be, and empty where
-/// nothing applies.
-pub fn csv<H, R>(head: H, rows: impl IntoIterator<Item = R>) -> String
-where
-    H: IntoIterator<Item: AsRef<[u8]>>,
-    R: IntoIterator<Item: AsRef<[u8]>>,
-{
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(head).expect("memory takes all");
-    for row in rows {
-        writer.write_record(row).expect("every row has a field for each heading");
-    }
-    let bytes = writer.into_inner().expect("memory takes all");
-    String::from_utf8(bytes).expect("made of strings")
-}
-
-/// One row of CSV, as [`csv()`] writes it.
+/// One row of CSV (RFC 4180, ended by a line feed). A field is quoted where it must be, and empty where nothing
+/// applies.
 pub fn csv_row<R>(row: R) -> Vec<u8>
 where
     R: IntoIterator<Item: AsRef<[u8]>>,
@@ -105,8 +80,8 @@ where
     writer.into_inner().expect("memory takes all")
 }
 
-/// Rows of two or more figures under `head`, as [`csv()`] writes them with [`field()`]. Their fields need no quotes, so
-/// each is written in place.
+/// Rows of two or more figures under `head`, each with all of its digits, or nothing. Figures need no quotes, so each is
+/// written in place.
 pub fn csv_of_figures<H, R>(head: H, rows: impl IntoIterator<Item = R>) -> String
 where
     H: IntoIterator<Item: AsRef<[u8]>>,
@@ -125,11 +100,6 @@ where
         text.push('\n');
     }
     text
-}
-
-/// A figure as a field of CSV: all of its digits, or nothing.
-pub fn field(value: Option<f64>) -> String {
-    value.map_or_else(String::new, |value| value.to_string())
 }
 
 #[cfg(test)]
@@ -156,15 +126,11 @@ mod tests {
     }
 
     #[test]
-    fn rows_of_figures_are_written_as_other_rows_are() {
+    fn rows_of_figures_have_all_digits_and_fields_are_quoted_where_they_must_be() {
         let rows = [[Some(0.1), None, Some(-1e-7)], [Some(f64::NAN), Some(3.0), Some(1e21)]];
-        let by_fields = rows.map(|row| row.map(field));
-        assert_eq!(csv_of_figures(["a", "b, c", "d"], rows), csv(["a", "b, c", "d"], by_fields));
-    }
-
-    #[test]
-    fn fields_are_quoted_where_they_must_be() {
-        let text = csv(["a", "b"], [["x, \"y\"", ""], ["1", "2"]]);
-        assert_eq!(text, "a,b\n\"x, \"\"y\"\"\",\n1,2\n");
+        assert_eq!(
+            csv_of_figures(["a", "b, c", "d\""], rows),
+            "a,\"b, c\",\"d\"\"\"\n0.1,,-0.0000001\nNaN,3,1000000000000000000000\n"
+        );
     }
 }

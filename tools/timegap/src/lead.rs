@@ -3,14 +3,14 @@
 use clap::Args;
 use group::{Error, Failure};
 use report::chart::{Curve, Plot, Stroke, Tone};
-use report::html::{Tile, document, figure, tiles};
+use report::html::figure;
 use report::print;
+use report::results::{Column, Document, Fact, Format, Table, column, count, word};
 use scenario::ScenarioError;
 use scenario::accepted;
 use scenario::quantity::{Duration, OutOfRange, TimeConstant, TimeShift};
 use scenario::recorded::{self, AfterEnd, CsvFile, Record, RecordedError};
 use serde_json::{Value, json};
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -112,22 +112,15 @@ pub fn run(arguments: &LeadArguments) -> Result<ExitCode, Error> {
         RecordedError::File(error) => error.into(),
     })?;
     let refusal = record.expect_whole().err();
+    let document = document(path, &record, refusal.as_ref());
     if let Some(page) = &arguments.page {
-        write(page, &as_page(path, &record, refusal.as_ref()))?;
+        write(page, &document.page())?;
     }
     if let Some(csv) = &arguments.csv {
         let lines = record.profile().map(|(t, v)| format!("{t},{v}\n"));
         write(csv, &("time_s,speed_mps\n".to_owned() + &lines.collect::<String>()))?;
     }
-    if arguments.json {
-        let text = serde_json::to_string_pretty(&as_json(path, &record)).expect("plain data");
-        print::out(&(text + "\n"))?;
-    } else {
-        print::out(&as_text(path, &record, keys.smooth_s.is_some()))?;
-    }
-    if let Some(refusal) = &refusal {
-        print::note(&refusal.to_string());
-    }
+    print::show(arguments.json, &document)?;
     Ok(if refusal.is_some() { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }
 
@@ -143,39 +136,37 @@ fn list(path: &Path, is_json: bool) -> Result<ExitCode, Error> {
         message: format!("{}: {error}", path.display()),
         expected: "an MCAP file or a ROS bag".into(),
     })?;
-    let mut text = String::new();
-    if is_json {
-        let topics = topics.iter().map(|topic| {
-            json!({"name": topic.name, "type": topic.type_name, "messages": topic.messages,
-                   "fields": topic.fields})
-        });
-        let topics: Vec<_> = topics.collect();
-        let list = json!({"schema_version": 1, "file": path.to_string_lossy(), "topics": topics});
-        text = serde_json::to_string_pretty(&list).expect("plain data") + "\n";
-    } else {
-        for topic in &topics {
-            let fields = topic.fields.iter().take(MOST_FIELDS).map(String::as_str);
-            let mut fields = fields.collect::<Vec<_>>().join(", ");
-            if topic.fields.len() > MOST_FIELDS {
-                fields.push_str(", …");
-            }
-            let line =
-                format!("{} · {} · {} messages", topic.name, topic.type_name, topic.messages);
-            text.push_str(&printable(&format!("{line}\n    {fields}\n")));
-        }
-        text.push_str("--topic NAME --columns v=FIELD reads one of them\n");
-    }
-    print::out(&text)?;
+    let whole = topics.iter().map(|topic| {
+        json!({"name": topic.name, "type": topic.type_name, "messages": topic.messages,
+               "fields": topic.fields})
+    });
+    let whole = json!({
+        "schema_version": 1,
+        "file": path.to_string_lossy(),
+        "topics": whole.collect::<Vec<_>>(),
+    });
+    let fields = |row: &Value| {
+        let fields = row["fields"].as_array().map(Vec::as_slice).unwrap_or_default();
+        let more = if fields.len() > MOST_FIELDS { ", …" } else { "" };
+        let named = fields.iter().take(MOST_FIELDS).filter_map(Value::as_str);
+        json!(named.collect::<Vec<_>>().join(", ") + more)
+    };
+    let columns: [Column<Value>; 4] = [
+        word("name", "", "Topic"),
+        word("type", "type", "Type of its messages"),
+        count("messages", "messages", "Messages"),
+        column("", "", "", Format::Sentence, "Fields of a message").of(fields),
+    ];
+    let rows = whole["topics"].as_array().map(Vec::as_slice).unwrap_or_default();
+    let document = Document::new("lead", "Topics of a bag", &whole)
+        .table(Table::new("Topics", &columns, rows))
+        .verdict(true, "--topic NAME --columns v=FIELD reads one of them");
+    print::show(is_json, &document)?;
     Ok(ExitCode::SUCCESS)
 }
 
 /// Most fields that are printed of a topic.
 const MOST_FIELDS: usize = 12;
-
-/// Names from a file without control characters.
-fn printable(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() && c != '\n' { '\u{fffd}' } else { c }).collect()
-}
 
 /// Distance of a profile, m.
 fn distance_m(points: impl Iterator<Item = (f64, f64)>) -> f64 {
@@ -238,44 +229,48 @@ fn bars(record: &Record) -> String {
     (0..WIDTH).map(bar).collect()
 }
 
-fn as_text(path: &Path, record: &Record, is_smooth: bool) -> String {
-    let mut text = format!("{}\n", printable(&path.display().to_string()));
-    let mut line = |label: &str, value: String| {
-        writeln!(text, "  {label:<14} {value}").expect("a string takes all");
-    };
-    let step_s = record.median_step_s;
-    line(
-        "rows",
-        format!(
-            "{} in {:.1} s, usual step {step_s:.3} s, longest {:.3} s",
-            record.rows.len(),
-            length_s(record),
-            longest_step_s(record)
-        ),
-    );
+/// The record in words and as curves.
+fn document(path: &Path, record: &Record, refusal: Option<&ScenarioError>) -> Document {
+    let mut facts: Vec<Fact> = Vec::new();
+    let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
+    let (step_s, longest_s) = (record.median_step_s, longest_step_s(record));
+    add("rows", record.rows.len().to_string());
+    add("length", format!("{:.1} s", length_s(record)));
+    add("step", format!("usually {step_s:.3} s, at most {longest_s:.3} s"));
     let top = record.profile().map(|point| point.1).fold(0.0, f64::max);
-    line("speed", format!("0 to {top:.1} m/s: {}", bars(record)));
-    line("distance", format!("{:.0} m", distance_m(record.profile())));
+    add("speed", format!("0 to {top:.1} m/s: {}", bars(record)));
+    add("distance", format!("{:.0} m", distance_m(record.profile())));
     let hardest = |(rate, at_s): (f64, f64)| format!("{rate:.2} m/s² at {at_s:.1} s");
     let of_rows = recorded::hardest(record.rows.iter().copied()).map(hardest);
-    line("hardest", of_rows.unwrap_or_else(|| "one row has no acceleration".into()));
-    if is_smooth {
+    add("hardest", of_rows.unwrap_or_else(|| "one row has no acceleration".into()));
+    if record.points.len() != record.rows.len() {
         let filtered = recorded::hardest(record.profile()).map(hardest).unwrap_or_default();
-        line("filtered", format!("{filtered}, {} points", record.points.len()));
-        let stops = record.stops.iter().map(|(from, to)| format!("{from:.1} to {to:.1} s"));
-        let stops = stops.collect::<Vec<_>>().join(", ");
-        line("stops", if stops.is_empty() { "none of this length".into() } else { stops });
+        add("as a run uses it", format!("{filtered}, {} points", record.points.len()));
+    }
+    for (from_s, to_s) in &record.stops {
+        add("stop", format!("{from_s:.1} to {to_s:.1} s"));
     }
     for gap in &record.gaps {
-        line("GAP", format!("{:.2} s after {:.1} s", gap.length_s, gap.from_s));
+        add("GAP", format!("{:.2} s after {:.1} s", gap.length_s, gap.from_s));
     }
-    for note in record.notes() {
-        line("NOTE", note);
+    let notes = record.notes();
+    for note in &notes {
+        add("NOTE", note.clone());
     }
-    text
+    let verdict = match (refusal, notes.first()) {
+        (Some(refusal), _) => format!("a scenario refuses it: {}", refusal.message()),
+        (None, Some(note)) => format!("readable, but {note}"),
+        (None, None) => "readable".into(),
+    };
+    Document::new("lead", "Recorded motion", &as_json(path, record))
+        .about(path.display().to_string())
+        .facts("The record", facts)
+        .figures("Speed and acceleration", curves(record))
+        .verdict(refusal.is_none() && notes.is_empty(), verdict)
 }
 
-fn as_page(path: &Path, record: &Record, refusal: Option<&ScenarioError>) -> String {
+/// Speed and acceleration, as recorded and as a run uses them.
+fn curves(record: &Record) -> String {
     let until_s = record.profile().last().map_or(1.0, |last| last.0);
     let from_s = record.rows.first().map_or(0.0, |first| first.0.min(0.0));
     let axis = || report::chart::Axis::linear("time, s", from_s, until_s.max(from_s + 1e-3));
@@ -285,31 +280,13 @@ fn as_page(path: &Path, record: &Record, refusal: Option<&ScenarioError>) -> Str
             |pair: &[(f64, f64)]| (pair[0].0, (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0));
         points.windows(2).map(rate).collect()
     };
-    let curves = |of_read, of_rows| {
+    let both = |of_read, of_rows| {
         vec![
             Curve::new("as a run uses it", Tone::Series(0), of_read),
             Curve::new("as recorded", Tone::Muted, of_rows).stroke(Stroke::Dotted).thin(),
         ]
     };
-    let speed = Plot::over("Speed", axis(), "m/s", curves(read.clone(), record.rows.clone()));
-    let rates = curves(rates(&read), rates(&record.rows));
-    let acceleration = Plot::over("Acceleration", axis(), "m/s²", rates);
-    let tile = |label, value: String| Tile { label, value, note: String::new() };
-    let hardest = recorded::hardest(record.profile()).map_or(0.0, |hardest| hardest.0);
-    let figures = [
-        tile("Rows", record.rows.len().to_string()),
-        tile("Usual step", format!("{:.3} s", record.median_step_s)),
-        tile("Distance", format!("{:.0} m", distance_m(record.profile()))),
-        tile("Largest acceleration", format!("{hardest:.2} m/s²")),
-        tile("Gaps", record.gaps.len().to_string()),
-    ];
-    let notes = record.notes();
-    let verdict = match (refusal, notes.first()) {
-        (Some(refusal), _) => format!("A scenario refuses it: {}", refusal.message()),
-        (None, Some(note)) => format!("Readable, but {note}"),
-        (None, None) => "Readable".into(),
-    };
-    let is_good = refusal.is_none() && notes.is_empty();
-    let body = tiles(&figures) + &figure(&speed) + &figure(&acceleration);
-    document("Recorded motion", &path.display().to_string(), is_good, &verdict, &body)
+    let rates = both(rates(&read), rates(&record.rows));
+    let speed = Plot::over("Speed", axis(), "m/s", both(read, record.rows.clone()));
+    figure(&speed) + &figure(&Plot::over("Acceleration", axis(), "m/s²", rates))
 }
