@@ -41,7 +41,6 @@ pub struct BaselineError {
 
 impl Failure for BaselineError {}
 
-/// Reads an earlier report.
 pub fn read(path: &Path) -> Result<Report, Error> {
     let error = |reason| Error::Path { action: "read", path: path.to_owned(), reason };
     let text = std::fs::read_to_string(path).map_err(error)?;

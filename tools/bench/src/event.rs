@@ -17,7 +17,6 @@ fn service(guest: &Guest) -> Result<PortFactory<Ipc>, WakeError> {
 pub struct EventSender(Notifier<Ipc>);
 
 impl EventSender {
-    /// The waking end.
     pub fn open(guest: &Guest) -> Result<Self, WakeError> {
         let port = service(guest)?.notifier_builder().create();
         Ok(Self(port.map_err(failed("make a notifier"))?))

@@ -14,7 +14,6 @@ use serde::{Deserialize, Serialize};
 
 /// Fewest pairs of blocks of a comparison.
 pub const PAIRS: u32 = 20;
-/// Pairs of blocks in a session.
 pub const PAIRS_IN_SESSION: u32 = 4;
 /// Counted wake-ups in a block.
 pub const WAKES: u32 = 250;
@@ -76,12 +75,10 @@ impl Comparison {
     }
 }
 
-/// The blocks of a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Blocks {
     /// Ours and the floor.
     pub arms: [Mechanism; 2],
-    /// Pairs of blocks.
     pub pairs: u32,
     /// Counted wake-ups in a block.
     pub wakes: u32,
@@ -111,12 +108,9 @@ impl Blocks {
     }
 }
 
-/// A finished comparison.
 #[derive(Clone, Debug)]
 pub struct Compared {
-    /// The compared sides.
     pub comparison: Comparison,
-    /// The conditions.
     pub conditions: Conditions,
     /// Time between two wake-ups, µs.
     pub period_us: u32,
@@ -133,7 +127,6 @@ impl Compared {
         self.pairs.extend(session.pairs);
     }
 
-    /// The pairs of each session.
     pub fn sessions(&self) -> Vec<&[Pair]> {
         self.pairs.chunks(PAIRS_IN_SESSION as usize).collect()
     }

@@ -23,7 +23,6 @@ struct Stamp {
     sent_ns: i64,
 }
 
-/// Payload bytes.
 type Payload = [u8];
 
 /// The iceoryx2 service of payloads of `bytes`, beside the one of the topic.
@@ -42,7 +41,6 @@ fn topic(guest: &Guest, bytes: usize) -> Result<PortFactory<Ipc, Payload, Stamp>
         .map_err(failed("open a service of payloads"))
 }
 
-/// Data ID of protected payloads.
 const PAYLOAD_DATA_ID: u32 = PAYLOAD_TOPIC.data_id(Member::PerceptionSim.to_wire());
 
 /// Treatment of the bytes of a payload.
@@ -54,7 +52,6 @@ pub enum Contents {
     Protected,
 }
 
-/// Sends payloads.
 #[derive(Debug)]
 pub struct PayloadSender {
     port: Publisher<Ipc, Payload, Stamp>,
@@ -96,7 +93,6 @@ impl PayloadSender {
     }
 }
 
-/// Receives payloads.
 #[derive(Debug)]
 pub struct PayloadReceiver {
     port: Subscriber<Ipc, Payload, Stamp>,

@@ -18,11 +18,9 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
 
-/// States of the metronome.
 pub mod metronome {
     /// Ticks without counting.
     pub const WARM: u32 = 0;
-    /// Counts.
     pub const COUNT: u32 = 1;
     /// Reports and ends.
     pub const STOP: u32 = 2;
@@ -31,7 +29,6 @@ pub mod metronome {
 /// First wake-ups, not counted: pages and caches are still cold.
 const WARM_UP: u64 = 10;
 
-/// The task of a process.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum Task {
     /// Sleeps until absolute instants and records its lateness.

@@ -4,7 +4,6 @@ use super::paired::{Comparison, PAIRS, PAIRS_IN_SESSION, UNCOUNTED, WAKES, sessi
 use super::setup::{Conditions, FLAT_FROM, LARGEST, Load, Mechanism, Placement, Scheduling};
 use std::time::Duration;
 
-/// A measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
     /// Jitter of absolute sleeps.
@@ -75,12 +74,10 @@ pub fn comparisons(
     conditions(cores).filter(best).flat_map(of).collect()
 }
 
-/// Duration of a comparison.
 pub fn comparison_estimate(quick: bool, period_us: u32) -> Duration {
     sessions(quick) * session_estimate(period_us)
 }
 
-/// Duration of a session of it.
 pub fn session_estimate(period_us: u32) -> Duration {
     let wakes = 2 * PAIRS_IN_SESSION * (WAKES + UNCOUNTED);
     Duration::from_micros(u64::from(wakes) * u64::from(period_us)) + Duration::from_millis(150)
@@ -89,11 +86,9 @@ pub fn session_estimate(period_us: u32) -> Duration {
 /// A chain in blocks beside its floors.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ChainBlocks {
-    /// The conditions.
     pub conditions: Conditions,
     /// Period of perception and controller, µs.
     pub period_us: u32,
-    /// Number of blocks.
     pub blocks: u32,
     /// Length of each, s.
     pub block_s: f64,

@@ -73,7 +73,6 @@ pub struct PairedRow {
 }
 
 impl PairedRow {
-    /// The row of a comparison.
     pub fn of(compared: &Compared) -> Self {
         let [ours, floor] = compared.histograms();
         let medians = statistics::medians(&compared.sessions());

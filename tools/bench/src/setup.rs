@@ -61,7 +61,6 @@ pub struct Conditions {
 }
 
 impl Conditions {
-    /// Words in tables.
     pub fn in_words(&self) -> String {
         let Self { placement, scheduling, load } = self;
         format!("{} {} {}", scheduling.name(), placement.name(), load.name())

@@ -351,7 +351,6 @@ impl Metronome<'_> {
         self.stage.page.word(words::METRONOME).store(state, Ordering::Relaxed);
     }
 
-    /// Ends it.
     pub fn finish(self) -> Result<Outcome, Error> {
         self.stage.page.word(words::METRONOME).store(metronome::STOP, Ordering::Relaxed);
         self.peer.finish()

@@ -87,7 +87,6 @@ fn join(root: &Path, name: &str) -> Result<Guest, WakeError> {
     Ok(Guest::join(Group::read(root)?, name)?)
 }
 
-/// Each mechanism once.
 fn distinct(mechanisms: &[Mechanism]) -> Vec<Mechanism> {
     let mut distinct = Vec::new();
     for mechanism in mechanisms {
@@ -152,7 +151,6 @@ impl<'a> Source<'a> {
         Ok(Self { page, sent: 0, ways, _guest: guest })
     }
 
-    /// One wake-up.
     pub fn wake(&mut self, by: Mechanism) -> Result<(), WakeError> {
         let header = Header::new(self.sent.into(), monotonic_ns(), Origins::NONE);
         match self.ways.iter_mut().find(|(mechanism, _)| *mechanism == by) {

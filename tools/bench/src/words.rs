@@ -14,5 +14,4 @@ pub const BLOCK_DONE: usize = 40;
 pub const METRONOME: usize = 48;
 /// First word of the ring of stamps, two words each.
 pub const STAMPS: usize = 64;
-/// Stamps in the ring.
 pub const RING: usize = 256;

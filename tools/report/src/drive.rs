@@ -83,7 +83,6 @@ pub fn time_to_collision(run: &RunPicture) -> Option<Plot> {
     from_zero(run, "Time to collision", vec![Curve::new("time to collision", EGO, points)])
 }
 
-/// Jerk of the ego.
 pub fn jerk(run: &RunPicture) -> Plot {
     let curve = Curve::new("jerk", EGO, run.jerk_mps3.clone());
     Plot { height: 120.0, ..Plot::over_time("Jerk", run.duration_s, "m/s³", vec![curve]) }
@@ -120,7 +119,6 @@ fn from_zero(run: &RunPicture, title: &str, curves: Vec<Curve>) -> Option<Plot> 
     Some(Plot { y, ..plot }.marked(&marks(run)))
 }
 
-/// Acceleration and request.
 pub fn acceleration(run: &RunPicture) -> Plot {
     let mut curves = vec![
         Curve::new("acceleration", EGO, run.acceleration_mps2.clone()),

@@ -68,7 +68,6 @@ pub fn document(title: &str, about: &str, good: bool, verdict: &str, body: &str)
     page(&format!("{title} · timegap"), &body)
 }
 
-/// A section with its heading.
 pub fn section(heading: &str, body: &str) -> String {
     format!("<section>\n<h2>{}</h2>\n{body}</section>\n", escape(heading))
 }
@@ -88,9 +87,7 @@ pub fn figure(picture: &dyn Picture) -> String {
 /// A figure that is read at a glance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tile {
-    /// Its name.
     pub label: &'static str,
-    /// Value and unit.
     pub value: String,
     /// A remark below it.
     pub note: String,
@@ -126,9 +123,7 @@ pub fn tiles(tiles: &[Tile]) -> String {
 /// Alignment of a column of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Column {
-    /// Words.
     Text,
-    /// Numbers.
     Number,
     /// Numbers that a narrow page leaves out.
     MoreNumber,
@@ -147,10 +142,8 @@ impl Column {
     }
 }
 
-/// A cell of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    /// Plain text.
     Plain(String),
     /// A check that held.
     Good(String),
@@ -166,7 +159,6 @@ impl From<String> for Cell {
     }
 }
 
-/// A table.
 pub fn table<C: Clone + Into<Cell>>(head: &[(&str, Column)], rows: &[Vec<C>]) -> String {
     classed_table("", head, rows)
 }

@@ -64,7 +64,6 @@ const RESULTS: [&str; 40] = [
     "trajectory.csv",
 ];
 
-/// File with histograms.
 pub const HISTOGRAMS: &str = "histograms.hlog";
 
 /// Tagged histograms as [`HISTOGRAMS`], which the tools of the HdrHistogram family read.
@@ -191,7 +190,6 @@ impl OutputDirectory {
         }
     }
 
-    /// Puts earlier results aside.
     fn put_aside(&self, names: &[&str]) -> Result<(), Error> {
         let aside = self.path.join(REPLACED);
         std::fs::create_dir_all(&aside).map_err(error(&aside))?;
@@ -212,7 +210,6 @@ impl OutputDirectory {
         remove(&aside)
     }
 
-    /// The directory.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
@@ -314,7 +311,6 @@ fn error(path: &Path) -> impl Fn(std::io::Error) -> Error + Copy + '_ {
     move |reason| Error::Path { action: "write results to", path: path.to_owned(), reason }
 }
 
-/// The results that a directory holds.
 fn results_in(directory: &Path) -> impl Iterator<Item = &'static str> {
     RESULTS.into_iter().filter(move |name| is_ours(&directory.join(name)))
 }

@@ -18,7 +18,6 @@ use v2x_sim::program::Program;
 /// Run time in s and value. A value that is not finite begins a gap.
 pub type Points = Vec<(f64, f64)>;
 
-/// A run as series.
 #[derive(Clone, Debug, Default)]
 pub struct RunPicture {
     /// Run time reached, s.
@@ -65,11 +64,9 @@ pub struct RunPicture {
     pub service_brake_kn: Points,
     /// The other vehicles.
     pub actors: Vec<ActorPath>,
-    /// The signals.
     pub signals: Vec<SignalPhases>,
     /// Modes of the law.
     pub modes: Vec<Phased>,
-    /// Quality of the commands.
     pub quality: Vec<Phased>,
     /// Degradation levels, by service.
     pub rungs: BTreeMap<&'static str, Vec<Phased>>,
@@ -86,7 +83,6 @@ pub struct RunPicture {
 /// Path of another vehicle.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ActorPath {
-    /// Its name in the scenario.
     pub name: String,
     /// Rear bumper along the road while its body reaches into the ego's lane, m.
     pub in_lane_m: Points,
@@ -94,10 +90,8 @@ pub struct ActorPath {
     pub beside_m: Points,
 }
 
-/// Phases of a signal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SignalPhases {
-    /// Name.
     pub name: String,
     /// Stop line along the road, m.
     pub stop_line_m: f64,
@@ -112,11 +106,9 @@ pub struct Phased {
     pub from_s: f64,
     /// End, s.
     pub to_s: f64,
-    /// State.
     pub label: String,
 }
 
-/// A fault.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaultMark {
     /// Run time, s.
@@ -132,7 +124,6 @@ pub struct FaultMark {
 pub struct Decided {
     /// Run time, s.
     pub at_s: f64,
-    /// Letter of the requirement.
     pub letter: char,
     /// True if the requirement holds.
     pub met: bool,

@@ -13,7 +13,6 @@ use crate::html::{Column, table};
 use crate::plane_road::{RoadView, fine, rounded};
 use crate::targets::{JudgedScan, Owner, judge, spans};
 
-/// Most places of the way.
 const MOST_PLACES: usize = 1_200;
 /// Most instants of the close-up.
 const MOST_INSTANTS: usize = 300;
@@ -21,7 +20,6 @@ const MOST_INSTANTS: usize = 300;
 const AROUND_M: (f64, f64) = (60.0, 160.0);
 /// Least range of the speed's colours, m/s.
 const LEAST_RANGE_MPS: f64 = 2.0;
-/// Most findings in the table.
 const MOST_FINDINGS: usize = 12;
 
 /// The bird's-eye view of a drive.

@@ -36,7 +36,6 @@ pub fn note(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-/// A requirement's verdict, in words.
 pub fn requirement(verdict: &RequirementVerdict) -> String {
     let word = if verdict.met { "met" } else { "BROKEN" };
     match verdict.margin {
@@ -48,7 +47,6 @@ pub fn requirement(verdict: &RequirementVerdict) -> String {
     }
 }
 
-/// An outcome in a word.
 pub fn outcome_word(outcome: Outcome) -> &'static str {
     match outcome {
         Outcome::Completed => "completed",

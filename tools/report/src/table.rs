@@ -9,9 +9,7 @@ pub const NONE: &str = "-";
 /// Side on which a column's cells are flush.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Align {
-    /// Words.
     Left,
-    /// Numbers.
     Right,
 }
 

@@ -36,15 +36,11 @@ pub fn latencies(run: &RunPicture, count: u64) -> Option<Plot> {
     cumulative(&format!("Latency of each hop (n = {count})"), count, drawn.collect())
 }
 
-/// A distribution to draw.
 pub struct Distribution<'a> {
     /// Name for the legend.
     pub label: String,
-    /// Colour.
     pub tone: Tone,
-    /// Stroke.
     pub stroke: Stroke,
-    /// The samples.
     pub latencies: &'a Latencies,
 }
 

@@ -26,7 +26,6 @@ const EXIT_STATUS: &str = "Exit status: 0 all well; 1 the run broke a requiremen
 red light, a failed check); 2 bad usage or a bad file; 3 the machine would not let it run; \
 130 interrupted.";
 
-/// The commands.
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run the process group through a scenario

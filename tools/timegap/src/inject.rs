@@ -94,7 +94,6 @@ pub enum InjectError {
 
 impl Failure for InjectError {}
 
-/// Runs the command.
 pub fn run(arguments: &InjectArguments) -> Result<ExitCode, Error> {
     let fault = fault(arguments)?;
     let root = root(&arguments.run)?;
@@ -155,7 +154,6 @@ fn in_options(problem: &Problem) -> String {
     format!("{option}: {}, expected {}", problem.message, problem.expected)
 }
 
-/// The key of a target.
 fn key_of(target: &str) -> Result<&'static str, InjectError> {
     match (target.parse::<Service>(), Topic::by_name(target)) {
         (Ok(_), _) => Ok("service"),

@@ -88,7 +88,6 @@ pub struct LeadError {
 
 impl Failure for LeadError {}
 
-/// Runs the command.
 pub fn run(arguments: &LeadArguments) -> Result<ExitCode, Error> {
     let path = &arguments.file;
     if arguments.topic.is_none() && bags::is_bag(path) {

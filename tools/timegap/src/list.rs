@@ -86,7 +86,6 @@ pub struct NotOfOpenScenario {
 
 impl Failure for NotOfOpenScenario {}
 
-/// Runs the command.
 pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
     if let Some(name) = arguments.show.as_deref().filter(|name| group::is_openscenario(name)) {
         let parameters = arguments.parameters.clone();

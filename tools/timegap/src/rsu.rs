@@ -19,7 +19,6 @@ use v2x_sim::frames::{Frames, SentFrame, road_plane};
 
 /// Longest delay of an end by signal.
 const SLICE: Duration = Duration::from_millis(50);
-/// Most vehicles that are distinguished.
 const MOST_VEHICLES: usize = 1000;
 
 /// Arguments of `rsu`.
@@ -66,9 +65,7 @@ impl Failure for RsuError {}
 struct RsuSummary {
     /// Version of these keys.
     schema_version: u32,
-    /// Name of the scenario.
     scenario: String,
-    /// Destination.
     carrier: String,
     /// Duration, s.
     duration_s: f64,
@@ -96,7 +93,6 @@ struct RsuSummary {
 /// may share a station id.
 type Sender = (u32, Option<u64>, u64);
 
-/// A vehicle, by its CAMs.
 #[derive(Clone, Copy, Debug, Serialize)]
 struct Vehicle {
     station_id: u32,
@@ -107,7 +103,6 @@ struct Vehicle {
     speed_mps: f64,
 }
 
-/// Runs the command.
 pub fn run(arguments: &RsuArguments) -> Result<ExitCode, Error> {
     let options = ScenarioOptions {
         set: arguments.set.clone(),

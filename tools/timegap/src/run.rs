@@ -55,7 +55,6 @@ pub struct RunArguments {
     pub no_record: bool,
 }
 
-/// Runs the command.
 pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     let begun = Instant::now();
     let options = ScenarioOptions {

@@ -21,7 +21,6 @@ use serde::{Deserialize, Serialize};
 const TAILS: f64 = 0.05;
 /// Fewest samples of an arm for a judged 99th percentile: fifty of them are beyond it.
 pub const ENOUGH_FOR_P99: usize = 5_000;
-/// Draws of the bootstrap.
 const DRAWS: usize = 1_000;
 /// Stream of the bootstrap's generator: the same samples give the same interval.
 const STREAM: u128 = 99;
@@ -38,7 +37,6 @@ pub struct Pair {
 /// A ratio and its interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// Our figure.
     pub ours: f64,
     /// The floor's figure.
     pub floor: f64,
@@ -158,9 +156,7 @@ fn pooled_p99s(pairs: &[Pair], chosen: &[usize]) -> Option<(f64, f64)> {
 /// Events among cycles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Events {
-    /// Number of events.
     pub events: u64,
-    /// Number of cycles.
     pub cycles: u64,
 }
 

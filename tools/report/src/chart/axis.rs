@@ -18,22 +18,17 @@ pub enum Scale {
         high: f64,
     },
     /// Shares of a distribution, 0 to 1. Each nine of the tail takes the same room: 90 %, 99 %, 99.9 %.
-    Percentile {
-        /// Number of nines.
-        nines: u32,
-    },
+    Percentile { nines: u32 },
 }
 
 /// Text form of an axis's values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// A number with decimals.
     Number,
     /// A whole number.
     Count,
     /// A duration in µs with the unit that reads best.
     DurationUs,
-    /// A share as a percentage.
     Percent,
 }
 
@@ -56,12 +51,10 @@ pub struct Axis {
 }
 
 impl Axis {
-    /// Run time from 0 to `until_s`.
     pub fn time(until_s: f64) -> Self {
         Self::linear("time, s", 0.0, until_s.max(1e-3))
     }
 
-    /// Values from `low` to `high`.
     pub fn linear(label: &str, low: f64, high: f64) -> Self {
         let scale = Scale::Linear { low, high };
         Self { label: label.into(), scale, format: Format::Number }
@@ -79,14 +72,12 @@ impl Axis {
         Self::linear(label, (low / step).floor() * step, (high / step).ceil() * step)
     }
 
-    /// Counts from 0 up.
     pub fn counts(label: &str, values: impl Iterator<Item = f64>) -> Self {
         let high = bounds(values).map_or(1.0, |(_, high)| high);
         let step = nice_step(high.max(5.0), 5).max(1.0);
         Self::whole(label, 0.0, (high.max(5.0) / step).ceil() * step)
     }
 
-    /// Whole numbers from `low` to `high`.
     pub fn whole(label: &str, low: f64, high: f64) -> Self {
         Self { format: Format::Count, ..Self::linear(label, low, high) }
     }

@@ -18,16 +18,13 @@ pub struct Span {
     pub to: f64,
     /// Text inside the span where it fits, and in the legend.
     pub label: String,
-    /// Colour.
     pub tone: Tone,
 }
 
-/// A row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Text above the bar.
     pub name: String,
-    /// Spans in order.
     pub spans: Vec<Span>,
 }
 
@@ -47,9 +44,7 @@ pub struct Row {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Bands {
-    /// Title.
     pub title: String,
-    /// The axis.
     pub x: Axis,
     /// The rows from top to bottom.
     pub rows: Vec<Row>,

@@ -25,9 +25,7 @@ pub struct FilledCell {
 pub struct Edges {
     /// Name for the legend.
     pub label: String,
-    /// Colour.
     pub tone: Tone,
-    /// Stroke.
     pub stroke: Stroke,
     /// The two ends of each piece on the axes.
     pub pieces: Vec<[(f64, f64); 2]>,
@@ -45,17 +43,12 @@ impl Edges {
 /// Cells of a grid with edges drawn in.
 #[derive(Clone, Debug)]
 pub struct Cells {
-    /// Title.
     pub title: String,
-    /// Horizontal axis.
     pub x: Axis,
-    /// Vertical axis.
     pub y: Axis,
     /// Kinds of cells: label and colour.
     pub kinds: Vec<(String, Tone)>,
-    /// The filled cells.
     pub cells: Vec<FilledCell>,
-    /// The edges.
     pub edges: Vec<Edges>,
 }
 

@@ -24,12 +24,9 @@ const PLACES: f64 = 1_000.0;
 /// Least number of a value's last decimal along an axis.
 const STEPS: f64 = 20_000.0;
 
-/// A chart.
 #[derive(Debug, Serialize)]
 pub struct Chart {
-    /// Horizontal axis.
     pub x: AxisData,
-    /// Vertical axis.
     pub y: AxisData,
     /// Height of the axes, px.
     pub height: f64,
@@ -40,7 +37,6 @@ pub struct Chart {
     pub map: Option<Map>,
     /// Places on the horizontal axis, their labels and colours.
     pub marks: Vec<(f64, String, &'static str)>,
-    /// Labelled points.
     pub points: Vec<Point>,
     /// Texts at values of the vertical axis.
     pub texts: Vec<Text>,
@@ -54,14 +50,12 @@ impl Chart {
         Self { x, y, height, series: Vec::new(), map: None, marks, points, texts }
     }
 
-    /// This chart with marks.
     pub fn marked(self, marks: &[Mark]) -> Self {
         let mark = |mark: &Mark| (mark.x, mark.label.clone(), mark.tone.name());
         Self { marks: marks.iter().map(mark).collect(), ..self }
     }
 }
 
-/// An axis.
 #[derive(Debug, Serialize)]
 pub struct AxisData {
     label: String,
@@ -112,11 +106,8 @@ impl From<&Axis> for AxisData {
 pub enum Series {
     /// A line through points.
     Line {
-        /// Name.
         label: String,
-        /// Colour.
         tone: &'static str,
-        /// Stroke.
         stroke: &'static str,
         /// Width, px.
         width: f64,
@@ -129,9 +120,7 @@ pub enum Series {
     },
     /// Boxes between a lower left and an upper right corner.
     Box {
-        /// Name.
         label: String,
-        /// Colour.
         tone: &'static str,
         /// Left edges.
         x: Column,
@@ -142,11 +131,8 @@ pub enum Series {
         /// Upper edges.
         y2: Column,
     },
-    /// Points of a scatter.
     Point {
-        /// Name.
         label: String,
-        /// Colour.
         tone: &'static str,
         /// Horizontal values.
         x: Column,
@@ -155,15 +141,12 @@ pub enum Series {
     },
     /// Bars of a fixed height at values of the vertical axis.
     Bar {
-        /// Name.
         label: String,
-        /// Colour.
         tone: &'static str,
         /// Height, px.
         px: f64,
         /// Left ends.
         x: Column,
-        /// Middles.
         y: Column,
         /// Right ends.
         x2: Column,
@@ -183,7 +166,6 @@ impl Series {
         Self::Line { label: label.into(), tone, stroke, width, steps, x, y }
     }
 
-    /// Points of a scatter.
     pub fn points(label: &str, tone: Tone, points: &[(f64, f64)], (x, y): (&Axis, &Axis)) -> Self {
         Self::Point {
             label: label.into(),
@@ -239,7 +221,6 @@ pub struct Map {
     pub low: f64,
     /// Largest value.
     pub high: f64,
-    /// Unit of the values.
     pub unit: String,
     /// Places and values of each row, from top to bottom.
     pub rows: Vec<(Column, Column)>,
@@ -248,9 +229,7 @@ pub struct Map {
 /// A text at a value of the vertical axis.
 #[derive(Debug, Serialize)]
 pub struct Text {
-    /// Value.
     pub y: f64,
-    /// Label.
     pub label: String,
 }
 
@@ -260,7 +239,6 @@ pub struct Text {
 pub enum Column {
     /// Differences in units of 10^-d: few digits for smooth values.
     Differences {
-        /// Decimals.
         d: usize,
         /// The differences; the first is from 0.
         v: Vec<Option<i64>>,
@@ -270,7 +248,6 @@ pub enum Column {
 }
 
 impl Column {
-    /// Values along an axis.
     pub fn new(values: impl Iterator<Item = f64>, axis: &Axis) -> Self {
         let values = values.map(|value| value.is_finite().then_some(value));
         let Scale::Linear { low, high } = axis.scale else {

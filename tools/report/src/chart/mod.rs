@@ -54,7 +54,6 @@ pub enum Tone {
     Clear,
     /// A red light.
     Stop,
-    /// A fault.
     Alarm,
 }
 
@@ -99,7 +98,6 @@ pub struct Mark {
     pub x: f64,
     /// Number of a fault, letter of a requirement.
     pub label: String,
-    /// Colour.
     pub tone: Tone,
 }
 

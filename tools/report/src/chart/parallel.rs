@@ -35,13 +35,11 @@ pub struct Polyline {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Parallel {
-    /// Title.
     pub title: String,
     /// Names of the rows, from top to bottom.
     pub rows: Vec<String>,
     /// Kinds of lines: label and colour. The first is on top.
     pub kinds: Vec<(String, Tone)>,
-    /// The lines.
     pub lines: Vec<Polyline>,
 }
 

@@ -13,16 +13,12 @@ const COVERED_PX: f64 = 4.0;
 /// Most covering curves that widen a curve.
 const MOST_COVERING: usize = 4;
 
-/// A curve.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// Name for the legend.
     pub name: String,
     /// Points in any order of their horizontal values; a value that is not finite interrupts the curve.
     pub points: Vec<(f64, f64)>,
-    /// Colour.
     pub tone: Tone,
-    /// Stroke.
     pub stroke: Stroke,
     /// True if each value holds until the next point; otherwise points are joined.
     pub steps: bool,
@@ -74,9 +70,7 @@ pub struct Strip {
 /// Curves over two axes.
 #[derive(Clone, Debug)]
 pub struct Plot {
-    /// Title.
     pub title: String,
-    /// Horizontal axis.
     pub x: Axis,
     /// Vertical axis; its label is above it.
     pub y: Axis,

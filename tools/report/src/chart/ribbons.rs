@@ -11,7 +11,6 @@ const ROOM_PX: f64 = 320.0;
 /// Columns and values distinguished in a row.
 const RESOLUTION: (f64, f64) = (800.0, 200.0);
 
-/// A row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ribbon {
     /// Place on the axis and the value from there to the next place.
@@ -21,15 +20,10 @@ pub struct Ribbon {
 /// Rows over one axis, from top to bottom.
 #[derive(Clone, Debug)]
 pub struct Ribbons {
-    /// Title.
     pub title: String,
-    /// The axis.
     pub x: Axis,
-    /// Meaning of a row.
     pub rows_label: String,
-    /// Unit of the values.
     pub unit: String,
-    /// The rows.
     pub rows: Vec<Ribbon>,
 }
 

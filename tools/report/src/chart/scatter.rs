@@ -34,17 +34,12 @@ pub struct Dot {
 /// ```
 #[derive(Clone, Debug)]
 pub struct Scatter {
-    /// Title.
     pub title: String,
-    /// Horizontal axis.
     pub x: Axis,
-    /// Vertical axis.
     pub y: Axis,
     /// Kinds of points: label and colour. The first is on top.
     pub kinds: Vec<(String, Tone)>,
-    /// The points.
     pub dots: Vec<Dot>,
-    /// The edges.
     pub edges: Vec<Edges>,
 }
 

@@ -29,7 +29,6 @@ use crate::figures::{Figure, Values};
 /// ```
 #[derive(Debug)]
 pub struct Column<R> {
-    /// Its description.
     pub head: Head,
     cell: Cell<R>,
 }
@@ -112,7 +111,6 @@ pub const fn count<R>(
     column(name, heading, "", Format::Count, meaning)
 }
 
-/// A short word.
 pub const fn word<R>(
     name: &'static str,
     heading: &'static str,
@@ -153,7 +151,6 @@ pub const fn judged<R>(
     column(name, heading, "", Format::Judged, meaning)
 }
 
-/// A flag that is a verdict.
 pub const fn flag<R>(
     name: &'static str,
     heading: &'static str,
@@ -239,7 +236,6 @@ impl<R> Column<R> {
     }
 }
 
-/// The cells of a row.
 pub(super) fn cells<R: Serialize>(columns: &[Column<R>], row: &R) -> Vec<Value> {
     let json = serde_json::to_value(row).expect("rows are plain data");
     let cell = |column: &Column<R>| match column.cell {

@@ -21,7 +21,6 @@ const MOST_TRANSPOSED: usize = 8;
 const LAST_ROWS: usize = 4;
 /// Rows of all blocks of a table together.
 const MOST_ROWS: usize = 120;
-/// Most blocks.
 const MOST_BLOCKS: usize = 20;
 /// Mark of the best value of a column.
 const BEST: &str = "*";

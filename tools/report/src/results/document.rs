@@ -19,11 +19,9 @@ const MOST_BROKEN: usize = 12;
 /// A part of a result for people.
 #[derive(Clone, Debug)]
 pub enum Part {
-    /// A table.
     Table(Table),
     /// HTML of the page alone, below a heading.
     Figures(String, String),
-    /// A paragraph.
     Text(String),
     /// Figures that are read at a glance, on the page alone.
     Tiles(Vec<Tile>),
@@ -49,7 +47,6 @@ impl Broken {
         Self { what: what.into(), command: command.into() }
     }
 
-    /// One line.
     pub(super) fn line(&self) -> String {
         match self.command.as_str() {
             "" => self.what.clone(),
@@ -61,9 +58,7 @@ impl Broken {
 /// A file beside the JSON and the page.
 #[derive(Clone, Debug)]
 pub struct Attachment {
-    /// Its name.
     pub name: String,
-    /// Its contents.
     pub contents: Contents,
 }
 
@@ -73,7 +68,6 @@ pub type Fill = dyn Fn(&mut ResultFile) -> Result<(), Error>;
 /// Contents of a file beside the JSON and the page.
 #[derive(Clone)]
 pub enum Contents {
-    /// Bytes in memory.
     Bytes(Vec<u8>),
     /// Bytes that do not fit in memory.
     Stream(Rc<Fill>),
@@ -172,7 +166,6 @@ impl Document {
         self
     }
 
-    /// The same with this file for the JSON.
     #[must_use]
     pub fn json_file(mut self, name: &'static str) -> Self {
         self.json_file = Some(name);
@@ -253,13 +246,11 @@ impl Document {
         self
     }
 
-    /// True if all is well.
     #[must_use]
     pub fn is_ok(&self) -> bool {
         self.ok
     }
 
-    /// The JSON that `--json` prints.
     #[must_use]
     pub fn json(&self) -> &str {
         &self.json
@@ -316,7 +307,6 @@ impl Document {
         text.replace(is_bad, "\u{fffd}")
     }
 
-    /// Name of the file with the JSON.
     pub(super) fn json_name(&self) -> String {
         self.json_file.map_or_else(|| format!("{}.json", self.command), str::to_owned)
     }

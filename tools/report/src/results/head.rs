@@ -10,7 +10,6 @@ use crate::table::NONE;
 /// Form of a column's cells for people.
 #[derive(Clone, Copy, Debug)]
 pub enum Format {
-    /// A number with this number of decimals.
     Decimals(usize),
     /// A number with as many decimals as it needs, at most three.
     Exact,
@@ -20,7 +19,6 @@ pub enum Format {
     Count,
     /// An object `{mean, deviation, n}` with this number of decimals; n is left out where it is null.
     Mean(usize),
-    /// A short word.
     Word,
     /// A number as it was given, or a word.
     Value,
@@ -43,9 +41,7 @@ pub enum Format {
 /// The type of a nested value in JSON.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// `{}`.
     Object,
-    /// `[]`.
     List,
 }
 
@@ -69,11 +65,8 @@ pub struct Head {
     pub heading: Cow<'static, str>,
     /// Unit; empty where there is none.
     pub unit: &'static str,
-    /// Its meaning, in one sentence.
     pub meaning: &'static str,
-    /// Form of its cells.
     pub format: Format,
-    /// Good values.
     pub good: Good,
     /// A limit beyond which a number is bad.
     pub limit: Option<f64>,

@@ -3,18 +3,15 @@
 use super::document::{Document, Part};
 use super::table::Table;
 
-/// Most rows of a table.
 const MOST_ROWS: usize = 200;
 
 impl Document {
-    /// Markdown.
     #[must_use]
     pub fn markdown(&self) -> String {
         text(self)
     }
 }
 
-/// The document.
 fn text(document: &Document) -> String {
     let mark = if document.ok { "✅" } else { "❌" };
     let mut text =

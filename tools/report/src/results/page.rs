@@ -5,18 +5,15 @@ use super::table::Table;
 use crate::chart::escape;
 use crate::html::{Cell, Column, document, section, stacked_table, table, tiles};
 
-/// Most rows of a table.
 const MOST_ROWS: usize = 1_000;
 
 impl Document {
-    /// The page.
     #[must_use]
     pub fn page(&self) -> String {
         text(self)
     }
 }
 
-/// The page.
 fn text(result: &Document) -> String {
     let parts: String = result.parts.iter().map(part).collect();
     let body = broken(&result.broken) + &parts;

@@ -91,7 +91,6 @@ impl Schema {
         Self { command, root }
     }
 
-    /// The command.
     #[must_use]
     pub fn command(&self) -> &'static str {
         self.command
@@ -134,7 +133,6 @@ impl Schema {
         self
     }
 
-    /// The schema.
     #[must_use]
     pub fn json(&self) -> Value {
         self.root.clone()

@@ -109,7 +109,6 @@ impl Table {
         self.place != Place::Terminals && !self.rows.is_empty()
     }
 
-    /// True if a terminal shows it.
     pub(super) fn is_on_terminals(&self) -> bool {
         self.place != Place::Pages && !self.rows.is_empty()
     }
@@ -143,7 +142,6 @@ impl Table {
         (0..self.columns.len()).filter(|&place| in_csv(&self.columns[place]))
     }
 
-    /// The rows of each block, as ranges.
     pub(super) fn row_blocks(&self) -> Vec<(String, std::ops::Range<usize>)> {
         let Some(place) = self.block else { return vec![(String::new(), 0..self.rows.len())] };
         let mut first = 0;
@@ -225,7 +223,6 @@ pub fn field(value: &Value) -> String {
     }
 }
 
-/// Names of the columns that CSV has.
 pub fn csv_names<R>(columns: &[Column<R>]) -> impl Iterator<Item = &str> {
     columns.iter().filter(|column| in_csv(&column.head)).map(|column| column.head.field())
 }
@@ -244,7 +241,6 @@ pub fn csv_head<R>(columns: &[Column<R>]) -> Vec<u8> {
     csv_row(csv_names(columns))
 }
 
-/// A line of CSV of one row.
 pub fn csv_line<R: Serialize>(columns: &[Column<R>], row: &R) -> Vec<u8> {
     csv_row(csv_fields(columns, row))
 }

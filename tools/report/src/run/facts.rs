@@ -12,7 +12,6 @@ use std::collections::BTreeMap;
 
 /// Most changes of mode that are listed.
 const MOST_CHANGES: usize = 8;
-/// Most acts that are named.
 const MOST_ACTS: usize = 5;
 
 /// What drove, the figures of the drive, and all that was not as it should be.
@@ -307,7 +306,6 @@ fn clock(station: &StationReport) -> Option<String> {
     Some(format!("its clock {} {sign}, known to {}", duration(by), duration(uncertainty_us)))
 }
 
-/// The facts that apply.
 fn facts<const N: usize>(all: [(&str, Option<String>); N]) -> Vec<Fact> {
     all.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
 }

@@ -18,7 +18,6 @@ pub struct FaultOptions {
     pub(super) keys: Table,
 }
 
-/// An option.
 struct FaultOption {
     key: Key,
     name: String,
@@ -44,7 +43,6 @@ static OPTIONS: LazyLock<Vec<FaultOption>> = LazyLock::new(|| {
     found.into_iter().map(option).collect()
 });
 
-/// Name of the option for a key.
 pub(super) fn name(key: &str) -> String {
     let renamed = RENAMED.into_iter().find(|(of, _)| *of == key);
     renamed.map_or_else(|| key.replace('_', "-"), |(_, name)| name.to_owned())

@@ -70,9 +70,7 @@ pub struct LiveEvent {
 /// A message to a view.
 #[derive(Clone, Debug)]
 pub enum Update {
-    /// The next frame.
     Frame(Box<Frame>),
-    /// The end of the run.
     Ended,
 }
 

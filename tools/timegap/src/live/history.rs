@@ -9,9 +9,7 @@ pub const WINDOW_S: f64 = 60.0;
 /// The last minute of a run.
 #[derive(Clone, Debug, Default)]
 pub struct History {
-    /// The newest frame.
     pub newest: Frame,
-    /// The drive.
     pub points: VecDeque<Point>,
 }
 

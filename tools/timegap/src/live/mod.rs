@@ -56,7 +56,6 @@ impl Live {
         }
     }
 
-    /// Ends the view.
     pub fn end(self) {
         let Some((feed, terminal)) = self.0 else { return };
         feed.end();

@@ -71,7 +71,6 @@ pub fn watch(title: String, updates: Receiver<Update>) -> Result<JoinHandle<()>,
 enum Asked {
     /// No key, or one without a meaning.
     Nothing,
-    /// End the run.
     End,
     /// The terminal is closed: end the run with it.
     Gone,
@@ -168,7 +167,6 @@ fn give_back() {
     let _ = execute!(stderr(), LeaveAlternateScreen, cursor::Show);
 }
 
-/// Draws the run.
 fn draw(screen: &mut Screen<'_>, title: &str, history: &History) {
     let [head, charts, figures, foot] = Layout::vertical([
         Constraint::Length(1),
@@ -218,7 +216,6 @@ fn draw(screen: &mut Screen<'_>, title: &str, history: &History) {
     screen.render_widget(Line::raw("q ends the run"), foot);
 }
 
-/// Lines of [`state`].
 const STATE_LINES: u16 = 7;
 
 /// Mode, level of degradation and latency, in lines of at most 28 characters: half of 60 columns without

@@ -9,7 +9,6 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-/// Name of the file.
 const FILE: &str = "radio.pcap";
 
 /// The frames at the vehicle: received and sent ones.
@@ -19,7 +18,6 @@ pub struct Capture {
 }
 
 impl Capture {
-    /// Adds the frames of a record, if it has any.
     pub fn add(&mut self, record: &Record) {
         if let Some(batch) = record.message::<RadioFrames>() {
             let frames = batch.frames().iter();

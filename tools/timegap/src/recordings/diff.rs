@@ -25,7 +25,6 @@ pub struct DiffArguments {
     pub json: bool,
 }
 
-/// Runs the command.
 pub fn run(arguments: &DiffArguments) -> Result<ExitCode, Error> {
     let (a, b) = (open(&arguments.a)?, open(&arguments.b)?);
     let comparison = compare(&a, &b);
@@ -47,16 +46,13 @@ struct NothingToCompare {
 
 impl Failure for NothingToCompare {}
 
-/// Result of a comparison.
 #[derive(Debug, Serialize)]
 struct Comparison {
     schema_version: u32,
     equal: bool,
-    /// Messages compared.
     messages: u64,
     /// Unreadable parts of the first and second recording, which were not compared.
     damage: [Vec<String>; 2],
-    /// The first divergence in time.
     first: Option<Divergence>,
     /// Number of streams (sender and topic) that diverge.
     diverging_streams: usize,

@@ -55,7 +55,6 @@ A damaged recording is exported as far as it can be read, with a note and status
     odometry = odometry.set_index(\"t_s\")
     print(odometry[[\"speed_mps\", \"acceleration_mps2\"]].describe())";
 
-/// Runs the command.
 pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
     let recording = open(&arguments.run)?;
     let forms = [(arguments.csv, Form::Csv), (arguments.parquet, Form::Parquet)];

@@ -25,7 +25,6 @@ pub struct InfoArguments {
     pub json: bool,
 }
 
-/// Runs the command.
 pub fn run(arguments: &InfoArguments) -> Result<ExitCode, Error> {
     let recording = open(&arguments.run)?;
     let statistics = if arguments.verify { None } else { recording.statistics() };

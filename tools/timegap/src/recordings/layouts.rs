@@ -56,7 +56,6 @@ a file, take `root` and `prefix` from live.json in the run's results, and open t
     subscriber = topic.subscriber_builder().create()
     sample = subscriber.receive()  # None until something was sent";
 
-/// Runs the command.
 pub fn run(arguments: &LayoutsArguments) -> Result<ExitCode, Error> {
     if let Some(directory) = &arguments.language.msg {
         let package = directory.join("timegap_msgs");

@@ -77,7 +77,6 @@ fn lines(damage: &[Damage], line: impl Fn(&Damage) -> String) -> impl Iterator<I
     damage.iter().take(MOST_TOLD).map(line).collect::<Vec<_>>().into_iter().chain(rest)
 }
 
-/// `n things`, or `1 thing`.
 fn count(n: u64, thing: &str) -> String {
     if n == 1 { format!("1 {thing}") } else { format!("{n} {thing}s") }
 }

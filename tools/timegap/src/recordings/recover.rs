@@ -37,7 +37,6 @@ pub enum RecoverError {
 
 impl Failure for RecoverError {}
 
-/// Runs the command.
 pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
     let broken = open(&arguments.run)?;
     if arguments.out.is_none() && is_being_recorded(broken.path()) {

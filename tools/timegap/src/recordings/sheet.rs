@@ -10,17 +10,14 @@ use std::path::{Path, PathBuf};
 /// Rows of a row group.
 const GROUP: usize = 10_000;
 
-/// Form of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// Comma-separated values.
     Csv,
-    /// Parquet.
     Parquet,
 }
 
 impl Form {
-    /// Extension of its files.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Csv => "csv",
@@ -32,9 +29,7 @@ impl Form {
 /// Contents of a cell.
 #[derive(Clone, Copy, Debug)]
 pub enum Item<'a> {
-    /// A value of a message.
     Value(Value<'a>),
-    /// A whole number.
     Whole(i64),
     /// A name; an empty one is absent.
     Name(&'a str),

@@ -22,7 +22,6 @@ const COUNTERS: u64 = 20_000;
 /// Names of the tracks, and settings of the run.
 #[derive(Clone, Debug, Default)]
 pub struct Frame {
-    /// Title of the trace.
     pub title: String,
     /// Run time 0 in ns since 1970.
     pub started_unix_ns: i64,

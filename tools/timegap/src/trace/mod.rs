@@ -53,7 +53,6 @@ struct Written {
     incidents: usize,
 }
 
-/// Runs the command.
 pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
     let recording = Recording::open(&arguments.run)?;
     let text = &recording.metadata().scenario;

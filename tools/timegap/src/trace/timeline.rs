@@ -25,13 +25,10 @@ pub struct Timeline {
 /// A cycle, from its scheduled release to its last published message.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cycle {
-    /// The service.
     pub service: Service,
     /// Number of its restart.
     pub incarnation: u32,
-    /// Simulation step.
     pub step: u64,
-    /// Scheduled release.
     pub release_ns: i64,
     /// Start of its work, if the service's messages carry it.
     pub start_ns: Option<i64>,
@@ -59,9 +56,7 @@ pub struct Chain {
 pub struct Incident {
     /// The affected service, if there is one.
     pub service: Option<Service>,
-    /// Instant.
     pub at_ns: i64,
-    /// Description.
     pub what: String,
 }
 

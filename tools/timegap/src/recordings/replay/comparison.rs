@@ -49,9 +49,7 @@ pub(super) struct Comparison {
     pub(super) mode: &'static str,
     /// True if the scenario was changed for the replay.
     pub(super) changed: bool,
-    /// Fields that are not compared.
     pub(super) not_compared: Vec<&'static str>,
-    /// Cycles replayed.
     pub(super) cycles: u64,
     /// Replayed cycles with a command.
     pub(super) commands: u64,
@@ -60,7 +58,6 @@ pub(super) struct Comparison {
     /// Commands and diagnostics that are equal in every compared byte.
     pub(super) identical_commands: u64,
     pub(super) identical_diagnostics: u64,
-    /// True if all are equal.
     pub(super) identical: bool,
     pub(super) first_difference: Option<Difference>,
     /// Largest and root-mean-square difference of the first requests, m/s².
@@ -188,7 +185,6 @@ impl<'a, R: Iterator<Item = Cycle>> Pairs<'a, R> {
         self.comparison.cycles
     }
 
-    /// The recorded cycle of `step`.
     fn find(&mut self, step: u64) -> Option<&Cycle> {
         while self.waiting.back().is_none_or(|cycle| cycle.diagnostics.header.step < step) {
             self.waiting.push_back(self.recorded.next()?);

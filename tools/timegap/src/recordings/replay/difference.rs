@@ -24,14 +24,12 @@ pub(super) fn not_compared(mode: Mode) -> Vec<&'static str> {
     }
 }
 
-/// The compared values of `T`.
 pub(super) fn places<T: Message>(not_compared: &[&str]) -> Vec<Place> {
     let mut places = T::LAYOUT.scalars();
     places.retain(|place| !not_compared.iter().any(|field| place.path.starts_with(field)));
     places
 }
 
-/// The first difference.
 #[derive(Debug, Serialize)]
 pub(super) struct Difference {
     pub(super) topic: &'static str,

@@ -82,7 +82,6 @@ pub enum ReplayError {
 
 impl Failure for ReplayError {}
 
-/// Runs the command.
 pub fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     let recording = open(&arguments.run)?;
     let (scenario, changed) = scenario(&recording, arguments)?;
