@@ -8,12 +8,13 @@ use std::process::Command;
 
 /// Layers, lowest first. A crate depends on crates of lower layers only; no crate imports the command at the
 /// top.
-const LAYERS: [&[&str]; 9] = [
+const LAYERS: [&[&str]; 10] = [
     &["bags", "messages", "mpc-solver", "truck-model"],
     &["scenario"],
     &["radio"],
     &["runtime"],
     &["services/"],
+    &["drive"],
     &["group", "report"],
     // Tools that run one group do not depend on studies.
     &["tools/"],

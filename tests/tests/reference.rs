@@ -24,7 +24,7 @@ fn the_table_of_exits_is_that_of_the_code() {
         let path = format!("{}/../{path}", env!("CARGO_MANIFEST_DIR"));
         std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{path}: {e}"))
     };
-    let (code, page) = (read("tools/group/src/exits.rs"), read("docs/exits.md"));
+    let (code, page) = (read("tools/drive/src/exits.rs"), read("docs/exits.md"));
     let of_code: Vec<_> = code.lines().filter_map(|line| line.strip_prefix("//! |")).collect();
     let of_page: Vec<_> = page.lines().filter_map(|line| line.strip_prefix('|')).collect();
     assert!(of_code.len() > 10);

@@ -174,17 +174,6 @@ impl Study for Runs {
         self.tell(run, record);
     }
 
-    fn own_columns(&self) -> Vec<Column<Record>> {
-        vec![
-            word("judged.requirement", "", "Requirement that decides the run"),
-            number("judged.margin", "", "", 4, "Its margin"),
-            word("judged.unit", "", "Unit of the margin"),
-            number("value", "", "tolerances", 4, "The margin in tolerances")
-                .of(|record| json!(record.value())),
-            fact("is_even", "", "Drawn evenly from the admissible points"),
-        ]
-    }
-
     fn keys(&self, run: usize) -> Vec<(String, String)> {
         let under_way = self.under_way.lock().expect("no worker panics here");
         let values = under_way.get(&run).map(|proposal| self.problem.values(&proposal.point));

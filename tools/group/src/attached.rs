@@ -1,11 +1,10 @@
 //! One process of a service, from its start until its exit status is taken.
 
-use super::exits::Exit;
 use super::processes::Process;
 use super::silence::{Meaning, Silence};
 use super::starvation::Share;
+use drive::{Exit, StandbyCost};
 use runtime::{CountsReader, Group, Progress};
-use serde::Serialize;
 use std::time::Duration;
 
 /// A process and what is known of it.
@@ -26,15 +25,6 @@ pub struct Attached {
     progress: Option<Progress>,
     /// Its use when it began to stand by, and that run time, ns.
     stands_by_since: Option<(Used, i64)>,
-}
-
-/// Cost of a service's standby beside the active process.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct StandbyCost {
-    /// Part of one processor that it used while it stood by, all its threads, %.
-    pub cpu_percent: f64,
-    /// Memory of its own: what would be free without it, KiB.
-    pub private_kib: u64,
 }
 
 /// Use of a process so far.

@@ -100,6 +100,8 @@ impl Failure for RootError {
     }
 }
 
+impl Failure for drive::RequirementError {}
+
 impl Failure for Problem {}
 
 impl Failure for ReadError {}

@@ -1,66 +1,8 @@
 //! The log of all that went wrong in a run: when it began, was noticed and was over.
 
+use drive::{FaultRecord, Recovery};
 use messages::Service;
-use scenario::faults::{Fault, Helper, Target};
-use serde::Serialize;
-
-/// One thing that went wrong, asked for or not.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct FaultRecord {
-    /// Run time at which it began, s.
-    pub t_s: f64,
-    /// Kind of the fault, or `died`, `hung`, `flooded` or `not ready` for one that was not asked for.
-    pub kind: String,
-    /// The service that it acts on.
-    pub service: Option<Service>,
-    /// The topic whose messages it acts on.
-    pub topic: Option<&'static str>,
-    /// The process that it acts on, other than a service.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub helper: Option<Helper>,
-    /// The process that it killed had not taken part in the run yet.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    pub while_starting: bool,
-    /// Messages that it changed, summed over the topic's ports.
-    pub messages: Option<u64>,
-    /// Messages that it corrupted and a receiver took for intact.
-    #[serde(skip_serializing_if = "is_zero")]
-    pub undetected: u64,
-    /// Time until the launcher found that the service was gone or hung, µs. It is null for a death at an unknown
-    /// instant.
-    pub detected_after_us: Option<f64>,
-    /// Time until the first fresh message of the service's next process, µs.
-    pub recovered_after_us: Option<f64>,
-    /// Whose message that was.
-    pub recovered_by: Option<Recovery>,
-    /// Its number in the run, for the ports' counts.
-    #[serde(skip)]
-    pub number: u32,
-    /// Restart of the service whose first message is the recovery.
-    #[serde(skip)]
-    pub awaits: Option<u32>,
-}
-
-/// The process that took the place of one that is gone.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Recovery {
-    /// One that was started for it.
-    Restart,
-    /// The standby.
-    TakeOver,
-}
-
-impl Recovery {
-    /// Name in results.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Restart => "restart",
-            Self::TakeOver => "take-over",
-        }
-    }
-}
+use scenario::faults::{Fault, Target};
 
 /// Errors so far.
 #[derive(Debug, Default)]
@@ -202,10 +144,6 @@ impl FaultLog {
 /// True if the record is of a fault that was asked for and ends or stops a process.
 fn is_asked(record: &FaultRecord) -> bool {
     matches!(record.kind.as_str(), "kill" | "stop" | "restart-storm")
-}
-
-fn is_zero(count: &u64) -> bool {
-    *count == 0
 }
 
 fn record(fault: &Fault, number: u32) -> FaultRecord {

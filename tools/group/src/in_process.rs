@@ -3,15 +3,16 @@
 //! The results are those of a group of processes, to the byte. Only the machine between the services is left out:
 //! processes, shared memory, files. Faults of processes need processes.
 
-use super::drive_log::DriveLog;
-use super::exits::Exit;
 use super::faults::Faults;
-use super::launch::{Ended, GroupOutcome, Moment, for_services};
+use super::launch::for_services;
 use super::programs::{is_foreign, programs};
 use super::refusal::check_in_process;
 use crate::Error;
-use crate::report::{ServiceReport, read};
 use controller::laws::external::Questions;
+use drive::Exit;
+use drive::log::DriveLog;
+use drive::report::{ServiceReport, read};
+use drive::{Ended, GroupOutcome, Moment};
 use messages::Service;
 use runtime::{Carrier, Entry, FromService, InProcess, Program, Sealing};
 use scenario::Scenario;

@@ -16,38 +16,26 @@
 
 mod attached;
 mod attendant;
-mod by_step;
 pub mod control;
-mod cycles;
 mod dead_runs;
 mod disturbance;
-mod drive;
-mod drive_log;
 mod error;
 mod events;
-pub mod exits;
 mod fault_log;
 mod faults;
-mod further;
-mod headers;
 pub mod in_process;
 mod janitor;
-mod kept_steps;
 mod launch;
 mod law_options;
 mod life;
 mod live_file;
 mod member;
 mod options;
-mod plane;
-mod present;
 mod processes;
 mod programs;
 mod recording;
 mod refusal;
 mod replay;
-pub mod report;
-mod requirement;
 mod room;
 mod root;
 mod run;
@@ -57,32 +45,28 @@ mod succession;
 mod supervisor;
 mod unfinished;
 
-pub use attached::StandbyCost;
 pub use dead_runs::{DeadRun, dead_runs};
 pub use disturbance::run as run_hog;
-pub use drive::{Drive, DriveStep, PowertrainStep};
+pub use drive::report;
+pub use drive::{
+    Body, Drive, DriveStep, EgoPlace, Ended, Evidence, Exit, FaultRecord, GroupOutcome, Heartbeats,
+    Moment, PlaneLog, PlaneScene, PowertrainStep, RecordingSummary, Recovery, ReferenceDriver,
+    Requirement, RequirementError, RequirementVerdict, Seen, StandbyCost, TargetPlace,
+    is_avoidable_collision, requirements,
+};
 pub use error::{Error, Failure, SignalsError, Status, UsageError};
 pub use events::{end_signals, hold_signals, is_signalled};
-pub use exits::Exit;
-pub use fault_log::{FaultRecord, Recovery};
 pub use in_process::entry;
 pub use janitor::run as run_janitor;
-pub use launch::{Ended, GroupOutcome, Launch, Moment};
+pub use launch::Launch;
 pub use law_options::{LawError, LawOptions, LawSource, NamedLaw, TwoLaws, UnusedLaw};
-pub use member::Heartbeats;
 pub use options::{
     GroupOptions, ModeName, OptionNames, ScenarioOptions, ServiceProgramError, service_program,
 };
-pub use plane::{Body, EgoPlace, PlaneLog, PlaneScene, Seen, TargetPlace};
 pub use processes::{Janitor, SpawnError, this_program};
 pub use programs::{NoProgram, of_service};
-pub use recording::RecordingSummary;
 pub use refusal::{Absent, Refusal, absent, check_in_process, check_targets};
 pub use replay::{Replayed, ReplayerError, replay};
-pub use requirement::{
-    Evidence, ReferenceDriver, Requirement, RequirementError, RequirementVerdict,
-    is_avoidable_collision, requirements,
-};
 pub use room::{RoomError, check_room, shared_memory_room};
 pub use root::{RootError, RunRoot, base, is_alive};
 pub use run::{Keep, Opening, ParameterError, drive, is_openscenario, open, open_with};

@@ -3,13 +3,13 @@
 //! A process that dies leaves its account in shared memory ([`CountsReader::take_account`]). Its histograms go on over all
 //! processes of a service ([`CountsReader::figures`]). The launcher has received its messages on the topics.
 
-use super::cycles::CycleHistory;
-use super::drive_log::DriveLog;
-use crate::report::{
+use controller::laws;
+use drive::log::CycleHistory;
+use drive::log::DriveLog;
+use drive::report::{
     ControllerReport, Details, ModeChange, Outcome, PlantReport, ReceivedTopic, SentTopic,
     ServiceReport,
 };
-use controller::laws;
 use messages::Service;
 use runtime::scheduling::Granted;
 use runtime::statistics::Percentiles;

@@ -1,19 +1,18 @@
 //! One service of the group over all its processes: their succession, signs of life, accounts.
 
-use super::attached::{Attached, StandbyCost};
-use super::drive_log::Sign;
+use super::attached::Attached;
 use super::events::Event as GroupEvent;
-use super::exits::Exit;
 use super::processes::Process;
 use super::root::RunRoot;
 use super::starvation::Share;
 use super::succession::{Event, Phase, Standby, Step, Succession};
 use crate::Error;
-use crate::report::ServiceReport;
+use drive::log::Sign;
+use drive::report::ServiceReport;
+use drive::{Exit, Heartbeats, StandbyCost};
 use messages::Service;
 use runtime::ToService;
 use scenario::supervision::Supervision;
-use serde::Serialize;
 use std::path::PathBuf;
 use std::sync::mpsc::Sender;
 use std::time::Duration;
@@ -36,19 +35,6 @@ pub struct Member {
     pub past: Vec<ServiceReport>,
     /// Its signs of life over all its processes.
     pub heartbeats: Heartbeats,
-}
-
-/// Signs of life of a service.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Heartbeats {
-    /// Their number.
-    pub count: u64,
-    /// Number of these in which the service reported a missing or stale input.
-    pub degraded: u64,
-    /// Longest time without one, ms.
-    pub longest_silence_ms: f64,
-    /// Time without one because the machine did not give it the processor, ms.
-    pub starved_ms: f64,
 }
 
 impl Member {

@@ -2,41 +2,19 @@
 //! says so.
 
 use super::attendant::Attendant;
-use super::exits::Exit;
 use super::root::RunRoot;
+use drive::{Exit, RecordingSummary};
 use messages::Service;
 use recorder::{FigureName, FromRecorder, LawNames, Recording, Start, ToRecorder};
 use runtime::Program;
 use runtime::scheduling::Granted;
 use scenario::Scenario;
-use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// Time that the recorder gets to be ready, and to write what it still holds at the end.
 const PATIENCE: Duration = Duration::from_secs(10);
-
-/// Fate of a recording.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct RecordingSummary {
-    /// The file.
-    #[serde(serialize_with = "as_text")]
-    pub path: PathBuf,
-    /// Messages in it.
-    pub messages: u64,
-    /// Messages that were sent and are not in it; null if the recorder died.
-    pub lost: Option<u64>,
-    /// Its size, bytes.
-    pub bytes: u64,
-    /// Reason why it ends before the run's end, if it does.
-    pub failed: Option<String>,
-}
-
-/// A path in JSON, which holds text alone: bytes that are not text are replaced.
-fn as_text<S: Serializer>(path: &Path, serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.serialize_str(&path.to_string_lossy())
-}
 
 /// Meaning of the numbers of the scenario's law.
 #[must_use]

@@ -2,12 +2,12 @@
 
 use super::attendant::Attendant;
 use super::events::{Event, follow_signals};
-use super::exits::Exit;
 use super::processes::{Janitor, Process};
 use super::room::check_room;
 use super::root::RunRoot;
 use crate::{Error, Failure, Status};
 use controller::laws;
+use drive::Exit;
 use messages::Service;
 use messages::{Command, Diagnostics};
 use recorder::{FromReplayer, Recording, Take, ToReplayer};

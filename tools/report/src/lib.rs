@@ -30,7 +30,6 @@ mod drive;
 mod duration;
 pub mod fault;
 pub mod figures;
-mod following;
 pub mod html;
 mod lateral;
 pub mod output;
@@ -41,21 +40,17 @@ pub mod print;
 pub mod progress;
 pub mod results;
 mod run;
-pub mod summary;
 pub mod table;
-pub mod targets;
 mod timing;
 pub mod trajectory;
-mod trip;
 pub mod verdicts;
 
+pub use ::drive::summary::{self, Following, Passing, Trip, nothing_ahead, targets};
 pub use compare::overlay;
-pub use following::Following;
 pub use picture::RunPicture;
 pub use plane::PlaneView;
 pub use run::{document as run_document, pictures as run_pictures};
 pub use timing::{Distribution, distributions};
-pub use trip::{Passing, Trip, nothing_ahead};
 
 /// Name of the page in the results' directory.
 pub const FILE: &str = "report.html";

@@ -3,11 +3,11 @@
 use super::Supervisor;
 use crate::Error;
 use crate::disturbance::Disturbance;
-use crate::drive_log::DriveLog;
 use crate::events::Answer;
 use crate::faults::{Act, LiveProcess};
 use crate::refusal::absent;
 use crate::succession::Phase;
+use drive::log::DriveLog;
 use messages::Service;
 use runtime::{Injected, Mode, ToService, concerned, monotonic_ns};
 use rustix::process::Signal;

@@ -2,11 +2,11 @@
 
 use super::Supervisor;
 use super::watch::{Course, LAST_MOMENT};
-use crate::drive_log::DriveLog;
 use crate::events::ServiceProcess;
-use crate::exits::Exit;
-use crate::launch::Ended;
 use crate::succession::{self, Phase, Standby, Step};
+use drive::Ended;
+use drive::Exit;
+use drive::log::DriveLog;
 use messages::Service;
 use runtime::{ActiveProcess, Cause, Mode, StartOrder, TakeOver, ToService};
 

@@ -2,13 +2,13 @@
 
 use crate::Error;
 use crate::events::{Event, ServiceProcess};
-use crate::exits::Exit;
 use crate::launch::Launch;
 use crate::member::Member;
 use crate::processes::Janitor;
 use crate::root::RunRoot;
 use crate::starvation::Share;
 use crate::succession::Phase;
+use drive::Exit;
 use messages::Service;
 use runtime::{ToService, monotonic_ns};
 use std::collections::BTreeMap;

@@ -3,14 +3,14 @@
 
 use super::Supervisor;
 use crate::Error;
-use crate::drive_log::DriveLog;
 use crate::events::{Event, ServiceProcess};
-use crate::exits::Exit;
-use crate::launch::{Ended, Moment};
 use crate::member::Member;
 use crate::recording::RecorderProcess;
-use crate::report::read;
 use crate::succession::{self, Phase};
+use drive::Exit;
+use drive::log::DriveLog;
+use drive::report::read;
+use drive::{Ended, Moment};
 use messages::Service;
 use runtime::{FromService, Mode, ToService, monotonic_ns};
 use std::sync::mpsc::RecvTimeoutError;

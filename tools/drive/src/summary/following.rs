@@ -9,8 +9,8 @@
 //! of the vehicle ahead. It begins at the earliest 2 s after that vehicle came. It ends when that vehicle is gone, or
 //! when another one takes its place. The approach before does not count.
 
-use group::DriveStep;
-use group::report::ControlFigures;
+use crate::DriveStep;
+use crate::report::ControlFigures;
 use scenario::Scenario;
 use scenario::quantity::{Distance, TimeConstant};
 use scenario::referee::DesiredGap;

@@ -19,7 +19,7 @@ mod sums;
 
 pub use sums::{PlaceSums, Sums, by_place};
 
-use group::{Drive, PlaneScene};
+use crate::{Drive, PlaneScene};
 use serde::{Deserialize, Serialize};
 
 /// Gap up to which a lead counts, m.
@@ -236,7 +236,7 @@ pub fn spans(scans: &[JudgedScan], finding: impl Fn(&JudgedScan) -> bool) -> Vec
 #[cfg(test)]
 mod tests {
     use super::*;
-    use group::{Body, DriveStep, EgoPlace, Seen, TargetPlace};
+    use crate::{Body, DriveStep, EgoPlace, Seen, TargetPlace};
 
     const STEP_S: f64 = 0.05;
 

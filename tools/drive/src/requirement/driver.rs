@@ -33,7 +33,7 @@ impl ReferenceDriver {
     /// Deceleration at a time after the need, m/s². `None` in the reaction time.
     ///
     /// ```
-    /// use group::ReferenceDriver;
+    /// use drive::ReferenceDriver;
     ///
     /// assert_eq!(ReferenceDriver::REGULATION.braking_mps2(0.3), None);
     /// assert_eq!(ReferenceDriver::REGULATION.braking_mps2(0.35), Some(6.0));

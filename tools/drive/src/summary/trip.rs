@@ -4,7 +4,7 @@
 //! crosses no stop line on red, and meets no other traffic. It arrives at each line at the instant of green, with the
 //! highest speed that is possible there.
 
-use group::DriveStep;
+use crate::DriveStep;
 use scenario::Scenario;
 use scenario::plant::Plant;
 use scenario::v2x::{Phase, Signal};

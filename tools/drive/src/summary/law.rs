@@ -1,6 +1,6 @@
 //! Driver of a run: the law that was asked for, or its backup.
 
-use group::report::{ControllerReport, Outcome};
+use crate::report::{ControllerReport, Outcome};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 

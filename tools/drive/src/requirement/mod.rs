@@ -4,7 +4,7 @@
 //! `[require]` or behind `--require`. Some names stand for rules on the ground truth, which no formula expresses.
 
 #[cfg(test)]
-mod by_hand;
+mod by_hand_tests;
 mod contact;
 mod driver;
 mod evidence;
@@ -18,7 +18,6 @@ pub use driver::ReferenceDriver;
 pub use evidence::Evidence;
 pub use reference::is_avoidable_collision;
 
-use crate::Failure;
 use evidence::Finding;
 use names::{Named, Rule, WrongForm};
 use scenario::Scenario;
@@ -74,8 +73,6 @@ pub enum RequirementError {
     },
 }
 
-impl Failure for RequirementError {}
-
 /// Verdict of a requirement on a drive, and its margin.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RequirementVerdict {
@@ -102,7 +99,7 @@ pub struct RequirementVerdict {
 /// # use scenario::Scenario;
 /// let text = "schema_version = 1\nname = \"a\"\n[require]\nformulas = [\"always gap_m > 2\", \"min-gap:2\"]";
 /// let scenario = Scenario::parse("a.toml", text)?;
-/// let requirements = group::requirements(&scenario)?;
+/// let requirements = drive::requirements(&scenario)?;
 /// assert_eq!(requirements[1].formula(), "always gap_m >= 2");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

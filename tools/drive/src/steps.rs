@@ -1,6 +1,6 @@
 //! A drive, sample by sample.
 
-use crate::plane::PlaneScene;
+use crate::log::PlaneScene;
 use crate::report::ReceivedTopic;
 use messages::{AllVehicles, BrakeState, EgoTruth, PhaseState};
 use runtime::statistics::Percentiles;

@@ -1,7 +1,7 @@
 //! Reports of the on-board unit and the carrier.
 
-use group::GroupOutcome;
-use group::report::{Details, LinkReport, ObuReport};
+use crate::GroupOutcome;
+use crate::report::{Details, LinkReport, ObuReport};
 use messages::Service;
 
 /// The on-board unit's report; `None` without one.

@@ -1,7 +1,7 @@
 //! Counts of the messages of a run.
 
-use group::Drive;
-use group::report::{ReceivedTopic, ServiceReport};
+use crate::Drive;
+use crate::report::{ReceivedTopic, ServiceReport};
 use messages::Service;
 use messages::e2e::Outcomes;
 use serde::Serialize;

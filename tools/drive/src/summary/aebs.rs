@@ -1,6 +1,6 @@
 //! Figures of the emergency brake.
 
-use group::report::{Details, Hops, PlantReport, ServiceReport};
+use crate::report::{Details, Hops, PlantReport, ServiceReport};
 use runtime::statistics::Percentiles;
 use scenario::Scenario;
 use serde::Serialize;

@@ -4,7 +4,7 @@
 //! deceleration until it stands, and one that speeds up keeps its speed.
 
 use super::evidence::Evidence;
-use crate::present::Present;
+use crate::log::Present;
 use messages::{AllVehicles, VehicleTruthItem};
 
 /// The other vehicles of a drive.

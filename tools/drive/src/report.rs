@@ -62,7 +62,7 @@ impl Details {
 }
 
 /// The report that a service sent, with its figures read.
-pub(crate) fn read(report: runtime::report::ServiceReport) -> ServiceReport {
+pub fn read(report: runtime::report::ServiceReport) -> ServiceReport {
     let service = report.service;
     report.map(|payload| Details::of(service, &payload))
 }

@@ -1,28 +1,31 @@
 //! `summary.json`: stable names for the measurements of a run. A figure that does not apply is null.
 
 mod aebs;
+mod following;
 mod host;
 mod law;
 mod radio;
+pub mod targets;
 mod topics;
+mod trip;
 
 pub use aebs::{Aebs, braked};
+pub use following::Following;
 pub use host::Host;
 pub use law::LawAccount;
 pub use topics::TopicCounts;
+pub use trip::{Passing, Trip, nothing_ahead};
 
-use crate::following::{Following, GapErrors};
-use crate::targets::PlaceSums;
-use crate::trip::Trip;
-use group::report::{
+use crate::report::{
     CheckReport, ControlFigures, ControllerReport, Details, Hops, LinkReport, ModeChange,
     ObuReport, Outcome, PerceptionReport, PlanningReport, PlantReport, ProgramReport,
     ServiceReport, SignalHops, WorstChain,
 };
-use group::{
+use crate::{
     Ended, Evidence, FaultRecord, GroupOutcome, Heartbeats, RecordingSummary, RequirementVerdict,
     StandbyCost,
 };
+use following::GapErrors;
 use messages::Service;
 use messages::level::Levels;
 use runtime::scheduling::Granted;
@@ -32,6 +35,7 @@ use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::time::Duration;
+use targets::PlaceSums;
 
 /// The summary of one run.
 #[derive(Clone, Debug, Serialize)]
@@ -309,7 +313,7 @@ impl Summary {
 
 /// The verdicts on the scenario's requirements, which were checked when it was opened.
 fn judge(evidence: &Evidence<'_>) -> Vec<RequirementVerdict> {
-    let requirements = group::requirements(evidence.scenario).unwrap_or_default();
+    let requirements = crate::requirements(evidence.scenario).unwrap_or_default();
     requirements.iter().map(|requirement| requirement.judge(evidence)).collect()
 }
 

@@ -1,19 +1,30 @@
 //! The drive as the launcher receives it on the topics.
 
-use crate::by_step::take_step;
-use crate::cycles::CycleHistory;
-use crate::drive::{Drive, DriveStep, PowertrainStep};
-use crate::further::{Further, Truths};
-use crate::headers::{Headers, listen_to};
-use crate::kept_steps::{KeptSteps, MOST_IN_REALTIME};
-use crate::plane::PlaneTopics;
-use crate::present::{Present, place_at};
+mod by_step;
+mod cycles;
+mod further;
+mod headers;
+mod kept_steps;
+mod plane;
+mod present;
+
+pub use cycles::CycleHistory;
+pub use plane::{Body, EgoPlace, PlaneLog, PlaneScene, Seen, TargetPlace};
+pub(crate) use present::Present;
+
 use crate::report::ControlFigures;
+use crate::steps::{Drive, DriveStep, PowertrainStep};
+use by_step::take_step;
 use bytemuck::Zeroable;
+use further::{Further, Truths};
+use headers::{Headers, listen_to};
+use kept_steps::{KeptSteps, MOST_IN_REALTIME};
 use messages::{
     AllVehicles, Brake, BrakeState, Command, Diagnostics, EgoTruth, Header, Heartbeat, Message,
     Powertrain, RadarTracks, Service, ServiceState, Topic, VehicleTruth,
 };
+use plane::PlaneTopics;
+use present::place_at;
 use runtime::statistics::Latencies;
 use runtime::{Group, InProcess, Mode, Observed, Observer, RuntimeError, Timetable};
 use scenario::Scenario;
@@ -90,7 +101,7 @@ impl DriveLog {
     }
 
     /// Opens all topics of a run in this thread, where no command is late.
-    pub(crate) fn in_process(run: &InProcess, scenario: &Scenario) -> Result<Self, RuntimeError> {
+    pub fn in_process(run: &InProcess, scenario: &Scenario) -> Result<Self, RuntimeError> {
         Self::by(run.observer(), scenario, Mode::Lockstep, &run.timetable(), i64::MAX)
     }
 

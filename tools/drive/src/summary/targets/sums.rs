@@ -4,7 +4,7 @@ use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 
 use super::{JudgedScan, Place, REACH_M, judge, spans};
-use group::Drive;
+use crate::Drive;
 
 /// Sums of the scans in one part of a curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
