@@ -14,7 +14,7 @@ def main():
     assert b"figures.acc-mpc" in file.metadata.metadata, file.metadata.metadata
     runs = sorted({row["run"] for row in rows})
     assert [row["run"] for row in rows] == sorted(row["run"] for row in rows)
-    with open(out / "sweep.csv", newline="") as table:
+    with open(out / "runs.csv", newline="") as table:
         swept = list(csv.DictReader(table))
     for run in runs:
         steps = [row for row in rows if row["run"] == run]

@@ -32,10 +32,10 @@ studies! {
     r157: "r157 --controllers acc-mpc --sample 1";
     iso15622: "iso15622 --controllers acc-mpc";
     reproduce: "reproduce six-mode";
-    radio: "campaign radio --sample 2";
-    signals: "campaign signals --seeds 1";
-    curves: "campaign curves --seeds 1";
-    plausibility: "campaign plausibility --hours 0.01 --shard 1/40 --out part";
+    signals: "test signals --seeds 1";
+    curves: "test curves --seeds 1";
+    everyday: "test everyday --seeds 1 --only acc-mpc --only cut-in";
+    plausibility: "test plausibility --seeds 1 --shard 1/40 --out part";
     campaign: "campaign messages --sample 4";
 }
 

@@ -26,7 +26,7 @@ fn sweep(corner: &Corner, out: &str, more: &[&str]) -> [String; 3] {
     let arguments: Vec<_> = GRID.iter().chain(&[out]).chain(more).copied().collect();
     let output = corner.run(&arguments);
     assert!(output.status.success(), "{}", text(&output));
-    ["sweep.csv", "sweep.json", "report.html"].map(|name| {
+    ["runs.csv", "sweep.json", "report.html"].map(|name| {
         std::fs::read_to_string(corner.path().join(out).join(name)).expect("a sweep writes it")
     })
 }
@@ -96,7 +96,7 @@ fn an_interrupted_sweep_keeps_what_it_has() {
     kill_process(pid, Signal::INT).expect("our own child");
     let output = child.wait_with_output().expect("our own child");
     assert_eq!(output.status.code(), Some(130), "{}", text(&output));
-    let kept = std::fs::read_to_string(corner.path().join("out/sweep.csv")).expect("it is kept");
+    let kept = std::fs::read_to_string(corner.path().join("out/runs.csv")).expect("it is kept");
     assert!((2..2000).contains(&kept.lines().count()), "{kept}");
     corner.expect_nothing_left(&[]);
 }

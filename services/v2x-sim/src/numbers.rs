@@ -5,11 +5,9 @@
 //! the map as a source of the course. Grades: `predictive` on `truck-hills`.
 //!
 //! ```sh
-//! cargo run --release -p standards --example law_numbers -- cacc-mpc v2x-sim --built-in corridor --duration 100 \
-//!     --set 'v2x.radio="frames"' --set v2x.unit.contradicted_from_s=20
-//! cargo run --release -p standards --example law_numbers -- acc-mpc v2x-sim --built-in curved-following --duration 60 \
-//!     --set 'perception.course.sources=["yaw-rate","standing","trails","map"]'
-//! cargo run --release -p standards --example law_numbers -- predictive v2x-sim --built-in truck-hills --duration 300
+//! timegap test signals --effects v2x-sim --seeds 4 --set v2x.unit.contradicted_from_s=20
+//! timegap test curves --effects v2x-sim --seeds 2 --only '+ map'
+//! timegap test plausibility --effects v2x-sim --seeds 52 --only truck
 //! ```
 //!
 //! ```

@@ -12,7 +12,7 @@ pub struct Builtin {
 }
 
 /// Every built-in campaign file.
-pub const BUILTIN: [Builtin; 5] = [
+pub const BUILTIN: [Builtin; 6] = [
     Builtin {
         name: "kills",
         summary: "1,000 SIGKILLs over all processes of a run, most of them in critical phases, in realtime",
@@ -22,6 +22,11 @@ pub const BUILTIN: [Builtin; 5] = [
         name: "messages",
         summary: "10,000 runs in lockstep, each with 2 to 4 seeded faults of messages of up to 20 s",
         text: include_str!("../campaigns/messages.toml"),
+    },
+    Builtin {
+        name: "radio",
+        summary: "2,000 drives through signals whose frames are lost, late and falsified",
+        text: include_str!("../campaigns/radio.toml"),
     },
     Builtin {
         name: "restarts",

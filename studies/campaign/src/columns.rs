@@ -29,6 +29,7 @@ const FIELDS: &[Column<Verdict>] = &[
 pub fn sums<R>() -> Vec<Column<R>> {
     let named = [
         nested("phases", Kind::Object, "Faults that acted in each phase"),
+        nested("frames", Kind::Object, "Received radio frames by the on-board unit's verdict"),
         nested("rungs_s", Kind::Object, "Time of each service on each degradation level, s"),
         word("memory_growth_of", "memory grew in", "The service that grew most").hidden(),
     ];

@@ -46,6 +46,7 @@ pub fn document(verdict: &Verdict, runs: &Sum, records: Records<Record>) -> Docu
     runs_of(verdict, document)
         .table(totals(all))
         .text(listed("faults in each phase", &all.phases))
+        .text(listed("radio frames by verdict", &all.frames))
         .text(listed("time on each level, s", &rounded(&all.rungs_s)))
         .table(Table::new("Events of the drives without faults", EXPOSURE, &verdict.exposure))
         .table(

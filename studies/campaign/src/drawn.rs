@@ -1,4 +1,6 @@
-//! Values that are drawn: one of a list of words or tables, or a number in a range.
+//! Values that are drawn: one of a list of words, tables or ranges, or a number in a range.
+//!
+//! `[0.0, 0.0, [0.0, 0.5]]` is 0 in two runs of three, and in the third a number up to 0.5.
 
 use group::Failure;
 use rand_pcg::Pcg64;
@@ -7,8 +9,8 @@ use toml::Value;
 /// A value from which nothing can be drawn.
 #[derive(Debug, thiserror::Error)]
 #[error(
-    "faults: {key} = {value} cannot be drawn from, expected two numbers, the smaller first, or a list of words or \
-     of tables"
+    "{key} = {value} cannot be drawn from, expected two numbers, the smaller first, or a list of words, of tables or \
+     with ranges"
 )]
 pub struct NotDrawable {
     key: String,
@@ -22,8 +24,8 @@ pub fn check(key: &str, value: &Value) -> Result<(), NotDrawable> {
     match value {
         Value::Table(table) => table.iter().try_for_each(|(key, value)| check(key, value)),
         Value::Array(values) if is_choice(values) => {
-            let mut tables = values.iter().filter(|value| value.is_table());
-            tables.try_for_each(|table| check(key, table))
+            let mut parts = values.iter().filter(|value| value.is_table() || value.is_array());
+            parts.try_for_each(|part| check(key, part))
         }
         Value::Array(values) if range(values).is_none() => {
             Err(NotDrawable { key: key.to_owned(), value: value.clone() })
@@ -35,7 +37,7 @@ pub fn check(key: &str, value: &Value) -> Result<(), NotDrawable> {
 /// True for a list of which one element is drawn.
 fn is_choice(values: &[Value]) -> bool {
     let all = |is: fn(&Value) -> bool| !values.is_empty() && values.iter().all(is);
-    all(Value::is_str) || all(Value::is_table)
+    all(Value::is_str) || all(Value::is_table) || values.iter().any(Value::is_array)
 }
 
 /// The ends of a range: two numbers, in order.

@@ -13,8 +13,6 @@
 //! ([`group::is_avoidable_collision`]). A campaign fails when its faults meet nothing (`exposure`), and is refused when
 //! its faults have no receiver (`targets`).
 //!
-//! `select` has a row for each campaign that comes from no file; each has a folder of its own.
-//!
 //! ```toml
 //! schema_version = 1
 //! name = "lost-commands"
@@ -37,7 +35,6 @@ mod blame;
 mod builtin;
 mod columns;
 mod counts;
-mod curves;
 mod document;
 mod drawn;
 mod exposure;
@@ -49,12 +46,7 @@ mod measured;
 mod open;
 mod plan;
 mod planned;
-mod plausibility;
-mod radio;
 mod record;
-mod required;
-mod select;
-mod signals;
 mod study;
 mod sums;
 mod tally;
@@ -65,5 +57,5 @@ mod verdict;
 
 pub use arguments::CampaignArguments;
 pub use builtin::BUILTIN;
-pub use plausibility::radar_figures;
-pub use select::{STUDIES, WITHOUT_FILE, run, schemas};
+pub use columns::schema;
+pub use study::{ENTRY, run};

@@ -30,12 +30,27 @@ pub enum VariationNameError {
 
 impl Failure for VariationNameError {}
 
+/// The argument is neither a built-in campaign nor a file.
+#[derive(Debug, thiserror::Error)]
+#[error(
+    "{argument}: no built-in campaign and no file of this name, expected a path or {}",
+    scenario::accepted(argument, BUILTIN.iter().map(|builtin| builtin.name))
+)]
+pub struct UnknownCampaign {
+    argument: String,
+}
+
+impl Failure for UnknownCampaign {}
+
 /// The built-in campaign of that name, or the file at that path.
 pub fn open(argument: &str) -> Result<Campaign, Error> {
     if let Some(builtin) = BUILTIN.iter().find(|builtin| builtin.name == argument) {
         return Campaign::parse(&format!("built-in {argument}"), builtin.text);
     }
     let path = Path::new(argument);
+    if !path.exists() {
+        return Err(UnknownCampaign { argument: argument.to_owned() }.into());
+    }
     if group::is_openscenario(argument) {
         return of_variation(path);
     }

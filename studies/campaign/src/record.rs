@@ -86,6 +86,9 @@ pub struct Measured {
     pub critical_faults: u64,
     /// Faults that acted in each phase.
     pub phases: BTreeMap<String, u64>,
+    /// Received radio frames by the on-board unit's verdict.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub frames: BTreeMap<String, u64>,
     /// Leftovers of the run.
     pub leaks: Vec<String>,
     /// Growth of memory and descriptors, where it was sampled.
@@ -186,6 +189,7 @@ impl Measured {
             disturbed: faults.iter().filter_map(|fault| fault.messages).sum(),
             corrupted,
             undetected: faults.iter().map(|fault| fault.undetected).sum(),
+            frames: summary.radio.as_ref().map(|radio| radio.verdicts.clone()).unwrap_or_default(),
             leaks: done.leftovers.clone(),
             growth: Growth::over(&done.samples),
             launcher_died: false,

@@ -38,10 +38,11 @@ pub fn run(command: &Command<CampaignArguments>) -> Result<ExitCode, Error> {
 
 /// The campaign of the arguments' file, with the options laid over it.
 fn effective(arguments: &CampaignArguments) -> Result<Campaign, Error> {
-    let mut campaign = open(arguments.campaign.as_deref().unwrap_or_default())?;
+    let mut campaign = open(&arguments.campaign)?;
     if let Some(seeds) = arguments.seeds {
         campaign.limit_seeds(seeds);
     }
+    campaign.first_seed = arguments.first.unwrap_or(campaign.first_seed);
     campaign.sample = arguments.sample.or(campaign.sample);
     campaign.judge_by(&arguments.require);
     arguments.laws.check()?;

@@ -14,6 +14,7 @@ pub struct Tally {
     #[serde(flatten)]
     pub measures: Measures,
     pub phases: BTreeMap<String, u64>,
+    pub frames: BTreeMap<String, u64>,
     pub rungs_s: BTreeMap<String, f64>,
     pub memory_growth_of: String,
 }
@@ -29,8 +30,11 @@ impl Sum {
     /// Adds a run. In another order the times on the levels may differ in their last digits.
     pub fn add(&mut self, record: &Record) {
         let (tally, found) = (&mut self.tally, &record.measured);
-        for (phase, count) in &found.phases {
-            *tally.phases.entry(phase.clone()).or_insert(0) += count;
+        for (sum, found) in [(&mut tally.phases, &found.phases), (&mut tally.frames, &found.frames)]
+        {
+            for (name, count) in found {
+                *sum.entry(name.clone()).or_insert(0) += count;
+            }
         }
         for (rung, time_s) in &found.rungs_s {
             *tally.rungs_s.entry(rung.clone()).or_insert(0.0) += time_s;

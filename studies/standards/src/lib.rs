@@ -16,7 +16,7 @@
 //! outcome is [`Outcome::None`]. A system should master the cases that both of the regulation's models master.
 //!
 //! [`r157`] drives our laws through these matrices and judges them by the models. [`iso15622`] runs the tests of
-//! adaptive cruise control. [`everyday`] draws scenes in which an emergency brake has nothing to do.
+//! adaptive cruise control.
 //!
 //! Sources: UN R157, paragraph 5.2.5.2 and annex 4, appendix 3. Mattas and others, "Fuzzy surrogate safety metrics for
 //! real-time assessment of rear-end collision risk", Accident Analysis & Prevention 148 (2020) 105794. Shalev-Shwartz
@@ -28,7 +28,6 @@
 mod contact;
 pub mod cut_in;
 pub mod cut_out;
-pub mod everyday;
 pub mod following;
 pub mod iso15622;
 mod models;

@@ -21,13 +21,14 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Files that commands write into their directory; a name without a dot is a directory.
-const RESULTS: [&str; 40] = [
+const RESULTS: [&str; 37] = [
     "bench.json",
     "campaign.csv",
     "campaign.json",
     "campaign.toml",
     "compare.json",
     "csv",
+    "everyday.json",
     "failure-1.toml",
     "failure-2.toml",
     "failure-3.toml",
@@ -42,8 +43,6 @@ const RESULTS: [&str; 40] = [
     "part.json",
     "plausibility.json",
     "r157.json",
-    "radio.csv",
-    "radio.json",
     "radio.pcap",
     "recording.mcap",
     "replay.csv",
@@ -52,12 +51,10 @@ const RESULTS: [&str; 40] = [
     "runs.jsonl",
     "scenario.toml",
     "search.json",
-    "signals.csv",
     "signals.json",
     "string.csv",
     "string.json",
     "summary.json",
-    "sweep.csv",
     "sweep.json",
     "trace.pftrace",
     "trajectories.parquet",

@@ -26,6 +26,9 @@ const EXIT_STATUS: &str = "Exit status: 0 all well; 1 the run broke a requiremen
 red light, a failed check); 2 bad usage or a bad file; 3 the machine would not let it run; \
 130 interrupted.";
 
+/// Names of `test` that `campaign` had in version 0.2.
+const MOVED: [&str; 3] = ["signals", "curves", "plausibility"];
+
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run the process group through a scenario
@@ -37,7 +40,7 @@ pub enum Command {
     /// Measure latency, jitter and deadline misses against the machine's own floor
     Bench(bench::BenchArguments),
     /// Drive scenarios with several controllers and compare them
-    Compare(frame::Command<comparison::compare::CompareArguments>),
+    Compare(frame::Command<grid::compare::CompareArguments>),
     /// Drive UN R157's cut-in, following and cut-out scenarios with our controllers and its models
     R157(frame::Command<standards::r157::R157Arguments>),
     /// Run ISO 15622's tests of adaptive cruise control
@@ -46,10 +49,13 @@ pub enum Command {
     Trace(TraceArguments),
     /// Drive many seeded runs with faults and give one verdict
     Campaign(frame::Command<campaign::CampaignArguments>),
+    /// Drive a population of random scenes and judge it by ground truth
+    #[command(subcommand)]
+    Test(populations::PopulationCommand),
     /// Drive a string of cars and print how it amplifies speed changes
     String(frame::Command<string::StringArguments>),
     /// Drive a scenario for several values of a key and print a figure of each
-    Sweep(frame::Command<comparison::sweep::SweepArguments>),
+    Sweep(frame::Command<grid::sweep::SweepArguments>),
     /// Search the scenes and faults that break a requirement
     Search(Box<frame::Command<search::SearchArguments>>),
     /// Join the parts of a study
@@ -86,7 +92,15 @@ pub enum Command {
 impl Cli {
     /// Reads the command line. Help and errors end the process, in clap's words.
     pub fn read() -> Self {
-        Self::of(std::env::args_os()).unwrap_or_else(|error| explain(error).exit())
+        let mut words: Vec<OsString> = std::env::args_os().collect();
+        if let [_, campaign, name, ..] = words.as_mut_slice()
+            && campaign == "campaign"
+            && MOVED.iter().any(|moved| name == moved)
+        {
+            eprintln!("note: it is `timegap test {}` now", name.to_string_lossy());
+            *campaign = "test".into();
+        }
+        Self::of(words).unwrap_or_else(|error| explain(error).exit())
     }
 
     /// A word such as `-1` is a value. It is refused as the value of its option, not as an option.

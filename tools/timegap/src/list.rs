@@ -49,8 +49,8 @@ pub enum SchemaOf {
 /// The schemas of all results: one row a command.
 fn results() -> serde_json::Value {
     let mut all = vec![
-        comparison::compare::schema(),
-        comparison::sweep::schema(),
+        grid::compare::schema(),
+        grid::sweep::schema(),
         search::schema(),
         string::schema(),
         standards::r157::schema(),
@@ -58,7 +58,8 @@ fn results() -> serde_json::Value {
         papers::schema(),
         bench::schema(),
     ];
-    all.extend(campaign::schemas());
+    all.push(campaign::schema());
+    all.extend(populations::schemas());
     schema_document(&all)
 }
 
@@ -124,8 +125,8 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
     let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.summary));
     let controllers = laws::ALL.iter().map(|law| (law.name, law.description));
     let campaigns = campaign::BUILTIN.iter().map(|builtin| (builtin.name, builtin.summary));
-    let campaigns =
-        campaigns.chain(campaign::WITHOUT_FILE.iter().map(|own| (own.name, own.summary)));
+    let tests = populations::summaries();
+    let tests = tests.iter().map(|(name, line)| (name.as_str(), line.as_str()));
     if arguments.json {
         let entry = |(name, line)| serde_json::json!({"name": name, "description": line});
         let list = serde_json::json!({
@@ -133,6 +134,7 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
             "scenarios": scenarios.map(entry).collect::<Vec<_>>(),
             "controllers": laws::ALL.iter().copied().map(controller).collect::<Vec<_>>(),
             "campaigns": campaigns.map(entry).collect::<Vec<_>>(),
+            "tests": tests.map(entry).collect::<Vec<_>>(),
         });
         let json = serde_json::to_string_pretty(&list).expect("plain data");
         print::out(&(json + "\n"))?;
@@ -145,6 +147,8 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
     controllers.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
     text.push_str("Campaigns (timegap campaign NAME):\n");
     campaigns.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
+    text.push_str("Tests (timegap test NAME):\n");
+    tests.for_each(|(name, line)| text.push_str(&format!("  {name:<26} {line}\n")));
     print::out(&text)?;
     Ok(ExitCode::SUCCESS)
 }

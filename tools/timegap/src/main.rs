@@ -68,13 +68,14 @@ fn run_command() -> ExitCode {
         Command::Rsu(arguments) => rsu::run(&arguments),
         Command::Reproduce(arguments) => papers::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
-        Command::Compare(arguments) => comparison::compare::run(&arguments),
+        Command::Compare(arguments) => grid::compare::run(&arguments),
         Command::R157(arguments) => standards::r157::run(&arguments),
         Command::Iso15622(arguments) => standards::iso15622::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Campaign(arguments) => campaign::run(&arguments),
+        Command::Test(command) => populations::run(&command),
         Command::String(arguments) => string::run(&arguments),
-        Command::Sweep(arguments) => comparison::sweep::run(&arguments),
+        Command::Sweep(arguments) => grid::sweep::run(&arguments),
         Command::Search(arguments) => search::run(&arguments),
         Command::Merge(arguments) => frame::merge(&arguments, &studies()),
         Command::Resume(arguments) => frame::resume(&arguments, &studies()),
@@ -109,13 +110,14 @@ fn run_command() -> ExitCode {
 fn studies() -> Vec<frame::Entry> {
     let one = [
         papers::ENTRY,
-        comparison::compare::ENTRY,
-        comparison::sweep::ENTRY,
+        grid::compare::ENTRY,
+        grid::sweep::ENTRY,
         standards::r157::ENTRY,
         standards::iso15622::ENTRY,
         string::ENTRY,
+        campaign::ENTRY,
     ];
-    [&one[..], &campaign::STUDIES, &search::STUDIES].concat()
+    [&one[..], &populations::STUDIES, &search::STUDIES].concat()
 }
 
 /// Turns a write beyond the limit on file sizes (`ulimit -f`) from the end of the process into an error.

@@ -6,8 +6,8 @@
 //! and 1.25 times.
 //!
 //! ```sh
-//! cargo run --release -p standards --example law_numbers -- acc-mpc following
-//! cargo run --release -p standards --example law_numbers -- six-mode following
+//! timegap test everyday --effects following --controllers acc-mpc --seeds 4 --only alone \
+//!     --only cut-in,stop,braking-lead,cut-out
 //! ```
 //!
 //! The base: least gap 18.1 m, hardest braking 2.49 m/s², rms jerk 0.505 m/s³ (means of the scenes). There is no

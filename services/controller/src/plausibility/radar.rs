@@ -14,7 +14,7 @@
 //! without faults, and five with each false radar.
 //!
 //! ```sh
-//! cargo run --release -p campaign --example plausibility_numbers
+//! timegap test plausibility --effects plausibility --seeds 20
 //! ```
 //!
 //! The base: no drive has a false alarm. A frozen radar is found after 0.13 to 0.20 s. A gap that is off by 5 m is

@@ -1,7 +1,7 @@
 //! Reference drivers: how long after the need they brake, and how hard.
 //!
 //! They stand here once for the requirement `no-avoidable-collision`, for the search (`search::reference`) and for the
-//! everyday scenes (`standards::everyday`). Each of the three moves its driver through its own picture of the traffic.
+//! everyday scenes (`populations`). Each of the three moves its driver through its own picture of the traffic.
 //! These are a recorded drive, a scenario that was not driven, and an oracle that shares no code with the plant.
 
 /// A driver who has noticed the need to brake.

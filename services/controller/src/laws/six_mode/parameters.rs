@@ -5,7 +5,8 @@
 //! stops, braking leads and cut-outs each. "No change" means less than 2 % of each figure, and no collision.
 //!
 //! ```sh
-//! cargo run --release -p standards --example law_numbers -- six-mode six_mode
+//! timegap test everyday --effects six_mode --controllers six-mode --seeds 4 --only alone \
+//!     --only cut-in,stop,braking-lead,cut-out
 //! ```
 //!
 //! The base: least gap 19.8 m, hardest braking 2.84 m/s², rms jerk 0.554 m/s³ (means of the scenes). There is no

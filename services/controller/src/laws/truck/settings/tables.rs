@@ -10,7 +10,8 @@
 //! absent ones were not varied.
 //!
 //! ```sh
-//! cargo run --release -p standards --example law_numbers -- predictive predictive --built-in truck-traffic,truck-hills,truck-follow,truck-brake
+//! timegap test plausibility --effects predictive --seeds 104 --only truck
+//! timegap sweep truck-hills --param controller.predictive.KEY=A,B
 //! ```
 //!
 //! The base: least gap 28.3 m, hardest braking 1.08 m/s², rms jerk 0.174 m/s³, fuel 37.6 L/100 km, service brakes for

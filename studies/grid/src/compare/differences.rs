@@ -1,0 +1,216 @@
+//! Differences between laws, seed by seed, and which of them are real.
+//!
+//! Laws that met the same seeds are compared pair by pair: what a seed does to both falls out. An interval of
+//! [`statistics::interval`] holds the difference without a guess at its distribution. Many differences are looked at
+//! together, so each interval is widened until all of a scenario hold together (Bonferroni). A drive that ended early
+//! has other figures. So pairs of completed runs alone count, and the share of completed runs is a figure of its own.
+
+use group::report::Outcome;
+use report::figures::compared;
+use report::results::Good;
+use schemars::JsonSchema;
+use serde::Serialize;
+use statistics::{Interval, interval, least_pairs};
+use std::collections::BTreeMap;
+
+use crate::row::Row;
+
+/// Probability that an interval of a scenario misses its difference.
+const TAILS: f64 = 0.05;
+/// Name of the share of completed runs.
+const COMPLETED: &str = "completed";
+
+/// A figure of a law minus that of the first law, over the seeds.
+#[derive(Debug, Serialize, JsonSchema)]
+pub struct Difference {
+    /// Scenario that was driven.
+    pub scenario: String,
+    /// Control law that drove.
+    pub controller: String,
+    /// The first law.
+    pub reference: String,
+    /// A key of `means.figures`, or `completed`.
+    pub figure: &'static str,
+    #[serde(skip)]
+    pub title: String,
+    /// Mean of the differences.
+    pub mean: f64,
+    /// Interval of the difference; null of too few seeds.
+    pub low: Option<f64>,
+    pub high: Option<f64>,
+    /// Pairs of runs.
+    pub n: usize,
+    /// The interval leaves out 0; null of too few seeds.
+    pub real: Option<bool>,
+    /// The law is better than the first one; null where the difference is not real.
+    pub better: Option<bool>,
+    /// Differences of the scenario, which hold together.
+    #[serde(skip)]
+    family: usize,
+}
+
+impl Difference {
+    /// True if the difference is called real.
+    pub fn is_real(&self) -> bool {
+        self.real == Some(true)
+    }
+
+    /// The judgement in a word.
+    pub fn verdict(&self) -> &'static str {
+        match (self.real, self.better) {
+            (None, _) => "too few seeds",
+            (_, Some(true)) => "better",
+            (_, Some(false)) => "worse",
+            (_, None) => "not real",
+        }
+    }
+}
+
+/// Rule for a real difference, in words; `None` without differences.
+pub fn rule(differences: &[Difference]) -> Option<String> {
+    let largest = differences.iter().map(|difference| difference.family).max()?;
+    let tails = TAILS / largest as f64;
+    let first = &differences[0].reference;
+    let mut words = format!(
+        "A difference is called real when its interval leaves out 0. It is taken from {first} seed by seed, in pairs \
+         of completed runs. The {largest} intervals of a scenario hold together with {} % (means of subsets, Hartigan \
+         1969; Bonferroni). They assume that differences lie symmetrically about their centre, and no more.",
+        100.0 * (1.0 - TAILS)
+    );
+    if differences.iter().any(|difference| difference.real.is_none())
+        && let Some(least) = least_pairs(tails)
+    {
+        words += &format!(" Fewer than {least} pairs are too few for any.");
+    }
+    Some(words)
+}
+
+/// Every law against the first one, in each scenario; nothing for one seed.
+pub fn differences(rows: &[Row]) -> Vec<Difference> {
+    let scenarios = rows.chunk_by(|a, b| a.scenario == b.scenario);
+    scenarios.flat_map(of_scenario).collect()
+}
+
+/// Differences of one figure, before they are judged.
+struct Paired<'a> {
+    law: &'a Row,
+    figure: &'static str,
+    title: String,
+    good: Good,
+    values: Vec<f64>,
+}
+
+fn of_scenario(rows: &[Row]) -> Vec<Difference> {
+    let laws: Vec<&[Row]> = rows.chunk_by(|a, b| a.controller == b.controller).collect();
+    let Some((first, others)) = laws.split_first().filter(|(first, _)| first.len() > 1) else {
+        return Vec::new();
+    };
+    let all: Vec<Paired<'_>> = others.iter().flat_map(|law| pairs(first, law)).collect();
+    let family = all.len();
+    all.into_iter().map(|paired| paired.judged(&first[0].controller, family)).collect()
+}
+
+/// The differences of a law from the first one, of each figure that both have in one seed at least.
+fn pairs<'a>(first: &[Row], law: &'a [Row]) -> Vec<Paired<'a>> {
+    // Parts of a comparison need not have all seeds of each law.
+    let of_seed: BTreeMap<u64, &Row> = first.iter().map(|row| (row.seed, row)).collect();
+    let rows: Vec<(&Row, &Row)> =
+        law.iter().filter_map(|own| Some((own, *of_seed.get(&own.seed)?))).collect();
+    let completed = |row: &Row| f64::from(u8::from(row.outcome == Outcome::Completed));
+    let shares = rows.iter().map(|(own, other)| completed(own) - completed(other));
+    let shares = Paired {
+        law: &law[0],
+        figure: COMPLETED,
+        title: "share completed".to_owned(),
+        good: Good::More,
+        values: shares.collect(),
+    };
+    let whole = rows.iter().filter(|(own, other)| completed(own) * completed(other) > 0.0);
+    let whole: Vec<&(&Row, &Row)> = whole.collect();
+    let of_figures = compared().filter(|figure| figure.good != Good::Neither);
+    let of_figures = of_figures.map(|figure| Paired {
+        law: &law[0],
+        figure: figure.name,
+        title: figure.column::<()>().head.title(),
+        good: figure.good,
+        values: (whole.iter())
+            .filter_map(|(own, other)| Some(own.figures.get(figure)? - other.figures.get(figure)?))
+            .collect(),
+    });
+    std::iter::once(shares).chain(of_figures).filter(|pair| !pair.values.is_empty()).collect()
+}
+
+impl Paired<'_> {
+    fn judged(self, reference: &str, family: usize) -> Difference {
+        let Self { law, figure, title, good, values } = self;
+        let found = interval(&values, TAILS / family as f64);
+        let real = found.map(|interval| interval.leaves_out_zero());
+        let better = found.filter(Interval::leaves_out_zero);
+        let better = better.map(|interval| (interval.low > 0.0) == (good == Good::More));
+        Difference {
+            scenario: law.scenario.clone(),
+            controller: law.controller.clone(),
+            reference: reference.to_owned(),
+            figure,
+            title,
+            mean: values.iter().sum::<f64>() / values.len() as f64,
+            low: found.map(|interval| interval.low),
+            high: found.map(|interval| interval.high),
+            n: values.len(),
+            real,
+            better,
+            family,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::row::tests::row;
+
+    /// Two laws over seeds, the second with a gap that is smaller by `less_m` in each.
+    fn rows(seeds: u64, less_m: fn(u64) -> f64) -> Vec<Row> {
+        let first = (1..=seeds).map(|seed| row("acc-mpc", seed, 20.0 + 3.0 * (seed % 4) as f64));
+        let second = |seed| row("mine", seed, 20.0 + 3.0 * (seed % 4) as f64 - less_m(seed));
+        first.chain((1..=seeds).map(second)).collect()
+    }
+
+    fn gap(differences: &[Difference]) -> &Difference {
+        differences.iter().find(|difference| difference.figure == "min_gap_m").expect("a figure")
+    }
+
+    #[test]
+    fn a_small_difference_in_every_seed_is_real_and_one_in_some_seeds_is_not() {
+        // The seeds spread by 3 m, which the pairs do not see.
+        let all = differences(&rows(12, |seed| 0.2 + 0.01 * (seed % 3) as f64));
+        let difference = gap(&all);
+        assert!(difference.is_real() && difference.better == Some(false), "{difference:?}");
+        assert!(difference.low.expect("12 pairs") < difference.mean, "{difference:?}");
+        let some = differences(&rows(12, |seed| if seed % 2 == 0 { 2.0 } else { -2.0 }));
+        assert_eq!((gap(&some).real, gap(&some).verdict()), (Some(false), "not real"));
+        assert!(all.iter().filter(|other| other.is_real()).count() == 1, "the rest is equal");
+    }
+
+    #[test]
+    fn too_few_seeds_are_named_with_the_number_that_is_needed() {
+        let few = differences(&rows(5, |_| 1.0));
+        assert_eq!((gap(&few).real, gap(&few).low), (None, None));
+        let words = rule(&few).expect("there are differences");
+        let least = least_pairs(TAILS / few.len() as f64).expect("a number has one");
+        assert!(words.contains(&format!("Fewer than {least} pairs are too few")), "{words}");
+        let enough = differences(&rows(least as u64, |_| 1.0));
+        assert!(gap(&enough).is_real());
+        assert!(differences(&rows(1, |_| 1.0)).is_empty() && rule(&[]).is_none());
+    }
+
+    #[test]
+    fn a_drive_that_ended_early_counts_as_such_alone() {
+        let mut rows = rows(12, |_| 1.0);
+        rows.iter_mut().skip(12).take(11).for_each(|row| row.outcome = Outcome::Collision);
+        let all = differences(&rows);
+        let share = all.iter().find(|difference| difference.figure == COMPLETED).expect("a figure");
+        assert_eq!((share.n, share.verdict()), (12, "worse"), "{share:?}");
+        assert_eq!((gap(&all).n, gap(&all).real), (1, None));
+    }
+}

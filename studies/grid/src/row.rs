@@ -1,0 +1,167 @@
+//! A run of a grid: its record, and a row of the results.
+
+use group::RequirementVerdict;
+use group::report::Outcome;
+use report::figures::{Measured, Values};
+use report::results::Object;
+use report::summary::{Aebs, Control, LawAccount, Summary, Timing};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A run.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Row {
+    /// Scenario that was driven.
+    pub scenario: String,
+    /// Control law that drove.
+    pub controller: String,
+    /// Seed of the run.
+    pub seed: u64,
+    /// Clock of the run.
+    pub mode: String,
+    /// Value of each key.
+    #[serde(default)]
+    pub values: Vec<String>,
+    /// How the run ended.
+    #[schemars(with = "String")]
+    pub outcome: Outcome,
+    /// Why the run was aborted.
+    #[serde(default)]
+    pub aborted_because: Option<String>,
+    /// Verdicts on the requirements, as in summary.json.
+    #[serde(default)]
+    #[schemars(with = "Vec<Object>")]
+    pub requirements: Vec<RequirementVerdict>,
+    /// Figures of the drive.
+    #[serde(default)]
+    pub figures: Values,
+    /// Parts of the summary, which a comparison has.
+    #[serde(flatten)]
+    pub parts: Option<Parts>,
+}
+
+/// Parts of a run's summary.
+#[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Parts {
+    /// Figures from ground truth, as in summary.json.
+    #[schemars(with = "Object")]
+    pub control: Control,
+    /// Latencies and deadlines, as in summary.json.
+    #[schemars(with = "Object")]
+    pub timing: Timing,
+    /// Interventions of the emergency brake, as in summary.json.
+    #[schemars(with = "Object")]
+    pub aebs: Braking,
+    /// Cycles by who commanded, as in summary.json.
+    #[serde(default)]
+    #[schemars(with = "Option<Object>")]
+    pub law: Option<LawAccount>,
+}
+
+/// Interventions of the emergency brake in a run.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub struct Braking {
+    pub enabled: bool,
+    pub warnings: Option<u64>,
+    pub interventions: Option<u64>,
+    pub braking_s: Option<f64>,
+}
+
+impl From<&Aebs> for Braking {
+    fn from(aebs: &Aebs) -> Self {
+        let Aebs { enabled, warnings, interventions, braking_s, .. } = *aebs;
+        Self { enabled, warnings, interventions, braking_s }
+    }
+}
+
+impl<'a> From<&'a Parts> for Measured<'a> {
+    fn from(Parts { control, timing, aebs, law }: &'a Parts) -> Self {
+        let Braking { warnings, interventions, braking_s, .. } = *aebs;
+        Self { control, timing, law: law.as_ref(), warnings, interventions, braking_s }
+    }
+}
+
+impl Row {
+    /// The row of a run that ended; `keeps_parts` of its summary.
+    pub fn of(label: &str, values: Vec<String>, summary: Summary, keeps_parts: bool) -> Self {
+        Self {
+            scenario: label.to_owned(),
+            values,
+            figures: Values::of(&summary),
+            controller: summary.controller,
+            seed: summary.seed,
+            mode: summary.mode.to_owned(),
+            outcome: summary.outcome,
+            aborted_because: summary.aborted_because,
+            requirements: summary.requirements,
+            parts: keeps_parts.then(|| Parts {
+                control: summary.control,
+                timing: summary.timing,
+                aebs: Braking::from(&summary.aebs),
+                law: summary.law,
+            }),
+        }
+    }
+
+    /// Rows of a caller: a list as in the JSON of `compare`, also without figures beside the parts.
+    pub fn read(rows: &str) -> serde_json::Result<Vec<Self>> {
+        let mut rows: Vec<Self> = serde_json::from_str(rows)?;
+        for row in &mut rows {
+            if let Some(parts) = row.parts.as_ref().filter(|_| row.figures == Values::default()) {
+                row.figures = Values::of(parts);
+            }
+        }
+        Ok(rows)
+    }
+}
+
+/// Interventions of the emergency brake in all rows.
+pub fn interventions(rows: &[Row]) -> u64 {
+    let of = |row: &Row| row.figures.get(&report::figures::INTERVENTIONS);
+    rows.iter().filter_map(of).map(|times| times as u64).sum()
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+    use report::figures::{
+        INTERVENTIONS, MEDIAN_TIME_GAP_S, MIN_GAP_M, MIN_TIME_GAP_S, RMS_GAP_ERROR_M,
+    };
+
+    /// A row of a car: without fuel, and without deadlines, since it was driven in lockstep.
+    pub fn row(controller: &str, seed: u64, min_gap_m: f64) -> Row {
+        let figures = Values::default()
+            .with(&MIN_GAP_M, min_gap_m)
+            .with(&RMS_GAP_ERROR_M, 0.5)
+            .with(&MIN_TIME_GAP_S, 1.25)
+            .with(&MEDIAN_TIME_GAP_S, 1.5)
+            .with(&INTERVENTIONS, 2.0);
+        Row {
+            scenario: "following".into(),
+            controller: controller.into(),
+            seed,
+            mode: "lockstep".into(),
+            values: Vec::new(),
+            outcome: Outcome::Completed,
+            aborted_because: None,
+            requirements: Vec::new(),
+            figures,
+            parts: None,
+        }
+    }
+
+    #[test]
+    fn rows_of_a_caller_have_the_figures_of_their_parts() {
+        let parts = Parts {
+            control: Control::default(),
+            timing: Timing::default(),
+            aebs: Braking { interventions: Some(3), ..Braking::default() },
+            law: None,
+        };
+        let figures = Values::default();
+        let rows = vec![Row { parts: Some(parts), figures, ..row("a", 1, 0.0) }];
+        let rows = Row::read(&serde_json::to_string(&rows).expect("plain data")).expect("rows");
+        assert_eq!(rows[0].figures.get(&INTERVENTIONS), Some(3.0));
+        assert_eq!(interventions(&rows), 3);
+    }
+}

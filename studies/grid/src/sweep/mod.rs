@@ -1,0 +1,184 @@
+//! `timegap sweep`: figures of a drive as functions of keys of its scenario.
+//!
+//! ```text
+//! KEY=A..B/STEP ─┐
+//! KEY=a,b,c ─────┴─ grid ─ seeds ─► runs ─ fold over the seeds ─► points ─► curves
+//! ```
+//!
+//! Every point of the grid is a run of its own. In lockstep, delays, jitter and misses are emulated
+//! exactly. So the same sweep gives the same bytes, in one go or in parts.
+
+mod page;
+mod results;
+mod words;
+
+use clap::Args;
+pub use results::schema;
+use serde::{Deserialize, Serialize};
+
+use frame::batch::{Done, Job};
+use frame::param::{self, Param};
+use frame::{Command, Entry, Found, Needs, RunOptions, Study, seeds};
+use group::{Error, Failure, ModeName, Opening, ScenarioOptions};
+use report::results::Document;
+use results::Sweep;
+use runtime::Mode;
+use std::process::ExitCode;
+
+use crate::cells::{Cell, Grid};
+use crate::row::Row;
+
+/// Most runs of a sweep.
+const MAX_RUNS: usize = 100_000;
+
+/// Arguments of `sweep`.
+#[derive(Clone, Debug, Args, Serialize, Deserialize)]
+pub struct SweepArguments {
+    /// Name of a built-in scenario (see `timegap list`), or a TOML file
+    pub scenario: String,
+    /// A key and its values: `KEY=A..B/STEP` or `KEY=a,b,c`; given again: their grid
+    #[arg(long = "param", value_name = "KEY=VALUES", required = true)]
+    pub params: Vec<String>,
+    /// Seeds of every point: a number N for 1 to N, A..B or a,b,c
+    #[arg(long, value_name = "SEEDS", conflicts_with = "seed")]
+    pub seeds: Option<String>,
+    /// Options of all points of the grid.
+    #[command(flatten)]
+    pub scenario_options: ScenarioOptions,
+    /// Clock: curves repeat exactly in `lockstep`; `realtime` also measures deadlines
+    #[arg(long, value_enum, default_value_t = ModeName::Lockstep)]
+    pub mode: ModeName,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A scenario, key or grid that cannot be driven, else as [`frame::run`].
+pub fn run(command: &Command<SweepArguments>) -> Result<ExitCode, Error> {
+    frame::run::<Points>(command)
+}
+
+/// The study, for `merge` and `resume`.
+pub const ENTRY: Entry = Entry::of::<Points>();
+
+/// The study: each point of the grid with each seed.
+struct Points {
+    grid: Grid,
+    /// Name of the scenario, or its file, as on the command line.
+    scenario: String,
+    params: Vec<Param>,
+    /// Controllers of the runs, each once.
+    controllers: Vec<String>,
+}
+
+impl Study for Points {
+    type Arguments = SweepArguments;
+    type Record = Row;
+    type Seen = ();
+
+    const NAME: &'static str = "sweep";
+    const NEEDS: Needs = Needs::Any;
+
+    /// Everything is read before anything runs; the scenarios are made again when their turn comes.
+    fn plan(arguments: &SweepArguments, run: &RunOptions) -> Result<Self, Error> {
+        let scenario = arguments.scenario.clone();
+        let params = params(arguments)?;
+        let seeds = arguments.seeds.as_deref().map(seeds::read).transpose()?.unwrap_or_default();
+        let values = params.iter().map(|param| param.values.len());
+        let runs = values.chain([seeds.len().max(1)]).try_fold(1, usize::checked_mul);
+        if runs.is_none_or(|runs| runs > MAX_RUNS) {
+            return Err(SweepError::TooManyRuns.into());
+        }
+        let label = scenario.clone();
+        let cell = |keys| Cell { label: label.clone(), opening: 0, keys };
+        let cells = param::grid(&params).into_iter().map(cell).collect();
+        let openings = vec![Opening::of(&scenario, &arguments.scenario_options)?];
+        let grid = Grid { openings, cells, seeds, mode: arguments.mode.into() };
+        let mut controllers: Vec<String> = Vec::new();
+        grid.check(&run.group, &mut |scenario| {
+            let name = scenario.controller.name.as_str();
+            if !controllers.iter().any(|known| known == name) {
+                controllers.push(name.to_owned());
+            }
+        })?;
+        arguments.scenario_options.laws.expect_all_in(&controllers)?;
+        Ok(Self { grid, scenario, params, controllers })
+    }
+
+    fn runs(&self) -> usize {
+        self.grid.runs()
+    }
+
+    fn mode(&self) -> Mode {
+        self.grid.mode
+    }
+
+    fn job(&self, run: usize) -> Result<Job, Error> {
+        self.grid.job(run)
+    }
+
+    fn record(
+        &self,
+        run: usize,
+        job: &Job,
+        result: Result<Done, Error>,
+    ) -> Result<(Row, ()), Error> {
+        match result {
+            Ok(done) => Ok((self.grid.row(run, done.summary, false), ())),
+            // A program that cannot start is not a result of a point.
+            Err(error @ Error::NotReady { foreign: true, .. }) => Err(error),
+            Err(error) => Ok((self.grid.aborted(run, job, &error), ())),
+        }
+    }
+
+    fn keys(&self, run: usize) -> Vec<(String, String)> {
+        self.grid.keys(run)
+    }
+
+    fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
+        let rows = found.records.all()?.into_iter().map(|(_, row)| row).collect();
+        let params = self.params.iter().map(|param| param.key.clone()).collect();
+        let controllers = self.controllers.clone();
+        Ok(page::document(&Sweep::new(&self.scenario, controllers, self.grid.mode, params, rows)))
+    }
+}
+
+/// Reason why a grid is not swept.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepError {
+    /// Seeds have an option of their own.
+    #[error("--param {argument}: points are run with several seeds by --seeds N")]
+    Seed {
+        /// The argument.
+        argument: String,
+    },
+    /// Two axes of the same key.
+    #[error("--param {key}: the key is given twice")]
+    Twice {
+        /// The key.
+        key: String,
+    },
+    /// The grid is too large.
+    #[error("the grid has more than {MAX_RUNS} runs")]
+    TooManyRuns,
+}
+
+impl Failure for SweepError {}
+
+/// The keys with their values.
+fn params(arguments: &SweepArguments) -> Result<Vec<Param>, Error> {
+    let mut params: Vec<Param> = Vec::new();
+    for argument in &arguments.params {
+        let param = Param::parse(argument)?;
+        if param.key == "seed" {
+            return Err(SweepError::Seed { argument: argument.clone() }.into());
+        }
+        if params.iter().any(|known| known.key == param.key) {
+            return Err(SweepError::Twice { key: param.key }.into());
+        }
+        let by = format!("--param {}", param.key);
+        param::refuse_if_set(&by, &param.key, &arguments.scenario_options)?;
+        params.push(param);
+    }
+    Ok(params)
+}

@@ -1,0 +1,194 @@
+//! A population: random drives by their numbers, and a judge.
+
+use std::ops::Range;
+
+use controller::laws;
+use frame::batch::Done;
+use group::report::Outcome;
+use group::{Error, LawOptions, RequirementVerdict, UsageError};
+use report::figures::{self, Values};
+use scenario::{Overrides, Scenario};
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+
+use crate::figures::{Figure, Group};
+
+/// A drive of a population, before it is driven.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Planned {
+    /// Number of its scene.
+    pub number: usize,
+    /// Law that drives; empty: the scene's own.
+    pub law: String,
+    /// Values of the population's keys.
+    pub keys: Vec<String>,
+}
+
+impl Planned {
+    /// The drive in words.
+    pub fn name(&self) -> String {
+        let keys: Vec<&str> = self.keys.iter().map(String::as_str).collect();
+        let name = format!("{} {}", keys.join(" "), self.number);
+        let law = if self.law.is_empty() { String::new() } else { format!(", {}", self.law) };
+        format!("{}{law}", name.trim())
+    }
+}
+
+/// A drive and what the judge found.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Drive<F> {
+    /// Number, law and keys.
+    #[serde(flatten)]
+    pub planned: Planned,
+    /// End of the run.
+    pub outcome: Outcome,
+    /// Reason why it was aborted, if it was.
+    pub aborted_because: Option<String>,
+    /// Length of the drive, s.
+    pub duration_s: f64,
+    /// Figures of the drive.
+    pub figures: Values,
+    /// Verdicts on the requirements.
+    pub requirements: Vec<RequirementVerdict>,
+    /// Facts of the judge.
+    #[serde(flatten)]
+    pub facts: F,
+}
+
+impl<F> Drive<F> {
+    /// Interventions of the emergency brake.
+    pub fn interventions(&self) -> u64 {
+        self.figures.get(&figures::INTERVENTIONS).map_or(0, |times| times as u64)
+    }
+
+    /// How the run ended, in words.
+    pub fn outcome_words(&self) -> String {
+        let word = report::print::outcome_word(self.outcome).to_lowercase();
+        self.aborted_because.as_ref().map_or_else(|| word.clone(), |why| format!("{word}: {why}"))
+    }
+
+    /// A drive that ended well.
+    #[cfg(test)]
+    pub fn example(law: &str, keys: &[&str], facts: F) -> Self {
+        let keys = keys.iter().map(|key| (*key).to_owned()).collect();
+        Self {
+            planned: Planned { number: 1, law: law.to_owned(), keys },
+            outcome: Outcome::Completed,
+            aborted_because: None,
+            duration_s: 1_800.0,
+            figures: Values::default(),
+            requirements: Vec::new(),
+            facts,
+        }
+    }
+}
+
+/// A finding about one drive.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Finding {
+    /// No drive may have it.
+    Breaks(String),
+    /// A limit of a figure decides how many drives may have it.
+    Counts(String),
+}
+
+/// Options that hold for all drives.
+#[derive(Clone, Debug, Default)]
+pub struct DriveOptions {
+    /// Declared laws of the user's own.
+    pub laws: LawOptions,
+    /// Changed keys of the scenarios.
+    pub set: Vec<String>,
+    /// Further requirements.
+    pub require: Vec<String>,
+}
+
+impl DriveOptions {
+    /// The scenario of a text.
+    pub fn parse(&self, text: &str) -> Result<Scenario, Error> {
+        let mut overrides = Overrides::new().shared();
+        self.laws.lay_over(&mut overrides)?;
+        self.set.iter().try_for_each(|key| overrides.set(key))?;
+        let mut scenario = Scenario::parse_with("scene", text, &overrides, &laws::check)?;
+        scenario.require.formulas.extend_from_slice(&self.require);
+        group::requirements(&scenario)?;
+        Ok(scenario)
+    }
+}
+
+/// Random drives by their numbers, and a judge.
+pub trait Population: Sized + Sync {
+    /// Facts of a drive, by its ground truth.
+    type Facts: Serialize + DeserializeOwned + Clone + Send + 'static;
+
+    /// Name, as given on the command line.
+    const NAME: &'static str;
+    /// Heading of the results.
+    const TITLE: &'static str;
+    /// What `ok` means.
+    const OK: &'static str;
+    /// Scenes where nothing else is asked for.
+    const NUMBERS: usize;
+    /// Names of the keys that a drive has beside its number and law.
+    const KEYS: &'static [&'static str];
+
+    /// A limit that is exceeded breaks the verdict.
+    const LIMITS_DECIDE: bool = true;
+
+    /// The population with the laws that the user names; without any with its own.
+    fn new(laws: Vec<String>) -> Result<Self, Error>;
+
+    /// Law and keys of each drive of a number.
+    fn drives(&self, number: usize) -> Vec<(String, Vec<String>)>;
+
+    /// All drives of these numbers.
+    fn plan(&self, numbers: Range<usize>) -> Vec<Planned> {
+        let of_number = |number| {
+            let drives = self.drives(number).into_iter();
+            drives.map(move |(law, keys)| Planned { number, law, keys })
+        };
+        numbers.flat_map(of_number).collect()
+    }
+
+    /// The scenario of a drive.
+    fn scenario(&self, planned: &Planned, options: &DriveOptions) -> Result<Scenario, Error>;
+
+    /// Judges a drive.
+    fn judge(&self, planned: &Planned, scenario: &Scenario, done: &Done) -> Self::Facts;
+
+    /// True if the drive counts in the figures with limits.
+    fn counts(drive: &Drive<Self::Facts>) -> bool {
+        let _ = drive;
+        true
+    }
+
+    /// True if the drive may have no finding. Others are there for comparison.
+    fn is_judged(drive: &Drive<Self::Facts>) -> bool {
+        let _ = drive;
+        true
+    }
+
+    /// The finding about a drive, if there is one.
+    fn finding(drive: &Drive<Self::Facts>) -> Option<Finding> {
+        let _ = drive;
+        None
+    }
+
+    /// Figures over the counted drives.
+    fn figures() -> Vec<Figure<Self::Facts>>;
+
+    /// Tables of the drives with something in common.
+    fn groups() -> Vec<Group<Self::Facts>>;
+}
+
+/// The only law that drives, or the population's own.
+pub fn only_law(laws: Vec<String>, own: &str, population: &'static str) -> Result<String, Error> {
+    match laws.as_slice() {
+        [] => Ok(own.to_owned()),
+        [law] => Ok(law.clone()),
+        laws => {
+            let why = format_args!("one law drives `{population}`");
+            Err(UsageError::option("--controllers", laws.join(","), why, "one of them").into())
+        }
+    }
+}

@@ -1,0 +1,317 @@
+//! `signals`: corridors of signals, `cacc-mpc` against an ACC whose driver stops for them.
+//!
+//! Each corridor is driven by both laws and by those that the user names, and once more by `cacc-mpc` with wrong
+//! countdowns. Beside them stand the fastest legal trip and a bound that stays behind the lead. The radar is imperfect,
+//! and the signals come as frames. `docs/signals.md` explains the figures.
+
+mod bound;
+pub mod corridor;
+mod judge;
+mod lead;
+
+use frame::batch::Done;
+use group::Error;
+use group::report::Outcome;
+use report::figures::{MAX_ABS_JERK_MPS3, RMS_JERK_MPS3, STOPS, WHEEL_ENERGY_KWH_PER_100KM};
+use report::results::{Column, count, number, word};
+use scenario::Scenario;
+use serde_json::{Value, json};
+
+use crate::figures::{Drives, Figure, Group, figures};
+use crate::population::{Drive, DriveOptions, Finding, Planned, Population};
+use crate::scene::Scene;
+use corridor::Corridor;
+use judge::Facts;
+
+/// The law that is judged.
+const OURS: &str = "cacc-mpc";
+/// The law that it is judged by.
+const RIVAL: &str = "acc-signal-stop";
+
+/// Corridor `number` for a law.
+pub fn scene(number: u64, law: &str) -> Scene {
+    Corridor::new(number).scene(law, law == RIVAL)
+}
+
+/// Wrong countdowns, from the first message on: name, and a key of `[v2x.unit]`. Each corridor has one, in turn.
+const ERRORS: [(&str, &str); 9] = [
+    ("20 s early", "countdown_jump_s = -20"),
+    ("10 s early", "countdown_jump_s = -10"),
+    ("4 s early", "countdown_jump_s = -4"),
+    ("1 s early", "countdown_jump_s = -1"),
+    ("1 s late", "countdown_jump_s = 1"),
+    ("4 s late", "countdown_jump_s = 4"),
+    ("10 s late", "countdown_jump_s = 10"),
+    ("20 s late", "countdown_jump_s = 20"),
+    ("stuck", "countdown_slide = 1"),
+];
+
+/// Name of the error in corridor `number`.
+fn error_of(number: usize) -> &'static str {
+    ERRORS[number % ERRORS.len()].0
+}
+
+/// The table of an error, from `from_s` on; empty for right countdowns.
+fn wrong(error: &str, from_s: f64) -> String {
+    let found = ERRORS.iter().find(|(name, _)| *name == error);
+    let table =
+        |(_, key): &(&str, &str)| format!("[v2x.unit]\ncountdown_wrong_from_s = {from_s}\n{key}\n");
+    found.map_or_else(String::new, table)
+}
+
+/// Corridors with the laws that drive them.
+#[derive(Debug)]
+pub struct Signals {
+    /// In the order of the drives of a corridor. The drive with wrong countdowns comes after them.
+    laws: Vec<String>,
+}
+
+impl Population for Signals {
+    type Facts = Facts;
+
+    const NAME: &'static str = "signals";
+    const TITLE: &'static str = "Corridors of signals";
+    const OK: &'static str =
+        "All laws but acc-signal-stop crossed no red light, touched nothing and ended every run";
+    const NUMBERS: usize = 500;
+    const KEYS: &'static [&'static str] = &["countdowns"];
+    const LIMITS_DECIDE: bool = false;
+
+    fn new(laws: Vec<String>) -> Result<Self, Error> {
+        let mut all = vec![OURS.to_owned(), RIVAL.to_owned()];
+        all.extend(laws.into_iter().filter(|law| law != OURS && law != RIVAL));
+        Ok(Self { laws: all })
+    }
+
+    fn drives(&self, number: usize) -> Vec<(String, Vec<String>)> {
+        let right = self.laws.iter().map(|law| (law.clone(), vec![String::new()]));
+        right.chain([(OURS.to_owned(), vec![error_of(number).to_owned()])]).collect()
+    }
+
+    fn scenario(&self, planned: &Planned, options: &DriveOptions) -> Result<Scenario, Error> {
+        let number = planned.number as u64;
+        let mut scene = scene(number, &planned.law);
+        scene.tables += &wrong(&planned.keys[0], 0.0);
+        options.parse(&scene.text(&format!("signals-{number}"), number))
+    }
+
+    fn judge(&self, planned: &Planned, scenario: &Scenario, done: &Done) -> Facts {
+        Facts::of(&Corridor::new(planned.number as u64), scenario, done)
+    }
+
+    /// The rival is a yardstick.
+    fn is_judged(drive: &Drive<Facts>) -> bool {
+        drive.planned.law != RIVAL
+    }
+
+    fn finding(drive: &Drive<Facts>) -> Option<Finding> {
+        (drive.outcome != Outcome::Completed).then(|| Finding::Breaks(drive.outcome_words()))
+    }
+
+    fn figures() -> Vec<Figure<Facts>> {
+        figures! {
+            count("corridors", "corridors", "Corridors") => |all| json!(all.count(|drive| is_right(drive, OURS)));
+            seconds("beyond_bound_led_s", "beyond the bound with a lead", BOUND) =>
+                |all| json!(all.mean(|d| (is_right(d, OURS) && d.facts.is_led).then_some(d.facts.beyond_bound_s)));
+            seconds("beyond_bound_free_s", "beyond the bound without a lead", BOUND) =>
+                |all| json!(all.mean(|d| (is_right(d, OURS) && !d.facts.is_led).then_some(d.facts.beyond_bound_s)));
+            number("cycles_missed_ratio", "cycles missed, ratio", "", 2, "Missed cycles over the rival's").less() =>
+                |all| ratio(cycles(all, OURS), cycles(all, RIVAL));
+            number("trip_ratio", "trip, ratio", "", 3, "Mean trip over the rival's").less() =>
+                |all| ratio(all.mean(|d| trip_s(d, OURS)), all.mean(|d| trip_s(d, RIVAL)));
+            number("wrong_trip_ratio", "trip with wrong countdowns, ratio", "", 3, WRONG).less() =>
+                |all| json!(ERRORS.iter().filter_map(|(error, _)| wrong_ratio(all, error)).reduce(f64::max));
+        }
+    }
+
+    fn groups() -> Vec<Group<Facts>> {
+        let law = word("law", "law", "Control law");
+        vec![
+            Group {
+                name: "laws",
+                title: "Laws",
+                labels: vec![law.clone()],
+                rows_of: |drive| match drive.planned.keys[0].as_str() {
+                    "" => vec![vec![drive.planned.law.clone()]],
+                    _ => Vec::new(),
+                },
+                figures: of_laws(),
+            },
+            Group {
+                name: "by_lead",
+                title: "Laws, with and without a lead",
+                labels: vec![word("lead", "lead", "Corridors with a lead, or without one"), law],
+                rows_of: |drive| match drive.planned.keys[0].as_str() {
+                    "" => {
+                        let lead =
+                            if drive.facts.is_led { "with a lead" } else { "without a lead" };
+                        vec![vec![lead.to_owned(), drive.planned.law.clone()]]
+                    }
+                    _ => Vec::new(),
+                },
+                figures: of_laws(),
+            },
+            Group {
+                name: "wrong_countdowns",
+                title: "Wrong countdowns",
+                labels: vec![word("error", "countdowns", "Error of the countdowns")],
+                // The rival's drives of the same corridors stand beside ours.
+                rows_of: |drive| match (drive.planned.law.as_str(), &drive.planned.keys[0]) {
+                    (RIVAL, _) => vec![vec![error_of(drive.planned.number).to_owned()]],
+                    (_, error) if !error.is_empty() => vec![vec![error.clone()]],
+                    _ => Vec::new(),
+                },
+                figures: figures! {
+                    count("corridors", "corridors", "Corridors driven with it") => |all| json!(all.count(is_wrong));
+                    count("red_lights", "red lights", "Runs of cacc-mpc that crossed a red light").less() =>
+                        |all| json!(all.count(|d| is_wrong(d) && d.outcome == Outcome::RedLight));
+                    count("collisions", "collisions", "Runs of cacc-mpc that ended in a collision").less() =>
+                        |all| json!(all.count(|d| is_wrong(d) && d.outcome == Outcome::Collision));
+                    seconds("trip_s", OURS, "Mean trip of cacc-mpc") => |all| json!(all.mean(wrong_trip_s));
+                    seconds("rival_trip_s", RIVAL, "Mean trip of acc-signal-stop in the same corridors") =>
+                        |all| json!(all.mean(|drive| trip_s(drive, RIVAL)));
+                    number("ratio", "ratio", "", 3, "Ours over the rival's").less() =>
+                        |all| ratio(all.mean(wrong_trip_s), all.mean(|drive| trip_s(drive, RIVAL)));
+                },
+            },
+        ]
+    }
+}
+
+/// Figures of the drives of a law.
+fn of_laws() -> Vec<Figure<Facts>> {
+    figures! {
+        count("corridors", "corridors", "Corridors") => |all| json!(all.all.len());
+        count("red_lights", "red lights", "Runs that crossed a red light").less() =>
+            |all| json!(all.count(|drive| drive.outcome == Outcome::RedLight));
+        count("collisions", "collisions", "Runs that ended in a collision").less() =>
+            |all| json!(all.count(|drive| drive.outcome == Outcome::Collision));
+        seconds("excess_trip_s.mean", "trip over the fastest", TRIP) => |all| json!(all.mean(|d| Some(d.facts.excess_s)));
+        seconds("excess_trip_s.p90", "90th percentile", P90) => |all| json!(all.quantile(0.9, |d| Some(d.facts.excess_s)));
+        seconds("excess_at_last_line_s.mean", "", "The same mean at the last line").hidden() =>
+            |all| json!(all.mean(|drive| Some(drive.facts.excess_at_line_s)));
+        seconds("excess_at_last_line_s.p90", "", P90).hidden() =>
+            |all| json!(all.quantile(0.9, |drive| Some(drive.facts.excess_at_line_s)));
+        seconds("beyond_bound_s.mean", "beyond the bound", BOUND) => |all| json!(all.mean(|d| Some(d.facts.beyond_bound_s)));
+        seconds("beyond_bound_s.p90", "", P90).hidden() =>
+            |all| json!(all.quantile(0.9, |drive| Some(drive.facts.beyond_bound_s)));
+        count("cycles_missed", "cycles missed", "Lines crossed a cycle later than by the bound").less() =>
+            |all| json!(all.sum(|drive| drive.facts.cycles_missed as f64) as u64);
+        count("lines", "", "Stop lines").hidden() => |all| json!(all.sum(|drive| drive.facts.lines as f64) as u64);
+        count("lines_not_passed", "lines not passed", "Lines that were not passed before the end").weight(2) =>
+            |all| json!(all.sum(|drive| drive.facts.not_passed as f64) as u64);
+        number("stops_per_corridor", "stops per corridor", "", 2, "Mean number of standstills").less().weight(1) =>
+            |all| json!(all.mean(|drive| drive.figures.get(&STOPS)));
+        number("energy_kwh_per_100km", "wheels", "kWh/100 km", 2, "Mean energy at the wheels").less().weight(1) =>
+            |all| json!(all.mean(|drive| drive.figures.get(&WHEEL_ENERGY_KWH_PER_100KM)));
+        number("rms_jerk_mps3", "jerk rms", "m/s³", 3, "Mean root mean square of the jerk").less().weight(1) =>
+            |all| json!(all.mean(|drive| drive.figures.get(&RMS_JERK_MPS3)));
+        number("max_jerk_mps3", "max jerk", "m/s³", 1, "Largest magnitude of the jerk").less().weight(2) =>
+            |all| json!(all.most(|drive| drive.figures.get(&MAX_ABS_JERK_MPS3)));
+        count("emergency_brakings", "emergency brakings", "Interventions of the emergency brake").less().weight(1) =>
+            |all| json!(all.all.iter().map(|drive| drive.interventions()).sum::<u64>());
+    }
+}
+
+const TRIP: &str = "Mean trip time beyond the fastest legal trip";
+const P90: &str = "90th percentile of it";
+const BOUND: &str = "Mean trip time beyond the bound";
+const WRONG: &str = "Largest mean trip of the errors of countdowns over the rival's";
+
+/// A time whose least value is the best.
+const fn seconds(path: &'static str, title: &'static str, meaning: &'static str) -> Column<Value> {
+    number(path, title, "s", 2, meaning).less()
+}
+
+/// A law's drive with right countdowns.
+fn is_right(drive: &Drive<Facts>, law: &str) -> bool {
+    drive.planned.law == law && drive.planned.keys[0].is_empty()
+}
+
+fn is_wrong(drive: &Drive<Facts>) -> bool {
+    !drive.planned.keys[0].is_empty()
+}
+
+fn trip_s(drive: &Drive<Facts>, law: &str) -> Option<f64> {
+    is_right(drive, law).then_some(drive.facts.trip_s)
+}
+
+fn wrong_trip_s(drive: &Drive<Facts>) -> Option<f64> {
+    is_wrong(drive).then_some(drive.facts.trip_s)
+}
+
+/// Mean trip with an error over the rival's in the same corridors; `None` without such drives.
+fn wrong_ratio(all: &Drives<'_, Facts>, error: &str) -> Option<f64> {
+    let has = |drive: &Drive<Facts>| error_of(drive.planned.number) == error;
+    let ours = |drive: &Drive<Facts>| wrong_trip_s(drive).filter(|_| has(drive));
+    let rival = |drive: &Drive<Facts>| trip_s(drive, RIVAL).filter(|_| has(drive));
+    ratio(all.mean(ours), all.mean(rival)).as_f64().filter(|ratio| *ratio > 0.0)
+}
+
+fn cycles(all: &Drives<'_, Facts>, law: &str) -> f64 {
+    all.sum(|drive| if is_right(drive, law) { drive.facts.cycles_missed as f64 } else { 0.0 })
+}
+
+/// Ours over the rival's; null where that is 0.
+fn ratio(ours: f64, rival: f64) -> Value {
+    json!((rival > 0.0).then(|| ours / rival))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn drive(law: &str, error: &str, cycles_missed: usize, outcome: Outcome) -> Drive<Facts> {
+        let facts = Facts {
+            is_led: false,
+            ahead_s: 10.0,
+            trip_s: 102.0,
+            excess_s: 2.0,
+            excess_at_line_s: 2.0,
+            beyond_bound_s: 1.0,
+            not_passed: 0,
+            lines: 3,
+            cycles_missed,
+        };
+        Drive { outcome, ..Drive::example(law, &[error], facts) }
+    }
+
+    #[test]
+    fn every_corridor_is_a_scenario_for_both_laws_and_with_wrong_countdowns() {
+        let signals = Signals::new(Vec::new()).expect("its own laws");
+        let plan = signals.plan(1..101);
+        assert_eq!(plan.len(), 300);
+        for planned in plan {
+            let scenario = signals.scenario(&planned, &DriveOptions::default());
+            scenario.unwrap_or_else(|error| panic!("{}: {error}", planned.name()));
+        }
+    }
+
+    #[test]
+    fn a_red_light_breaks_the_verdict_unless_it_is_the_rivals() {
+        let (done, red) = (Outcome::Completed, Outcome::RedLight);
+        let wrong = drive(OURS, error_of(1), 0, done);
+        let drives = [drive(OURS, "", 1, done), drive(RIVAL, "", 2, red), wrong];
+        assert_eq!(Signals::finding(&drives[0]), None);
+        assert!(!Signals::is_judged(&drives[1]) && Signals::is_judged(&drives[2]));
+        let broken = Signals::finding(&drive(OURS, "", 0, red));
+        assert!(matches!(broken, Some(Finding::Breaks(_))));
+        let rows: Vec<_> = Signals::groups().iter().map(|group| group.rows(&drives)).collect();
+        let [laws, by_lead, wrong] = rows.as_slice() else { panic!("{rows:?}") };
+        assert_eq!((&laws[0]["cycles_missed"], &laws[1]["red_lights"]), (&json!(1), &json!(1)));
+        assert_eq!(laws[0]["excess_trip_s"], json!({"mean": 2.0, "p90": 2.0}));
+        assert_eq!(by_lead[0]["lead"], "without a lead");
+        assert_eq!((&wrong[0]["corridors"], &wrong[0]["ratio"]), (&json!(1), &json!(1.0)));
+        let all = Drives { labels: Vec::new(), all: drives.iter().collect() };
+        let mut found = serde_json::Map::new();
+        crate::figures::values(&Signals::figures(), &all, &mut found);
+        assert_eq!(
+            (&found["cycles_missed_ratio"], &found["trip_ratio"]),
+            (&json!(0.5), &json!(1.0))
+        );
+        assert_eq!(
+            (&found["wrong_trip_ratio"], &found["beyond_bound_free_s"]),
+            (&json!(1.0), &json!(1.0))
+        );
+    }
+}
