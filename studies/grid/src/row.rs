@@ -124,9 +124,11 @@ pub fn interventions(rows: &[Row]) -> u64 {
 #[cfg(test)]
 pub mod tests {
     use super::*;
+    use group::report::ControlFigures;
     use report::figures::{
         INTERVENTIONS, MEDIAN_TIME_GAP_S, MIN_GAP_M, MIN_TIME_GAP_S, RMS_GAP_ERROR_M,
     };
+    use report::{Following, Trip};
 
     /// A row of a car: without fuel, and without deadlines, since it was driven in lockstep.
     pub fn row(controller: &str, seed: u64, min_gap_m: f64) -> Row {
@@ -146,20 +148,28 @@ pub mod tests {
             aborted_because: None,
             requirements: Vec::new(),
             figures,
-            parts: None,
+            parts: Some(parts()),
+        }
+    }
+
+    fn parts() -> Parts {
+        Parts {
+            control: Control {
+                figures: ControlFigures::default(),
+                following: Following::default(),
+                trip: Trip::default(),
+                mode_changes: None,
+            },
+            timing: Timing::default(),
+            aebs: Braking { interventions: Some(3), ..Braking::default() },
+            law: None,
         }
     }
 
     #[test]
     fn rows_of_a_caller_have_the_figures_of_their_parts() {
-        let parts = Parts {
-            control: Control::default(),
-            timing: Timing::default(),
-            aebs: Braking { interventions: Some(3), ..Braking::default() },
-            law: None,
-        };
         let figures = Values::default();
-        let rows = vec![Row { parts: Some(parts), figures, ..row("a", 1, 0.0) }];
+        let rows = vec![Row { figures, ..row("a", 1, 0.0) }];
         let rows = Row::read(&serde_json::to_string(&rows).expect("plain data")).expect("rows");
         assert_eq!(rows[0].figures.get(&INTERVENTIONS), Some(3.0));
         assert_eq!(interventions(&rows), 3);

@@ -159,8 +159,8 @@ fn backup(rows: &[Row]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::row::tests::row;
     use super::*;
+    use crate::row::tests::row;
 
     #[test]
     fn time_gaps_are_shown_and_columns_without_a_figure_are_not() {
@@ -184,8 +184,9 @@ mod tests {
     fn a_backup_that_drove_a_part_is_on_the_console() {
         let mut rows = vec![row("acc-mpc", 1, 20.0), row("mine", 1, 20.0)];
         let mut law = |row: usize, refused| {
-            rows[row].law = Some(report::summary::LawAccount {
-                name: rows[row].controller.clone(),
+            let parts = rows[row].parts.as_mut().expect("a comparison has them");
+            parts.law = Some(report::summary::LawAccount {
+                name: ["acc-mpc", "mine"][row].to_owned(),
                 cycles: 600,
                 backup: 82,
                 refused,
