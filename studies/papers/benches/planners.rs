@@ -7,8 +7,7 @@ use std::time::Instant;
 
 use controller::law::{Plan, PlanRequest};
 use controller::laws::truck::{PlannerKind, Settings, create};
-use papers::trips::{Bound, Road};
-use scenario::grade::{Alignment, generate};
+use papers::trips::{Bound, Road, generated};
 use truck_model::{Preset, Truck};
 
 /// Plans of each request.
@@ -21,15 +20,7 @@ fn main() {
     // `cargo test --benches` runs this too: one repeat shows that it works.
     let brief = !std::env::args().any(|argument| argument == "--bench");
     let repeats = |n: usize| if brief { 1 } else { n };
-    let alignment = Alignment {
-        length_m: 60_000.0,
-        grade_sigma: 0.0138,
-        max_grade: 0.03,
-        tangent_m: [300.0, 1500.0],
-        curve_m: 300.0,
-        closed: true,
-    };
-    let road = Road::from_profile(&generate(&alignment, 1));
+    let road = generated(60_000.0, 1);
     println!("{:<34} {:>5} {:>9} {:>9} {:>9}", "us per plan of 2 km", "n", "p50", "p99", "max");
     for preset in Preset::ALL {
         let truck = Truck::preset(preset);

@@ -34,8 +34,12 @@ const TALLY: &[Column<Tally>] = &[
 const ROWS: &[Column<Row>] = &[
     word("set", "set", "Variant of law, scene and weights").optional().of(|row| json!(row.set)),
     word("id", "figure", "Scenario and figure; the same in all sets"),
-    word("kind", "kind", "Source of the expected value: paper, reconstruction or requirement")
-        .weight(1),
+    word(
+        "kind",
+        "kind",
+        "Source of the expected value: paper, reconstruction, requirement or input",
+    )
+    .weight(1),
     number("ours", "ours", "", 2, "Our value; null where the run never got there"),
     word("", "expected", "Expected value").of(|row| json!(row.expectation())),
     word("", "tolerance", "Largest accepted difference")

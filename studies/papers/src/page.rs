@@ -5,14 +5,15 @@ use report::html::figure;
 use report::results::Document;
 use report::run_pictures;
 
+use super::pictures::Gallery;
 use super::tally::in_words;
-use super::{Gallery, Paper, Pictures, Reproduction, columns};
+use super::{Paper, Pictures, Reproduction, columns};
 
 /// Meaning of the kinds.
 const KINDS: &str = "<p class=\"quiet\">Kinds: <b>paper</b>, printed by the paper; \
     <b>reconstruction</b>, from a reference implementation of what the paper does not print; \
-    <b>requirement</b>, demanded of the controller. A figure counts as within its tolerance \
-    where it is within it in every set.</p>\n";
+    <b>requirement</b>, demanded of the controller; <b>input</b>, put in by the scenario or the code, and outside every \
+    count. A figure counts as within its tolerance where it is within it in every set.</p>\n";
 /// Most drives of a paper that the page shows unfolded.
 const UNFOLDED: usize = 3;
 

@@ -1,7 +1,9 @@
 //! Pictures of a paper, for its page.
 
+use crate::runner::Driven;
+use group::DriveStep;
 use report::RunPicture;
-use report::chart::Plot;
+use report::chart::{Axis, Curve, Plot, Stroke, Tone};
 
 /// Pictures of a paper, for its page.
 #[derive(Default)]
@@ -32,4 +34,44 @@ pub struct Gallery {
     pub heading: String,
     /// The plots.
     pub plots: Vec<Plot>,
+}
+
+/// One value of some drives over time.
+pub fn over_time(
+    title: &str,
+    unit: &str,
+    drives: &[(&str, &Driven)],
+    value: &dyn Fn(&Driven) -> Vec<(f64, f64)>,
+) -> Plot {
+    let ends_s = drives.iter().map(|(_, driven)| driven.scenario.duration_s.value());
+    over(title, Axis::time(ends_s.fold(0.0, f64::max)), unit, drives, value)
+}
+
+/// One value of some drives over the road to `until_m`.
+pub fn over_road(
+    title: &str,
+    unit: &str,
+    until_m: f64,
+    drives: &[(&str, &Driven)],
+    value: &dyn Fn(&Driven, &DriveStep) -> Option<f64>,
+) -> Plot {
+    let points = |driven: &Driven| {
+        let steps = driven.drive.steps.iter().take_while(|step| step.position_m <= until_m);
+        steps.filter_map(|step| Some((step.position_m / 1e3, value(driven, step)?))).collect()
+    };
+    over(title, Axis::linear("distance, km", 0.0, until_m / 1e3), unit, drives, &points)
+}
+
+fn over(
+    title: &str,
+    x: Axis,
+    unit: &str,
+    drives: &[(&str, &Driven)],
+    points: &dyn Fn(&Driven) -> Vec<(f64, f64)>,
+) -> Plot {
+    let curve = |(index, (name, driven)): (usize, &(&str, &Driven))| {
+        let stroke = if index == 0 { Stroke::Solid } else { Stroke::Dashed };
+        Curve::new(name, Tone::Series(index), points(driven)).stroke(stroke)
+    };
+    Plot::over(title, x, unit, drives.iter().enumerate().map(curve).collect())
 }

@@ -2,7 +2,8 @@
 //!
 //! The expected value has one of three sources, and every row names it. The *paper* prints it. The
 //! *reconstruction* gives values that the paper does not print. A *requirement* holds for any working
-//! controller.
+//! controller. A fourth kind is no result. An *input* is a value that the scenario or the code puts in, such as a
+//! constant or a clamp. It is shown beside the printed one, and it is outside every count.
 //!
 //! A row belongs to a set: one variant of law, scene and weights. A printed figure keeps its id in
 //! all sets, so that it counts once ([`super::tally`]). A row outside its tolerance fails, also in
@@ -24,6 +25,8 @@ pub enum Kind {
     Reconstruction,
     /// Demanded of the controller.
     Requirement,
+    /// Put in by the scenario or the code: shown, outside every count.
+    Input,
 }
 
 impl Kind {
@@ -33,6 +36,7 @@ impl Kind {
             Self::Paper => "paper",
             Self::Reconstruction => "reconstruction",
             Self::Requirement => "requirement",
+            Self::Input => "input",
         }
     }
 }
@@ -140,48 +144,36 @@ pub enum Verdict {
     Shown,
 }
 
+type Unit = &'static str;
+
 impl Row {
     /// A figure that must be within the tolerance on both sides.
-    pub fn near(
-        id: &str,
-        unit: &'static str,
-        expected: Expected,
-        ours: Option<f64>,
-        tolerance: Tolerance,
-    ) -> Self {
-        Self::compared(id, unit, expected, ours, tolerance, Check::Near)
+    pub fn near(id: &str, unit: Unit, to: Expected, ours: Option<f64>, by: Tolerance) -> Self {
+        Self::new(id, unit, to.kind, ours).compared(to, by, Check::Near)
     }
 
     /// A figure that must not exceed the expected one by more than the tolerance.
-    pub fn at_most(
-        id: &str,
-        unit: &'static str,
-        expected: Expected,
-        ours: Option<f64>,
-        tolerance: Tolerance,
-    ) -> Self {
-        Self::compared(id, unit, expected, ours, tolerance, Check::AtMost)
+    pub fn at_most(id: &str, unit: Unit, to: Expected, ours: Option<f64>, by: Tolerance) -> Self {
+        Self::new(id, unit, to.kind, ours).compared(to, by, Check::AtMost)
     }
 
     /// A figure that must not be below the expected one by more than the tolerance.
-    pub fn at_least(
-        id: &str,
-        unit: &'static str,
-        expected: Expected,
-        ours: Option<f64>,
-        tolerance: Tolerance,
-    ) -> Self {
-        Self::compared(id, unit, expected, ours, tolerance, Check::AtLeast)
+    pub fn at_least(id: &str, unit: Unit, to: Expected, ours: Option<f64>, by: Tolerance) -> Self {
+        Self::new(id, unit, to.kind, ours).compared(to, by, Check::AtLeast)
     }
 
     /// A figure without a number to compare it with.
-    pub fn shown(
-        id: &str,
-        unit: &'static str,
-        kind: Kind,
-        ours: Option<f64>,
-        note: &'static str,
-    ) -> Self {
+    pub fn shown(id: &str, unit: Unit, kind: Kind, ours: Option<f64>, note: &'static str) -> Self {
+        Self::new(id, unit, kind, ours).with_note(note)
+    }
+
+    /// A value that the scenario or the code puts in, beside the expected one.
+    pub fn input(id: &str, unit: Unit, expected: Expected, ours: Option<f64>) -> Self {
+        let row = Self::new(id, unit, Kind::Input, ours);
+        Self { paper: expected.of_paper(), expected: Some(expected.value), ..row }
+    }
+
+    fn new(id: &str, unit: Unit, kind: Kind, ours: Option<f64>) -> Self {
         Self {
             id: id.into(),
             set: String::new(),
@@ -197,39 +189,24 @@ impl Row {
             tolerance: None,
             tolerance_reason: None,
             ok: true,
-            note: Some(note.into()),
+            note: None,
         }
     }
 
-    fn compared(
-        id: &str,
-        unit: &'static str,
-        Expected { kind, value }: Expected,
-        ours: Option<f64>,
-        tolerance: Tolerance,
-        check: Check,
-    ) -> Self {
+    fn compared(self, expected: Expected, tolerance: Tolerance, check: Check) -> Self {
         let off = |ours: f64| match check {
-            Check::AtMost => ours - value,
-            Check::AtLeast => value - ours,
-            Check::Near | Check::Shown => (ours - value).abs(),
+            Check::AtMost => ours - expected.value,
+            Check::AtLeast => expected.value - ours,
+            Check::Near | Check::Shown => (ours - expected.value).abs(),
         };
         Self {
-            id: id.into(),
-            set: String::new(),
-            weights: None,
-            source: None,
-            inferred: None,
-            kind,
-            unit: unit.into(),
-            paper: (kind == Kind::Paper).then_some(value),
-            expected: Some(value),
-            ours,
+            paper: expected.of_paper(),
+            expected: Some(expected.value),
             check,
             tolerance: Some(tolerance.value),
             tolerance_reason: Some(tolerance.reason.into()),
-            ok: ours.is_some_and(|ours| off(ours) <= tolerance.value + 1e-9),
-            note: None,
+            ok: self.ours.is_some_and(|ours| off(ours) <= tolerance.value + 1e-9),
+            ..self
         }
     }
 
@@ -283,6 +260,12 @@ impl Row {
     }
 }
 
+impl Expected {
+    fn of_paper(self) -> Option<f64> {
+        (self.kind == Kind::Paper).then_some(self.value)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -301,6 +284,11 @@ mod tests {
         assert_eq!((least(5.9), least(5.8)), (Verdict::Within, Verdict::Outside));
         let shown = Row::shown("a", "m", Kind::Paper, Some(1.0), "large");
         assert_eq!(shown.verdict(), Verdict::Shown);
+        let input = Row::input("a", "m", paper(4.0), Some(1.0));
+        assert_eq!(
+            (input.verdict(), input.paper, input.kind),
+            (Verdict::Shown, Some(4.0), Kind::Input)
+        );
     }
 
     #[test]

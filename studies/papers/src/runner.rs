@@ -4,8 +4,8 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use frame::Crew;
-use frame::batch::{self, Job};
-use group::{Drive, Error, ScenarioOptions};
+use frame::batch::{self, Done, Job};
+use group::{Drive, DriveStep, Error, GroupOptions, ScenarioOptions};
 use report::RunPicture;
 use report::summary::Summary;
 use scenario::Scenario;
@@ -26,15 +26,33 @@ pub struct Driven {
 }
 
 impl Driven {
+    /// Drives a built-in scenario with these keys set, in this thread.
+    ///
+    /// # Errors
+    /// Reasons why the run does not reach its end.
+    pub fn alone(name: &str, keys: &[&str]) -> Result<Self, Error> {
+        let group = GroupOptions { programs: Vec::new(), ready_timeout: 10.0, processes: false };
+        let scenario = open(name, keys)?;
+        let done = batch::lockstep(&scenario, &group, &|| true)?;
+        batch::whole(&done.summary)?;
+        Ok(Self::of(scenario, done))
+    }
+
+    fn of(scenario: Scenario, done: Done) -> Self {
+        let figure_names = controller::laws::figure_names(&scenario);
+        Self { scenario, drive: done.drive, summary: done.summary, figure_names }
+    }
+
     /// One of the law's figures over the control cycles: (time in s, value).
     pub fn figure(&self, name: &str) -> Vec<(f64, f64)> {
         let index = self.figure_names.iter().position(|figure| *figure == name);
         let index = index.expect("the law has a figure of this name");
-        self.drive
-            .steps
-            .iter()
-            .filter_map(|step| step.figures.map(|figures| (step.time_s, figures[index])))
-            .collect()
+        self.points(|step| Some(step.figures?[index]))
+    }
+
+    /// A value over time, where it is known.
+    pub fn points(&self, value: impl Fn(&DriveStep) -> Option<f64>) -> Vec<(f64, f64)> {
+        self.drive.steps.iter().filter_map(|step| Some((step.time_s, value(step)?))).collect()
     }
 
     /// Its picture, under the scenario's and the controller's names.
@@ -43,6 +61,11 @@ impl Driven {
         let name = format!("{} · {}", scenario.name.as_str(), scenario.controller.name.as_str());
         (name, RunPicture::of_drive(scenario, &self.drive))
     }
+}
+
+fn open(name: &str, keys: &[&str]) -> Result<Scenario, Error> {
+    let set = keys.iter().map(ToString::to_string).collect();
+    Ok(group::open(name, &ScenarioOptions { set, ..ScenarioOptions::default() })?)
 }
 
 /// Result of a piece.
@@ -108,7 +131,7 @@ pub struct Runner<'a> {
     names: (&'a str, &'a str),
     drives: Cell<usize>,
     /// Standard deviation of the skilled driver's aimed speed, m/s.
-    driver_spread_mps: f64,
+    pub driver_spread_mps: f64,
 }
 
 impl<'a> Runner<'a> {
@@ -122,19 +145,12 @@ impl<'a> Runner<'a> {
         Self { crew, run, names, drives: Cell::default(), driver_spread_mps }
     }
 
-    /// Standard deviation of the skilled driver's aimed speed, m/s.
-    pub fn driver_spread_mps(&self) -> f64 {
-        self.driver_spread_mps
-    }
-
     /// Drives a built-in scenario with these keys set.
     ///
     /// # Errors
     /// Reasons why the run does not reach its end.
     pub fn drive(&self, name: &str, keys: &[&str]) -> Result<Driven, Error> {
-        let set = keys.iter().map(ToString::to_string).collect();
-        let scenario = group::open(name, &ScenarioOptions { set, ..ScenarioOptions::default() })?;
-        let job = Job::lockstep(scenario);
+        let job = Job::lockstep(open(name, keys)?);
         let done = self.crew.drive(self.run, &job)?;
         let scenario = job.scenario;
         batch::whole(&done.summary)?;
@@ -142,7 +158,6 @@ impl<'a> Runner<'a> {
         let (paper, piece) = self.names;
         let keys = self::keys(paper, piece, self.drives.get(), keys);
         self.crew.observe(self.run, &keys, &scenario, &done);
-        let figure_names = controller::laws::figure_names(&scenario);
-        Ok(Driven { scenario, drive: done.drive, summary: done.summary, figure_names })
+        Ok(Driven::of(scenario, done))
     }
 }

@@ -58,6 +58,7 @@ impl Tally {
             Kind::Paper => "figures of the paper",
             Kind::Reconstruction => "of the reconstruction",
             Kind::Requirement => "requirements",
+            Kind::Input => "inputs",
         };
         let more = match self.in_some_sets {
             0 => String::new(),
@@ -87,6 +88,7 @@ mod tests {
             row("a", 4.0).in_set("fitted"),
             row("b", 5.0).in_set("fitted"),
             Row::near("d", "s", requirement(1.0), None, EXACT),
+            Row::input("e", "s", paper(4.0), Some(4.0)),
         ];
         let tallies = tally(&rows);
         let of_paper = tallies[0];

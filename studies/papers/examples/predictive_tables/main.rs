@@ -9,10 +9,10 @@ mod families;
 
 use controller::laws::truck::PlannerKind::{DynamicProgramming, PaperN2};
 use families::FAMILIES;
-use papers::trips::{Comparison, Map, Road, Trip};
+use papers::trips::{Comparison, Map, Road, Trip, generated as generated_road};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
-use scenario::grade::{Alignment, GradeProfile, HILLS_60KM, Point, generate};
+use scenario::grade::{GradeProfile, HILLS_60KM, Point};
 use std::ops::RangeInclusive;
 use truck_model::{Preset, Truck};
 
@@ -130,17 +130,9 @@ fn print_trip(comparison: &Comparison, name: &str, trip: Option<&Trip>) {
 
 fn generated(preset: Preset) {
     println!("{:<10} {:>5} {:>9} {:>9} {:>9} {:>9}", "", "seed", "n2", "dp", "bound", "dp-bound");
-    let alignment = Alignment {
-        length_m: 60_000.0,
-        grade_sigma: 0.0138,
-        max_grade: 0.03,
-        tangent_m: [300.0, 1500.0],
-        curve_m: 300.0,
-        closed: true,
-    };
     let mut worst = 0.0_f64;
     for seed in 1..=10 {
-        let road = Road::from_profile(&generate(&alignment, seed));
+        let road = generated_road(60_000.0, seed);
         let comparison = on(preset, &road);
         let change = |trip: Option<Trip>| trip.map_or(f64::NAN, |t| comparison.change_percent(&t));
         let n2 = change(comparison.informed(PaperN2));

@@ -1,98 +1,183 @@
 //! CACC through signalised intersections (He et al. 2024): scenarios A, B, C and Table 3. Both controllers drive them,
-//! in three sets.
+//! in four sets.
 //!
 //! The paper prints no weights. One set takes weights that fit all scenarios at once, the second takes weights that
 //! are fitted to each scenario. Both keep the desired distance of A, B and C at its first value, 34.5 m. This departs
 //! from equation 1 and is nearer to the printed figures. The third set has equation 1 as printed, `v t_h + d_b` at
-//! every cycle. Table 3 always has equation 1.
+//! every cycle. Table 3 always has equation 1. The fourth set sums the light's penalty over all stages, as equation 15
+//! is printed. The others sum it before the switch, as equation 23 says.
 
-mod claims;
 mod figures;
-mod panels;
-mod scenes;
-mod trajectory;
-pub mod weights;
+mod recording;
 
-pub use claims::CLAIMS;
-pub use figures::{Calibration, PRINTED};
-pub use scenes::{
-    A, B, C, Recording, Scene, TABLE_3_LEAD_JOINT_MPS2, TABLE_3_LEAD_SINGLE_MPS2, run, table_3,
-};
-pub use trajectory::Runs;
+pub use figures::{CLAIMS, Calibration, Figure, PRINTED};
+pub use recording::{Recording, Runs, Seen};
 
-use super::Pictures;
+use super::pictures::{Gallery, Pictures, over_time};
 use super::row::Row;
 use super::runner::{Driven, Part, Piece, Runner};
-use controller::laws::cacc::weights::Weights;
-use figures::Figure;
+use controller::laws::cacc::weights::{Weights, set};
 use group::Error;
-use trajectory::Trajectory;
+use report::chart::{Strip, Tone};
 
+/// A scene of the paper: name in the figures, scenario, stop line and switch.
+#[derive(Debug, PartialEq)]
+pub struct Scene {
+    /// First word of its figures' ids.
+    pub name: &'static str,
+    /// Built-in scenario.
+    pub scenario: &'static str,
+    /// Distance from the ego's start to the stop line, m.
+    pub line_m: f64,
+    /// Time of the switch, s.
+    pub switch_s: f64,
+    /// Weights fitted to the scene alone, in B those of A.
+    ///
+    /// Source: calibrated against the figures that the paper prints, which has no weights.
+    pub fitted: Weights,
+}
+
+const FITTED_TO_A: Weights = set(19.5, 29.5, 1.29, 1.16e5, 43.8);
+
+/// The paper's scenes.
+pub static SCENES: [Scene; 4] = [
+    Scene { name: "A", scenario: "cacc-a", line_m: 80.0, switch_s: 5.0, fitted: FITTED_TO_A },
+    Scene { name: "B", scenario: "cacc-b", line_m: 80.0, switch_s: 5.0, fitted: FITTED_TO_A },
+    Scene {
+        name: "C",
+        scenario: "cacc-c",
+        line_m: 100.0,
+        switch_s: 5.0,
+        fitted: set(1275.0, 9998.0, 0.001, 2.6e7, 306.0),
+    },
+    Scene {
+        name: "T3",
+        scenario: "cacc-table3",
+        line_m: 58.0,
+        switch_s: 10.0,
+        fitted: set(0.988, 0.516, 0.020, 1401.0, 37.5),
+    },
+];
 /// Lead acceleration of Table 3 that goes with the weights fitted to it, m/s².
-const TABLE_3_LEAD: &str = "actors.0.profile.steps.0.acceleration_mps2=2.594";
-/// Equation 1 at every cycle.
-const EQUATION_1: &str = "controller.spacing_policy=measured-headway";
+pub const TABLE_3_LEAD_MPS2: f64 = 2.594;
 
 /// A variant of the scenes and weights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Set {
+pub enum Set {
+    /// One set of weights.
     Joint,
+    /// Weights fitted to each scene.
     Fitted,
+    /// Equation 1 at every cycle.
     Equation1,
+    /// Equation 15 over all stages.
+    AllStages,
 }
 
 impl Set {
-    const ALL: [Self; 3] = [Self::Joint, Self::Fitted, Self::Equation1];
+    const ALL: [Self; 4] = [Self::Joint, Self::Fitted, Self::Equation1, Self::AllStages];
 
     const fn name(self) -> &'static str {
         match self {
-            Self::Joint => "one set of weights",
-            Self::Fitted => "weights fitted to each scenario",
+            Self::Joint => "one set of weights (d_s frozen in A to C, equation 1 in Table 3)",
+            Self::Fitted => "weights fitted to each scenario (d_s as in the first set)",
             Self::Equation1 => "equation 1 as printed, one set of weights",
+            Self::AllStages => {
+                "equation 15 over all stages, one set of weights (d_s as in the first set)"
+            }
         }
     }
 
-    /// Name of its weights in results; equation 1 has them from the first set.
+    /// Name of its weights in results; the later sets have those of the first.
     const fn weights(self) -> Option<&'static str> {
         match self {
             Self::Joint => Some("joint"),
             Self::Fitted => Some("single"),
-            Self::Equation1 => None,
+            Self::Equation1 | Self::AllStages => None,
         }
     }
 
     const fn calibration(self) -> Calibration {
-        match self {
-            Self::Joint | Self::Equation1 => Calibration::Joint,
-            Self::Fitted => Calibration::Fitted,
-        }
+        if matches!(self, Self::Fitted) { Calibration::Fitted } else { Calibration::Joint }
     }
 
     /// Inferred values behind a figure.
-    fn inferred(self, figure: &Figure) -> &'static str {
-        match (self, figure.is_of_table_3()) {
-            (Self::Joint, false) => {
-                "the desired distance is frozen at its first value, d_s = 34.5 m; weights fitted \
-                 to all scenarios at once"
+    const fn inferred(self, is_of_table_3: bool) -> &'static str {
+        match (self, is_of_table_3) {
+            (Self::Joint | Self::AllStages, false) => {
+                "the desired distance is frozen at its first value, d_s = 34.5 m; weights fitted to all scenarios at \
+                 once"
             }
             (Self::Fitted, false) => {
-                "the desired distance is frozen at its first value, d_s = 34.5 m; weights fitted \
-                 to the scenario, in B those of A"
+                "the desired distance is frozen at its first value, d_s = 34.5 m; weights fitted to the scenario, in \
+                 B those of A"
             }
-            (Self::Joint, true) => {
-                "weights fitted to all scenarios at once, the lead's acceleration among them"
+            (Self::Joint | Self::AllStages, true) => {
+                "equation 1 at every cycle; weights fitted to all scenarios at once, the lead's acceleration among them"
             }
-            (Self::Fitted, true) => "weights fitted to Table 3, the lead's acceleration among them",
+            (Self::Fitted, true) => {
+                "equation 1 at every cycle; weights fitted to Table 3, the lead's acceleration among them"
+            }
             (Self::Equation1, _) => {
                 "weights fitted to all scenarios at once, with a frozen desired distance"
             }
         }
     }
 
-    /// True if the set has the figure: Table 3 has equation 1 in the other sets.
-    fn has(self, figure: &Figure) -> bool {
-        self != Self::Equation1 || !figure.is_of_table_3()
+    /// True if the set has the figure. Table 3 has equation 1 in the other sets, and ACC has no light.
+    fn has(self, id: &str) -> bool {
+        match self {
+            Self::Joint | Self::Fitted => true,
+            Self::Equation1 => !id.starts_with("T3."),
+            Self::AllStages => id.contains(".cacc."),
+        }
     }
+
+    /// Keys that make a scene one of this set.
+    #[must_use]
+    pub fn keys(self, scene: &Scene) -> Vec<String> {
+        match self {
+            Self::Joint => Vec::new(),
+            Self::Equation1 => vec!["controller.spacing_policy=measured-headway".into()],
+            Self::AllStages => vec!["controller.weights.light_stages=all".into()],
+            Self::Fitted => keys(scene, &scene.fitted, TABLE_3_LEAD_MPS2),
+        }
+    }
+}
+
+/// Keys for weights, and for the lead's acceleration in Table 3.
+#[must_use]
+pub fn keys(scene: &Scene, weights: &Weights, table_3_lead_mps2: f64) -> Vec<String> {
+    let weights = [
+        ("q1", weights.gap_error_per_m2),
+        ("q2", weights.speed_error_s2_per_m2),
+        ("q3", weights.acceleration_s4_per_m2),
+        ("r", weights.request_s4_per_m2),
+        ("light_weight", weights.light_m),
+        ("light_threshold_m", weights.light_threshold_m),
+    ];
+    let lead = format!("actors.0.profile.steps.0.acceleration_mps2={table_3_lead_mps2}");
+    let weights = weights.iter().map(|(key, value)| format!("controller.weights.{key}={value:?}"));
+    weights.chain((scene.name == "T3").then_some(lead)).collect()
+}
+
+/// Drives both laws through a scene: ACC, then CACC.
+///
+/// # Errors
+/// Reasons why a run does not reach its end.
+pub fn both_laws(
+    scene: &Scene,
+    keys: &[String],
+    drive: &dyn Fn(&str, &[&str]) -> Result<Driven, Error>,
+) -> Result<[Driven; 2], Error> {
+    let of = |law: &str| {
+        let name = format!("controller.name={law}");
+        // `acc-mpc` has no light, and refuses its keys.
+        let is_read = |key: &&str| law == "cacc-mpc" || !key.contains(".light_");
+        let keys = keys.iter().map(String::as_str).filter(is_read);
+        drive(scene.scenario, &keys.chain([name.as_str()]).collect::<Vec<_>>())
+    };
+    Ok([of("acc-mpc")?, of("cacc-mpc")?])
 }
 
 /// A piece for each set.
@@ -103,122 +188,45 @@ pub(super) fn pieces() -> Vec<Piece> {
 
 /// Drives the scenarios of a set and compares.
 fn reproduce(runner: &Runner<'_>, set: Set) -> Result<Part, Error> {
-    let recorded = record(runner, set)?;
-    let run = |index: usize| recorded.get(index).map(Recorded::trajectory);
-    let runs = Runs {
-        a_acc: run(0),
-        a_cacc: run(1),
-        b_acc: run(2),
-        b_cacc: run(3),
-        c_acc: run(4),
-        c_cacc: run(5),
-        t3_acc: run(6),
-        t3_cacc: run(7),
-    };
-    let figures = PRINTED.iter().chain(CLAIMS).filter(|figure| set.has(figure));
-    let rows = figures.map(|figure| {
-        let row = figure.row(&runs, set.calibration());
+    let (mut runs, mut pictures) = (Runs::default(), Pictures::default());
+    for scene in SCENES.iter().filter(|scene| set.has(&format!("{}.cacc.", scene.name))) {
+        let driven = both_laws(scene, &set.keys(scene), &|name, keys| runner.drive(name, keys))?;
+        if set == Set::Joint {
+            pictures.galleries.push(panels(scene, &driven));
+        }
+        runs.0.push((scene, driven.each_ref().map(Recording::of)));
+    }
+    let rows = PRINTED.iter().chain(CLAIMS).filter(|figure| set.has(figure.id)).map(|figure| {
+        let row = figure.row(&runs, set.calibration()).in_set(set.name());
         let row = Row { weights: set.weights().map(Into::into), ..row };
-        row.in_set(set.name()).depending_on(set.inferred(figure))
+        row.depending_on(set.inferred(figure.id.starts_with("T3.")))
     });
-    let rows = rows.collect();
-    let galleries = if set == Set::Joint { panels::panels(&runs) } else { Vec::new() };
-    Ok(Part { rows, pictures: Pictures { galleries, drives: Vec::new() } })
+    Ok(Part { rows: rows.collect(), pictures })
 }
 
-/// Drives the set's scenarios in the order of [`Runs`].
-fn record(runner: &Runner<'_>, set: Set) -> Result<Vec<Recorded>, Error> {
-    let fitted = |weights: Weights| match set {
-        Set::Fitted => weight_keys(&weights),
-        Set::Joint => Vec::new(),
-        Set::Equation1 => vec![EQUATION_1.to_owned()],
-    };
-    let a = fitted(weights::SCENARIO_A);
-    let c = fitted(weights::SCENARIO_C);
-    let mut t3 = fitted(weights::TABLE_3);
-    if set == Set::Fitted {
-        t3.push(TABLE_3_LEAD.into());
-    }
-    let mut scenarios = vec![("cacc-a", &a), ("cacc-b", &a), ("cacc-c", &c)];
-    if set != Set::Equation1 {
-        scenarios.push(("cacc-table3", &t3));
-    }
-    let drives = scenarios
-        .into_iter()
-        .flat_map(|(scenario, keys)| ["acc-mpc", "cacc-mpc"].map(|law| (scenario, law, keys)));
-    let driven = drives.map(|(scenario, law, keys)| {
-        let name = format!("controller.name={law}");
-        // `acc-mpc` has no light, and refuses its keys.
-        let is_read = |key: &&str| law == "cacc-mpc" || !key.contains(".light_");
-        let keys = keys.iter().map(String::as_str).filter(is_read);
-        let keys: Vec<_> = keys.chain([name.as_str()]).collect();
-        Ok(Recorded::new(&runner.drive(scenario, &keys)?))
-    });
-    driven.collect()
-}
-
-fn weight_keys(weights: &Weights) -> Vec<String> {
-    [
-        ("q1", weights.gap_error_per_m2),
-        ("q2", weights.speed_error_s2_per_m2),
-        ("q3", weights.acceleration_s4_per_m2),
-        ("r", weights.request_s4_per_m2),
-        ("light_weight", weights.light_m),
-        ("light_threshold_m", weights.light_threshold_m),
-    ]
-    .iter()
-    .map(|(key, value)| format!("controller.weights.{key}={value:?}"))
-    .collect()
-}
-
-/// A drive at its control cycles, column by column.
-struct Recorded {
-    columns: [Vec<f64>; 8],
-}
-
-impl Recorded {
-    fn new(driven: &Driven) -> Self {
-        let errors = driven.figure("gap_error_m").into_iter().zip(driven.figure("speed_error_mps"));
-        let cycles = driven.drive.steps.iter().filter(|step| step.figures.is_some());
-        let mut columns: [Vec<f64>; 8] = Default::default();
-        for (step, ((_, gap_error), (_, speed_error))) in cycles.zip(errors) {
-            let row = [
-                step.time_s,
-                step.position_m,
-                step.speed_mps,
-                step.acceleration_mps2,
-                step.request_mps2.unwrap_or(f64::NAN),
-                gap_error,
-                speed_error,
-                step.gap_m.unwrap_or(f64::NAN),
-            ];
-            for (column, value) in columns.iter_mut().zip(row) {
-                column.push(value);
-            }
-        }
-        Self { columns }
-    }
-
-    fn trajectory(&self) -> Trajectory<'_> {
-        let [
-            time_s,
-            position_m,
-            speed_mps,
-            acceleration_mps2,
-            request_mps2,
-            gap_error_m,
-            speed_error_mps,
-            gap_m,
-        ] = &self.columns;
-        Trajectory {
-            time_s,
-            position_m,
-            speed_mps,
-            acceleration_mps2,
-            request_mps2,
-            gap_error_m,
-            speed_error_mps,
-            gap_m,
-        }
+/// The panels of the paper's figures 6, 7, 8 and 10, both laws in each.
+fn panels(scene: &Scene, [acc, cacc]: &[Driven; 2]) -> Gallery {
+    let drives = [("CACC", cacc), ("ACC", acc)];
+    let figure = |title, unit, name| over_time(title, unit, &drives, &|driven| driven.figure(name));
+    let mut position =
+        over_time("Position", "m", &drives, &|driven| driven.points(|step| Some(step.position_m)));
+    let (first, then) =
+        if scene.name == "C" { (Tone::Stop, Tone::Go) } else { (Tone::Go, Tone::Stop) };
+    let end_s = cacc.scenario.duration_s.value();
+    let spans = vec![(0.0, scene.switch_s, first), (scene.switch_s, end_s, then)];
+    position.strips.push(Strip { y: scene.line_m, label: "stop line".into(), spans });
+    Gallery {
+        heading: format!("Scene {}: one set of weights", scene.name),
+        plots: vec![
+            position,
+            figure("Spacing error", "m", "gap_error_m"),
+            figure("Speed error", "m/s", "speed_error_mps"),
+            over_time("Acceleration", "m/s²", &drives, &|driven| {
+                driven.points(|step| Some(step.acceleration_mps2))
+            }),
+            over_time("Requested acceleration", "m/s²", &drives, &|driven| {
+                driven.points(|step| step.request_mps2)
+            }),
+        ],
     }
 }

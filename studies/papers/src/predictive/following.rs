@@ -3,15 +3,12 @@
 //! The paper describes four points of its figure in words; the scenario's road and lead are laid out
 //! after them. Each point is one or two rows.
 
-use super::pictures::{height, over, over_distance};
-use crate::row::{EXACT, Kind, Row, paper, requirement, within};
+use crate::pictures::{Gallery, Pictures, over_road};
+use crate::row::{EXACT, Kind, Row, Tolerance, paper, requirement, within};
 use crate::runner::{Driven, Part, Piece, Runner};
-use crate::{Gallery, Pictures};
-use controller::laws::truck::{GapKeys, Spacing};
-use group::Error;
+use controller::laws::truck::Prices;
 use group::report::Outcome;
-use group::{DriveStep, PowertrainStep};
-use report::chart::{Curve, Stroke, Tone};
+use group::{DriveStep, Error};
 use truck_model::{FUEL_DENSITY_GPL, Preset, Truck};
 
 /// End of the figure, m.
@@ -20,16 +17,27 @@ const FIGURE_M: f64 = 3500.0;
 const LEAD_BRAKES_S: f64 = 96.0;
 /// Reason of the tolerance of what the paper shows in its figure.
 const PLOT: &str = "described in words and shown in a plot without a scale";
+const SPEEDS: Tolerance = within(0.1, PLOT);
 /// Largest ratio of the first deceleration to the largest one that still is "small, then larger".
 const SMALL_BEFORE_LARGE: f64 = 0.7;
-
-/// Road ahead of the lead whose grade counts in the desired gap, m.
-const LEAD_ROAD_M: f64 = 300.0;
 /// Assumptions behind the rows of the figure.
 const ROAD: &str = "the road and the lead of the scenario: the paper's are not printed";
-
 /// Shortest headway, s.
 const MIN_HEADWAY_S: f64 = 1.0;
+
+/// The paper's sentences.
+const FOLLOWING: &str = "the following test has a set speed of 90 km/h and a slower lead";
+const DOWNHILL: &str =
+    "(1) at 0 m, downhill: the engine's torque is 0, the relative speed goes from -2 m/s towards 0";
+const AT_400_M: &str = "(2) at 400 m the relative speed stays about 0, the gap grows slowly";
+const AT_1700_M: &str = "(3) at 1,700 m the gap is beyond d_max: the predictive cruise drives, not faster than the lead";
+const AT_2300_M: &str = "(4) at 2,300 m the lead brakes: a small deceleration, a larger one at the safe gap, \
+    then a smaller one until both speeds are equal";
+const NO_BRAKE: &str = "it controls neither throttle nor brakes, but engine torque directly";
+const SAFE: &str = "conclusion 2: following with a variable gap keeps safety and improves comfort";
+const FUEL: &str = "the following considers the economic speed: less fuel than a traditional ACC";
+const WARNS: &str =
+    "mode 3: a gap below the least one is warned of; the driver can take over at any time";
 
 /// The law alone: the paper's truck has no emergency brake, and its radar gives objects.
 const ALONE: [&str; 2] = ["perception.radar.model=\"object-list\"", "aebs.enabled=false"];
@@ -40,15 +48,14 @@ pub fn pieces() -> Vec<Piece> {
         Piece::new(format!("braking lead, {}", preset.name()), move |runner| {
             let vehicle = format!("plant.vehicle=\"{}\"", preset.name());
             let driven = drive(runner, "truck-brake", Some(&vehicle))?;
-            Ok(Part::of_rows(emergency(preset, &driven)))
+            Ok(Part::of_rows(emergency(preset, &driven).into()))
         })
     };
     let mut pieces = vec![
         Piece::new("following figure", |runner| {
             let driven = drive(runner, "truck-follow", None)?;
-            // The picture shows the drive, over distance.
-            let pictures = Pictures { galleries: vec![picture(&driven)], drives: Vec::new() };
-            Ok(Part { rows: points(&driven), pictures })
+            let galleries = vec![picture(&driven)];
+            Ok(Part { rows: points(&driven), pictures: Pictures { galleries, drives: Vec::new() } })
         }),
         Piece::new("fuel in traffic", |runner| {
             let ours = drive(runner, "truck-traffic", None)?;
@@ -68,52 +75,49 @@ fn drive(runner: &Runner<'_>, scenario: &str, key: Option<&str>) -> Result<Drive
 
 /// The four points of the figure.
 fn points(driven: &Driven) -> Vec<Row> {
-    const NOTE: &str = "driven";
     let truck = Truck::preset(Preset::Jh6At25T);
-    let drag_share = mean(
-        driven,
-        |step| (2.0..12.0).contains(&step.time_s),
-        |step| {
-            let powertrain = step.powertrain?;
-            let rpm = truck.engine_rpm(step.speed_mps, powertrain.gear as usize - 1);
-            Some(powertrain.engine_torque_nm / truck.engine().drag_torque_nm(rpm))
-        },
-    );
+    let steps = || driven.drive.steps.iter();
+    let between = |from_m: f64, to_m: f64| {
+        steps().filter(move |step| (from_m..to_m).contains(&step.position_m))
+    };
+    let downhill = steps().filter(|step| (2.0..12.0).contains(&step.time_s));
+    let drag_share = mean(downhill.filter_map(|step| {
+        let powertrain = step.powertrain?;
+        let rpm = truck.engine_rpm(step.speed_mps, powertrain.gear as usize - 1);
+        Some(powertrain.engine_torque_nm / truck.engine().drag_torque_nm(rpm))
+    }));
     let at = |position_m: f64, value: &dyn Fn(&DriveStep) -> Option<f64>| {
-        let mut steps = driven.drive.steps.iter().skip_while(|s| s.position_m < position_m);
-        steps.find_map(value)
+        steps().skip_while(|step| step.position_m < position_m).find_map(value)
     };
     let relative = |step: &DriveStep| Some(step.lead_speed_mps? - step.speed_mps);
     let grown = at(1400.0, &|step| step.gap_m).zip(at(800.0, &|step| step.gap_m));
+    let grown = grown.map(|(late, early)| early - late);
     let economic = driven.figure("economic_speed_mps");
-    let excess = driven.drive.steps.iter().filter(|s| (1700.0..1900.0).contains(&s.position_m));
-    let excess = excess.filter_map(|step| {
+    let excess = between(1700.0, 1900.0).filter_map(|step| {
         let (_, economic) = economic.iter().rev().find(|(time_s, _)| *time_s <= step.time_s)?;
         Some(economic - step.lead_speed_mps?)
     });
-    let free = mean(
-        driven,
-        |step| (1700.0..1900.0).contains(&step.position_m),
-        |step| Some(f64::from(u8::from(step.mode? == 1))),
-    );
-    let small = mean(driven, after_braking(2.0, 8.0), |step| Some(-step.acceleration_mps2));
-    let large = driven.drive.steps.iter().filter(|step| after_braking(12.0, 40.0)(step));
-    let large = large.map(|step| -step.acceleration_mps2).fold(0.0, f64::max);
-    let headway = driven.drive.steps.iter().filter_map(|step| Some(step.gap_m? / step.speed_mps));
-    vec![
-        Row::near("follow.0m.torque_over_drag", "", paper(1.0), drag_share, within(0.1, PLOT))
-            .with_source("(1) at 0 m, downhill: the engine's torque is 0")
-            .depending_on(ROAD)
+    let free =
+        mean(between(1700.0, 1900.0).filter_map(|step| Some(f64::from(u8::from(step.mode? == 1)))));
+    let braking = |from_s: f64, to_s: f64| {
+        let times_s = LEAD_BRAKES_S + from_s..LEAD_BRAKES_S + to_s;
+        steps()
+            .filter(move |step| times_s.contains(&step.time_s))
+            .map(|step| -step.acceleration_mps2)
+    };
+    let large = braking(12.0, 40.0).fold(0.0, f64::max);
+    let small = mean(braking(2.0, 8.0)).map(|small| small / large);
+    let set_kmh = Some(3.6 * driven.scenario.set_speed_mps.value());
+    let braked_s = driven.summary.control.figures.service_brake_s;
+    let limit = requirement(SMALL_BEFORE_LARGE);
+    let end = at(FIGURE_M - 1.0, &relative);
+    let rows = vec![
+        Row::input("follow.set_speed_kmh", "km/h", paper(90.0), set_kmh).with_source(FOLLOWING),
+        Row::near("follow.0m.torque_over_drag", "", paper(1.0), drag_share, SPEEDS)
+            .with_source(DOWNHILL)
             .with_note("driven; mean of 2 to 12 s, downhill behind a lead 2 m/s slower"),
-        Row::near(
-            "follow.0m.relative_speed_start_mps",
-            "m/s",
-            paper(-2.0),
-            at(0.0, &relative),
-            within(0.01, "the scenario begins with it"),
-        )
-        .with_source("(1) from -2 m/s towards 0")
-        .with_note(NOTE),
+        Row::input("follow.0m.relative_speed_start_mps", "m/s", paper(-2.0), at(0.0, &relative))
+            .with_source(DOWNHILL),
         Row::near(
             "follow.400m.relative_speed_mps",
             "m/s",
@@ -121,17 +125,12 @@ fn points(driven: &Driven) -> Vec<Row> {
             at(400.0, &relative),
             within(0.2, PLOT),
         )
-        .with_source("(2) at 400 m the relative speed stays about 0")
-        .depending_on(ROAD),
-        Row::at_most(
-            "follow.gap_800m_less_gap_1400m",
-            "m",
-            paper(0.0),
-            grown.map(|(late, early)| early - late),
-            EXACT,
-        )
-        .with_note("driven; the gap grows inside its band"),
+        .with_source(AT_400_M),
+        Row::at_most("follow.gap_800m_less_gap_1400m", "m", paper(0.0), grown, EXACT)
+            .with_source(AT_400_M)
+            .with_note("driven; the gap grows inside its band"),
         Row::near("follow.1700m.predictive_share", "", paper(1.0), free, EXACT)
+            .with_source(AT_1700_M)
             .with_note("driven; 1700 to 1900 m, the gap is beyond d_max"),
         Row::at_most(
             "follow.1700m.speed_above_lead_mps",
@@ -140,52 +139,29 @@ fn points(driven: &Driven) -> Vec<Row> {
             excess.reduce(f64::max),
             EXACT,
         )
+        .with_source(AT_1700_M)
         .with_note("driven; the plan's speed less the lead's, at most"),
-        Row::at_most(
-            "follow.2300m.first_over_largest_deceleration",
-            "",
-            requirement(SMALL_BEFORE_LARGE),
-            small.map(|small| small / large),
-            EXACT,
-        )
-        .with_note("driven; small while there is room, larger at the safe gap"),
-        Row::near(
-            "follow.end.relative_speed_mps",
-            "m/s",
-            paper(0.0),
-            at(FIGURE_M - 1.0, &relative),
-            within(0.1, PLOT),
-        )
-        .with_note(NOTE),
-        Row::near(
-            "follow.service_brake_s",
-            "s",
-            paper(0.0),
-            driven.summary.control.figures.service_brake_s,
-            EXACT,
-        )
-        .with_note(NOTE),
-        headway_row("follow", headway.reduce(f64::min)),
-    ]
-}
-
-fn after_braking(from_s: f64, to_s: f64) -> impl Fn(&DriveStep) -> bool {
-    move |step| (LEAD_BRAKES_S + from_s..LEAD_BRAKES_S + to_s).contains(&step.time_s)
+        Row::at_most("follow.2300m.first_over_largest_deceleration", "", limit, small, EXACT)
+            .with_source(AT_2300_M)
+            .with_note("driven; small while there is room, larger at the safe gap"),
+        Row::near("follow.end.relative_speed_mps", "m/s", paper(0.0), end, SPEEDS)
+            .with_source(AT_2300_M)
+            .with_note("driven"),
+        Row::near("follow.service_brake_s", "s", paper(0.0), braked_s, EXACT)
+            .with_source(NO_BRAKE)
+            .with_note("driven"),
+        headway("follow", driven),
+    ];
+    rows.into_iter().map(|row| row.depending_on(ROAD)).collect()
 }
 
 /// Fuel behind a lead whose speed goes up and down, against the following law of another paper.
 fn traffic(ours: &Driven, other: &Driven) -> [Row; 2] {
     let change = fuel(ours).zip(fuel(other)).map(|(ours, other)| 100.0 * (ours / other - 1.0));
-    let headway = ours.drive.steps.iter().filter_map(|step| Some(step.gap_m? / step.speed_mps));
+    let note = "driven; against acc-mpc behind the same lead, end energy corrected";
     [
-        Row::shown(
-            "traffic.fuel",
-            "%",
-            Kind::Requirement,
-            change,
-            "driven; against acc-mpc behind the same lead, end energy corrected",
-        ),
-        headway_row("traffic", headway.reduce(f64::min)),
+        Row::shown("traffic.fuel", "%", Kind::Requirement, change, note).with_source(FUEL),
+        headway("traffic", ours),
     ]
 }
 
@@ -193,108 +169,54 @@ fn traffic(ours: &Driven, other: &Driven) -> [Row; 2] {
 fn fuel(driven: &Driven) -> Option<f64> {
     let truck = Truck::preset(Preset::Jh6At49T);
     let (first, last) = (driven.drive.steps.first()?, driven.drive.steps.last()?);
-    let price_gpj = controller::laws::truck::Prices::new(&truck, first.speed_mps).energy_gpj;
+    let price_gpj = Prices::new(&truck, first.speed_mps).energy_gpj;
     let gained_j = truck.kinetic_energy_j(last.speed_mps) - truck.kinetic_energy_j(first.speed_mps);
     let grams = last.powertrain?.fuel_g - price_gpj * gained_j;
     Some(1e5 * grams / FUEL_DENSITY_GPL / last.position_m)
 }
 
-fn emergency(preset: Preset, driven: &Driven) -> Vec<Row> {
+fn emergency(preset: Preset, driven: &Driven) -> [Row; 3] {
     let control = &driven.summary.control.figures;
     let collisions = f64::from(u8::from(driven.summary.outcome != Outcome::Completed));
-    let name = |what: &str| format!("{}.lead_brakes_6mps2.{what}", preset.name());
-    vec![
-        Row::near(&name("collisions"), "", requirement(0.0), Some(collisions), EXACT)
+    let id = |what: &str| format!("{}.lead_brakes_6mps2.{what}", preset.name());
+    let shown = |what, unit, ours, note| Row::shown(&id(what), unit, Kind::Requirement, ours, note);
+    [
+        Row::near(&id("collisions"), "", requirement(0.0), Some(collisions), EXACT)
             .with_note("driven; from 22 m/s to standstill, 1 % downhill"),
-        Row::shown(&name("smallest_gap_m"), "m", Kind::Requirement, control.min_gap_m, "driven"),
-        Row::shown(
-            &name("service_brake_s"),
-            "s",
-            Kind::Requirement,
-            control.service_brake_s,
-            "driven; last resort",
-        ),
+        shown("smallest_gap_m", "m", control.min_gap_m, "driven"),
+        shown("service_brake_s", "s", control.service_brake_s, "driven; last resort"),
     ]
+    .map(|row| row.with_source(WARNS))
 }
 
-fn headway_row(scenario: &str, headway_s: Option<f64>) -> Row {
-    let id = format!("{scenario}.headway_below_1s");
-    let short = headway_s.map(|headway_s| (MIN_HEADWAY_S - headway_s).max(0.0));
-    Row::near(&id, "s", requirement(0.0), short, EXACT)
+fn headway(scenario: &str, driven: &Driven) -> Row {
+    let headway = driven.drive.steps.iter().filter_map(|step| Some(step.gap_m? / step.speed_mps));
+    let short = headway.reduce(f64::min).map(|headway_s| (MIN_HEADWAY_S - headway_s).max(0.0));
+    Row::near(&format!("{scenario}.headway_below_1s"), "s", requirement(0.0), short, EXACT)
+        .with_source(SAFE)
         .with_note("driven; what the shortest headway lacks of 1 s")
 }
 
-/// Mean of a value over the steps that count.
-fn mean(
-    driven: &Driven,
-    counts: impl Fn(&DriveStep) -> bool,
-    value: impl Fn(&DriveStep) -> Option<f64>,
-) -> Option<f64> {
-    let steps = driven.drive.steps.iter().filter(|step| counts(step));
-    let values: Vec<f64> = steps.filter_map(value).collect();
+fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let values: Vec<f64> = values.collect();
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
-/// The gap and the ends of its band, by the grade of the 300 m ahead of the lead.
-fn band(driven: &Driven) -> Vec<Curve> {
-    let keys = GapKeys::default();
-    let road = driven.scenario.road.profile().unwrap_or_default();
-    let end = |value: fn(&Spacing) -> f64| {
-        let road = &road;
-        move |step: &DriveStep| {
-            let from_m = step.position_m + step.gap_m?;
-            let grade = road.mean_grade(from_m, from_m + LEAD_ROAD_M);
-            Some(value(&Spacing::new(&keys, step.speed_mps, step.lead_speed_mps?, grade)))
-        }
-    };
-    let draw = |name, tone, value: &dyn Fn(&DriveStep) -> Option<f64>| {
-        Curve::new(name, tone, over_distance(driven, FIGURE_M, value))
-    };
-    vec![
-        draw("gap", Tone::Series(0), &|step| step.gap_m),
-        draw("d_max", Tone::Muted, &end(|spacing| spacing.max_m)).stroke(Stroke::Dashed),
-        draw("d_min", Tone::Muted, &end(|spacing| spacing.min_m)).stroke(Stroke::Dotted),
-    ]
-}
-
+/// The figures of the test.
 fn picture(driven: &Driven) -> Gallery {
-    let curve = |index, name, value: &dyn Fn(&DriveStep) -> Option<f64>| {
-        Curve::new(name, Tone::Series(index), over_distance(driven, FIGURE_M, value))
+    let plot = |title, unit, value: &dyn Fn(&DriveStep) -> Option<f64>| {
+        over_road(title, unit, FIGURE_M, &[("truck", driven)], &|_, step| value(step))
     };
-    let powertrain = |value: fn(&PowertrainStep) -> f64| {
-        move |step: &DriveStep| step.powertrain.as_ref().map(value)
-    };
-    let road = Curve::new("road", Tone::Muted, height(&driven.scenario, FIGURE_M));
-    let truck = curve(0, "truck", &|step| Some(3.6 * step.speed_mps));
-    let ahead = curve(1, "vehicle ahead", &|step| step.lead_speed_mps.map(|v| 3.6 * v));
-    let gear = curve(0, "gear", &powertrain(|p| p.gear.into())).steps();
     Gallery {
-        heading: "Following".into(),
+        heading: "Following (figures 8 and 9)".into(),
         plots: vec![
-            over("Height", FIGURE_M, "m", vec![road]),
-            over("Speed", FIGURE_M, "km/h", vec![truck, ahead]),
-            over("Gap in its band (figure 8)", FIGURE_M, "m", band(driven)),
-            over(
-                "Relative speed (figure 8)",
-                FIGURE_M,
-                "m/s",
-                vec![curve(0, "vehicle ahead less truck", &|step| {
-                    Some(step.lead_speed_mps? - step.speed_mps)
-                })],
-            ),
-            over(
-                "Engine torque (figure 9)",
-                FIGURE_M,
-                "N m",
-                vec![curve(0, "torque", &powertrain(|p| p.engine_torque_nm))],
-            ),
-            over("Gear, of the top six", FIGURE_M, "", vec![gear]),
-            over(
-                "Fuel",
-                FIGURE_M,
-                "L",
-                vec![curve(0, "fuel", &powertrain(|p| p.fuel_g / FUEL_DENSITY_GPL))],
-            ),
+            plot("Gap (figure 8)", "m", &|step| step.gap_m),
+            plot("Relative speed (figure 8)", "m/s", &|step| {
+                Some(step.lead_speed_mps? - step.speed_mps)
+            }),
+            plot("Engine torque (figure 9)", "N m", &|step| {
+                Some(step.powertrain?.engine_torque_nm)
+            }),
         ],
     }
 }

@@ -11,14 +11,12 @@
 //! savings of the reconstruction.
 
 use super::runner::Piece;
+use super::trips::Trip;
 use controller::laws::truck::Prices;
 use group::DriveStep;
-use truck_model::{FUEL_DENSITY_GPL, Preset, Truck};
+use truck_model::{Preset, Truck};
 
-mod computed;
 mod following;
-mod headline;
-mod pictures;
 mod savings;
 
 /// Length of the trip, m.
@@ -31,52 +29,40 @@ pub fn pieces() -> Vec<Piece> {
     [savings::pieces(), following::pieces()].concat()
 }
 
-/// A trip to the road's end.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Trip {
-    time_s: f64,
-    /// Fuel at equal kinetic energy at both ends, L/100 km.
-    corrected_l_per_100km: f64,
-    /// Part of it that is the correction, L/100 km.
-    correction_l_per_100km: f64,
+/// The trip of a drive to the road's end; `None` when it did not reach it.
+fn trip(preset: Preset, steps: &[DriveStep]) -> Option<Trip> {
+    let truck = Truck::preset(preset);
+    let first = steps.first()?;
+    let after = steps.partition_point(|step| step.position_m < ROAD_M);
+    let (a, b) = (steps.get(after.checked_sub(1)?)?, steps.get(after)?);
+    let share = (ROAD_M - a.position_m) / (b.position_m - a.position_m);
+    let between = |from: f64, to: f64| from + share * (to - from);
+    let end_mps = between(a.speed_mps, b.speed_mps);
+    Some(Trip {
+        length_m: ROAD_M,
+        time_s: between(a.time_s, b.time_s),
+        fuel_g: between(a.powertrain?.fuel_g, b.powertrain?.fuel_g),
+        gained_j: truck.kinetic_energy_j(end_mps) - truck.kinetic_energy_j(first.speed_mps),
+        ..Trip::default()
+    })
 }
 
-impl Trip {
-    /// The trip that was driven; `None` when it did not reach the road's end.
-    fn of(preset: Preset, steps: &[DriveStep]) -> Option<Self> {
-        let truck = Truck::preset(preset);
-        let first = steps.first()?;
-        let after = steps.partition_point(|step| step.position_m < ROAD_M);
-        let (a, b) = (steps.get(after.checked_sub(1)?)?, steps.get(after)?);
-        let share = (ROAD_M - a.position_m) / (b.position_m - a.position_m);
-        let between = |from: f64, to: f64| from + share * (to - from);
-        let fuel_g = between(a.powertrain?.fuel_g, b.powertrain?.fuel_g);
-        let end_mps = between(a.speed_mps, b.speed_mps);
-        let gained_j = truck.kinetic_energy_j(end_mps) - truck.kinetic_energy_j(first.speed_mps);
-        let price_gpj = Prices::new(&truck, SET_SPEED_MPS).energy_gpj;
-        let litres = |grams: f64| 1e5 * grams / FUEL_DENSITY_GPL / ROAD_M;
-        Some(Self {
-            time_s: between(a.time_s, b.time_s),
-            corrected_l_per_100km: litres(fuel_g - price_gpj * gained_j),
-            correction_l_per_100km: -litres(price_gpj * gained_j),
-        })
-    }
+/// Fuel at equal kinetic energy at both ends, L/100 km.
+fn litres(preset: Preset, trip: &Trip) -> f64 {
+    let energy_gpj = Prices::new(&Truck::preset(preset), SET_SPEED_MPS).energy_gpj;
+    trip.corrected_l_per_100_km(energy_gpj)
+}
 
-    /// Fuel against a baseline, percent.
-    fn against(&self, baseline: &Self) -> f64 {
-        100.0 * (self.corrected_l_per_100km / baseline.corrected_l_per_100km - 1.0)
-    }
-
-    /// Trip time against a baseline, percent.
-    fn slower_than(&self, baseline: &Self) -> f64 {
-        100.0 * (self.time_s / baseline.time_s - 1.0)
-    }
+/// Trip time against a baseline, percent.
+fn slower_percent(trip: &Trip, baseline: &Trip) -> f64 {
+    100.0 * (trip.time_s / baseline.time_s - 1.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use group::PowertrainStep;
+    use truck_model::FUEL_DENSITY_GPL;
 
     #[test]
     fn a_trip_ends_where_the_road_does_and_speed_gained_is_fuel_to_be_given_back() {
@@ -93,12 +79,11 @@ mod tests {
             let after = step(3000.0, 60_010.0, speed_mps, 9010.0);
             [step(0.0, 0.0, 20.0, 0.0), before, after]
         };
-        let even = Trip::of(preset, &end(20.0)).expect("it got there");
-        assert_eq!(even.time_s, 2999.5);
-        assert_eq!(even.correction_l_per_100km, 0.0);
-        assert!((even.corrected_l_per_100km - 9005.0 / FUEL_DENSITY_GPL / 0.6).abs() < 1e-9);
-        let faster = Trip::of(preset, &end(21.0)).expect("it got there");
-        assert!(faster.against(&even) < 0.0);
-        assert_eq!(Trip::of(preset, &end(20.0)[..2]), None, "it did not get there");
+        let even = trip(preset, &end(20.0)).expect("it got there");
+        assert_eq!((even.time_s, even.gained_j), (2999.5, 0.0));
+        assert!((litres(preset, &even) - 9005.0 / FUEL_DENSITY_GPL / 0.6).abs() < 1e-9);
+        let faster = trip(preset, &end(21.0)).expect("it got there");
+        assert!(litres(preset, &faster) < litres(preset, &even));
+        assert_eq!(trip(preset, &end(20.0)[..2]), None, "it did not get there");
     }
 }

@@ -1,18 +1,18 @@
-//! Six-mode switching ACC (Wang et al. 2014). The published drive under the literal and the robust law, and the numbers
-//! beside the equations.
+//! Six-mode switching ACC (Wang et al. 2014). The published drive under the literal and the robust law and under the
+//! law's defaults, and the numbers beside the equations.
 //!
-//! The source's third car keeps 36 km/h, and the source's drive ends at standstill: both cannot be. So each law drives
-//! twice, without a stop of that car and with the inferred one. Every set is compared with the printed times; a row
-//! outside its tolerance has a note with the reason.
+//! The source's third car keeps 36 km/h, and the source's drive ends at standstill: both cannot be. So the literal and
+//! the robust law drive twice, without a stop of that car and with the inferred one. Every set is compared with the
+//! printed times; a row outside its tolerance has a note with the reason.
 
-mod pictures;
+mod plane;
 mod releases;
 
 use super::Pictures;
 use super::row::{EXACT, Kind, Row, Tolerance, paper, requirement, within};
 use super::runner::{Driven, Part, Piece, Runner};
-use controller::laws::six_mode::Mode;
 use controller::laws::six_mode::deceleration::LEVELS_MPS2;
+use controller::laws::six_mode::{Mode, Parameters};
 use group::Error;
 use group::report::Outcome;
 
@@ -26,6 +26,8 @@ enum Drives {
     Robust,
     /// The robust law with the decelerate mode of figure 3.
     Regions,
+    /// The law's defaults, `--controller six-mode`.
+    Road,
 }
 
 /// A law, and whether the third car stops.
@@ -36,7 +38,7 @@ struct Set {
     stops: bool,
 }
 
-const SETS: [Set; 5] = [
+const SETS: [Set; 6] = [
     Set { name: "literal, third car keeps 36 km/h", law: Drives::Literal, stops: false },
     Set { name: "literal, third car stops", law: Drives::Literal, stops: true },
     Set { name: "robust, third car keeps 36 km/h", law: Drives::Robust, stops: false },
@@ -46,25 +48,49 @@ const SETS: [Set; 5] = [
         law: Drives::Regions,
         stops: true,
     },
+    Set { name: "road set, third car stops", law: Drives::Road, stops: true },
+];
+
+/// The keys of the law's table that the scenario sets.
+const INFERRED_KEYS: [&str; 13] = [
+    "spacing",
+    "acceleration_mps2",
+    "deceleration_parts",
+    "braking_mps2",
+    "lead_braking_mps2",
+    "approach_threshold_mps",
+    "steady_band_mps",
+    "braking_hysteresis_m",
+    "threshold_hysteresis_mps",
+    "sign_band_mps",
+    "dwell_s",
+    "filter_time_s",
+    "jerk_limit_mps3",
 ];
 
 impl Set {
     fn drive(self, runner: &Runner<'_>) -> Result<Driven, Error> {
-        let law = match self.law {
-            Drives::Literal => "controller.six_mode.variant=\"literal\"",
-            Drives::Robust => "controller.six_mode.variant=\"robust\"",
-            Drives::Regions => "controller.six_mode.deceleration_parts=\"regions\"",
+        let mut keys = match self.law {
+            Drives::Literal => vec!["controller.six_mode.variant=\"literal\"".to_owned()],
+            Drives::Robust => vec!["controller.six_mode.variant=\"robust\"".to_owned()],
+            Drives::Regions => {
+                vec!["controller.six_mode.deceleration_parts=\"regions\"".to_owned()]
+            }
+            Drives::Road => {
+                let defaults = serde_json::to_value(Parameters::default()).expect("plain data");
+                let key = |key: &&str| format!("controller.six_mode.{key}={}", defaults[*key]);
+                INFERRED_KEYS.iter().map(key).collect()
+            }
         };
-        let mut keys = vec![law];
         if !self.stops {
-            keys.push("actors.1.profile=\"constant\"");
+            keys.push("actors.1.profile=\"constant\"".to_owned());
         }
-        runner.drive("six-mode", &keys)
+        runner.drive("six-mode", &keys.iter().map(String::as_str).collect::<Vec<_>>())
     }
 
-    /// True if the paper's figures are drawn: for the paper as printed and for the law that users drive.
+    /// True if the paper's plane is drawn: for the paper as printed and for the law that users drive.
     fn is_drawn(self) -> bool {
-        matches!((self.law, self.stops), (Drives::Literal, false) | (Drives::Robust, true))
+        matches!((self.law, self.stops), (Drives::Literal, false) | (Drives::Road, _))
     }
 
     /// Inferred values behind the switch `index` of [`SWITCHES`].
@@ -88,12 +114,19 @@ impl Set {
             (_, Drives::Regions, _) => {
                 "third car's stop, hysteresis, initial speed, gap of the cut-in, a_h, a_p, k, actuator lag"
             }
+            (_, Drives::Road, _) => {
+                "third car's stop, initial speed, gap of the cut-in, actuator lag, all defaults of the law"
+            }
         }
     }
 
     /// Reason why the switch `index` is outside its tolerance, where it is.
     const fn cause(self, index: usize) -> &'static str {
         match (index, self.law, self.stops) {
+            (_, Drives::Road, _) => {
+                "the road set keeps a time gap in place of the paper's distances, brakes gradually and accelerates \
+                 with 1.8 m/s²"
+            }
             (0 | 1, ..) => {
                 "no initial speed meets the first and the second time; this one meets the second under \
                  the robust law"
@@ -112,99 +145,67 @@ impl Set {
     }
 }
 
-/// Switch of the paper.
-#[derive(Clone, Copy, Debug)]
-struct Switch {
-    /// Mode that ends.
-    from: u32,
-    /// Mode that begins.
-    to: u32,
-    /// Printed time, s.
-    at_s: f64,
-    /// Sentence, shortened.
-    source: &'static str,
-}
-
-const fn switch(from: u32, to: u32, at_s: f64, source: &'static str) -> Switch {
-    Switch { from, to, at_s, source }
-}
+/// Switch of the paper: the modes that end and begin, printed time, s, and the sentence, shortened.
+type Switch = (u32, u32, f64, &'static str);
 
 const SWITCHES: [Switch; 6] = [
-    switch(
+    (
         6,
         1,
         4.0,
         "4 to 8 s: the lead is out of the sensor's range, so the system switches to cruise",
     ),
-    switch(1, 2, 8.0, "at 8 s R > R_w1 and the relative speed is large: approach"),
-    switch(
-        2,
-        5,
-        14.0,
-        "at 14 s the third car cuts in, the gap falls below the avoid distance: avoid",
-    ),
-    switch(5, 4, 16.0, "at 16 s R_b1 < R < R_w1: decelerate"),
-    switch(4, 2, 18.0, "at 18 s R > R_w1 and the relative speed is large: approach"),
-    switch(2, 4, 26.0, "at 26 s R_b1 < R < R_w1: decelerate, braking suitably to a stop"),
+    (1, 2, 8.0, "at 8 s R > R_w1 and the relative speed is large: approach"),
+    (2, 5, 14.0, "at 14 s the third car cuts in, the gap falls below the avoid distance: avoid"),
+    (5, 4, 16.0, "at 16 s R_b1 < R < R_w1: decelerate"),
+    (4, 2, 18.0, "at 18 s R > R_w1 and the relative speed is large: approach"),
+    (2, 4, 26.0, "at 26 s R_b1 < R < R_w1: decelerate, braking suitably to a stop"),
 ];
+/// The switch at the cut-in, whose instant the scenario sets.
+const CUT_IN: usize = 2;
 
 /// A piece for each set. The first one also has the rows that need no drive.
 pub fn pieces() -> Vec<Piece> {
     let piece = |(place, set): (usize, Set)| {
         Piece::new(set.name, move |runner| {
-            let mut part = reproduce(runner, set)?;
-            if place == 0 {
-                part.rows.splice(0..0, releases::rows());
-            }
-            Ok(part)
+            let driven = set.drive(runner)?;
+            let rows = rows(set, &driven).into_iter().map(|row| row.in_set(set.name));
+            let releases = if place == 0 { releases::rows() } else { Vec::new() };
+            let drawn = if set.is_drawn() { plane::of(set.name, &driven) } else { None };
+            let drives = vec![(set.name.to_owned(), driven.picture().1)];
+            let pictures = Pictures { drives, galleries: drawn.into_iter().collect() };
+            Ok(Part { rows: releases.into_iter().chain(rows).collect(), pictures })
         })
     };
     SETS.into_iter().enumerate().map(piece).collect()
-}
-
-/// Drives the scenario in a set and compares.
-fn reproduce(runner: &Runner<'_>, set: Set) -> Result<Part, Error> {
-    let driven = set.drive(runner)?;
-    let rows = rows(set, &driven).into_iter().map(|row| row.in_set(set.name)).collect();
-    let galleries = if set.is_drawn() { pictures::of(set.name, &driven) } else { Vec::new() };
-    let (_, picture) = driven.picture();
-    let drives = vec![(set.name.to_owned(), picture)];
-    Ok(Part { rows, pictures: Pictures { drives, galleries } })
 }
 
 /// A change of mode: from, to, s.
 type Change = (u32, u32, f64);
 
 fn rows(set: Set, driven: &Driven) -> Vec<Row> {
-    let changes = changes(&modes(driven));
-    let (matched, others) = aligned(&changes);
-    let mut rows = Vec::new();
-    for (index, (&Switch { from, to, at_s, source }, ours)) in
-        SWITCHES.iter().zip(matched).enumerate()
-    {
-        let id = format!("switch.{from}-{to}_s");
-        let row = Row::near(&id, "s", paper(at_s), ours, PRINTED_S);
-        let row = row.with_source(source).depending_on(set.inferred(index));
-        rows.push(if row.ok { row } else { row.with_note(set.cause(index)) });
-    }
-    let others_seen = Row::near("switch.others", "", paper(0.0), Some(others.len() as f64), EXACT);
-    let others_seen =
-        others_seen.with_source("figure 6b: six switches").depending_on(set.inferred(5));
-    rows.push(if others.is_empty() {
-        others_seen
-    } else {
-        others_seen.with_note("the rows \"seen\" show them")
-    });
+    let (matched, others) = aligned(&changes(&modes(driven)));
+    let switches = SWITCHES.iter().zip(matched).enumerate();
+    let mut rows: Vec<_> = switches
+        .map(|(index, (&(from, to, at_s, source), ours))| {
+            let id = format!("switch.{from}-{to}_s");
+            let row = match index {
+                CUT_IN => Row::input(&id, "s", paper(at_s), ours),
+                _ => Row::near(&id, "s", paper(at_s), ours, PRINTED_S),
+            };
+            let row = row.with_source(source).depending_on(set.inferred(index));
+            if row.ok { row } else { row.with_note(set.cause(index)) }
+        })
+        .collect();
+    let count = Row::near("switch.others", "", paper(0.0), Some(others.len() as f64), EXACT)
+        .with_source("figure 6b: six switches")
+        .depending_on(set.inferred(5));
+    rows.push(if count.ok { count } else { count.with_note("the rows \"seen\" show them") });
     rows.extend(others.iter().map(|(place, (from, to, at_s))| {
-        let id = format!("seen.{place}.{from}-{to}_s");
-        Row::shown(
-            &id,
-            "s",
-            Kind::Reconstruction,
-            Some(*at_s),
-            "a switch that the paper does not have",
-        )
-        .depending_on(set.inferred(5))
+        let (id, ours) = (format!("seen.{place}.{from}-{to}_s"), Some(*at_s));
+        Row::shown(&id, "s", Kind::Reconstruction, ours, "a switch that the paper does not have")
+            .with_source("figure 6b: six switches")
+            .depending_on(set.inferred(5))
     }));
     rows.extend(motion(set, driven));
     rows
@@ -219,39 +220,26 @@ fn motion(set: Set, driven: &Driven) -> Vec<Row> {
     let fastest_kmh = in_mode(1).map(|step| 3.6 * step.speed_mps).reduce(f64::max);
     let end_mps = steps().last().map(|step| step.speed_mps);
     let contact = f64::from(u8::from(driven.summary.outcome == Outcome::Collision));
-    let end = Row::near(
-        "end.speed_mps",
-        "m/s",
-        paper(0.0),
-        end_mps,
-        within(0.01, "a plot shows this as standing"),
-    )
-    .with_source("26 s: decelerate, braking suitably to a stop")
-    .depending_on(set.inferred(5));
+    let change_mps = change_of_relative_speed(&driven.figure("relative_speed_mps"));
+    let standing = within(0.01, "a plot shows this as standing");
+    let end = Row::near("end.speed_mps", "m/s", paper(0.0), end_mps, standing)
+        .with_source("26 s: decelerate, braking suitably to a stop")
+        .depending_on(set.inferred(5));
     let end = if end.ok {
         end
     } else {
         end.with_note("the source contradicts itself: a car behind one at 36 km/h does not stop")
     };
+    let input = |id, unit, printed, ours| Row::input(id, unit, paper(printed), ours);
     vec![
-        Row::near("accelerate.request_mps2", "m/s²", paper(1.0), largest(6), EXACT)
+        input("accelerate.request_mps2", "m/s²", 1.0, largest(6))
             .with_source("0 to 4 s: accelerate, with 1 m/s²"),
-        Row::near("cruise.request_mps2", "m/s²", paper(1.0), largest(1), EXACT)
+        input("cruise.request_mps2", "m/s²", 1.0, largest(1))
             .with_source("4 to 8 s: V_h < 70 km/h, so with 1 m/s²"),
-        Row::at_most("cruise.fastest_kmh", "km/h", paper(70.0), fastest_kmh, EXACT)
+        input("cruise.fastest_kmh", "km/h", 70.0, fastest_kmh)
             .with_source("4 to 8 s: V_h < 70 km/h (figure 6c)")
-            .depending_on("initial speed"),
-        Row::near(
-            "cut-in.change_of_relative_speed_mps",
-            "m/s",
-            paper(0.0),
-            change_of_relative_speed(&driven.figure("relative_speed_mps")),
-            within(
-                0.05,
-                "the ego's speed changes by at most 1 m/s² for one control cycle of 50 ms",
-            ),
-        )
-        .with_source(
+            .with_note("the set speed bounds it"),
+        input("cut-in.change_of_relative_speed_mps", "m/s", 0.0, change_mps).with_source(
             "at 14 s the third car cuts in at the lead's speed: the relative speed does not change",
         ),
         Row::shown(
@@ -263,14 +251,8 @@ fn motion(set: Set, driven: &Driven) -> Vec<Row> {
         )
         .with_source("avoid: comfort is sacrificed for the vehicle's hardest braking")
         .depending_on("a_h"),
-        Row::near(
-            "decelerate.demands_off_the_levels",
-            "",
-            paper(0.0),
-            Some(off_levels(driven)),
-            EXACT,
-        )
-        .with_source("eight levels, the mean of the present one and the three before"),
+        input("decelerate.demands_off_the_levels", "", 0.0, Some(off_levels(driven)))
+            .with_source("eight levels, the mean of the present one and the three before"),
         end,
         Row::at_most("collisions", "", requirement(0.0), Some(contact), EXACT)
             .with_source("conclusion: safety is kept"),
@@ -279,14 +261,10 @@ fn motion(set: Set, driven: &Driven) -> Vec<Row> {
 
 /// Control cycles of the decelerate mode with a demand beside the eight levels.
 fn off_levels(driven: &Driven) -> f64 {
-    let is_level = |demand: f64| LEVELS_MPS2.contains(&demand);
     let steps = driven.drive.steps.iter().filter(|step| step.figures.is_some());
     let demands = steps.zip(driven.figure("demand_mps2"));
-    demands
-        .filter(|(step, (_, demand))| {
-            step.mode == Some(Mode::Decelerate.index()) && !is_level(*demand)
-        })
-        .count() as f64
+    let decelerates = demands.filter(|(step, _)| step.mode == Some(Mode::Decelerate.index()));
+    decelerates.filter(|(_, (_, demand))| !LEVELS_MPS2.contains(demand)).count() as f64
 }
 
 /// Change of the relative speed from the last cycle before 14 s to the first from then on, m/s.
@@ -312,7 +290,7 @@ fn aligned(changes: &[Change]) -> ([Option<f64>; SWITCHES.len()], Vec<(usize, Ch
     let mut matched = [None; SWITCHES.len()];
     let mut others: Vec<_> = (1..).zip(changes.iter().copied()).collect();
     let mut after = 0;
-    for (time_s, &Switch { from, to, .. }) in matched.iter_mut().zip(&SWITCHES) {
+    for (time_s, &(from, to, ..)) in matched.iter_mut().zip(&SWITCHES) {
         let is_it = |(place, change): &(usize, Change)| {
             *place > after && (change.0, change.1) == (from, to)
         };
@@ -330,7 +308,7 @@ mod tests {
 
     #[test]
     fn the_papers_own_sequence_matches_itself() {
-        let own: Vec<Change> = SWITCHES.iter().map(|s| (s.from, s.to, s.at_s)).collect();
+        let own: Vec<Change> = SWITCHES.iter().map(|s| (s.0, s.1, s.2)).collect();
         let (matched, others) = aligned(&own);
         assert_eq!(matched.to_vec(), [4.0, 8.0, 14.0, 16.0, 18.0, 26.0].map(Some));
         assert!(others.is_empty());

@@ -1,8 +1,7 @@
 //! The law as a driver: it sees a map, its plans take effect some cycles after they were asked for.
 
-use super::chase::Follower;
 use super::{CONTROL_PERIOD_S, Driver, Road, Seen};
-use controller::law::{Ego, Input, Law, Output, Plan, Planner, Planning, Powertrain, Target};
+use controller::law::{Ego, Input, Law, Output, Plan, Planner, Planning, Powertrain};
 use controller::laws::truck::{Predictive, Settings};
 use truck_model::Demand;
 
@@ -27,10 +26,7 @@ pub struct Assisted {
     map: Map,
     set_speed_mps: f64,
     answer: Option<(Plan, u32)>,
-    target: Option<Target>,
     output: Output,
-    /// Number of plans made.
-    pub plans: u32,
 }
 
 impl Assisted {
@@ -38,16 +34,8 @@ impl Assisted {
     #[must_use]
     pub fn new(settings: &Settings, set_speed_mps: f64, map: Map) -> Self {
         let law = Predictive::new(settings);
-        Self {
-            planner: law.planner(),
-            law,
-            map,
-            set_speed_mps,
-            answer: None,
-            target: None,
-            output: Output::default(),
-            plans: 0,
-        }
+        let planner = law.planner();
+        Self { law, planner, map, set_speed_mps, answer: None, output: Output::default() }
     }
 
     fn take_plan(&mut self) {
@@ -74,7 +62,7 @@ impl Driver for Assisted {
                 speed_mps: motion.speed_mps,
                 acceleration_mps2: motion.acceleration_mps2,
             },
-            target: self.target,
+            target: seen.target,
             powertrain: Some(Powertrain {
                 gear: motion.gear,
                 since_shift_s: motion.since_shift_s,
@@ -93,7 +81,6 @@ impl Driver for Assisted {
         {
             let mut plan = Plan::default();
             self.planner.plan(&request, &mut plan);
-            self.plans += 1;
             self.answer = Some((plan, DELAY_CYCLES));
         }
         let request = self.output.torque.unwrap_or_default();
@@ -103,12 +90,6 @@ impl Driver for Assisted {
             gear: request.gear,
         }
     }
-}
-
-impl Follower for Assisted {
-    fn show(&mut self, target: Option<Target>) {
-        self.target = target;
-    }
 
     fn mode(&self) -> u32 {
         self.output.mode
@@ -117,8 +98,8 @@ impl Follower for Assisted {
 
 #[cfg(test)]
 mod tests {
-    use super::super::drive;
     use super::*;
+    use crate::trips::drive;
     use controller::laws::truck::PlannerKind;
     use truck_model::{Preset, Truck};
 

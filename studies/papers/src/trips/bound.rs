@@ -8,7 +8,7 @@ use controller::laws::truck::energy_grid::{
 use controller::laws::truck::limiter;
 use controller::laws::truck::prices::Prices;
 use controller::laws::truck::speed_band::min_speed_mps;
-use truck_model::{Demand, GEARS, Truck};
+use truck_model::{Demand, Truck};
 
 /// Lowest speed of the grid, as a share of the set speed.
 const SLOWEST_SPEED: f64 = 45.0 / 75.0;
@@ -64,16 +64,6 @@ impl Bound {
         }
         let demand = Demand::default();
         Self { truck: *truck, grid, limit_mps, road, values, step: usize::MAX, demand }
-    }
-
-    /// Cost of the whole route from a speed in the highest gear, g: fuel, and time at its price.
-    #[must_use]
-    pub fn cost_g(&mut self, speed_mps: f64) -> Option<f64> {
-        let energy_j = self.truck.kinetic_energy_j(speed_mps);
-        let stage = self.grid.stage(STEP_M, self.road.grades()[0]);
-        self.grid
-            .choose(stage, energy_j, GEARS - 1, &self.values[1], (0.0, 0.0))
-            .map(|choice| choice.cost_g)
     }
 
     fn decide(&mut self, seen: &Seen<'_>) {

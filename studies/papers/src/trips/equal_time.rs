@@ -98,19 +98,9 @@ impl<F: FnMut(f64) -> Option<Trip>> Search<F> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use truck_model::Ledger;
 
     fn trip(time_s: f64) -> Trip {
-        Trip {
-            length_m: 1.0,
-            time_s,
-            fuel_g: 0.0,
-            gained_j: 0.0,
-            ledger: Ledger::default(),
-            shifts: 0,
-            speed_range_mps: (1.0, 1.0),
-            samples: Vec::new(),
-        }
+        Trip { time_s, ..Trip::default() }
     }
 
     #[test]

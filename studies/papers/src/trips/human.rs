@@ -5,6 +5,7 @@
 //! which `timegap reproduce --driver-spread` sets. On the paper's road 2.5 km/h cost 1.6 to 2.1 % of fuel against a
 //! constant speed. 4 km/h cost 2.8 to 3.6 %. Slowdowns stand for traffic: one in 30 km, by 8 km/h.
 
+use super::trip::normal;
 use super::{CONTROL_PERIOD_S, Driver, Seen};
 use controller::laws::truck::limiter;
 use rand_pcg::Pcg64;
@@ -32,10 +33,10 @@ pub struct Human {
     set_speed_mps: f64,
     limit_mps: f64,
     sigma_mps: f64,
-    wandering: Random,
+    wandering: Pcg64,
     wandering_mps: f64,
     position_m: f64,
-    slowdowns: Random,
+    slowdowns: Pcg64,
     slow_from_m: f64,
     next_s: f64,
     torque_nm: f64,
@@ -51,17 +52,17 @@ impl Human {
         sigma_mps: f64,
         seed: u64,
     ) -> Self {
-        let mut wandering = Random::new(seed, 1);
-        let mut slowdowns = Random::new(seed, 2);
+        let mut wandering = Pcg64::new(u128::from(seed), 1);
+        let mut slowdowns = Pcg64::new(u128::from(seed), 2);
         Self {
             truck: *truck,
             set_speed_mps,
             limit_mps,
             sigma_mps,
-            wandering_mps: sigma_mps * wandering.normal(),
+            wandering_mps: sigma_mps * normal(&mut wandering),
             wandering,
             position_m: 0.0,
-            slow_from_m: BETWEEN_SLOWDOWNS_M * slowdowns.exponential(),
+            slow_from_m: between_slowdowns_m(&mut slowdowns),
             slowdowns,
             next_s: 0.0,
             torque_nm: 0.0,
@@ -75,40 +76,16 @@ impl Human {
         while self.position_m + STRIDE_M <= position_m {
             self.position_m += STRIDE_M;
             self.wandering_mps = kept * self.wandering_mps
-                + self.sigma_mps * (1.0 - kept * kept).sqrt() * self.wandering.normal();
+                + self.sigma_mps * (1.0 - kept * kept).sqrt() * normal(&mut self.wandering);
         }
         while position_m > self.slow_from_m + SLOWDOWN_M {
-            self.slow_from_m += SLOWDOWN_M + BETWEEN_SLOWDOWNS_M * self.slowdowns.exponential();
+            self.slow_from_m += SLOWDOWN_M + between_slowdowns_m(&mut self.slowdowns);
         }
-    }
-
-    fn is_slowing(&self, position_m: f64) -> bool {
-        position_m > self.slow_from_m
     }
 }
 
-/// Numbers by chance.
-#[derive(Clone, Debug)]
-struct Random(Pcg64);
-
-impl Random {
-    fn new(seed: u64, stream: u128) -> Self {
-        Self(Pcg64::new(u128::from(seed), stream))
-    }
-
-    fn uniform(&mut self) -> f64 {
-        random::open_uniform(&mut self.0)
-    }
-
-    /// Box and Muller.
-    fn normal(&mut self) -> f64 {
-        let (u, angle) = (self.uniform(), self.uniform());
-        random::box_muller(u, angle)
-    }
-
-    fn exponential(&mut self) -> f64 {
-        -libm::log(self.uniform())
-    }
+fn between_slowdowns_m(random: &mut Pcg64) -> f64 {
+    BETWEEN_SLOWDOWNS_M * -libm::log(random::open_uniform(random))
 }
 
 impl Driver for Human {
@@ -117,7 +94,7 @@ impl Driver for Human {
         let (speed_mps, gear) = (motion.speed_mps, motion.gear);
         self.advance(motion.position_m);
         let slow_mps = self.set_speed_mps - SLOWDOWN_MPS;
-        let slowing = self.is_slowing(motion.position_m);
+        let slowing = motion.position_m > self.slow_from_m;
         if seen.time_s + 0.5 * CONTROL_PERIOD_S >= self.next_s {
             self.next_s = seen.time_s + TICK_S;
             let aim_mps = if slowing { slow_mps } else { self.set_speed_mps + self.wandering_mps };

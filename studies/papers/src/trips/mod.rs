@@ -1,4 +1,4 @@
-//! Whole trips of the truck: roads, drivers, and the fuel that each burns.
+//! Whole trips of the truck without processes: roads, drivers, and the fuel that each burns.
 //!
 //! ```text
 //!   Road ──► drive(truck, road, Driver) ──► Trip (time, fuel, energy)
@@ -11,8 +11,8 @@
 //! compares them at equal trip time. Everything is plain code in one thread: the same inputs give the same bits.
 //!
 //! ```
-//! use truck_model::{Preset, Truck};
 //! use papers::trips::{Cruise, Road, drive};
+//! use truck_model::{Preset, Truck};
 //!
 //! let truck = Truck::preset(Preset::Jh6At25T);
 //! let flat = Road::new(50.0, vec![0.0; 40]);
@@ -22,23 +22,19 @@
 //! ```
 
 mod assisted;
+mod baselines;
 mod bound;
-mod chase;
 mod comparison;
-mod cruise;
 mod equal_time;
 mod human;
-mod ordinary_acc;
 mod road;
 mod trip;
 
 pub use assisted::{Assisted, Map};
+pub use baselines::{Cruise, OrdinaryAcc};
 pub use bound::Bound;
-pub use chase::{Chase, Follower, Lead, Moment, Noise, chase};
 pub use comparison::Comparison;
-pub use cruise::Cruise;
 pub use equal_time::{EQUAL_TIME, at_equal_time};
 pub use human::Human;
-pub use ordinary_acc::OrdinaryAcc;
-pub use road::Road;
-pub use trip::{CONTROL_PERIOD_S, Driver, Sample, Seen, Trip, drive};
+pub use road::{Road, generated};
+pub use trip::{CONTROL_PERIOD_S, Driver, Lead, Moment, Noise, Seen, Trip, chase, drive};

@@ -1,7 +1,7 @@
 //! The road that a trip is driven on.
 
 use controller::law::{MAX_CELLS, Preview};
-use scenario::grade::GradeProfile;
+use scenario::grade::{Alignment, GradeProfile, generate};
 
 /// Length of a cell of a profile, m.
 const CELL_M: f64 = 50.0;
@@ -79,4 +79,18 @@ impl Road {
         preview.grades[..count].copy_from_slice(&self.grades[first..first + count]);
         preview
     }
+}
+
+/// A hilly road of a seed, like the given one of the paper's scenarios.
+#[must_use]
+pub fn generated(length_m: f64, seed: u64) -> Road {
+    let alignment = Alignment {
+        length_m,
+        grade_sigma: 0.0138,
+        max_grade: 0.03,
+        tangent_m: [300.0, 1500.0],
+        curve_m: 300.0,
+        closed: true,
+    };
+    Road::from_profile(&generate(&alignment, seed))
 }

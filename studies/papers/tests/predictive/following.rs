@@ -2,7 +2,7 @@
 
 use crate::roads::generated;
 use controller::laws::truck::{Brakes, Keys, PlannerKind, Prices, Settings};
-use papers::trips::{Assisted, Chase, Lead, Map, Moment, Noise, OrdinaryAcc, Road, chase};
+use papers::trips::{Assisted, Lead, Map, Moment, Noise, OrdinaryAcc, Road, Trip, chase};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 use truck_model::{Preset, Truck};
@@ -30,7 +30,7 @@ fn figure_road() -> Road {
     Road::new(50.0, (0..100).map(grade).collect())
 }
 
-fn figure() -> Chase {
+fn figure() -> Trip {
     let truck = Truck::preset(Preset::Jh6At25T);
     let lead = Lead {
         gap_m: 80.0,
@@ -41,7 +41,7 @@ fn figure() -> Chase {
     chase(&truck, &road, 24.0, &lead, None, 160.0, &mut assisted(&truck, &road, SET_MPS))
 }
 
-fn between(chase: &Chase, from_m: f64, to_m: f64) -> Vec<Moment> {
+fn between(chase: &Trip, from_m: f64, to_m: f64) -> Vec<Moment> {
     let inside = |moment: &&Moment| (from_m..to_m).contains(&moment.position_m);
     chase.moments.iter().filter(inside).copied().collect()
 }
@@ -78,7 +78,7 @@ fn the_four_points_of_the_figure() {
     assert!((-0.8..-0.1).contains(&hardest), "{hardest}");
     let last = figure.moments.last().expect("it has moments");
     assert!((last.lead_mps - last.speed_mps).abs() < 0.1, "{last:?}");
-    assert_eq!(figure.service_brake_j, 0.0);
+    assert_eq!(figure.ledger.service_brake_j, 0.0);
 }
 
 /// A lead that wanders about 20 m/s.
@@ -109,7 +109,7 @@ fn it_burns_less_than_an_ordinary_acc_and_keeps_a_second_of_headway() {
                 let ours = chase(&truck, &road, 20.0, &lead, noise, 1100.0, &mut law);
                 let theirs = chase(&truck, &road, 20.0, &lead, noise, 1100.0, &mut acc);
                 // At equal kinetic energy at both ends, g/km.
-                let fuel = |chase: &Chase| {
+                let fuel = |chase: &Trip| {
                     1e3 * (chase.fuel_g - energy_gpj * chase.gained_j) / chase.length_m
                 };
                 let percent = 100.0 * (fuel(&ours) / fuel(&theirs) - 1.0);
@@ -117,12 +117,12 @@ fn it_burns_less_than_an_ordinary_acc_and_keeps_a_second_of_headway() {
                     "{} road {seed}: {percent:.1} %, headway {:.2} s, service brakes {:.2} and {:.2} MJ",
                     preset.name(),
                     ours.least_headway_s(),
-                    ours.service_brake_j / 1e6,
-                    theirs.service_brake_j / 1e6,
+                    ours.ledger.service_brake_j / 1e6,
+                    theirs.ledger.service_brake_j / 1e6,
                 );
                 assert!(percent < -2.0, "{percent}");
                 assert!(ours.least_headway_s() >= 1.0);
-                assert!(ours.service_brake_j < theirs.service_brake_j + 1.0);
+                assert!(ours.ledger.service_brake_j < theirs.ledger.service_brake_j + 1.0);
             }
         }
     }
@@ -149,7 +149,9 @@ fn a_lead_that_brakes_at_6_mps2_is_not_hit() {
                         "{} at {grade} from {gap_m} m: {least_m}",
                         preset.name()
                     );
-                    assert!(chase.service_brake_j > 0.0 && chase.engine_brake_j > 0.0);
+                    assert!(
+                        chase.ledger.service_brake_j > 0.0 && chase.ledger.engine_brake_j > 0.0
+                    );
                 }
             }
         }
@@ -169,9 +171,9 @@ fn torque_alone_uses_no_brake_and_the_engine_brake_helps() {
         let mut law = Assisted::new(&settings, 20.8, map);
         chase(&truck, &road, 20.8, &lead, None, 40.0, &mut law)
     });
-    assert_eq!((none.service_brake_j, none.engine_brake_j), (0.0, 0.0));
-    assert_eq!(engine.service_brake_j, 0.0);
-    assert!(engine.engine_brake_j > 0.0 && service.service_brake_j > 0.0);
-    let gaps = [&none, &engine, &service].map(Chase::least_gap_m);
+    assert_eq!((none.ledger.service_brake_j, none.ledger.engine_brake_j), (0.0, 0.0));
+    assert_eq!(engine.ledger.service_brake_j, 0.0);
+    assert!(engine.ledger.engine_brake_j > 0.0 && service.ledger.service_brake_j > 0.0);
+    let gaps = [&none, &engine, &service].map(Trip::least_gap_m);
     assert!(gaps.is_sorted(), "{gaps:?}");
 }

@@ -14,10 +14,7 @@ pub(crate) fn given() -> Road {
     Road::from_profile(&GradeProfile::new(points).expect("the road that is shipped is sound"))
 }
 
-/// A hilly road.
-pub(crate) fn generated(length_m: f64, seed: u64) -> Road {
-    alone(length_m, seed, 0.0138, [300.0, 1500.0], 300.0)
-}
+pub(crate) use papers::trips::generated;
 
 /// Short hills on waves of 4 to 15 km.
 pub(crate) fn on_long_waves(length_m: f64, seed: u64) -> Road {

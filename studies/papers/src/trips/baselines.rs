@@ -1,14 +1,38 @@
-//! A well-tuned ordinary ACC: the baseline behind a lead.
-//!
-//! It has the same headway, the same filter and the same truck. It is linear in gap, relative speed and the lead's
-//! acceleration. It brakes when the engine is not enough, and uses no slope ahead.
+//! Drivers without a plan, which the law is compared with.
 
-use super::chase::Follower;
 use super::{CONTROL_PERIOD_S, Driver, Seen};
-use controller::law::Target;
 use controller::laws::truck::limiter;
+use controller::laws::truck::speed_keeper::SpeedKeeper;
 use controller::laws::truck::target_filter::{Estimate, TargetFilter};
 use truck_model::{Demand, Truck};
+
+/// PI cruise at constant speed: the baseline of all savings. It brakes above its limit only.
+#[derive(Clone, Debug)]
+pub struct Cruise {
+    truck: Truck,
+    set_speed_mps: f64,
+    limit_mps: f64,
+    keeper: SpeedKeeper,
+}
+
+impl Cruise {
+    /// A cruise control with a set speed and a limit.
+    #[must_use]
+    pub fn new(truck: &Truck, set_speed_mps: f64, limit_mps: f64) -> Self {
+        Self { truck: *truck, set_speed_mps, limit_mps, keeper: SpeedKeeper::default() }
+    }
+}
+
+impl Driver for Cruise {
+    fn demand(&mut self, seen: &Seen<'_>) -> Demand {
+        let (speed_mps, gear) = (seen.motion.speed_mps, seen.motion.gear);
+        let speeds_mps = (self.set_speed_mps, speed_mps);
+        let torque_nm =
+            self.keeper.torque_nm(&self.truck, speeds_mps, gear, seen.grade, CONTROL_PERIOD_S);
+        let demand = Demand::torque(torque_nm);
+        limiter::limited(&self.truck, demand, speed_mps, gear, seen.grade, self.limit_mps)
+    }
+}
 
 /// Gap at standstill, m, and time headway, s.
 const STANDSTILL_M: f64 = 15.0;
@@ -23,14 +47,16 @@ const RANGE_MPS2: (f64, f64) = (-3.5, 0.5);
 /// Jerk, m/s³.
 const JERK_MPS3: f64 = 1.5;
 
-/// The ACC.
+/// A well-tuned ordinary ACC: the baseline behind a lead.
+///
+/// It has the same headway, the same filter and the same truck. It is linear in gap, relative speed and the lead's
+/// acceleration. It brakes when the engine is not enough, and uses no slope ahead.
 #[derive(Clone, Debug)]
 pub struct OrdinaryAcc {
     truck: Truck,
     set_speed_mps: f64,
     limit_mps: f64,
     filter: TargetFilter,
-    target: Option<Target>,
     wanted_mps2: f64,
 }
 
@@ -38,14 +64,8 @@ impl OrdinaryAcc {
     /// An ACC with a set speed, and a limit that holds downhill.
     #[must_use]
     pub fn new(truck: &Truck, set_speed_mps: f64, limit_mps: f64) -> Self {
-        Self {
-            truck: *truck,
-            set_speed_mps,
-            limit_mps,
-            filter: TargetFilter::default(),
-            target: None,
-            wanted_mps2: 0.0,
-        }
+        let filter = TargetFilter::default();
+        Self { truck: *truck, set_speed_mps, limit_mps, filter, wanted_mps2: 0.0 }
     }
 
     fn wanted_mps2(&self, speed_mps: f64, target: Option<Estimate>) -> f64 {
@@ -66,18 +86,12 @@ impl Driver for OrdinaryAcc {
         let motion = seen.motion;
         let (speed_mps, gear) = (motion.speed_mps, motion.gear);
         let target =
-            self.filter.update(self.target.as_ref(), motion.acceleration_mps2, CONTROL_PERIOD_S);
+            self.filter.update(seen.target.as_ref(), motion.acceleration_mps2, CONTROL_PERIOD_S);
         let step = JERK_MPS3 * CONTROL_PERIOD_S;
         let wanted = self.wanted_mps2(speed_mps, target);
         self.wanted_mps2 = wanted.clamp(self.wanted_mps2 - step, self.wanted_mps2 + step);
         let demand =
             Demand::for_acceleration(&self.truck, self.wanted_mps2, speed_mps, gear, seen.grade);
         limiter::limited(&self.truck, demand, speed_mps, gear, seen.grade, self.limit_mps)
-    }
-}
-
-impl Follower for OrdinaryAcc {
-    fn show(&mut self, target: Option<Target>) {
-        self.target = target;
     }
 }
