@@ -189,6 +189,26 @@ pub struct Weights {
     pub light_weight: Weight,
     /// Distance d_th at which the light penalty begins, m.
     pub light_threshold_m: Length,
+    /// Stages of the prediction at which the light penalty counts.
+    #[serde(skip_serializing_if = "LightStages::is_usual")]
+    pub light_stages: LightStages,
+}
+
+/// Stages at which the paper's light penalty counts: its equations 15 and 23 differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
+#[serde(rename_all = "kebab-case")]
+pub enum LightStages {
+    /// Stages before the switch, t_l(k) > 0, as equation 23 says.
+    #[default]
+    BeforeSwitch,
+    /// All stages, as equation 15 is printed.
+    All,
+}
+
+impl LightStages {
+    fn is_usual(&self) -> bool {
+        *self == Self::default()
+    }
 }
 
 impl Default for Weights {
@@ -200,6 +220,7 @@ impl Default for Weights {
             r: PositiveWeight::of(1.0),
             light_weight: Weight::of(275_773.0),
             light_threshold_m: Length::of(108.5),
+            light_stages: LightStages::default(),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use mpc_solver::{Kind, Solver};
 use scenario::Problem;
-use scenario::controller::{Controller, Solver as SolverName, SpacingPolicy};
+use scenario::controller::{Controller, LightStages, Solver as SolverName, SpacingPolicy};
 
 use super::road_config::{RoadConfig, TABLE};
 use super::weights::{JOINT, Weights};
@@ -42,6 +42,8 @@ pub struct Config {
     pub buffer_m: f64,
     /// Weights of the paper's cost.
     pub weights: Weights,
+    /// Stages at which the paper's light penalty counts.
+    pub light_stages: LightStages,
     /// Settings of the formulation for the road.
     pub road: RoadConfig,
 }
@@ -59,6 +61,7 @@ impl Default for Config {
             time_headway_s: 1.5,
             buffer_m: 12.0,
             weights: JOINT,
+            light_stages: LightStages::default(),
             road: RoadConfig::default(),
         }
     }
@@ -92,14 +95,18 @@ impl Config {
                     request_s4_per_m2: key!(reader, weights.r).value(),
                     ..JOINT
                 };
+                let mut light_stages = LightStages::default();
                 if signals == Signals::Used {
+                    light_stages = key!(reader, weights.light_stages);
                     weights.light_m = key!(reader, weights.light_weight).value();
                     weights.light_threshold_m = key!(reader, weights.light_threshold_m).value();
                 }
                 // The driver that takes over in the end.
                 let keys = ["acceleration_mps2", "reference_deceleration_mps2"];
                 let road = reader.part_of_table(TABLE.name, &keys)?;
-                Ok(Self { spacing_policy, weights, road, ..Self::shared(reader) }.at_standstill())
+                let config =
+                    Self { spacing_policy, weights, light_stages, road, ..Self::shared(reader) };
+                Ok(config.at_standstill())
             }
         }
     }

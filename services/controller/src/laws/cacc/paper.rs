@@ -15,6 +15,11 @@
 //! literal jump to zero at `d_th` is removed: `1/d_th` is subtracted. The light counts before the stop line and before
 //! its first switch only. After that, and always in `acc-mpc`, the cost is the following one alone.
 //!
+//! Two choices of stages: equation 15 sums over k = 1..N, equation 23 has the penalty where `d_l(k) > 0` and
+//! `t_l(k) > 0`. The law sums while `t_k > 0`. With [`LightStages::All`] it sums over all k, with negative `t_k` behind
+//! the switch; this is convex, too. It asks `d_l > 0` of the present cycle, not of each k: a set of stages that depends
+//! on the predicted distance is not convex.
+//!
 //! The paper's program can have no solution. Then, in this order: the same without the light; the same with two
 //! changes; the previous plan, shifted; the driver model. The first change softens `e_k <= d_b` from `k = 3`, the first
 //! stage that an input reaches. The second one weights `E_N` instead of fixing it. The paper has no case without a
@@ -33,7 +38,7 @@ use mpc_solver::{
     LightCost, LightStage, Problem, ProblemError, Report, Row, Softness, Solver, Start, Status,
 };
 
-use scenario::controller::SpacingPolicy;
+use scenario::controller::{LightStages, SpacingPolicy};
 
 use super::config::Config;
 use super::plan::PlanMemory;
@@ -332,7 +337,10 @@ fn light_stages(
 ) -> impl Iterator<Item = LightStage> + use<> {
     let (sign, switch, step) = (light.sign, light.switch_s, config.step_s);
     let h = v_lead * switch - light.distance_m - error[0];
-    let last = ((switch - SWITCH_S) / step) as usize;
+    let last = match config.light_stages {
+        LightStages::BeforeSwitch => ((switch - SWITCH_S) / step) as usize,
+        LightStages::All => config.horizon_steps,
+    };
     (1..=last.min(config.horizon_steps)).map(move |k| {
         let t = switch - k as f64 * step;
         LightStage { gradient: [sign, sign * t, sign * 0.5 * t * t], offset: sign * h }
