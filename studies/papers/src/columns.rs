@@ -1,34 +1,11 @@
 //! The columns of the figures, for every output.
 
-use report::results::{
-    Column, Format, Kind, Schema, Table, column, count, flag, nested, number, word,
-};
+use report::results::{Column, Format, Schema, Table, column, number, word};
 use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::row::{self, Row, Verdict};
-use super::tally::Tally;
 use super::{Paper, Reproduction};
-
-/// Fields of the JSON.
-const FIELDS: &[Column<Reproduction>] =
-    &[frame::ok("Every compared figure is within its tolerance")];
-
-/// Columns of a paper, for programs.
-const PAPERS: &[Column<Paper>] = &[
-    word("paper", "", "Name of the paper's controller"),
-    nested("tally", Kind::List, "Figures of each kind within their tolerance, each counted once"),
-    nested("rows", Kind::List, "The figures"),
-];
-
-/// Columns of a tally, for programs.
-const TALLY: &[Column<Tally>] = &[
-    word("kind", "", "Source of the expected values"),
-    count("figures", "", "Different figures that are compared"),
-    count("in_every_set", "", "Figures within their tolerance in every set that has them"),
-    count("in_some_sets", "", "Figures within it in one set and outside it in another"),
-    count("in_no_set", "", "Figures outside it in every set"),
-];
 
 /// Columns of the figures.
 const ROWS: &[Column<Row>] = &[
@@ -57,16 +34,6 @@ const ROWS: &[Column<Row>] = &[
     word("tolerance_reason", "reason of the tolerance", "Why the tolerance is that large")
         .optional()
         .weight(5),
-];
-
-/// The rest of a figure, which programs see.
-const NUMBERS: &[Column<Row>] = &[
-    word("weights", "", "Set of weights, where there are several").optional(),
-    number("paper", "", "", 2, "The paper's value; null where it prints none"),
-    number("expected", "", "", 2, "Expected value; null where nothing is compared"),
-    word("check", "", "Comparison: near, at_most, at_least, or shown without one"),
-    number("tolerance", "", "", 2, "Largest accepted difference; null where nothing is compared"),
-    flag("ok", "", ("ok", "OUTSIDE"), "Ours is accepted"),
 ];
 
 /// A set of a paper at a glance.
@@ -104,13 +71,8 @@ fn verdict_words(name: &str) -> (&'static str, bool) {
 }
 
 /// Contents of the JSON.
-#[must_use]
 pub fn schema() -> Schema {
-    Schema::new("reproduce", "Figures of the papers beside ours")
-        .fields(FIELDS)
-        .rows("papers", "The papers", PAPERS)
-        .rows("papers.tally", "Counts of each kind of figure", TALLY)
-        .rows("papers.rows", "The figures", &[ROWS, NUMBERS].concat())
+    Schema::of::<Reproduction>("reproduce")
 }
 
 /// The rows of a paper, in a block for each set.

@@ -8,6 +8,8 @@
 //! the exit status 1, without exception. `docs/papers.md` names each row that is known to fail, with its reason. A
 //! test compares that page with a run.
 
+#![allow(missing_docs)] // No crate outside the workspace uses this one: a name that says all has no comment.
+
 pub mod cacc;
 mod cacc_default;
 mod columns;
@@ -32,6 +34,7 @@ use group::Error;
 use pictures::Pictures;
 use row::Row;
 use runner::Piece;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use study::Papers;
 use tally::Tally;
@@ -40,15 +43,18 @@ use tally::Tally;
 pub const PAPERS: [PaperName; 4] =
     [PaperName::SixMode, PaperName::QuadraticBounded, PaperName::Predictive, PaperName::Cacc];
 
-#[derive(Debug, Serialize)]
+/// Figures of the papers beside ours.
+#[derive(Debug, Serialize, JsonSchema)]
 struct Reproduction {
     schema_version: u32,
+    /// Every compared figure is within its tolerance.
     ok: bool,
     papers: Vec<Paper>,
 }
 
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, JsonSchema)]
 struct Paper {
+    /// Name of the paper's controller.
     paper: &'static str,
     /// Counts of its figures within their tolerance, each counted once.
     tally: Vec<Tally>,
@@ -95,12 +101,7 @@ pub enum PaperName {
 impl PaperName {
     /// Name on the command line and in results.
     pub const fn as_str(self) -> &'static str {
-        match self {
-            Self::SixMode => "six-mode",
-            Self::QuadraticBounded => "quadratic-bounded",
-            Self::Predictive => "predictive",
-            Self::Cacc => "cacc",
-        }
+        ["six-mode", "quadratic-bounded", "predictive", "cacc"][self as usize]
     }
 
     fn pieces(self) -> Vec<Piece> {

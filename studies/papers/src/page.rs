@@ -9,7 +9,6 @@ use super::pictures::Gallery;
 use super::tally::in_words;
 use super::{Paper, Pictures, Reproduction, columns};
 
-/// Meaning of the kinds.
 const KINDS: &str = "<p class=\"quiet\">Kinds: <b>paper</b>, printed by the paper; \
     <b>reconstruction</b>, from a reference implementation of what the paper does not print; \
     <b>requirement</b>, demanded of the controller; <b>input</b>, put in by the scenario or the code, and outside every \
@@ -17,7 +16,6 @@ const KINDS: &str = "<p class=\"quiet\">Kinds: <b>paper</b>, printed by the pape
 /// Most drives of a paper that the page shows unfolded.
 const UNFOLDED: usize = 3;
 
-/// The result.
 pub fn document(reproduction: &Reproduction) -> Document {
     let papers = &reproduction.papers;
     let verdict = papers.iter().map(in_short).collect::<Vec<_>>().join("; ");

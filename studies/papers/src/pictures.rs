@@ -6,7 +6,7 @@ use report::RunPicture;
 use report::chart::{Axis, Curve, Plot, Stroke, Tone};
 
 /// Pictures of a paper, for its page.
-#[derive(Default)]
+#[derive(Debug, Default)]
 pub struct Pictures {
     /// Drives, by their names.
     pub drives: Vec<(String, RunPicture)>,
@@ -22,17 +22,10 @@ impl Pictures {
     }
 }
 
-impl std::fmt::Debug for Pictures {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{} drives, {} galleries", self.drives.len(), self.galleries.len())
-    }
-}
-
 /// Plots below one heading.
+#[derive(Debug)]
 pub struct Gallery {
-    /// The heading.
     pub heading: String,
-    /// The plots.
     pub plots: Vec<Plot>,
 }
 

@@ -12,11 +12,12 @@
 
 use report::chart::number;
 use report::table::NONE;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 /// Source of the expected value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Kind {
     /// Printed by the paper, as a number or in a plot.
@@ -29,20 +30,8 @@ pub enum Kind {
     Input,
 }
 
-impl Kind {
-    /// Name in tables and results.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Paper => "paper",
-            Self::Reconstruction => "reconstruction",
-            Self::Requirement => "requirement",
-            Self::Input => "input",
-        }
-    }
-}
-
 /// Comparison of ours with the expected value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Check {
     /// Ours is within the tolerance on both sides.
@@ -93,7 +82,7 @@ pub const fn within(value: f64, reason: &'static str) -> Tolerance {
 pub const EXACT: Tolerance = within(0.0, "exact");
 
 /// An expected figure and the one of a run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Row {
     /// Scenario and figure, joined by dots; the same in all sets.
     pub id: String,
@@ -226,7 +215,7 @@ impl Row {
     }
 
     /// The same row with the inferred value that it depends on.
-    pub fn depending_on(self, inferred: &'static str) -> Self {
+    pub fn depending_on(self, inferred: impl Into<Cow<'static, str>>) -> Self {
         Self { inferred: Some(inferred.into()), ..self }
     }
 

@@ -17,9 +17,7 @@ use super::row::Row;
 pub struct Driven {
     /// The scenario as it took effect.
     pub scenario: Scenario,
-    /// The recorded drive.
     pub drive: Drive,
-    /// Its summary.
     pub summary: Summary,
     /// Names of the law's figures in the drive.
     pub figure_names: Vec<&'static str>,
@@ -71,9 +69,7 @@ fn open(name: &str, keys: &[&str]) -> Result<Scenario, Error> {
 /// Result of a piece.
 #[derive(Default)]
 pub struct Part {
-    /// Its rows.
     pub rows: Vec<Row>,
-    /// Its pictures.
     pub pictures: Pictures,
 }
 

@@ -1,10 +1,11 @@
 //! Counts of the figures within their tolerance.
 
 use super::row::{Kind, Row, Verdict};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Figures of one kind. Rows of several sets that share an id are one figure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
 pub struct Tally {
     /// Their kind.
     pub kind: Kind,

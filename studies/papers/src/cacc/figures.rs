@@ -34,7 +34,6 @@ pub enum Measure {
 impl Measure {
     /// Largest difference from the paper that counts as agreement. Those of crossing times and distances were set
     /// beforehand; speeds follow distances, durations crossing times.
-    #[must_use]
     pub const fn tolerance(self, calibration: Calibration) -> Tolerance {
         let joint = matches!(calibration, Calibration::Joint);
         match self {
@@ -83,7 +82,6 @@ pub struct Figure {
 
 impl Figure {
     /// Ours beside the paper's; a missing drive has no value.
-    #[must_use]
     pub fn row(&self, runs: &Runs, calibration: Calibration) -> Row {
         let (id, unit) = (self.id, self.unit());
         let ours = runs.seen(id).and_then(|seen| (self.compute)(&seen));

@@ -25,11 +25,9 @@ use report::chart::{Strip, Tone};
 pub struct Scene {
     /// First word of its figures' ids.
     pub name: &'static str,
-    /// Built-in scenario.
     pub scenario: &'static str,
     /// Distance from the ego's start to the stop line, m.
     pub line_m: f64,
-    /// Time of the switch, s.
     pub switch_s: f64,
     /// Weights fitted to the scene alone, in B those of A.
     ///
@@ -134,7 +132,6 @@ impl Set {
     }
 
     /// Keys that make a scene one of this set.
-    #[must_use]
     pub fn keys(self, scene: &Scene) -> Vec<String> {
         match self {
             Self::Joint => Vec::new(),
@@ -146,7 +143,6 @@ impl Set {
 }
 
 /// Keys for weights, and for the lead's acceleration in Table 3.
-#[must_use]
 pub fn keys(scene: &Scene, weights: &Weights, table_3_lead_mps2: f64) -> Vec<String> {
     let weights = [
         ("q1", weights.gap_error_per_m2),

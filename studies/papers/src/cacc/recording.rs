@@ -7,13 +7,10 @@ use group::DriveStep;
 /// A drive at its control cycles, column by column.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Recording {
-    /// Time, s.
     pub time_s: Vec<f64>,
     /// Distance travelled by the ego, m.
     pub position_m: Vec<f64>,
-    /// Ego speed, m/s.
     pub speed_mps: Vec<f64>,
-    /// Ego acceleration, m/s².
     pub acceleration_mps2: Vec<f64>,
     /// Request that acts from this time on, m/s².
     pub request_mps2: Vec<f64>,
@@ -25,7 +22,6 @@ pub struct Recording {
 
 impl Recording {
     /// The control cycles of a drive of the paper's formulation.
-    #[must_use]
     pub fn of(driven: &Driven) -> Self {
         let cycles = || driven.drive.steps.iter().filter(|step| step.figures.is_some());
         let column = |value: fn(&DriveStep) -> f64| cycles().map(value).collect();
@@ -42,13 +38,11 @@ impl Recording {
     }
 
     /// Time at which the ego has travelled `line_m`, interpolated between samples, s.
-    #[must_use]
     pub fn crossing_s(&self, line_m: f64) -> Option<f64> {
         crossing(&self.time_s, &self.position_m, line_m)
     }
 
     /// Position at `time_s`, interpolated between samples, m.
-    #[must_use]
     pub fn position_at_m(&self, time_s: f64) -> Option<f64> {
         crossing(&self.position_m, &self.time_s, time_s)
     }
@@ -64,7 +58,6 @@ impl Recording {
     }
 
     /// Requests in `[from_s, to_s]`.
-    #[must_use]
     pub fn requests_mps2(&self, from_s: f64, to_s: f64) -> &[f64] {
         let until = |place_s: f64| self.time_s.partition_point(|t| *t < place_s);
         &self.request_mps2[until(from_s - TIE_S)..until(to_s + TIE_S)]
@@ -79,20 +72,17 @@ impl Recording {
     }
 
     /// Value at `time_s`, at which there is a cycle.
-    #[must_use]
     pub fn at(&self, time_s: f64, values: &[f64]) -> Option<f64> {
         let i = self.time_s.iter().position(|t| (t - time_s).abs() < TIE_S)?;
         values.get(i).copied()
     }
 
     /// Time of the first negative request, s.
-    #[must_use]
     pub fn first_negative_s(&self) -> Option<f64> {
         self.first_s(0.0, &self.request_mps2, |u| u < 0.0)
     }
 
     /// Time from `from_s` on after which the request first rises more than it did before, s.
-    #[must_use]
     pub fn answer_s(&self, from_s: f64) -> Option<f64> {
         let start = self.time_s.iter().position(|t| *t >= from_s - TIE_S)?;
         let rise = |i: usize| self.request_mps2[i] - self.request_mps2[i - 1];
@@ -126,9 +116,7 @@ pub struct Runs(pub Vec<(&'static Scene, [Recording; 2])>);
 /// A drive as a figure sees it.
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<'a> {
-    /// The scene.
     pub scene: &'static Scene,
-    /// The drive.
     pub own: &'a Recording,
     /// The other law's drive in the same scene.
     pub other: &'a Recording,
@@ -138,7 +126,6 @@ pub struct Seen<'a> {
 
 impl Runs {
     /// The drive of a figure's id, `scene.law.figure`.
-    #[must_use]
     pub fn seen(&self, id: &str) -> Option<Seen<'_>> {
         let mut words = id.split('.');
         let (scene, law) = (words.next()?, usize::from(words.next()? == "cacc"));
@@ -152,39 +139,31 @@ impl Runs {
 
 impl Seen<'_> {
     /// Time at which the ego crosses the line, s.
-    #[must_use]
     pub fn crosses_s(&self) -> Option<f64> {
         self.own.crossing_s(self.scene.line_m)
     }
 
     /// Distance beyond the line at the switch, m.
-    #[must_use]
     pub fn past_line_m(&self) -> Option<f64> {
         Some(self.own.position_at_m(self.scene.switch_s)? - self.scene.line_m)
     }
 
     /// Time by which it crosses before the other law, s.
-    #[must_use]
     pub fn earlier_s(&self) -> Option<f64> {
         Some(self.other.crossing_s(self.scene.line_m)? - self.crosses_s()?)
     }
 
     /// Distance by which it is beyond the other law at the switch, m.
-    #[must_use]
     pub fn farther_m(&self) -> Option<f64> {
         let at_switch_m = |run: &Recording| run.position_at_m(self.scene.switch_s);
         Some(at_switch_m(self.own)? - at_switch_m(self.other)?)
     }
 }
 
-/// Largest value.
-#[must_use]
 pub fn largest(values: &[f64]) -> Option<f64> {
     values.iter().copied().reduce(f64::max)
 }
 
-/// Smallest value.
-#[must_use]
 pub fn smallest(values: &[f64]) -> Option<f64> {
     values.iter().copied().reduce(f64::min)
 }

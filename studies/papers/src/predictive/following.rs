@@ -3,15 +3,15 @@
 //! The paper describes four points of its figure in words; the scenario's road and lead are laid out
 //! after them. Each point is one or two rows.
 
-use crate::pictures::{Gallery, Pictures, over_road};
+use crate::pictures::Pictures;
 use crate::row::{EXACT, Kind, Row, Tolerance, paper, requirement, within};
 use crate::runner::{Driven, Part, Piece, Runner};
+use crate::trips::Trip;
 use controller::laws::truck::Prices;
 use group::report::Outcome;
 use group::{DriveStep, Error};
-use truck_model::{FUEL_DENSITY_GPL, Preset, Truck};
+use truck_model::{Preset, Truck};
 
-/// End of the figure, m.
 const FIGURE_M: f64 = 3500.0;
 /// Time when the lead begins to brake in the scenario, s.
 const LEAD_BRAKES_S: f64 = 96.0;
@@ -22,7 +22,6 @@ const SPEEDS: Tolerance = within(0.1, PLOT);
 const SMALL_BEFORE_LARGE: f64 = 0.7;
 /// Assumptions behind the rows of the figure.
 const ROAD: &str = "the road and the lead of the scenario: the paper's are not printed";
-/// Shortest headway, s.
 const MIN_HEADWAY_S: f64 = 1.0;
 
 /// The paper's sentences.
@@ -54,8 +53,8 @@ pub fn pieces() -> Vec<Piece> {
     let mut pieces = vec![
         Piece::new("following figure", |runner| {
             let driven = drive(runner, "truck-follow", None)?;
-            let galleries = vec![picture(&driven)];
-            Ok(Part { rows: points(&driven), pictures: Pictures { galleries, drives: Vec::new() } })
+            let pictures = Pictures { drives: vec![driven.picture()], galleries: Vec::new() };
+            Ok(Part { rows: points(&driven), pictures })
         }),
         Piece::new("fuel in traffic", |runner| {
             let ours = drive(runner, "truck-traffic", None)?;
@@ -158,9 +157,10 @@ fn points(driven: &Driven) -> Vec<Row> {
 /// Fuel behind a lead whose speed goes up and down, against the following law of another paper.
 fn traffic(ours: &Driven, other: &Driven) -> [Row; 2] {
     let change = fuel(ours).zip(fuel(other)).map(|(ours, other)| 100.0 * (ours / other - 1.0));
-    let note = "driven; against acc-mpc behind the same lead, end energy corrected";
     [
-        Row::shown("traffic.fuel", "%", Kind::Requirement, change, note).with_source(FUEL),
+        Row::at_most("traffic.fuel", "%", paper(0.0), change, EXACT)
+            .with_source(FUEL)
+            .with_note("driven; against acc-mpc behind the same lead, end energy corrected"),
         headway("traffic", ours),
     ]
 }
@@ -171,8 +171,9 @@ fn fuel(driven: &Driven) -> Option<f64> {
     let (first, last) = (driven.drive.steps.first()?, driven.drive.steps.last()?);
     let price_gpj = Prices::new(&truck, first.speed_mps).energy_gpj;
     let gained_j = truck.kinetic_energy_j(last.speed_mps) - truck.kinetic_energy_j(first.speed_mps);
-    let grams = last.powertrain?.fuel_g - price_gpj * gained_j;
-    Some(1e5 * grams / FUEL_DENSITY_GPL / last.position_m)
+    let (length_m, fuel_g) = (last.position_m, last.powertrain?.fuel_g);
+    let trip = Trip { length_m, fuel_g, gained_j, ..Trip::default() };
+    Some(trip.corrected_l_per_100_km(price_gpj))
 }
 
 fn emergency(preset: Preset, driven: &Driven) -> [Row; 3] {
@@ -200,23 +201,4 @@ fn headway(scenario: &str, driven: &Driven) -> Row {
 fn mean(values: impl Iterator<Item = f64>) -> Option<f64> {
     let values: Vec<f64> = values.collect();
     (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
-}
-
-/// The figures of the test.
-fn picture(driven: &Driven) -> Gallery {
-    let plot = |title, unit, value: &dyn Fn(&DriveStep) -> Option<f64>| {
-        over_road(title, unit, FIGURE_M, &[("truck", driven)], &|_, step| value(step))
-    };
-    Gallery {
-        heading: "Following (figures 8 and 9)".into(),
-        plots: vec![
-            plot("Gap (figure 8)", "m", &|step| step.gap_m),
-            plot("Relative speed (figure 8)", "m/s", &|step| {
-                Some(step.lead_speed_mps? - step.speed_mps)
-            }),
-            plot("Engine torque (figure 9)", "N m", &|step| {
-                Some(step.powertrain?.engine_torque_nm)
-            }),
-        ],
-    }
 }

@@ -16,12 +16,12 @@ use controller::laws::truck::Prices;
 use group::DriveStep;
 use truck_model::{Preset, Truck};
 
+mod computed;
 mod following;
 mod savings;
 
 /// Length of the trip, m.
 const ROAD_M: f64 = 60e3;
-/// Set speed of the trip, m/s.
 const SET_SPEED_MPS: f64 = 75.0 / 3.6;
 
 /// The pieces of the saving table and of the following figure.

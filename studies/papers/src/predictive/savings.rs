@@ -1,72 +1,51 @@
 //! The saving table: fuel on the given road at equal trip time. Its headline is fuel and saving against a skilled
 //! driver, for each truck and planner, with all brakes and with none.
 
-use super::{ROAD_M, SET_SPEED_MPS, litres, slower_percent, trip};
+use super::{ROAD_M, computed, litres, slower_percent, trip};
 use crate::pictures::{Gallery, Pictures, over_road};
 use crate::row::{EXACT, Kind, Row, Tolerance, paper, reconstruction, requirement, within};
 use crate::runner::{Driven, Part, Piece, Runner};
-use crate::trips::{Comparison, Road, Trip, generated};
-use controller::law::{MAX_CELLS, Preview};
-use controller::laws::truck::PlannerKind;
-use controller::laws::truck::{LimitGrades, Reconstruction, RoadKeys};
+use crate::trips::Trip;
 use group::Error;
-use scenario::grade::GradeProfile;
-use truck_model::{Preset, Truck};
+use truck_model::Preset;
 
 /// Drives of one planner until it takes the baseline's trip time.
 const MAX_ATTEMPTS: usize = 3;
 /// Largest difference of trip times that counts as none, percent.
 const EQUAL_TIME_PERCENT: f64 = 0.1;
-/// Seeds over which a driver's fuel is averaged.
-const HUMAN_SEEDS: u64 = 4;
-/// Roads on which the planner is compared with the full-route plan.
-const GENERATED: u64 = 10;
-/// Length of a road's cells, m.
-const CELL_M: f64 = 50.0;
-
 /// Fuel that the reconstruction gives for a preset: the baseline in L/100 km, then percent against it.
-struct Reconstructed {
-    preset: Preset,
+pub struct Reconstructed {
+    pub preset: Preset,
     constant_speed: f64,
-    paper_n2: f64,
-    dynamic_programming: f64,
-    full_route: f64,
-    human_sigma_2_5: f64,
-    human_sigma_4: f64,
+    /// In the order of [`PLANNERS`].
+    planners: [f64; 2],
+    pub full_route: f64,
+    /// Standard deviations of 2.5 and 4 km/h.
+    pub humans: [f64; 2],
 }
 
 const RECONSTRUCTED: [Reconstructed; 2] = [
     Reconstructed {
         preset: Preset::Jh6At49T,
         constant_speed: 34.25,
-        paper_n2: -5.05,
-        dynamic_programming: -7.6,
+        planners: [-5.05, -7.6],
         full_route: -7.8,
-        human_sigma_2_5: 1.6,
-        human_sigma_4: 2.8,
+        humans: [1.6, 2.8],
     },
     Reconstructed {
         preset: Preset::Jh6At25T,
         constant_speed: 21.81,
-        paper_n2: -2.15,
-        dynamic_programming: -3.3,
+        planners: [-2.15, -3.3],
         full_route: -3.4,
-        human_sigma_2_5: 2.1,
-        human_sigma_4: 3.6,
+        humans: [2.1, 3.6],
     },
 ];
 
 /// Planners against the reconstruction's, percentage points.
-const PLAN_POINTS: Tolerance = within(
+pub const PLAN_POINTS: Tolerance = within(
     0.3,
     "another implementation of a planner on a grid; the n = 2 scheme is given as a range 0.1 to 0.3 wide",
 );
-/// Two plans of the same truck and road, percentage points.
-const ROUTE_POINTS: Tolerance =
-    within(0.3, "two kilometres ahead should cost no more; the grids of both plans err by less");
-/// Human driver models, percentage points.
-const HUMAN_POINTS: Tolerance =
-    within(1.0, "means over a few seeds of a random driver whose slowdowns are not specified");
 /// Trip times, percent.
 const SAME_TIME: Tolerance =
     within(EQUAL_TIME_PERCENT, "0.1 % of trip time is worth about 0.1 % of fuel");
@@ -81,10 +60,9 @@ const ABOUT: Tolerance = within(
 const PRINTED_RANGE: Tolerance = within(1.0, "printed as the range 6 to 8 %");
 
 /// The paper's sentences.
-const TEST: &str = "the test without other vehicles, at a set speed of 75 km/h";
+pub const TEST: &str = "the test without other vehicles, at a set speed of 75 km/h";
 const STEPS: &str = "steps 4 to 6: rolling optimisation with n = 2, torque constant per segment";
-const HORIZON: &str = "step 1: the slope of the 2 km ahead is read";
-const SKILLED: &str = "a skilled driver's fuel on the same road (about 22 L)";
+pub const SKILLED: &str = "a skilled driver's fuel on the same road (about 22 L)";
 const FEWER: &str = "figure 6: stretches of several slopes become one, fewer segments";
 const NO_BRAKE: &str = "it controls neither throttle nor brakes, but engine torque directly";
 const MAP: &str = "the slope ahead is the on-board map's; the truck is loaded to its full mass";
@@ -113,7 +91,7 @@ pub fn pieces() -> Vec<Piece> {
         .map(|expected| Piece::new(expected.preset.name(), |runner| preset(runner, expected)));
     let on_generated = RECONSTRUCTED.iter().map(|expected| {
         let name = format!("{} on generated roads", expected.preset.name());
-        Piece::new(name, |_| Ok(Part::of_rows(vec![on_generated(expected.preset)])))
+        Piece::new(name, |_| Ok(Part::of_rows(vec![computed::on_generated(expected.preset)])))
     });
     let wrong = WRONG.into_iter().map(|(what, key)| {
         Piece::new(what, move |runner| Ok(Part::of_rows(vec![robustness(runner, what, key)?])))
@@ -137,9 +115,7 @@ fn preset(runner: &Runner<'_>, expected: &Reconstructed) -> Result<Part, Error> 
             .with_note("driven; the baseline of the rows below"),
     ];
     let mut driven = Vec::new();
-    for (planner, percent) in
-        PLANNERS.into_iter().zip([expected.paper_n2, expected.dynamic_programming])
-    {
+    for (planner, percent) in PLANNERS.into_iter().zip(expected.planners) {
         let free = at_equal_time(runner, preset, planner, &[], baseline.as_ref())?;
         let change = free
             .0
@@ -157,12 +133,18 @@ fn preset(runner: &Runner<'_>, expected: &Reconstructed) -> Result<Part, Error> 
     }
     let change = driven.last().and_then(|(_, change, ..)| *change);
     let road = constant.scenario.road.profile().unwrap_or_default();
-    let (of_model, driver_percent) = computed(runner, expected, &road, change);
+    let (of_model, driver_percent) = computed::rows(runner, expected, &road, change);
     rows.extend(of_model);
     rows.push(
-        Row::at_most(&name("stretches_per_cell"), "", paper(1.0), stretches(preset, &road), EXACT)
-            .with_source(FEWER)
-            .with_note("stretches of the reconstruction over the cells of 50 m of the road"),
+        Row::at_most(
+            &name("stretches_per_cell"),
+            "",
+            paper(1.0),
+            computed::stretches(preset, &road),
+            EXACT,
+        )
+        .with_source(FEWER)
+        .with_note("stretches of the reconstruction over the cells of 50 m of the road"),
     );
     for (planner, _, free, bare) in &driven {
         for ((trip, driven), brakes) in [(free, ""), (bare, WITHOUT_BRAKES.1)] {
@@ -210,7 +192,6 @@ fn against_percent(preset: Preset, trip: &Trip, baseline: &Trip) -> f64 {
     100.0 * (litres(preset, trip) / litres(preset, baseline) - 1.0)
 }
 
-/// The trip at constant speed.
 fn constant_speed(
     runner: &Runner<'_>,
     preset: Preset,
@@ -308,93 +289,6 @@ fn headline(
             .depending_on(DRIVER),
     ];
     rows.map(|row| row.with_note("at the trip time of constant speed"))
-}
-
-/// The full-route plan and the human driver models, computed on the same truck and road. The fuel of the driver with
-/// the chosen spread is against constant speed, percent.
-fn computed(
-    runner: &Runner<'_>,
-    expected: &Reconstructed,
-    road: &GradeProfile,
-    driven: Option<f64>,
-) -> ([Row; 5], Option<f64>) {
-    const AGAINST: &str = "computed; fuel against constant speed, computed alike";
-    let preset = expected.preset;
-    let id = |what: &str| format!("{}.{what}", preset.name());
-    let comparison =
-        Comparison::new(&Truck::preset(preset), &Road::from_profile(road), SET_SPEED_MPS);
-    let comparison = comparison.as_ref();
-    let change = |trip: Option<Trip>| Some(comparison?.change_percent(&trip?));
-    let human = |sigma_mps: f64| {
-        let trips = (1..=HUMAN_SEEDS).map(|seed| change(comparison?.human(sigma_mps, seed)));
-        let changes = trips.collect::<Option<Vec<f64>>>()?;
-        Some(changes.iter().sum::<f64>() / changes.len() as f64)
-    };
-    let route = change(comparison.and_then(Comparison::bound));
-    let above = driven.zip(route).map(|(driven, route)| driven - route);
-    let litres = comparison.map(|comparison| comparison.l_per_100_km(comparison.baseline()));
-    let (calm_mps, restless_mps) = (2.5 / 3.6, 4.0 / 3.6);
-    let calm = human(calm_mps);
-    let other_mps = runner.driver_spread_mps;
-    let other = if other_mps == calm_mps { calm } else { human(other_mps) };
-    let near =
-        |what: &str, value, ours, by| Row::near(&id(what), "%", reconstruction(value), ours, by);
-    let above_id = id("dynamic-programming.above_full_route");
-    let litres_id = id("constant_speed_computed_l_per_100km");
-    let rows = [
-        Row::shown(&litres_id, "L", Kind::Reconstruction, litres, "computed").with_source(TEST),
-        near("full_route", expected.full_route, route, PLAN_POINTS)
-            .with_source(HORIZON)
-            .with_note("computed; the full-route plan against constant speed, computed alike"),
-        Row::near(&above_id, "%", requirement(0.0), above, ROUTE_POINTS)
-            .with_source(HORIZON)
-            .with_note("driven less the computed full-route plan, percentage points"),
-        near("human_sigma_2.5", expected.human_sigma_2_5, calm, HUMAN_POINTS)
-            .with_source(SKILLED)
-            .with_note(AGAINST),
-        near("human_sigma_4", expected.human_sigma_4, human(restless_mps), HUMAN_POINTS)
-            .with_source(SKILLED)
-            .with_note(AGAINST),
-    ];
-    (rows, other)
-}
-
-/// Stretches that steps 1 and 2 of the planner make of the road, horizon by horizon, over its cells.
-fn stretches(preset: Preset, road: &GradeProfile) -> Option<f64> {
-    let keys = RoadKeys::default();
-    let limits = LimitGrades::new(&Truck::preset(preset), &keys, SET_SPEED_MPS);
-    let mut reconstruction = Reconstruction::new(&keys);
-    let (mut stretches, mut start_m) = (0, 0.0);
-    while start_m < ROAD_M {
-        let mut preview =
-            Preview { start_m, cell_m: CELL_M, count: MAX_CELLS, ..Preview::default() };
-        for (cell, grade) in preview.grades.iter_mut().enumerate() {
-            let from_m = start_m + CELL_M * cell as f64;
-            *grade = road.mean_grade(from_m, from_m + CELL_M);
-        }
-        reconstruction.rebuild(&preview, start_m, &limits);
-        stretches += reconstruction.stretches().len();
-        let length_m: f64 = reconstruction.stretches().iter().map(|stretch| stretch.length_m).sum();
-        start_m += (length_m > 0.0).then_some(length_m)?;
-    }
-    Some(stretches as f64 * CELL_M / ROAD_M)
-}
-
-/// Distance of the planner from the full-route plan on roads of other seeds: the largest one, on either side.
-fn on_generated(preset: Preset) -> Row {
-    let above = (1..=GENERATED).map(|seed| {
-        let road = generated(ROAD_M, seed);
-        let comparison = Comparison::new(&Truck::preset(preset), &road, SET_SPEED_MPS)?;
-        let change = |trip: Option<Trip>| Some(comparison.change_percent(&trip?));
-        let planned = change(comparison.informed(PlannerKind::DynamicProgramming))?;
-        Some(planned - change(comparison.bound())?)
-    });
-    let above = above.collect::<Option<Vec<f64>>>();
-    let farthest = above.and_then(|all| all.into_iter().max_by(|a, b| a.abs().total_cmp(&b.abs())));
-    let id = format!("{}.dynamic-programming.above_full_route_generated", preset.name());
-    Row::near(&id, "%", requirement(0.0), farthest, ROUTE_POINTS)
-        .with_source(HORIZON)
-        .with_note("computed; the farthest of ten generated roads, percentage points")
 }
 
 /// Rest of the saving when the law's truck or map is wrong.

@@ -11,7 +11,6 @@
 //! between 79 and 110 km/h. Its values are usual ones of textbooks (Mitschke, Wallentowitz: Dynamik der
 //! Kraftfahrzeuge), chosen once and fitted to nothing.
 
-/// Mass, kg.
 const MASS_KG: f64 = 1500.0;
 /// Rolling resistance, as a share of the weight.
 const ROLLING: f64 = 0.012;
@@ -34,9 +33,7 @@ const GRAVITY_MPS2: f64 = 9.81;
 /// Requests of the two pedals.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pedals {
-    /// Opening of the throttle, %.
     pub throttle_percent: f64,
-    /// Pressure in the brakes, MPa.
     pub pressure_mpa: f64,
 }
 

@@ -15,7 +15,6 @@ const CLAMPED: &str = "the law clamps the request to this bound, and the vehicle
 const INCREMENT_CLAMPED: &str =
     "the law clamps it to this bound; the printed gains ask for 1.26 at the cut-in";
 
-/// The rows of a drive.
 pub fn rows(name: &str, driven: &Driven) -> Vec<Row> {
     let p = Parameters::reference();
     let largest =

@@ -34,7 +34,6 @@ const RANGE: &str = "the desired gap is lost, and the radar's range of 150 m is 
 const CAR: &str = "the car of the inverse model: the paper's is not described";
 /// Most turns of signals that do not oscillate: two for each manoeuvre and pedal of the scenario.
 const TURNS: f64 = 8.0;
-/// Set speed, m/s.
 const SET_SPEED_MPS: f64 = 110.0 / 3.6;
 /// The scenarios, in the order of the figures from 3 on.
 const SCENARIOS: [&str; 3] = ["follow", "depart", "cut-in"];

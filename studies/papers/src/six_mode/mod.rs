@@ -51,6 +51,12 @@ const SETS: [Set; 6] = [
     Set { name: "road set, third car stops", law: Drives::Road, stops: true },
 ];
 
+/// Instant of the cut-in, s, and the third car's speed, m/s: the paper's.
+const CUT_IN_S: f64 = 14.0;
+const THIRD_CAR_MPS: f64 = 10.0;
+/// Inferred gap at the cut-in, m.
+const CUT_IN_GAP_M: f64 = 22.26;
+
 /// The keys of the law's table that the scenario sets.
 const INFERRED_KEYS: [&str; 13] = [
     "spacing",
@@ -85,7 +91,19 @@ impl Set {
         if !self.stops {
             keys.push("actors.1.profile=\"constant\"".to_owned());
         }
-        runner.drive("six-mode", &keys.iter().map(String::as_str).collect::<Vec<_>>())
+        let drive = |keys: &[String]| {
+            runner.drive("six-mode", &keys.iter().map(String::as_str).collect::<Vec<_>>())
+        };
+        if self.law == Drives::Road {
+            // Until the cut-in the third car is beside the lane. It goes to where it cuts in at the same gap.
+            let before = drive(&keys)?;
+            let mut steps = before.drive.steps.iter();
+            let at_cut_in =
+                steps.find(|step| step.time_s >= CUT_IN_S).map_or(0.0, |step| step.position_m);
+            let gap_m = at_cut_in + CUT_IN_GAP_M - THIRD_CAR_MPS * CUT_IN_S;
+            keys.push(format!("actors.1.gap_m={gap_m:.3}"));
+        }
+        drive(&keys)
     }
 
     /// True if the paper's plane is drawn: for the paper as printed and for the law that users drive.
@@ -94,30 +112,21 @@ impl Set {
     }
 
     /// Inferred values behind the switch `index` of [`SWITCHES`].
-    const fn inferred(self, index: usize) -> &'static str {
-        match (index, self.law, self.stops) {
-            (0 | 1, ..) => "initial speed, actuator lag",
-            (2, ..) => "initial speed, gap of the cut-in, a_h, a_p",
-            (_, Drives::Literal, false) => {
-                "initial speed, gap of the cut-in, a_h, a_p, k, actuator lag"
-            }
-            (_, Drives::Literal, true) => {
-                "third car's stop, initial speed, gap of the cut-in, a_h, a_p, k, actuator lag"
-            }
-            (_, Drives::Robust, false) => {
-                "hysteresis, equal slices, initial speed, gap of the cut-in, a_h, a_p, k, actuator lag"
-            }
-            (_, Drives::Robust, true) => {
-                "third car's stop, hysteresis, equal slices, initial speed, gap of the cut-in, a_h, a_p, k, \
-                 actuator lag"
-            }
-            (_, Drives::Regions, _) => {
-                "third car's stop, hysteresis, initial speed, gap of the cut-in, a_h, a_p, k, actuator lag"
-            }
-            (_, Drives::Road, _) => {
-                "third car's stop, initial speed, gap of the cut-in, actuator lag, all defaults of the law"
-            }
+    fn inferred(self, index: usize) -> String {
+        if index < CUT_IN {
+            return "initial speed, actuator lag".into();
         }
+        if index == CUT_IN {
+            return "initial speed, gap of the cut-in, a_h, a_p".into();
+        }
+        let stop = if self.stops { "third car's stop, " } else { "" };
+        let of_law = match self.law {
+            Drives::Literal => "",
+            Drives::Robust => "hysteresis, equal slices, ",
+            Drives::Regions => "hysteresis, ",
+            Drives::Road => "all defaults of the law, ",
+        };
+        format!("{stop}{of_law}initial speed, gap of the cut-in, a_h, a_p, k, actuator lag")
     }
 
     /// Reason why the switch `index` is outside its tolerance, where it is.
@@ -156,7 +165,12 @@ const SWITCHES: [Switch; 6] = [
         "4 to 8 s: the lead is out of the sensor's range, so the system switches to cruise",
     ),
     (1, 2, 8.0, "at 8 s R > R_w1 and the relative speed is large: approach"),
-    (2, 5, 14.0, "at 14 s the third car cuts in, the gap falls below the avoid distance: avoid"),
+    (
+        2,
+        5,
+        CUT_IN_S,
+        "at 14 s the third car cuts in, the gap falls below the avoid distance: avoid",
+    ),
     (5, 4, 16.0, "at 16 s R_b1 < R < R_w1: decelerate"),
     (4, 2, 18.0, "at 18 s R > R_w1 and the relative speed is large: approach"),
     (2, 4, 26.0, "at 26 s R_b1 < R < R_w1: decelerate, braking suitably to a stop"),
@@ -269,7 +283,7 @@ fn off_levels(driven: &Driven) -> f64 {
 
 /// Change of the relative speed from the last cycle before 14 s to the first from then on, m/s.
 fn change_of_relative_speed(relative: &[(f64, f64)]) -> Option<f64> {
-    let at = relative.partition_point(|(time_s, _)| *time_s < 14.0);
+    let at = relative.partition_point(|(time_s, _)| *time_s < CUT_IN_S);
     let before = relative.get(at.checked_sub(1)?)?;
     Some(relative.get(at)?.1 - before.1)
 }

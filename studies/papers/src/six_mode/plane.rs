@@ -8,7 +8,6 @@ use report::chart::{Axis, Curve, Plot, Stroke, Tone};
 
 /// Times at which the plane is drawn, s: the approach, the cut-in and what follows it.
 const PLANES_S: [f64; 3] = [8.0, 14.0, 18.0];
-/// Points of a boundary.
 const POINTS: u32 = 200;
 /// Largest relative speed drawn, m/s.
 const RIGHT_MPS: f64 = 9.0;

@@ -5,9 +5,7 @@ use controller::law::{Ego, Input, Law as _, Output, Target};
 use controller::laws::six_mode::deceleration::border_m;
 use controller::laws::six_mode::{Boundaries, Parameters, SixMode};
 
-/// Name of the set.
 const SET: &str = "literal, single releases";
-/// Set speed of the paper, m/s.
 const SET_SPEED_MPS: f64 = 70.0 / 3.6;
 /// Ego speed of the releases with a target, m/s. R_w is 68 m and R_j 142 m at 0.3 m/s.
 const SPEED_MPS: f64 = 15.0;
@@ -19,7 +17,6 @@ const FAR_M: f64 = 170.0;
 /// Table 1: speed in km/h and gap in m.
 const TABLE_1: [(u32, f64); 4] = [(120, 200.0), (100, 150.0), (80, 100.0), (60, 70.0)];
 
-/// All rows.
 pub fn rows() -> Vec<Row> {
     let rows = TABLE_1.into_iter().map(gap_of_table_1).chain(constants()).chain(levels());
     rows.map(|row| row.in_set(SET)).collect()

@@ -31,7 +31,6 @@ pub struct Assisted {
 
 impl Assisted {
     /// The law on a road that it has from `map`.
-    #[must_use]
     pub fn new(settings: &Settings, set_speed_mps: f64, map: Map) -> Self {
         let law = Predictive::new(settings);
         let planner = law.planner();

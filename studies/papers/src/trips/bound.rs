@@ -30,7 +30,6 @@ pub struct Bound {
 impl Bound {
     /// Solves the route, with `nodes` over kinetic energy and a price of time of `time_price` times the
     /// flat's. The trip ends at the value of its kinetic energy.
-    #[must_use]
     pub fn solve(
         truck: &Truck,
         road: &Road,

@@ -26,7 +26,6 @@ pub struct Comparison {
 
 impl Comparison {
     /// Drives the baseline; `None` when the truck gets stuck on this road.
-    #[must_use]
     pub fn new(truck: &Truck, road: &Road, set_speed_mps: f64) -> Option<Self> {
         let mut cruise = Cruise::new(truck, set_speed_mps, limit_mps(set_speed_mps));
         Some(Self {
@@ -39,31 +38,26 @@ impl Comparison {
     }
 
     /// The trip at constant speed.
-    #[must_use]
     pub fn baseline(&self) -> &Trip {
         &self.baseline
     }
 
     /// Price of energy, g/J.
-    #[must_use]
     pub fn energy_gpj(&self) -> f64 {
         self.energy_gpj
     }
 
     /// Fuel of a trip at equal kinetic energy at both ends, L/100 km.
-    #[must_use]
     pub fn l_per_100_km(&self, trip: &Trip) -> f64 {
         trip.corrected_l_per_100_km(self.energy_gpj)
     }
 
     /// Fuel of a trip against the baseline's, percent; savings are negative.
-    #[must_use]
     pub fn change_percent(&self, trip: &Trip) -> f64 {
         100.0 * (self.l_per_100_km(trip) / self.l_per_100_km(&self.baseline) - 1.0)
     }
 
     /// The law with a planner; it assumes the truck to be `believed` and the road to be `map`.
-    #[must_use]
     pub fn assisted(&self, planner: PlannerKind, believed: &Truck, map: &Map) -> Option<Trip> {
         self.equal_time(MEAN_SPEEDS, |mean_speed| {
             let keys = Keys { planner, mean_speed, ..Keys::default() };
@@ -72,7 +66,6 @@ impl Comparison {
     }
 
     /// The law with a planner, rightly informed.
-    #[must_use]
     pub fn informed(&self, planner: PlannerKind) -> Option<Trip> {
         let map = Map { road: self.road.clone(), shift_m: 0.0 };
         self.assisted(planner, &self.truck, &map)
@@ -80,7 +73,6 @@ impl Comparison {
 
     /// The dynamic program over the whole route. On its grid of kinetic energies that is the best plan. On the road
     /// another plan can be a little better, so it is not a lower bound.
-    #[must_use]
     pub fn bound(&self) -> Option<Trip> {
         let (set_mps, limit_mps) = (self.set_speed_mps, limit_mps(self.set_speed_mps));
         self.equal_time(TIME_PRICES, |price| {
@@ -89,7 +81,6 @@ impl Comparison {
     }
 
     /// A driver whose aim has a standard deviation of `sigma_mps`.
-    #[must_use]
     pub fn human(&self, sigma_mps: f64, seed: u64) -> Option<Trip> {
         let limit_mps = limit_mps(self.set_speed_mps);
         self.equal_time(AIMS, |share| {

@@ -44,7 +44,6 @@ pub struct Human {
 
 impl Human {
     /// A driver whose aim has the standard deviation `sigma_mps`.
-    #[must_use]
     pub fn new(
         truck: &Truck,
         set_speed_mps: f64,

@@ -6,9 +6,8 @@
 //!               └── Seen ◄───┘ truck_model
 //! ```
 //!
-//! Five drivers are compared. They are constant speed ([`Cruise`]), a human ([`Human`]), the law `predictive`
-//! ([`Assisted`]), an ordinary ACC ([`OrdinaryAcc`]), and the optimum of the whole route ([`Bound`]). [`Comparison`]
-//! compares them at equal trip time. Everything is plain code in one thread: the same inputs give the same bits.
+//! Four drivers are compared. They are constant speed ([`Cruise`]), a human ([`Human`]), the law `predictive`
+//! ([`Assisted`]), and the optimum of the whole route ([`Bound`]). [`Comparison`] compares them at equal trip time. Everything is plain code in one thread: the same inputs give the same bits.
 //!
 //! ```
 //! use papers::trips::{Cruise, Road, drive};
@@ -22,18 +21,18 @@
 //! ```
 
 mod assisted;
-mod baselines;
 mod bound;
 mod comparison;
+mod cruise;
 mod equal_time;
 mod human;
 mod road;
 mod trip;
 
 pub use assisted::{Assisted, Map};
-pub use baselines::{Cruise, OrdinaryAcc};
 pub use bound::Bound;
 pub use comparison::Comparison;
+pub use cruise::Cruise;
 pub use equal_time::{EQUAL_TIME, at_equal_time};
 pub use human::Human;
 pub use road::{Road, generated};

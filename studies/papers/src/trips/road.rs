@@ -18,7 +18,6 @@ impl Road {
     ///
     /// # Panics
     /// If there is no cell or cells have no length.
-    #[must_use]
     pub fn new(cell_m: f64, grades: Vec<f64>) -> Self {
         assert!(cell_m > 0.0 && !grades.is_empty(), "a road has cells of positive length");
         Self { cell_m, grades }
@@ -28,7 +27,6 @@ impl Road {
     ///
     /// # Panics
     /// If the profile is shorter than a cell.
-    #[must_use]
     pub fn from_profile(profile: &GradeProfile) -> Self {
         let count = (profile.end_m() / CELL_M + 1e-9) as usize;
         let cell = |index: usize| {
@@ -38,33 +36,25 @@ impl Road {
         Self::new(CELL_M, (0..count).map(cell).collect())
     }
 
-    /// Length of a cell, m.
-    #[must_use]
     pub fn cell_m(&self) -> f64 {
         self.cell_m
     }
 
-    /// Grades of the cells.
-    #[must_use]
     pub fn grades(&self) -> &[f64] {
         &self.grades
     }
 
-    /// Length, m.
-    #[must_use]
     pub fn length_m(&self) -> f64 {
         self.cell_m * self.grades.len() as f64
     }
 
     /// Grade at a position; beyond its ends the road goes on as it ends.
-    #[must_use]
     pub fn grade(&self, position_m: f64) -> f64 {
         let index = (position_m / self.cell_m).max(0.0) as usize;
         self.grades[index.min(self.grades.len() - 1)]
     }
 
     /// Content of a map from the cell under `position_m` on: `reach_m` at most, less where the road ends.
-    #[must_use]
     pub fn preview(&self, position_m: f64, reach_m: f64) -> Preview {
         let first = ((position_m / self.cell_m).max(0.0) as usize).min(self.grades.len());
         // One cell more, since the first one is partly behind.
@@ -82,7 +72,6 @@ impl Road {
 }
 
 /// A hilly road of a seed, like the given one of the paper's scenarios.
-#[must_use]
 pub fn generated(length_m: f64, seed: u64) -> Road {
     let alignment = Alignment {
         length_m,

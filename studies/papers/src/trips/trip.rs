@@ -19,9 +19,7 @@ const RANGE_M: f64 = 200.0;
 pub struct Seen<'a> {
     /// Time since the start, s.
     pub time_s: f64,
-    /// The truck.
     pub motion: &'a Motion,
-    /// Grade under it.
     pub grade: f64,
     /// Content of the radar.
     pub target: Option<Target>,
@@ -41,9 +39,7 @@ pub trait Driver {
 /// The vehicle ahead: a speed at the start and accelerations that end at the given times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lead {
-    /// Gap to it at the start, m.
     pub gap_m: f64,
-    /// Its speed at the start, m/s.
     pub speed_mps: f64,
     /// (until, acceleration) in s and m/s², in order of time; it keeps its speed afterwards.
     pub accelerations: Vec<(f64, f64)>,
@@ -56,43 +52,31 @@ pub struct Noise {
     pub gap_m: f64,
     /// Standard deviation of the relative speed, m/s.
     pub relative_speed_mps: f64,
-    /// Seed.
     pub seed: u64,
 }
 
 /// One control period behind a lead.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Moment {
-    /// Position of the truck, m.
     pub position_m: f64,
-    /// Speed of the truck, m/s.
     pub speed_mps: f64,
-    /// Acceleration of the truck, m/s².
     pub acceleration_mps2: f64,
-    /// Speed of the lead, m/s.
     pub lead_mps: f64,
-    /// Gap, m.
     pub gap_m: f64,
-    /// Mode of the law.
     pub mode: u32,
-    /// Torque at the crankshaft, N m.
     pub engine_torque_nm: f64,
 }
 
 /// Result of a trip.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trip {
-    /// Distance, m.
     pub length_m: f64,
-    /// Time, s.
     pub time_s: f64,
-    /// Fuel burnt, g.
     pub fuel_g: f64,
     /// Kinetic energy at the end less that at the start, J.
     pub gained_j: f64,
     /// Use of the energy.
     pub ledger: Ledger,
-    /// Number of shifts.
     pub shifts: u32,
     /// Lowest and highest speed, m/s.
     pub speed_range_mps: (f64, f64),
@@ -102,27 +86,22 @@ pub struct Trip {
 
 impl Trip {
     /// Fuel at equal kinetic energy at both ends, L/100 km, with the price of energy in g/J.
-    #[must_use]
     pub fn corrected_l_per_100_km(&self, energy_gpj: f64) -> f64 {
         1e5 * (self.fuel_g - energy_gpj * self.gained_j) / FUEL_DENSITY_GPL / self.length_m
     }
 
     /// Least time headway while the truck moves faster than 5 m/s, s.
-    #[must_use]
     pub fn least_headway_s(&self) -> f64 {
         let moving = self.moments.iter().filter(|moment| moment.speed_mps > 5.0);
         moving.map(|moment| moment.gap_m / moment.speed_mps).fold(f64::INFINITY, f64::min)
     }
 
-    /// Least gap, m.
-    #[must_use]
     pub fn least_gap_m(&self) -> f64 {
         self.moments.iter().map(|moment| moment.gap_m).fold(f64::INFINITY, f64::min)
     }
 }
 
 /// Drives a truck over a free road; `None` when it got stuck.
-#[must_use]
 pub fn drive(truck: &Truck, road: &Road, start_mps: f64, driver: &mut dyn Driver) -> Option<Trip> {
     go(truck, road, start_mps, None, f64::INFINITY, driver)
 }
@@ -131,7 +110,6 @@ pub fn drive(truck: &Truck, road: &Road, start_mps: f64, driver: &mut dyn Driver
 ///
 /// # Panics
 /// Never: behind a lead a truck may stand.
-#[must_use]
 pub fn chase(
     truck: &Truck,
     road: &Road,

@@ -1,8 +1,8 @@
-//! Behind a lead: the four points of the paper's figure, fuel, headway, and a lead that brakes hard.
+//! Behind a lead: the four points of the paper's figure, headway, and a lead that brakes hard.
 
 use crate::roads::generated;
-use controller::laws::truck::{Brakes, Keys, PlannerKind, Prices, Settings};
-use papers::trips::{Assisted, Lead, Map, Moment, Noise, OrdinaryAcc, Road, Trip, chase};
+use controller::laws::truck::{Brakes, Keys, PlannerKind, Settings};
+use papers::trips::{Assisted, Lead, Map, Moment, Noise, Road, Trip, chase};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 use truck_model::{Preset, Truck};
@@ -96,33 +96,22 @@ fn wandering(seed: u64) -> Lead {
 }
 
 #[test]
-fn it_burns_less_than_an_ordinary_acc_and_keeps_a_second_of_headway() {
+fn it_keeps_a_second_of_headway_behind_a_lead_that_wanders() {
     for preset in Preset::ALL {
         let truck = Truck::preset(preset);
-        let energy_gpj = Prices::new(&truck, SET_MPS).energy_gpj;
         for seed in 1..=3 {
             let road = generated(20_000.0, seed);
             let lead = wandering(seed);
             for noise in [None, Some(RADAR)] {
                 let mut law = assisted(&truck, &road, SET_MPS);
-                let mut acc = OrdinaryAcc::new(&truck, SET_MPS, SET_MPS + 5.0 / 3.6);
                 let ours = chase(&truck, &road, 20.0, &lead, noise, 1100.0, &mut law);
-                let theirs = chase(&truck, &road, 20.0, &lead, noise, 1100.0, &mut acc);
-                // At equal kinetic energy at both ends, g/km.
-                let fuel = |chase: &Trip| {
-                    1e3 * (chase.fuel_g - energy_gpj * chase.gained_j) / chase.length_m
-                };
-                let percent = 100.0 * (fuel(&ours) / fuel(&theirs) - 1.0);
+                let braked_mj = ours.ledger.service_brake_j / 1e6;
                 println!(
-                    "{} road {seed}: {percent:.1} %, headway {:.2} s, service brakes {:.2} and {:.2} MJ",
+                    "{} road {seed}: headway {:.2} s, service brakes {braked_mj:.2} MJ",
                     preset.name(),
                     ours.least_headway_s(),
-                    ours.ledger.service_brake_j / 1e6,
-                    theirs.ledger.service_brake_j / 1e6,
                 );
-                assert!(percent < -2.0, "{percent}");
                 assert!(ours.least_headway_s() >= 1.0);
-                assert!(ours.ledger.service_brake_j < theirs.ledger.service_brake_j + 1.0);
             }
         }
     }

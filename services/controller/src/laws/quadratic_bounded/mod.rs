@@ -19,7 +19,9 @@
 //! xc+ = sum h_i (Ac_i xc + L_i y),     Du = sum h_i (Fx_i xc + Fy_i y),    u(k) = u(k-1) + Du
 //! ```
 //!
-//! The two rules are exact, not an approximation, because rho is affine in v.
+//! The two rules are exact, not an approximation, because rho is affine in v. The paper prints the row of Dd' as
+//! Z_i = [0 1 -2 v2 v_hi + v10]. Ours, [0 1 -rho_i 0], reads the sign of v10 as minus: with a plus a desired gap that
+//! grows with the speed would speed the gap up.
 //!
 //! | symbol | field | unit |
 //! | --- | --- | --- |

@@ -55,7 +55,7 @@ pub enum Parts {
     Smooth,
 }
 
-/// Parameters of the six-mode law; the default is the driving default.
+/// Parameters of the six-mode law; the default is the road set, which `six-mode` drives.
 ///
 /// The second group acts in the robust variant only.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize, Schema)]
