@@ -64,9 +64,9 @@ pub fn find(name: &str) -> Option<&'static Builtin> {
 /// The error for a name that is neither built in nor a file.
 pub(super) fn unknown(name: &str) -> ScenarioError {
     let names: Vec<&str> = ALL.iter().map(|builtin| builtin.name).collect();
-    let mut expected = format!("a path to a scenario file or one of {}", names.join(", "));
-    if let Some(known) = nearest(name, names) {
-        expected.push_str(&format!(" (did you mean {known}?)"));
-    }
-    ScenarioError::whole(name, "no built-in scenario and no file of this name").expecting(expected)
+    let expected = format!("a path to a scenario file or one of {}", names.join(", "));
+    // Before the list, behind which it is not seen.
+    let meant = nearest(name, names).map(|known| format!(" (did you mean {known}?)"));
+    let message = "no built-in scenario and no file of this name".to_owned();
+    ScenarioError::whole(name, message + &meant.unwrap_or_default()).expecting(expected)
 }

@@ -245,6 +245,9 @@ fn an_unknown_scenario_lists_the_known_ones() {
     let error = Scenario::open("no/such.toml", &Overrides::new(), &|_| Ok(Default::default()))
         .expect_err("none");
     assert!(error.to_string().contains("no/such.toml: cannot be opened"), "{error}");
+    let error = Scenario::open("folowing", &Overrides::new(), &|_| Ok(Default::default()))
+        .expect_err("misspelt");
+    assert!(error.to_string().contains("(did you mean following?), expected a path"), "{error}");
 }
 
 #[test]
