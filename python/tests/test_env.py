@@ -61,8 +61,10 @@ def test_a_normalized_action_is_a_share_of_the_bounds() -> None:
         return float(env.step([action])[4]["reward_parts"]["request"])
 
     plain, share = timegap.Env("following"), timegap.Env("following", normalized=True)
-    assert share.action_space.low[0] == -1.0 and share.action_space.high[0] == 1.0
-    low, high = float(plain.action_space.low[0]), float(plain.action_space.high[0])
+    bounds, shares = plain.action_space, share.action_space
+    assert isinstance(bounds, gymnasium.spaces.Box) and isinstance(shares, gymnasium.spaces.Box)
+    assert shares.low[0] == -1.0 and shares.high[0] == 1.0
+    low, high = float(bounds.low[0]), float(bounds.high[0])
     for action, request in [(0.0, 0.0), (1.0, high), (-1.0, low), (0.5, high / 2), (-0.5, low / 2)]:
         assert abs(first(share, action) - first(plain, request)) < 1e-6
     assert abs(first(plain, 99.0) - first(plain, high)) < 1e-6, "the cost is that of the clipped request"

@@ -211,7 +211,7 @@ class Env(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         info["reward_parts"] = parts = reward_parts(q, request_mps2, outcome, self._failure_cost)
         return sum(parts.values()), info
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """A picture of the road ahead, with `render_mode="rgb_array"`."""
         return None if self.render_mode is None else picture(self.question)
 
