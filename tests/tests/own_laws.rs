@@ -39,8 +39,6 @@ fn a_run_has_the_name_and_the_program() {
     let inside = corner.json(&[&run[..], &["--in-process"]].concat());
     let digests = |summary: &Value| summary["messages"]["control/command"]["digests"].clone();
     assert_eq!(digests(&summary), digests(&inside));
-    let other = corner.json(&[&run[..], &["--controller", "acc-mpc", "--no-record"]].concat());
-    assert_eq!(other["controller"], "acc-mpc", "another controller that is named drives");
     let replayed = corner.json(&["replay", "out"]);
     assert_eq!(replayed["identical"], true, "{replayed}");
     corner.expect_nothing_left(&[]);
