@@ -41,6 +41,8 @@ fn _timegap(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<string::CarString>()?;
     module.add_function(wrap_pyfunction!(run::drive, module)?)?;
     module.add_function(wrap_pyfunction!(run::interrupt_runs, module)?)?;
+    module.add_function(wrap_pyfunction!(run::interrupts, module)?)?;
+    module.add_function(wrap_pyfunction!(run::work_since, module)?)?;
     module.add_function(wrap_pyfunction!(compare::over_seeds, module)?)?;
     module.add_function(wrap_pyfunction!(registry::scenarios, module)?)?;
     module.add_function(wrap_pyfunction!(registry::laws, module)?)

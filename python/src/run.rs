@@ -13,6 +13,7 @@ use pyo3::types::PyBytes;
 use report::summary::Summary;
 use report::trajectory;
 use runtime::{Mode, Sealing};
+use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
@@ -23,10 +24,27 @@ const TURNS: u32 = 512;
 /// look here.
 static INTERRUPTS: AtomicU64 = AtomicU64::new(0);
 
+thread_local! {
+    /// Number of interrupts before the work of this thread, if it belongs to a caller in another one.
+    static BEFORE: Cell<Option<u64>> = const { Cell::new(None) };
+}
+
 /// Ends the runs that go on in other threads, with a KeyboardInterrupt.
 #[pyfunction]
 pub fn interrupt_runs() {
     INTERRUPTS.fetch_add(1, Ordering::Relaxed);
+}
+
+/// Number of interrupts so far.
+#[pyfunction]
+pub fn interrupts() -> u64 {
+    INTERRUPTS.load(Ordering::Relaxed)
+}
+
+/// Makes the runs of this thread part of work that began after so many interrupts.
+#[pyfunction]
+pub fn work_since(interrupts: u64) {
+    BEFORE.set(Some(interrupts));
 }
 
 /// The result of a run.
@@ -120,7 +138,7 @@ fn to_its_end(scenario: &scenario::Scenario, law: Option<&Law>, sealing: Sealing
     let begun = SteppedRun::begin(scenario, sealing, questions.clone());
     let mut run = begun.map_err(|error| raise(&error))?;
     let (mut turns, mut failed, mut raised) = (0_u32, None, None);
-    let interrupts = INTERRUPTS.load(Ordering::Relaxed);
+    let before = BEFORE.get().unwrap_or_else(interrupts);
     loop {
         match run.advance().map_err(|error| raise(&error))? {
             Advance::Turn => {}
@@ -134,7 +152,7 @@ fn to_its_end(scenario: &scenario::Scenario, law: Option<&Law>, sealing: Sealing
                 }
             }
         }
-        if raised.is_none() && INTERRUPTS.load(Ordering::Relaxed) != interrupts {
+        if raised.is_none() && interrupts() != before {
             raised = Some(PyKeyboardInterrupt::new_err(()));
             run.interrupt();
         }

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -110,11 +111,13 @@ timegap.sweep("udds", {"set_speed_mps": list(range(15, 40))}, slow, workers=2)
 """
 
 
-def test_ctrl_c_does_not_wait_for_slow_runs() -> None:
+@pytest.mark.parametrize("wait_s", [0.0, 1.0])
+def test_ctrl_c_does_not_wait_for_slow_runs(wait_s: float) -> None:
     program = subprocess.Popen(
         [sys.executable, "-c", SLOW], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     )
     assert program.stdout is not None and program.stdout.readline() == "begun\n"
+    time.sleep(wait_s)
     program.send_signal(signal.SIGINT)
     # A run of its own takes 137 s.
     _, words = program.communicate(timeout=60)

@@ -8,7 +8,7 @@ import itertools
 import json
 import os
 import pickle
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Union
@@ -215,8 +215,11 @@ def _all(jobs: list[tuple[Any, ...]], workers: int | None, processes: bool) -> l
     count = max(1, min(len(jobs), workers or os.cpu_count() or 1))
     if count == 1:
         return [_one(job) for job in jobs]
-    make: Callable[[int], Executor] = ProcessPoolExecutor if processes else ThreadPoolExecutor
-    pool = make(count)
+    pool: Executor
+    if processes:
+        pool = ProcessPoolExecutor(count)
+    else:
+        pool = ThreadPoolExecutor(count, initializer=_timegap.work_since, initargs=(_timegap.interrupts(),))
     try:
         return list(pool.map(_one, jobs))
     except BaseException:

@@ -87,8 +87,9 @@ class Results:
         if not self.summary["aebs"]["interventions"]:
             return []
         times_s, states = (self.trajectory[name].to_pylist() for name in ("time_s", "brake_state"))
-        brakes = [state in (_BRAKING, _HOLDING) for state in states]
-        return [t_s for t_s, now, before in zip(times_s, brakes, [False, *brakes]) if now and not before]
+        # Not every step has a message of the brake.
+        seen = [(t_s, state in (_BRAKING, _HOLDING)) for t_s, state in zip(times_s, states) if state is not None]
+        return [t_s for (t_s, now), (_, before) in zip(seen, [(0.0, False), *seen]) if now and not before]
 
     def to_pandas(self) -> pd.DataFrame:
         """The trajectory as a pandas DataFrame."""
