@@ -6,11 +6,11 @@ use its::geodesy::Plane;
 use its::{EncodeError, Message, MessageKind};
 use radio::{Carrier, OpenError, Role, StationReport, wall_clock_ns};
 use report::print;
+use report::results::{Column, Document, Table, count, number};
 use scenario::Scenario;
 use scenario::carrier::CarrierAddress;
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
-use std::fmt::Write;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -122,12 +122,7 @@ pub fn run(arguments: &RsuArguments) -> Result<ExitCode, Error> {
     print::note(&format!("{} on {address}", scenario.name.as_str()));
     unit.send_until(arguments.duration.map(Duration::from_secs_f64), &stop)?;
     let summary = unit.summary(&scenario);
-    if arguments.json {
-        let json = serde_json::to_string_pretty(&summary).expect("a summary is plain data");
-        print::out(&(json + "\n"))?;
-    } else {
-        print::out(&text(&summary))?;
-    }
+    print::show(arguments.json, &document(&summary))?;
     Ok(ExitCode::SUCCESS)
 }
 
@@ -253,27 +248,28 @@ impl RoadsideUnit {
     }
 }
 
-fn text(summary: &RsuSummary) -> String {
+fn document(summary: &RsuSummary) -> Document {
     let RsuSummary { scenario, carrier, duration_s, spatem, mapem, not_sent, .. } = summary;
-    let mut text = format!("{scenario} on {carrier}, {duration_s:.1} s\n");
-    let mut line = |label: &str, rest: String| {
-        writeln!(text, "  {label:<14} {rest}").expect("a string takes all");
-    };
-    line("sent", format!("{spatem} SPATEM, {mapem} MAPEM; {not_sent} frames could not be sent"));
-    if summary.vehicles.is_empty() {
-        line("vehicles", "none heard".into());
-    }
-    for (index, vehicle) in summary.vehicles.iter().enumerate() {
-        let Vehicle { station_id, cams, position_m, speed_mps } = vehicle;
-        let label = if index == 0 { "vehicles" } else { "" };
-        let last = format!("last at {position_m:.1} m with {speed_mps:.1} m/s");
-        line(label, format!("station {station_id}: {cams} CAMs, {last}"));
-    }
-    for station_id in &summary.shared_station_ids {
-        line("", format!("station id {station_id} is used by several senders"));
-    }
     let lost: u64 = summary.stations.iter().map(|station| station.lost).sum();
     let (received, not_read) = (summary.received, summary.not_read);
-    line("received", format!("{received} frames, {lost} lost, {not_read} not read"));
-    text
+    let mut facts = vec![
+        ("sent", format!("{spatem} SPATEM, {mapem} MAPEM; {not_sent} frames could not be sent")),
+        ("received", format!("{received} frames, {lost} lost, {not_read} not read")),
+    ];
+    let shared = summary.shared_station_ids.iter();
+    facts.extend(shared.map(|id| ("", format!("station id {id} is used by several senders"))));
+    if summary.vehicles.is_empty() {
+        facts.push(("vehicles", "none heard".to_owned()));
+    }
+    let facts = facts.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+    let columns: [Column<Vehicle>; 4] = [
+        count("station_id", "station", "Station id of the vehicle"),
+        count("cams", "CAMs", "Messages that were received"),
+        number("position_m", "last at", "m", 1, "Last place along the road"),
+        number("speed_mps", "with", "m/s", 1, "Last speed"),
+    ];
+    Document::new("rsu", "Roadside unit", summary)
+        .about(format!("{scenario} on {carrier}, {duration_s:.1} s"))
+        .facts("Frames", facts)
+        .table(Table::new("Vehicles", &columns, &summary.vehicles))
 }
