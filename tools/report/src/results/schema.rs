@@ -113,26 +113,6 @@ impl Schema {
         self
     }
 
-    /// Adds an object at a dotted path, each of whose values has these columns.
-    ///
-    /// ```
-    /// use report::results::{Column, Schema, check, count};
-    /// use serde_json::json;
-    ///
-    /// const OF_KIND: &[Column<()>] = &[count("drives", "drives", "Drives of the kind")];
-    /// let schema = Schema::new("x", "").map("kinds", "Each kind by its name", OF_KIND).json();
-    /// let result = json!({"schema_version": 1, "kinds": {"truck": {"drives": 3}}});
-    /// assert_eq!(check(&schema, &result), [""; 0]);
-    /// ```
-    #[must_use]
-    pub fn map<R>(mut self, path: &str, meaning: &str, columns: &[Column<R>]) -> Self {
-        let mut values = json!({"type": "object"});
-        columns.iter().for_each(|column| insert(&mut values, &column.head));
-        let node = descend(&mut self.root, path);
-        *node = json!({"type": "object", "description": meaning, "additionalProperties": values});
-        self
-    }
-
     #[must_use]
     pub fn json(&self) -> Value {
         self.root.clone()
