@@ -168,3 +168,41 @@ fn repeat(scenario: &Scenario, summary: &Summary) -> String {
         "<p>In the directory of this page: <code>timegap run scenario.toml{mode}</code></p>\n{whole}"
     )
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use group::ScenarioOptions;
+    use runtime::Mode;
+    use std::time::Duration;
+
+    /// A short drive behind another vehicle, which breaks its requirement.
+    fn driven() -> (Summary, Document) {
+        let options = ScenarioOptions {
+            duration: Some("3".to_owned()),
+            require: vec!["gap_m > 1000".to_owned()],
+            ..ScenarioOptions::default()
+        };
+        let scenario = group::open("following", &options).expect("built in");
+        let outcome = group::in_process::run(&scenario).expect("it runs");
+        let summary = Summary::new(&scenario, Mode::Lockstep, &outcome, Duration::from_secs(1));
+        let picture = RunPicture::of(&scenario, &outcome).judged(&summary.requirements);
+        let document = document(&scenario, &summary, &picture);
+        (summary, document)
+    }
+
+    #[test]
+    fn every_output_of_a_run_has_its_figures_its_requirements_and_its_verdict() {
+        let (summary, document) = driven();
+        let gap = MIN_GAP_M.text(summary.control.figures.min_gap_m.expect("there is a gap"));
+        let console = document.console(100);
+        for text in [&console, &document.page(), &document.markdown()] {
+            assert!(text.contains(&gap) && text.contains("REQUIREMENT BROKEN"), "{text}");
+        }
+        let last = console.lines().last().expect("there is text");
+        assert!(last.starts_with("  gap_m > 1000: BROKEN, margin -"), "{console}");
+        assert!(document.junit().contains("failures=\"2\""), "{}", document.junit());
+        assert_eq!(document.value()["outcome"], "requirement_broken");
+        assert!(console.lines().count() < 50, "{console}");
+    }
+}
