@@ -1,7 +1,8 @@
 //! The result of a check.
 
+use report::results::{Column, Format, Table, column, word};
 use serde::Serialize;
-use std::fmt::Write;
+use serde_json::{Value, json};
 
 /// Grade of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -67,26 +68,28 @@ impl Finding {
     }
 }
 
-/// The findings as console text.
-pub fn table(findings: &[Finding]) -> String {
-    let width = findings.iter().map(|finding| finding.check.len()).max().unwrap_or(0);
-    let mut text = String::new();
-    for finding in findings {
-        let mark = match finding.verdict {
-            Verdict::Ok => "ok",
-            Verdict::Warn => "warn",
-            Verdict::Bad => "BAD",
-        };
-        let mut line = |mark: &str, check: &str, words: &str| {
-            writeln!(text, "  {mark:<4}  {check:<width$}  {words}").expect("a string takes all");
-        };
-        line(mark, finding.check, &finding.found);
-        if let Some(costs) = &finding.costs {
-            line("", "", &format!("costs: {costs}"));
-        }
-        if let Some(fix) = &finding.fix {
-            line("", "", &format!("fix:   {fix}"));
-        }
+/// The findings as a table.
+pub fn table(findings: &[Finding]) -> Table {
+    fn labelled(label: &str, words: &Option<String>) -> Value {
+        json!(words.as_ref().map(|words| format!("{label} {words}")))
     }
-    text
+    let columns: [Column<Finding>; 5] = [
+        column("verdict", "", "", Format::Verdict(words), "Grade"),
+        word("check", "", "Name of the check"),
+        word("found", "", "State of the machine"),
+        column("", "", "", Format::Sentence, "Cost of that state")
+            .of(|finding| labelled("costs:", &finding.costs)),
+        column("", "", "", Format::Command, "The command that improves it")
+            .of(|finding| labelled("fix:", &finding.fix)),
+    ];
+    Table::new("Findings", &columns, findings)
+}
+
+/// Some costs are accepted, a refusal is not.
+fn words(verdict: &str) -> (&'static str, bool) {
+    match verdict {
+        "ok" => ("ok", true),
+        "warn" => ("warn", true),
+        _ => ("BAD", false),
+    }
 }

@@ -11,7 +11,7 @@
 //! use doctor::finding::{Finding, table};
 //!
 //! let finding = Finding::warn("clock source", "hpet", "every stamp is a system call", None);
-//! assert!(table(&[finding]).contains("clock source"));
+//! assert!(table(&[finding]).console(80).contains("clock source"));
 //! ```
 
 mod cgroup;
@@ -26,6 +26,7 @@ use clap::Args;
 use finding::{Finding, Verdict};
 use group::Error;
 use report::print;
+use report::results::Document;
 use report::summary::Host;
 use runtime::scheduling::usable_cores;
 use runtime::{Timetable, shared_memory_bytes};
@@ -81,19 +82,17 @@ pub fn run(arguments: &DoctorArguments) -> Result<ExitCode, Error> {
     let can_run = findings.iter().all(|finding| !finding.prevents_runs);
     let ok = findings.iter().all(|finding| finding.verdict == Verdict::Ok);
     let report = Report { schema_version: 1, ok, can_run, host, findings, wake_ups };
-    if arguments.json {
-        print::out(&(serde_json::to_string_pretty(&report).expect("plain data") + "\n"))?;
-    } else {
-        let histogram = format!(
-            "\nlateness of the last of these loops ({})\n{}",
-            report.wake_ups.granted,
-            report.wake_ups.histogram_text()
-        );
-        let answer = report.wake_ups.answer() + "\n\n";
-        let table = finding::table(&report.findings);
-        print::out(&(answer + &table + &histogram + "\n" + &conclusion(&report) + "\n"))?;
-    }
+    print::show(arguments.json, &document(&report))?;
     Ok(ExitCode::from(status(&report)))
+}
+
+fn document(report: &Report) -> Document {
+    let is_good = report.findings.iter().all(|finding| finding.verdict != Verdict::Bad);
+    Document::new("doctor", "Doctor", report)
+        .text(report.wake_ups.answer())
+        .table(finding::table(&report.findings))
+        .table(report.wake_ups.histogram_table())
+        .verdict(is_good, conclusion(report))
 }
 
 /// The exit status: 3 if nothing can run, 1 with a bad finding.
@@ -194,8 +193,8 @@ mod tests {
         report.can_run = false;
         assert!(conclusion(&report).contains("nothing can run"));
         assert_eq!(status(&report), 3);
-        let table = finding::table(&report.findings);
-        assert!(table.contains("BAD") && table.contains("fix:   put it back"), "{table}");
+        let table = document(&report).console(100);
+        assert!(table.contains("BAD") && table.contains("fix: put it back"), "{table}");
         let good = Report { can_run: true, findings: Vec::new(), ..report };
         assert_eq!(status(&good), 0);
     }

@@ -21,11 +21,12 @@
 use super::finding::Finding;
 use clap::Args;
 use report::print::duration;
+use report::results::{Column, Table, count, word};
 use runtime::scheduling::{self, Granted, Policy, Request, usable_cores};
 use runtime::statistics::Latencies;
 use runtime::{monotonic_ns, sleep_until};
 use serde::{Deserialize, Serialize};
-use std::fmt::Write as _;
+use serde_json::{Value, json};
 
 /// A loop to be measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -222,18 +223,26 @@ impl WakeUps {
         format!("on this machine, now: {}", loops.join("; "))
     }
 
-    /// The histogram as console text.
+    /// The histogram as a table.
     #[must_use]
-    pub fn histogram_text(&self) -> String {
+    pub fn histogram_table(&self) -> Table {
         let most = self.histogram.iter().map(|bin| bin.count).max().unwrap_or(0).max(1);
         let last = self.histogram.iter().rposition(|bin| bin.count > 0).unwrap_or(0);
-        let mut text = String::new();
-        for bin in &self.histogram[..=last.min(self.histogram.len().saturating_sub(1))] {
-            let label = bin.up_to_us.map_or_else(|| "later".to_owned(), |us| format!("to {us} µs"));
-            let bar = "#".repeat((bin.count * BAR).div_ceil(most) as usize);
-            writeln!(text, "  {label:>12}  {:>8}  {bar}", bin.count).expect("a string takes all");
-        }
-        text
+        let rows: Vec<Value> = (self.histogram.iter().take(last + 1))
+            .map(|bin| {
+                let label =
+                    bin.up_to_us.map_or_else(|| "later".to_owned(), |us| format!("to {us} µs"));
+                let bar = "#".repeat((bin.count * BAR).div_ceil(most) as usize);
+                json!({"late": label, "count": bin.count, "bar": bar})
+            })
+            .collect();
+        let columns: [Column<Value>; 3] = [
+            word("late", "late", "Lateness"),
+            count("count", "wake-ups", "Wake-ups with this lateness"),
+            word("bar", "", "The same as a bar"),
+        ];
+        let heading = format!("Lateness of the last of these loops ({})", self.granted);
+        Table::new(&heading, &columns, &rows)
     }
 
     /// The wake-ups as a finding. `fix` is the first change that helps a loop on this machine.
@@ -292,8 +301,8 @@ mod tests {
         assert_eq!(measured.histogram.iter().map(|bin| bin.count).sum::<u64>(), 5);
         assert_eq!(measured.histogram[1].count, 2);
         assert_eq!(measured.histogram.last().map(|bin| bin.count), Some(1));
-        let text = measured.histogram_text();
-        assert_eq!(text.lines().count(), BINS_US.len() + 1, "{text}");
+        let text = measured.histogram_table().console(80);
+        assert_eq!(text.lines().count(), BINS_US.len() + 2, "{text}");
         assert!(text.contains("later"), "{text}");
     }
 
