@@ -33,9 +33,10 @@ pub struct RoadConfig {
     /// Reaction time in a stop for yellow, s. The line may be crossed in yellow if a stop from the end of green would
     /// end beyond it. The stop has this time and the comfort deceleration. 0: only if a stop begun at once would.
     pub yellow_reaction_s: f64,
-    /// Weight `w` of the light's penalty `w/D`, m. `D` is how far the line is passed at the end of green.
+    /// Weight `w` of the light's penalty `w/D` at each stage before the end of green, m. `D` is how far the line is
+    /// passed then.
     pub light_weight_m: f64,
-    /// Margin `D` beyond which the light costs nothing, m.
+    /// Margin `D` beyond which the light costs nothing, m. The default is that of the paper's formulation.
     pub light_threshold_m: f64,
     /// Once decided, the other program must be better by this share of its cost to be taken.
     pub hysteresis: f64,
@@ -64,7 +65,7 @@ impl Default for RoadConfig {
             lead_decay_s: 1.5,
             yellow_reaction_s: 1.0,
             light_weight_m: 1500.0,
-            light_threshold_m: 25.0,
+            light_threshold_m: 108.5,
             hysteresis: 0.2,
             gap_weight_per_m2: 0.2,
             speed_weight_s2_per_m2: 1.0,

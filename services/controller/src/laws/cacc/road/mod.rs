@@ -23,11 +23,11 @@
 //! is passed before red.
 //!
 //! A pass has to do more than reach the line. The paper's penalty `w/D` pulls the vehicle ahead. `D` is the margin by
-//! which it is past the line at the end of green. Its slope at the reference's margin is a linear cost of the position
-//! there:
+//! which it is past the line at the end of green. The paper sums it over the stages before. Its slope at the reference's
+//! margin is a linear cost of the position there:
 //!
 //! ```text
-//! minimise ... - (w / D_ref²) p_K     while 0 < D_ref < d_th,    K the stage at which green ends
+//! minimise ... - K (w / D_ref²) p_K     while D_ref < d_th,    K the stage at which green ends
 //! ```
 //!
 //! So the vehicle closes up to its lead before the line and falls back behind it. Each cycle takes the slope
@@ -307,7 +307,7 @@ impl Law for RoadLaw {
             output.mode_reason = self.state.reason;
             return;
         };
-        self.planner.predict(seen.lead.as_ref());
+        self.planner.predict(&seen);
         let filter = Filter::new(&self.config, input.period_s);
         let decision = self.plan(input, &seen, &filter, output);
         let closed = self.write(input, &seen, &decision, &filter, output);

@@ -16,6 +16,10 @@ use crate::law::{Input, MAX_PLAN, MAX_SIGNALS};
 use crate::laws::cacc::config::Config;
 use crate::laws::cacc::paper::usable;
 
+/// Least time constant with which a lead's gain of speed before a line decays, s. Chosen: a start takes longer than the
+/// braking for which `lead_decay_s` was chosen.
+const GAINING_DECAY_S: f64 = 2.0;
+
 /// The measured scene of one cycle.
 pub(super) struct Seen {
     pub(super) ego: Motion,
@@ -35,6 +39,7 @@ pub(super) struct Planner {
     driver: Driver,
     pub(super) lag: LagStep,
     lead_decay: f64,
+    gaining_decay: f64,
     safe: SafeGap,
     safe_gap: SafeGapTable,
     work: Box<Work>,
@@ -91,6 +96,7 @@ impl Planner {
             safe,
             safe_gap: SafeGapTable::new(&safe),
             lead_decay: libm::exp(-config.step_s / road.lead_decay_s),
+            gaining_decay: libm::exp(-config.step_s / road.lead_decay_s.max(GAINING_DECAY_S)),
             work: Box::new(Work {
                 lead: Prediction::ABSENT,
                 fastest: Fastest::FREE,
@@ -101,8 +107,13 @@ impl Planner {
     }
 
     /// Predicts the lead for the candidates of this cycle.
-    pub(super) fn predict(&mut self, lead: Option<&LeadNow>) {
-        self.work.lead.update(lead, self.lag.step_s, self.lead_decay);
+    pub(super) fn predict(&mut self, seen: &Seen) {
+        let gains = |lead: &LeadNow| seen.count > 0 && lead.acceleration_mps2 > 0.0;
+        let decay = match &seen.lead {
+            Some(lead) if gains(lead) => self.gaining_decay,
+            _ => self.lead_decay,
+        };
+        self.work.lead.update(seen.lead.as_ref(), self.lag.step_s, decay);
     }
 
     /// Makes one candidate: rolls out its driver and solves its program.
@@ -177,7 +188,8 @@ impl Planner {
     }
 
     /// True if the safety filter lets the pass's plan cross a line before red. From the first place where a stop is no
-    /// longer possible, the speed that the plan has there must be enough.
+    /// longer possible, the speed that the plan has there must be enough, with one stage to spare: the vehicle is not
+    /// exactly the model.
     pub(super) fn is_let_through(&self, line_m: f64, red_in_s: f64, filter: &Filter) -> bool {
         let motion = &self.work.pass.motion[..=self.config.horizon_steps];
         let to_line_m = |at: &Motion| line_m - at.position_m;
@@ -185,7 +197,7 @@ impl Planner {
         committed.is_none_or(|stage| {
             let at = &motion[stage];
             let lead = self.work.lead.at(stage, at.position_m);
-            let left_s = red_in_s - stage as f64 * self.lag.step_s;
+            let left_s = red_in_s - (stage + 1) as f64 * self.lag.step_s;
             filter.can_cross(*at, lead.as_ref(), to_line_m(at), left_s)
         })
     }

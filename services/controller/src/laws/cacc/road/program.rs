@@ -52,8 +52,9 @@ const PASS_PRICE: f64 = 3000.0;
 const TERMINAL: f64 = 5.0;
 /// Distance beyond the line that a pass must reach, m.
 const PASS_M: f64 = 0.3;
-/// Margin below which the light's price grows no more, m: there the pass itself is at stake.
-const LEAST_MARGIN_M: f64 = 4.0;
+/// Margin below which the light's price grows no more, m. About a second of motion: there the pass itself is at stake,
+/// and has its own price.
+const LEAST_MARGIN_M: f64 = 12.0;
 /// Band of speed below the limit in which the light's pull fades, m/s.
 const PULL_BAND_MPS: f64 = 1.0;
 /// Distance of the limits of the speed beyond the reference's speed, m/s. If the reference lay on a limit (above all at
@@ -130,7 +131,7 @@ impl Programs {
                     let margin_m = reference.motion[switch].position_m - line_m;
                     let slower = fastest_mps - reference.motion[0].speed_mps;
                     let share = (slower / PULL_BAND_MPS).clamp(0.0, 1.0);
-                    self.pull(switch, share * self.light_price(margin_m));
+                    self.pull(switch, share * switch as f64 * self.light_price(margin_m));
                 }
                 let offset = lead.position_m[stage] - t_h * lead.speed_mps[stage] - s0;
                 self.go.set_row_stages(PASS, stage, stage);
@@ -145,7 +146,8 @@ impl Programs {
         }
     }
 
-    /// Price of a metre of the margin `D` at the end of green. It is the slope of `w/D` at the reference's margin.
+    /// Price of a metre of the margin `D` at the end of green, for each stage before it: the paper sums `w/D` over these
+    /// stages. It is the slope of `w/D` at the reference's margin.
     fn light_price(&self, margin_m: f64) -> f64 {
         let margin_m = margin_m.max(LEAST_MARGIN_M);
         if margin_m < self.light_threshold_m {

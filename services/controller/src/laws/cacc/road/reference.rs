@@ -10,7 +10,7 @@
 //!
 //! so that it glides to a light about to turn green instead of braking for it. It slows down to that speed early:
 //! then it is still rolling when the light opens. Here `b` is the comfort deceleration, which is needed only where
-//! the light does not open as announced. Behind a lead that waits at the line, that lead's place and start count.
+//! the light does not open as announced. Behind a lead that waits at the line, that lead's place counts.
 
 use super::lead::Prediction;
 use super::signals::Line;
@@ -27,8 +27,6 @@ const GLIDE_LAG_S: f64 = 0.5;
 const GLIDE_BAND_MPS: f64 = 1.0;
 /// A lead slower than this in front of a closed line waits there, m/s.
 const WAITS_MPS: f64 = 0.5;
-/// Time from green to the start of a waiting driver, s: the usual reaction in traffic engineering (ITE 2020).
-const START_S: f64 = 1.0;
 /// Share of its acceleration that the driver has on average on the way to its speed.
 const LATER_SHARE: f64 = 0.7;
 /// Slowest speed at which a later line's arrival is estimated, m/s.
@@ -184,24 +182,19 @@ impl Scene<'_> {
                 },
             };
             ceiling = ceiling.min(line.at_m - self.origin_m - self.stop_margin_m);
-            let (room, wait_s) = self.queue(k, here, distance);
-            let opens_in_s = opens.map(|at| at - time + wait_s);
+            let room = self.queue_room_m(k, here, distance);
+            let opens_in_s = opens.map(|at| at - time);
             request =
                 request.min(self.before_line(free, v, distance.min(room), opens_in_s, glides));
         }
         (request, ceiling)
     }
 
-    /// Room before a closed line, m, and the time after the line's opening at which it opens, s. A lead that waits
-    /// there has to start first.
-    fn queue(&self, k: usize, here: Motion, distance: f64) -> (f64, f64) {
+    /// Room before a closed line, m. A lead may wait there.
+    fn queue_room_m(&self, k: usize, here: Motion, distance: f64) -> f64 {
         let gap = self.lead.position_m[k] - here.position_m;
         let waits = self.lead.present && gap < distance && self.lead.speed_mps[k] < WAITS_MPS;
-        if waits {
-            (gap - self.standstill_m + self.stop_margin_m, START_S)
-        } else {
-            (distance, 0.0)
-        }
+        if waits { gap - self.standstill_m + self.stop_margin_m } else { distance }
     }
 
     /// Request before a closed line that opens after a time in s. The speed is one at which the driver requests `free`
