@@ -199,3 +199,36 @@ fn an_uncertified_law_is_called_so_in_every_summary() {
     let (console, summary, page) = run("certified");
     assert!(!console.contains(called) && summary["caution"].is_null() && !page.contains(called));
 }
+
+/// Seen with version 0.2.0: the default law waited for a whole red where the blind law passes.
+#[test]
+fn a_green_that_the_blind_law_passes_is_passed() {
+    let corner = Corner::new(PROGRAM);
+    for [speed, gap, line, green] in
+        [["18", "54", "97.5", "5"], ["12", "45", "53.4", "4"], ["18", "54", "78.6", "4"]]
+    {
+        let crossing_s = ["acc-mpc", "cacc-mpc"].map(|law| {
+            let set = [
+                "controller.spacing_policy=constant-time-headway".to_owned(),
+                "controller.standstill_distance_m=5".to_owned(),
+                format!("plant.initial_speed_mps={speed}"),
+                format!("actors.0.initial_speed_mps={speed}"),
+                format!("actors.0.gap_m={gap}"),
+                format!("v2x.signals.0.stop_line_m={line}"),
+                format!("v2x.signals.0.program.0.duration_s={green}"),
+            ];
+            let own = ["run", "cacc-b", "--mode", "lockstep", "--in-process", "--no-record"];
+            let set = set.iter().flat_map(|key| ["--set", key]);
+            let end = ["--controller", law, "--json"];
+            let words = own.into_iter().chain(set).chain(end).collect::<Vec<_>>();
+            let output = corner.run(&words);
+            let summary: Value = serde_json::from_slice(&output.stdout)
+                .unwrap_or_else(|_| panic!("{}", text(&output)));
+            summary["control"]["stop_line_crossing_s"].as_f64().expect("it crosses")
+        });
+        let green_s: f64 = green.parse().expect("a number");
+        let [acc_s, cacc_s] = crossing_s;
+        assert!(acc_s < green_s, "{acc_s}");
+        assert!(cacc_s <= acc_s, "{line}: {cacc_s} after {acc_s}");
+    }
+}

@@ -11,7 +11,7 @@
 #![allow(missing_docs)] // No crate outside the workspace uses this one: a name that says all has no comment.
 
 pub mod cacc;
-mod cacc_default;
+mod cacc_varied;
 mod columns;
 mod page;
 mod pictures;
@@ -72,6 +72,9 @@ pub struct ReproduceArguments {
     /// Standard deviation of the skilled driver's aimed speed, km/h
     #[arg(long, value_name = "KMH", default_value_t = 2.5, value_parser = spread)]
     pub driver_spread: f64,
+    /// Seeded variants of each scene in which the default law drives, at most 250
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=250))]
+    pub variants: u32,
 }
 
 /// A spread of a driver's speed, km/h.
@@ -104,12 +107,13 @@ impl PaperName {
         ["six-mode", "quadratic-bounded", "predictive", "cacc"][self as usize]
     }
 
-    fn pieces(self) -> Vec<Piece> {
+    /// Its pieces, with `variants` of each scene of the default law.
+    fn pieces(self, variants: u32) -> Vec<Piece> {
         match self {
             Self::SixMode => six_mode::pieces(),
             Self::QuadraticBounded => quadratic_bounded::pieces(),
             Self::Predictive => predictive::pieces(),
-            Self::Cacc => [cacc::pieces(), cacc_default::pieces()].concat(),
+            Self::Cacc => [cacc::pieces(), cacc_varied::pieces(variants)].concat(),
         }
     }
 }

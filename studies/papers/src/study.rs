@@ -28,8 +28,9 @@ impl Study for Papers {
 
     fn plan(arguments: &ReproduceArguments, _: &RunOptions) -> Result<Self, Error> {
         let papers = arguments.paper.map_or(PAPERS.to_vec(), |paper| vec![paper]);
-        let of_paper =
-            |&paper: &PaperName| paper.pieces().into_iter().map(move |piece| (paper, piece));
+        let of_paper = |&paper: &PaperName| {
+            paper.pieces(arguments.variants).into_iter().map(move |piece| (paper, piece))
+        };
         let pieces = papers.iter().flat_map(of_paper).collect();
         Ok(Self { papers, pieces, driver_spread_mps: arguments.driver_spread / 3.6 })
     }
@@ -115,7 +116,7 @@ mod tests {
     #[test]
     fn every_piece_has_a_name_of_its_own() {
         for paper in PAPERS {
-            let mut names: Vec<_> = paper.pieces().into_iter().map(|piece| piece.name).collect();
+            let mut names: Vec<_> = paper.pieces(1).into_iter().map(|piece| piece.name).collect();
             let count = names.len();
             names.sort();
             names.dedup();

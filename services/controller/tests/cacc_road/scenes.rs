@@ -158,6 +158,15 @@ fn it_accelerates_to_pass_when_that_is_enough() {
 }
 
 #[test]
+fn a_pass_that_the_gap_to_the_lead_forbids_is_not_tried() {
+    // Without its lead the ego would cross in time. The gap limits its speed: it crossed in red.
+    let lengths_s = [20.0, 0.0, 60.0];
+    let world = with_lead(with_signal(17.47, 33.3, 134.69, lengths_s, 0, 6.54), 53.2, 17.47);
+    let run = run(world, 14.0, &[]);
+    assert!(run.crossings_s.is_empty() && run.hardest_mps2 > -3.05, "{run:?}");
+}
+
+#[test]
 fn it_stops_when_green_is_out_of_reach() {
     let run = run(with_signal(12.0, 13.0, 100.0, [20.0, 3.0, 20.0], 0, 4.5), 20.0, &[]);
     assert!(run.crossings_s.is_empty());

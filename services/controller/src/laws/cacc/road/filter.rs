@@ -294,4 +294,13 @@ mod tests {
         assert_eq!(filter().apply(-3.0, ego, None, &[pass(9.0)]), -3.0);
         assert_eq!(filter().apply(1.0, ego, None, &[pass(0.5)]), -4.9);
     }
+
+    #[test]
+    fn a_crossing_does_not_count_on_a_speed_that_the_lead_will_take_away() {
+        // At 21.4 m/s the line is reached 0.01 s before red. The lead's gap forbids that speed there.
+        let ego = Motion { position_m: 0.0, speed_mps: 21.78, acceleration_mps2: -0.79 };
+        let lead = |gap_m| LeadNow { gap_m, speed_mps: 17.47, acceleration_mps2: 0.0 };
+        assert!(!filter().can_cross(ego, Some(&lead(42.39)), 54.0, 2.54));
+        assert!(filter().can_cross(ego, Some(&lead(62.39)), 54.0, 2.54));
+    }
 }
