@@ -202,7 +202,7 @@ fn a_message_is_two_edits_and_a_service_a_folder_a_row_and_a_line() {
     );
     copy.insert("shared/messages/src/service.rs", "services! { $", &row);
     copy.insert(
-        "tools/group/Cargo.toml",
+        "tools/supervise/Cargo.toml",
         "[dependencies]\n",
         "probe = { path = \"../../services/probe\" }\n",
     );

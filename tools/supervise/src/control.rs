@@ -1,0 +1,86 @@
+//! The way into a run that goes on: a socket in the run's root, one JSON line each way.
+
+pub use crate::events::Answer;
+
+use crate::events::Event;
+use crate::{Failure, Status};
+use scenario::faults::Fault;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::os::unix::net::{UnixListener, UnixStream};
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Sender, channel};
+use std::time::Duration;
+
+/// Name of the socket in the run's root, which is for its user alone.
+const SOCKET: &str = "control";
+/// Longest request, bytes.
+const LONGEST: u64 = 64 * 1024;
+/// Silence after which a client is dropped.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// The socket for faults cannot be opened.
+#[derive(Debug, thiserror::Error)]
+#[error("cannot open the run's control socket: {0}")]
+pub struct ListenError(#[from] std::io::Error);
+
+impl Failure for ListenError {
+    fn status(&self) -> Status {
+        Status::Machine
+    }
+}
+
+/// Accepts faults until the run's root is gone.
+pub fn listen(root: &Path, events: Sender<Event>) -> Result<(), ListenError> {
+    let listener = UnixListener::bind(root.join(SOCKET))?;
+    std::thread::Builder::new().name("control".into()).spawn(move || {
+        for client in listener.incoming() {
+            let Ok(client) = client else { continue };
+            let Some(asked) = ask(client, &events) else { return };
+            // A client that went away does not need an answer.
+            let _ = asked;
+        }
+    })?;
+    Ok(())
+}
+
+/// Hands one client's request to the supervisor; `None` once the supervisor is gone.
+fn ask(mut client: UnixStream, events: &Sender<Event>) -> Option<std::io::Result<()>> {
+    if let Err(e) = client.set_read_timeout(Some(PATIENCE)) {
+        return Some(Err(e));
+    }
+    let mut line = String::new();
+    if let Err(e) = BufReader::new((&client).take(LONGEST)).read_line(&mut line) {
+        return Some(Err(e));
+    }
+    if line.is_empty() {
+        // The end of the run knocks, so that this thread notices it.
+        return events.send(Event::Knock).is_ok().then_some(Ok(()));
+    }
+    let answer = match serde_json::from_str::<Fault>(&line) {
+        Err(e) => Answer { ok: false, message: format!("not a fault: {e}") },
+        Ok(fault) => {
+            let (reply, replied) = channel();
+            events.send(Event::Inject(Box::new(fault), reply)).ok()?;
+            replied.recv_timeout(PATIENCE).ok()?
+        }
+    };
+    let text = serde_json::to_string(&answer).expect("plain data");
+    Some(writeln!(client, "{text}"))
+}
+
+/// Wakes the thread of [`listen`], so that it notices the end of its receiver.
+pub fn close(root: &Path) {
+    // The thread is gone already, or wakes.
+    let _ = UnixStream::connect(root.join(SOCKET));
+}
+
+/// Sends `fault` to the run with this root.
+pub fn inject(root: &Path, fault: &Fault) -> std::io::Result<Answer> {
+    let socket: PathBuf = root.join(SOCKET);
+    let mut stream = UnixStream::connect(socket)?;
+    let text = serde_json::to_string(fault).expect("plain data");
+    writeln!(stream, "{text}")?;
+    let mut line = String::new();
+    BufReader::new(stream).read_line(&mut line)?;
+    serde_json::from_str(&line).map_err(std::io::Error::other)
+}

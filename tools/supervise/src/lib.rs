@@ -1,0 +1,58 @@
+//! A process group: its private corner of the machine, its processes, its end.
+//!
+//! ```text
+//! RunRoot::create ─ janitor ─ spawn services ─ all ready ─ start ─ events … ─ all reported ─ end ─ wipe
+//! ```
+//!
+//! The launcher holds a lock on the run's root and every service inherits it. The lock is free when the last of them is
+//! gone, for whatever reason. The janitor is a process of its own. It waits for the lock when the launcher dies, and
+//! removes the remains of the run. The next run removes the rest that even the janitor could not.
+//!
+//! In lockstep the same services can also take turns in the launcher's own thread: [`in_process`].
+//!
+//! During a realtime run the supervisor keeps the group whole. It replaces a service that dies or hangs, within its
+//! budget. [`exits`] is the table of all ends. [`faults`] applies the faults of the scenario
+//! and those that come in at [`control`].
+
+pub mod control;
+mod error;
+mod events;
+mod faults;
+pub mod in_process;
+mod member;
+mod options;
+mod recording;
+mod refusal;
+mod replay;
+mod root;
+mod run;
+mod start;
+mod succession;
+mod supervisor;
+
+pub use drive::report;
+pub use drive::{
+    Body, Drive, DriveStep, EgoPlace, Ended, Evidence, Exit, FaultRecord, GroupOutcome, Heartbeats,
+    Moment, PlaneLog, PlaneScene, PowertrainStep, RecordingSummary, Recovery, ReferenceDriver,
+    Requirement, RequirementError, RequirementVerdict, Seen, StandbyCost, TargetPlace,
+    is_avoidable_collision, requirements,
+};
+pub use error::{Error, Failure, SignalsError, Status, UsageError};
+pub use events::{end_signals, hold_signals, is_signalled};
+pub use faults::disturbance::run as run_hog;
+pub use in_process::entry;
+pub use options::laws::{LawError, LawOptions, LawSource, NamedLaw, TwoLaws, UnusedLaw};
+pub use options::{
+    GroupOptions, ModeName, OptionNames, ScenarioOptions, ServiceProgramError, service_program,
+};
+pub use refusal::{Absent, Refusal, absent, check_in_process, check_targets};
+pub use replay::{Replayed, ReplayerError, replay};
+pub use root::dead_runs::{DeadRun, dead_runs};
+pub use root::room::{RoomError, check_room, shared_memory_room};
+pub use root::{RootError, RunRoot, base, is_alive};
+pub use run::{Keep, Opening, ParameterError, drive, is_openscenario, open, open_with};
+pub use start::janitor::run as run_janitor;
+pub use start::launch::Launch;
+pub use start::processes::{Janitor, SpawnError, this_program};
+pub use start::programs::{NoProgram, of_service};
+pub use supervisor::launch;

@@ -1,0 +1,215 @@
+//! Options that several commands share.
+
+pub mod laws;
+
+use crate::{Failure, LawOptions};
+use clap::{Args, ValueEnum};
+use messages::{Service, UnknownService};
+use openscenario::LaneHeadings;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// Changes of a scenario.
+#[derive(Clone, Debug, Default, Args, Serialize, Deserialize)]
+pub struct ScenarioOptions {
+    /// Control law (see `timegap list`)
+    #[arg(long, value_name = "NAME")]
+    pub controller: Option<String>,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", allow_hyphen_values = true)]
+    pub seed: Option<String>,
+    /// Length of the run, s
+    #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
+    pub duration: Option<String>,
+    /// Change a key of the scenario, by its dotted path (repeatable)
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Laws of the user's own.
+    #[command(flatten)]
+    pub laws: LawOptions,
+    /// Judge the drive by a requirement as well: a formula such as 'always gap_m > 2', or a name such as min-gap:2
+    /// (repeatable; docs/search.md)
+    #[arg(long = "require", value_name = "FORMULA")]
+    pub require: Vec<String>,
+    /// Direction from which headings of lane positions count in an OpenSCENARIO file: the road's reference line, as in
+    /// the standard, or the lane's traffic, as in esmini and CARLA
+    #[arg(long, value_enum, default_value_t, value_name = "DIRECTION")]
+    pub lane_headings: HeadingsName,
+    /// Name of the entity that is the ego in an OpenSCENARIO file. Without it, the ego is called `Ego` or `hero`, or is the
+    /// only entity with a controller
+    #[arg(long, value_name = "NAME")]
+    pub ego: Option<String>,
+    /// Parameters of an OpenSCENARIO file, `NAME=VALUE`: an option of the commands that take one.
+    #[arg(skip)]
+    pub parameters: Vec<String>,
+    /// Carrier of the signals, for `v2x.radio`: an option of the commands that drive in realtime.
+    #[arg(skip)]
+    pub radio: Option<String>,
+    /// Refuses a set key that the law does not read; a study of several laws notes it instead.
+    #[arg(skip)]
+    pub is_for_one_law: bool,
+    /// Refuses a fault of a process at its place: in simulated time it shows nothing.
+    #[arg(skip)]
+    pub is_in_lockstep: bool,
+    /// Names of these options in errors.
+    #[arg(skip)]
+    #[serde(skip)]
+    pub names: OptionNames,
+}
+
+/// Names of the options in errors: those of the command line, or of a function's arguments.
+#[derive(Clone, Copy, Debug)]
+pub struct OptionNames {
+    /// Name of [`ScenarioOptions::controller`].
+    pub controller: &'static str,
+    /// Name of [`ScenarioOptions::seed`].
+    pub seed: &'static str,
+    /// Name of [`ScenarioOptions::duration`].
+    pub duration: &'static str,
+    /// Name of [`ScenarioOptions::set`].
+    pub set: &'static str,
+    /// Name of [`ScenarioOptions::laws`].
+    pub law: &'static str,
+}
+
+impl Default for OptionNames {
+    fn default() -> Self {
+        Self {
+            controller: "--controller",
+            seed: "--seed",
+            duration: "--duration",
+            set: "--set",
+            law: "--law",
+        }
+    }
+}
+
+/// Names of the directions from which headings of lane positions count.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum HeadingsName {
+    /// The road's reference line.
+    #[default]
+    Road,
+    /// The lane's traffic.
+    Traffic,
+}
+
+impl From<HeadingsName> for LaneHeadings {
+    fn from(name: HeadingsName) -> Self {
+        match name {
+            HeadingsName::Road => Self::Road,
+            HeadingsName::Traffic => Self::Traffic,
+        }
+    }
+}
+
+/// Settings of a group's start.
+#[derive(Clone, Debug, PartialEq, Args, Serialize, Deserialize)]
+pub struct GroupOptions {
+    /// Replace a service with PROGRAM (repeatable)
+    #[arg(long = "service", value_name = "NAME=PROGRAM", value_parser = service_program)]
+    pub programs: Vec<(Service, PathBuf)>,
+    /// Longest time until all services are ready, s
+    #[arg(long, value_name = "SECONDS", default_value_t = 10.0, value_parser = positive_seconds)]
+    pub ready_timeout: f64,
+    /// Run every service as a separate process in lockstep too
+    #[arg(long)]
+    #[serde(skip)]
+    pub processes: bool,
+}
+
+/// Two programs for one service.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+#[error("--service {0}: a program is given twice, expected one in its place")]
+pub struct TwoPrograms(Service);
+
+impl Failure for TwoPrograms {}
+
+impl GroupOptions {
+    /// Each service with the program in its place.
+    ///
+    /// # Errors
+    /// [`TwoPrograms`].
+    pub fn programs(&self) -> Result<BTreeMap<Service, PathBuf>, TwoPrograms> {
+        let mut programs = BTreeMap::new();
+        for (service, program) in &self.programs {
+            if programs.insert(*service, program.clone()).is_some() {
+                return Err(TwoPrograms(*service));
+            }
+        }
+        Ok(programs)
+    }
+}
+
+/// Clock by name.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ModeName {
+    /// Wall-clock time.
+    Realtime,
+    /// Simulated time.
+    Lockstep,
+}
+
+impl From<ModeName> for runtime::Mode {
+    fn from(name: ModeName) -> Self {
+        match name {
+            ModeName::Realtime => Self::Realtime,
+            ModeName::Lockstep => Self::Lockstep,
+        }
+    }
+}
+
+/// An argument names no service's program.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ServiceProgramError {
+    /// It has no `=`.
+    #[error("expected NAME=PROGRAM")]
+    NoProgram,
+    /// The service is unknown.
+    #[error(transparent)]
+    Service(#[from] UnknownService),
+}
+
+/// A service and the program in its place: `NAME=PROGRAM`.
+///
+/// # Errors
+/// [`ServiceProgramError`].
+pub fn service_program(argument: &str) -> Result<(Service, PathBuf), ServiceProgramError> {
+    let (name, program) = argument.split_once('=').ok_or(ServiceProgramError::NoProgram)?;
+    Ok((name.parse()?, PathBuf::from(program)))
+}
+
+fn positive_seconds(argument: &str) -> Result<f64, &'static str> {
+    match argument.parse::<f64>() {
+        Ok(seconds) if seconds > 0.0 && seconds <= 3600.0 => Ok(seconds),
+        _ => Err("expected a number of seconds above 0 and at most 3600"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_service_program_names_a_service() {
+        let (service, program) = service_program("controller=./mine").expect("a known service");
+        assert_eq!((service, program), (Service::Controller, PathBuf::from("./mine")));
+        let refused = service_program("radar=./mine").expect_err("no service");
+        assert!(refused.to_string().contains("perception-sim"), "{refused}");
+    }
+
+    #[test]
+    fn a_service_has_one_program_in_its_place() {
+        let programs = |arguments: &[&str]| {
+            let programs = arguments.iter().map(|a| service_program(a).expect("a known service"));
+            let programs = programs.collect();
+            GroupOptions { programs, ready_timeout: 1.0, processes: false }.programs()
+        };
+        assert_eq!(programs(&["controller=a", "plant=b"]).map(|all| all.len()), Ok(2));
+        let refused = programs(&["controller=a", "controller=b"]);
+        assert_eq!(refused, Err(TwoPrograms(Service::Controller)));
+    }
+}

@@ -1,0 +1,107 @@
+//! A process of the group beside the services: the recorder, the replayer.
+
+use crate::Error;
+use crate::root::RunRoot;
+use crate::start::processes::{SpawnError, end_within, this_program};
+use runtime::{enroll_listener, inherit_only};
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use std::ffi::OsStr;
+use std::io::{BufRead, BufReader, Write};
+use std::os::unix::process::CommandExt;
+use std::process::{Child, ChildStdin, ExitStatus, Stdio};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+/// Such a process, and the JSON lines on its standard streams.
+#[derive(Debug)]
+pub struct Attendant {
+    child: Child,
+    input: Option<ChildStdin>,
+    lines: Receiver<String>,
+}
+
+impl Attendant {
+    /// Starts this program again as `timegap service NAME ROOT ARGUMENTS...`. Its process group is `group`, or a new
+    /// one for 0.
+    pub fn spawn(
+        name: &'static str,
+        arguments: &[&OsStr],
+        root: &RunRoot,
+        group: i32,
+    ) -> Result<Self, Error> {
+        let mut command = this_program(&["service", name])?;
+        command
+            .arg0(format!("timegap-{name}"))
+            .arg(root.path())
+            .args(arguments)
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .process_group(group);
+        inherit_only(&mut command, Some(root.lock()));
+        let error = |e| SpawnError::Attendant(name, e);
+        let mut child = command.spawn().map_err(error)?;
+        enroll_listener(root.path(), child.id())?;
+        let input = child.stdin.take();
+        let out = child.stdout.take().expect("piped");
+        let (sender, lines) = channel();
+        std::thread::Builder::new()
+            .name(format!("{name}-out"))
+            .spawn(move || {
+                for line in BufReader::new(out).lines().map_while(Result::ok) {
+                    if sender.send(line).is_err() {
+                        return;
+                    }
+                }
+            })
+            .map_err(error)?;
+        Ok(Self { child, input, lines })
+    }
+
+    /// Sends it a message. The process may be gone.
+    pub fn send(&mut self, message: &impl Serialize) {
+        let line = serde_json::to_string(message).expect("link messages are plain data");
+        if let Some(input) = &mut self.input
+            && writeln!(input, "{line}").is_err()
+        {
+            self.input = None;
+        }
+    }
+
+    /// Its next message, if it comes in time.
+    pub fn receive<T: DeserializeOwned>(&mut self, within: Duration) -> Option<T> {
+        let deadline = Instant::now() + within;
+        loop {
+            let left = deadline.saturating_duration_since(Instant::now());
+            let line = self.lines.recv_timeout(left).ok()?;
+            // Other lines come from a panic or a library and are of no use here.
+            if let Ok(message) = serde_json::from_str(&line) {
+                return Some(message);
+            }
+        }
+    }
+
+    /// Kills it.
+    pub fn kill(&mut self) {
+        // It may be gone by now.
+        let _ = self.child.kill();
+    }
+
+    /// True once the process is gone.
+    pub fn is_gone(&mut self) -> bool {
+        self.child.try_wait().is_ok_and(|status| status.is_some())
+    }
+
+    /// Waits until the process is gone; kills it after `grace`.
+    pub fn end(&mut self, grace: Duration) -> Option<ExitStatus> {
+        // The end of its input ends it.
+        self.input = None;
+        end_within(&mut self.child, grace)
+    }
+}
+
+impl Drop for Attendant {
+    fn drop(&mut self) {
+        self.end(Duration::ZERO);
+    }
+}

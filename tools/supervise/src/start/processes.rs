@@ -1,0 +1,295 @@
+//! The group's processes.
+
+use crate::events::{Event, ServiceProcess, follow};
+use crate::root::RunRoot;
+use crate::root::unfinished::remove_unfinished;
+use crate::start::janitor::DONE;
+use crate::{Error, Failure, Status};
+use messages::Service;
+use runtime::scheduling::set_fifo_of;
+use runtime::{
+    NAME_PREFIX, PEER_JOINED, PREPARED, PREPARED_PREFIX, ToService, enroll, inherit_only,
+};
+use rustix::process::{Pid, Signal, kill_process};
+use std::io::{self, Write};
+use std::os::unix::process::CommandExt;
+use std::path::PathBuf;
+use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicI32, Ordering};
+use std::sync::mpsc::Sender;
+use std::time::{Duration, Instant};
+
+/// Reason why a process of timegap's own does not start.
+#[derive(Debug, thiserror::Error)]
+pub enum SpawnError {
+    /// The file that it would run.
+    #[error("cannot find this program's own file: {0}")]
+    NoFile(#[source] io::Error),
+    /// A service.
+    #[error("cannot start {0}: {1}")]
+    Service(Service, #[source] io::Error),
+    /// A process other than a service.
+    #[error("cannot start the {0}: {1}")]
+    Attendant(&'static str, #[source] io::Error),
+    /// The thread that reads a process's output.
+    #[error("cannot start a thread: {0}")]
+    Thread(#[source] io::Error),
+}
+
+impl Failure for SpawnError {
+    fn status(&self) -> Status {
+        Status::Machine
+    }
+}
+
+/// One service's process.
+#[derive(Debug)]
+pub struct Process {
+    child: Child,
+    group: i32,
+    orders: Option<ChildStdin>,
+    status: Option<ExitStatus>,
+    /// The thread that waits for its end.
+    follower: Arc<AtomicI32>,
+}
+
+impl Process {
+    /// Starts `service`, as this program again or as `program`. Its process group is `group`, or a new one for 0. Its
+    /// name differs from a service's while it `waits` to be let in.
+    pub fn spawn(
+        (service, incarnation): (Service, u32),
+        program: Option<&PathBuf>,
+        root: &RunRoot,
+        group: i32,
+        events: Sender<Event>,
+        waits: bool,
+    ) -> Result<Self, Error> {
+        let mut command = match program {
+            Some(program) => Command::new(program),
+            None => this_program(&["service", service.name()])?,
+        };
+        let prefix = if waits { PREPARED_PREFIX } else { NAME_PREFIX };
+        command
+            .arg0(format!("{prefix}{service}"))
+            .arg(root.path())
+            .arg(incarnation.to_string())
+            .args(waits.then_some(PREPARED))
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .process_group(group);
+        inherit_only(&mut command, Some(root.lock()));
+        let mut child = command.spawn().map_err(|e| match program {
+            Some(program) => Error::Path { action: "start", path: program.clone(), reason: e },
+            None => SpawnError::Service(service, e).into(),
+        })?;
+        if !waits {
+            enroll(root.path(), service, incarnation, child.id())?;
+        }
+        let orders = child.stdin.take();
+        let out = child.stdout.take().expect("piped");
+        let err = child.stderr.take().expect("piped");
+        let (prefix, id) = (root.prefix().to_owned(), child.id());
+        let on_end = move || remove_unfinished(&prefix, id);
+        let follower = follow(ServiceProcess { service, incarnation }, on_end, out, err, events)
+            .map_err(SpawnError::Thread)?;
+        let group = if group == 0 { pid(&child) } else { group };
+        Ok(Self { child, group, orders, status: None, follower })
+    }
+
+    /// Lets a process that waits for it into the run at `root`.
+    pub fn let_in(&mut self, who: (Service, u32), root: &RunRoot) -> Result<(), Error> {
+        enroll(root.path(), who.0, who.1, self.child.id())?;
+        self.order(&ToService::Join);
+        Ok(())
+    }
+
+    /// Gives the thread that waits for its end this priority: on a busy machine an ordinary one notices it late.
+    pub fn raise_follower(&self, priority: u8) {
+        let thread = self.follower.load(Ordering::Acquire);
+        if thread > 0 {
+            set_fifo_of(thread, priority);
+        }
+    }
+
+    /// Process id.
+    pub fn pid(&self) -> i32 {
+        pid(&self.child)
+    }
+
+    /// Process group.
+    pub fn group(&self) -> i32 {
+        self.group
+    }
+
+    /// Kills it.
+    pub fn kill(&mut self) {
+        self.signal(Signal::KILL);
+    }
+
+    /// Stops it until [`Self::go_on`].
+    pub fn stop(&mut self) {
+        self.signal(Signal::STOP);
+    }
+
+    /// Lets it go on.
+    pub fn resume(&mut self) {
+        self.signal(Signal::CONT);
+    }
+
+    /// Makes it look for a peer that has joined the group.
+    pub fn tell_of_peer(&mut self) {
+        const _: () = assert!(PEER_JOINED == Signal::URG.as_raw());
+        self.signal(Signal::URG);
+    }
+
+    fn signal(&mut self, signal: Signal) {
+        // Not waited for yet: the id cannot be another's.
+        if self.poll().is_none()
+            && let Some(pid) = Pid::from_raw(self.pid())
+        {
+            // It may be gone by now.
+            let _ = kill_process(pid, signal);
+        }
+    }
+
+    /// Sends the service a message. The process may be gone.
+    pub fn order(&mut self, order: &ToService) {
+        if let Some(orders) = &mut self.orders {
+            let line = serde_json::to_string(order).expect("orders are plain data");
+            if writeln!(orders, "{line}").is_err() {
+                self.orders = None;
+            }
+        }
+    }
+
+    /// Waits until the process is gone; kills it after `grace`. Its status, and whether it was killed
+    /// here.
+    pub fn end(&mut self, grace: Duration) -> (ExitStatus, bool) {
+        // The end of the orders ends the service.
+        self.orders = None;
+        let begun = Instant::now();
+        let mut killed = false;
+        loop {
+            if let Some(status) = self.poll() {
+                return (status, killed);
+            }
+            if begun.elapsed() > grace {
+                // Ours and not yet waited for: the id cannot be another's.
+                killed |= self.child.kill().is_ok();
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// The exit status if the process is gone.
+    pub fn poll(&mut self) -> Option<ExitStatus> {
+        if self.status.is_none() {
+            self.status = self.child.try_wait().ok().flatten();
+        }
+        self.status
+    }
+}
+
+fn pid(child: &Child) -> i32 {
+    i32::try_from(child.id()).expect("process ids are positive and fit")
+}
+
+/// Time that a janitor with nothing left to do gets to end; a stopped one never would.
+const DISMISSAL: Duration = Duration::from_secs(1);
+
+/// Waits for the end of a process that was ordered to end, and kills it after `grace`.
+pub fn end_within(child: &mut Child, grace: Duration) -> Option<ExitStatus> {
+    let begun = Instant::now();
+    while begun.elapsed() < grace {
+        if let Ok(Some(status)) = child.try_wait() {
+            return Some(status);
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    // Ours and not yet waited for: the id cannot be another's.
+    let _ = child.kill();
+    child.wait().ok()
+}
+
+/// The janitor's process.
+#[derive(Debug)]
+pub struct Janitor {
+    child: Child,
+    lines: Option<ChildStdin>,
+}
+
+impl Janitor {
+    /// Starts the janitor of the run at `root`, outside the services' process group.
+    pub fn spawn(root: &RunRoot) -> Result<Self, SpawnError> {
+        let mut command = this_program(&["service", "janitor"])?;
+        command
+            .arg0("timegap-janitor")
+            .arg(root.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .process_group(0);
+        // Not even another run's descriptors, which threads beside this one have open.
+        inherit_only(&mut command, None);
+        let mut child = command.spawn().map_err(|e| SpawnError::Attendant("janitor", e))?;
+        let lines = child.stdin.take();
+        Ok(Self { child, lines })
+    }
+
+    /// Sends it the process group of the services.
+    pub fn watch(&mut self, group: i32) {
+        self.write_line(&group.to_string());
+    }
+
+    /// Kills it.
+    pub fn kill(&mut self) {
+        // It may be gone by now.
+        let _ = self.child.kill();
+    }
+
+    /// True once it is gone.
+    pub fn is_gone(&mut self) -> bool {
+        self.child.try_wait().is_ok_and(|status| status.is_some())
+    }
+
+    /// Ends it: the launcher has cleaned up.
+    pub fn dismiss(mut self) {
+        self.write_line(DONE);
+        drop(self.lines.take());
+        let _ = end_within(&mut self.child, DISMISSAL);
+    }
+
+    fn write_line(&mut self, line: &str) {
+        if let Some(lines) = &mut self.lines
+            && writeln!(lines, "{line}").is_err()
+        {
+            self.lines = None;
+        }
+    }
+}
+
+/// This program again, with other arguments.
+pub fn this_program(arguments: &[&str]) -> Result<Command, SpawnError> {
+    let program = std::env::current_exe().map_err(SpawnError::NoFile)?;
+    // A new build may have replaced the file meanwhile.
+    let program = if program.exists() { program } else { PathBuf::from("/proc/self/exe") };
+    let mut command = Command::new(program);
+    command.args(arguments);
+    Ok(command)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_janitor_that_does_not_answer_keeps_no_run_from_its_end() {
+        let mut command = Command::new("sleep");
+        let mut child = command.arg("1000").stdin(Stdio::piped()).spawn().expect("a process");
+        let (pid, lines) = (child.id(), child.stdin.take());
+        Janitor { child, lines }.dismiss();
+        assert!(!std::path::Path::new(&format!("/proc/{pid}")).exists(), "it is gone");
+    }
+}

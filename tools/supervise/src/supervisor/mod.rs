@@ -1,0 +1,242 @@
+//! From the first spawn to the last wipe.
+
+mod injection;
+mod readiness;
+mod replacement;
+mod roster;
+mod watch;
+
+use crate::Error;
+use crate::control;
+use crate::events::{Event, ServiceProcess, follow_signals};
+use crate::faults::Faults;
+use crate::member::Member;
+use crate::member::life;
+use crate::recording::{RecorderProcess, law_names};
+use crate::refusal::{check_processes, check_recorder};
+use crate::root::RunRoot;
+use crate::root::room::check_room;
+use crate::start::launch::{Launch, for_services};
+use crate::start::live_file::LiveFile;
+use crate::start::processes::Janitor;
+use crate::start::programs::programs;
+use drive::log::DriveLog;
+use drive::report::ServiceReport;
+use drive::{GroupOutcome, Moment};
+use messages::Service;
+use roster::Roster;
+use runtime::scheduling::{Granted, Priority};
+use runtime::{
+    Carrier, Group, Mode, Program, Timetable, enroll_listener, monotonic_ns, shared_memory_bytes,
+};
+use scenario::runtime::Scheduling;
+use std::collections::BTreeMap;
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+/// Time that services get to go after they reported.
+const EXIT_GRACE: Duration = Duration::from_secs(2);
+/// Priority of the supervisor in realtime: below all services and above all other programs. So a
+/// busy machine does not delay a restart.
+const PRIORITY: u8 = 10;
+
+/// Accounts of processes that are kept one by one.
+const MOST_PAST: usize = 16;
+
+/// Launches a group and stays until nothing of it is left. `watch` is called some ten times a second
+/// and more.
+///
+/// # Errors
+/// If the group does not become ready; nothing of it is left then either.
+pub fn launch(launch: Launch, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<GroupOutcome, Error> {
+    check_processes(launch.mode, &launch.scenario, &launch.programs)?;
+    check_recorder(&launch.scenario, launch.recording.is_some())?;
+    let programs = programs(&launch.programs, &launch.scenario)?;
+    let timetable = Timetable::of(&launch.scenario);
+    let standby = launch.scenario.supervision.standby.services();
+    check_room(shared_memory_bytes(&timetable, &standby))?;
+    let root = RunRoot::create()?;
+    let janitor = Janitor::spawn(&root)?;
+    let (sender, events) = channel();
+    let signals = follow_signals(sender.clone())?;
+    control::listen(root.path(), sender.clone())?;
+    let is_replaced = launch.programs.contains_key(&Service::Controller);
+    let group = Group {
+        root: root.path().to_owned(),
+        prefix: root.prefix().to_owned(),
+        mode: launch.mode,
+        timetable,
+        standby,
+        patience_ns: 10_000_000_000,
+        scenario: for_services(&launch.scenario, is_replaced).to_bytes(),
+    };
+    let mut supervisor = Supervisor {
+        launch: &launch,
+        group,
+        programs,
+        start_ns: 0,
+        roster: Roster::new(&root, janitor, sender),
+        events,
+        faults: Faults::of(&launch.scenario),
+        recording: None,
+        journal: Journal::default(),
+    };
+    let outcome = supervisor.run(watch);
+    let exits = supervisor.roster.end_all(EXIT_GRACE);
+    let janitor = supervisor.dissolve();
+    signals.close();
+    control::close(root.path());
+    root.remove();
+    janitor.dismiss();
+    outcome.map(|outcome| GroupOutcome { exits, ..outcome })
+}
+
+/// Lines and grants of the services' processes.
+#[derive(Default)]
+struct Journal {
+    /// Scheduling that the kernel granted, by the name of the service.
+    granted: BTreeMap<String, Granted>,
+    /// Lines that processes wrote beside their messages.
+    wrote: Vec<(Service, String)>,
+}
+
+impl Journal {
+    /// Last lines of a service, each on a line of its own.
+    fn last_lines(&self, service: Service) -> String {
+        let lines: Vec<_> = self.wrote.iter().filter(|(who, _)| *who == service).collect();
+        lines.iter().rev().take(3).rev().map(|(_, line)| format!("\n  {line}")).collect()
+    }
+}
+
+/// A running group: what was asked for, its processes, and what happened to them.
+struct Supervisor<'a> {
+    launch: &'a Launch,
+    group: Group,
+    programs: BTreeMap<Service, Program>,
+    /// Run time 0, `CLOCK_MONOTONIC` ns.
+    start_ns: i64,
+    roster: Roster<'a>,
+    events: Receiver<Event>,
+    faults: Faults,
+    recording: Option<RecorderProcess>,
+    journal: Journal,
+}
+
+impl Supervisor<'_> {
+    fn run(&mut self, watch: &mut dyn FnMut(&Moment<'_>)) -> Result<GroupOutcome, Error> {
+        let spawned = Instant::now();
+        self.group.write()?;
+        self.roster.start_all(self.launch)?;
+        let (root, leader) = (self.roster.root(), self.roster.leader());
+        self.recording = (self.launch.recording.as_deref())
+            .map(|path| RecorderProcess::spawn(path, root, leader));
+        let deadline_ms = self.launch.scenario.controller.deadline().value();
+        enroll_listener(root.path(), std::process::id())?;
+        let deadline_ns = i64::from(deadline_ms) * 1_000_000;
+        let log = DriveLog::listen(&self.group, &self.launch.scenario, deadline_ns);
+        let log = log.map_err(Error::from).and_then(|log| {
+            self.wait_until_ready(spawned)?;
+            Ok(log)
+        });
+        let mut log = log.map_err(|error| self.or_interrupted(error))?;
+        let ready_after = spawned.elapsed();
+        // A receiver connects at its first look. Before that, a full buffer loses messages instead of holding their
+        // sender up.
+        log.drain()?;
+        if let Some(recording) = &mut self.recording {
+            recording.connect();
+        }
+
+        let delay =
+            i64::try_from(self.launch.start_delay.as_nanos()).expect("start delays are short");
+        self.start_ns = monotonic_ns() + delay;
+        if let Some(recording) = &mut self.recording {
+            let law = law_names(&self.launch.scenario);
+            recording.begin(self.start_ns, self.journal.granted.clone(), &self.programs, law);
+        }
+        self.begin_all();
+        let live_file = self.launch.live_file.as_deref();
+        let scenario = &self.launch.scenario;
+        let _live =
+            live_file.map(|path| LiveFile::write(path, &self.group, scenario, self.start_ns));
+        let fifo = self.launch.scenario.runtime.scheduling == Scheduling::Fifo;
+        let priority =
+            (self.launch.mode == Mode::Realtime && fifo).then(|| Priority::raise(PRIORITY));
+        if priority.is_some() {
+            // Those of processes that are started later inherit it.
+            let processes = self.roster.iter_mut().flat_map(Member::processes);
+            processes.for_each(|process| process.raise_follower(PRIORITY));
+        }
+        let ended = self.follow_run(&mut log, watch)?;
+        drop(priority);
+        let ran_ns = (monotonic_ns() - self.start_ns).max(0);
+        let reports = self.reports(&log);
+        let statistics =
+            reports.values().flat_map(|report| report.fault_statistics.iter().copied());
+        self.faults.log.count_messages(statistics);
+        Ok(GroupOutcome {
+            carrier: Carrier::SharedMemory,
+            root: self.roster.root().path().to_owned(),
+            ended,
+            reports,
+            exits: BTreeMap::new(),
+            restarts: (self.roster.iter())
+                .map(|member| (member.service(), member.succession().replacements()))
+                .collect(),
+            take_overs: (self.roster.iter())
+                .filter(|member| self.group.standby.contains(&member.service()))
+                .map(|member| (member.service(), member.succession().take_overs()))
+                .collect(),
+            standby_costs: (self.roster.iter())
+                .filter_map(|member| Some((member.service(), member.standby_cost(ran_ns)?)))
+                .collect(),
+            heartbeats: (self.roster.iter())
+                .filter(|_| self.launch.mode == Mode::Realtime)
+                .map(|member| (member.service(), member.heartbeats))
+                .collect(),
+            faults: std::mem::take(&mut self.faults.log.records),
+            drive: log.finish()?,
+            ready_after,
+            ran_for: Duration::from_nanos(ran_ns.unsigned_abs()),
+            recording: self.recording.take().map(RecorderProcess::finish),
+            wrote: std::mem::take(&mut self.journal.wrote),
+            programs: self.programs.clone(),
+        })
+    }
+
+    /// Reports of all processes of each service, or their remains.
+    fn reports(&mut self, log: &DriveLog) -> BTreeMap<Service, ServiceReport> {
+        let mut reports = BTreeMap::new();
+        for member in self.roster.iter_mut() {
+            let mut lives = std::mem::take(&mut member.past);
+            let was_restarted = !lives.is_empty() || member.report.is_none();
+            lives.extend(member.report.take());
+            let service = member.service();
+            let Some(mut whole) = life::whole(lives) else { continue };
+            if was_restarted {
+                life::complete(&mut whole, &self.group, &self.launch.scenario, log);
+            }
+            reports.insert(service, whole);
+        }
+        reports
+    }
+
+    /// Keeps the counts of a process that is gone, unless it reported them itself.
+    fn keep_account(&mut self, who: ServiceProcess, has_told: bool) {
+        let Some(granted) = self.journal.granted.get(who.service.name()).cloned() else { return };
+        let left = life::left_by(&self.group, who.service, who.incarnation, granted);
+        if !has_told {
+            let past = &mut self.roster.of(who.service).past;
+            past.push(left);
+            // A long run with many deaths does not keep each.
+            if past.len() > MOST_PAST {
+                *past = life::whole(std::mem::take(past)).into_iter().collect();
+            }
+        }
+    }
+
+    /// Lets go of everything but the janitor; the threads that send events end.
+    fn dissolve(self) -> Janitor {
+        self.roster.dissolve()
+    }
+}
