@@ -4,10 +4,11 @@ use super::figure::Limit;
 use super::plan::Plan;
 use super::record::Record;
 use runtime::Mode;
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// A run to blame.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Failure {
     /// Its number.
     pub run: usize,
@@ -22,7 +23,7 @@ pub struct Failure {
 }
 
 /// Runs to blame that have scenario and fault in common. A run with several faults counts for each.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Broken {
     /// The scenario.
     pub scenario: String,

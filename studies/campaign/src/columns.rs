@@ -5,34 +5,17 @@ use super::counts;
 use super::exposure::Exposure;
 use super::measured::{self, LEFT_OUT};
 use super::record::Record;
-use super::sums::Combination;
 use super::tally::Tally;
 use super::verdict::{Requirement, Verdict};
 use report::results::{
-    Column, Format, Kind, Schema, column, count, fact, flag, micros, nested, number, outcome, word,
+    Column, Format, Schema, column, count, fact, flag, micros, number, outcome, word,
 };
 use serde::Serialize;
 use serde_json::{Value, json};
 
-/// Fields of the verdict beside its lists and sums.
-const FIELDS: &[Column<Verdict>] = &[
-    frame::ok("All runs were done, and all requirements hold"),
-    word("campaign", "", "Name of the campaign"),
-    word("mode", "", "Clock of the runs"),
-    count("planned", "", "Runs that were to be done"),
-    count("unaccounted", "", "Planned runs without a record"),
-    count("left_out", "", "Combinations of a variation that break a constraint of its scenario"),
-    fact("met_nothing", "", "No fault acted in a critical phase, and no limit allows that"),
-];
-
 /// The sums over some runs. The shown ones make a table of runs; `totals` has the others of all runs.
 pub fn sums<R>() -> Vec<Column<R>> {
-    let named = [
-        nested("phases", Kind::Object, "Faults that acted in each phase"),
-        nested("frames", Kind::Object, "Received radio frames by the on-board unit's verdict"),
-        nested("rungs_s", Kind::Object, "Time of each service on each degradation level, s"),
-        word("memory_growth_of", "memory grew in", "The service that grew most").hidden(),
-    ];
+    let named = [word("memory_growth_of", "memory grew in", "The service that grew most").hidden()];
     let measured = measured::extreme_columns().into_iter().chain(measured::time_columns());
     counts::columns().into_iter().chain(measured).chain(named).collect()
 }
@@ -69,7 +52,6 @@ fn percent(met: &Exposure) -> Value {
 pub const FAILURES: &[Column<Failure>] = &[
     count("run", "run", "Number of the run"),
     word("scenario", "", "Scenario"),
-    nested("faults", Kind::List, "Its faults in words"),
     word("", "", "").of(faults),
     column("why", "why", "", Format::Sentence, "Broken figures and reasons"),
     column("repeat", "", "", Format::Command, "Command that repeats it"),
@@ -152,23 +134,5 @@ fn leaks(record: &Record) -> Value {
 /// Contents of the JSON.
 #[must_use]
 pub fn schema() -> Schema {
-    let of = || std::iter::once(word("of", "", "The common scenario, controller or fault"));
-    let names: [Column<Combination>; 3] = [
-        word("scenario", "", "Scenario"),
-        word("controller", "", "Control law"),
-        word("fault", "", "Words on the faults"),
-    ];
-    let combinations: Vec<_> = names.into_iter().chain(sums()).collect();
-    let shared: Vec<Column<()>> = of().chain(sums()).collect();
-    Schema::new("campaign", "A campaign of a file")
-        .fields(FIELDS)
-        .fields(&sums::<()>())
-        .rows("exposure", "Events of the drives without faults", EXPOSURE)
-        .rows("requirements", "The limits, with what was found", REQUIREMENTS)
-        .rows("combinations", "Runs by scenario, controller and fault", &combinations)
-        .rows("scenarios", "Runs by scenario", &shared)
-        .rows("controllers", "Runs by controller", &shared)
-        .rows("by_fault", "Runs by fault", &shared)
-        .rows("failures", "The runs to blame for broken requirements", FAILURES)
-        .rows("broken", "Their number by scenario and fault", BROKEN)
+    Schema::of::<Verdict>("campaign")
 }

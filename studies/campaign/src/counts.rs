@@ -2,6 +2,7 @@
 
 use group::report::Outcome;
 use report::results::{Column, count};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::record::Record;
@@ -24,7 +25,7 @@ use Shown::{Column as Shows, Total, Unlimited, UnlimitedTotal};
 macro_rules! counts {
     ($($field:ident $name:literal, $heading:literal, $meaning:literal, $shown:expr, $of:expr;)+) => {
         /// Counts over some runs.
-        #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+        #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
         pub struct Counts {
             $(#[doc = $meaning] #[serde(rename = $name)] pub $field: u64,)+
         }

@@ -6,6 +6,7 @@ use group::{DriveStep, FaultRecord};
 use messages::PhaseState;
 use scenario::Scenario;
 use scenario::faults::STANDSTILL_MPS;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -110,7 +111,7 @@ impl Struck {
 }
 
 /// Critical phases of a drive without faults.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Exposure {
     pub scenario: String,
     pub controller: String,

@@ -2,15 +2,16 @@
 //! share. The counts stand in [`counts`](super::counts).
 
 use super::record::Record;
-use report::results::{Column, Kind, count, micros, nested, number};
+use report::results::{Column, Object, count, micros, number};
 use runtime::statistics::{Latencies, Percentiles};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Weight of the columns of runs that are also among the totals.
 pub const LEFT_OUT: u8 = 4;
 
 /// All measured figures over some runs.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Measures {
     /// Least and largest values.
     #[serde(flatten)]
@@ -37,7 +38,7 @@ macro_rules! extremes {
     ($($field:ident $keep:ident, $limit:literal, $heading:literal, $unit:literal, $decimals:literal, $meaning:literal,
         [$($shown:tt)+], $of:expr;)+) => {
         /// Least and largest values over some runs; `None` if no run measured one.
-        #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+        #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
         pub struct Extremes {
             $(#[doc = $meaning] pub $field: Option<f64>,)+
         }
@@ -92,9 +93,9 @@ macro_rules! times {
     ($($field:ident $name:literal, $heading:literal, $plural:literal, $of_what:literal, [$($shown:tt)+],
         $meaning:literal, $of:expr;)+) => {
         /// Times over some runs; `None` if no run measured one.
-        #[derive(Clone, Debug, Default, PartialEq, Serialize)]
+        #[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
         pub struct Times {
-            $(#[doc = $meaning] pub $field: Option<Percentiles>,)+
+            $(#[doc = $meaning] #[schemars(with = "Option<Object>")] pub $field: Option<Percentiles>,)+
         }
 
         /// Their histograms while runs are added. A histogram is large, and most campaigns do not need one.
@@ -140,13 +141,12 @@ macro_rules! times {
             },
         )+];
 
-        /// Their columns. An object follows its parts: it is null where nothing was timed.
+        /// Their columns.
         pub fn time_columns<R>() -> Vec<Column<R>> {
             vec![$(
                 micros(concat!($name, "_us.p50"), concat!($heading, " p50"), concat!("Median time ", $of_what)).$($shown)+,
                 micros(concat!($name, "_us.max"), concat!($heading, " max"), concat!("Longest time ", $of_what)).$($shown)+,
                 count(concat!($name, "_us.count"), $plural, concat!("Timed ", $plural)).hidden(),
-                nested(concat!($name, "_us"), Kind::Object, concat!($meaning, ", µs")),
             )+]
         }
     };

@@ -2,10 +2,11 @@
 
 use super::record::Record;
 use super::tally::{Sum, Tally};
+use schemars::JsonSchema;
 use serde::Serialize;
 
 /// Runs of the same scenario, controller and fault.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Combination {
     pub scenario: String,
     pub controller: String,
@@ -15,7 +16,7 @@ pub struct Combination {
 }
 
 /// Runs with one thing in common.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Shared {
     /// The common scenario, controller or fault.
     pub of: String,

@@ -3,19 +3,24 @@
 use super::counts::Counts;
 use super::measured::{Histograms, Measures};
 use super::record::Record;
+use schemars::JsonSchema;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
 /// Sums over some runs.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, JsonSchema)]
 pub struct Tally {
     #[serde(flatten)]
     pub counts: Counts,
     #[serde(flatten)]
     pub measures: Measures,
+    /// Faults that acted in each phase.
     pub phases: BTreeMap<String, u64>,
+    /// Received radio frames by the on-board unit's verdict.
     pub frames: BTreeMap<String, u64>,
+    /// Time of each service on each degradation level, s.
     pub rungs_s: BTreeMap<String, f64>,
+    /// The service whose memory grew most.
     pub memory_growth_of: String,
 }
 

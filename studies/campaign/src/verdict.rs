@@ -8,19 +8,29 @@ use super::plan::Plan;
 use super::sums::{Combination, Shared, Sums};
 use super::tally::Tally;
 use runtime::Mode;
+use schemars::JsonSchema;
 use serde::Serialize;
 
-/// The verdict over a campaign, as `campaign.json` has it. `columns` describes its fields.
-#[derive(Clone, Debug, Serialize)]
+/// The verdict over a campaign.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Verdict {
     pub schema_version: u32,
+    /// All runs were done, and all requirements hold.
     pub ok: bool,
+    /// Name of the campaign.
     pub campaign: String,
+    /// Clock of the runs.
+    #[schemars(with = "String")]
     pub mode: Mode,
+    /// Runs that were to be done.
     pub planned: usize,
+    /// Planned runs without a record.
     pub unaccounted: usize,
+    /// Combinations of a variation that break a constraint of its scenario.
     pub left_out: usize,
+    /// Events of the drives without faults.
     pub exposure: Vec<Exposure>,
+    /// No fault acted in a critical phase, and no limit allows that.
     pub met_nothing: bool,
     #[serde(flatten)]
     pub all: Tally,
@@ -35,7 +45,7 @@ pub struct Verdict {
 }
 
 /// A limit and what was found.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct Requirement {
     pub requirement: String,
     pub limit: f64,

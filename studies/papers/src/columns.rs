@@ -9,7 +9,7 @@ use super::{Paper, Reproduction};
 
 /// Columns of the figures.
 const ROWS: &[Column<Row>] = &[
-    word("set", "set", "Variant of law, scene and weights").optional().of(|row| json!(row.set)),
+    word("set", "set", "Variant of law, scene and weights").of(|row| json!(row.set)),
     word("id", "figure", "Scenario and figure; the same in all sets"),
     word(
         "kind",
@@ -24,15 +24,11 @@ const ROWS: &[Column<Row>] = &[
         .weight(2),
     word("unit", "unit", "Unit of the numbers"),
     column("", "verdict", "", Format::Verdict(verdict_words), "Within the tolerance").of(verdict),
-    word("source", "source", "Sentence, figure or equation of the paper, shortened")
-        .optional()
-        .weight(4),
+    word("source", "source", "Sentence, figure or equation of the paper, shortened").weight(4),
     word("inferred", "inferred value behind it", "Inferred value that the row depends on")
-        .optional()
         .weight(3),
-    word("note", "note", "Origin of ours, or a remark").optional().weight(4),
+    word("note", "note", "Origin of ours, or a remark").weight(4),
     word("tolerance_reason", "reason of the tolerance", "Why the tolerance is that large")
-        .optional()
         .weight(5),
 ];
 

@@ -77,7 +77,6 @@ pub const fn column<R>(
         limit: None,
         weight: 0,
         is_hidden: false,
-        is_optional: false,
     };
     Column { head, cell: Cell::Json }
 }
@@ -205,13 +204,6 @@ impl<R> Column<R> {
     #[must_use]
     pub const fn hidden(mut self) -> Self {
         self.head.is_hidden = true;
-        self
-    }
-
-    /// The same whose key the JSON leaves out where it does not apply.
-    #[must_use]
-    pub const fn optional(mut self) -> Self {
-        self.head.is_optional = true;
         self
     }
 

@@ -74,8 +74,6 @@ pub struct Head {
     pub weight: u8,
     /// It is in JSON and CSV alone.
     pub is_hidden: bool,
-    /// The JSON lacks this key where it does not apply.
-    pub is_optional: bool,
 }
 
 impl Head {

@@ -186,20 +186,6 @@ fn insert(object: &mut Value, head: &Head) {
     let node = descend(object, &head.name);
     node["type"] = kind;
     node["description"] = json!(meaning);
-    if head.is_optional {
-        forget(object, &head.name);
-    }
-}
-
-/// Takes a key at a path from the required ones of its object.
-fn forget(object: &mut Value, path: &str) {
-    let (object, name) = match path.rsplit_once('.') {
-        Some((above, name)) => (descend(object, above), name),
-        None => (object, path),
-    };
-    if let Some(required) = object["required"].as_array_mut() {
-        required.retain(|known| known != name);
-    }
 }
 
 /// Deviations of `value` from the schema, each with its place. They are values of another type, missing keys, and
@@ -271,18 +257,6 @@ fn is_of(kind: &str, value: &Value) -> bool {
 mod tests {
     use super::super::column::{count, nested, number, word};
     use super::*;
-
-    #[test]
-    fn a_key_that_may_be_absent_is_not_required_and_still_checked() {
-        let columns: [Column<()>; 2] =
-            [word("id", "", ""), number("limits.least", "", "", 1, "").optional()];
-        let schema = Schema::new("x", "").rows("rows", "", &columns).json();
-        let with = |row: Value| json!({"schema_version": 1, "rows": [row]});
-        let absent = with(json!({"id": "a", "limits": {}}));
-        assert_eq!(check(&schema, &absent), [""; 0]);
-        let wrong = with(json!({"id": "a", "limits": {"least": "b"}}));
-        assert_eq!(check(&schema, &wrong), ["rows.0.limits.least: \"b\" is not of type number"]);
-    }
 
     #[test]
     fn nested_rows_and_keys_are_described_and_what_is_not_declared_is_found() {
