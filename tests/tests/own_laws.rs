@@ -157,6 +157,10 @@ fn what_is_no_law_is_refused_with_its_place() {
         (&["compare", "following", "--controllers", "acc-mpc", "--law", &mine], "no run is driven"),
         (&["iso15622", "--controllers", "acc-mpc", "--law", &mine], "no run is driven by it"),
         (
+            &["test", "signals", "--controllers", "acc-mpc", "--law", &mine],
+            "no run is driven by it",
+        ),
+        (
             &["run", "following", "--controller", "acc-mpc", "--law", &mine],
             "no run is driven by it",
         ),

@@ -70,6 +70,7 @@ impl<P: Population> Test<P> {
             [] => laws.names(),
             _ => frame::batch::laws::named(controllers, &laws.names())?,
         };
+        laws.expect_all_in(&named)?;
         let population = P::new(named)?;
         let count = arguments.seeds.map_or(P::NUMBERS, NonZeroUsize::get);
         let mut drives = population.plan(*first..*first + count);
