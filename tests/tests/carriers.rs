@@ -28,7 +28,7 @@ fn corridor() -> Scenario {
 /// Frames of `corridor`'s units in `seconds`. Each second adds two frames: one of another profile (version 2 in its
 /// first header) and one of another message (BTP port 2002).
 fn capture(path: &Path, seconds: u64) {
-    let units = Frames::new(&corridor().v2x);
+    let units = Frames::new(&corridor());
     let mut writer = Writer::new(File::create(path).expect("our own directory")).expect("a file");
     for tenth in 0..10 * seconds {
         let time_ns = tenth * SECOND_NS / 10;
@@ -83,7 +83,7 @@ fn a_capture_is_received_on_its_own_clock_and_repeats_byte_for_byte() {
 fn frames_of_others_are_counted_under_their_own_verdicts() {
     let corner = Corner::new(PROGRAM);
     let path = corner.path().join("foreign.pcap");
-    let units = Frames::new(&corridor().v2x);
+    let units = Frames::new(&corridor());
     let mut writer = Writer::new(File::create(&path).expect("our own directory")).expect("a file");
     let others = [
         (2004, "sae_spat"),

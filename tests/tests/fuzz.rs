@@ -84,7 +84,7 @@ fn examples(name: &str) -> Vec<Vec<u8>> {
         "frame" => {
             let corridor = builtin::find("corridor").expect("it is built in").text;
             let corridor = scenario::Scenario::parse("corridor", corridor).expect("it is right");
-            let units = v2x_sim::frames::Frames::new(&corridor.v2x);
+            let units = v2x_sim::frames::Frames::new(&corridor);
             let start_ns = scenario::radio::SIMULATED_START_NS;
             let sent = units.at(0, start_ns, None).expect("there is room");
             sent.into_iter().map(|frame| frame.bytes).collect()

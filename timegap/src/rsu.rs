@@ -147,7 +147,7 @@ struct RoadsideUnit {
 
 impl RoadsideUnit {
     fn open(scenario: &Scenario, address: &CarrierAddress) -> Result<Self, RsuError> {
-        let frames = Frames::new(&scenario.v2x);
+        let frames = Frames::new(scenario);
         let (begun, start_ns) = (Instant::now(), wall_clock_ns());
         // Report signals that cannot be encoded at once.
         frames.at(0, start_ns, None)?;

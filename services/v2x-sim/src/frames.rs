@@ -17,14 +17,19 @@ use its::spatem::{IntersectionState, MovementEvent, MovementPhase, MovementState
 use its::time::{Stamp, TimeMark, its_timestamp};
 use its::{EncodeError, Frame, Message, MessageKind};
 use messages::MAX_INTERVALS;
+use rand_core::SeedableRng;
+use rand_pcg::Pcg64;
+use scenario::Scenario;
 use scenario::quantity::Time;
 use scenario::radio::{Origin, Unit};
-use scenario::v2x::{Phase, V2x};
+use scenario::v2x::Phase;
 
 /// Station id of the unit at intersection 0; intersection n adds n.
 pub const FIRST_STATION: u32 = 100_000;
 /// The same for units that contradict.
 pub const FIRST_CONTRADICTING_STATION: u32 = 200_000;
+/// Stream of the random errors of announced ends.
+const JITTER_STREAM: u64 = 0x5a17_c0de_0a1b_0003;
 /// Lane ids: the ego's lanes count from 1, the turning lanes from here.
 const TURNING: u8 = 101;
 /// Lane id of the exits.
@@ -42,6 +47,7 @@ pub fn road_plane(origin: &Origin) -> Plane {
 pub struct Frames {
     sites: Vec<Site>,
     wrong: Unit,
+    seed: u64,
     range_m: f64,
     period_ns: u64,
     plane: Plane,
@@ -70,7 +76,8 @@ struct Site {
 impl Frames {
     /// The units of a scenario.
     #[must_use]
-    pub fn new(v2x: &V2x) -> Self {
+    pub fn new(scenario: &Scenario) -> Self {
+        let v2x = &scenario.v2x;
         let mut sites: Vec<Site> = Vec::new();
         for signal in &v2x.signals {
             let (id, group) = (signal.intersection_id.value(), signal.signal_group.value());
@@ -89,6 +96,7 @@ impl Frames {
         Self {
             sites,
             wrong: v2x.unit,
+            seed: scenario.seed.value(),
             range_m: v2x.range_m.value(),
             period_ns: v2x.period_ms.nanoseconds(),
             plane: road_plane(&v2x.origin),
@@ -148,21 +156,36 @@ impl Frames {
 
     /// The present phase of a program and the phases behind it, up to the room of a message.
     fn events(&self, program: &Program, now: &Now) -> Vec<MovementEvent> {
-        let wrong_ns = self.wrong.countdown_wrong_from_s.map_or(u64::MAX, Time::nanoseconds);
-        let off_s = match now.time_ns.checked_sub(wrong_ns) {
-            Some(since_ns) => {
-                let slid_s = self.wrong.countdown_slide.value() * since_ns as f64 / 1e9;
-                self.wrong.countdown_jump_s.value() + slid_s
-            }
-            None => 0.0,
-        };
-        let off_ms = (off_s * 1e3).round() as i64;
-        let end_ms = |end_ns: u64| now.of_run(end_ns) + off_ms;
+        let end_ns = program.intervals(now.time_ns).next().and_then(|shown| shown.end_ns);
+        let is_wrong = begun(self.wrong.countdown_wrong_from_s, now.time_ns);
+        let off_ms = if is_wrong { self.off_ms(end_ns, now) } else { 0 };
+        let room = if is_wrong && self.wrong.countdown_lacks_next { 1 } else { MAX_INTERVALS };
         program
             .intervals(now.time_ns)
-            .take(MAX_INTERVALS)
-            .map(|interval| event(interval.phase, interval.end_ns.map(end_ms), now))
+            .take(room)
+            .map(|interval| {
+                event(interval.phase, interval.end_ns.map(|end_ns| now.of_run(end_ns) + off_ms), now)
+            })
             .collect()
+    }
+
+    /// Error of the ends of a signal whose shown phase ends at `end_ns`, ms.
+    fn off_ms(&self, end_ns: Option<u64>, now: &Now) -> i64 {
+        let wrong = &self.wrong;
+        let from_ns = wrong.countdown_wrong_from_s.map_or(0, Time::nanoseconds);
+        let slid_s = wrong.countdown_slide.value() * (now.time_ns - from_ns) as f64 / 1e9;
+        // The end belongs to the signal, so that signals of one unit differ.
+        let stream = now.time_ns.rotate_left(32) ^ end_ns.unwrap_or(0) ^ self.seed ^ JITTER_STREAM;
+        let draw = 2.0 * random::uniform(&mut Pcg64::seed_from_u64(stream)) - 1.0;
+        let jitter_s = draw * wrong.countdown_jitter_s.value();
+        let early_ns = match (end_ns, wrong.countdown_extends_s.nanoseconds()) {
+            (None, _) | (_, 0) => 0,
+            (Some(end_ns), step_ns) => {
+                end_ns.saturating_sub((now.time_ns / step_ns + 1) * step_ns)
+            }
+        };
+        let off_s = wrong.countdown_jump_s.value() + slid_s + jitter_s - early_ns as f64 / 1e9;
+        (off_s * 1e3).round() as i64
     }
 }
 

@@ -154,7 +154,7 @@ struct Radio {
 impl Radio {
     fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
         Ok(Self {
-            units: Frames::new(&scenario.v2x),
+            units: Frames::new(scenario),
             air: Air::new(&scenario.v2x.air, scenario.seed.value()),
             frames: runtime.publisher()?,
             utc_start_ns: 0,

@@ -256,6 +256,13 @@ pub struct Unit {
     pub countdown_jump_s: Shift,
     /// Slide of the ends from then on, s in each s. 1 is a countdown that stands still.
     pub countdown_slide: Shift,
+    /// Largest random error of the ends from then on, s, drawn anew for each message and signal.
+    pub countdown_jitter_s: Time,
+    /// Ends from then on are announced in steps of this time, s. The next step is announced when the one before has
+    /// come, as of a light that vehicles extend. 0: without steps.
+    pub countdown_extends_s: Time,
+    /// From then on the present phase is announced alone.
+    pub countdown_lacks_next: bool,
 }
 
 impl Default for Unit {
@@ -270,6 +277,9 @@ impl Default for Unit {
             countdown_wrong_from_s: None,
             countdown_jump_s: Shift::of(0.0),
             countdown_slide: Shift::of(0.0),
+            countdown_jitter_s: Time::of(0.0),
+            countdown_extends_s: Time::of(0.0),
+            countdown_lacks_next: false,
         }
     }
 }

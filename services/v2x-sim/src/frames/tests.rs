@@ -5,7 +5,7 @@ use scenario::{Scenario, builtin};
 fn frames(keys: &str) -> Frames {
     let text = builtin::find("corridor").expect("it is built in").text;
     let scenario = Scenario::parse("corridor", &format!("{text}\n{keys}")).expect("right");
-    Frames::new(&scenario.v2x)
+    Frames::new(&scenario)
 }
 
 fn read(frames: &Frames, time_ns: u64, ego_m: Option<f64>) -> Vec<Message> {
@@ -75,19 +75,37 @@ fn the_map_changes_of_one_intersection_where_one_is_named() {
     assert_eq!(revisions("map_changes_of = 2"), [0, 1, 0]);
 }
 
+/// Announced ends of the first signal, s of run time.
+fn ends_s(frames: &Frames, time_s: f64) -> Vec<f64> {
+    let time_ns = (1e9 * time_s) as u64;
+    let messages = read(frames, time_ns, Some(0.0));
+    let Some(Message::Spatem(spatem)) = messages.first() else { panic!("{messages:?}") };
+    let utc_ms = SIMULATED_START_NS / 1_000_000 + (time_ns / 1_000_000) as i64;
+    let end_s = |event: &MovementEvent| {
+        let mark = event.timing.and_then(|timing| timing.likely_end);
+        let end_ms = mark.and_then(|mark| mark.utc(utc_ms)).expect("it is known");
+        (end_ms - SIMULATED_START_NS / 1_000_000) as f64 / 1e3
+    };
+    spatem.intersections[0].movements[0].events.iter().map(end_s).collect()
+}
+
 #[test]
 fn announced_ends_are_the_programs_or_wrong_if_the_scenario_says_so() {
-    let end = |frames: &Frames, time_ns: u64| {
-        let messages = read(frames, time_ns, Some(0.0));
-        let Some(Message::Spatem(spatem)) = messages.first() else { panic!("{messages:?}") };
-        let timing = spatem.intersections[0].movements[0].events[0].timing.expect("it has one");
-        let utc_ms = SIMULATED_START_NS / 1_000_000 + (time_ns / 1_000_000) as i64;
-        let end_ms = timing.likely_end.and_then(|mark| mark.utc(utc_ms)).expect("it is known");
-        end_ms - SIMULATED_START_NS / 1_000_000
+    let at = |keys: &str, time_s: f64| {
+        let keys = format!("[v2x.unit]\ncountdown_wrong_from_s = 10\n{keys}");
+        ends_s(&frames(&keys), time_s)
     };
-    assert_eq!((end(&frames(""), 0), end(&frames(""), 20_000_000_000)), (27_000, 27_000));
-    let wrong = "[v2x.unit]\ncountdown_wrong_from_s = 10\ncountdown_jump_s = 2\n\
-                 countdown_slide = 0.5\n";
-    let wrong = frames(wrong);
-    assert_eq!((end(&wrong, 0), end(&wrong, 12_000_000_000)), (27_000, 30_000));
+    assert_eq!((at("", 0.0)[0], at("", 20.0)[0]), (27.0, 27.0));
+    let slides = "countdown_jump_s = 2\ncountdown_slide = 0.5";
+    assert_eq!((at(slides, 0.0)[0], at(slides, 12.0)[0]), (27.0, 30.0));
+    let jitters = "countdown_jitter_s = 1.5";
+    assert_eq!(at(jitters, 9.9)[0], 27.0);
+    let ends: Vec<f64> = (110..200).map(|k| at(jitters, f64::from(k) / 10.0)[0]).collect();
+    assert!(ends.iter().all(|end_s| (25.5..=28.5).contains(end_s)), "{ends:?}");
+    assert!(ends.iter().any(|end_s| *end_s < 26.0) && ends.iter().any(|end_s| *end_s > 28.0));
+    let extends = "countdown_extends_s = 4";
+    let ends = [11.9, 12.0, 23.9, 24.0].map(|time_s| at(extends, time_s)[..2].to_vec());
+    assert_eq!(ends, [[12.0, 15.0], [16.0, 19.0], [24.0, 27.0], [27.0, 30.0]]);
+    let lacks = "countdown_lacks_next = true";
+    assert_eq!((at(lacks, 9.9).len(), at(lacks, 10.0)), (MAX_INTERVALS, vec![27.0]));
 }
