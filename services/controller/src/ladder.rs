@@ -43,8 +43,8 @@ pub struct Ages {
     pub spat_s: Option<f64>,
     /// The ego's motion is estimated without its odometry.
     pub ego_is_estimated: bool,
-    /// Signal timing contradicts what was announced before.
-    pub signals_contradict: bool,
+    /// Announced ends were contradicted by what was seen.
+    pub signals_doubted: bool,
 }
 
 /// Action of this cycle.
@@ -148,7 +148,7 @@ impl Ladder {
         // Lost signals are found again by fresh samples alone.
         let lost = self.found.observe(radar || !(lost || self.found.failed), 5);
         let predicted = self.radar.observe(radar, 2);
-        let signals_lost = self.signals.observe(spat && !ages.signals_contradict, 3);
+        let signals_lost = self.signals.observe(spat, 3);
         self.radar_is_fresh = radar;
         self.level = match (silent, lost, predicted, signals_lost) {
             (true, ..) => Level::Silent,
@@ -156,6 +156,7 @@ impl Ladder {
             (_, _, true, _) => Level::LeadPredicted,
             _ if ages.ego_is_estimated => Level::EgoEstimated,
             (.., true) => Level::SignalsLost,
+            _ if ages.signals_doubted => Level::SignalsDoubted,
             _ => Level::Full,
         };
         match ages.spat_s {
@@ -200,9 +201,9 @@ impl Ladder {
         if self.level == Level::LeadLost { Admission::Brake } else { Admission::Law }
     }
 
-    /// Enters a level unless a stricter one holds: lost signals and an estimated ego are milder.
+    /// Enters a level unless a stricter one holds: signals and an estimated ego are milder.
     fn enter_if_mild(&mut self, level: Level) {
-        if matches!(self.level, Level::Full | Level::SignalsLost | Level::EgoEstimated) {
+        if is_mildest(self.level) || self.level == Level::EgoEstimated {
             self.level = level;
         }
     }
@@ -216,11 +217,11 @@ impl Ladder {
     pub fn settle(&mut self, output: &Output, in_time: bool) -> Level {
         self.last_request_mps2 = output.request_mps2();
         let solved = in_time && output.quality != Quality::Backup;
-        if self.solve.observe(solved, 3) && self.level < Level::SolveFailed {
+        if self.solve.observe(solved, 3) && is_mildest(self.level) {
             self.level = Level::SolveFailed;
         }
-        // Not before what asks for more than it: only the two mildest give way.
-        if output.quality == Quality::FallBack && self.level <= Level::SignalsLost {
+        // Not before what asks for more than it.
+        if output.quality == Quality::FallBack && is_mildest(self.level) {
             self.level = Level::OutsideEnvelope;
         }
         self.level
@@ -248,6 +249,11 @@ impl Ladder {
         blind::fill(&mut output.plan_mps2, request, deceleration, period_s);
         output.plan_len = MAX_PLAN;
     }
+}
+
+/// True for the levels that give way to all others.
+fn is_mildest(level: Level) -> bool {
+    matches!(level, Level::Full | Level::SignalsDoubted | Level::SignalsLost)
 }
 
 #[cfg(test)]

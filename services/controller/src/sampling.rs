@@ -3,9 +3,15 @@
 use crate::law::{
     self, Ego, Input, MAX_PHASES, MAX_SIGNALS, Phase, PhaseInterval, SignalAhead, Target,
 };
-use messages::{Map, Odometry, PhaseState, Powertrain, Preview, RadarTracks, Signal, Spat};
+use messages::{
+    Interval, Map, Odometry, PhaseState, Powertrain, Preview, RadarTracks, Signal, Spat,
+};
 use scenario::Scenario;
 
+/// Bounds of an end that differ by no more are one time, s: marks are tenths of a second, rounded apart.
+const SAME_END_S: f64 = 0.2;
+/// Least confidence in a likely end: the first that is more likely right than wrong (SAE J2735: 56 %).
+const LIKELY: u32 = 3;
 /// A stop line is dropped when it is this far behind, m.
 const PASSED_M: f64 = 50.0;
 
@@ -217,8 +223,29 @@ fn announce(
         if end_s <= time_s + 1e-9 {
             continue;
         }
+        if signal.count == 0 {
+            signal.likely_s = likely_s(setting, phase, interval, end_s, time_s);
+        }
         signal.intervals[signal.count] = PhaseInterval { phase, ends_in_s: end_s - time_s };
         signal.count += 1;
+    }
+}
+
+/// The likely end of a shown phase, as [`SignalAhead::likely_s`], where `end_s` is the certain one.
+fn likely_s(setting: &Setting, phase: Phase, interval: &Interval, end_s: f64, time_s: f64) -> f64 {
+    let tolerance_s = setting.clock_tolerance_s;
+    let is_open = interval.max_end_s - interval.min_end_s > SAME_END_S;
+    let is_known = interval.likely_end_s.is_finite() && interval.confidence >= LIKELY;
+    match phase {
+        _ if !is_open => 0.0,
+        Phase::Green if is_known => {
+            interval.likely_end_s.max(end_s + tolerance_s) - tolerance_s - time_s
+        }
+        Phase::Green => f64::INFINITY,
+        Phase::Red if is_known => {
+            (interval.likely_end_s + tolerance_s).max(time_s + setting.period_s) - time_s
+        }
+        Phase::Yellow | Phase::Red | Phase::Unknown => 0.0,
     }
 }
 
@@ -226,7 +253,7 @@ fn announce(
 mod tests {
     use super::*;
     use bytemuck::Zeroable;
-    use messages::{Interval, Lane};
+    use messages::Lane;
 
     const SETTING: Setting = Setting {
         period_s: 0.1,

@@ -238,7 +238,7 @@ impl Loop {
         };
         let header = Header::new(release.step, release.scheduled_ns, origins);
         let commanded_mps2 = self.output.request_mps2();
-        let TrustedInputs { odometry, radar, spat, signals_contradict } = self.plausibility.look(
+        let TrustedInputs { odometry, radar, spat, signals_doubted } = self.plausibility.look(
             self.odometry.newest(),
             self.radar.newest(),
             self.spat.newest(),
@@ -275,7 +275,7 @@ impl Loop {
             radar_s: radar.map(|radar| age(radar.header.acquisition_ns)),
             spat_s: spat.map(|spat| age(spat.header.acquisition_ns)),
             ego_is_estimated: fresh.is_none(),
-            signals_contradict,
+            signals_doubted,
         };
         let trust = self.ladder.look(&ages, release.time_s);
         let mut input = input(&self.setting, &samples, trust, release.time_s);

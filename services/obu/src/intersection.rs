@@ -4,7 +4,7 @@ use crate::clock::Moment;
 use crate::known_map::KnownMap;
 use crate::lanes::StopLine;
 use crate::numbers::Numbers;
-use crate::timing::{Timing, agree};
+use crate::timing::{Timing, every_group};
 use crate::verdict::Verdict;
 use its::mapem::IntersectionGeometry;
 use its::spatem::IntersectionState;
@@ -133,11 +133,17 @@ impl Intersection {
                 if made_ns <= sender.made_ns {
                     return Verdict::OutOfOrder;
                 }
-                let fits = agree(&sender.timings, &timings, now_s, numbers);
+                let shows = |a: &Timing, b: &Timing| a.shows_as(b, now_s, numbers);
+                let agrees = |a: &Timing, b: &Timing| a.agrees_with(b, now_s, numbers);
                 let again = (sender.candidate.as_ref())
-                    .is_some_and(|candidate| agree(candidate, &timings, now_s, numbers));
-                if !fits && !again {
+                    .is_some_and(|candidate| every_group(candidate, &timings, shows));
+                if !again && !every_group(&sender.timings, &timings, agrees) {
+                    // Other ends do not contradict the phase that both show.
+                    if every_group(&sender.timings, &timings, shows) {
+                        sender.made_ns = made_ns;
+                    }
                     sender.candidate = Some(timings);
+                    self.renew(moment.now_ns, numbers);
                     return Verdict::Contradicting;
                 }
                 sender.candidate = None;
@@ -155,7 +161,8 @@ impl Intersection {
                 self.senders.push(Sender { station, made_ns, words, revision, timings, candidate });
             }
         }
-        if self.disagreement(moment.now_ns, numbers) {
+        if self.disagree(moment.now_ns, numbers, Timing::agrees_with) {
+            self.renew(moment.now_ns, numbers);
             return Verdict::Contradicting;
         }
         let Some(map) = &self.map else { return Verdict::UnknownIntersection };
@@ -196,11 +203,15 @@ impl Intersection {
         if is_taken { Verdict::Accepted } else { Verdict::Contradicting }
     }
 
-    /// The newest timing of a signal group that nothing contradicts.
+    /// The newest timing of a signal group: without its ends if senders differ about them, `None` if they differ about
+    /// the shown phase.
     #[must_use]
-    pub fn timing(&self, signal_group: u8, now_ns: i64, numbers: &Numbers) -> Option<&Timing> {
+    pub fn timing(&self, signal_group: u8, now_ns: i64, numbers: &Numbers) -> Option<Timing> {
         let timings = &self.accepted(now_ns, numbers)?.timings;
-        timings.iter().find(|timing| timing.signal_group == signal_group)
+        let timing = timings.iter().find(|timing| timing.signal_group == signal_group)?;
+        let differ = self.disagree(now_ns, numbers, Timing::agrees_with);
+        let timing = if differ { timing.without_ends(now_ns as f64 / 1e9) } else { timing.clone() };
+        (!timing.phases.is_empty()).then_some(timing)
     }
 
     /// Notes the instant of the accepted timing.
@@ -209,27 +220,32 @@ impl Intersection {
         self.certain_ns = self.certain_ns.max(made_ns);
     }
 
-    /// The sender of the newest timing that fits the map, unless another sender contradicts. A sender of a single
-    /// message counts only if it is alone.
+    /// The sender of the newest timing that fits the map, unless another sender shows another phase. A sender of a
+    /// single message counts only if it is alone.
     fn accepted(&self, now_ns: i64, numbers: &Numbers) -> Option<&Sender> {
         let revision = self.map.as_ref()?.revision();
-        if self.disagreement(now_ns, numbers) {
+        if self.disagree(now_ns, numbers, Timing::shows_as) {
             return None;
         }
         let fitting = self.senders.iter().filter(|sender| sender.revision == revision);
         fitting.max_by_key(|sender| (sender.words.min(2), sender.made_ns))
     }
 
-    /// True if two senders with standing timing contradict each other. The silence of one does not confirm the other.
-    fn disagreement(&self, now_ns: i64, numbers: &Numbers) -> bool {
+    /// True if two senders with standing timing do not `fit`. The silence of one does not confirm the other.
+    fn disagree(
+        &self,
+        now_ns: i64,
+        numbers: &Numbers,
+        fit: fn(&Timing, &Timing, f64, &Numbers) -> bool,
+    ) -> bool {
         let once_ns = Numbers::nanoseconds(numbers.once_stands_s);
-        let now_s = now_ns as f64 / 1e9;
+        let fits = |a: &Timing, b: &Timing| fit(a, b, now_ns as f64 / 1e9, numbers);
         let stands = |sender: &&Sender| sender.words >= 2 || now_ns - sender.made_ns <= once_ns;
         let standing: Vec<&Sender> = self.senders.iter().filter(stands).collect();
         standing.iter().enumerate().any(|(place, one)| {
             standing[place + 1..]
                 .iter()
-                .any(|other| !agree(&one.timings, &other.timings, now_s, numbers))
+                .any(|other| !every_group(&one.timings, &other.timings, fits))
         })
     }
 }

@@ -9,6 +9,8 @@ use messages::{Interval, MAX_INTERVALS, PhaseState, Signal};
 /// Time for which a green that outlasts its announced end still counts, s. It is the time until the next message, and
 /// the difference of clocks.
 const NEXT_MESSAGE_S: f64 = 0.4;
+/// Confidence of a time that its bounds leave no choice of: 100 %.
+const CERTAIN: u8 = 15;
 
 /// A phase and its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,7 +50,8 @@ impl Timing {
             let Some(announced) = announced(event, moment) else { break };
             let made_s = made_ns as f64 / 1e9;
             if phases.is_empty() && announced.ends_s[1] <= made_s {
-                phases.extend(outlasting(&announced, &movement.events, made_s, moment));
+                let next = movement.events.get(1).and_then(|event| self::announced(event, moment));
+                phases.extend(shown_alone(&announced, next.as_ref(), made_s));
                 break;
             }
             // A phase that ends before it begins is unknown, and so are the phases behind it.
@@ -60,15 +63,24 @@ impl Timing {
         Self { signal_group: movement.signal_group, phases }
     }
 
+    /// The phases that last beyond `now_s`.
+    fn coming(&self, now_s: f64, numbers: &Numbers) -> impl Iterator<Item = &Announced> {
+        let from_s = now_s + numbers.same_end_s;
+        self.phases.iter().filter(move |phase| phase.ends_s[1] > from_s)
+    }
+
+    /// True if both show the same phase at `now_s`, whatever they say of its end.
+    #[must_use]
+    pub fn shows_as(&self, other: &Self, now_s: f64, numbers: &Numbers) -> bool {
+        let mut shown = self.coming(now_s, numbers).zip(other.coming(now_s, numbers));
+        shown.next().is_none_or(|(a, b)| a.state == b.state)
+    }
+
     /// True if both are possible from `now_s` on.
     #[must_use]
     pub fn agrees_with(&self, other: &Self, now_s: f64, numbers: &Numbers) -> bool {
         let same_end_s = numbers.same_end_s;
-        let coming = |timing: &Self| {
-            let left = timing.phases.iter().filter(|p| p.ends_s[1] > now_s + same_end_s);
-            left.copied().collect::<Vec<_>>()
-        };
-        for (a, b) in coming(self).iter().zip(&coming(other)) {
+        for (a, b) in self.coming(now_s, numbers).zip(other.coming(now_s, numbers)) {
             let (a_s, b_s) = (a.ends_s[1], b.ends_s[1]);
             let is_open = a.is_open_green() || b.is_open_green();
             if a.state != b.state || !is_open && a_s != b_s && (a_s - b_s).abs() > same_end_s {
@@ -79,6 +91,15 @@ impl Timing {
             }
         }
         true
+    }
+
+    /// The same without the ends, where senders differ about them from `now_s` on.
+    #[must_use]
+    pub fn without_ends(&self, now_s: f64) -> Self {
+        let mut phases = self.phases.iter().skip_while(|phase| phase.ends_s[1] <= now_s);
+        let shown = phases.next();
+        let phases = shown.map_or_else(Vec::new, |shown| shown_alone(shown, phases.next(), now_s));
+        Self { signal_group: self.signal_group, phases }
     }
 
     /// Writes the timing into a message.
@@ -100,34 +121,29 @@ impl Timing {
     }
 }
 
-/// True if both lists are possible for the signal groups that they share.
+/// True if each signal group of both lists `fits`.
 #[must_use]
-pub fn agree(a: &[Timing], b: &[Timing], now_s: f64, numbers: &Numbers) -> bool {
+pub fn every_group(a: &[Timing], b: &[Timing], fits: impl Fn(&Timing, &Timing) -> bool) -> bool {
     a.iter().all(|of_a| {
         let mut same = b.iter().filter(|of_b| of_b.signal_group == of_a.signal_group);
-        same.all(|of_b| of_a.agrees_with(of_b, now_s, numbers))
+        same.all(|of_b| fits(of_a, of_b))
     })
 }
 
-/// The shown phase and what is certain after it, of a phase that outlasts its announced end. A green needs the yellow
-/// that was announced behind it.
-fn outlasting(
-    shown: &Announced,
-    events: &[MovementEvent],
-    made_s: f64,
-    moment: &Moment,
-) -> Vec<Announced> {
+/// The shown phase and what is certain after it, of a phase with an open end. A green behind which no yellow is
+/// announced is unknown, unless nothing is announced there.
+fn shown_alone(shown: &Announced, next: Option<&Announced>, made_s: f64) -> Vec<Announced> {
     let open = |min_s| Announced { ends_s: [min_s, f64::INFINITY, f64::INFINITY], ..*shown };
     match shown.state {
         PhaseState::StopAndRemain => vec![Announced { confidence: 0, ..open(f64::INFINITY) }],
         PhaseState::ProtectedMovementAllowed => {
-            let next = events.get(1).and_then(|event| announced(event, moment));
-            let yellow = next.filter(|next| next.state == PhaseState::ProtectedClearance);
-            let lasts_s = yellow.map_or(0.0, |yellow| yellow.ends_s[0] - shown.ends_s[1]);
-            if !lasts_s.is_finite() || lasts_s <= NEXT_MESSAGE_S {
+            let green = Announced { confidence: 0, ..open(made_s + NEXT_MESSAGE_S) };
+            let Some(next) = next else { return vec![green] };
+            let lasts_s = next.ends_s[0] - shown.ends_s[0];
+            let is_yellow = next.state == PhaseState::ProtectedClearance;
+            if !is_yellow || !lasts_s.is_finite() || lasts_s <= NEXT_MESSAGE_S {
                 return Vec::new();
             }
-            let green = Announced { confidence: 0, ..open(made_s + NEXT_MESSAGE_S) };
             let ends_s = [made_s + lasts_s, f64::INFINITY, f64::INFINITY];
             let state = PhaseState::ProtectedClearance;
             vec![green, Announced { state, ends_s, confidence: 0 }]
@@ -157,7 +173,8 @@ fn announced(event: &MovementEvent, moment: &Moment) -> Option<Announced> {
         PhaseState::StopAndRemain => max_s,
         _ => min_s,
     });
-    let confidence = timing.confidence.unwrap_or(0);
+    let unstated = if min_s == max_s { CERTAIN } else { 0 };
+    let confidence = timing.confidence.unwrap_or(unstated);
     Some(Announced { state, ends_s: [min_s, likely_s, max_s], confidence })
 }
 

@@ -164,7 +164,11 @@ impl Frames {
             .intervals(now.time_ns)
             .take(room)
             .map(|interval| {
-                event(interval.phase, interval.end_ns.map(|end_ns| now.of_run(end_ns) + off_ms), now)
+                event(
+                    interval.phase,
+                    interval.end_ns.map(|end_ns| now.of_run(end_ns) + off_ms),
+                    now,
+                )
             })
             .collect()
     }
@@ -180,9 +184,7 @@ impl Frames {
         let jitter_s = draw * wrong.countdown_jitter_s.value();
         let early_ns = match (end_ns, wrong.countdown_extends_s.nanoseconds()) {
             (None, _) | (_, 0) => 0,
-            (Some(end_ns), step_ns) => {
-                end_ns.saturating_sub((now.time_ns / step_ns + 1) * step_ns)
-            }
+            (Some(end_ns), step_ns) => end_ns.saturating_sub((now.time_ns / step_ns + 1) * step_ns),
         };
         let off_s = wrong.countdown_jump_s.value() + slid_s + jitter_s - early_ns as f64 / 1e9;
         (off_s * 1e3).round() as i64

@@ -3,7 +3,8 @@
 //! | level | who | entered | left |
 //! |---|---|---|---|
 //! | [`Level::Full`] | both | at the start | |
-//! | [`Level::SignalsLost`] | controller | no valid `v2x/spat` for three of its periods, or one that contradicts what was announced before | three releases in a row with a fresh one |
+//! | [`Level::SignalsLost`] | controller | no valid `v2x/spat` for three of its periods | three releases in a row with a fresh one |
+//! | [`Level::SignalsDoubted`] | controller | an announced end of a signal ahead was contradicted by what was seen | phases end as announced again |
 //! | [`Level::SolveFailed`] | controller | the law used its backup, or the cycle missed its deadline | three releases in a row in order |
 //! | [`Level::OutsideEnvelope`] | controller | the state is outside the range that the law is made for: its fall-back drives | the law drives again |
 //! | [`Level::LeadPredicted`] | controller | no valid `radar/tracks` for three of its periods and the radar's latency, or a lead that mattered is not among its tracks and was not seen to leave the lane (for 3 s) | two releases in a row with a fresh one; the lead is seen again |
@@ -55,6 +56,8 @@ numbered! {
         EgoEstimated = 11 "ego-estimated",
         /// The radar sees less than it should; its tracks are used.
         SensorLimited = 12 "sensor-limited",
+        /// Announced ends of signals are not used, or with a margin; the shown phases are. Milder than `SignalsLost`.
+        SignalsDoubted = 13 "signals-doubted",
     }
 }
 

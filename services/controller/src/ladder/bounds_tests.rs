@@ -59,7 +59,7 @@ fn an_input_is_stale_above_its_bound() {
         (ages(0.0, 0.5, 9.0), Level::LeadPredicted, None),
         (Ages { ego_is_estimated: true, ..ages(0.0, 0.5, 9.0) }, Level::LeadPredicted, None),
         (Ages { ego_is_estimated: true, ..ages(0.0, 0.0, 9.0) }, Level::EgoEstimated, None),
-        (Ages { signals_contradict: true, ..ages(0.0, 0.0, 0.0) }, Level::SignalsLost, Announced),
+        (Ages { signals_doubted: true, ..ages(0.0, 0.0, 0.0) }, Level::SignalsDoubted, Announced),
     ];
     for (ages, level, trust) in cases {
         assert_eq!(first(&ages), (level, trust), "{ages:?}");

@@ -123,12 +123,12 @@ fn hard_braking_goes_on_when_the_lead_is_lost() {
 }
 
 #[test]
-fn an_estimated_ego_and_contradicting_signals_show() {
+fn an_estimated_ego_and_doubted_signals_show() {
     let mut ladder = ladder();
     let ages =
         Ages { odometry_s: Some(0.0), radar_s: Some(0.0), spat_s: Some(0.0), ..Ages::default() };
-    ladder.look(&Ages { signals_contradict: true, ..ages }, 0.0);
-    assert_eq!(ladder.level(), Level::SignalsLost);
+    ladder.look(&Ages { signals_doubted: true, ..ages }, 0.0);
+    assert_eq!(ladder.level(), Level::SignalsDoubted);
     ladder.look(&Ages { ego_is_estimated: true, ..ages }, 0.1);
     assert_eq!(ladder.level(), Level::EgoEstimated);
 }

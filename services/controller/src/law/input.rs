@@ -67,6 +67,9 @@ pub struct SignalAhead {
     pub intervals: [PhaseInterval; MAX_PHASES],
     /// Number of valid entries in `intervals`.
     pub count: usize,
+    /// Likely end of the shown phase, s from the release, if its announced bounds differ; infinite if it is not known,
+    /// and 0 otherwise. `intervals` have the earliest end of a green or yellow and the latest of a red.
+    pub likely_s: f64,
 }
 
 /// Engine and gearbox of a truck, and the slope it feels, as its own computers report them.

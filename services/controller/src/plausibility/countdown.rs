@@ -1,76 +1,114 @@
-//! Plausibility of signal timing.
+//! Trust in announced ends of signals.
 //!
-//! A certain announcement of a roadside unit stays certain: a later announcement with another end contradicts it. The
-//! two do not show which of them is wrong. So the phase is green only where both agree, until the shown phase refutes
-//! one. New messages can contradict what is known of other signals. A signal that they name for the first
-//! time is taken to be off by as much.
+//! A roadside unit shows what a driver sees: the present phase. Its announced end is a prediction, and only what
+//! happens later tells whether it was right. For each signal an error of its ends is kept, `e`:
+//!
+//! ```text
+//! the phase is seen to end at another time, or to outlast its end     e = max(e, how far off)
+//! the announced end jumps, beyond what its bounds leave open          e = e + jump; MOST_S in the last seconds
+//! the phase ends as announced                                         e = e / 4
+//! ```
+//!
+//! A signal without evidence of its own has the error of the last evidence on another: ends of one road come from one
+//! control centre. By degrees less is used of an announcement:
+//!
+//! | error | used of the announcement |
+//! |---|---|
+//! | up to [`ACCURACY_S`] | all |
+//! | up to [`USELESS_S`] | ends earlier by `e` for greens and yellows, later by `e` for reds; then the green's end is open |
+//! | more | the shown phase: a red lasts, a green can end with each message, its yellow lasts as long as announced |
+//!
+//! Two senders that disagree about an end are a matter of the on-board unit: it hands on an open end.
 
 use super::{Check, Findings};
 use messages::{Interval, MAX_INTERVALS, PhaseState, Signal, Spat};
 
-/// Time by which an announced end may differ, s.
-const TOLERANCE_S: f64 = 0.2;
-/// Time by which a shown phase may outlast its announced end, s: the message was on its way.
-const OVERDUE_S: f64 = 0.15;
-/// Time until the next message shows another phase, with what clocks may differ, s.
+/// Accuracy of an announced end, s: marks are tenths of a second, and its two bounds are rounded apart.
+const ACCURACY_S: f64 = 0.2;
+/// Time from a switch to the message that shows it and back, s: a message may be on its way at either end.
+const SWITCH_S: f64 = 0.35;
+/// Error from which an announced end is of no use, s: it saves a driver's reaction to the shown phase, 1 s (ITE 2020).
+const USELESS_S: f64 = 1.0;
+/// Largest error that is kept, s: three phases that end as announced give back full trust.
+const MOST_S: f64 = 10.0;
+/// Time before an end in which a jump leaves no trust, s: the law is then committed, as a comfortable stop from
+/// 15 m/s takes this long.
+const LAST_S: f64 = 5.0;
+/// Time until the next message can show another phase, with what clocks may differ, s.
 const NEXT_MESSAGE_S: f64 = 0.4;
+/// Silence after which a phase may be the same again after another one, s.
+const GAP_S: f64 = 3.0;
+/// Longest silence around a switch that shows an end to hold, s.
+const SEEN_S: f64 = 1.0;
+/// Length of a yellow without an announcement, s: the shortest by MUTCD 2009, section 4D.26.
+const SHORTEST_YELLOW_S: f64 = 3.0;
 /// Number of signals that are kept.
 const REMEMBERED: usize = 16;
 
-/// Announcement of a signal.
+/// A signal and what its announcements are worth.
 #[derive(Clone, Copy, Debug)]
 struct Known {
+    /// Announcement that the next ones are compared with.
     signal: Signal,
+    /// Time of the last message, s.
     heard_s: f64,
+    /// Latest start of a yellow that began in sight, s.
+    yellow_from_s: Option<f64>,
+    /// Length of its yellow, s.
+    yellow_s: Option<f64>,
+    /// Error of its ends by its own evidence, s.
+    error_s: Option<f64>,
 }
 
-/// Compares each announcement with those before.
+/// Compares what was announced with what is seen.
 #[derive(Clone, Debug)]
 pub struct Countdown {
     known: [Option<Known>; REMEMBERED],
-    /// Time by which a shown phase may outlast its announced end, s.
-    overdue_s: f64,
-    /// Error of the ends of known signals, s, while it lasts.
-    offset_s: Option<f64>,
-    /// Step and acquisition, ns, of the last message: one of the same age as the last one may contain more.
+    /// Error by the last evidence on any signal, s.
+    error_s: f64,
+    /// Time by which clocks may differ, s.
+    clocks_s: f64,
+    /// Step and acquisition, ns, of the last message: one of the same age may contain more.
     last: Option<(u64, i64)>,
-    believed: Box<Spat>,
-    contradicts: bool,
+    used: Box<Spat>,
+    doubts: bool,
 }
 
 impl Default for Countdown {
     fn default() -> Self {
-        Self {
-            known: [None; REMEMBERED],
-            overdue_s: OVERDUE_S,
-            offset_s: None,
-            last: None,
-            believed: Box::new(bytemuck::Zeroable::zeroed()),
-            contradicts: false,
-        }
+        Self::new(0.0)
     }
 }
 
-/// Relation of an announcement to the known timing.
-enum Comparison {
-    /// The same, or nothing can be said against it.
-    Agrees,
-    /// Its ends are off by so much, s.
-    Off(f64),
-    /// The known timing was wrong.
-    Refutes,
-    /// It leaves open how long the phase lasts: nothing is to be learned of it.
-    Open,
+/// Evidence of a message on one signal.
+#[derive(Clone, Copy, Debug, Default)]
+struct Evidence {
+    /// Time between a switch, or the present, and its announcement, s.
+    off_s: f64,
+    /// Jump of an announced end beyond its bounds, s.
+    jump_s: f64,
+    /// The jump came in the last seconds.
+    is_late: bool,
+    /// The phase ended as announced.
+    holds: bool,
 }
 
 impl Countdown {
     /// Nothing known yet, of units whose clocks may differ by `clocks_s` from the vehicle's.
     #[must_use]
     pub fn new(clocks_s: f64) -> Self {
-        Self { overdue_s: OVERDUE_S + clocks_s, ..Self::default() }
+        Self {
+            known: [None; REMEMBERED],
+            error_s: 0.0,
+            clocks_s,
+            last: None,
+            used: Box::new(bytemuck::Zeroable::zeroed()),
+            doubts: false,
+        }
     }
 
-    /// Takes the newest message; returns its valid part, and whether that is less than the whole.
+    /// Takes the newest message at the release at `time_s`; returns what to use of it, and whether that is less than
+    /// the whole.
     pub fn look<'a>(
         &'a mut self,
         sample: &'a Spat,
@@ -82,67 +120,214 @@ impl Countdown {
             self.last = Some(this);
             self.take(sample, time_s, findings);
         }
-        if self.contradicts { (&self.believed, true) } else { (sample, false) }
+        (&self.used, self.doubts)
     }
 
     fn take(&mut self, sample: &Spat, time_s: f64, findings: &mut Findings) {
-        let now_s = sample.header.acquisition_ns as f64 / 1e9;
-        *self.believed = *sample;
+        let made_s = sample.header.acquisition_ns as f64 / 1e9;
+        let switch_s = SWITCH_S + self.clocks_s;
+        *self.used = *sample;
         let count = usize::try_from(sample.count).map_or(0, |n| n.min(sample.signals.len()));
-        let (mut off, mut agreed, mut overdue) = (None::<f64>, false, false);
-        for signal in &mut self.believed.signals[..count] {
-            let Some(slot) = find(&self.known, signal) else { continue };
-            let Some(Known { signal: known, .. }) = self.known[slot] else { continue };
-            if is_overdue(signal, now_s, self.overdue_s) {
-                overdue = true;
-                *signal = as_shown(signal, now_s).unwrap_or(known);
-                continue;
-            }
-            match compare(&known, signal, now_s) {
-                Comparison::Agrees | Comparison::Refutes => {
-                    agreed = true;
-                    self.known[slot] = Some(Known { signal: *signal, heard_s: now_s });
-                }
-                Comparison::Open => {}
-                Comparison::Off(by_s) => {
-                    off = Some(
-                        off.map_or(by_s, |off| if by_s.abs() > off.abs() { by_s } else { off }),
-                    );
-                    *signal = both(signal, by_s);
-                }
-            }
-        }
-        self.offset_s = match (off, agreed) {
-            (Some(by_s), _) => Some(by_s),
-            (None, true) => None,
-            (None, false) => self.offset_s,
-        };
-        for signal in &mut self.believed.signals[..count] {
-            if signal.count > 0 && find(&self.known, signal).is_none() {
-                if is_overdue(signal, now_s, self.overdue_s) {
-                    overdue = true;
-                    signal.count = 0;
+        let (mut off, mut jump) = (0.0_f64, 0.0_f64);
+        for signal in sample.signals[..count].iter().filter(|signal| signal.count > 0) {
+            let slot = self.slot(signal);
+            let mut known = match self.known[slot] {
+                Some(known) if made_s - known.heard_s <= GAP_S => known,
+                known => {
+                    let error_s = known.and_then(|known| known.error_s);
+                    self.known[slot] = Some(Known::new(signal, made_s, error_s));
                     continue;
                 }
-                let mut known = *signal;
-                if let Some(by_s) = self.offset_s {
-                    off = off.or(Some(by_s));
-                    known = shifted(signal, -by_s);
-                    *signal = both(signal, by_s);
-                }
-                remember(&mut self.known, Known { signal: known, heard_s: now_s });
+            };
+            let evidence = known.compare(signal, made_s, time_s, switch_s);
+            off = off.max(evidence.off_s / switch_s);
+            jump = jump.max(evidence.jump_s / ACCURACY_S);
+            let before_s = known.error_s.unwrap_or(self.error_s);
+            let error_s = evidence.error_s(before_s, switch_s);
+            if let Some(error_s) = error_s {
+                self.error_s = error_s;
+                known.error_s = Some(error_s);
             }
+            known.take(signal, made_s, error_s.is_some());
+            self.known[slot] = Some(known);
         }
-        let share = off.map_or(0.0, |by_s| by_s.abs() / TOLERANCE_S);
-        findings.note(Check::CountdownAgainstHistory, time_s, share);
-        findings.note(Check::CountdownAgainstClock, time_s, if overdue { 2.0 } else { 0.0 });
-        self.contradicts = off.is_some() || overdue;
+        self.doubts = false;
+        for signal in self.used.signals[..count].iter_mut().filter(|signal| signal.count > 0) {
+            let Some(known) = find(&self.known, signal).and_then(|slot| self.known[slot]) else {
+                continue;
+            };
+            let error_s = known.error_s.unwrap_or(self.error_s);
+            let is_doubted = error_s > ACCURACY_S;
+            let shown = &signal.intervals[0];
+            let has_no_end = shown.min_end_s.is_finite() && shown.likely_end_s.is_infinite();
+            self.doubts |= is_doubted || has_no_end && is_green(shown);
+            known.cut(signal, made_s, if is_doubted { error_s } else { 0.0 });
+        }
+        findings.note(Check::CountdownAgainstHistory, time_s, jump);
+        findings.note(Check::CountdownAgainstClock, time_s, off);
+    }
+
+    /// Place of a signal; a new one takes the place of the one that was silent for longest.
+    fn slot(&mut self, signal: &Signal) -> usize {
+        find(&self.known, signal).unwrap_or_else(|| {
+            let heard_s = |known: &Option<Known>| known.map_or(f64::NEG_INFINITY, |k| k.heard_s);
+            let oldest = (0..REMEMBERED)
+                .min_by(|a, b| heard_s(&self.known[*a]).total_cmp(&heard_s(&self.known[*b])))
+                .unwrap_or(0);
+            self.known[oldest] = None;
+            oldest
+        })
     }
 }
 
-fn intervals(signal: &Signal) -> &[Interval] {
-    let count = usize::try_from(signal.count).map_or(0, |count| count.min(MAX_INTERVALS));
-    &signal.intervals[..count]
+impl Evidence {
+    /// Error after it, with the one before; `None` if it says nothing.
+    fn error_s(&self, before_s: f64, switch_s: f64) -> Option<f64> {
+        let (is_off, jumps) = (self.off_s > switch_s, self.jump_s > ACCURACY_S);
+        let mut error_s = if is_off { before_s.max(self.off_s) } else { before_s };
+        if jumps {
+            error_s = if self.is_late { MOST_S } else { error_s + self.jump_s };
+        } else if self.holds {
+            error_s /= 4.0;
+        }
+        (is_off || jumps || self.holds).then_some(error_s.min(MOST_S))
+    }
+}
+
+impl Known {
+    fn new(signal: &Signal, heard_s: f64, error_s: Option<f64>) -> Self {
+        let (yellow_from_s, yellow_s) = (None, yellow_s(signal));
+        Self { signal: *signal, heard_s, yellow_from_s, yellow_s, error_s }
+    }
+
+    /// Compares a message that was made at `made_s` and is used at `time_s` with the earlier announcement.
+    fn compare(&self, new: &Signal, made_s: f64, time_s: f64, switch_s: f64) -> Evidence {
+        let (old, new) = (intervals(&self.signal), intervals(new));
+        let (Some(was), Some(now)) = (old.first(), new.first()) else { return Evidence::default() };
+        let mut evidence = Evidence::default();
+        let mut place = 0;
+        if was.state == now.state {
+            evidence.off_s = (made_s - was.max_end_s).max(0.0);
+        } else {
+            let Some(at) = old.iter().position(|old| old.state == now.state) else {
+                return evidence;
+            };
+            place = at;
+            // The switch came after the last message and before this release.
+            let ended = &old[place - 1];
+            let (early_s, late_s) = (ended.min_end_s - time_s, self.heard_s - ended.max_end_s);
+            evidence.off_s = early_s.max(late_s).max(0.0);
+            evidence.holds = evidence.off_s <= switch_s
+                && ended.max_end_s.is_finite()
+                && time_s - self.heard_s <= SEEN_S;
+        }
+        if !evidence.off_s.is_finite() {
+            evidence.off_s = 0.0;
+        }
+        for (old, new) in old[place..].iter().zip(new) {
+            let jump_s = (old.min_end_s - new.likely_end_s).max(new.likely_end_s - old.max_end_s);
+            if jump_s.is_finite() {
+                evidence.jump_s = evidence.jump_s.max(jump_s);
+            }
+        }
+        evidence.is_late = old[place].likely_end_s.min(now.likely_end_s) - made_s < LAST_S;
+        evidence
+    }
+
+    /// Takes a message. An announcement stays the one to compare with until evidence comes, its phase ends or it is
+    /// found to be open: otherwise an end could slide in small steps.
+    fn take(&mut self, signal: &Signal, made_s: f64, is_evidence: bool) {
+        let (was, now) = (self.signal.intervals[0], signal.intervals[0]);
+        if was.state != now.state {
+            self.yellow_from_s = is_yellow(&now).then_some(self.heard_s);
+        }
+        if was.state != now.state || is_evidence || was.max_end_s.is_infinite() {
+            self.signal = *signal;
+        }
+        self.yellow_s = yellow_s(signal).or(self.yellow_s);
+        self.heard_s = made_s;
+    }
+
+    /// Cuts an announcement made at `made_s` down to what is of use with an error of its ends.
+    fn cut(&self, signal: &mut Signal, made_s: f64, error_s: f64) {
+        let is_useless = error_s > USELESS_S;
+        let count = intervals(signal).len();
+        let shown = signal.intervals[0];
+        if is_green(&shown) {
+            self.cut_green(signal, made_s, error_s);
+        } else if error_s == 0.0 {
+        } else if is_yellow(&shown) {
+            let began =
+                self.yellow_from_s.zip(self.yellow_s).map(|(from_s, long_s)| from_s + long_s);
+            let announced = (!is_useless).then_some(shown.min_end_s - error_s);
+            signal.count = u64::from(began.or(announced).is_some());
+            let end_s = began.unwrap_or(f64::INFINITY).min(announced.unwrap_or(f64::INFINITY));
+            set_ends(&mut signal.intervals[0], [end_s; 3]);
+        } else if is_useless {
+            signal.count = 1;
+            set_ends(&mut signal.intervals[0], [f64::INFINITY; 3]);
+        } else {
+            for interval in &mut signal.intervals[..count] {
+                let (min_s, max_s) = (interval.min_end_s - error_s, interval.max_end_s + error_s);
+                set_ends(interval, [min_s, max_s, max_s]);
+            }
+        }
+    }
+
+    /// The same of a shown green. One with an open end can end with the next message, and then its yellow comes.
+    fn cut_green(&self, signal: &mut Signal, made_s: f64, error_s: f64) {
+        let count = intervals(signal).len();
+        let [shown, next, ..] = signal.intervals;
+        let is_open = error_s > 0.0 || shown.max_end_s - shown.min_end_s > ACCURACY_S;
+        let lacks_next = count == 1 && shown.min_end_s.is_finite();
+        if !(is_open || lacks_next) {
+            return;
+        }
+        let certain_s = if error_s > USELESS_S { made_s } else { shown.min_end_s - error_s };
+        let yellow_s = self.yellow_s.filter(|_| lacks_next || is_yellow(&next));
+        let end_s = certain_s.max(made_s + NEXT_MESSAGE_S);
+        let Some(yellow_s) = yellow_s.filter(|yellow_s| *yellow_s > NEXT_MESSAGE_S) else {
+            // Red may come with the next message.
+            signal.count = u64::from(certain_s > made_s);
+            set_ends(&mut signal.intervals[0], [certain_s; 3]);
+            return;
+        };
+        let clear_s = certain_s.max(made_s) + yellow_s;
+        if !is_open {
+            set_ends(&mut signal.intervals[1], [clear_s; 3]);
+        } else if error_s > 0.0 {
+            set_ends(&mut signal.intervals[0], [end_s, f64::INFINITY, f64::INFINITY]);
+            set_ends(&mut signal.intervals[1], [clear_s, f64::INFINITY, f64::INFINITY]);
+        } else {
+            signal.intervals[0].min_end_s = end_s;
+            signal.intervals[1].min_end_s = clear_s;
+        }
+        signal.intervals[1].state = PhaseState::ProtectedClearance.to_wire();
+        signal.count = if error_s > 0.0 { 2 } else { signal.count.max(2) };
+    }
+}
+
+/// Announced length of a signal's yellow, s. A sender that announces nothing behind a green leaves the shortest.
+fn yellow_s(signal: &Signal) -> Option<f64> {
+    let intervals = intervals(signal);
+    if intervals.len() == 1 && is_green(&intervals[0]) {
+        return Some(SHORTEST_YELLOW_S);
+    }
+    let pair = intervals.windows(2).find(|pair| is_green(&pair[0]) && is_yellow(&pair[1]))?;
+    let length_s = pair[1].min_end_s - pair[0].min_end_s;
+    (length_s.is_finite() && length_s > 0.0).then_some(length_s)
+}
+
+fn set_ends(interval: &mut Interval, [min_s, likely_s, max_s]: [f64; 3]) {
+    (interval.min_end_s, interval.likely_end_s, interval.max_end_s) = (min_s, likely_s, max_s);
+}
+
+fn is_green(interval: &Interval) -> bool {
+    interval.state == PhaseState::ProtectedMovementAllowed.to_wire()
+}
+
+fn is_yellow(interval: &Interval) -> bool {
+    interval.state == PhaseState::ProtectedClearance.to_wire()
 }
 
 fn find(known: &[Option<Known>; REMEMBERED], signal: &Signal) -> Option<usize> {
@@ -150,239 +335,7 @@ fn find(known: &[Option<Known>; REMEMBERED], signal: &Signal) -> Option<usize> {
     known.iter().position(|known| known.is_some_and(|known| id(&known.signal) == id(signal)))
 }
 
-fn remember(known: &mut [Option<Known>; REMEMBERED], new: Known) {
-    let heard_s = |slot: &Option<Known>| slot.map_or(f64::NEG_INFINITY, |known| known.heard_s);
-    if let Some(oldest) = known.iter_mut().min_by(|a, b| heard_s(a).total_cmp(&heard_s(b))) {
-        *oldest = Some(new);
-    }
-}
-
-/// The phase that is shown should be over by its own end.
-fn is_overdue(signal: &Signal, now_s: f64, overdue_s: f64) -> bool {
-    intervals(signal).first().is_some_and(|shown| shown.max_end_s < now_s - overdue_s)
-}
-
-/// A green that outlasts its announced end is still shown. It can end with each message, and then its yellow comes.
-/// `None` without an announced yellow.
-fn as_shown(signal: &Signal, now_s: f64) -> Option<Signal> {
-    let [green, yellow, ..] = intervals(signal) else { return None };
-    let states = [PhaseState::ProtectedMovementAllowed, PhaseState::ProtectedClearance];
-    let yellow_s = yellow.min_end_s - green.max_end_s;
-    if [green.state, yellow.state] != states.map(PhaseState::to_wire) || !yellow_s.is_finite() {
-        return None;
-    }
-    let mut shown = Signal { count: 2, ..*signal };
-    for (interval, end_s) in shown.intervals.iter_mut().zip([NEXT_MESSAGE_S, yellow_s]) {
-        let end_s = now_s + end_s;
-        (interval.min_end_s, interval.likely_end_s, interval.max_end_s) = (end_s, end_s, end_s);
-    }
-    (yellow_s > NEXT_MESSAGE_S).then_some(shown)
-}
-
-fn compare(known: &Signal, signal: &Signal, now_s: f64) -> Comparison {
-    let (known, new) = (intervals(known), intervals(signal));
-    let Some(first) = new.first() else { return Comparison::Agrees };
-    // Phase that should be shown; around a switch also the one before or after it.
-    let shown = |from_s: f64| known.iter().position(|interval| interval.likely_end_s > from_s);
-    let candidates = [now_s, now_s - OVERDUE_S - TOLERANCE_S, now_s + OVERDUE_S + TOLERANCE_S];
-    let mut places = candidates.into_iter().filter_map(shown);
-    let Some(place) = places.find(|place| known[*place].state == first.state) else {
-        return Comparison::Refutes;
-    };
-    if first.likely_end_s.is_infinite() && known[place].likely_end_s.is_finite() {
-        return Comparison::Open;
-    }
-    let mut off_s: f64 = 0.0;
-    for (known, new) in known[place..].iter().zip(new) {
-        let early_s = known.min_end_s - new.likely_end_s;
-        let late_s = new.likely_end_s - known.max_end_s;
-        if early_s > TOLERANCE_S || late_s > TOLERANCE_S {
-            off_s = new.likely_end_s - known.likely_end_s;
-        }
-    }
-    if off_s.is_finite() && off_s.abs() > TOLERANCE_S {
-        Comparison::Off(off_s)
-    } else {
-        Comparison::Agrees
-    }
-}
-
-fn shifted(signal: &Signal, by_s: f64) -> Signal {
-    let mut shifted = *signal;
-    for interval in &mut shifted.intervals {
-        shift(interval, by_s);
-    }
-    shifted
-}
-
-fn shift(interval: &mut Interval, by_s: f64) {
-    interval.min_end_s += by_s;
-    interval.likely_end_s += by_s;
-    interval.max_end_s += by_s;
-}
-
-/// Timing that holds for the announcement and for one without its offset. Greens begin at the later of the two, and end
-/// at the earlier.
-fn both(signal: &Signal, offset_s: f64) -> Signal {
-    let mut both = *signal;
-    let green = PhaseState::ProtectedMovementAllowed.to_wire();
-    let count = intervals(signal).len();
-    for k in 0..count {
-        let opens =
-            signal.intervals.get(k + 1).is_some_and(|next| k + 1 < count && next.state == green);
-        let by_s = if opens { (-offset_s).max(0.0) } else { (-offset_s).min(0.0) };
-        shift(&mut both.intervals[k], by_s);
-    }
-    both
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use bytemuck::Zeroable;
-
-    const RED: u32 = 3;
-    const GREEN: u32 = 6;
-
-    /// Messages of a signal that is red until 20 s, then green and red for 10 s each. They are `off_s` off.
-    fn spat(id: u32, now_s: f64, off_s: f64) -> Spat {
-        let mut spat = Spat::zeroed();
-        spat.header.acquisition_ns = (now_s * 1e9) as i64;
-        spat.count = 1;
-        spat.signals[0] = signal(id, now_s, off_s);
-        spat
-    }
-
-    fn signal(id: u32, now_s: f64, off_s: f64) -> Signal {
-        let mut signal = Signal::zeroed();
-        signal.intersection_id = id;
-        let ends = [(RED, 20.0), (GREEN, 30.0), (RED, 40.0), (GREEN, 50.0)];
-        for (state, end_s) in ends.into_iter().filter(|(_, end_s)| *end_s > now_s) {
-            let end_s = end_s + off_s;
-            signal.intervals[signal.count as usize] = Interval {
-                state,
-                confidence: 15,
-                min_end_s: end_s,
-                likely_end_s: end_s,
-                max_end_s: end_s,
-            };
-            signal.count += 1;
-        }
-        signal
-    }
-
-    fn ends(spat: &Spat) -> Vec<f64> {
-        intervals(&spat.signals[0]).iter().map(|interval| interval.likely_end_s).collect()
-    }
-
-    #[test]
-    fn a_countdown_that_jumps_is_green_only_where_it_is_so_before_and_after() {
-        let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
-        let mut look = |now_s, off_s| {
-            let spat = spat(1, now_s, off_s);
-            let (believed, contradicts) = countdown.look(&spat, now_s, &mut findings);
-            (ends(believed), contradicts)
-        };
-        assert_eq!(look(5.0, 0.0), (vec![20.0, 30.0, 40.0, 50.0], false));
-        assert_eq!(look(5.1, -2.0), (vec![20.0, 28.0, 40.0, 48.0], true));
-        assert_eq!(look(5.2, 2.0), (vec![22.0, 30.0, 42.0, 50.0], true));
-        assert_eq!(look(5.3, 0.0), (vec![20.0, 30.0, 40.0, 50.0], false));
-    }
-
-    #[test]
-    fn a_phase_that_outlasts_its_own_end_refutes_the_countdown() {
-        let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
-        for k in 0..=205 {
-            let now_s = 0.1 * f64::from(k);
-            let spat = spat(1, now_s, -2.0);
-            let (_, contradicts) = countdown.look(&spat, now_s, &mut findings);
-            assert_eq!(contradicts, (18.2..20.0 - 1e-9).contains(&now_s), "{now_s}");
-        }
-    }
-
-    #[test]
-    fn a_phase_may_outlast_its_end_by_what_the_clocks_differ() {
-        for (clocks_s, contradicts) in [(0.0, true), (0.25, false)] {
-            let (mut countdown, mut findings) = (Countdown::new(clocks_s), Findings::default());
-            countdown.look(&spat(1, 19.9, 0.0), 19.9, &mut findings);
-            let mut late = spat(1, 19.9, 0.0);
-            late.header.acquisition_ns = 20_300_000_000;
-            assert_eq!(countdown.look(&late, 20.3, &mut findings).1, contradicts, "{clocks_s}");
-        }
-    }
-
-    #[test]
-    fn the_first_announcement_gives_way_when_the_signal_shows_something_else() {
-        let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
-        countdown.look(&spat(1, 5.0, -2.0), 5.0, &mut findings);
-        for k in 60..=250 {
-            let now_s = 0.1 * f64::from(k);
-            let spat = spat(1, now_s, 0.0);
-            let (believed, contradicts) = countdown.look(&spat, now_s, &mut findings);
-            let first = ends(believed)[0];
-            assert!(now_s >= 20.0 || first == 20.0, "{now_s}: {first}");
-            assert_eq!(contradicts, now_s < 18.35, "{now_s}");
-        }
-    }
-
-    #[test]
-    fn a_countdown_that_ends_too_early_is_still_too_early_in_the_next_phase() {
-        let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
-        countdown.look(&spat(1, 5.0, 0.0), 5.0, &mut findings);
-        countdown.look(&spat(1, 16.0, -2.0), 16.0, &mut findings);
-        // Red outlasts its announced end: the on-board unit hands on that its end is not known.
-        let mut open = spat(1, 19.0, f64::INFINITY);
-        open.signals[0].count = 1;
-        countdown.look(&open, 19.0, &mut findings);
-        let early = spat(1, 21.0, -2.0);
-        let (believed, contradicts) = countdown.look(&early, 21.0, &mut findings);
-        assert_eq!((ends(believed), contradicts), (vec![28.0, 40.0, 48.0], true));
-    }
-
-    #[test]
-    fn a_green_that_outlasts_its_end_is_green_now_and_yellow_for_as_long_as_was_announced() {
-        let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
-        let at = |now_s: f64| {
-            let mut spat = spat(1, now_s, 0.0);
-            for (place, (state, end_s)) in
-                [(GREEN, 8.0), (8, 11.0), (RED, 30.0)].into_iter().enumerate()
-            {
-                let ends = Interval {
-                    min_end_s: end_s,
-                    likely_end_s: end_s,
-                    max_end_s: end_s,
-                    ..Interval::zeroed()
-                };
-                spat.signals[0].intervals[place] = Interval { state, ..ends };
-            }
-            spat.signals[0].count = 3;
-            spat
-        };
-        countdown.look(&at(5.0), 5.0, &mut findings);
-        let late = at(9.0);
-        let (believed, contradicts) = countdown.look(&late, 9.0, &mut findings);
-        assert_eq!((ends(believed), contradicts), (vec![9.4, 12.0], true));
-        assert_eq!(believed.signals[0].intervals[0].state, GREEN);
-    }
-
-    #[test]
-    fn a_message_as_old_as_the_last_one_is_looked_at() {
-        let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
-        countdown.look(&spat(1, 5.0, 0.0), 5.0, &mut findings);
-        let mut next = spat(1, 5.0, 2.0);
-        next.header.step = 1;
-        let (believed, contradicts) = countdown.look(&next, 5.1, &mut findings);
-        assert_eq!((ends(believed), contradicts), (vec![22.0, 30.0, 42.0, 50.0], true));
-    }
-
-    #[test]
-    fn a_signal_first_met_among_others_that_jumped_is_off_by_as_much() {
-        let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
-        countdown.look(&spat(1, 5.0, 0.0), 5.0, &mut findings);
-        countdown.look(&spat(1, 5.1, -2.0), 5.1, &mut findings);
-        let spat = spat(2, 5.2, -2.0);
-        let (believed, contradicts) = countdown.look(&spat, 5.2, &mut findings);
-        assert!(contradicts);
-        assert_eq!(ends(believed), [20.0, 28.0, 40.0, 48.0]);
-    }
+fn intervals(signal: &Signal) -> &[Interval] {
+    let count = usize::try_from(signal.count).map_or(0, |count| count.min(MAX_INTERVALS));
+    &signal.intervals[..count]
 }

@@ -1,26 +1,35 @@
-//! Tolerances of announced signal timing at their bounds, and the stored signals.
+//! What is used of announced ends that hold, jump, slide, come late or leave a choice.
 
 use super::countdown::Countdown;
 use super::{Check, Findings};
 use bytemuck::Zeroable;
-use messages::{Interval, Signal, Spat};
+use messages::{Interval, PhaseState, Signal, Spat};
 
-const RED: u32 = 3;
-const GREEN: u32 = 6;
-const YELLOW: u32 = 8;
+const RED: u32 = PhaseState::StopAndRemain as u32;
+const GREEN: u32 = PhaseState::ProtectedMovementAllowed as u32;
+const YELLOW: u32 = PhaseState::ProtectedClearance as u32;
+const OPEN: f64 = f64::INFINITY;
 
-fn interval(state: u32, end_s: f64) -> Interval {
-    let ends =
-        Interval { min_end_s: end_s, likely_end_s: end_s, max_end_s: end_s, ..Interval::zeroed() };
-    Interval { state, ..ends }
-}
-
+/// A signal with certain ends of its phases.
 fn signal(id: u32, phases: &[(u32, f64)]) -> Signal {
     let mut signal = Signal { intersection_id: id, count: phases.len() as u64, ..Signal::zeroed() };
     for (place, (state, end_s)) in signal.intervals.iter_mut().zip(phases) {
-        *place = interval(*state, *end_s);
+        let (min_end_s, likely_end_s, max_end_s) = (*end_s, *end_s, *end_s);
+        *place = Interval { state: *state, confidence: 15, min_end_s, likely_end_s, max_end_s };
     }
     signal
+}
+
+/// Red until 20 s, green until 40 s, yellow until 43 s, and again red from then on, in cycles of 40 s. Ends are
+/// announced `off_s` wrong.
+fn cycle(id: u32, now_s: f64, off_s: f64) -> Signal {
+    let ends = (0..4).flat_map(|cycle| {
+        let from_s = 40.0 * f64::from(cycle);
+        [(RED, from_s + 20.0), (GREEN, from_s + 40.0), (YELLOW, from_s + 43.0)]
+    });
+    // Yellow is a part of the next cycle's red.
+    let left = ends.filter(|(_, end_s)| *end_s > now_s + 1e-9).take(8);
+    signal(id, &left.map(|(state, end_s)| (state, end_s + off_s)).collect::<Vec<_>>())
 }
 
 fn spat(now_s: f64, signals: &[Signal]) -> Spat {
@@ -30,198 +39,197 @@ fn spat(now_s: f64, signals: &[Signal]) -> Spat {
     spat
 }
 
-/// Looks at one message after another; returns the valid part of each, and whether that is less than the whole.
-fn looked(messages: &[Spat]) -> Vec<(Spat, bool)> {
-    let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
-    let mut results = Vec::new();
-    for message in messages {
-        let (believed, contradicts) = countdown.look(message, 0.0, &mut findings);
-        results.push((*believed, contradicts));
+#[derive(Default)]
+struct Drive {
+    countdown: Countdown,
+    findings: Findings,
+}
+
+impl Drive {
+    /// Looks at a message; returns the used ends (earliest, latest) of its first signal, and whether it is doubted.
+    fn look(&mut self, now_s: f64, signals: &[Signal]) -> (Vec<(u32, f64, f64)>, bool) {
+        let message = spat(now_s, signals);
+        let (used, doubts) = self.countdown.look(&message, now_s + 0.1, &mut self.findings);
+        let signal = &used.signals[0];
+        let ends = signal.intervals[..signal.count as usize].iter();
+        let tenths = |s: f64| (10.0 * s).round() / 10.0;
+        let end = |i: &Interval| (i.state, tenths(i.min_end_s), tenths(i.max_end_s));
+        (ends.map(end).collect(), doubts)
     }
-    results
-}
 
-fn last(messages: &[Spat]) -> (Spat, bool) {
-    looked(messages).pop().expect("one of them")
-}
-
-/// Ends of a signal's phases, each of which has one time for its earliest and latest end.
-fn ends(spat: &Spat, place: usize) -> Vec<f64> {
-    let signal = &spat.signals[place];
-    let intervals = &signal.intervals[..signal.count as usize];
-    let certain = |i: &Interval| i.min_end_s == i.likely_end_s && i.max_end_s == i.likely_end_s;
-    assert!(intervals.iter().all(certain), "{intervals:?}");
-    intervals.iter().map(|interval| interval.likely_end_s).collect()
+    /// Looks at a message in each tenth of a second; returns the last.
+    fn drive(
+        &mut self,
+        (from_s, to_s): (f64, f64),
+        of: impl Fn(f64) -> Signal,
+    ) -> (Vec<(u32, f64, f64)>, bool) {
+        let times = ((10.0 * from_s) as u32..=(10.0 * to_s) as u32).map(|k| f64::from(k) / 10.0);
+        times.map(|now_s| self.look(now_s, &[of(now_s)])).last().expect("one")
+    }
 }
 
 #[test]
-fn an_end_may_differ_by_the_tolerance() {
-    for (off_s, contradicts) in [(0.19, false), (0.21, true), (-0.19, false), (-0.21, true)] {
-        let first = spat(5.0, &[signal(1, &[(RED, 20.0), (GREEN, 30.0)])]);
-        let second = spat(5.1, &[signal(1, &[(RED, 20.0 + off_s), (GREEN, 30.0 + off_s)])]);
-        assert_eq!(last(&[first, second]).1, contradicts, "{off_s}");
+fn right_announcements_are_used_whole() {
+    let mut drive = Drive::default();
+    for k in 0..1000 {
+        let now_s = f64::from(k) / 10.0;
+        let whole = cycle(1, now_s, 0.0);
+        let (used, doubts) = drive.look(now_s, &[whole]);
+        let ends: Vec<f64> = used.iter().map(|(_, min_s, _)| *min_s).collect();
+        let told = whole.intervals[..whole.count as usize].iter().map(|i| i.min_end_s);
+        assert!(!doubts && told.eq(ends.iter().copied()), "{now_s}: {ends:?}");
+    }
+}
+
+#[test]
+fn an_end_may_jump_within_its_bounds_and_the_accuracy() {
+    for (off_s, doubts) in [(0.19, false), (0.21, true), (-0.19, false), (-0.21, true)] {
+        let mut drive = Drive::default();
+        drive.look(5.0, &[cycle(1, 5.0, 0.0)]);
+        assert_eq!(drive.look(5.1, &[cycle(1, 5.1, off_s)]).1, doubts, "{off_s}");
         // One that announces a range is not contradicted within it.
-        let mut wide = first;
-        for interval in &mut wide.signals[0].intervals[..2] {
-            (interval.min_end_s, interval.max_end_s) =
-                (interval.likely_end_s - 1.0, interval.likely_end_s + 1.0);
+        let mut drive = Drive::default();
+        let mut wide = cycle(1, 5.0, 0.0);
+        for interval in &mut wide.intervals[..8] {
+            interval.min_end_s -= 1.0;
+            interval.max_end_s += 1.0;
         }
-        assert!(!last(&[wide, second]).1, "{off_s}");
-        let beyond = 1.0 * f64::signum(off_s) + off_s;
-        let second = spat(5.1, &[signal(1, &[(RED, 20.0 + beyond), (GREEN, 30.0 + beyond)])]);
-        assert_eq!(last(&[wide, second]).1, contradicts, "{beyond} with a range");
+        drive.look(5.0, &[wide]);
+        assert!(!drive.look(5.1, &[cycle(1, 5.1, off_s)]).1);
+        let beyond_s = off_s + off_s.signum();
+        let mut drive = Drive::default();
+        drive.look(5.0, &[wide]);
+        assert_eq!(drive.look(5.1, &[cycle(1, 5.1, beyond_s)]).1, doubts, "{beyond_s}");
     }
 }
 
 #[test]
-fn a_phase_may_outlast_its_end_by_the_time_of_a_message() {
-    for (late_s, contradicts) in [(0.14, false), (0.16, true)] {
-        // The first announcement of a signal, and one of a known signal.
-        let red = signal(1, &[(RED, 10.0), (GREEN, 20.0)]);
-        assert_eq!(last(&[spat(10.0 + late_s, &[red])]).1, contradicts, "{late_s}");
-        let messages = [spat(5.0, &[red]), spat(10.0 + late_s, &[red])];
-        let (believed, found) = last(&messages);
-        assert_eq!(found, contradicts, "{late_s}");
-        assert_eq!(ends(&believed, 0), [10.0, 20.0]);
+fn a_small_error_widens_the_ends_and_a_large_one_leaves_the_shown_phase() {
+    let mut drive = Drive::default();
+    drive.look(5.0, &[cycle(1, 5.0, 0.0)]);
+    let (used, _) = drive.look(5.1, &[cycle(1, 5.1, 0.8)]);
+    assert_eq!(used[..2], [(RED, 20.0, 21.6), (GREEN, 40.0, 41.6)]);
+    // Jumps add up: a countdown could slide otherwise.
+    let (used, doubts) = drive.look(5.2, &[cycle(1, 5.2, 0.4)]);
+    assert_eq!((used, doubts), (vec![(RED, OPEN, OPEN)], true));
+    // In green: it can end with the next message, and then its yellow comes.
+    let (used, _) = drive.drive((5.3, 25.0), |now_s| cycle(1, now_s, 30.0));
+    assert_eq!(used, [(GREEN, 25.4, OPEN), (YELLOW, 28.0, OPEN)]);
+    // A yellow that began in sight is as long as it was announced.
+    let (used, _) = drive.drive((25.1, 42.0), |now_s| cycle(1, now_s, 30.0));
+    assert_eq!(used, [(YELLOW, 42.9, 42.9)]);
+}
+
+#[test]
+fn a_change_in_the_last_seconds_leaves_no_trust() {
+    let mut drive = Drive::default();
+    drive.look(16.0, &[cycle(1, 16.0, 0.0)]);
+    let (used, _) = drive.look(16.1, &[cycle(1, 16.1, 0.5)]);
+    assert_eq!(used, [(RED, OPEN, OPEN)]);
+}
+
+#[test]
+fn a_countdown_that_stands_still_is_found_out() {
+    let mut drive = Drive::default();
+    let stuck = |now_s: f64| cycle(1, now_s, now_s);
+    assert!(!drive.drive((0.0, 0.2), stuck).1);
+    assert!(drive.drive((0.3, 0.5), stuck).1);
+    assert_eq!(drive.drive((0.6, 4.0), stuck).0, [(RED, OPEN, OPEN)]);
+}
+
+#[test]
+fn a_phase_that_outlasts_its_end_or_ends_early_contradicts_it() {
+    // Too early from the first message on: green is shown at 20 s, and announced to end at 36 s.
+    let mut drive = Drive::default();
+    let early = |now_s: f64| cycle(1, now_s, -4.0);
+    assert!(!drive.drive((10.0, 16.3), early).1);
+    assert!(drive.drive((16.4, 16.5), early).1);
+    assert_eq!(drive.drive((16.6, 18.0), early).0, [(RED, OPEN, OPEN)]);
+    // Too late: the switch comes before its time.
+    let mut drive = Drive::default();
+    let late = |now_s: f64| cycle(1, now_s, 4.0);
+    assert!(!drive.drive((10.0, 19.9), late).1);
+    let (used, doubts) = drive.look(20.0, &[late(20.0)]);
+    assert_eq!((used, doubts), (vec![(GREEN, 20.4, OPEN), (YELLOW, 23.0, OPEN)], true));
+    let finding = |check: Check| {
+        drive.findings.iter().find(|(of, _)| *of == check).expect("one of all").1.first_s
+    };
+    assert_eq!(finding(Check::CountdownAgainstClock), Some(20.1));
+    assert_eq!(finding(Check::CountdownAgainstHistory), None);
+}
+
+#[test]
+fn trust_comes_back_with_phases_that_end_as_announced() {
+    let mut drive = Drive::default();
+    drive.look(5.0, &[cycle(1, 5.0, 0.0)]);
+    assert!(drive.drive((5.1, 19.9), |now_s| cycle(1, now_s, 6.0)).1);
+    let right = |now_s: f64| cycle(1, now_s, 0.0);
+    assert!(drive.drive((20.0, 82.0), right).1, "40, 43 and 60 s are three of them");
+    assert!(!drive.drive((82.1, 84.0), right).1);
+}
+
+#[test]
+fn an_error_on_one_signal_counts_for_those_without_evidence_of_their_own() {
+    let mut drive = Drive::default();
+    let ends = |now_s, off_s| [cycle(2, now_s, 0.0), cycle(1, now_s, off_s)];
+    drive.look(5.0, &ends(5.0, 0.0));
+    assert_eq!(drive.look(5.1, &ends(5.1, 3.0)).0, [(RED, OPEN, OPEN)]);
+    let new = [cycle(3, 5.2, 0.0), cycle(1, 5.2, 3.0)];
+    assert_eq!(drive.look(5.2, &new).0, [(RED, OPEN, OPEN)]);
+}
+
+#[test]
+fn a_green_without_a_next_phase_has_the_shortest_yellow() {
+    let mut drive = Drive::default();
+    let (used, doubts) = drive.look(5.0, &[signal(1, &[(GREEN, 20.0)])]);
+    assert_eq!((used, doubts), (vec![(GREEN, 20.0, 20.0), (YELLOW, 23.0, 23.0)], false));
+    // One that announces red has none, and one without an end needs none.
+    let red = [(GREEN, 20.0), (RED, 50.0)];
+    assert_eq!(drive.look(5.0, &[signal(2, &red)]).0.len(), 2);
+    assert_eq!(drive.look(6.0, &[signal(3, &[(GREEN, OPEN)])]).0, [(GREEN, OPEN, OPEN)]);
+}
+
+#[test]
+fn an_open_green_lasts_until_the_next_message_and_its_yellow_after_it() {
+    let mut drive = Drive::default();
+    let mut actuated = signal(1, &[(GREEN, 5.0), (YELLOW, 9.0), (RED, 40.0)]);
+    for interval in &mut actuated.intervals[..3] {
+        (interval.likely_end_s, interval.max_end_s) = (interval.min_end_s + 9.0, OPEN);
     }
-    // A new signal whose phase is over shows nothing.
-    let (believed, _) = last(&[spat(11.0, &[signal(1, &[(RED, 10.0), (GREEN, 20.0)])])]);
-    assert_eq!(believed.signals[0].count, 0);
-}
-
-#[test]
-fn an_overdue_green_is_shown_with_a_yellow_that_is_long_enough_alone() {
-    let believed = |phases: &[(u32, f64)]| {
-        let signal = signal(1, phases);
-        ends(&last(&[spat(5.0, &[signal]), spat(9.0, &[signal])]).0, 0)
-    };
-    let close = |found: &[f64], expected: &[f64]| {
-        found.len() == expected.len()
-            && found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9)
-    };
-    assert!(close(&believed(&[(GREEN, 8.0), (YELLOW, 8.5), (RED, 30.0)]), &[9.4, 9.5]));
-    // Too short a yellow, another order or an open end: what was announced before.
-    for phases in [
-        [(GREEN, 8.0), (YELLOW, 8.3), (RED, 30.0)],
-        [(GREEN, 8.0), (RED, 12.0), (GREEN, 30.0)],
-        [(RED, 8.0), (YELLOW, 12.0), (GREEN, 30.0)],
-        [(GREEN, 8.0), (YELLOW, f64::INFINITY), (RED, f64::INFINITY)],
-    ] {
-        assert_eq!(believed(&phases), phases.map(|(_, end_s)| end_s), "{phases:?}");
-    }
-    assert_eq!(believed(&[(GREEN, 8.0)]), [8.0]);
-}
-
-#[test]
-fn around_a_switch_the_phase_before_and_the_one_after_agree() {
-    let first = spat(5.0, &[signal(1, &[(RED, 20.0), (GREEN, 30.0), (RED, 50.0)])]);
-    let at = |now_s: f64, phases: &[(u32, f64)]| last(&[first, spat(now_s, &[signal(1, phases)])]);
-    // 0.35 s before and after the switch the other phase is not a refutation: its end is compared.
-    assert!(at(20.3, &[(RED, 20.25), (GREEN, 30.3)]).1, "0.25 s late and still red");
-    assert!(at(19.7, &[(GREEN, 28.0), (RED, 50.0)]).1, "early green that ends early");
-    assert!(!at(19.7, &[(GREEN, 30.1), (RED, 50.0)]).1);
-    // Farther from it another phase refutes the known one, and is used.
-    let (believed, contradicts) = at(19.6, &[(GREEN, 28.0), (RED, 50.0)]);
-    assert_eq!((ends(&believed, 0), contradicts), (vec![28.0, 50.0], false));
-}
-
-#[test]
-fn the_larger_of_two_offsets_counts_for_a_signal_that_is_new() {
-    let two = |a_s: f64, b_s: f64| {
-        [
-            signal(1, &[(RED, 20.0 + a_s), (GREEN, 30.0 + a_s)]),
-            signal(2, &[(RED, 20.0 + b_s), (GREEN, 30.0 + b_s)]),
-        ]
-    };
-    let new = signal(3, &[(RED, 20.0), (GREEN, 30.0)]);
-    for (a_s, b_s, worst_s) in
-        [(-1.0, -3.0, -3.0), (-3.0, -1.0, -3.0), (1.0, -3.0, -3.0), (2.0, 1.0, 2.0)]
-    {
-        let first = spat(5.0, &two(0.0, 0.0));
-        let [a, b] = two(a_s, b_s);
-        let (believed, contradicts) = last(&[first, spat(5.1, &[a, b, new])]);
-        assert!(contradicts);
-        // A green begins at the later of both times, and ends at the earlier.
-        let expected = [20.0 + f64::max(-worst_s, 0.0), 30.0 - f64::max(worst_s, 0.0)];
-        assert_eq!(ends(&believed, 2), expected, "{a_s} {b_s}");
-        // Its known end is the one that it announces without the offset.
-        let honest = signal(3, &[(RED, 20.0 - worst_s), (GREEN, 30.0 - worst_s)]);
-        let [a, b] = two(0.0, 0.0);
-        let after = spat(5.2, &[a, b, honest]);
-        let (believed, contradicts) =
-            last(&[first, spat(5.1, &[two(a_s, b_s)[0], two(a_s, b_s)[1], new]), after]);
-        assert_eq!(
-            (ends(&believed, 2), contradicts),
-            (vec![20.0 - worst_s, 30.0 - worst_s], false)
-        );
-    }
-}
-
-#[test]
-fn one_that_agrees_ends_the_offset_and_an_open_one_does_not() {
-    let signal_of = |id: u32, off_s: f64| signal(id, &[(RED, 20.0 + off_s), (GREEN, 30.0 + off_s)]);
-    let jumped = [spat(5.0, &[signal_of(1, 0.0)]), spat(5.1, &[signal_of(1, -2.0)])];
-    let new = signal_of(2, -2.0);
-    let after = |message: Spat, then_s: f64| {
-        let messages = [&jumped[..], &[message, spat(then_s, &[new])]].concat();
-        last(&messages).1
-    };
-    assert!(!after(spat(5.2, &[signal_of(1, 0.0)]), 5.3), "it is in order again");
-    let open = signal(1, &[(RED, f64::INFINITY)]);
-    assert!(after(spat(5.2, &[open]), 5.3), "it says nothing of its end");
+    let (used, doubts) = drive.look(7.0, &[actuated]);
+    assert_eq!(used, [(GREEN, 7.4, OPEN), (YELLOW, 11.0, OPEN), (RED, 40.0, OPEN)]);
+    assert!(!doubts, "its likely end is announced");
 }
 
 #[test]
 fn sixteen_signals_are_kept_and_the_oldest_gives_way() {
-    let of = |id: u32, off_s: f64| signal(id, &[(RED, 90.0 + off_s), (GREEN, 99.0 + off_s)]);
-    let heard = |count: u32| -> Vec<Spat> {
-        (0..count).map(|id| spat(5.0 + 0.1 * f64::from(id), &[of(id, 0.0)])).collect()
+    let found = |count: u32, id: u32| {
+        let mut drive = Drive::default();
+        for k in 0..count {
+            drive.look(5.0 + 0.1 * f64::from(k), &[signal(k, &[(RED, 90.0), (GREEN, 99.0)])]);
+        }
+        drive.look(7.0, &[signal(id, &[(RED, 93.0), (GREEN, 99.0)])]).1
     };
-    let jumps =
-        |count: u32, id: u32| last(&[heard(count), vec![spat(9.0, &[of(id, 3.0)])]].concat()).1;
-    assert!(jumps(16, 0) && jumps(16, 15));
-    assert!(!jumps(17, 0), "the seventeenth has its place");
-    assert!(jumps(17, 1) && jumps(17, 16));
-    // Another group of the same intersection is another signal.
-    let mut other = of(1, 3.0);
-    other.signal_group = 7;
-    assert!(!last(&[heard(2), vec![spat(9.0, &[other])]].concat()).1);
+    assert!(found(16, 0) && found(16, 15) && found(17, 1) && found(17, 16));
+    assert!(!found(17, 0), "the seventeenth has its place");
 }
 
 #[test]
 fn counts_beyond_what_fits_are_as_many_as_fit() {
-    let mut many = spat(5.0, &[signal(1, &[(RED, 20.0), (GREEN, 30.0)])]);
+    let mut many = spat(5.0, &[cycle(1, 5.0, 0.0)]);
     many.count = u64::MAX;
     many.signals[0].count = u64::MAX;
-    let mut again = many;
-    again.header.acquisition_ns += 100_000_000;
-    assert_eq!(looked(&[many, again]).iter().filter(|(_, contradicts)| *contradicts).count(), 0);
-    // A signal behind the end of the list does not exist.
-    let mut hidden = spat(5.0, &[signal(1, &[(RED, 20.0)]), signal(2, &[(RED, 1.0)])]);
-    hidden.count = 1;
-    assert!(!last(&[hidden]).1);
-    hidden.count = 2;
-    assert!(last(&[hidden]).1);
+    let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
+    assert!(!countdown.look(&many, 5.1, &mut findings).1);
 }
 
 #[test]
-fn each_contradiction_is_counted_by_its_check() {
-    let (mut countdown, mut findings) = (Countdown::default(), Findings::default());
-    let mut look = |message: &Spat, time_s: f64| {
-        countdown.look(message, time_s, &mut findings);
-        let found = |check: Check| {
-            let (_, finding) = findings.iter().find(|(of, _)| *of == check).expect("one of all");
-            (finding.cycles, finding.first_s)
-        };
-        (found(Check::CountdownAgainstHistory), found(Check::CountdownAgainstClock))
-    };
-    let of = |off_s: f64| signal(1, &[(RED, 20.0 + off_s), (GREEN, 30.0 + off_s)]);
-    assert_eq!(look(&spat(5.0, &[of(0.0)]), 5.05), ((0, None), (0, None)));
-    assert_eq!(look(&spat(5.1, &[of(1.0)]), 5.15), ((1, Some(5.15)), (0, None)));
-    assert_eq!(
-        look(&spat(5.1, &[of(1.0)]), 5.25),
-        ((1, Some(5.15)), (0, None)),
-        "the same message"
-    );
-    assert_eq!(look(&spat(20.5, &[of(0.0)]), 20.55), ((1, Some(5.15)), (1, Some(20.55))));
+fn clocks_may_differ() {
+    let mut findings = Findings::default();
+    for (clocks_s, doubts) in [(0.0, true), (0.25, false)] {
+        let mut countdown = Countdown::new(clocks_s);
+        countdown.look(&spat(19.9, &[cycle(1, 19.9, 0.0)]), 20.0, &mut findings);
+        let late = spat(20.5, &[cycle(1, 19.9, 0.0)]);
+        assert_eq!(countdown.look(&late, 20.6, &mut findings).1, doubts, "{clocks_s}");
+    }
 }

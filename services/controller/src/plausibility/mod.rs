@@ -13,15 +13,15 @@
 //! | [`Check::RadarFrozen`] | a scan with the one before: noise never repeats itself, nor do exact range rates while the ego's speed changes | the radar is not used |
 //! | [`Check::RangeRateAgainstRange`] | the change of a track's range with its range rate | the same |
 //! | [`Check::TargetAgainstTrack`] | the target with the track that it is made of | of each figure the more careful one |
-//! | [`Check::CountdownAgainstClock`] | the end of a shown phase with the time | that signal's earlier announcement |
-//! | [`Check::CountdownAgainstHistory`] | announced ends with those announced before | what both say |
+//! | [`Check::CountdownAgainstClock`] | the end of a shown phase with the time of its switch | announced ends lose trust, see [`countdown`] |
+//! | [`Check::CountdownAgainstHistory`] | announced ends with those announced before | the same |
 //!
 //! While odometry is not used, [`estimate::EgoEstimate`] goes on from its last value for a while. The plant checks
 //! commands: one whose cycle began before the time it is stamped with is an earlier one.
 //!
 //! Three faults cannot be found without another sensor. Odometry may have both position and speed wrong, with no object
 //! beside the road for the radar. A frozen radar may show an empty road. A countdown may be off from the first
-//! announcement on, until its first phase ends at another time.
+//! announcement on, until a phase ends at another time.
 
 pub mod countdown;
 pub mod estimate;
@@ -144,10 +144,10 @@ pub struct TrustedInputs<'a> {
     pub odometry: Option<&'a Odometry>,
     /// Tracks; `None` if they contradict something.
     pub radar: Option<&'a RadarTracks>,
-    /// Signal timing, as far as it does not contradict what was announced before.
+    /// Signal timing, as far as its announcements hold.
     pub spat: Option<&'a Spat>,
     /// Signal timing was cut down to that.
-    pub signals_contradict: bool,
+    pub signals_doubted: bool,
 }
 
 /// Checks all inputs of one controller.
@@ -188,11 +188,11 @@ impl Plausibility {
         let radar = radar.and_then(|sample| radars.look(sample, odometry, time_s, findings));
         let odometry = odometry
             .filter(|sample| motion.agrees(sample, radar, commanded_mps2, time_s, findings));
-        let (spat, signals_contradict) = match spat.map(|s| countdown.look(s, time_s, findings)) {
+        let (spat, signals_doubted) = match spat.map(|s| countdown.look(s, time_s, findings)) {
             Some((believed, contradicts)) => (Some(believed), contradicts),
             None => (None, false),
         };
-        TrustedInputs { odometry, radar, spat, signals_contradict }
+        TrustedInputs { odometry, radar, spat, signals_doubted }
     }
 
     /// Findings of the checks so far.

@@ -35,7 +35,7 @@ fn frame(message: Message, ms: i64) -> Vec<u8> {
     Frame { source, message }.encode().expect("in range")
 }
 
-/// Green until `end_ms`, then red for a minute.
+/// Green until `end_ms`, then yellow for three seconds and red up to a minute.
 fn spatem(station_id: u32, ms: i64, end_ms: i64) -> Spatem {
     let event = |state, end_ms: i64| {
         let mark = TimeMark::of(at(end_ms).utc_ms(), at(ms).utc_ms());
@@ -51,6 +51,7 @@ fn spatem(station_id: u32, ms: i64, end_ms: i64) -> Spatem {
     };
     let events = vec![
         event(MovementPhase::ProtectedMovementAllowed, end_ms),
+        event(MovementPhase::ProtectedClearance, end_ms + 3_000),
         event(MovementPhase::StopAndRemain, end_ms + 60_000),
     ];
     let state = IntersectionState {
@@ -129,8 +130,8 @@ fn the_lane_of_the_vehicle_and_its_signal_are_handed_on() {
     let (mut map, mut spat) = (Map::zeroed(), Spat::zeroed());
     receiver.write(0, 0.0, &mut map, &mut spat);
     assert_eq!((map.lanes[0].intersection_id, map.lanes[0].signal_group), (1, 7));
-    assert_eq!(spat.signals[0].count, 2);
-    assert_eq!(spat.signals[0].intervals[1].state, PhaseState::StopAndRemain.to_wire());
+    assert_eq!(spat.signals[0].count, 3);
+    assert_eq!(spat.signals[0].intervals[2].state, PhaseState::StopAndRemain.to_wire());
     // Passed lines are not handed on.
     let (mut map, mut spat) = (Map::zeroed(), Spat::zeroed());
     assert_eq!(receiver.write(0, 346.0, &mut map, &mut spat), None);
@@ -191,20 +192,25 @@ fn a_clock_that_is_off_moves_the_ends_and_too_far_refuses_all() {
 fn a_change_must_be_repeated() {
     let mut receiver = informed();
     assert_eq!(receiver.take(&spat(100, 25_000), &at(100)), Verdict::Contradicting);
-    assert_eq!(told(&receiver, 100), (vec![300.0], Some(20.0), Some(0)));
+    assert_eq!(told(&receiver, 100), (vec![300.0], Some(20.0), Some(100)), "green, as before");
     assert_eq!(receiver.take(&spat(200, 20_000), &at(200)), Verdict::Accepted);
     assert_eq!(receiver.take(&spat(300, 25_000), &at(300)), Verdict::Contradicting);
-    assert_eq!(receiver.take(&spat(400, 25_000), &at(400)), Verdict::Accepted);
-    assert_eq!(told(&receiver, 400).1, Some(25.0));
+    // Its end may change again: the shown phase counts.
+    assert_eq!(receiver.take(&spat(400, 27_000), &at(400)), Verdict::Accepted);
+    assert_eq!(told(&receiver, 400).1, Some(27.0));
+    let red = |ms| spat(ms, ms - 5_000);
+    assert_eq!(receiver.take(&red(9_000), &at(9_000)), Verdict::Contradicting);
+    assert_eq!(told(&receiver, 9_000), (vec![300.0], Some(27.0), Some(400)), "it may be false");
+    assert_eq!(receiver.take(&red(9_100), &at(9_100)), Verdict::Accepted);
 }
 
 #[test]
-fn two_units_that_disagree_make_the_signal_unknown() {
+fn two_units_that_disagree_about_an_end_leave_the_shown_phase() {
     let mut receiver = informed();
     let other = |ms, end_ms| frame(Message::Spatem(spatem(200_001, ms, end_ms)), ms);
     assert_eq!(receiver.take(&other(100, 30_000), &at(100)), Verdict::Contradicting);
     assert_eq!(receiver.take(&spat(200, 20_000), &at(200)), Verdict::Contradicting);
-    assert_eq!(told(&receiver, 200), (vec![300.0], None, Some(0)));
+    assert_eq!(told(&receiver, 200), (vec![300.0], Some(f64::INFINITY), Some(200)));
     // A single message stands for two seconds.
     for ms in (300..=2_000).step_by(100) {
         assert_eq!(receiver.take(&spat(ms, 20_000), &at(ms)), Verdict::Contradicting);
@@ -230,7 +236,9 @@ fn a_unit_that_was_contradicted_twice_is_not_right_because_the_other_one_is_sile
     }
     for ms in (1_000..29_000).step_by(1_000) {
         assert_eq!(receiver.take(&other(ms, 30_000), &at(ms)), Verdict::Contradicting, "{ms}");
-        assert_eq!(told(&receiver, ms), (vec![300.0], None, Some(100)));
+        // Yellow from 20 s on by the one, and green by the other.
+        let end = (ms < 20_000).then_some(f64::INFINITY);
+        assert_eq!(told(&receiver, ms).1, end, "{ms}");
     }
     // The first unit's announcements are over.
     for ms in [81_000, 81_100] {

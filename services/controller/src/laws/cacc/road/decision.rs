@@ -4,9 +4,12 @@
 //! in the part of the yellow in which a driver could not stop. The plan has the law's acceleration, the actuator's lag and
 //! the speeds that are safe behind the lead. The safety filter must let it through as well: from the place where a stop
 //! is no longer possible, the speed there is enough. No margin is added: an uncertain end is announced as an early one.
-//! The plans are then judged by one cost. A decision for a line stays until the other choice is better by the hysteresis. At a dilemma the
-//! vehicle can neither pass the line in green nor stop comfortably. It then crosses in yellow if that is possible, and
-//! brakes hard otherwise. Yellow counts as green for a vehicle that a driver with a reaction time could not stop
+//! A green with a later likely end, or an unknown one, is driven to as a driver does. The vehicle goes on while it can
+//! stop for the yellow or clear the line in it.
+//!
+//! The plans are then judged by one cost. A decision for a line stays until the other choice is better by the
+//! hysteresis. At a dilemma the vehicle can neither pass the line in green nor stop comfortably. It then crosses in
+//! yellow if that is possible, and brakes hard otherwise. Yellow counts as green for a vehicle that a driver with a reaction time could not stop
 //! comfortably. Yellow is as long as such a driver needs (ITE 2020). A line whose phase is not known is taken for red
 //! as long as the hardest braking stops before it. A vehicle that stands at the line starts when green is shown, if it
 //! clears the line before red. The announcement has no part in it.

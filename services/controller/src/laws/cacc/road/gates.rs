@@ -31,9 +31,9 @@ impl RoadLaw {
                     let reference =
                         &self.planner.candidate_of(choice.unwrap_or(Choice::Pass)).reference;
                     line.known
-                        && reference
-                            .reaches(distance_m, n)
-                            .is_some_and(|k| now + k as f64 * self.planner.lag.step_s <= green.to_s)
+                        && reference.reaches(distance_m, n).is_some_and(|k| {
+                            now + k as f64 * self.planner.lag.step_s <= green.likely_s
+                        })
                 }
             };
             let rule = match open {

@@ -207,8 +207,10 @@ impl RoadLaw {
             let stage = ((time_s - now) / step_s + 1e-6).floor();
             (stage >= 1.0).then(|| (stage.min(1e6)) as usize)
         };
-        let deadline = green
-            .and_then(|green| stage_at(green.to_s + self.clearance_s(&green, seen.ego.speed_mps)));
+        let deadline = green.and_then(|green| {
+            let latest_s = green.to_s + self.clearance_s(&green, seen.ego.speed_mps);
+            stage_at(latest_s.max(green.likely_s))
+        });
         let n = self.config.horizon_steps;
         let (mut reaches, mut clears, mut untouched) = (false, false, false);
         let mut shortfall_m = 0.0;
@@ -228,8 +230,11 @@ impl RoadLaw {
             let by = |stage: Option<usize>| {
                 stage.is_some_and(|stage| arrival.map_or(stage > n, |arrival| arrival <= stage))
             };
+            // Where its end is open, the filter keeps the vehicle able to stop or to clear the line in yellow.
             reaches = by(deadline)
-                && (arrival.is_none() || self.planner.is_let_through(line_m, red_in_s, filter));
+                && (arrival.is_none()
+                    || green.likely_s > green.to_s
+                    || self.planner.is_let_through(line_m, red_in_s, filter));
             clears = by(stage_at(green.clear_s))
                 || green.from_s <= now
                     && filter.can_cross(seen.ego, seen.lead.as_ref(), line_m, red_in_s);

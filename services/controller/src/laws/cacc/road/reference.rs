@@ -243,7 +243,7 @@ impl Scene<'_> {
         };
         let arrival = time + way_s;
         for green in line.greens() {
-            if arrival > green.to_s {
+            if arrival > green.likely_s {
                 continue;
             }
             return if green.from_s <= time { Gate::Open } else { Gate::ClosedUntil(green.from_s) };

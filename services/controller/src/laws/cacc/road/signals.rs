@@ -19,8 +19,10 @@ const SAME_END_S: f64 = 0.35;
 pub(super) struct Green {
     /// Start of green.
     pub(super) from_s: f64,
-    /// Earliest end of green: a pass counts on no later one.
+    /// Earliest end of green. A pass counts on no later one, except where the filter can stop for it.
     pub(super) to_s: f64,
+    /// Likely end of the shown green, if it differs; infinite if it is not known.
+    pub(super) likely_s: f64,
     /// End of the yellow that follows; the end of green where none is announced.
     pub(super) clear_s: f64,
 }
@@ -69,7 +71,8 @@ impl Line {
             }
             match interval.phase {
                 Phase::Green => {
-                    greens[count] = Green { from_s: from, to_s: to, clear_s: to };
+                    let likely_s = if first { to.max(now_s + signal.likely_s) } else { to };
+                    greens[count] = Green { from_s: from, to_s: to, likely_s, clear_s: to };
                     count += 1;
                 }
                 Phase::Yellow if count > 0 && greens[count - 1].to_s == from => {
@@ -80,15 +83,17 @@ impl Line {
                     let same = |green: &&Green| (green.clear_s - to).abs() <= SAME_END_S;
                     let known = before[..self.count].iter().find(same);
                     let to_s = known.map_or(from, |green| green.to_s.min(from));
-                    greens[count] = Green { from_s: to_s, to_s, clear_s: to };
+                    greens[count] = Green { from_s: to_s, to_s, likely_s: to_s, clear_s: to };
                     count += 1;
                 }
                 Phase::Yellow | Phase::Red => {}
                 Phase::Unknown if first => break,
                 Phase::Unknown => break,
             }
+            // A red opens the line when another phase is shown: its likely end serves to plan.
+            let is_likely = first && interval.phase == Phase::Red && signal.likely_s > 0.0;
+            from = if is_likely { to.min(now_s + signal.likely_s) } else { to };
             first = false;
-            from = to;
         }
         // Between the end of green and the next message, the yellow that was announced for then holds.
         let heard_s = self.heard_s;
@@ -210,8 +215,8 @@ mod tests {
         let line = memory.lines()[0];
         assert_eq!((line.at_m, line.known), (180.0, true));
         let expected = [
-            Green { from_s: 5.0, to_s: 5.0, clear_s: 7.0 },
-            Green { from_s: 15.0, to_s: 35.0, clear_s: 38.0 },
+            Green { from_s: 5.0, to_s: 5.0, likely_s: 5.0, clear_s: 7.0 },
+            Green { from_s: 15.0, to_s: 35.0, likely_s: 35.0, clear_s: 38.0 },
         ];
         assert_eq!(line.greens(), expected);
     }
@@ -226,9 +231,24 @@ mod tests {
             memory.update(&input(10.0, time_s, Some(signal(40.0, &yellow))));
             assert_eq!(
                 memory.lines()[0].greens()[0],
-                Green { from_s: 2.0, to_s: 2.0, clear_s: 5.0 }
+                Green { from_s: 2.0, to_s: 2.0, likely_s: 2.0, clear_s: 5.0 }
             );
         }
+    }
+
+    #[test]
+    fn a_likely_end_plans_and_the_earliest_one_is_kept() {
+        let mut memory = SignalMemory::default();
+        let phases = [(Phase::Green, 0.4), (Phase::Yellow, 3.0)];
+        let open = SignalAhead { likely_s: f64::INFINITY, ..signal(80.0, &phases) };
+        memory.update(&input(0.0, 5.0, Some(open)));
+        let green = Green { from_s: 5.0, to_s: 5.4, likely_s: f64::INFINITY, clear_s: 8.0 };
+        assert_eq!(memory.lines()[0].greens(), [green]);
+        let red = [(Phase::Red, 20.0), (Phase::Green, 30.0)];
+        memory.update(&input(0.0, 9.0, Some(SignalAhead { likely_s: 6.0, ..signal(80.0, &red) })));
+        let green = Green { from_s: 15.0, to_s: 39.0, likely_s: 39.0, clear_s: 39.0 };
+        assert_eq!(memory.lines()[0].greens(), [green]);
+        assert!(memory.lines()[0].shown(9.0).is_none());
     }
 
     #[test]
