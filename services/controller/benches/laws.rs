@@ -90,7 +90,8 @@ fn moment(k: usize) -> Input {
         speed_limit_mps: 30.0,
         ..Input::default()
     };
-    input.signals[0] = Some(SignalAhead { id: 257, distance_m: 150.0, intervals, count: 2 });
+    input.signals[0] =
+        Some(SignalAhead { id: 257, distance_m: 150.0, intervals, count: 2, likely_s: 0.0 });
     input.powertrain =
         Some(Powertrain { gear: 5, since_shift_s: 20.0, engine_torque_nm: 800.0, grade: 0.005 });
     input.preview = Some(Preview {

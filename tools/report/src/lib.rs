@@ -45,7 +45,7 @@ mod timing;
 pub mod trajectory;
 pub mod verdicts;
 
-pub use ::drive::summary::{self, Following, Passing, Trip, nothing_ahead, targets};
+pub use ::drive::summary::{self, Following, Passing, Trip, targets};
 pub use compare::overlay;
 pub use picture::RunPicture;
 pub use plane::PlaneView;

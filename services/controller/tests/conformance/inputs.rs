@@ -13,7 +13,7 @@ pub fn signal(distance_m: f64, phases: &[(Phase, f64)]) -> SignalAhead {
     for (slot, (phase, ends_in_s)) in intervals.iter_mut().zip(phases) {
         *slot = PhaseInterval { phase: *phase, ends_in_s: *ends_in_s };
     }
-    SignalAhead { id: 257, distance_m, intervals, count: phases.len() }
+    SignalAhead { id: 257, distance_m, intervals, count: phases.len(), likely_s: 0.0 }
 }
 
 /// An ordinary moment: 20 m/s, a car ahead, a green light.
@@ -107,7 +107,7 @@ pub fn numbers(input: &mut Input) -> Vec<&mut f64> {
         all.extend([&mut t.gap_m, &mut t.relative_speed_mps, acceleration, &mut t.age_s]);
     }
     for s in input.signals.iter_mut().flatten() {
-        all.push(&mut s.distance_m);
+        all.extend([&mut s.distance_m, &mut s.likely_s]);
         all.extend(s.intervals.iter_mut().map(|i| &mut i.ends_in_s));
     }
     if let Some(p) = &mut input.powertrain {

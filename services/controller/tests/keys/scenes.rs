@@ -144,5 +144,6 @@ fn signal(distance_m: f64, time_s: f64, phases: &[(Phase, f64); 3]) -> Option<Si
         distance_m,
         intervals,
         count,
+        likely_s: 0.0,
     })
 }

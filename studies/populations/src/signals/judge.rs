@@ -83,10 +83,8 @@ fn passed_s(line_m: f64, steps: &[DriveStep]) -> Option<f64> {
 fn fastest(scenario: &Scenario, end_m: f64) -> (f64, f64) {
     let start = Some(Passing::start(scenario));
     let mut signals = scenario.v2x.signals.iter();
-    let last = signals
-        .try_fold(start, |ego, signal| Some(ego?.past(scenario, signal, &report::nothing_ahead)))
-        .flatten();
-    let end = last.and_then(|last| last.along(scenario, end_m, &report::nothing_ahead));
+    let last = signals.try_fold(start, |ego, signal| Some(ego?.past(scenario, signal))).flatten();
+    let end = last.and_then(|last| last.along(scenario, end_m));
     (last.map_or(0.0, |last| last.time_s), end.map_or(0.0, |end| end.time_s))
 }
 

@@ -34,7 +34,7 @@ pub fn scene(number: u64, law: &str) -> Scene {
 }
 
 /// Wrong countdowns, from the first message on: name, and a key of `[v2x.unit]`. Each corridor has one, in turn.
-const ERRORS: [(&str, &str); 9] = [
+const ERRORS: [(&str, &str); 12] = [
     ("20 s early", "countdown_jump_s = -20"),
     ("10 s early", "countdown_jump_s = -10"),
     ("4 s early", "countdown_jump_s = -4"),
@@ -43,7 +43,10 @@ const ERRORS: [(&str, &str); 9] = [
     ("4 s late", "countdown_jump_s = 4"),
     ("10 s late", "countdown_jump_s = 10"),
     ("20 s late", "countdown_jump_s = 20"),
+    ("jitter of 2 s", "countdown_jitter_s = 2"),
     ("stuck", "countdown_slide = 1"),
+    ("extended by 4 s", "countdown_extends_s = 4"),
+    ("no next phase", "countdown_lacks_next = true"),
 ];
 
 /// Name of the error in corridor `number`.
@@ -118,7 +121,10 @@ impl Population for Signals {
             number("cycles_missed_ratio", "cycles missed, ratio", "", 2, "Missed cycles over the rival's").less() =>
                 |all| ratio(cycles(all, OURS), cycles(all, RIVAL));
             number("trip_ratio", "trip, ratio", "", 3, "Mean trip over the rival's").less() =>
-                |all| ratio(all.mean(|d| trip_s(d, OURS)), all.mean(|d| trip_s(d, RIVAL)));
+                |all| ratio(
+                    all.mean(|d| trip_s(d, OURS).filter(|_| is_compared(all, d))),
+                    all.mean(|d| trip_s(d, RIVAL).filter(|_| is_compared(all, d))),
+                );
             number("wrong_trip_ratio", "trip with wrong countdowns, ratio", "", 3, WRONG).less() =>
                 |all| json!(ERRORS.iter().filter_map(|(error, _)| wrong_ratio(all, error)).reduce(f64::max));
         }
@@ -167,11 +173,14 @@ impl Population for Signals {
                         |all| json!(all.count(|d| is_wrong(d) && d.outcome == Outcome::RedLight));
                     count("collisions", "collisions", "Runs of cacc-mpc that ended in a collision").less() =>
                         |all| json!(all.count(|d| is_wrong(d) && d.outcome == Outcome::Collision));
-                    seconds("trip_s", OURS, "Mean trip of cacc-mpc") => |all| json!(all.mean(wrong_trip_s));
+                    seconds("trip_s", OURS, "Mean trip of cacc-mpc where the rival came to the end") =>
+                        |all| json!(wrong_trips_s(all, |_| true).0);
                     seconds("rival_trip_s", RIVAL, "Mean trip of acc-signal-stop in the same corridors") =>
-                        |all| json!(all.mean(|drive| trip_s(drive, RIVAL)));
-                    number("ratio", "ratio", "", 3, "Ours over the rival's").less() =>
-                        |all| ratio(all.mean(wrong_trip_s), all.mean(|drive| trip_s(drive, RIVAL)));
+                        |all| json!(wrong_trips_s(all, |_| true).1);
+                    number("ratio", "ratio", "", 3, "Ours over the rival's").less() => |all| {
+                        let (ours_s, rival_s) = wrong_trips_s(all, |_| true);
+                        ratio(ours_s, rival_s)
+                    };
                 },
             },
         ]
@@ -236,16 +245,27 @@ fn trip_s(drive: &Drive<Facts>, law: &str) -> Option<f64> {
     is_right(drive, law).then_some(drive.facts.trip_s)
 }
 
-fn wrong_trip_s(drive: &Drive<Facts>) -> Option<f64> {
-    is_wrong(drive).then_some(drive.facts.trip_s)
+/// True if the rival came to the end of the drive's corridor. A drive that ended at a red light has no trip.
+fn is_compared(all: &Drives<'_, Facts>, drive: &Drive<Facts>) -> bool {
+    let is_short = |rival: &&&Drive<Facts>| {
+        rival.planned.law == RIVAL
+            && rival.planned.number == drive.planned.number
+            && rival.outcome != Outcome::Completed
+    };
+    !all.all.iter().any(|rival| is_short(&rival))
+}
+
+/// Mean trip with wrong countdowns, and the rival's in the same corridors, s.
+fn wrong_trips_s(all: &Drives<'_, Facts>, has: impl Fn(&Drive<Facts>) -> bool) -> (f64, f64) {
+    let counts = |drive: &Drive<Facts>| has(drive) && is_compared(all, drive);
+    let ours = |d: &Drive<Facts>| (is_wrong(d) && counts(d)).then_some(d.facts.trip_s);
+    (all.mean(ours), all.mean(|drive| trip_s(drive, RIVAL).filter(|_| counts(drive))))
 }
 
 /// Mean trip with an error over the rival's in the same corridors; `None` without such drives.
 fn wrong_ratio(all: &Drives<'_, Facts>, error: &str) -> Option<f64> {
-    let has = |drive: &Drive<Facts>| error_of(drive.planned.number) == error;
-    let ours = |drive: &Drive<Facts>| wrong_trip_s(drive).filter(|_| has(drive));
-    let rival = |drive: &Drive<Facts>| trip_s(drive, RIVAL).filter(|_| has(drive));
-    ratio(all.mean(ours), all.mean(rival)).as_f64().filter(|ratio| *ratio > 0.0)
+    let (ours_s, rival_s) = wrong_trips_s(all, |drive| error_of(drive.planned.number) == error);
+    ratio(ours_s, rival_s).as_f64().filter(|ratio| *ratio > 0.0)
 }
 
 fn cycles(all: &Drives<'_, Facts>, law: &str) -> f64 {
@@ -291,7 +311,7 @@ mod tests {
     fn a_red_light_breaks_the_verdict_unless_it_is_the_rivals() {
         let (done, red) = (Outcome::Completed, Outcome::RedLight);
         let wrong = drive(OURS, error_of(1), 0, done);
-        let drives = [drive(OURS, "", 1, done), drive(RIVAL, "", 2, red), wrong];
+        let mut drives = [drive(OURS, "", 1, done), drive(RIVAL, "", 2, red), wrong];
         assert_eq!(Signals::finding(&drives[0]), None);
         assert!(!Signals::is_judged(&drives[1]) && Signals::is_judged(&drives[2]));
         let broken = Signals::finding(&drive(OURS, "", 0, red));
@@ -301,7 +321,9 @@ mod tests {
         assert_eq!((&laws[0]["cycles_missed"], &laws[1]["red_lights"]), (&json!(1), &json!(1)));
         assert_eq!(laws[0]["excess_trip_s"], json!({"mean": 2.0, "p90": 2.0}));
         assert_eq!(by_lead[0]["lead"], "without a lead");
-        assert_eq!((&wrong[0]["corridors"], &wrong[0]["ratio"]), (&json!(1), &json!(1.0)));
+        // The rival did not come to the end: there is no trip to compare with.
+        assert_eq!((&wrong[0]["corridors"], &wrong[0]["ratio"]), (&json!(1), &json!(null)));
+        drives[1].outcome = done;
         let all = Drives { labels: Vec::new(), all: drives.iter().collect() };
         let mut found = serde_json::Map::new();
         crate::figures::values(&Signals::figures(), &all, &mut found);
@@ -313,5 +335,37 @@ mod tests {
             (&found["wrong_trip_ratio"], &found["beyond_bound_free_s"]),
             (&json!(1.0), &json!(1.0))
         );
+    }
+
+    /// Time at the last line of the built-in `corridor`, s, and the time on the level of doubted signals.
+    fn corridor_drive(law: &str, keys: &str) -> (f64, f64) {
+        let builtin = scenario::builtin::find("corridor").expect("it is built in").text;
+        let text = format!("{}\n{keys}", builtin.replace(OURS, law));
+        let check = &controller::laws::check;
+        let scenario = Scenario::parse_with("corridor", &text, &Default::default(), check);
+        let scenario = scenario.expect("the keys are right");
+        let group =
+            group::GroupOptions { programs: Vec::new(), ready_timeout: 1.0, processes: false };
+        let done = frame::batch::lockstep(&scenario, &group, &|| true);
+        let summary = done.expect("it runs").summary;
+        assert_eq!(summary.outcome, Outcome::Completed, "{keys}");
+        let doubted_s = summary.rungs["controller"].time_s.get("signals-doubted");
+        let trip_s = summary.control.trip.trip_time_s;
+        (trip_s.unwrap_or(f64::INFINITY), doubted_s.copied().unwrap_or(0.0))
+    }
+
+    #[test]
+    fn no_wrong_countdown_costs_more_than_having_none() {
+        let (by_eye_s, _) = corridor_drive(RIVAL, "");
+        let (right_s, doubted_s) = corridor_drive(OURS, "");
+        assert!(right_s <= by_eye_s && doubted_s == 0.0, "{right_s} {by_eye_s}, {doubted_s}");
+        let late = ["4 s early", "20 s early"].map(|error| (error, 3.0));
+        for (error, from_s) in ERRORS.iter().map(|(error, _)| (*error, 0.0)).chain(late) {
+            let (trip_s, doubted_s) = corridor_drive(OURS, &wrong(error, from_s));
+            assert!(trip_s <= 1.03 * by_eye_s, "{error}: {trip_s} s, by eye {by_eye_s} s");
+            // An end that is off by less than what clocks and messages differ is not found.
+            let is_hidden = ["no next phase", "1 s late", "1 s early"].contains(&error);
+            assert!(is_hidden || doubted_s > 1.0, "{error}: {doubted_s} s");
+        }
     }
 }

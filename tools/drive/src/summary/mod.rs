@@ -14,7 +14,7 @@ pub use following::Following;
 pub use host::Host;
 pub use law::LawAccount;
 pub use topics::TopicCounts;
-pub use trip::{Passing, Trip, nothing_ahead};
+pub use trip::{Passing, Trip};
 
 use crate::report::{
     CheckReport, ControlFigures, ControllerReport, Details, Hops, LinkReport, ModeChange,

@@ -70,7 +70,7 @@ fn fastest(scenario: &Scenario) -> Option<f64> {
     let mut ego = Passing::start(scenario);
     let ahead = scenario.v2x.signals.iter().filter(|signal| signal.stop_line_m.value() > 0.0);
     for signal in ahead {
-        ego = ego.past(scenario, signal, &nothing_ahead)?;
+        ego = ego.past(scenario, signal)?;
     }
     Some(ego.time_s)
 }
@@ -94,24 +94,18 @@ impl Passing {
         Self { time_s: 0.0, place_m: 0.0, speed_mps }
     }
 
-    /// The earliest passing of a stop line, never beyond the position `ahead` of each time, m. `None` for
-    /// trucks, and if the signal stays red.
+    /// The earliest passing of a stop line. `None` for trucks, and if the signal stays red.
     #[must_use]
-    pub fn past(
-        self,
-        scenario: &Scenario,
-        signal: &Signal,
-        ahead: &dyn Fn(f64) -> f64,
-    ) -> Option<Self> {
+    pub fn past(self, scenario: &Scenario, signal: &Signal) -> Option<Self> {
         let program = Program::new(signal);
-        let at = self.along(scenario, signal.stop_line_m.value(), ahead)?;
+        let at = self.along(scenario, signal.stop_line_m.value())?;
         let time_s = opens_s(&program, at.time_s)?;
         Some(Self { time_s, ..at })
     }
 
     /// The earliest passing of a place without signals. `None` for trucks, and if it cannot be reached.
     #[must_use]
-    pub fn along(self, scenario: &Scenario, to_m: f64, ahead: &dyn Fn(f64) -> f64) -> Option<Self> {
+    pub fn along(self, scenario: &Scenario, to_m: f64) -> Option<Self> {
         let plant = &scenario.plant;
         if plant.vehicle.is_truck() {
             return None;
@@ -122,25 +116,16 @@ impl Passing {
         let mut speed_mps = speed_mps.min(top_mps);
         while place_m < to_m {
             let next_mps = (speed_mps + STEP_S * acceleration_mps2(plant, speed_mps)).min(top_mps);
-            let free_m = 0.5 * STEP_S * (speed_mps + next_mps);
-            let room_m = (ahead(time_s + STEP_S) - place_m).max(0.0);
-            if time_s > LONGEST_S || free_m <= 0.0 {
+            let way_m = 0.5 * STEP_S * (speed_mps + next_mps);
+            if time_s > LONGEST_S || way_m <= 0.0 {
                 return None;
             }
-            let way_m = free_m.min(room_m);
-            let share = if way_m > 0.0 { ((to_m - place_m) / way_m).min(1.0) } else { 1.0 };
-            time_s += share * STEP_S;
+            time_s += ((to_m - place_m) / way_m).min(1.0) * STEP_S;
             place_m += way_m;
-            speed_mps = if way_m < free_m { way_m / STEP_S } else { next_mps };
+            speed_mps = next_mps;
         }
         Some(Self { time_s, place_m: to_m, speed_mps })
     }
-}
-
-/// Nothing ahead, for [`Passing`].
-#[must_use]
-pub fn nothing_ahead(_: f64) -> f64 {
-    f64::INFINITY
 }
 
 /// Greatest acceleration at a speed, m/s².
