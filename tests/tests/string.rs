@@ -118,7 +118,7 @@ fn what_does_not_fit_is_refused_before_anything_runs() {
         (vec!["--vehicles", "0"], "--vehicles"),
         (vec!["--vehicles", "1001"], "at most 1000 cars"),
         (vec!["--vehicles", "2", "--controllers", "acc-mpc,none"], "unknown value `none`"),
-        (vec!["--vehicles", "2", "--frequencies", "1..0.1/4"], "expected A..B/N"),
+        (vec!["--vehicles", "2", "--frequencies", "1..0.1/4"], "expected A..B:log:N"),
         (vec!["--vehicles", "2", "--param", "runtime.extra_delay_ms=9..1/1"], "after its end"),
         (vec!["--vehicles", "2", "--param", "runtime.delay_ms=0,1"], "extra_delay_ms"),
         (vec!["--vehicles", "2", "--frequencies", "--set", "set_speed_mps=2"], "set speed of 2"),

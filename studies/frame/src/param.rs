@@ -35,6 +35,15 @@ pub enum ValuesError {
     /// A range that would not move on.
     #[error("the step {0} is not above 0")]
     Step(String),
+    /// A step beyond the end, such as a number of values behind the wrong sign.
+    #[error("the step {0} is longer than the range")]
+    LongStep(String),
+    /// A number of values that no range has.
+    #[error("`{0}` is not a number of values from 2 to {MAX_VALUES}")]
+    Points(String),
+    /// The logarithm of an end does not exist.
+    #[error("a logarithmic range begins above 0, not at {0}")]
+    NoLogarithm(String),
     /// A range that runs backwards.
     #[error("the range begins at {from}, after its end {to}")]
     Backwards {
@@ -66,7 +75,7 @@ impl Param {
     /// Reads `KEY=A..B/STEP` or `KEY=a,b,c`, the argument of `--param`.
     pub fn parse(argument: &str) -> Result<Self, UsageError> {
         let refuse = |why: ValuesError| {
-            UsageError::option("--param", argument, why, "KEY=A..B/STEP or KEY=a,b,c")
+            UsageError::option("--param", argument, why, "KEY=A..B/STEP, KEY=A..B:N or KEY=a,b,c")
         };
         let (key, list) = argument.split_once('=').ok_or_else(|| refuse(ValuesError::NoKey))?;
         let values = values(list, None).map_err(refuse)?;
@@ -97,19 +106,27 @@ pub fn refuse_if_set(by: &str, key: &str, options: &ScenarioOptions) -> Result<(
     }
 }
 
-/// The values of `A..B/STEP`, both ends included, or of `a,b,c`. A range without a step takes `usual_step`, if there is
-/// one.
+/// The values of a list or a range, both ends included:
+///
+/// | text | values |
+/// | --- | --- |
+/// | `a,b,c` | these |
+/// | `A..B/STEP` | from A in steps |
+/// | `A..B:N` | N, evenly |
+/// | `A..B:log:N` | N, evenly in the logarithm |
+///
+/// A range without a step takes `usual_step`, if there is one.
 pub fn values(list: &str, usual_step: Option<&str>) -> Result<Vec<String>, ValuesError> {
     // A path may have two dots as well; a range begins with a number.
     if let Some((from, rest)) = list.split_once("..")
         && from.trim().parse::<f64>().is_ok()
     {
-        let (to, step) = match (rest.split_once('/'), usual_step) {
-            (Some(parts), _) => parts,
-            (None, Some(step)) => (rest, step),
-            (None, None) => return Err(ValuesError::NoStep),
+        return match (rest.split_once('/'), rest.split_once(':'), usual_step) {
+            (Some((to, step)), ..) => range(from.trim(), to.trim(), step.trim()),
+            (None, Some((to, points)), _) => evenly(from.trim(), to.trim(), points.trim()),
+            (None, None, Some(step)) => range(from.trim(), rest.trim(), step),
+            (None, None, None) => Err(ValuesError::NoStep),
         };
-        return range(from.trim(), to.trim(), step.trim());
     }
     let values: Vec<String> = list.split(',').map(|value| value.trim().to_owned()).collect();
     if values.iter().any(String::is_empty) {
@@ -121,20 +138,47 @@ pub fn values(list: &str, usual_step: Option<&str>) -> Result<Vec<String>, Value
     Ok(values)
 }
 
-fn range(from: &str, to: &str, step: &str) -> Result<Vec<String>, ValuesError> {
-    // A number begins with a digit: a third dot is a slip, and no fraction.
-    let digits =
-        |text: &str| text.trim_start_matches(['-', '+']).starts_with(|c: char| c.is_ascii_digit());
-    let number = |text: &str| match text.parse::<f64>() {
-        Ok(number) if number.is_finite() && digits(text) => Ok(number),
+/// A number that begins with a digit: a third dot is a slip, and no fraction.
+fn number(text: &str) -> Result<f64, ValuesError> {
+    let digits = text.trim_start_matches(['-', '+']).starts_with(|c: char| c.is_ascii_digit());
+    match text.parse::<f64>() {
+        Ok(number) if number.is_finite() && digits => Ok(number),
         _ => Err(ValuesError::NotANumber(text.to_owned())),
+    }
+}
+
+/// Values from `from` to `to`, evenly, or evenly in their logarithms.
+fn evenly(from: &str, to: &str, points: &str) -> Result<Vec<String>, ValuesError> {
+    let (is_log, points) =
+        points.strip_prefix("log:").map_or((false, points), |points| (true, points.trim()));
+    let (first, last) = (number(from)?, number(to)?);
+    let count = points.parse::<usize>().ok().filter(|count| (2..=MAX_VALUES).contains(count));
+    let count = count.ok_or_else(|| ValuesError::Points(points.to_owned()))?;
+    if first >= last {
+        return Err(ValuesError::Backwards { from: from.to_owned(), to: to.to_owned() });
+    }
+    if is_log && first <= 0.0 {
+        return Err(ValuesError::NoLogarithm(from.to_owned()));
+    }
+    let steps = (count - 1) as f64;
+    let at = |place: usize| match is_log {
+        true => first * libm::exp(libm::log(last / first) / steps * place as f64),
+        false => first + (last - first) / steps * place as f64,
     };
+    let inner = (1..count - 1).map(|place| at(place).to_string());
+    Ok([from.to_owned()].into_iter().chain(inner).chain([to.to_owned()]).collect())
+}
+
+fn range(from: &str, to: &str, step: &str) -> Result<Vec<String>, ValuesError> {
     let [first, last, width] = [number(from)?, number(to)?, number(step)?];
     if width <= 0.0 {
         return Err(ValuesError::Step(step.to_owned()));
     }
     if first > last {
         return Err(ValuesError::Backwards { from: from.to_owned(), to: to.to_owned() });
+    }
+    if first < last && width > last - first {
+        return Err(ValuesError::LongStep(step.to_owned()));
     }
     // The last value may miss the end by rounding alone.
     let count = ((last - first) / width + 1e-9).floor() + 1.0;
@@ -195,6 +239,14 @@ mod tests {
     }
 
     #[test]
+    fn a_range_of_a_number_of_values_is_even_or_even_in_the_logarithm() {
+        assert_eq!(of("a=0..3:4"), ["0", "1", "2", "3"]);
+        assert_eq!(of("a=-1..1:3"), ["-1", "0", "1"]);
+        let all: Vec<f64> = of("a=0.1..10:log:3").iter().map(|v| v.parse().expect("one")).collect();
+        assert!(all[0] == 0.1 && (all[1] - 1.0).abs() < 1e-12 && all[2] == 10.0, "{all:?}");
+    }
+
+    #[test]
     fn a_list_is_taken_as_it_is() {
         assert_eq!(of("controller.name=acc-mpc, six-mode"), ["acc-mpc", "six-mode"]);
         assert_eq!(of("x=../a.json,../b.json"), ["../a.json", "../b.json"]);
@@ -207,6 +259,10 @@ mod tests {
             ("a=0..10", "has no step"),
             ("a=0..10/0", "not above 0"),
             ("a=0..10/-1", "not above 0"),
+            ("a=0.1..0.5/7", "the step 7 is longer than the range"),
+            ("a=0..1:1", "`1` is not a number of values"),
+            ("a=0..1:log:5", "begins above 0, not at 0"),
+            ("a=2..1:5", "after its end"),
             ("a=10..0/1", "after its end"),
             ("a=0..x/1", "`x` is not a number"),
             ("a=0..inf/1", "`inf` is not a number"),

@@ -27,7 +27,8 @@ pub struct Planned {
 impl Planned {
     /// The drive in words.
     pub fn name(&self) -> String {
-        let keys: Vec<&str> = self.keys.iter().map(String::as_str).collect();
+        let keys = self.keys.iter().filter(|key| !key.is_empty());
+        let keys: Vec<&str> = keys.map(String::as_str).collect();
         let name = format!("{} {}", keys.join(" "), self.number);
         let law = if self.law.is_empty() { String::new() } else { format!(", {}", self.law) };
         format!("{}{law}", name.trim())

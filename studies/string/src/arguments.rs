@@ -14,7 +14,7 @@ use frame::batch;
 use frame::param::{self, Param};
 
 /// Frequencies that are swept unless others are given.
-const USUAL_FREQUENCIES: &str = "0.005..0.5/13";
+const USUAL_FREQUENCIES: &str = "0.005..0.5:log:13";
 /// Lowest frequency: a longer period would outlast the run's longest duration, Hz.
 const LOWEST_HZ: f64 = 1e-4;
 /// Highest frequency: a car's speed hardly moves at it, Hz.
@@ -37,11 +37,11 @@ pub struct StringArguments {
     /// Control laws by commas, repeated along the string [default: the scenario's]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', conflicts_with = "controller")]
     pub controllers: Vec<String>,
-    /// Sweep a sine of the lead's speed: N frequencies from A to B, or a list, in Hz
-    /// [default without a value: 0.005..0.5/13]
+    /// Sweep a sine of the lead's speed: a range or a list of frequencies, Hz
+    /// [default without a value: 0.005..0.5:log:13]
     #[arg(
         long,
-        value_name = "A..B/N",
+        value_name = "A..B:log:N",
         num_args = 0..=1,
         default_missing_value = USUAL_FREQUENCIES
     )]
@@ -169,35 +169,24 @@ impl Task {
     }
 }
 
-/// `A..B/N`: N frequencies from A to B, evenly on a logarithmic scale; or a list by commas.
+/// Frequencies of a range or a list, in order, Hz.
 fn frequencies(list: &str) -> Result<Vec<f64>, UsageError> {
     let refuse = |why: &dyn Display| {
-        let expected = "A..B/N, N frequencies from A to B Hz, or a,b,c";
+        let expected = "A..B:log:N, A..B:N, A..B/STEP or a,b,c in Hz";
         UsageError::option("--frequencies", list, why, expected)
     };
-    let number = |text: &str| match text.trim().parse::<f64>() {
+    let number = |text: &String| match text.parse::<f64>() {
         Ok(hz) if (LOWEST_HZ..=HIGHEST_HZ).contains(&hz) => Ok(hz),
         Ok(hz) => Err(refuse(&format_args!("{hz} Hz is not from {LOWEST_HZ} to {HIGHEST_HZ} Hz"))),
-        Err(_) => Err(refuse(&format_args!("`{}` is not a number", text.trim()))),
+        Err(_) => Err(refuse(&format_args!("`{text}` is not a number"))),
     };
-    let Some((from, rest)) = list.split_once("..") else {
-        let all = param::values(list, None).map_err(|why| refuse(&why))?;
-        let mut all = all.iter().map(|hz| number(hz)).collect::<Result<Vec<_>, _>>()?;
-        all.sort_by(f64::total_cmp);
-        return Ok(all);
-    };
-    let (to, count) = rest.split_once('/').ok_or_else(|| refuse(&"the range has no number N"))?;
-    let (from, to) = (number(from)?, number(to)?);
-    let count = match count.trim().parse::<usize>() {
-        Ok(count) if (2..=MAX_FREQUENCIES).contains(&count) => count,
-        _ => return Err(refuse(&format_args!("N is not from 2 to {MAX_FREQUENCIES}"))),
-    };
-    if from >= to {
-        return Err(refuse(&"the range begins at its end or after it"));
+    let all = param::values(list, None).map_err(|why| refuse(&why))?;
+    if all.len() > MAX_FREQUENCIES {
+        return Err(refuse(&format_args!("more than {MAX_FREQUENCIES} frequencies")));
     }
-    let ratio = libm::log(to / from) / (count - 1) as f64;
-    let inner = (1..count - 1).map(|k| from * libm::exp(ratio * k as f64));
-    Ok(std::iter::once(from).chain(inner).chain([to]).collect())
+    let mut all = all.iter().map(number).collect::<Result<Vec<_>, _>>()?;
+    all.sort_by(f64::total_cmp);
+    Ok(all)
 }
 
 #[cfg(test)]
@@ -206,7 +195,7 @@ mod tests {
 
     #[test]
     fn a_range_of_frequencies_has_both_ends_and_even_ratios() {
-        let all = frequencies("0.005..0.5/5").expect("a range");
+        let all = frequencies("0.005..0.5:log:5").expect("a range");
         assert_eq!((all.len(), all[0], all[4]), (5, 0.005, 0.5));
         assert!(all.windows(2).all(|pair| (pair[1] / pair[0] - 100f64.powf(0.25)).abs() < 1e-9));
         assert_eq!(frequencies("0.2,0.1").expect("a list"), [0.1, 0.2]);
@@ -215,17 +204,17 @@ mod tests {
     #[test]
     fn a_bad_range_is_refused_with_what_was_expected() {
         for (list, what) in [
-            ("0.1..0.5", "has no number N"),
-            ("0.5..0.1/3", "begins at its end"),
-            ("0.1..0.5/1", "N is not from 2"),
-            ("0.1..0.5/x", "N is not from 2"),
-            ("0..0.5/3", "0 Hz is not from"),
+            ("0.1..0.5", "has no step"),
+            ("0.5..0.1:3", "after its end"),
+            ("0.1..0.5:1", "not a number of values"),
+            ("0.01..0.3/7", "longer than the range"),
+            ("0..0.5:3", "0 Hz is not from"),
             ("a,b", "`a` is not a number"),
             ("0.1,,0.2", "a value is missing"),
             ("nan", "NaN Hz is not from"),
         ] {
             let said = frequencies(list).expect_err(list).to_string();
-            assert!(said.contains(what) && said.contains("expected A..B/N"), "{said}");
+            assert!(said.contains(what) && said.contains("expected A..B:log:N"), "{said}");
         }
     }
 }
