@@ -127,7 +127,7 @@ fn standards_and_strings_take_them() {
     let verdict = corner.json(&campaign);
     assert_eq!((&verdict["ok"], &verdict["runs"]), (&true.into(), &2.into()), "{verdict}");
     let records =
-        std::fs::read_to_string(corner.path().join("campaign/campaign.csv")).expect("written");
+        std::fs::read_to_string(corner.path().join("campaign/runs.csv")).expect("written");
     assert!(records.contains("gentle") && !records.contains("cacc-mpc"), "{records}");
     let string = ["string", "following", "--vehicles", "4", "--duration", "15", "--law", &mine];
     let output =

@@ -1,15 +1,13 @@
 //! The columns of a campaign's results: each figure is declared once.
 
-use super::blame::{Broken, Failure};
+use super::blame::Broken;
 use super::counts;
 use super::exposure::Exposure;
 use super::measured::{self, LEFT_OUT};
 use super::record::Record;
 use super::tally::Tally;
 use super::verdict::{Requirement, Verdict};
-use report::results::{
-    Column, Format, Schema, column, count, fact, flag, micros, number, outcome, word,
-};
+use report::results::{Column, Format, Schema, column, count, fact, flag, micros, number, word};
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -48,20 +46,7 @@ fn percent(met: &Exposure) -> Value {
     json!(100.0 * met.critical_share)
 }
 
-/// Columns of the runs to blame.
-pub const FAILURES: &[Column<Failure>] = &[
-    count("run", "run", "Number of the run"),
-    word("scenario", "", "Scenario"),
-    word("", "", "").of(faults),
-    column("why", "why", "", Format::Sentence, "Broken figures and reasons"),
-    column("repeat", "", "", Format::Command, "Command that repeats it"),
-];
-
-fn faults(failure: &Failure) -> Value {
-    json!(failure.faults.join(", "))
-}
-
-/// Columns of the same by scenario and fault.
+/// Columns of the runs to blame by scenario and fault.
 pub const BROKEN: &[Column<Broken>] = &[
     word("scenario", "scenario", "Scenario"),
     word("fault", "fault", "Fault"),
@@ -89,19 +74,9 @@ pub fn lines<'a>() -> Vec<Column<Line<'a>>> {
     names.into_iter().chain(sums()).chain([p99]).collect()
 }
 
-/// Columns of the table of runs, `campaign.csv`.
+/// The campaign's own columns of `runs.csv`.
 pub const RUNS: &[Column<Record>] = &[
-    count("run", "run", "Number of the run"),
-    word("scenario", "scenario", "Scenario"),
-    word("controller", "controller", "Control law"),
-    word("fault", "fault", "Words on its faults"),
-    count("seed", "seed", "Seed"),
-    outcome("outcome"),
     fact("avoidable", "avoidable", "It ended in a collision that a braking reference avoids"),
-    number("duration_s", "duration", "s", 1, "Length of the drive"),
-    number("min_gap_m", "min gap", "m", 1, "Smallest gap to the vehicle ahead"),
-    number("min_ttc_s", "min TTC", "s", 1, "Least time to collision"),
-    count("interventions", "emergency brakings", "Interventions of the emergency brake"),
     count("kills", "kills", "Killed processes"),
     micros("max_detection_us", "detection", "Longest time until the launcher noticed")
         .of(detection),
@@ -112,7 +87,6 @@ pub const RUNS: &[Column<Record>] = &[
     count("corrupted", "corrupted", "Messages corrupted by faults"),
     count("undetected", "undetected", "Corrupted messages that were accepted"),
     count("leaks", "leaks", "Leftovers").of(leaks),
-    word("parameters", "parameters", "Parameters of an OpenSCENARIO file"),
 ];
 
 fn longest(times_us: &[f64]) -> Value {

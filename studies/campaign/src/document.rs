@@ -1,14 +1,13 @@
 //! A verdict as a document: tables, pictures and sentences.
 
-use super::columns::{BROKEN, EXPOSURE, FAILURES, Line, REQUIREMENTS, RUNS, lines, sums};
+use super::blame::Failure;
+use super::columns::{BROKEN, EXPOSURE, Line, REQUIREMENTS, lines, sums};
 use super::measured::LEFT_OUT;
-use super::record::Record;
 use super::tally::{Sum, Tally};
 use super::verdict::Verdict;
-use frame::parts::Records;
 use report::chart::{Stroke, Tone, number};
 use report::html::{Tile, figure};
-use report::results::{Column, Document, Table, at, word};
+use report::results::{Broken, Column, Document, Table, at, word};
 use report::{Distribution, distributions};
 use runtime::statistics::Latencies;
 use serde::Serialize;
@@ -18,13 +17,9 @@ use std::fmt::Display;
 
 /// Largest number of combinations that a terminal shows one by one.
 const MAX_LINES: usize = 12;
-/// Largest number of failures that a terminal shows; `campaign.json` has all.
-const MAX_SHOWN: usize = 5;
-/// Largest number of failures that the page has.
-const MAX_FAILURES: usize = 100;
 
-/// The document; `runs` are its sums with their times, and `records` are read once more for the table of runs.
-pub fn document(verdict: &Verdict, runs: &Sum, records: Records<Record>) -> Document {
+/// The document; `runs` are its sums with their times.
+pub fn document(verdict: &Verdict, runs: &Sum) -> Document {
     let all = &verdict.all;
     let document = Document::new("campaign", &format!("Campaign {}", verdict.campaign), verdict)
         .about(format!(
@@ -38,11 +33,10 @@ pub fn document(verdict: &Verdict, runs: &Sum, records: Records<Record>) -> Docu
         .tiles(tiles(all))
         .table(Table::new("Requirements", REQUIREMENTS, &verdict.requirements))
         .figures("Detection and recovery", pictures(runs));
-    let failures = &verdict.failures[..verdict.failures.len().min(MAX_FAILURES)];
-    let heading = match verdict.failures.len() {
-        all if all > MAX_FAILURES => format!("The first {MAX_FAILURES} of {all} failures"),
-        _ => "Failures".to_owned(),
-    };
+    let broken = verdict.failures.iter().map(|failure| {
+        let Failure { run, scenario, faults, why, repeat } = failure;
+        Broken::new(format!("run {run}, {scenario}, {}: {why}", faults.join(", ")), repeat)
+    });
     runs_of(verdict, document)
         .table(totals(all))
         .text(listed("faults in each phase", &all.phases))
@@ -53,9 +47,8 @@ pub fn document(verdict: &Verdict, runs: &Sum, records: Records<Record>) -> Docu
             Table::new("Runs to blame, by scenario and fault", BROKEN, &verdict.broken)
                 .most_rows(MAX_LINES),
         )
-        .table(Table::new(&heading, FAILURES, failures).most_rows(MAX_SHOWN))
-        .csv("campaign.csv", RUNS, move |take| records.each(&mut |_, record| take(record)))
         .verdict(verdict.ok, sentence(verdict))
+        .broken(broken)
 }
 
 /// The tables of runs: by combination, and where these are many, by scenario, controller and fault alone.
@@ -216,7 +209,7 @@ mod tests {
     use super::*;
 
     fn written(verdict: &Verdict) -> Document {
-        document(verdict, &Sum::default(), Records::new(0))
+        document(verdict, &Sum::default())
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use super::arguments::CampaignArguments;
 use super::blame::Blame;
+use super::columns::RUNS;
 use super::document::document;
 use super::file::Campaign;
 use super::jobs::{self, job};
@@ -16,7 +17,7 @@ use super::verdict::{Scope, Verdict};
 use frame::batch::{Done, Job};
 use frame::{Command, Crew, Entry, Found, RunOptions, RunResult, Study, parts};
 use group::{Error, GroupOptions};
-use report::results::Document;
+use report::results::{Column, Document};
 use runtime::Mode;
 use std::collections::BTreeSet;
 use std::process::ExitCode;
@@ -101,6 +102,7 @@ impl Study for FileCampaign {
     type Seen = ();
 
     const NAME: &'static str = "campaign";
+    const OWN_COLUMNS: &'static [Column<Record>] = RUNS;
 
     fn plan(arguments: &CampaignArguments, options: &RunOptions) -> Result<Self, Error> {
         let text = arguments.effective.as_deref().unwrap_or_default();
@@ -175,6 +177,6 @@ impl Study for FileCampaign {
             })?;
             (verdict.failures, verdict.broken) = blame.found();
         }
-        Ok(document(&verdict, &sums.all, records))
+        Ok(document(&verdict, &sums.all))
     }
 }

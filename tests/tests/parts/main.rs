@@ -311,7 +311,7 @@ fn an_array_of_eight_with_a_killed_task_gives_the_bytes_of_one_machine() {
     assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
     let output = corner.run(&["campaign", "small.toml", "--out", "whole"]);
     assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
-    for name in ["campaign.json", "campaign.csv"] {
+    for name in ["campaign.json", "runs.csv"] {
         let (whole, merged) = (format!("whole/{name}"), format!("merged/{name}"));
         assert_eq!(file(&corner, &whole), file(&corner, &merged), "{name}");
     }

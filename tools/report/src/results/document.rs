@@ -1,17 +1,11 @@
 //! A whole result, for every output.
 
-use std::fmt;
-use std::rc::Rc;
-
-use group::Error;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::column::Column;
 use super::console;
-use super::table::{Table, csv_head, csv_line};
+use super::table::Table;
 use crate::html::Tile;
-use crate::output::ResultFile;
 
 /// Most findings that a terminal shows.
 const MOST_BROKEN: usize = 12;
@@ -55,33 +49,6 @@ impl Broken {
     }
 }
 
-/// A file beside the JSON and the page.
-#[derive(Clone, Debug)]
-pub struct Attachment {
-    pub name: String,
-    pub contents: Contents,
-}
-
-/// Writes a file bit by bit.
-pub type Fill = dyn Fn(&mut ResultFile) -> Result<(), Error>;
-
-/// Contents of a file beside the JSON and the page.
-#[derive(Clone)]
-pub enum Contents {
-    Bytes(Vec<u8>),
-    /// Bytes that do not fit in memory.
-    Stream(Rc<Fill>),
-}
-
-impl fmt::Debug for Contents {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Bytes(bytes) => write!(f, "{} bytes", bytes.len()),
-            Self::Stream(_) => f.write_str("a stream"),
-        }
-    }
-}
-
 /// A result: verdict, tables, charts, and its JSON.
 ///
 /// ```
@@ -112,7 +79,8 @@ pub struct Document {
     pub(super) broken: Vec<Broken>,
     pub(super) json: String,
     pub(super) parts: Vec<Part>,
-    pub(super) files: Vec<Attachment>,
+    /// Names and contents of the files beside it.
+    pub(super) files: Vec<(String, Vec<u8>)>,
 }
 
 impl Document {
@@ -224,25 +192,7 @@ impl Document {
     /// The same with a file more in its directory.
     #[must_use]
     pub fn file(mut self, name: &str, contents: impl Into<Vec<u8>>) -> Self {
-        let contents = Contents::Bytes(contents.into());
-        self.files.push(Attachment { name: name.to_owned(), contents });
-        self
-    }
-
-    /// The same with a table of CSV whose rows do not fit in memory. `rows` hands them over one by one.
-    #[must_use]
-    pub fn csv<R: Serialize + 'static>(
-        mut self,
-        name: &str,
-        columns: &'static [Column<R>],
-        rows: impl Fn(&mut dyn FnMut(&R) -> Result<(), Error>) -> Result<(), Error> + 'static,
-    ) -> Self {
-        let fill = move |file: &mut ResultFile| {
-            file.add(&csv_head(columns))?;
-            rows(&mut |row| file.add(&csv_line(columns, row)))
-        };
-        let contents = Contents::Stream(Rc::new(fill));
-        self.files.push(Attachment { name: name.to_owned(), contents });
+        self.files.push((name.to_owned(), contents.into()));
         self
     }
 

@@ -7,7 +7,7 @@ use clap::Args;
 use group::{Error, Failure, Status};
 
 use super::console::width;
-use super::document::{Contents, Document};
+use super::document::Document;
 use crate::output::{OutputDirectory, OutputOptions};
 use crate::print;
 
@@ -97,12 +97,7 @@ impl ResultOptions {
 /// # Errors
 /// [`Error::Path`].
 fn write(document: &Document, output: &OutputDirectory) -> Result<(), Error> {
-    for file in &document.files {
-        match &file.contents {
-            Contents::Bytes(bytes) => output.write(&file.name, bytes)?,
-            Contents::Stream(fill) => output.write_by(&file.name, |file| fill(file))?,
-        }
-    }
+    document.files.iter().try_for_each(|(name, contents)| output.write(name, contents))?;
     output.write(&document.json_name(), document.json.as_bytes())?;
     output.write(crate::FILE, document.page().as_bytes())
 }

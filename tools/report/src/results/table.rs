@@ -235,16 +235,6 @@ pub fn csv_fields<R: Serialize>(columns: &[Column<R>], row: &R) -> impl Iterator
     named.map(|(_, value)| field(&value))
 }
 
-/// The line of CSV over rows that are written one by one: tables that do not fit in memory.
-#[must_use]
-pub fn csv_head<R>(columns: &[Column<R>]) -> Vec<u8> {
-    csv_row(csv_names(columns))
-}
-
-pub fn csv_line<R: Serialize>(columns: &[Column<R>], row: &R) -> Vec<u8> {
-    csv_row(csv_fields(columns, row))
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::column::{number, outcome, word};
@@ -278,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn csv_has_all_digits_and_the_same_lines_one_by_one() {
+    fn csv_has_all_digits_and_the_same_fields_one_by_one() {
         let rows = [json!({"law": "a, b", "gap_m": 0.1234567}), json!({"law": "c", "gap_m": null})];
         let columns: [Column<Value>; 2] = [
             word("law", "law", ""),
@@ -286,8 +276,7 @@ mod tests {
         ];
         let whole = Table::new("", &columns, &rows).csv();
         assert_eq!(whole, "law,gap_m\n\"a, b\",0.1234567\nc,\n");
-        let lines = rows.iter().flat_map(|row| csv_line(&columns, row));
-        let lines: Vec<u8> = csv_head(&columns).into_iter().chain(lines).collect();
-        assert_eq!(lines, whole.as_bytes());
+        assert_eq!(csv_names(&columns).collect::<Vec<_>>(), ["law", "gap_m"]);
+        assert_eq!(csv_fields(&columns, &rows[1]).collect::<Vec<_>>(), ["c", ""]);
     }
 }
