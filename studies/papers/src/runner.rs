@@ -25,9 +25,6 @@ pub struct Driven {
 
 impl Driven {
     /// Drives a built-in scenario with these keys set, in this thread.
-    ///
-    /// # Errors
-    /// Reasons why the run does not reach its end.
     pub fn alone(name: &str, keys: &[&str]) -> Result<Self, Error> {
         let group = GroupOptions { programs: Vec::new(), ready_timeout: 10.0, processes: false };
         let scenario = open(name, keys)?;
@@ -100,9 +97,6 @@ impl Piece {
     }
 
     /// Drives its scenarios and compares.
-    ///
-    /// # Errors
-    /// Reasons why a run does not reach its end.
     pub fn reproduce(&self, runner: &Runner<'_>) -> Result<Part, Error> {
         (self.reproduce)(runner)
     }
@@ -142,9 +136,6 @@ impl<'a> Runner<'a> {
     }
 
     /// Drives a built-in scenario with these keys set.
-    ///
-    /// # Errors
-    /// Reasons why the run does not reach its end.
     pub fn drive(&self, name: &str, keys: &[&str]) -> Result<Driven, Error> {
         let job = Job::lockstep(open(name, keys)?);
         let done = self.crew.drive(self.run, &job)?;

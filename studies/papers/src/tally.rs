@@ -3,6 +3,7 @@
 use super::row::{Kind, Row, Verdict};
 use schemars::JsonSchema;
 use serde::Serialize;
+use std::collections::BTreeMap;
 
 /// Figures of one kind. Rows of several sets that share an id are one figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
@@ -30,19 +31,14 @@ pub fn tally(rows: &[Row]) -> Vec<Tally> {
 
 fn of_kind(rows: &[Row], kind: Kind) -> Tally {
     let compared = |row: &&Row| row.kind == kind && row.verdict() != Verdict::Shown;
-    let mut figures: Vec<(&str, bool, bool)> = Vec::new();
+    let mut figures: BTreeMap<&str, (bool, bool)> = BTreeMap::new();
     for row in rows.iter().filter(compared) {
-        match figures.iter_mut().find(|figure| figure.0 == row.id) {
-            Some((_, within, outside)) => {
-                *within |= row.ok;
-                *outside |= !row.ok;
-            }
-            None => figures.push((&row.id, row.ok, !row.ok)),
-        }
+        let (within, outside) = figures.entry(&row.id).or_default();
+        *within |= row.ok;
+        *outside |= !row.ok;
     }
-    let count = |within, outside| {
-        figures.iter().filter(|figure| (figure.1, figure.2) == (within, outside)).count()
-    };
+    let count =
+        |within, outside| figures.values().filter(|seen| **seen == (within, outside)).count();
     Tally {
         kind,
         figures: figures.len(),

@@ -158,9 +158,6 @@ pub fn keys(scene: &Scene, weights: &Weights, table_3_lead_mps2: f64) -> Vec<Str
 }
 
 /// Drives both laws through a scene: ACC, then CACC.
-///
-/// # Errors
-/// Reasons why a run does not reach its end.
 pub fn both_laws(
     scene: &Scene,
     keys: &[String],

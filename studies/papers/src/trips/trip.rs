@@ -107,9 +107,6 @@ pub fn drive(truck: &Truck, road: &Road, start_mps: f64, driver: &mut dyn Driver
 }
 
 /// Drives behind a lead for `duration_s`, or to the road's end.
-///
-/// # Panics
-/// Never: behind a lead a truck may stand.
 pub fn chase(
     truck: &Truck,
     road: &Road,
