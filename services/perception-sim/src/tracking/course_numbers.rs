@@ -24,7 +24,7 @@ parameters! {
         /// Standard deviation of the curvature.
         first_curvature_perm: f64 = 1e-3, "1/m", 1e-5..=1e-2, "Chosen: an arc of 1,000 m. At 0.0005 lead lost +266 %, neighbour taken -98 %, lead's offset +40 %; at 0.002 lead lost -34 %, lead's offset -5 %.";
         /// Share of the curvature that is there one knot farther.
-        kept: f64 = 0.8, "1", 0.0..=1.0, "Chosen: curves are some 100 m long. At 0.95 time without the lead +4 % (roads 1 to 10 of `campaign curves`).";
+        kept: f64 = 0.8, "1", 0.0..=1.0, "Chosen: curves are some 100 m long. At 0.95 time without the lead +4 % (roads 1 to 10 of `test curves`).";
         /// Standard deviation of the rest.
         change_perm: f64 = 6e-4, "1/m", 1e-5..=1e-2, "Chosen: what keeps the deviation of all. At 0.0003 lead lost -35 %, neighbour taken +33 %; at 0.0012 lead lost +231 %, neighbour taken -98 %, lead's offset +33 %.";
 
@@ -52,7 +52,7 @@ parameters! {
         /// Standard deviation of a standing object's distance from the road's edge.
         post_sigma_m: f64 = 0.9, "m", 0.1..=5.0, "Source: a strip of 3 m has 0.87 m. At 0.45 lead lost -35 %, neighbour taken -15 %; at 1.8 lead lost +214 %, lead's offset +37 %.";
         /// Scans in which one object is met, so that a scan counts less.
-        post_scans: f64 = 25.0, "scans", 1.0..=200.0, "Chosen: an object is in view for 60 scans, half of which show it. At 12 time without the lead +29 % (roads 1 to 10 of `campaign curves`), queues in the lane are the target 1.0 s earlier.";
+        post_scans: f64 = 25.0, "scans", 1.0..=200.0, "Chosen: an object is in view for 60 scans, half of which show it. At 12 time without the lead +29 % (roads 1 to 10 of `test curves`), queues in the lane are the target 1.0 s earlier.";
         /// Error of its azimuth.
         post_azimuth_rad: f64 = 0.0044, "rad", 0.0005..=0.05, "Chosen: 0.25°. At 0.0022 and 0.0088 nothing changes.";
         /// Distance from the edge within which an object belongs to it, where the course is known exactly.
@@ -60,7 +60,7 @@ parameters! {
         /// The same with three standard deviations of the course, up to which an object counts.
         post_reach_most_m: f64 = 8.0, "m", 1.0..=10.0, "Chosen: less than half of the distance between the edges, so that an object is not taken for one of the other side. At 4 lead lost +473 %, neighbour taken +58 %, lead's offset +97 %; at 10 lead lost -35 %, neighbour taken -51 %, lead's offset -10 %.";
         /// Cross section from which an object is not a post.
-        post_area_m2: f64 = 2.0, "m²", 0.1..=100.0, "Chosen: a post has 1 m² in the mean, and one of seven echoes is stronger. The rear of a car has 6 m², and four of five echoes are. At 100 time without the lead +590 % (roads 1 to 8 of `campaign curves`, with 5 m for the number above).";
+        post_area_m2: f64 = 2.0, "m²", 0.1..=100.0, "Chosen: a post has 1 m² in the mean, and one of seven echoes is stronger. The rear of a car has 6 m², and four of five echoes are. At 100 time without the lead +590 % (roads 1 to 8 of `test curves`, with 5 m for the number above).";
         /// Distance from the course beyond which a standing object may be of the edge.
         edge_from_m: f64 = 5.0, "m", 3.0..=8.0, "Chosen: the next lane is nearer. At 3 and 8 nothing changes.";
         /// Distance from the course up to which it may be.
