@@ -21,7 +21,8 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 /// Files that commands write into their directory; a name without a dot is a directory.
-const RESULTS: [&str; 36] = [
+const RESULTS: [&str; 37] = [
+    "begun.jsonl",
     "bench.json",
     "campaign.json",
     "campaign.toml",
