@@ -10,7 +10,6 @@ const LORRIES: f64 = 0.2;
 #[derive(Debug)]
 pub struct Draws {
     random: Pcg64,
-    /// Number of the scene.
     pub number: u64,
 }
 
@@ -40,12 +39,10 @@ impl Draws {
         self.between(0.0, 1.0) < probability
     }
 
-    /// 1 or -1.
     pub fn side(&mut self) -> f64 {
         if self.chance(0.5) { 1.0 } else { -1.0 }
     }
 
-    /// One of a list.
     pub fn one<T: Copy>(&mut self, of: &[T]) -> T {
         of[(self.between(0.0, of.len() as f64)) as usize]
     }

@@ -10,7 +10,6 @@ use crate::population::Drive;
 pub struct Drives<'a, F> {
     /// What they have in common: names of the group's labels with their values.
     pub labels: Vec<(String, String)>,
-    /// The drives.
     pub all: Vec<&'a Drive<F>>,
 }
 
@@ -59,7 +58,6 @@ impl<F> Drives<'_, F> {
     }
 }
 
-/// A figure over drives.
 #[derive(Clone)]
 pub struct Figure<F> {
     /// Its column; its name is the path of the value in the JSON.
@@ -68,7 +66,6 @@ pub struct Figure<F> {
     pub of: fn(&Drives<'_, F>) -> Value,
 }
 
-/// A figure.
 pub const fn figure<F>(column: Column<Value>, of: fn(&Drives<'_, F>) -> Value) -> Figure<F> {
     Figure { column, of }
 }
@@ -85,13 +82,11 @@ pub(crate) use figures;
 pub struct Group<F> {
     /// Name of its rows in the JSON.
     pub name: &'static str,
-    /// Heading.
     pub title: &'static str,
     /// Columns of the labels; the rows of several labels stand in blocks of the first.
     pub labels: Vec<Column<Value>>,
     /// Labels of the rows in which a drive counts.
     pub rows_of: fn(&Drive<F>) -> Vec<Vec<String>>,
-    /// Figures of a row.
     pub figures: Vec<Figure<F>>,
 }
 

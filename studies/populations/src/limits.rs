@@ -5,15 +5,11 @@ use group::ReferenceDriver;
 /// The largest accepted value of a figure.
 #[derive(Clone, Copy, Debug)]
 pub struct Limit {
-    /// Name of the population.
     pub population: &'static str,
-    /// Path of the figure.
     pub figure: &'static str,
-    /// Its largest accepted value.
     pub most: f64,
     /// Day since when it holds.
     pub since: &'static str,
-    /// Origin of the value.
     pub source: &'static str,
 }
 
@@ -22,7 +18,6 @@ const CHOSEN: &str = "chosen";
 /// Declares [`ALL`]: `population figure: value, unit, since, source;`.
 macro_rules! limits {
     ($($population:literal $figure:literal: $most:expr, $unit:literal, $since:literal, $source:expr;)+) => {
-        /// All limits.
         pub const ALL: &[Limit] = &[$(Limit {
             population: $population, figure: $figure, most: $most, since: $since, source: $source
         },)+];

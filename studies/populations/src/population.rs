@@ -16,7 +16,6 @@ use crate::figures::{Figure, Group};
 /// A drive of a population, before it is driven.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Planned {
-    /// Number of its scene.
     pub number: usize,
     /// Law that drives; empty: the scene's own.
     pub law: String,
@@ -38,20 +37,13 @@ impl Planned {
 /// A drive and what the judge found.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Drive<F> {
-    /// Number, law and keys.
     #[serde(flatten)]
     pub planned: Planned,
-    /// End of the run.
     pub outcome: Outcome,
-    /// Reason why it was aborted, if it was.
     pub aborted_because: Option<String>,
-    /// Length of the drive, s.
     pub duration_s: f64,
-    /// Figures of the drive.
     pub figures: Values,
-    /// Verdicts on the requirements.
     pub requirements: Vec<RequirementVerdict>,
-    /// Facts of the judge.
     #[serde(flatten)]
     pub facts: F,
 }
@@ -68,7 +60,6 @@ impl<F> Drive<F> {
         self.aborted_because.as_ref().map_or_else(|| word.clone(), |why| format!("{word}: {why}"))
     }
 
-    /// A drive that ended well.
     #[cfg(test)]
     pub fn example(law: &str, keys: &[&str], facts: F) -> Self {
         let keys = keys.iter().map(|key| (*key).to_owned()).collect();
@@ -84,7 +75,6 @@ impl<F> Drive<F> {
     }
 }
 
-/// A finding about one drive.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Finding {
     /// No drive may have it.
@@ -96,11 +86,8 @@ pub enum Finding {
 /// Options that hold for all drives.
 #[derive(Clone, Debug, Default)]
 pub struct DriveOptions {
-    /// Declared laws of the user's own.
     pub laws: LawOptions,
-    /// Changed keys of the scenarios.
     pub set: Vec<String>,
-    /// Further requirements.
     pub require: Vec<String>,
 }
 
@@ -124,9 +111,7 @@ pub trait Population: Sized + Sync {
 
     /// Name, as given on the command line.
     const NAME: &'static str;
-    /// Heading of the results.
     const TITLE: &'static str;
-    /// What `ok` means.
     const OK: &'static str;
     /// Scenes where nothing else is asked for.
     const NUMBERS: usize;
@@ -154,7 +139,6 @@ pub trait Population: Sized + Sync {
     /// The scenario of a drive.
     fn scenario(&self, planned: &Planned, options: &DriveOptions) -> Result<Scenario, Error>;
 
-    /// Judges a drive.
     fn judge(&self, planned: &Planned, scenario: &Scenario, done: &Done) -> Self::Facts;
 
     /// True if the drive counts in the figures with limits.

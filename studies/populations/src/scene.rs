@@ -27,42 +27,33 @@ pub fn fixed(number: f64, decimals: i32) -> f64 {
     (number * scale).round() / scale
 }
 
-/// A change of speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SpeedChange {
-    /// Begin, s.
     pub from_s: f64,
     /// Speed at its end, m/s.
     pub to_mps: f64,
-    /// Rate, m/s², without a sign.
     pub rate_mps2: f64,
 }
 
 /// A motion across the road.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LateralChange {
-    /// Begin, s.
     pub from_s: f64,
     /// Lateral position at its end, m.
     pub to_m: f64,
-    /// Duration, s.
     pub lasts_s: f64,
 }
 
 /// A vehicle beside the ego.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Actor {
-    /// Name in the scenario.
     pub name: String,
     /// Distance from the ego's front bumper to its rear bumper at the start, m.
     pub gap_m: f64,
-    /// Speed at the start, m/s.
     pub speed_mps: f64,
     /// Lateral position at the start, m, left positive.
     pub lateral_m: f64,
-    /// Length, m.
     pub length_m: f64,
-    /// Width, m.
     pub width_m: f64,
     /// Changes of its speed, in order of time. A change ends where the next one begins.
     pub speeds: Vec<SpeedChange>,
@@ -77,9 +68,7 @@ pub struct Actor {
 pub struct Place {
     /// Rear bumper, m from the ego's front bumper at the start.
     pub rear_m: f64,
-    /// Speed, m/s.
     pub speed_mps: f64,
-    /// Acceleration, m/s².
     pub acceleration_mps2: f64,
     /// Lateral position of its middle, m.
     pub lateral_m: f64,
@@ -175,18 +164,13 @@ impl Actor {
     }
 }
 
-/// A scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// Speed of the ego at the start, m/s.
     pub speed_mps: f64,
-    /// Set speed, m/s.
     pub set_mps: f64,
-    /// Length of the drive, s.
     pub duration_s: f64,
-    /// Law that drives.
     pub law: String,
-    /// The other vehicles.
     pub actors: Vec<Actor>,
     /// Further keys before all tables.
     pub keys: String,

@@ -31,16 +31,12 @@ pub struct Sight {
     pub seen_after_s: Option<f64>,
 }
 
-/// Facts of a drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Facts {
     /// Sums by part of a curve, in the order of [`report::targets::Place::ALL`].
     pub places: [Sums; 4],
-    /// Lowest request of the law, m/s².
     pub lowest_request_mps2: Option<f64>,
-    /// Sight of a queue in the lane.
     pub sight: Option<Sight>,
-    /// Largest lateral acceleration, m/s².
     pub largest_lateral_mps2: f64,
 }
 

@@ -29,7 +29,6 @@ const LOOK_STEPS: usize = 5;
 /// Brakes that could have been.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Brakes {
-    /// Deceleration, m/s².
     pub deceleration_mps2: f64,
     /// Lag of the deceleration behind the request, s.
     pub lag_s: f64,

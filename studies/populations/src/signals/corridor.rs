@@ -49,18 +49,15 @@ impl Signal {
     }
 }
 
-/// A corridor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Corridor {
     /// Speed limit and set speed, m/s.
     pub limit_mps: f64,
-    /// Speed at the start, m/s.
     pub speed_mps: f64,
     /// Time before a line at which its countdown arrives at the set speed, s.
     pub ahead_s: f64,
     /// Signals in order of their lines.
     pub signals: Vec<Signal>,
-    /// The vehicle ahead.
     pub lead: Option<lead::Lead>,
 }
 
@@ -100,7 +97,6 @@ impl Corridor {
         (self.last_line_m() / (0.5 * self.limit_mps) + waits_s + 20.0).ceil()
     }
 
-    /// The last stop line, m.
     pub fn last_line_m(&self) -> f64 {
         self.signals.last().map_or(0.0, |signal| signal.line_m)
     }

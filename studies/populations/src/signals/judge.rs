@@ -19,10 +19,8 @@ use super::corridor::Corridor;
 /// Distance behind the last line at which a trip ends, m.
 pub const BEYOND_M: f64 = 150.0;
 
-/// Facts of a drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Facts {
-    /// True if there was a lead.
     pub is_led: bool,
     /// Time before a line at which its countdown arrives at the set speed, s.
     pub ahead_s: f64,
@@ -32,11 +30,9 @@ pub struct Facts {
     pub excess_s: f64,
     /// The same at the last line, s.
     pub excess_at_line_s: f64,
-    /// Trip time beyond the bound, s.
     pub beyond_bound_s: f64,
     /// Stop lines that were not passed before the run's end.
     pub not_passed: usize,
-    /// Stop lines of the corridor.
     pub lines: usize,
     /// Those crossed a whole cycle later than the bound does.
     pub cycles_missed: usize,
