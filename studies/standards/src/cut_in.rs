@@ -70,6 +70,13 @@ impl Case {
         }
         Verdict::NONE
     }
+
+    /// True if at constant speeds the contact is shorter than a step of the models, which may miss it.
+    pub fn ends_within_a_step(&self) -> bool {
+        let closing_mps = mps(self.ego_kmh) - mps(self.other_kmh);
+        let passed_s = (f64::from(self.distance_m) + 2.0 * VEHICLE_LENGTH_M) / closing_mps;
+        (0.0..=STEP_S).contains(&(passed_s - CLEARANCE_M / self.lateral_mps()))
+    }
 }
 
 /// The cases up to 60 km/h, in the order of the tables: 15,930.

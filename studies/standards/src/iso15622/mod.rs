@@ -51,9 +51,9 @@ const ROWS: &[Column<Row>] = &[
     word("test", "test", "Test of the standard"),
     word("figure", "figure", "Measured figure"),
     number("value", "value", "", 2, "Value; null if the event did not happen"),
-    number("least", "at least", "", 2, "Least accepted value"),
-    number("most", "at most", "", 2, "Largest accepted value"),
-    word("unit", "unit", "Unit of the value"),
+    number("least", "at least", "", 2, "Least accepted value").weight(1),
+    number("most", "at most", "", 2, "Largest accepted value").weight(1),
+    word("unit", "unit", "Unit of the value").weight(2),
     flag("ok", "verdict", ("ok", "MISSED"), "The value is inside its limits"),
 ];
 

@@ -17,6 +17,7 @@ const DRIVERS: &[Column<Value>] = &[
     count("law.collisions", "collisions", "Collisions"),
     count("law.rear_end", "rear-end", "Rear-end collisions").weight(3),
     count("law.avoidable.both", "avoidable", "Collisions in cases that both models master"),
+    count("law.avoidable.both-within-a-step", "short ones", "Contacts below a step").weight(4),
     count("law.from_its_gap.collisions", "driver from its gap", "careful-driver's").weight(2),
     count("law.from_its_gap.avoidable", "avoidable from it", "Where it has none").weight(1),
     count("law.requirements_broken", "requirements broken", "Cases with a broken requirement"),

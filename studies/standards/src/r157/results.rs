@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::limits::{Held, Limit, Position};
 use super::matrix::{Case, Matrix};
-use crate::{Model, Outcome, Verdict};
+use crate::{Model, Outcome, Verdict, cut_in};
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct End {
@@ -105,6 +105,8 @@ pub struct Avoidable {
     pub regulation: Option<u32>,
     /// Both of them.
     pub both: u32,
+    /// Those of `both` that the models may miss, since they move in steps; null without cut-ins.
+    pub both_within_a_step: Option<u32>,
 }
 
 /// `careful-driver` from the gap that a law keeps.
@@ -211,6 +213,8 @@ impl Judged {
             let sum_mps: f64 = hits.iter().map(|&index| verdict(index).impact_speed_mps).sum();
             (!hits.is_empty()).then(|| sum_mps / hits.len() as f64)
         };
+        let case = |index: usize| self.cases[index].cut_in();
+        let is_short = |index| case(index).is_some_and(cut_in::Case::ends_within_a_step);
         let broken = chosen.iter().map(|&index| ends[index].is_broken.map(u32::from));
         LawResult {
             law: law.clone(),
@@ -221,6 +225,8 @@ impl Judged {
                 careful_driver: careful_driver.map(masters),
                 regulation: regulation.map(masters),
                 both: count(&hits, &|index| self.is_mastered[index]),
+                both_within_a_step: (self.matrix == Matrix::CutIn)
+                    .then(|| count(&hits, &|index| self.is_mastered[index] && is_short(index))),
             },
             from_its_gap: from_its_gap.as_deref().map(|model| {
                 let collisions = count(chosen, &|index| model[index].is_collision());
@@ -295,7 +301,9 @@ mod tests {
         assert!(!result.holds(), "no more than a third of the model's collisions are allowed");
         let mastered = cut_ins(|judged, index| judged.is_mastered[index]);
         assert!(!mastered.holds());
-        assert_eq!(mastered.all.laws[0].avoidable.both, 22_475);
+        let Avoidable { both, both_within_a_step, .. } = mastered.all.laws[0].avoidable;
+        let within = both_within_a_step.expect("they are cut-ins");
+        assert!(both == 22_475 && within > 0 && within < both / 10, "{within} of {both}");
     }
 
     #[test]
