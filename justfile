@@ -40,8 +40,8 @@ python *ARGUMENTS:
 
 # Write the generated pages anew: keys, messages.
 references:
-    cargo run --release -- generate reference-scenario > docs/reference-scenario.md
-    cargo run --release -- generate reference-messages > docs/reference-messages.md
+    cargo run --release -- print reference scenario > docs/reference-scenario.md
+    cargo run --release -- print reference messages > docs/reference-messages.md
 
 # Measure this machine and the deployment on it.
 bench *ARGUMENTS:

@@ -1,4 +1,4 @@
-"""A law of your own: a time headway of two seconds. See docs/tutorial.md; `timegap layouts --law` has all fields."""
+"""A law of your own: a time headway of two seconds. See docs/tutorial.md; `timegap print layouts --law` has all fields."""
 
 import struct
 import sys

@@ -2,7 +2,7 @@
 
     rosbag.py RUN PACKAGE
 
-PACKAGE is what `timegap layouts --msg` wrote. Prints the number of messages of each topic.
+PACKAGE is what `timegap print layouts --msg` wrote. Prints the number of messages of each topic.
 """
 
 import sys

@@ -81,7 +81,7 @@ impl Corner {
     /// The schemas of all results, by the names of the commands.
     #[must_use]
     pub fn schemas(&self) -> Value {
-        let output = self.run(&["list", "--schema", "results"]);
+        let output = self.run(&["print", "schema", "results"]);
         let schema: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");
         schema["$defs"].clone()
     }

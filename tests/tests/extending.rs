@@ -178,7 +178,7 @@ fn a_message_is_two_edits_and_a_service_a_folder_a_row_and_a_line() {
         &topic_row("[Plant] to [Controller]"),
     );
     copy.cargo(&["test", "-p", "messages", "-p", "scenario", "-p", "runtime", "--lib"]);
-    let reference = copy.timegap(&["generate", "reference-messages"]);
+    let reference = copy.timegap(&["print", "reference", "messages"]);
     assert!(text(&reference).contains("probe/position"), "the reference reads the row");
 
     // A service that sends it: its folder, its row, and the line in the launcher's manifest, which cargo needs.
@@ -217,6 +217,6 @@ fn a_message_is_two_edits_and_a_service_a_folder_a_row_and_a_line() {
         let sent = &summary["messages"]["probe/position"];
         assert!(sent["sent"].as_u64() > Some(10), "{carrier:?}: {sent}");
     }
-    let reference = copy.timegap(&["generate", "reference-scenario"]);
+    let reference = copy.timegap(&["print", "reference", "scenario"]);
     assert!(text(&reference).contains("probe"), "keys of each service read the row");
 }

@@ -13,7 +13,7 @@ fn example(name: &str) -> String {
 }
 
 fn lead(corner: &Corner, file: &str, more: &[&str]) -> Value {
-    let arguments = [&["lead", file, "--json"], more].concat();
+    let arguments = [&["recording", "lead", file, "--json"], more].concat();
     let output = corner.run(&arguments);
     assert!(output.status.success(), "{}", text(&output));
     serde_json::from_slice(&output.stdout).expect("JSON")
@@ -91,7 +91,7 @@ fn bad_files_and_options_end_with_status_2_and_one_error() {
         (&["names.csv", "--smooth-s", "-1"], "a time constant from 0.001 to 100 s"),
     ];
     for (arguments, expected) in cases {
-        let output = corner.run(&[&["lead"], arguments].concat());
+        let output = corner.run(&[&["recording", "lead"][..], arguments].concat());
         let said = text(&output);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
         assert!(said.contains(expected), "{arguments:?}: {said}");

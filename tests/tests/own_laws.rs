@@ -32,14 +32,14 @@ fn a_run_has_the_name_and_the_program() {
         (&"gentle".into(), &"completed".into())
     );
     assert_eq!(summary["law"]["name"], "gentle");
-    let program = corner.json(&["info", "out"])["programs"]["controller"].clone();
+    let program = corner.json(&["recording", "info", "out"])["programs"]["controller"].clone();
     assert_eq!(program["command"], format!("{ODD_LAW} follow"));
     let page = std::fs::read_to_string(corner.path().join("out/report.html")).expect("written");
     assert!(page.contains("gentle ("), "the page has the name");
     let inside = corner.json(&[&run[..], &["--in-process"]].concat());
     let digests = |summary: &Value| summary["messages"]["control/command"]["digests"].clone();
     assert_eq!(digests(&summary), digests(&inside));
-    let replayed = corner.json(&["replay", "out"]);
+    let replayed = corner.json(&["recording", "replay", "out"]);
     assert_eq!(replayed["identical"], true, "{replayed}");
     corner.expect_nothing_left(&[]);
 }
@@ -114,9 +114,9 @@ fn standards_and_strings_take_them() {
         assert!(matches!(output.status.code(), Some(0 | 1)), "{}", text(&output));
         serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{}", text(&output)))
     };
-    let iso = judged(&["iso15622"]);
+    let iso = judged(&["test", "iso15622"]);
     assert!(values(&iso, "rows", "law").iter().all(|law| **law == "gentle"), "{iso}");
-    let r157 = judged(&["r157", "--matrix", "cut-in", "--sample", "6"]);
+    let r157 = judged(&["test", "r157", "--matrix", "cut-in", "--sample", "6"]);
     assert_eq!(r157["matrices"][0]["laws"][0]["law"], "gentle", "{r157}");
     std::fs::write(
         corner.path().join("mine.toml"),
@@ -155,7 +155,10 @@ fn what_is_no_law_is_refused_with_its_place() {
             "did you mean `gentle`?",
         ),
         (&["compare", "following", "--controllers", "acc-mpc", "--law", &mine], "no run is driven"),
-        (&["iso15622", "--controllers", "acc-mpc", "--law", &mine], "no run is driven by it"),
+        (
+            &["test", "iso15622", "--controllers", "acc-mpc", "--law", &mine],
+            "no run is driven by it",
+        ),
         (
             &["test", "signals", "--controllers", "acc-mpc", "--law", &mine],
             "no run is driven by it",
@@ -164,7 +167,7 @@ fn what_is_no_law_is_refused_with_its_place() {
             &["run", "following", "--controller", "acc-mpc", "--law", &mine],
             "no run is driven by it",
         ),
-        (&["iso15622", "--controllers", "gentle"], "unknown value `gentle`"),
+        (&["test", "iso15622", "--controllers", "gentle"], "unknown value `gentle`"),
         (
             &["run", "following", "--set", "laws.a.caller=true", "--controller", "a"],
             "is a function of the program",
@@ -180,7 +183,7 @@ fn what_is_no_law_is_refused_with_its_place() {
 /// The example as a library gives the bytes of the program, with the same checks.
 fn a_library_is_the_same_law() {
     let corner = Corner::new(PROGRAM);
-    let header = corner.run(&["layouts", "--law", "--c"]);
+    let header = corner.run(&["print", "layouts", "--law", "--c"]);
     std::fs::write(corner.path().join("timegap_law.h"), header.stdout).expect("ours");
     let compile = |code: &Path, library: &str| {
         let compiled = Command::new("cc")

@@ -67,15 +67,15 @@ fn lockstep_recordings_lose_nothing_and_repeat() {
     assert!(!corner.path().join("d/recording.mcap").exists());
     assert_eq!(recorded, unrecorded["messages"], "the recorder changes nothing");
 
-    assert_eq!(corner.json(&["diff", "a", "b"])["equal"], true);
-    let output = corner.run(&["diff", "a", "c", "--json"]);
+    assert_eq!(corner.json(&["recording", "diff", "a", "b"])["equal"], true);
+    let output = corner.run(&["recording", "diff", "a", "c", "--json"]);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output));
     let first: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     let first = &first["first"];
     assert_eq!(first["topic"], "radar/tracks", "only the radar draws lots at first");
     assert_eq!(first["source"], "perception-sim");
     assert_ne!(first["a"], first["b"]);
-    let output = corner.run(&["diff", "a", "c"]);
+    let output = corner.run(&["recording", "diff", "a", "c"]);
     let field = first["field"].as_str().expect("a field");
     assert!(text(&output).contains(field), "{}", text(&output));
 }
@@ -157,7 +157,7 @@ fn a_recording_outlives_its_run() {
     let corner = Corner::new(PROGRAM);
     let child = started(&corner, "realtime");
     let roots = corner.roots();
-    let output = corner.run(&["recover", "out"]);
+    let output = corner.run(&["recording", "recover", "out"]);
     assert_eq!(output.status.code(), Some(2), "{}", text(&output));
     assert!(text(&output).contains("still being recorded"), "{}", text(&output));
     let processes = corner.processes();
@@ -174,17 +174,17 @@ fn a_recording_outlives_its_run() {
 }
 
 fn readable_and_recoverable(corner: &Corner) {
-    let before = corner.json(&["info", "out"]);
+    let before = corner.json(&["recording", "info", "out"]);
     let messages = before["messages"].as_u64().expect("a count");
     assert!(messages > 100 && before["lost"] == 0, "{before}");
     assert_eq!(before["ended"], false);
     assert_eq!(before["damage"].as_array().map(Vec::len), Some(1), "{before}");
-    let recovered = corner.json(&["recover", "out"]);
+    let recovered = corner.json(&["recording", "recover", "out"]);
     assert_eq!(recovered["messages"], before["messages"]);
-    let after = corner.json(&["info", "out"]);
+    let after = corner.json(&["recording", "info", "out"]);
     assert_eq!((&after["ended"], &after["damage"]), (&true.into(), &Value::Array(Vec::new())));
     assert_eq!(after["topics"], before["topics"]);
-    let same = corner.json(&["diff", "out", "out/recording.mcap.broken"]);
+    let same = corner.json(&["recording", "diff", "out", "out/recording.mcap.broken"]);
     assert_eq!((&same["equal"], &same["messages"]), (&true.into(), &before["messages"]));
 }
 
@@ -200,8 +200,13 @@ fn results_may_have_any_name_and_are_recorded_and_replayed() {
         let ran = corner.command(&run).arg(out).output().expect("it starts");
         assert!(ran.status.success(), "{}", text(&ran));
         assert!(corner.path().join(directory).join("recording.mcap").exists(), "{}", text(&ran));
-        for command in [&["replay"][..], &["info"], &["trace"], &["export", "--csv"], &["recover"]]
-        {
+        for command in [
+            &["recording", "replay"][..],
+            &["recording", "info"],
+            &["recording", "trace"],
+            &["recording", "export", "--csv"],
+            &["recording", "recover"],
+        ] {
             let mut asked = corner.command(&[command, &["--json", "--"]].concat());
             let asked = asked.arg(directory).output().expect("it starts");
             assert!(asked.status.success(), "{command:?}: {}", text(&asked));
@@ -234,7 +239,7 @@ fn a_full_disk_is_named_by_recover_and_leaves_no_part_of_a_file() {
     assert!(corner.run(&run).status.success());
     let part = corner.path().join("out/whole.mcap.part");
     std::os::unix::fs::symlink("/dev/full", &part).expect("writable");
-    let output = corner.run(&["recover", "out", "--out", "out/whole.mcap"]);
+    let output = corner.run(&["recording", "recover", "out", "--out", "out/whole.mcap"]);
     assert_eq!(output.status.code(), Some(3), "{}", text(&output));
     assert!(text(&output).contains("No space left on device"), "{}", text(&output));
     assert!(part.symlink_metadata().is_err(), "it is removed");
@@ -249,16 +254,20 @@ fn a_damaged_recording_is_used_as_far_as_it_goes_and_said() {
     let whole = std::fs::read(&file).expect("just recorded");
     let cut = &whole[..whole.len() * 2 / 3];
     std::fs::write(&file, cut).expect("ours");
-    for command in [&["export", "out", "--csv"][..], &["replay", "out"], &["trace", "out"]] {
+    for command in [
+        &["recording", "export", "out", "--csv"][..],
+        &["recording", "replay", "out"],
+        &["recording", "trace", "out"],
+    ] {
         let output = corner.run(command);
         assert_eq!(output.status.code(), Some(1), "{command:?}: {}", text(&output));
         assert!(text(&output).contains("never ended"), "{}", text(&output));
     }
-    assert_eq!(corner.json(&["info", "out"])["ended"], false);
+    assert_eq!(corner.json(&["recording", "info", "out"])["ended"], false);
     // Without a message, no file is overwritten.
     let first = &whole[..9000.min(whole.len())];
     std::fs::write(&file, first).expect("ours");
-    let output = corner.run(&["recover", "out"]);
+    let output = corner.run(&["recording", "recover", "out"]);
     assert_eq!(output.status.code(), Some(2), "{}", text(&output));
     assert_eq!(std::fs::read(&file).expect("still there"), first);
     let left = std::fs::read_dir(corner.path().join("out")).expect("a directory").flatten();
@@ -298,9 +307,13 @@ fn lengths_of_gigabytes_need_no_memory() {
 fn a_file_that_is_not_a_recording_is_refused_with_status_2() {
     let corner = Corner::new(PROGRAM);
     std::fs::write(corner.path().join("text.mcap"), "no recording").expect("writable");
-    for command in [["info", "text.mcap"], ["recover", "text.mcap"], ["info", "nowhere"]] {
+    for command in [
+        ["recording", "info", "text.mcap"],
+        ["recording", "recover", "text.mcap"],
+        ["recording", "info", "nowhere"],
+    ] {
         let output = corner.run(&command);
         assert_eq!(output.status.code(), Some(2), "{}", text(&output));
-        assert!(text(&output).contains(command[1]), "{}", text(&output));
+        assert!(text(&output).contains(command[2]), "{}", text(&output));
     }
 }

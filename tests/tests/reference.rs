@@ -7,13 +7,16 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 #[test]
 fn references_are_of_this_code() {
     let corner = Corner::new(PROGRAM);
-    for page in ["reference-scenario", "reference-messages"] {
-        let output = corner.run(&["generate", page]);
+    for page in ["scenario", "messages"] {
+        let output = corner.run(&["print", "reference", page]);
         assert!(output.status.success());
         let made = String::from_utf8(output.stdout).expect("text");
-        let path = format!("{}/../docs/{page}.md", env!("CARGO_MANIFEST_DIR"));
+        let path = format!("{}/../docs/reference-{page}.md", env!("CARGO_MANIFEST_DIR"));
         let kept = std::fs::read_to_string(&path).unwrap_or_default();
-        assert!(made == kept, "{path} is old: timegap generate {page} > docs/{page}.md");
+        assert!(
+            made == kept,
+            "{path} is old: timegap print reference {page} > docs/reference-{page}.md"
+        );
     }
 }
 
@@ -34,12 +37,14 @@ fn the_table_of_exits_is_that_of_the_code() {
 #[test]
 fn completions_and_the_man_page_have_the_commands() {
     let corner = Corner::new(PROGRAM);
-    for (product, sign) in
-        [("bash", "_timegap"), ("zsh", "#compdef timegap"), ("man", ".TH timegap")]
-    {
-        let output = corner.run(&["generate", product]);
+    for (product, sign) in [
+        (&["completions", "bash"][..], "_timegap"),
+        (&["completions", "zsh"], "#compdef timegap"),
+        (&["man"], ".TH timegap"),
+    ] {
+        let output = corner.run(&[&["print"], product].concat());
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
-        assert!(output.status.success() && text.contains(sign), "{product}: {text}");
-        assert!(text.contains("campaign"), "{product} knows the commands");
+        assert!(output.status.success() && text.contains(sign), "{product:?}: {text}");
+        assert!(text.contains("campaign"), "{product:?} knows the commands");
     }
 }

@@ -8,7 +8,7 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 
 /// Replays `out` and expects all `cycles` commands to be identical.
 fn expect_identical(corner: &Corner, cycles: u64) -> Value {
-    let replayed = corner.json(&["replay", "out"]);
+    let replayed = corner.json(&["recording", "replay", "out"]);
     assert_eq!(replayed["identical"], true, "{replayed}");
     assert_eq!(replayed["cycles"], cycles, "{replayed}");
     assert_eq!(replayed["identical_commands"], replayed["commands"]);
@@ -48,7 +48,7 @@ fn a_realtime_run_repeats_also_across_a_restart() {
     kill_process(controller.expect("a process id"), Signal::KILL).expect("ours");
     let output = child.wait_with_output().expect("our child");
     assert!(output.status.success(), "{}", text(&output));
-    let info = corner.json(&["info", "out"]);
+    let info = corner.json(&["recording", "info", "out"]);
     assert_eq!(info["incarnations"]["controller"], 2, "{info}");
     let cycles = info["topics"]["control/command"]["messages"].as_u64().expect("a count");
     let replayed = expect_identical(&corner, cycles);
@@ -105,7 +105,7 @@ fn another_law_and_a_changed_one_are_compared() {
     let summary = corner.json(&["run", "--mode", "lockstep", "--out", "out"]);
     let cycles = summary["timing"]["cycles"].as_u64().expect("a count");
     for change in [["--controller", "acc-mpc"], ["--set", "set_speed_mps=12"]] {
-        let replayed = corner.json(&[&["replay", "out"][..], &change[..]].concat());
+        let replayed = corner.json(&[&["recording", "replay", "out"][..], &change[..]].concat());
         assert_eq!((&replayed["identical"], &replayed["changed"]), (&false.into(), &true.into()));
         assert!(replayed["max_request_difference_mps2"].as_f64() > Some(0.01), "{replayed}");
         let field = &replayed["first_difference"]["field"];

@@ -104,7 +104,7 @@ fn every_paper_has_the_rows_that_its_table_names() {
 /// and the list agrees with the run.
 fn has_the_rows_that_its_table_names(paper: &[&str]) {
     let corner = Corner::new(PROGRAM);
-    let output = corner.run(&[&["reproduce"], paper, &["--out", "out", "--json"]].concat());
+    let output = corner.run(&[&["papers"], paper, &["--out", "out", "--json"]].concat());
     let status = output.status.code();
     assert!(matches!(status, Some(0 | 1)), "{}", text(&output));
     let result: Value = serde_json::from_slice(&output.stdout).expect("one JSON object");

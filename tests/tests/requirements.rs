@@ -88,7 +88,8 @@ fn studies_judge_by_requirements() {
     judged(&following, "/rows/0/requirements/0/met", false.into());
     let sweep = ["sweep", "following", "--param", "set_speed_mps=25", "--duration", "5"];
     judged(&sweep, "/runs/0/requirements/0/met", false.into());
-    let cases = ["r157", "--matrix", "following", "--sample", "1", "--controllers", "six-mode"];
+    let cases =
+        ["test", "r157", "--matrix", "following", "--sample", "1", "--controllers", "six-mode"];
     judged(&cases, "/matrices/0/laws/0/requirements_broken", 1.into());
     let string = ["string", "following", "--vehicles", "2", "--duration", "5"];
     judged(&string, "/vehicles/1/requirements/0/met", false.into());

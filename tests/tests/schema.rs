@@ -1,4 +1,4 @@
-//! The JSON of every study against the schema that `timegap list --schema results` prints. Each declared key is
+//! The JSON of every study against the schema that `timegap print schema results` prints. Each declared key is
 //! there, unless it is optional, and no other one.
 
 use std::collections::BTreeSet;
@@ -29,9 +29,9 @@ studies! {
     sweep: "sweep cut-in --duration 5 --param runtime.extra_delay_ms=0,100 --seeds 1..2";
     search: "search tight-brake --vary actors.0.gap_m=24..34 --budget 8 --cases 1";
     string: "string following --vehicles 2 --frequencies 0.05,0.1 --param controller.time_headway_s=1,2";
-    r157: "r157 --controllers acc-mpc --sample 1";
-    iso15622: "iso15622 --controllers acc-mpc";
-    reproduce: "reproduce six-mode";
+    r157: "test r157 --controllers acc-mpc --sample 1";
+    iso15622: "test iso15622 --controllers acc-mpc";
+    reproduce: "papers six-mode";
     signals: "test signals --seeds 1";
     curves: "test curves --seeds 1";
     everyday: "test everyday --seeds 1 --only acc-mpc --only cut-in";

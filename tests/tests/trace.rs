@@ -1,4 +1,4 @@
-//! `timegap trace`, read with Perfetto's own definitions.
+//! `timegap recording trace`, read with Perfetto's own definitions.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -67,7 +67,7 @@ fn perfetto_reads_what_was_written() {
     let python = python().expect("looked for before");
     let corner = Corner::new(PROGRAM);
     let summary = corner.json(&["run", "--duration", "2", "--out", "out"]);
-    let written = corner.json(&["trace", "out"]);
+    let written = corner.json(&["recording", "trace", "out"]);
     let seen = read(&python, &corner);
 
     let list = |key: &str| seen[key].as_array().expect("a list").clone();
@@ -131,7 +131,7 @@ fn what_went_wrong_is_marked() {
     std::fs::write(corner.path().join("stopped.toml"), faults).expect("written");
     let run = corner.run(&["run", "stopped.toml", "--out", "out", "--json"]);
     assert!(matches!(run.status.code(), Some(0 | 1)), "{}", text(&run));
-    let written = corner.json(&["trace", "out"]);
+    let written = corner.json(&["recording", "trace", "out"]);
     // The fault, and the misses of a controller that stopped for two periods.
     assert!(written["incidents"].as_u64() >= Some(2), "{written}");
 
@@ -154,10 +154,10 @@ fn what_went_wrong_is_marked() {
 
 fn what_is_no_recording_is_refused() {
     let corner = Corner::new(PROGRAM);
-    let nothing = corner.run(&["trace", "nowhere"]);
+    let nothing = corner.run(&["recording", "trace", "nowhere"]);
     assert_eq!(nothing.status.code(), Some(2), "{}", text(&nothing));
     std::fs::write(corner.path().join("x.mcap"), "no recording").expect("written");
-    let foreign = corner.run(&["trace", "x.mcap"]);
+    let foreign = corner.run(&["recording", "trace", "x.mcap"]);
     assert_eq!(foreign.status.code(), Some(2), "{}", text(&foreign));
     assert!(text(&foreign).contains("x.mcap"));
     let run = ["run", "following", "--mode", "lockstep", "--duration", "1", "--out", "short"];

@@ -16,6 +16,9 @@ use std::num::{IntErrorKind, ParseIntError};
 /// Runs an adaptive-cruise stack as real processes over shared memory, measures it, and injects faults.
 #[derive(Debug, Parser)]
 #[command(name = "timegap", version, after_help = EXIT_STATUS, disable_help_subcommand = true)]
+#[command(
+    help_template = "{about}\n\n{usage-heading} {usage}\n\n{before-help}Options:\n{options}{after-help}"
+)]
 pub struct Cli {
     /// The command.
     #[command(subcommand)]
@@ -26,42 +29,62 @@ const EXIT_STATUS: &str = "Exit status: 0 all well; 1 the run broke a requiremen
 red light, a failed check); 2 bad usage or a bad file; 3 the machine would not let it run; \
 130 interrupted.";
 
-/// Names of `test` that `campaign` had in version 0.2.
-const MOVED: [&str; 3] = ["signals", "curves", "plausibility"];
-
 #[derive(Debug, Subcommand)]
 pub enum Command {
     /// Run the process group through a scenario
     Run(crate::run::RunArguments),
+    /// Inject a fault into a run in progress
+    Inject(crate::inject::InjectArguments),
     /// Run a scenario's roadside units for vehicles on other hosts
     Rsu(crate::rsu::RsuArguments),
-    /// Run a paper's scenarios and compare the results with its published figures
-    Reproduce(frame::Command<papers::ReproduceArguments>),
-    /// Measure latency, jitter and deadline misses against the machine's own floor
-    Bench(bench::BenchArguments),
     /// Drive scenarios with several controllers and compare them
     Compare(frame::Command<grid::compare::CompareArguments>),
-    /// Drive UN R157's cut-in, following and cut-out scenarios with our controllers and its models
-    R157(frame::Command<standards::r157::R157Arguments>),
-    /// Run ISO 15622's tests of adaptive cruise control
-    Iso15622(frame::Command<standards::iso15622::Iso15622Arguments>),
-    /// Convert a recorded run to a trace for Perfetto
-    Trace(TraceArguments),
-    /// Drive many seeded runs with faults and give one verdict
-    Campaign(frame::Command<campaign::CampaignArguments>),
-    /// Drive a population of random scenes and judge it by ground truth
-    #[command(subcommand)]
-    Test(populations::PopulationCommand),
-    /// Drive a string of cars and print how it amplifies speed changes
-    String(frame::Command<string::StringArguments>),
     /// Drive a scenario for several values of a key and print a figure of each
     Sweep(frame::Command<grid::sweep::SweepArguments>),
+    /// Drive a string of cars and print how it amplifies speed changes
+    String(frame::Command<string::StringArguments>),
     /// Search the scenes and faults that break a requirement
     Search(Box<frame::Command<search::SearchArguments>>),
+    /// Drive many seeded runs with faults and give one verdict
+    Campaign(frame::Command<campaign::CampaignArguments>),
+    /// Drive a standard's tests, or a population of random scenes, and judge them
+    #[command(subcommand)]
+    Test(TestCommand),
+    /// Run a paper's scenarios and compare the results with its published figures
+    Papers(frame::Command<papers::ReproduceArguments>),
     /// Join the parts of a study
     Merge(frame::MergeArguments),
     /// Go on with a study that was interrupted
     Resume(frame::ResumeArguments),
+    /// Show, repair, export, replay or compare recordings
+    #[command(subcommand)]
+    Recording(RecordingCommand),
+    /// Measure latency, jitter and deadline misses against the machine's own floor
+    Bench(bench::BenchArguments),
+    /// Check this machine for real time, and print commands that improve it
+    Doctor(doctor::DoctorArguments),
+    /// List scenarios, controllers and campaigns
+    List(crate::list::ListArguments),
+    /// Print schemas, layouts, references, completions or the man page
+    #[command(subcommand)]
+    Print(PrintCommand),
+    /// Run one service; used by the launcher
+    #[command(hide = true)]
+    Service(crate::service::ServiceArguments),
+}
+
+#[derive(Debug, Subcommand)]
+pub enum TestCommand {
+    /// UN R157's cut-in, following and cut-out scenarios, with our controllers and its models
+    R157(frame::Command<standards::r157::R157Arguments>),
+    /// ISO 15622's tests of adaptive cruise control
+    Iso15622(frame::Command<standards::iso15622::Iso15622Arguments>),
+    #[command(flatten)]
+    Population(populations::PopulationCommand),
+}
+
+#[derive(Debug, Subcommand)]
+pub enum RecordingCommand {
     /// Show the contents of a recording
     Info(InfoArguments),
     /// Repair a truncated recording
@@ -72,33 +95,83 @@ pub enum Command {
     Replay(ReplayArguments),
     /// Show the first difference between two recordings
     Diff(DiffArguments),
-    /// Print the messages' layouts for Python or C
-    Layouts(LayoutsArguments),
-    /// Check this machine for real time, and print commands that improve it
-    Doctor(doctor::DoctorArguments),
-    /// Inject a fault into a run in progress
-    Inject(crate::inject::InjectArguments),
+    /// Convert a recorded run to a trace for Perfetto
+    Trace(TraceArguments),
     /// Show a recorded motion of a vehicle as a scenario reads it
     Lead(crate::lead::LeadArguments),
-    /// List scenarios, controllers and campaigns
-    List(crate::list::ListArguments),
-    /// Write shell completions, the man page or a reference page
-    Generate(crate::generate::GenerateArguments),
-    /// Run one service; used by the launcher
-    #[command(hide = true)]
-    Service(crate::service::ServiceArguments),
+}
+
+#[derive(Debug, Subcommand)]
+pub enum PrintCommand {
+    /// JSON Schema of the scenario file, for editors, or of all results that `--json` prints
+    Schema(crate::list::SchemaArguments),
+    /// The messages' layouts for Python or C
+    Layouts(LayoutsArguments),
+    #[command(flatten)]
+    Generated(crate::generate::Generated),
+}
+
+/// Commands by what they are for, as `--help` shows them.
+const GROUPS: [(&str, &[&str]); 5] = [
+    ("Drive", &["run", "inject", "rsu"]),
+    ("Compare and search", &["compare", "sweep", "string", "search"]),
+    ("Judge", &["campaign", "test", "papers", "merge", "resume"]),
+    ("Recordings and this machine", &["recording", "bench", "doctor"]),
+    ("Look up", &["list", "print"]),
+];
+
+/// Names of version 0.2 and the present ones. Each works in this version, with a note.
+const RENAMED: [(&[&str], &[&str]); 17] = [
+    (&["reproduce"], &["papers"]),
+    (&["r157"], &["test", "r157"]),
+    (&["iso15622"], &["test", "iso15622"]),
+    (&["campaign", "signals"], &["test", "signals"]),
+    (&["campaign", "curves"], &["test", "curves"]),
+    (&["campaign", "plausibility"], &["test", "plausibility"]),
+    (&["info"], &["recording", "info"]),
+    (&["recover"], &["recording", "recover"]),
+    (&["export"], &["recording", "export"]),
+    (&["replay"], &["recording", "replay"]),
+    (&["diff"], &["recording", "diff"]),
+    (&["trace"], &["recording", "trace"]),
+    (&["lead"], &["recording", "lead"]),
+    (&["layouts"], &["print", "layouts"]),
+    (&["generate", "man"], &["print", "man"]),
+    (&["generate"], &["print", "completions"]),
+    (&["list", "--schema"], &["print", "schema"]),
+];
+
+/// Replaces an old name at the start of the words.
+fn renamed(words: Vec<OsString>) -> (Vec<OsString>, Option<String>) {
+    let begins =
+        |old: &&[&str]| words.len() > old.len() && old.iter().zip(&words[1..]).all(|(a, b)| b == a);
+    let Some((old, new)) = RENAMED.iter().find(|(old, _)| begins(old)) else {
+        return (words, None);
+    };
+    let note = format!("note: `timegap {}` is `timegap {}` now", old.join(" "), new.join(" "));
+    let rest = words[1 + old.len()..].iter().cloned();
+    let words = words[..1].iter().cloned().chain(new.iter().map(OsString::from)).chain(rest);
+    (words.collect(), Some(note))
+}
+
+/// The commands of each group with their purpose.
+fn groups(command: &clap::Command) -> String {
+    let line = |name: &&str| {
+        let about = command.find_subcommand(name).and_then(clap::Command::get_about);
+        format!("  {name:<10} {}\n", about.map(ToString::to_string).unwrap_or_default())
+    };
+    let group = |(title, names): &(&str, &[&str])| {
+        format!("{title}:\n{}\n", names.iter().map(line).collect::<String>())
+    };
+    GROUPS.iter().map(group).collect()
 }
 
 impl Cli {
     /// Reads the command line. Help and errors end the process, in clap's words.
     pub fn read() -> Self {
-        let mut words: Vec<OsString> = std::env::args_os().collect();
-        if let [_, campaign, name, ..] = words.as_mut_slice()
-            && campaign == "campaign"
-            && MOVED.iter().any(|moved| name == moved)
-        {
-            eprintln!("note: it is `timegap test {}` now", name.to_string_lossy());
-            *campaign = "test".into();
+        let (words, note) = renamed(std::env::args_os().collect());
+        if let Some(note) = note {
+            eprintln!("{note}");
         }
         Self::of(words).unwrap_or_else(|error| explain(error).exit())
     }
@@ -107,10 +180,16 @@ impl Cli {
     fn of<T: Into<OsString> + Clone>(
         words: impl IntoIterator<Item = T>,
     ) -> Result<Self, clap::Error> {
-        let command =
-            Self::command().mut_subcommands(|command| command.allow_negative_numbers(true));
+        let command = Self::command();
+        let groups = groups(&command);
+        let command = with_negative_numbers(command).before_help(groups);
         Self::from_arg_matches(&command.try_get_matches_from(words)?)
     }
+}
+
+/// A word such as `-1` is a value, in subcommands of subcommands too.
+fn with_negative_numbers(command: clap::Command) -> clap::Command {
+    command.allow_negative_numbers(true).mut_subcommands(with_negative_numbers)
 }
 
 /// Adds the expected value where clap leaves it out.
@@ -153,16 +232,23 @@ fn suggest(mut error: clap::Error) -> clap::Error {
     error
 }
 
-/// The commands most similar to `given`, if one is similar enough.
+/// The commands most similar to `given`, if one is similar enough. Those below another one are named with it.
 fn nearest(given: &str) -> Vec<String> {
     let command = Cli::command();
-    let names = command.get_subcommands().filter(|command| !command.is_hide_set());
+    let visible = |command: &&clap::Command| !command.is_hide_set();
+    let mut names: Vec<(&str, String)> = Vec::new();
+    for one in command.get_subcommands().filter(visible) {
+        names.push((one.get_name(), one.get_name().to_owned()));
+        let below = one.get_subcommands().filter(visible);
+        names.extend(
+            below.map(|two| (two.get_name(), format!("{} {}", one.get_name(), two.get_name()))),
+        );
+    }
     let distance = |name: &str| strsim::osa_distance(given, name);
-    let names: Vec<&str> = names.map(|command| command.get_name()).collect();
-    let least = names.iter().map(|name| distance(name)).min();
+    let least = names.iter().map(|(name, _)| distance(name)).min();
     let least = least.filter(|least| *least <= 1 + given.chars().count() / 4);
-    let near = names.into_iter().filter(|name| Some(distance(name)) == least);
-    near.map(str::to_owned).collect()
+    let near = names.into_iter().filter(|(name, _)| Some(distance(name)) == least);
+    near.map(|(_, whole)| whole).collect()
 }
 
 #[cfg(test)]
@@ -172,7 +258,7 @@ mod tests {
     #[test]
     fn a_slip_of_the_finger_is_understood() {
         for (given, meant) in
-            [("rnu", "run"), ("lsit", "list"), ("benhc", "bench"), ("doctr", "doctor")]
+            [("rnu", "run"), ("lsit", "list"), ("benhc", "bench"), ("inof", "recording info")]
         {
             let error = Cli::try_parse_from(["timegap", given]).expect_err("no such command");
             let text = suggest(error).to_string();
@@ -192,7 +278,7 @@ mod tests {
         for (line, option, expected) in [
             ("timegap campaign kills --seeds -1", "--seeds <N>", "without a sign"),
             ("timegap campaign kills --jobs 0", "--jobs <N>", "1 or more"),
-            ("timegap r157 --seed 1e9", "--seed <S>", "without a sign"),
+            ("timegap test r157 --seed 1e9", "--seed <S>", "without a sign"),
             ("timegap campaign kills --seeds 4294967296", "--seeds <N>", "a smaller whole number"),
         ] {
             let said = refusal(line);
@@ -205,14 +291,14 @@ mod tests {
     #[test]
     fn words_that_would_be_ignored_are_refused() {
         for (line, one, other) in [
-            ("timegap layouts --law --msg x", "--law", "--msg <DIR>"),
+            ("timegap print layouts --law --msg x", "--law", "--msg <DIR>"),
             (
                 "timegap sweep cacc-a --param a=1 --resume x --out y",
                 "--resume <DIR>",
                 "--out <DIR>",
             ),
             ("timegap compare cacc-a --resume x --keep all", "--keep <WHICH>", "--resume <DIR>"),
-            ("timegap r157 --models-only --processes", "--models-only", "--processes"),
+            ("timegap test r157 --models-only --processes", "--models-only", "--processes"),
         ] {
             let said = refusal(line);
             let says = said.contains("cannot be used with") && said.contains(one);
@@ -232,8 +318,48 @@ mod tests {
 
     #[test]
     fn an_export_without_a_format_says_which_there_are() {
-        assert!(refusal("timegap export x").contains("<--csv|--parquet|--pcap>"));
-        assert!(Cli::of(["timegap", "export", "x", "--csv", "--pcap"]).is_ok());
+        assert!(refusal("timegap recording export x").contains("<--csv|--parquet|--pcap>"));
+        assert!(Cli::of(["timegap", "recording", "export", "x", "--csv", "--pcap"]).is_ok());
+    }
+
+    #[test]
+    fn an_old_name_is_read_as_the_present_one() {
+        let of = |line: &str| {
+            let (words, note) = renamed(line.split(' ').map(OsString::from).collect());
+            (words.join(&OsString::from(" ")).into_string().expect("text"), note.is_some())
+        };
+        for (old, new) in [
+            ("timegap reproduce cacc --json", "timegap papers cacc --json"),
+            ("timegap campaign signals --seeds 3", "timegap test signals --seeds 3"),
+            ("timegap generate bash", "timegap print completions bash"),
+            ("timegap list --schema results", "timegap print schema results"),
+        ] {
+            assert_eq!(of(old), (new.to_owned(), true));
+        }
+        for present in ["timegap campaign kills", "timegap list", "timegap papers"] {
+            assert_eq!(of(present), (present.to_owned(), false));
+        }
+        for (_, new) in RENAMED {
+            let words = ["timegap"].iter().chain(new).chain(&["--help"]);
+            let help = Cli::of(words).expect_err("help ends the reading");
+            assert_eq!(help.kind(), ErrorKind::DisplayHelp, "{new:?}");
+        }
+    }
+
+    #[test]
+    fn every_command_stands_in_one_group_of_the_help() {
+        let command = Cli::command();
+        let mut visible: Vec<&str> = command
+            .get_subcommands()
+            .filter(|one| !one.is_hide_set())
+            .map(clap::Command::get_name)
+            .collect();
+        let mut grouped: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| *names).copied().collect();
+        visible.sort_unstable();
+        grouped.sort_unstable();
+        assert_eq!(visible, grouped);
+        let help = Cli::of(["timegap", "--help"]).expect_err("help ends the reading").to_string();
+        assert!(help.contains("Judge:\n  campaign   Drive many seeded runs"), "{help}");
     }
 
     #[test]

@@ -1,53 +1,45 @@
-//! `timegap generate`: files that accompany the command: completions, the man page, and reference pages of
-//! `docs`.
+//! `timegap print completions|man|reference`: what accompanies the command.
 
 use crate::reference;
-use clap::{Args, Command, ValueEnum};
+use clap::{Command, Subcommand, ValueEnum};
 use clap_complete::Shell;
 use group::Error;
 use report::print;
 use std::process::ExitCode;
 
-/// Arguments of `generate`.
-#[derive(Debug, Args)]
-pub struct GenerateArguments {
-    /// Shell completions, the man page, or a reference page
-    #[arg(value_enum)]
-    pub what: Product,
-}
-
-/// References that can be generated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Product {
-    /// Completions for bash.
-    Bash,
-    /// Completions for elvish.
-    Elvish,
-    /// Completions for fish.
-    Fish,
-    /// The man page, in troff.
+#[derive(Debug, Subcommand)]
+pub enum Generated {
+    /// Completions for a shell
+    Completions {
+        /// The shell
+        #[arg(value_enum)]
+        shell: Shell,
+    },
+    /// The man page, in troff
     Man,
-    /// Completions for PowerShell.
-    Powershell,
-    /// All messages, in Markdown.
-    ReferenceMessages,
-    /// All keys of a scenario, in Markdown.
-    ReferenceScenario,
-    /// Completions for zsh.
-    Zsh,
+    /// A reference page of `docs`, in Markdown
+    Reference {
+        /// Its subject
+        #[arg(value_enum)]
+        page: Page,
+    },
 }
 
-/// Runs the command; `program` is the whole command line.
-pub fn run(arguments: &GenerateArguments, program: Command) -> Result<ExitCode, Error> {
-    let text = match arguments.what {
-        Product::Man => man(program),
-        Product::ReferenceMessages => reference::messages_page(),
-        Product::ReferenceScenario => reference::scenario_page(),
-        Product::Bash => completions(Shell::Bash, program),
-        Product::Elvish => completions(Shell::Elvish, program),
-        Product::Fish => completions(Shell::Fish, program),
-        Product::Powershell => completions(Shell::PowerShell, program),
-        Product::Zsh => completions(Shell::Zsh, program),
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Page {
+    /// All messages
+    Messages,
+    /// All keys of a scenario
+    Scenario,
+}
+
+/// `program` is the whole command line.
+pub fn run(what: &Generated, program: Command) -> Result<ExitCode, Error> {
+    let text = match what {
+        Generated::Man => man(program),
+        Generated::Reference { page: Page::Messages } => reference::messages_page(),
+        Generated::Reference { page: Page::Scenario } => reference::scenario_page(),
+        Generated::Completions { shell } => completions(*shell, program),
     };
     print::out(&text)?;
     Ok(ExitCode::SUCCESS)

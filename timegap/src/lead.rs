@@ -1,4 +1,4 @@
-//! `timegap lead`: a recorded motion as a scenario reads it.
+//! `timegap recording lead`: a recorded motion as a scenario reads it.
 
 use clap::Args;
 use group::{Error, Failure};

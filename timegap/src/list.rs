@@ -22,22 +22,18 @@ pub struct ListArguments {
     /// Name of the entity that is the ego, for --show FILE.xosc
     #[arg(long, value_name = "NAME", requires = "show")]
     pub ego: Option<String>,
-    /// Print the JSON Schema of the scenario file, for editors, or of all results that `--json` prints
-    #[arg(
-        long,
-        value_enum,
-        value_name = "WHAT",
-        num_args = 0..=1,
-        default_missing_value = "scenario",
-        conflicts_with_all = ["show", "json"]
-    )]
-    pub schema: Option<SchemaOf>,
     /// Print the list as JSON
     #[arg(long, conflicts_with = "show")]
     pub json: bool,
 }
 
-/// Subject of a schema.
+#[derive(Debug, Args)]
+pub struct SchemaArguments {
+    /// The scenario file, or the results of the commands
+    #[arg(value_enum, default_value_t = SchemaOf::Scenario)]
+    of: SchemaOf,
+}
+
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SchemaOf {
     /// The scenario file.
@@ -87,6 +83,16 @@ pub struct NotOfOpenScenario {
 
 impl Failure for NotOfOpenScenario {}
 
+pub fn print_schema(arguments: &SchemaArguments) -> Result<ExitCode, Error> {
+    let schema = match arguments.of {
+        SchemaOf::Scenario => crate::reference::json_schema(),
+        SchemaOf::Results => results(),
+    };
+    let schema = serde_json::to_string_pretty(&schema).expect("plain data");
+    print::out(&(schema + "\n"))?;
+    Ok(ExitCode::SUCCESS)
+}
+
 pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
     if let Some(name) = arguments.show.as_deref().filter(|name| group::is_openscenario(name)) {
         let parameters = arguments.parameters.clone();
@@ -111,15 +117,6 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
             UnknownFile { name: name.clone(), names }
         })?;
         print::out(text)?;
-        return Ok(ExitCode::SUCCESS);
-    }
-    if let Some(of) = arguments.schema {
-        let schema = match of {
-            SchemaOf::Scenario => crate::reference::json_schema(),
-            SchemaOf::Results => results(),
-        };
-        let schema = serde_json::to_string_pretty(&schema).expect("plain data");
-        print::out(&(schema + "\n"))?;
         return Ok(ExitCode::SUCCESS);
     }
     let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.summary));

@@ -29,7 +29,7 @@ mod service;
 mod trace;
 
 use clap::CommandFactory;
-use cli::{Cli, Command};
+use cli::{Cli, Command, PrintCommand, RecordingCommand, TestCommand};
 use group::{Error, Status};
 use report::print::note;
 use runtime::log_warnings;
@@ -65,31 +65,26 @@ fn run_command() -> ExitCode {
     }
     let result = match command {
         Command::Run(arguments) => run::run(&arguments),
+        Command::Inject(arguments) => inject::run(&arguments),
         Command::Rsu(arguments) => rsu::run(&arguments),
-        Command::Reproduce(arguments) => papers::run(&arguments),
-        Command::Bench(arguments) => bench::run(&arguments),
         Command::Compare(arguments) => grid::compare::run(&arguments),
-        Command::R157(arguments) => standards::r157::run(&arguments),
-        Command::Iso15622(arguments) => standards::iso15622::run(&arguments),
-        Command::Trace(arguments) => trace::run(&arguments),
-        Command::Campaign(arguments) => campaign::run(&arguments),
-        Command::Test(command) => populations::run(&command),
-        Command::String(arguments) => string::run(&arguments),
         Command::Sweep(arguments) => grid::sweep::run(&arguments),
+        Command::String(arguments) => string::run(&arguments),
         Command::Search(arguments) => search::run(&arguments),
+        Command::Campaign(arguments) => campaign::run(&arguments),
+        Command::Test(TestCommand::R157(arguments)) => standards::r157::run(&arguments),
+        Command::Test(TestCommand::Iso15622(arguments)) => standards::iso15622::run(&arguments),
+        Command::Test(TestCommand::Population(command)) => populations::run(&command),
+        Command::Papers(arguments) => papers::run(&arguments),
         Command::Merge(arguments) => frame::merge(&arguments, &studies()),
         Command::Resume(arguments) => frame::resume(&arguments, &studies()),
-        Command::Info(arguments) => recordings::info::run(&arguments),
-        Command::Recover(arguments) => recordings::recover::run(&arguments),
-        Command::Export(arguments) => recordings::export::run(&arguments),
-        Command::Replay(arguments) => recordings::replay::run(&arguments),
-        Command::Diff(arguments) => recordings::diff::run(&arguments),
-        Command::Layouts(arguments) => recordings::layouts::run(&arguments),
+        Command::Recording(command) => recording(&command),
+        Command::Bench(arguments) => bench::run(&arguments),
         Command::Doctor(arguments) => doctor::run(&arguments),
-        Command::Inject(arguments) => inject::run(&arguments),
-        Command::Lead(arguments) => lead::run(&arguments),
         Command::List(arguments) => list::run(&arguments),
-        Command::Generate(arguments) => generate::run(&arguments, Cli::command()),
+        Command::Print(PrintCommand::Schema(arguments)) => list::print_schema(&arguments),
+        Command::Print(PrintCommand::Layouts(arguments)) => recordings::layouts::run(&arguments),
+        Command::Print(PrintCommand::Generated(what)) => generate::run(&what, Cli::command()),
         Command::Service(arguments) => service::run(&arguments),
     };
     result.unwrap_or_else(|error| {
@@ -104,6 +99,18 @@ fn run_command() -> ExitCode {
         }
         error.exit_code()
     })
+}
+
+fn recording(command: &RecordingCommand) -> Result<ExitCode, Error> {
+    match command {
+        RecordingCommand::Info(arguments) => recordings::info::run(arguments),
+        RecordingCommand::Recover(arguments) => recordings::recover::run(arguments),
+        RecordingCommand::Export(arguments) => recordings::export::run(arguments),
+        RecordingCommand::Replay(arguments) => recordings::replay::run(arguments),
+        RecordingCommand::Diff(arguments) => recordings::diff::run(arguments),
+        RecordingCommand::Trace(arguments) => trace::run(arguments),
+        RecordingCommand::Lead(arguments) => lead::run(arguments),
+    }
 }
 
 /// All studies, for `merge` and `resume`.

@@ -1,4 +1,4 @@
-//! The scenario file and the messages as data and as pages. `timegap list --schema` prints them; a test compares the
+//! The scenario file and the messages as data and as pages. `timegap print schema` prints them; a test compares the
 //! reference pages of `docs` with this module.
 
 use controller::law::Descriptor;
@@ -119,9 +119,9 @@ fn of_shape(shape: &Shape) -> Value {
 /// `docs/reference-scenario.md`.
 pub fn scenario_page() -> String {
     let mut page = String::from(
-        "# Scenario keys\n\nMade by `timegap generate reference-scenario` from the types that read the \
+        "# Scenario keys\n\nMade by `timegap print reference scenario` from the types that read the \
          file; a test compares. Units are part of the names: `_m`, `_mps`, `_mps2`, `_s`, `_ms`. A key \
-         without a default is either required or absent. For editors: `timegap list --schema`.\n",
+         without a default is either required or absent. For editors: `timegap print schema`.\n",
     );
     section(&mut page, "", &keys());
     page
@@ -232,9 +232,9 @@ fn kind(shape: &Shape) -> String {
 /// `docs/reference-messages.md`.
 pub fn messages_page() -> String {
     let mut page = format!(
-        "# Messages\n\nMade by `timegap generate reference-messages` from the structs themselves; a test \
+        "# Messages\n\nMade by `timegap print reference messages` from the structs themselves; a test \
          compares. Layout version {LAYOUT_VERSION}; all fields are little-endian without padding. For \
-         Python and C: `timegap layouts`.\n\n| topic | message | bytes | sent by | read by |\n\
+         Python and C: `timegap print layouts`.\n\n| topic | message | bytes | sent by | read by |\n\
          | --- | --- | --- | --- | --- |\n"
     );
     for topic in TOPICS {

@@ -92,7 +92,7 @@ pub enum Damage {
 }
 
 impl Damage {
-    /// True where `timegap recover` writes a file without it.
+    /// True where `timegap recording recover` writes a file without it.
     #[must_use]
     pub fn can_be_left_out(&self) -> bool {
         matches!(

@@ -72,7 +72,7 @@ enum PlayError {
 }
 
 fn refuse() -> ExitCode {
-    eprintln!("the replayer is a service of timegap: start it with `timegap replay`");
+    eprintln!("the replayer is a service of timegap: start it with `timegap recording replay`");
     ExitCode::from(2)
 }
 

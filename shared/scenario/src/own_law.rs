@@ -25,7 +25,7 @@ pub struct OwnLaw {
     /// Directory in which the program runs. If absent, as for `controller.directory`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub directory: Option<PathBuf>,
-    /// A shared library with the functions of `timegap layouts --law --c`. It computes in timegap's own process. An
+    /// A shared library with the functions of `timegap print layouts --law --c`. It computes in timegap's own process. An
     /// error in it ends the command, and nothing ends a step that does not return.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub library: Option<PathBuf>,

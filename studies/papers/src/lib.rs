@@ -1,4 +1,4 @@
-//! `timegap reproduce`: a paper's scenarios in lockstep, and the expected figures beside ours.
+//! `timegap papers`: a paper's scenarios in lockstep, and the expected figures beside ours.
 //!
 //! ```text
 //! paper ─ pieces ─► scenarios ─► rows: expected, ours, tolerance ─► tables of each set, verdict

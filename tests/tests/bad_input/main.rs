@@ -85,18 +85,22 @@ fn driver_assistance() {
         "[[actors]]\nname = \"lead\"\ngap_m = 20\nprofile.cycle = \"nedc\"\n",
         &["mine.toml:7", "^", "nedc", "udds"],
     );
-    refused(&["r157", "--sample", "0"], 2, &["--sample", "'0'"]);
+    refused(&["test", "r157", "--sample", "0"], 2, &["--sample", "'0'"]);
     refused(
         &["run", "following", "--set", "faults=[{ kind = \"hog\", core = 1023, at_s = 1 }]"],
         2,
         &["faults.0", "core 1023", "expected one of 0"],
     );
     refused(
-        &["r157", "--models-only", "--matrix", "following", "--csv", "models.csv"],
+        &["test", "r157", "--models-only", "--matrix", "following", "--csv", "models.csv"],
         2,
         &["there are none", "--matrix cut-in"],
     );
-    refused(&["r157", "--models-only", "--processes"], 2, &["--models-only", "--processes"]);
+    refused(
+        &["test", "r157", "--models-only", "--processes"],
+        2,
+        &["--models-only", "--processes"],
+    );
     refused(&["list", "--show", "cacc-a", "--param", "A=1"], 2, &["A=1", "--show FILE.xosc"]);
     refused(&["compare", "cacc-a", "cacc-a"], 2, &["cacc-a is there twice"]);
     refused(
@@ -131,7 +135,7 @@ fn options() {
     refused(&["list", "--show", "no-such"], 2, &["no-such", "cacc-a"]);
     refused(&["campaign", "radio", "--seeds", "3"], 2, &["--seeds", "--sample N"]);
     refused(&["campaign", "kills", "--first", "3"], 2, &["--first", "`radio`"]);
-    refused(&["campaign", "plausibility", "--sample", "3"], 2, &["--sample", "`plausibility`"]);
+    refused(&["test", "plausibility", "--sample", "3"], 2, &["--sample", "`plausibility`"]);
 }
 
 /// Likely slips, and the words that help.
@@ -303,7 +307,7 @@ fn recordings_without_a_message_that_can_be_read() {
     for (name, length) in [("a.mcap", at + 20), ("b.mcap", at + 30)] {
         std::fs::write(corner.path().join(name), &bytes[..length]).expect("our own directory");
     }
-    let output = corner.run(&["diff", "a.mcap", "b.mcap"]);
+    let output = corner.run(&["recording", "diff", "a.mcap", "b.mcap"]);
     assert_eq!(output.status.code(), Some(2), "{}", text(&output));
     assert!(
         text(&output).contains("a.mcap: damaged before its first message"),

@@ -23,7 +23,7 @@ pub fn the_python_example_drives() {
         (&"python3 my_law.py".into(), &"my_law".into())
     );
     // The module of `layouts` gives the same law in three lines.
-    let module = corner.run(&["layouts", "--law", "--python"]);
+    let module = corner.run(&["print", "layouts", "--law", "--python"]);
     std::fs::write(corner.path().join("timegap_law.py"), module.stdout).expect("ours");
     let short = "import timegap_law\n\ndef law(q):\n    v = q.speed_mps\n    print('for people')\n    \
                  free = 0.4 * (min(q.set_speed_mps, q.speed_limit_mps) - v)\n    \
@@ -44,7 +44,7 @@ pub fn the_python_example_drives() {
 
 pub fn the_c_example_drives() {
     let corner = Corner::new(PROGRAM);
-    let header = corner.run(&["layouts", "--law", "--c"]);
+    let header = corner.run(&["print", "layouts", "--law", "--c"]);
     std::fs::write(corner.path().join("timegap_law.h"), header.stdout).expect("ours");
     let compiled = Command::new("cc")
         .args([

@@ -91,12 +91,12 @@ fn the_same_bytes_by_pipe_in_a_group_and_in_one_process() {
     assert_eq!(program["sha256"].as_str(), sum.split_whitespace().next());
     assert_eq!(controller(&inside)["program"], *program);
     assert_eq!(one["timing"]["law_program"]["starts"], 1);
-    let info = corner.json(&["info", "one"]);
+    let info = corner.json(&["recording", "info", "one"]);
     assert_eq!(info["programs"]["controller"], *program);
     let page = std::fs::read_to_string(corner.path().join("one/report.html")).expect("written");
     assert!(page.contains("external (") && page.contains("odd-law follow"), "the page says who");
     // The program runs again with equal answers.
-    let replayed = corner.json(&["replay", "one"]);
+    let replayed = corner.json(&["recording", "replay", "one"]);
     assert_eq!(replayed["identical"], true, "{replayed}");
     assert_eq!(replayed["replayed_program"]["sha256"], program["sha256"]);
     gone(&law);
@@ -276,12 +276,12 @@ fn a_controller_program_is_told_and_replayed() {
     let summary = corner.json(&[&run[..], &["--service", &service]].concat());
     assert_eq!(summary["controller"], "two-seconds", "{summary}");
     assert_eq!(controller(&summary)["program"]["command"], MY_CONTROLLER);
-    let refused = corner.run(&["replay", "out"]);
+    let refused = corner.run(&["recording", "replay", "out"]);
     assert_eq!(refused.status.code(), Some(2), "{}", text(&refused));
     assert!(text(&refused).contains("--service controller=PROGRAM"), "{}", text(&refused));
-    let replayed = corner.json(&["replay", "out", "--service", &service]);
+    let replayed = corner.json(&["recording", "replay", "out", "--service", &service]);
     assert_eq!(replayed["identical"], true, "{replayed}");
-    let other = corner.run(&["replay", "out", "--service", "plant=/bin/true"]);
+    let other = corner.run(&["recording", "replay", "out", "--service", "plant=/bin/true"]);
     assert_eq!(other.status.code(), Some(2), "{}", text(&other));
     corner.expect_nothing_left(&[]);
 }

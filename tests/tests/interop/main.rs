@@ -124,7 +124,7 @@ fn the_pandas_example_runs_as_printed() {
     let python = interpreter().expect("looked for before");
     let corner = Corner::new(PROGRAM);
     printed(&corner, &["run", "--mode", "lockstep", "--duration", "2", "--out", "runs/mine"]);
-    printed(&corner, &["export", "runs/mine", "--csv"]);
+    printed(&corner, &["recording", "export", "runs/mine", "--csv"]);
     let script = example(&corner, "export");
     assert!(script.contains("import pandas"), "{script}");
     let table = succeeded(Command::new(&python).args(["-c", &script]).current_dir(corner.path()));
@@ -143,7 +143,7 @@ fn the_pandas_example_runs_as_printed() {
 fn a_python_process_hears_a_running_group() {
     let python = interpreter().expect("looked for before");
     let corner = Corner::new(PROGRAM);
-    let module = printed(&corner, &["layouts", "--python"]);
+    let module = printed(&corner, &["print", "layouts", "--python"]);
     std::fs::write(corner.path().join("timegap_messages.py"), module).expect("writable");
     let mut run = corner.start(&["run", "cacc-a", "--duration", "600", "--out", "runs/mine"]);
     let live = corner.path().join("runs/mine/live.json");
@@ -181,10 +181,10 @@ fn a_python_process_hears_a_running_group() {
 
 fn a_c_compiler_lays_the_structs_out_alike() {
     let corner = Corner::new(PROGRAM);
-    std::fs::write(corner.path().join("timegap.h"), printed(&corner, &["layouts", "--c"]))
+    std::fs::write(corner.path().join("timegap.h"), printed(&corner, &["print", "layouts", "--c"]))
         .expect("writable");
     let layouts: Value =
-        serde_json::from_str(&printed(&corner, &["layouts", "--json"])).expect("JSON");
+        serde_json::from_str(&printed(&corner, &["print", "layouts", "--json"])).expect("JSON");
     let structs = layouts["structs"].as_array().expect("structs");
     let (mut body, mut expected) = (String::new(), String::new());
     for layout in structs {
@@ -215,7 +215,7 @@ fn a_c_compiler_lays_the_structs_out_alike() {
 fn wireshark_reads_the_frames_of_a_run() {
     let corner = Corner::new(PROGRAM);
     printed(&corner, &["run", "corridor", "--mode", "lockstep", "--duration", "3", "--out", "out"]);
-    printed(&corner, &["export", "out", "--pcap"]);
+    printed(&corner, &["recording", "export", "out", "--pcap"]);
     let capture = corner.path().join("out/radio.pcap");
     let tshark = |arguments: &[&str]| {
         succeeded(Command::new("tshark").arg("-r").arg(&capture).args(arguments))
@@ -266,7 +266,7 @@ fn another_implementation_of_the_end_to_end_protection_agrees() {
 fn a_run_is_a_rosbag2_in_the_order_of_time() {
     let python = interpreter().expect("looked for before");
     let corner = Corner::new(PROGRAM);
-    printed(&corner, &["layouts", "--msg", "ros"]);
+    printed(&corner, &["print", "layouts", "--msg", "ros"]);
     for (scenario, mode) in [("corridor", "lockstep"), ("cut-in", "realtime")] {
         let arguments = ["run", scenario, "--mode", mode, "--duration", "1", "--out", scenario];
         printed(&corner, &arguments);
@@ -291,16 +291,16 @@ fn recordings_of_another_writer_are_the_same() {
     let script = Path::new(SCRIPTS).join("rewrite.py");
     let file = corner.path().join("out/recording.mcap");
     succeeded(Command::new(&python).arg(script).arg(&file).arg(corner.path()));
-    let ours = corner.json(&["info", "out"]);
+    let ours = corner.json(&["recording", "info", "out"]);
     for name in ["zstd", "lz4", "plain", "unchunked", "bare", "reversed"] {
         let other = format!("{name}.mcap");
-        assert_eq!(corner.json(&["diff", "out", &other])["equal"], true, "{name}");
-        let info = corner.json(&["info", &other]);
+        assert_eq!(corner.json(&["recording", "diff", "out", &other])["equal"], true, "{name}");
+        let info = corner.json(&["recording", "info", &other]);
         assert_eq!((&info["messages"], &info["topics"]), (&ours["messages"], &ours["topics"]));
     }
     let whole = std::fs::read(corner.path().join("zstd.mcap")).expect("just written");
     std::fs::write(corner.path().join("cut.mcap"), &whole[..whole.len() / 2]).expect("writable");
-    let cut = corner.run(&["export", "cut.mcap", "--csv", "--out", "csv"]);
+    let cut = corner.run(&["recording", "export", "cut.mcap", "--csv", "--out", "csv"]);
     // Its metadata followed the messages.
     assert_eq!(cut.status.code(), Some(2), "{}", text(&cut));
 }

@@ -14,7 +14,7 @@ pub fn parquet_tables_hold_what_csv_tables_hold() {
     for (scenario, tables) in [("corridor", 10), ("truck-follow", 10)] {
         let run = ["run", scenario, "--mode", "lockstep", "--duration", "5", "--out", scenario];
         printed(&corner, &run);
-        printed(&corner, &["export", scenario, "--csv", "--parquet"]);
+        printed(&corner, &["recording", "export", scenario, "--csv", "--parquet"]);
         let script = Path::new(SCRIPTS).join("parquet.py");
         let compared =
             succeeded(Command::new(&python).arg(script).arg(corner.path().join(scenario)));
@@ -43,12 +43,12 @@ pub fn every_drive_of_a_study_has_its_row_and_its_trajectory() {
     let corner = Corner::new(PROGRAM);
     let string =
         ["string", "following", "--vehicles", "2", "--frequencies", "0.1", "--duration", "30"];
-    let r157 = ["r157", "--matrix", "cut-in", "--controllers", "acc-mpc", "--sample", "3"];
+    let r157 = ["test", "r157", "--matrix", "cut-in", "--controllers", "acc-mpc", "--sample", "3"];
     for (words, keys, least) in [
         (&string[..], "vehicle,frequency_hz", 4),
         (&r157[..], "matrix,case,aebs", 3),
-        (&["reproduce", "six-mode"][..], "paper,piece,drive,set", 2),
-        (&["iso15622", "--controllers", "acc-mpc"][..], "test", 3),
+        (&["papers", "six-mode"][..], "paper,piece,drive,set", 2),
+        (&["test", "iso15622", "--controllers", "acc-mpc"][..], "test", 3),
     ] {
         let out = words[0];
         let study = [words, &["--keep", "all", "--out", out]].concat();

@@ -100,7 +100,7 @@ fn a_comparison_and_a_matrix_in_parts_give_the_figures_of_one_machine() {
     let corner = Corner::new(PROGRAM);
     let compare = ["compare", "cut-in", "cacc-a", "--controllers", "acc-mpc,six-mode"];
     let matrix =
-        ["r157", "--matrix", "cut-in,cut-out", "--controllers", "acc-mpc", "--sample", "3"];
+        ["test", "r157", "--matrix", "cut-in,cut-out", "--controllers", "acc-mpc", "--sample", "3"];
     for (name, study) in [("compare", &compare[..]), ("r157", &matrix[..])] {
         let whole = format!("{name}-whole");
         let output = corner.run(&[study, &["--out", &whole]].concat());

@@ -1,4 +1,4 @@
-//! `timegap export --pcap`: the frames of a recording as a capture for Wireshark.
+//! `timegap recording export --pcap`: the frames of a recording as a capture for Wireshark.
 
 use group::Error;
 use its::geonetworking::Headers;

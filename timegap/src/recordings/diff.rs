@@ -1,4 +1,4 @@
-//! `timegap diff`: the first difference between two recordings.
+//! `timegap recording diff`: the first difference between two recordings.
 
 use super::{open, print_damage};
 use clap::Args;

@@ -1,4 +1,4 @@
-//! `timegap export`: a recording as tables, its frames as a capture.
+//! `timegap recording export`: a recording as tables, its frames as a capture.
 
 use super::capture::Capture;
 use super::sheet::{Form, Item, Sheet};

@@ -1,4 +1,4 @@
-//! `timegap info`: the contents of a recording.
+//! `timegap recording info`: the contents of a recording.
 
 use super::{count, in_words, lines, open};
 use clap::Args;
@@ -121,7 +121,7 @@ fn document(recording: &Recording, survey: &Survey) -> Document {
         ),
     );
     let advised = |damage: &Damage| match damage.can_be_left_out() {
-        true => format!("{damage}: `timegap recover` repairs it"),
+        true => format!("{damage}: `timegap recording recover` repairs it"),
         false => damage.to_string(),
     };
     for damage in lines(&survey.damage, in_words(recording, advised)) {

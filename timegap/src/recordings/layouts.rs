@@ -1,4 +1,4 @@
-//! `timegap layouts`: the messages for other languages.
+//! `timegap print layouts`: the messages for other languages.
 
 use clap::Args;
 use controller::law::Descriptor;

@@ -72,8 +72,8 @@ const MOST_TOLD: usize = 20;
 /// A line for each damage up to [`MOST_TOLD`], and one for the rest.
 fn lines(damage: &[Damage], line: impl Fn(&Damage) -> String) -> impl Iterator<Item = String> {
     let rest = damage.len().saturating_sub(MOST_TOLD);
-    let rest =
-        (rest > 0).then(|| format!("and {rest} more (`timegap info --verify --json` lists all)"));
+    let rest = (rest > 0)
+        .then(|| format!("and {rest} more (`timegap recording info --verify --json` lists all)"));
     damage.iter().take(MOST_TOLD).map(line).collect::<Vec<_>>().into_iter().chain(rest)
 }
 

@@ -1,4 +1,4 @@
-//! `timegap recover`: repairs a truncated recording.
+//! `timegap recording recover`: repairs a truncated recording.
 
 use super::{count, expect_another_file, is_being_recorded, open};
 use clap::Args;

@@ -1,4 +1,4 @@
-//! `timegap trace`: a recorded run for Perfetto (<https://ui.perfetto.dev>).
+//! `timegap recording trace`: a recorded run for Perfetto (<https://ui.perfetto.dev>).
 //!
 //! Each service has a track with a slice per cycle. Arrows follow the chains from radar over controller to plant.
 //! Missed deadlines and faults are instants, and the drive's figures have tracks of their own.

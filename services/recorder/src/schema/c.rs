@@ -8,7 +8,7 @@ use std::fmt::Write;
 #[must_use]
 pub fn header() -> String {
     let mut text = format!(
-        "/* Messages of timegap, layout version {LAYOUT_VERSION}: made by `timegap layouts --c`. */\n\
+        "/* Messages of timegap, layout version {LAYOUT_VERSION}: made by `timegap print layouts --c`. */\n\
          #ifndef TIMEGAP_MESSAGES_H\n#define TIMEGAP_MESSAGES_H\n\n#include <assert.h>\n#include \
          <stddef.h>\n#include <stdint.h>\n\n#define TIMEGAP_LAYOUT_VERSION \"{LAYOUT_VERSION}\"\n"
     );

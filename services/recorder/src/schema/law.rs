@@ -1,4 +1,4 @@
-//! Questions to a foreign law and its answers, in Python and in C: `timegap layouts --law`.
+//! Questions to a foreign law and its answers, in Python and in C: `timegap print layouts --law`.
 
 use super::{c, collect, python};
 use messages::{LAW_RECORDS, LAYOUT_VERSION, Layout};
@@ -57,7 +57,7 @@ pub fn python_module() -> String {
     let classes: String = all().into_iter().map(python::class).collect();
     format!(
         "\"\"\"Questions and answers of a law for timegap, layout version {LAYOUT_VERSION}: made by \
-         `timegap layouts --law --python`.\n\nA whole law:\n\n    import timegap_law\n    \
+         `timegap print layouts --law --python`.\n\nA whole law:\n\n    import timegap_law\n    \
          timegap_law.drive(lambda q: 0.4 * (q.set_speed_mps - q.speed_mps))\n\"\"\"\n\nimport \
          ctypes\nimport sys\n\nLAYOUT_VERSION = \"{LAYOUT_VERSION}\"\n{classes}{DRIVE}"
     )
@@ -69,7 +69,7 @@ pub fn c_header() -> String {
     let structures: String = all().into_iter().map(c::structure).collect();
     format!(
         "/* Questions and answers of a law for timegap, layout version {LAYOUT_VERSION}: made by\n   \
-         `timegap layouts --law --c`. The program reads TimegapLawInput from its standard input and\n   \
+         `timegap print layouts --law --c`. The program reads TimegapLawInput from its standard input and\n   \
          writes one TimegapLawAnswer with the same sequence number to its standard output. A shared\n   \
          library has the functions at the end instead. */\n\
          #ifndef TIMEGAP_LAW_H\n#define TIMEGAP_LAW_H\n\n#include <assert.h>\n#include \

@@ -8,7 +8,7 @@ use std::fmt::Write;
 #[must_use]
 pub fn module() -> String {
     let mut text = format!(
-        "\"\"\"Messages of timegap, layout version {LAYOUT_VERSION}: made by `timegap layouts \
+        "\"\"\"Messages of timegap, layout version {LAYOUT_VERSION}: made by `timegap print layouts \
          --python`.\n\nEach class has the layout of the Rust struct of its name.\n\"\"\"\n\nimport \
          ctypes\n\nLAYOUT_VERSION = \"{LAYOUT_VERSION}\"\n"
     );

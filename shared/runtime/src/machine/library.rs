@@ -77,8 +77,10 @@ impl LibraryError {
     pub fn expected(&self) -> String {
         match self {
             Self::NotLoaded { .. } => "a shared library".to_owned(),
-            Self::NoFunction { .. } => "those of `timegap layouts --law --c`".to_owned(),
-            Self::OtherLayout { .. } => format!("{LAYOUT_VERSION} (`timegap layouts --law --c`)"),
+            Self::NoFunction { .. } => "those of `timegap print layouts --law --c`".to_owned(),
+            Self::OtherLayout { .. } => {
+                format!("{LAYOUT_VERSION} (`timegap print layouts --law --c`)")
+            }
             Self::NoLaw { .. } => "a law".to_owned(),
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! No published model of a truck driver's speed on hills was at hand: every value here is chosen. An Ornstein-Uhlenbeck
 //! process over distance is the usual form of a speed that wanders. Its important figure is the standard deviation,
-//! which `timegap reproduce --driver-spread` sets. On the paper's road 2.5 km/h cost 1.6 to 2.1 % of fuel against a
+//! which `timegap papers --driver-spread` sets. On the paper's road 2.5 km/h cost 1.6 to 2.1 % of fuel against a
 //! constant speed. 4 km/h cost 2.8 to 3.6 %. Slowdowns stand for traffic: one in 30 km, by 8 km/h.
 
 use super::trip::normal;

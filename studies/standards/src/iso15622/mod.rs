@@ -1,4 +1,4 @@
-//! `timegap iso15622`: tests after ISO 15622 (adaptive cruise control), from secondary sources.
+//! `timegap test iso15622`: tests after ISO 15622 (adaptive cruise control), from secondary sources.
 //!
 //! ```text
 //! law ─┬─ target acquisition ──┐
@@ -137,7 +137,7 @@ fn broken(row: &Row, arguments: &Iso15622Arguments) -> Broken {
     let Row { law, test, figure, unit, .. } = row;
     let value = row.value.map_or_else(|| "never".to_owned(), |value| format!("{value:.2} {unit}"));
     let (limit, seed) = (row.least.or(row.most).unwrap_or_default(), arguments.seed.to_string());
-    let words = ["timegap", "iso15622", "--controllers", law, "--seed", &seed];
+    let words = ["timegap", "test", "iso15622", "--controllers", law, "--seed", &seed];
     let words = [words.map(str::to_owned).to_vec(), arguments.laws.words()].concat();
     let what = format!("{law}, {test}: {figure} {value}, limit {limit:.2}");
     Broken::new(what, runtime::command_line(&words))
@@ -168,7 +168,7 @@ mod tests {
         let last = console.lines().last().expect("it has lines").trim();
         assert_eq!(
             last,
-            "b, go: moves_off_after_s 3.50 s, limit 3.00: timegap iso15622 --controllers b --seed 7"
+            "b, go: moves_off_after_s 3.50 s, limit 3.00: timegap test iso15622 --controllers b --seed 7"
         );
         assert!(document.junit().contains("failure"), "{}", document.junit());
         assert_eq!(report::results::check(&schema().json(), &document.value()), [""; 0]);

@@ -184,7 +184,7 @@ mod tests {
         let last = console.lines().last().expect("it has lines");
         assert!(last.contains("following, acc-mpc + AEBS: 2 of 1121, 0.18 %"), "{last}");
         assert!(
-            last.ends_with("timegap r157 --matrix following --controllers acc-mpc --seed 1"),
+            last.ends_with("timegap test r157 --matrix following --controllers acc-mpc --seed 1"),
             "{last}"
         );
     }

@@ -1,4 +1,4 @@
-//! `timegap r157`: UN R157's matrices, by its performance models and by our control laws.
+//! `timegap test r157`: UN R157's matrices, by its performance models and by our control laws.
 //!
 //! ```text
 //! matrix ─► case ─┬─ models ──────────────► verdict ┐
@@ -221,7 +221,8 @@ impl R157Arguments {
     /// The command that drives one law through one matrix.
     fn command(&self, matrix: &str, law: &str) -> String {
         let seed = self.seed.to_string();
-        let words = ["timegap", "r157", "--matrix", matrix, "--controllers", law, "--seed", &seed];
+        let words =
+            ["timegap", "test", "r157", "--matrix", matrix, "--controllers", law, "--seed", &seed];
         let mut words = [words.map(str::to_owned).to_vec(), self.laws.words()].concat();
         let sample = self.sample.map(|count| ["--sample".to_owned(), count.to_string()]);
         words.extend(sample.into_iter().flatten());
@@ -341,7 +342,7 @@ mod tests {
     fn a_result_names_the_command_that_drives_its_law_again() {
         let words = ["--sample", "9", "--seed", "4", "--law", "mine=python3 'my law.py'"];
         let command = command(&words).study.command("cut-in", "mine");
-        let begin = "timegap r157 --matrix cut-in --controllers mine --seed 4 --law ";
+        let begin = "timegap test r157 --matrix cut-in --controllers mine --seed 4 --law ";
         assert!(command.starts_with(begin) && command.ends_with("--sample 9"), "{command}");
     }
 }

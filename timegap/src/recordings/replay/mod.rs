@@ -1,4 +1,4 @@
-//! `timegap replay`: feeds a recorded run's inputs to the controller again.
+//! `timegap recording replay`: feeds a recorded run's inputs to the controller again.
 //!
 //! The controller is the real process on real topics. A replayer takes the place of all other services and
 //! sends the recorded samples. It releases the controller at the recorded instants. At each release the

@@ -1,7 +1,7 @@
 //! A result declared once: its type gives the JSON and its schema, its columns give every output for people.
 //!
 //! ```text
-//! type (serde, schemars) ─► JSON, Schema ─► `timegap list --schema results`
+//! type (serde, schemars) ─► JSON, Schema ─► `timegap print schema results`
 //!
 //!                 ┌─► console (chosen by its width, cut in its length)
 //! Column ─► Table ├─► page, Markdown (best of a column marked)

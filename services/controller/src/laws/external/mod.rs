@@ -1,7 +1,7 @@
 //! A law in any language (`external`): a program of the user's, which this process hosts.
 //!
 //! The program reads questions from its standard input and writes answers to its standard output. Both
-//! are records of fixed layout ([`messages::LawInput`], [`messages::LawAnswer`]; `timegap layouts --law`
+//! are records of fixed layout ([`messages::LawInput`], [`messages::LawAnswer`]; `timegap print layouts --law`
 //! prints them for Python and C). It answers each question once, in order, with the question's sequence
 //! number, and ends when its input does. Standard error is for what a person is to read.
 //!

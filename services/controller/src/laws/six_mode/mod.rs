@@ -57,7 +57,7 @@
 //! | 8. noise changes modes all the time | hysteresis, dwell, filter |
 //! | 9. range edge, steps of the request, stale filter | range hysteresis, jerk limit, filter reset |
 //!
-//! `timegap reproduce six-mode` drives the literal set, the robust set and the road set. The *robust set* is
+//! `timegap papers six-mode` drives the literal set, the robust set and the road set. The *robust set* is
 //! [`Variant::Robust`] with the paper's distances ([`Spacing::Paper`]) and eight levels ([`Parts::EqualSlices`]). The
 //! *road set* is [`Parameters::default`], which `--controller six-mode` drives: the robust law with a time gap
 //! ([`Spacing::TimeGap`]), braking without steps ([`Parts::Smooth`]) and numbers chosen for traffic.
