@@ -61,7 +61,6 @@ pub enum InjectError {
     /// The directory has no run in progress.
     #[error("{} holds no run in progress ({}: {reason})", results.display(), path.display())]
     NoRun {
-        /// The directory.
         results: PathBuf,
         /// The file that states how to join.
         path: PathBuf,
@@ -72,16 +71,13 @@ pub enum InjectError {
     /// The file that states how to join is not valid.
     #[error("{}: {reason}", path.display())]
     LiveFile {
-        /// The file.
         path: PathBuf,
-        /// The error.
         #[source]
         reason: serde_json::Error,
     },
     /// The run does not answer.
     #[error("{} is not in progress: {reason}", run.display())]
     Over {
-        /// Its results.
         run: PathBuf,
         /// The system's error.
         #[source]

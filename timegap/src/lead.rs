@@ -167,7 +167,6 @@ fn list(path: &Path, is_json: bool) -> Result<ExitCode, Error> {
 /// Most fields that are printed of a topic.
 const MOST_FIELDS: usize = 12;
 
-/// Distance of a profile, m.
 fn distance_m(points: impl Iterator<Item = (f64, f64)>) -> f64 {
     let points: Vec<_> = points.collect();
     let part = |pair: &[(f64, f64)]| (pair[1].0 - pair[0].0) * (pair[0].1 + pair[1].1) / 2.0;

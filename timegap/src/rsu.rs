@@ -67,7 +67,6 @@ struct RsuSummary {
     schema_version: u32,
     scenario: String,
     carrier: String,
-    /// Duration, s.
     duration_s: f64,
     /// SPATEM passed to the network.
     spatem: u64,

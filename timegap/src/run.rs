@@ -150,10 +150,8 @@ fn in_process(
 /// Options that exclude `--in-process`.
 #[derive(Debug, thiserror::Error)]
 pub enum NeedsProcesses {
-    /// The realtime clock.
     #[error("--in-process: in realtime every service is a process: add --mode lockstep")]
     Realtime,
-    /// A program of the user.
     #[error("--in-process: your program is a process of its own: omit --service or --in-process")]
     Program,
     /// The opposite option.

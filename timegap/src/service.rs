@@ -21,16 +21,13 @@ pub struct ServiceArguments {
 /// Missing arguments of a process that is not a service.
 #[derive(Debug, thiserror::Error)]
 pub enum MissingArguments {
-    /// Arguments of the janitor.
     #[error("the janitor needs the root of a run")]
     Janitor,
     /// Arguments of a process of the benchmark.
     #[error("a process of `timegap bench` needs its root and job")]
     Bench,
-    /// An argument that is not text.
     #[error("`{0}` is not UTF-8 text")]
     NotText(String),
-    /// Arguments of the hog.
     #[error("the hog needs the root of a run, a resource and an amount")]
     Hog,
 }

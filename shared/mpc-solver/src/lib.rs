@@ -63,6 +63,7 @@
 //! light) and call [`Solver::solve`]. Nothing allocates after construction. [`Riccati`] is the solver
 //! made for this problem; `Clarabel` (feature `clarabel`) is the general one, the oracle of the tests.
 
+#![warn(missing_docs)]
 #![allow(clippy::needless_range_loop, reason = "matrix code keeps the indices of its equations")]
 
 mod builder;

@@ -25,6 +25,8 @@
 //! `unsafe` is allowed in `coroutine`, `library`, `scheduling`, `spawn`, `usage` and `words`, for system calls that no
 //! crate wraps. It is also allowed in `transport` (`pooled`, and where loaned bytes become a message).
 
+#![warn(missing_docs)]
+
 mod counts;
 mod error;
 mod faults;

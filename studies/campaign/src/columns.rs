@@ -18,7 +18,6 @@ pub fn sums<R>() -> Vec<Column<R>> {
     counts::columns().into_iter().chain(measured).chain(named).collect()
 }
 
-/// Columns of the requirements.
 pub const REQUIREMENTS: &[Column<Requirement>] = &[
     word("requirement", "requirement", "Key in the campaign's file"),
     column("limit", "limit", "", Format::Exact, "The limit of these runs"),
@@ -58,9 +57,7 @@ pub const BROKEN: &[Column<Broken>] = &[
 pub struct Line<'a> {
     /// The thing that they have in common; none in a table of combinations.
     pub by: Option<&'static str>,
-    /// Its value.
     pub of: String,
-    /// The sums.
     #[serde(flatten)]
     pub tally: &'a Tally,
 }

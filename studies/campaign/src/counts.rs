@@ -31,7 +31,6 @@ macro_rules! counts {
         }
 
         impl Counts {
-            /// Adds a run.
             pub fn add(&mut self, record: &Record) {
                 $(
                     let of: fn(&Record) -> u64 = $of;
@@ -44,10 +43,8 @@ macro_rules! counts {
         const NAMED: &[(&str, fn(&Counts) -> u64)] =
             &[$((stringify!($field), |counts| counts.$field)),+];
 
-        /// Appearance of each.
         const SHOWN: &[Shown] = &[$($shown),+];
 
-        /// Their columns.
         pub fn columns<R>() -> Vec<Column<R>> {
             let all = vec![$(count($name, $heading, $meaning)),+];
             let shown = |(column, shown): (Column<R>, &Shown)| match shown {

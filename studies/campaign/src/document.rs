@@ -175,7 +175,6 @@ fn pictures(runs: &Sum) -> String {
     plot.map_or_else(String::new, |plot| format!("<div class=\"grid\">\n{}</div>\n", figure(&plot)))
 }
 
-/// The answer in a sentence.
 fn sentence(verdict: &Verdict) -> String {
     let (runs, planned) = (verdict.all.counts.runs, verdict.planned);
     let mut words = vec![match verdict.unaccounted {

@@ -24,9 +24,7 @@ const PROCESS_FAULT_S: f64 = 0.1;
 pub enum Phase {
     /// The time to collision is short.
     Closing,
-    /// A red line is near.
     RedLine,
-    /// The ego brakes.
     Braking,
     /// A vehicle moves into the ego's lane.
     CutIn,
@@ -35,11 +33,9 @@ pub enum Phase {
 }
 
 impl Phase {
-    /// All phases.
     pub const ALL: [Self; 5] =
         [Self::Closing, Self::RedLine, Self::Braking, Self::CutIn, Self::Standstill];
 
-    /// Name in results.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Closing => "closing",
@@ -67,7 +63,6 @@ impl Phase {
 /// The phases in which the faults of a run struck.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Struck {
-    /// Faults that acted.
     pub faults: u64,
     /// Faults that acted in a critical phase.
     pub critical: u64,

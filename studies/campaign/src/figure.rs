@@ -21,7 +21,6 @@ enum Kind {
     Measure(MeasuredFigure),
 }
 
-/// All figures.
 pub fn figures() -> impl Iterator<Item = Figure> {
     let counts = counts::limited().map(|(name, of)| Figure { name, of: Kind::Count(of) });
     let measured =
@@ -52,11 +51,9 @@ impl Figure {
 /// A limit of a figure: a `max_` or `min_` key and its value.
 #[derive(Clone, Copy)]
 pub struct Limit {
-    /// The figure.
     pub figure: Figure,
     /// True for `min_`: the figure must be at least the value.
     is_least: bool,
-    /// The value.
     pub value: f64,
 }
 

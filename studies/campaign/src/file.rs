@@ -57,18 +57,14 @@ const MAX_BYTES: u64 = 1 << 20;
 /// Largest number of faults that are drawn for a run.
 const MAX_FAULTS_PER_RUN: u32 = 16;
 
-/// A campaign.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Campaign {
-    /// Version of the schema: 1.
     pub schema_version: u32,
-    /// Name.
     pub name: Name,
     /// Subject, in one line.
     #[serde(default)]
     pub description: Line,
-    /// Clock.
     #[serde(default = "lockstep")]
     pub mode: Mode,
     /// Names of built-in scenarios, or files; with a variation, its scenario.
@@ -86,7 +82,6 @@ pub struct Campaign {
     /// Runs of every combination, each with a seed of its own.
     #[serde(default = "one")]
     pub seeds: NonZeroU32,
-    /// The first of these seeds.
     #[serde(default = "first_seed")]
     pub first_seed: u32,
     /// Keys set in all runs, as for `--set`.
@@ -123,7 +118,6 @@ pub struct Campaign {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Case {
-    /// Name.
     pub name: Name,
     /// Name of a built-in scenario, or a file.
     pub scenario: String,
@@ -132,7 +126,6 @@ pub struct Case {
     /// Runs, each with a seed of its own.
     #[serde(default = "ten")]
     pub seeds: NonZeroU32,
-    /// Origin.
     pub from: Line,
 }
 

@@ -44,7 +44,6 @@ macro_rules! extremes {
         }
 
         impl Extremes {
-            /// Adds a run.
             pub fn add(&mut self, record: &Record) {
                 $(
                     let of: fn(&Record) -> Option<f64> = $of;
@@ -58,7 +57,6 @@ macro_rules! extremes {
         const EXTREMES: &[MeasuredFigure] =
             &[$(MeasuredFigure { name: $limit, of: |all| all.extremes.$field, is_median: false }),+];
 
-        /// Their columns.
         pub fn extreme_columns<R>() -> Vec<Column<R>> {
             vec![$(number(stringify!($field), $heading, $unit, $decimals, $meaning).$($shown)+),+]
         }
@@ -105,7 +103,6 @@ macro_rules! times {
         }
 
         impl Histograms {
-            /// Adds a run.
             pub fn add(&mut self, record: &Record) {
                 $(
                     let of: fn(&Record) -> &Vec<f64> = $of;
@@ -141,7 +138,6 @@ macro_rules! times {
             },
         )+];
 
-        /// Their columns.
         pub fn time_columns<R>() -> Vec<Column<R>> {
             vec![$(
                 micros(concat!($name, "_us.p50"), concat!($heading, " p50"), concat!("Median time ", $of_what)).$($shown)+,

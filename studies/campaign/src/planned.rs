@@ -9,9 +9,7 @@ pub struct Planned {
     pub scenario: String,
     /// Controller, if the campaign names one.
     pub controller: Option<String>,
-    /// Words on its faults.
     pub fault: String,
-    /// Seed.
     pub seed: u32,
     /// Keys set, as for `--set`.
     pub keys: Vec<String>,

@@ -21,7 +21,6 @@ pub struct Record {
     pub run: usize,
     pub scenario: String,
     pub controller: String,
-    /// Words on its faults.
     pub fault: String,
     pub seed: u32,
     /// Parameters of an OpenSCENARIO file.
@@ -30,7 +29,6 @@ pub struct Record {
     pub outcome: Outcome,
     /// Reason why the outcome is `aborted`.
     pub aborted_because: Option<String>,
-    /// Verdicts on the requirements.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub requirements: Vec<RequirementVerdict>,
     #[serde(flatten)]
@@ -45,7 +43,6 @@ pub struct Measured {
     pub duration_s: f64,
     pub min_gap_m: Option<f64>,
     pub min_ttc_s: Option<f64>,
-    /// Killed processes.
     pub kills: u64,
     /// Pairs of services killed within [`DOUBLE_S`].
     pub double_kills: u64,
@@ -80,7 +77,6 @@ pub struct Measured {
     pub corrupted: u64,
     /// Corrupted messages that were accepted.
     pub undetected: u64,
-    /// Faults that acted.
     pub faults: u64,
     /// Faults that acted in a critical phase.
     pub critical_faults: u64,

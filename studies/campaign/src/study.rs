@@ -55,7 +55,6 @@ fn effective(arguments: &CampaignArguments) -> Result<Campaign, Error> {
     Ok(campaign)
 }
 
-/// A campaign of a file with its runs.
 struct FileCampaign {
     campaign: Campaign,
     plan: Plan,

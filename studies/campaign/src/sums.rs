@@ -27,7 +27,6 @@ pub struct Shared {
 /// Sums over the runs: over all, and by what they have in common.
 #[derive(Debug, Default)]
 pub struct Sums {
-    /// All runs.
     pub all: Sum,
     combinations: Grouped<3>,
     scenarios: Grouped<1>,
@@ -82,17 +81,14 @@ impl Sums {
         self.combinations.0.iter().map(combination).collect()
     }
 
-    /// By scenario.
     pub fn scenarios(&self) -> Vec<Shared> {
         self.scenarios.shared()
     }
 
-    /// By controller.
     pub fn controllers(&self) -> Vec<Shared> {
         self.controllers.shared()
     }
 
-    /// By fault.
     pub fn faults(&self) -> Vec<Shared> {
         self.faults.shared()
     }

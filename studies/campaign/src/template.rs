@@ -11,12 +11,7 @@ use toml::{Table, Value};
 pub enum TemplateError {
     /// A number of faults.
     #[error("faults: {key} = {value}, expected a whole number from 1 to 64")]
-    Count {
-        /// The key.
-        key: String,
-        /// Its value.
-        value: Value,
-    },
+    Count { key: String, value: Value },
     /// True if a fault has runs of its own.
     #[error("faults: alone = {0}, expected true or false")]
     Alone(Value),
@@ -41,7 +36,6 @@ pub enum Drawing {
     One(Template),
     /// A number of faults, each from any of the templates.
     Mixed {
-        /// The templates.
         templates: Vec<Template>,
         /// Least number of draws.
         least: u32,

@@ -22,7 +22,6 @@ impl Failure for NoneAdmitted {}
 /// The values that a variation file gives to its scenario's parameters.
 #[derive(Debug)]
 pub struct Variants {
-    /// The scenario file.
     pub scenario: String,
     /// The description in the variation file.
     pub description: String,

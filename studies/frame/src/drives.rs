@@ -25,10 +25,8 @@ use crate::keep::Key;
 use crate::parts::Records;
 use report::summary::Summary;
 
-/// Name of the file.
 pub const FILE: &str = "runs.csv";
 
-/// The figures of a drive.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Drive {
     scenario: String,

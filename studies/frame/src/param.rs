@@ -46,12 +46,7 @@ pub enum ValuesError {
     NoLogarithm(String),
     /// A range that runs backwards.
     #[error("the range begins at {from}, after its end {to}")]
-    Backwards {
-        /// Begin.
-        from: String,
-        /// End.
-        to: String,
-    },
+    Backwards { from: String, to: String },
     /// A range of more values than a key may have.
     #[error("{} values, more than {MAX_VALUES}", count(*.0))]
     TooMany(f64),

@@ -15,7 +15,6 @@ use crate::command::RunOptions;
 use crate::crew::Crew;
 use crate::parts::{Records, Shard};
 
-/// Results of one run.
 #[derive(Debug)]
 pub struct RunResult<R, S> {
     /// Its record, which goes into the journal.
@@ -45,7 +44,6 @@ pub struct Found<S: Study> {
     pub shard: Option<Shard>,
     /// Every run of the study, or of this part, is there.
     pub is_whole: bool,
-    /// The directory of the results.
     pub directory: PathBuf,
 }
 
@@ -75,7 +73,6 @@ pub trait Study: Sized + Sync {
     /// Mistakes in the arguments.
     fn plan(arguments: &Self::Arguments, options: &RunOptions) -> Result<Self, Error>;
 
-    /// Number of runs.
     fn runs(&self) -> usize;
 
     /// The clock of the runs.

@@ -19,7 +19,6 @@ const LEAST: usize = 3;
 #[error("run {run} in a process group: {why}")]
 pub struct OtherBytes {
     run: usize,
-    /// The difference.
     why: String,
 }
 

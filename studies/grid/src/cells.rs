@@ -27,11 +27,9 @@ pub struct Cell {
 pub struct Grid {
     /// Scenarios with the options that hold for all their cells.
     pub openings: Vec<Opening>,
-    /// The cells.
     pub cells: Vec<Cell>,
     /// Seeds of each cell; empty: the scenario's own.
     pub seeds: Vec<Seed>,
-    /// Clock.
     pub mode: Mode,
 }
 
@@ -41,17 +39,14 @@ impl Grid {
         self.seeds.len().max(1)
     }
 
-    /// Runs of all cells.
     pub fn runs(&self) -> usize {
         self.cells.len() * self.seeds()
     }
 
-    /// The cell of a run.
     pub fn cell(&self, run: usize) -> &Cell {
         &self.cells[run / self.seeds()]
     }
 
-    /// The scenario of a run.
     pub fn scenario(&self, run: usize) -> Result<Scenario, Error> {
         let cell = self.cell(run);
         let scenario = self.openings[cell.opening].with("--param", &cell.keys)?;
@@ -73,7 +68,6 @@ impl Grid {
         Ok(())
     }
 
-    /// A run as a job.
     pub fn job(&self, run: usize) -> Result<Job, Error> {
         Ok(Job { mode: self.mode, ..Job::lockstep(self.scenario(run)?) })
     }

@@ -41,7 +41,6 @@ impl<'a> Point<'a> {
         }
     }
 
-    /// The figures by name.
     pub fn figures(&self, of: impl Fn(&Folded) -> Value) -> Map<String, Value> {
         let names = compared().map(|figure| figure.name.to_owned());
         names.zip(self.folded.iter().map(of)).collect()

@@ -20,7 +20,6 @@ use group::{DriveStep, Error};
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
 
-/// Set of all rows.
 const SET: &str = "default law, varied";
 /// Sentence of the paper behind the rows.
 const PURPOSE: &str = "introduction: pass the intersection before green turns red";
@@ -34,7 +33,6 @@ const SPARE_S: f64 = 0.1;
 /// Share of the printed formulation's median gain that the default law has at least.
 const SHARE: f64 = 0.5;
 
-/// A scene of the paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Scene {
     A,
@@ -43,7 +41,6 @@ enum Scene {
     Table3,
 }
 
-/// A variant of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Variant {
     speed_mps: f64,

@@ -8,8 +8,6 @@
 //! the exit status 1, without exception. `docs/papers.md` names each row that is known to fail, with its reason. A
 //! test compares that page with a run.
 
-#![allow(missing_docs)] // No crate outside the workspace uses this one: a name that says all has no comment.
-
 pub mod cacc;
 mod cacc_varied;
 mod columns;

@@ -56,7 +56,6 @@ pub const fn paper(value: f64) -> Expected {
     Expected { kind: Kind::Paper, value }
 }
 
-/// A value of the reconstruction.
 pub const fn reconstruction(value: f64) -> Expected {
     Expected { kind: Kind::Reconstruction, value }
 }
@@ -125,9 +124,7 @@ pub struct Row {
 /// Result of the comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Within the tolerance.
     Within,
-    /// Outside, or missing.
     Outside,
     /// Shown, not compared.
     Shown,

@@ -91,7 +91,6 @@ pub struct Group<F> {
 }
 
 impl<F> Group<F> {
-    /// The columns of its rows.
     pub fn columns(&self) -> Vec<Column<Value>> {
         let figures = self.figures.iter().map(|figure| figure.column.clone());
         self.labels.iter().cloned().chain(figures).collect()

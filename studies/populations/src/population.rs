@@ -136,7 +136,6 @@ pub trait Population: Sized + Sync {
         numbers.flat_map(of_number).collect()
     }
 
-    /// The scenario of a drive.
     fn scenario(&self, planned: &Planned, options: &DriveOptions) -> Result<Scenario, Error>;
 
     fn judge(&self, planned: &Planned, scenario: &Scenario, done: &Done) -> Self::Facts;

@@ -31,7 +31,6 @@ struct Judged {
     source: &'static str,
 }
 
-/// Columns of the limits.
 const LIMITS: &[Column<Judged>] = &[
     word("name", "figure", "Path of the figure"),
     number("value", "seen", "", 4, "Its value over the counted drives"),
@@ -97,7 +96,6 @@ fn judged<P: Population>(total: &Map<String, Value>) -> Vec<Judged> {
     limits::of(P::NAME).map(judge).collect()
 }
 
-/// The document of all drives.
 pub fn document<P: Population>(study: &Test<P>, drives: &[Drive<P::Facts>]) -> Document {
     let counted = drives.iter().filter(|drive| P::counts(drive));
     let counted = Drives { labels: Vec::new(), all: counted.collect() };

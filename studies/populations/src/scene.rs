@@ -16,7 +16,6 @@ use std::fmt::Write;
 pub const CAR_WIDTH_M: f64 = 1.8;
 /// Length of the ego, and of a car, m.
 pub const CAR_LENGTH_M: f64 = 4.5;
-/// Width of a lane, m.
 pub const LANE_M: f64 = 3.5;
 /// The engine of the ego, a line of `[plant]`.
 pub const ENGINE: &str = "powertrain = { mass_kg = 1600, max_power_kw = 110 }\n";

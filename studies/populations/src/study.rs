@@ -45,7 +45,6 @@ pub struct PopulationArguments {
     pub effects: Option<String>,
 }
 
-/// Runs a population.
 pub fn run<P: Population>(command: &Command<PopulationArguments>) -> Result<ExitCode, Error> {
     let Some(table) = &command.study.effects else { return frame::run::<Test<P>>(command) };
     effects::print::<P>(&mut Test::of(&command.study)?, table, &command.options.group)?;
@@ -92,7 +91,6 @@ impl<P: Population> Test<P> {
         Ok(Self { population, drives, options, controllers: controllers.clone() })
     }
 
-    /// The scenario of a drive.
     pub fn scenario(&self, planned: &Planned) -> Result<Scenario, Error> {
         self.population.scenario(planned, &self.options)
     }

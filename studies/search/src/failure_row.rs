@@ -39,7 +39,6 @@ pub struct FailureRow {
     pub text: String,
 }
 
-/// Columns of the table.
 pub const COLUMNS: &[Column<FailureRow>] = &[
     word("file", "failure", "Scenario file that repeats it"),
     word("requirement", "requirement", "Requirement that it breaks"),

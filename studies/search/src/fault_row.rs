@@ -49,7 +49,6 @@ pub struct FaultRow {
     pub severity: f64,
 }
 
-/// Columns of the table.
 pub const COLUMNS: &[Column<FaultRow>] = &[
     word("fault", "fault", "Kind and target of the fault"),
     judged("", "breaks", "").of(breaks),

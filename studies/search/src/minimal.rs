@@ -33,7 +33,6 @@ pub struct Held {
 /// A failure that was reduced.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Case {
-    /// Its values.
     pub values: Vec<Value>,
     /// Its verdict on all seeds.
     pub held: Held,
@@ -41,7 +40,6 @@ pub struct Case {
 
 /// Drives values on several seeds.
 pub trait Trial {
-    /// Number of seeds.
     fn seeds(&self) -> usize;
 
     /// Drives the values on the seeds, until their share of failures is clear, or on all of them. A scene that the

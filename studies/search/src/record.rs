@@ -10,11 +10,9 @@ use crate::value::Judged;
 /// A run that was done.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Record {
-    /// Its point.
     pub point: Vec<f64>,
     /// Values of the variables there.
     pub values: Vec<Value>,
-    /// Seed of the run.
     pub seed: u64,
     /// End of the run.
     pub outcome: Outcome,

@@ -20,9 +20,7 @@ use plant::ahead::{Ahead, required_deceleration};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 
-/// Step of the drive, ns.
 const STEP_NS: u64 = 10_000_000;
-/// The same, s.
 const STEP_S: f64 = 0.01;
 
 /// Clearance that the driver must keep, m. Chosen: below it verdicts depend on the step.
@@ -64,14 +62,12 @@ pub struct Reference(pub ReferenceDriver);
 pub struct Driven {
     /// Smallest gap to what was in its path, m; negative after a contact, infinite on an empty road.
     pub clearance_m: f64,
-    /// Its samples.
     pub samples: Vec<Sample>,
 }
 
 /// The driver at an instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Run time, s.
     pub time_s: f64,
     /// Speed, m/s.
     pub speed_mps: f64,

@@ -41,7 +41,6 @@ pub enum PlanError {
         "--shard {index}/{count}: a part holds whole replicas of the search, expected --replicas {count} or a multiple"
     )]
     Part {
-        /// The part.
         index: u32,
         /// Number of parts.
         count: u32,
@@ -69,7 +68,6 @@ pub fn run(command: &Command<SearchArguments>) -> Result<ExitCode, Error> {
 pub const STUDIES: [Entry; 3] =
     [Entry::of::<Runs>(), Entry::of::<Faults>(), Entry::of::<Probability>()];
 
-/// The study.
 struct Runs {
     problem: Problem,
     method: MethodName,

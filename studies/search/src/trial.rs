@@ -16,13 +16,11 @@ use crate::value::{Judged, judge};
 
 /// Drives in the worker's threads.
 pub struct Seeds<'a> {
-    /// The problem.
     pub problem: &'a Problem,
     /// Start of processes.
     pub group: &'a GroupOptions,
     /// Runs at once; none: one per core.
     pub jobs: Option<NonZeroUsize>,
-    /// Seed of the study.
     pub seed: u64,
     /// Number of seeds.
     pub count: usize,

@@ -33,11 +33,9 @@ const UNITS: [Unit; 5] = [
 pub struct Judged {
     /// Its margin in tolerances, between -200 and 200.
     pub value: f64,
-    /// The requirement.
     pub requirement: String,
     /// Its margin in its unit; none where nothing of the drive decides it.
     pub margin: Option<f64>,
-    /// Its unit.
     pub unit: String,
 }
 

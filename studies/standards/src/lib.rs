@@ -23,7 +23,6 @@
 //! and others, "On a formal model of safe and scalable self-driving cars" (2017).
 
 #![forbid(unsafe_code)]
-#![allow(missing_docs)]
 
 mod contact;
 pub mod cut_in;

@@ -13,7 +13,6 @@ use super::results::Results;
 use super::scene::{Place, Plan, SceneError};
 use super::wave::Amplitudes;
 
-/// Points of a trace, for the pictures.
 const TRACE_POINTS: usize = 400;
 
 /// A string of which some cars were driven.
@@ -45,13 +44,10 @@ pub struct CarByCar {
 pub struct Driven {
     /// Place of the car in the string, from 1.
     pub index: usize,
-    /// Its law.
     pub controller: String,
     /// End of its drive.
     pub outcome: Outcome,
-    /// Verdicts on the requirements.
     pub requirements: Vec<RequirementVerdict>,
-    /// Figures of the referee.
     pub figures: ControlFigures,
     /// Norms of its speeds and gaps.
     pub measured: Measured,

@@ -14,7 +14,6 @@ use super::results::{Results, Vehicle};
 /// Most cars that a terminal shows.
 const MOST_CARS: usize = 16;
 
-/// Columns of the cars.
 const CARS: &[Column<Vehicle>] = &[
     count("index", "car", "Place in the string, from 1"),
     word("controller", "law", "Control law"),
@@ -66,12 +65,10 @@ pub fn schema() -> Schema {
     Schema::of::<Results>("string")
 }
 
-/// The cars.
 pub fn cars(results: &Results) -> Table {
     Table::new("Cars", CARS, &results.vehicles).most_rows(MOST_CARS)
 }
 
-/// The gain curve.
 pub fn curve(results: &Results) -> Table {
     Table::new("Behind a sine of the lead's speed", CURVE, &results.frequencies).without_cases()
 }

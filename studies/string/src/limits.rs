@@ -46,7 +46,6 @@ pub struct Point {
 pub struct Value(pub String);
 
 impl Value {
-    /// The number, if it is one.
     pub fn number(&self) -> Option<f64> {
         self.0.parse().ok().filter(|number: &f64| number.is_finite())
     }
@@ -102,7 +101,6 @@ impl Limits {
         }
     }
 
-    /// The limit in a sentence.
     pub fn sentence(&self) -> String {
         let Self { controller, key, stable, unstable, ceases_at, points } = self;
         match (stable, unstable) {

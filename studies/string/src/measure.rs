@@ -51,7 +51,6 @@ impl Norms {
 /// Speeds of a car and of the vehicle ahead at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
-    /// Run time, s.
     pub time_s: f64,
     /// Speed of the car, m/s.
     pub speed_mps: f64,

@@ -45,7 +45,6 @@ impl Motion {
         Self(vec![SpeedPoint(time(0.0), Speed::of(speed_mps))])
     }
 
-    /// The points.
     pub fn points(&self) -> &[SpeedPoint] {
         &self.0
     }

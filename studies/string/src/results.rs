@@ -195,7 +195,6 @@ impl Results {
     }
 }
 
-/// A number of cars in words.
 pub fn cars_in_words(count: usize) -> String {
     if count == 1 { "1 car".to_owned() } else { format!("{count} cars") }
 }

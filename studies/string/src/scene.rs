@@ -16,7 +16,6 @@ use super::wave::{TooSlow, Wave};
 
 /// Time gap of a first distance that neither law nor scenario gives, s.
 const FIRST_TIME_GAP_S: f64 = 2.0;
-/// Distance added to that, m.
 const FIRST_DISTANCE_M: f64 = 5.0;
 
 /// Reason why a car of a string has no scenario.
@@ -49,7 +48,6 @@ impl Failure for SceneError {}
 pub struct Plan {
     /// The scenario with each law, repeated along the string.
     pub laws: Vec<Scenario>,
-    /// Cars.
     pub vehicles: usize,
     /// The sine that the lead drives; none: what the scenario says.
     pub wave: Option<Wave>,

@@ -29,7 +29,6 @@ pub struct Frame {
     pub duration_s: f64,
     /// The drive, in order of time.
     pub points: Vec<Point>,
-    /// Mode of the law.
     pub mode: String,
     /// Quality of its last command.
     pub quality: &'static str,

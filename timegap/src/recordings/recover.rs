@@ -27,7 +27,6 @@ pub struct RecoverArguments {
 /// Reason why a recording cannot be recovered.
 #[derive(Debug, thiserror::Error)]
 pub enum RecoverError {
-    /// Its run is in progress.
     #[error("{} is still being recorded: wait for its run's end", .0.display())]
     InProgress(PathBuf),
     /// It has no complete message.

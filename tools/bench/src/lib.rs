@@ -112,7 +112,6 @@ fn factor(argument: &str) -> Result<f64, &'static str> {
     }
 }
 
-/// Runs the command.
 pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
     let before = arguments.against.as_deref().map(baseline::read).transpose()?;
     let output = OutputDirectory::create(&arguments.results.output, "bench")?;

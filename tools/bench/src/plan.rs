@@ -22,7 +22,6 @@ pub struct Cell {
     pub period_us: u32,
 }
 
-/// Periods of the controller, µs.
 pub const CONTROLLER_PERIODS_US: [u32; 7] = [100_000, 50_000, 20_000, 10_000, 5_000, 2_000, 1_000];
 /// Sizes of the payloads, bytes; from [`FLAT_FROM`] on the time is constant.
 pub const PAYLOAD_BYTES: [usize; 8] =
@@ -90,7 +89,6 @@ pub struct ChainBlocks {
     /// Period of perception and controller, µs.
     pub period_us: u32,
     pub blocks: u32,
-    /// Length of each, s.
     pub block_s: f64,
 }
 

@@ -40,7 +40,6 @@ pub enum WakeError {
     Iceoryx2 {
         /// Failed operation.
         what: &'static str,
-        /// Its error.
         reason: Box<dyn std::error::Error + Send + Sync>,
     },
     /// A payload cannot be waited for.

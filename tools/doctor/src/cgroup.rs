@@ -5,9 +5,7 @@ use super::finding::Finding;
 /// A limit in a file of a control group.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Limit {
-    /// Its path.
     pub path: String,
-    /// Its contents.
     pub text: String,
 }
 

@@ -16,12 +16,9 @@ pub enum Verdict {
     Bad,
 }
 
-/// A finding.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Finding {
-    /// Name of the check.
     pub check: &'static str,
-    /// Grade.
     pub verdict: Verdict,
     /// State of the machine.
     pub found: String,
@@ -68,7 +65,6 @@ impl Finding {
     }
 }
 
-/// The findings as a table.
 pub fn table(findings: &[Finding]) -> Table {
     fn labelled(label: &str, words: &Option<String>) -> Value {
         json!(words.as_ref().map(|words| format!("{label} {words}")))

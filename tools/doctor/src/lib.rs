@@ -75,7 +75,6 @@ struct Report {
     wake_ups: WakeUps,
 }
 
-/// Runs the command.
 pub fn run(arguments: &DoctorArguments) -> Result<ExitCode, Error> {
     let host = Host::this();
     let (findings, wake_ups) = examine(&host, arguments);

@@ -47,7 +47,6 @@ pub fn governors(cores: &[usize]) -> Vec<(usize, String)> {
     cores.iter().filter_map(governor).collect()
 }
 
-/// Idle states of a core.
 pub fn idle_states(core: usize) -> Vec<IdleState> {
     let base = format!("/sys/devices/system/cpu/cpu{core}/cpuidle");
     let state = |number: usize| {
@@ -67,7 +66,6 @@ pub fn stat() -> String {
     read("/proc/stat").unwrap_or_default()
 }
 
-/// Room for shared memory.
 pub fn shared_memory() -> Result<Room, RoomError> {
     group::shared_memory_room().map(|(size, free)| Room { size, free })
 }

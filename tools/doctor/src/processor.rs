@@ -8,9 +8,7 @@ const DEEP_US: u64 = 20;
 /// An idle state of a core, as in `cpuidle/state*`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct IdleState {
-    /// Number of the state.
     pub number: usize,
-    /// Name.
     pub name: String,
     /// Time to leave it, µs.
     pub latency_us: u64,

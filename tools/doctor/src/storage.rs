@@ -7,9 +7,7 @@ use std::path::Path;
 /// Room in the file system of the shared memory, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Room {
-    /// Total.
     pub size: u64,
-    /// Free.
     pub free: u64,
 }
 

@@ -28,10 +28,8 @@ use runtime::{monotonic_ns, sleep_until};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-/// A loop to be measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Loop {
-    /// Period, µs.
     pub period_us: u32,
     /// Largest accepted lateness, µs.
     pub budget_us: u32,
@@ -75,7 +73,6 @@ fn milliseconds(argument: &str) -> Result<f64, &'static str> {
 }
 
 impl LoopOptions {
-    /// The loops to be measured.
     #[must_use]
     pub fn loops(&self) -> Vec<Loop> {
         let us = |ms: f64| (1e3 * ms).round() as u32;
@@ -90,10 +87,8 @@ const BINS_US: [u32; 9] = [5, 10, 20, 50, 100, 200, 500, 1_000, 10_000];
 /// Widest bar of the histogram, characters.
 const BAR: u64 = 32;
 
-/// Figures of a loop.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LoopFigures {
-    /// Period, µs.
     pub period_us: u32,
     /// Largest accepted lateness, µs.
     pub budget_us: u32,
@@ -223,7 +218,6 @@ impl WakeUps {
         format!("on this machine, now: {}", loops.join("; "))
     }
 
-    /// The histogram as a table.
     #[must_use]
     pub fn histogram_table(&self) -> Table {
         let most = self.histogram.iter().map(|bin| bin.count).max().unwrap_or(0).max(1);

@@ -34,7 +34,6 @@ pub enum Exit {
     Ok,
     /// By itself with status 0, before the run's end.
     Early,
-    /// With this status.
     Status(i32),
     /// By this signal, which the launcher did not send.
     Signal(i32),

@@ -25,31 +25,18 @@ pub enum Ended {
     /// Ctrl-C, SIGTERM or SIGHUP.
     Interrupted,
     /// A service ended before its time and was not replaced.
-    Broken {
-        /// The service.
-        service: Service,
-        /// The end.
-        how: String,
-    },
+    Broken { service: Service, how: String },
     /// A service ended too often: the vehicle was ordered to stop in lane.
-    GivenUp {
-        /// The service.
-        service: Service,
-        /// Number of its restarts.
-        restarts: u32,
-    },
+    GivenUp { service: Service, restarts: u32 },
 }
 
-/// Result of a group.
 #[derive(Debug)]
 pub struct GroupOutcome {
-    /// Carrier of the messages.
     pub carrier: Carrier,
     /// Root of the run, which is gone.
     pub root: PathBuf,
     /// Reason why it ended.
     pub ended: Ended,
-    /// Reports of the services.
     pub reports: BTreeMap<Service, ServiceReport>,
     /// End of the last process of each service.
     pub exits: BTreeMap<Service, Exit>,
@@ -61,7 +48,6 @@ pub struct GroupOutcome {
     pub standby_costs: BTreeMap<Service, StandbyCost>,
     /// Each service's signs of life, in realtime.
     pub heartbeats: BTreeMap<Service, Heartbeats>,
-    /// The error.
     pub faults: Vec<FaultRecord>,
     /// The drive as the launcher received it.
     pub drive: Drive,
@@ -69,7 +55,6 @@ pub struct GroupOutcome {
     pub ready_after: Duration,
     /// Time from the start instant until all services had reported.
     pub ran_for: Duration,
-    /// Fate of the recording.
     pub recording: Option<RecordingSummary>,
     /// Lines that services wrote beside their messages: warnings, panics.
     pub wrote: Vec<(Service, String)>,
@@ -120,17 +105,13 @@ pub struct Heartbeats {
     pub starved_ms: f64,
 }
 
-/// Fate of a recording.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct RecordingSummary {
-    /// The file.
     #[serde(serialize_with = "as_text")]
     pub path: PathBuf,
-    /// Messages in it.
     pub messages: u64,
     /// Messages that were sent and are not in it; null if the recorder died.
     pub lost: Option<u64>,
-    /// Its size, bytes.
     pub bytes: u64,
     /// Reason why it ends before the run's end, if it does.
     pub failed: Option<String>,
@@ -148,7 +129,6 @@ pub struct FaultRecord {
     pub t_s: f64,
     /// Kind of the fault, or `died`, `hung`, `flooded` or `not ready` for one that was not asked for.
     pub kind: String,
-    /// The service that it acts on.
     pub service: Option<Service>,
     /// The topic whose messages it acts on.
     pub topic: Option<&'static str>,
@@ -184,12 +164,10 @@ pub struct FaultRecord {
 pub enum Recovery {
     /// One that was started for it.
     Restart,
-    /// The standby.
     TakeOver,
 }
 
 impl Recovery {
-    /// Name in results.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {

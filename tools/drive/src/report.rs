@@ -21,11 +21,8 @@ pub type ServiceReport = runtime::report::ServiceReport<Details>;
 /// Figures that only one service has.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Details {
-    /// None.
     None,
-    /// Figures of the controller.
     Controller(Box<ControllerReport>),
-    /// Figures of the plant.
     Plant(Box<PlantReport>),
     /// Figures of the emergency brake.
     Aebs(Box<AebsReport>),

@@ -28,11 +28,8 @@ const SLOWEST_MPS: f64 = 1.0;
 /// The drive at one simulation step. Values of slower topics are absent in between.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DriveStep {
-    /// Simulation step.
     pub step: u64,
-    /// Run time, s.
     pub time_s: f64,
-    /// Ego position, m.
     pub position_m: f64,
     /// Ego speed, m/s.
     pub speed_mps: f64,
@@ -44,7 +41,6 @@ pub struct DriveStep {
     pub time_to_collision_s: f64,
     /// Distance to the next stop line ahead, m, infinite without one.
     pub stop_line_m: f64,
-    /// Phase of its signal.
     pub signal: Option<PhaseState>,
     /// A vehicle ahead moves sideways towards the ego's lane.
     pub cut_in: bool,
@@ -60,11 +56,9 @@ pub struct DriveStep {
     pub lead: Option<u32>,
     /// State of the emergency brake.
     pub brake: Option<BrakeState>,
-    /// Mode of the law.
     pub mode: Option<u32>,
     /// Quality of the command: 0 full, 1 relaxed, 2 backup.
     pub quality: Option<u32>,
-    /// Figures of the law.
     pub figures: Option<[f64; messages::FIGURES]>,
     /// Engine and gearbox of a truck.
     pub powertrain: Option<PowertrainStep>,

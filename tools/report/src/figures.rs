@@ -39,10 +39,8 @@ use std::collections::BTreeMap;
 use crate::results::{Column, Format, Good, column};
 use crate::summary::{Control, LawAccount, Summary, Timing};
 
-/// Decimals of the mean of a count.
 const MEAN_DECIMALS: usize = 2;
 
-/// A figure of a drive.
 #[derive(Clone, Copy, Debug)]
 pub struct Figure {
     /// Name in results, with its unit.
@@ -55,9 +53,7 @@ pub struct Figure {
     pub decimals: usize,
     /// Weight of its column: the heaviest ones are left out where there is no room.
     pub weight: u8,
-    /// Its meaning, in one sentence.
     pub meaning: &'static str,
-    /// Good values.
     pub good: Good,
     /// Way from several runs to one number.
     pub fold: Fold,
@@ -69,7 +65,6 @@ pub struct Figure {
 /// Way from a figure of several runs to one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fold {
-    /// The mean, with its spread.
     Mean,
     /// The smallest: the worst of a figure that must not be small.
     Least,
@@ -111,7 +106,6 @@ pub struct Measured<'a> {
     pub law: Option<&'a LawAccount>,
     /// Warnings of the emergency brake; none without it.
     pub warnings: Option<u64>,
-    /// Its interventions.
     pub interventions: Option<u64>,
     /// Time for which it braked, s.
     pub braking_s: Option<f64>,

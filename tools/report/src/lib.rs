@@ -20,9 +20,6 @@
 //! assert!(page.contains("<h1>My run</h1>") && page.contains("\"label\":\"ego\""));
 //! ```
 
-// A comment says what a name does not.
-#![allow(missing_docs)]
-
 pub mod chart;
 mod compare;
 mod curve_plots;

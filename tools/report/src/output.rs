@@ -93,7 +93,6 @@ pub struct OutputOptions {
 #[derive(Debug)]
 pub struct OutputDirectory {
     path: PathBuf,
-    /// Locked.
     _directory: File,
     /// Directories that were made for it, the innermost first.
     made: Vec<PathBuf>,

@@ -65,7 +65,6 @@ pub struct RunPicture {
     /// The other vehicles.
     pub actors: Vec<ActorPath>,
     pub signals: Vec<SignalPhases>,
-    /// Modes of the law.
     pub modes: Vec<Phased>,
     pub quality: Vec<Phased>,
     /// Degradation levels, by service.
@@ -102,9 +101,7 @@ pub struct SignalPhases {
 /// A time of constant state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Phased {
-    /// Begin, s.
     pub from_s: f64,
-    /// End, s.
     pub to_s: f64,
     pub label: String,
 }

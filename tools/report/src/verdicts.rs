@@ -36,7 +36,6 @@ pub struct Least {
     pub runs: usize,
     /// Runs that broke it.
     pub broken: usize,
-    /// The run that decides.
     pub run: String,
 }
 

@@ -26,7 +26,6 @@ pub enum Status {
 
 /// The error of an operation: it says for itself what it means for the command.
 pub trait Failure: std::error::Error + Send + Sync + 'static {
-    /// Its exit status.
     fn status(&self) -> Status {
         Status::Usage
     }
@@ -51,7 +50,6 @@ impl<E: Failure> From<E> for Error {
 pub struct UsageError {
     /// The option with its value, or the file with its line.
     pub place: String,
-    /// The mistake.
     pub why: String,
     /// Values that are accepted.
     pub expected: String,
@@ -123,9 +121,7 @@ pub enum Error {
     /// A file or directory of the user's cannot be used.
     #[error("cannot {action} {}: {reason}", path.display())]
     Path {
-        /// The attempt.
         action: &'static str,
-        /// On what.
         path: PathBuf,
         /// Cause by the system.
         reason: std::io::Error,
@@ -133,7 +129,6 @@ pub enum Error {
     /// A service did not come up.
     #[error("{service} {what}")]
     NotReady {
-        /// The service.
         service: messages::Service,
         /// Its actual behaviour.
         what: String,

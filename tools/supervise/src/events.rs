@@ -25,7 +25,6 @@ const KEPT_LINES: usize = 50;
 /// Characters of such a line that are handed on.
 const KEPT_CHARACTERS: usize = 400;
 
-/// Answer of the launcher.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Answer {
     /// True if the fault was accepted.
@@ -37,7 +36,6 @@ pub struct Answer {
 /// A process of the group: its service, and which process of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ServiceProcess {
-    /// The service.
     pub service: Service,
     /// Index of the process in its service, from 0.
     pub incarnation: u32,
@@ -46,7 +44,6 @@ pub struct ServiceProcess {
 /// Something that happened.
 #[derive(Debug)]
 pub enum Event {
-    /// A message of a process.
     Message(ServiceProcess, FromService),
     /// A process wrote a line other than a message: a warning, a panic.
     Output(ServiceProcess, String),

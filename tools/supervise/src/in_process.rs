@@ -91,7 +91,6 @@ pub enum Advance {
     Turn,
     /// The same, and the law waits for the caller's answer.
     Asked,
-    /// The run is over.
     Over,
 }
 

@@ -34,7 +34,6 @@ pub fn law_names(scenario: &Scenario) -> LawNames {
     }
 }
 
-/// The recorder of one run.
 #[derive(Debug)]
 pub struct RecorderProcess {
     path: PathBuf,

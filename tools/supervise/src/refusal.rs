@@ -22,7 +22,6 @@ pub enum Refusal {
     FaultInLockstep {
         /// Name of the fault.
         index: usize,
-        /// Its kind.
         kind: Kind,
     },
     /// All services share one process.
@@ -33,7 +32,6 @@ pub enum Refusal {
     FaultInProcess {
         /// Name of the fault.
         index: usize,
-        /// Its kind.
         kind: Kind,
     },
     /// In simulated time the end of a process ends the run.
@@ -78,16 +76,12 @@ impl Failure for Refusal {}
 /// Target of a fault that the run does not have.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Absent {
-    /// A service.
     #[error("there is no {0} in this run, expected a service that takes part")]
     Service(Service),
-    /// The receivers of a topic.
     #[error("nothing receives {} in this run, expected a topic that is received", .0.name())]
     Topic(Topic),
-    /// A core of the machine.
     #[error("core {core} cannot be used here, expected one of {}", list(.usable))]
     Core {
-        /// The core.
         core: usize,
         /// Those that the launcher may run on.
         usable: Vec<usize>,

@@ -51,9 +51,7 @@ impl Failure for ReplayerError {
 /// Messages of the controller in a replay.
 #[derive(Debug)]
 pub enum Replayed<'a> {
-    /// A command.
     Command(&'a Command),
-    /// The diagnostics of a cycle.
     Diagnostics(&'a Diagnostics),
 }
 

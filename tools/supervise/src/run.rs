@@ -15,32 +15,16 @@ use std::time::Duration;
 pub enum ParameterError {
     /// The argument has no value.
     #[error("--param {argument}: no value, expected NAME=VALUE")]
-    NoValue {
-        /// The argument.
-        argument: String,
-    },
+    NoValue { argument: String },
     /// Other scenarios have no parameters.
     #[error("--param {argument}: {name} is not an OpenSCENARIO file, expected --set KEY=VALUE")]
-    NoOpenScenario {
-        /// The argument.
-        argument: String,
-        /// The scenario.
-        name: String,
-    },
+    NoOpenScenario { argument: String, name: String },
     /// Other scenarios have one ego, without a name.
     #[error("--ego {ego}: {name} is no OpenSCENARIO file, expected one (.xosc)")]
-    NoEntities {
-        /// The argument.
-        ego: String,
-        /// The scenario.
-        name: String,
-    },
+    NoEntities { ego: String, name: String },
     /// Other scenarios have no lane positions.
     #[error("--lane-headings traffic: {name} is not an OpenSCENARIO file, expected one (.xosc)")]
-    NoLanePositions {
-        /// The scenario.
-        name: String,
-    },
+    NoLanePositions { name: String },
 }
 
 impl Failure for ParameterError {}
@@ -185,7 +169,6 @@ fn assignment(argument: &str) -> Result<Assignment, ParameterError> {
 pub struct Keep {
     /// Shows others how to join while the run drives.
     pub live_file: Option<PathBuf>,
-    /// The recording.
     pub recording: Option<PathBuf>,
 }
 

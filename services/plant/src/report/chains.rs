@@ -52,7 +52,6 @@ pub struct SignalHops {
 
 /// The parts of one reaction time, µs; see [`Hops`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[expect(missing_docs, reason = "the fields are those of `Hops`")]
 pub struct HopTimes {
     pub radar_publish: f64,
     pub controller_queue: f64,

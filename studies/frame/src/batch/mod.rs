@@ -43,9 +43,7 @@ use usage::Sample;
 /// A run to be done.
 #[derive(Clone, Debug)]
 pub struct Job {
-    /// Its scenario.
     pub scenario: Scenario,
-    /// Clock.
     pub mode: Mode,
     /// Time between two samples of the resources of the run's processes; none: no samples.
     pub sample_every: Option<Duration>,
@@ -56,9 +54,7 @@ pub struct Job {
 /// A run that was done.
 #[derive(Debug)]
 pub struct Done {
-    /// Its figures.
     pub summary: Summary,
-    /// The drive, from its topics.
     pub drive: Drive,
     /// Leftovers of the run; there should be none.
     pub leftovers: Vec<String>,
@@ -67,7 +63,6 @@ pub struct Done {
 }
 
 impl Job {
-    /// A lockstep run.
     pub fn lockstep(scenario: Scenario) -> Self {
         Self { scenario, mode: Mode::Lockstep, sample_every: None, record: false }
     }

@@ -23,7 +23,6 @@ impl Scratch {
         Ok(Self { path })
     }
 
-    /// The directory.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path

@@ -14,7 +14,6 @@ pub struct Usage {
     pub memory_kib: u64,
     /// The part of it that belongs to no file, KiB. Pages of the program come and go with the kernel's page cache.
     pub own_kib: u64,
-    /// Open descriptors.
     pub descriptors: u64,
 }
 
@@ -25,7 +24,6 @@ pub struct Sample {
     pub services: BTreeMap<String, Usage>,
     /// Shared memory of all runs of this launcher, KiB.
     pub shared_memory_kib: u64,
-    /// Number of its objects.
     pub shared_memory_objects: u64,
 }
 
@@ -42,7 +40,6 @@ pub struct Growth {
     pub descriptors: f64,
     /// Shared memory, KiB.
     pub shared_memory_kib: f64,
-    /// Objects in shared memory.
     pub shared_memory_objects: f64,
     /// Median of the last quarter: resident sets of all services, KiB.
     pub all_memory_kib: f64,

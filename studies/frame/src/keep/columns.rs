@@ -41,7 +41,6 @@ pub(super) const NAMES: [&[&str]; 2] = [
 /// A key that the study varies.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Key {
-    /// Its name.
     pub name: String,
     /// Its values are numbers in all runs.
     pub is_number: bool,

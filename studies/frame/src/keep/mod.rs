@@ -28,7 +28,6 @@ use scenario::Scenario;
 pub use columns::{Key, keys};
 use columns::{NAMES, cells};
 
-/// Name of the file.
 pub const FILE: &str = "trajectories.parquet";
 
 /// The drives whose trajectories are kept.
@@ -41,7 +40,6 @@ pub const FILE: &str = "trajectories.parquet";
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Keep {
-    /// All drives.
     All,
     /// Drives that did not end as completed.
     Failures,

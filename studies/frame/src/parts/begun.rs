@@ -30,7 +30,6 @@ struct Line {
 pub(crate) struct SoFar {
     /// Its values, in their order.
     pub values: Vec<f64>,
-    /// Figures of its drives.
     pub drives: Vec<Drive>,
 }
 

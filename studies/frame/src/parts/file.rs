@@ -12,12 +12,10 @@ use super::{FILE, Shard};
 use crate::command::RunOptions;
 use crate::study::Study;
 
-/// A file `part.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PartFile {
     schema_version: u32,
-    /// Name of the study.
     pub study: String,
     /// What it asks.
     arguments: Value,

@@ -29,7 +29,6 @@ pub struct Place {
     pub length: usize,
 }
 
-/// An open journal.
 #[derive(Debug)]
 pub struct Journal {
     path: PathBuf,

@@ -10,7 +10,6 @@ use runtime::command_line;
 
 /// Parts joined.
 pub struct Merged<T> {
-    /// The first part.
     first: PartFile,
     /// Records of the finished runs.
     pub records: Records<T>,
@@ -21,13 +20,11 @@ pub struct Merged<T> {
 /// A part that is missing or not finished.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Incomplete {
-    /// The part.
     pub shard: Shard,
     /// Number of its missing runs.
     pub runs: usize,
     /// Directory of the part; `None` if it was not begun.
     pub directory: Option<PathBuf>,
-    /// The command that completes it.
     pub command: String,
 }
 

@@ -31,11 +31,9 @@ use crate::drives::Drive;
 /// Name of the file that describes a part.
 pub const FILE: &str = "part.json";
 
-/// A line of the journal.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Line<T> {
     pub run: usize,
-    /// Figures of its drives.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub drives: Vec<Drive>,
     pub result: T,

@@ -95,7 +95,6 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         eprintln!("{done} of {all} runs are kept; to continue: {command}");
     }
 
-    /// The records of the runs.
     pub fn into_records(self) -> Records<T> {
         self.records
     }

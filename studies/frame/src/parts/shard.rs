@@ -61,7 +61,6 @@ impl From<Shard> for String {
     }
 }
 
-/// The argument of `--shard`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShardChoice {
     /// `I/N`.
@@ -127,7 +126,6 @@ impl ShardChoice {
 /// A task of an array job.
 struct Task {
     engine: &'static str,
-    /// From 0.
     index: u64,
     /// Tasks of the job, where the engine gives the number.
     count: Option<u32>,

@@ -148,16 +148,10 @@ impl Study for Points {
 pub enum SweepError {
     /// Seeds have an option of their own.
     #[error("--param {argument}: points are run with several seeds by --seeds N")]
-    Seed {
-        /// The argument.
-        argument: String,
-    },
+    Seed { argument: String },
     /// Two axes of the same key.
     #[error("--param {key}: the key is given twice")]
-    Twice {
-        /// The key.
-        key: String,
-    },
+    Twice { key: String },
     /// The grid is too large.
     #[error("the grid has more than {MAX_RUNS} runs")]
     TooManyRuns,

@@ -19,7 +19,6 @@ use group::report::Outcome;
 /// Switches are printed in whole seconds; this is less than rounding alone would excuse.
 const PRINTED_S: Tolerance = within(0.3, "printed in whole seconds");
 
-/// Law that drives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Drives {
     Literal,

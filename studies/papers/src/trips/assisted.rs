@@ -13,7 +13,6 @@ const REACH_M: f64 = 2000.0;
 /// Road in the map, which need not be the true one.
 #[derive(Clone, Debug)]
 pub struct Map {
-    /// The road on the map.
     pub road: Road,
     /// Distance by which the map shows everything ahead of its true place, m.
     pub shift_m: f64,

@@ -45,7 +45,6 @@ pub struct Lead {
     pub accelerations: Vec<(f64, f64)>,
 }
 
-/// Noise of the radar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
     /// Standard deviation of the gap, m.
@@ -67,7 +66,6 @@ pub struct Moment {
     pub engine_torque_nm: f64,
 }
 
-/// Result of a trip.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Trip {
     pub length_m: f64,

@@ -46,7 +46,6 @@ const WANDERS_S: (f64, f64) = (4.0, 8.0);
 const COMFORT_MPS2: f64 = 2.0;
 /// Highest speed, m/s.
 const FASTEST_MPS: f64 = 33.0;
-/// Vehicles in a queue.
 const VEHICLES: usize = 6;
 /// Way before a queue, m: beyond the radar's range.
 const APPROACH_M: f64 = 220.0;

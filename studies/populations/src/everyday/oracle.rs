@@ -46,7 +46,6 @@ impl Brakes {
     }
 }
 
-/// The ego at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Ego {
     time_s: f64,

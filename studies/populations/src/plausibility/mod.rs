@@ -89,7 +89,6 @@ impl Sender {
         fixed(from_s + (to_s - from_s) * (number - 1) as f64 / (DRIVES - 1) as f64, 2)
     }
 
-    /// The fault as a value of `faults`.
     fn fault(&self, at_s: f64) -> String {
         let kind = self.bias.map_or_else(
             || "kind = \"freeze\"".to_owned(),
@@ -99,10 +98,8 @@ impl Sender {
     }
 }
 
-/// Facts of a drive.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Facts {
-    /// The findings of each check.
     checks: Vec<CheckReport>,
     /// Start of the fault, s; none without one.
     at_s: Option<f64>,

@@ -14,7 +14,6 @@
 
 use super::corridor::{Corridor, Signal};
 
-/// Length of a step, s.
 const STEP_S: f64 = 0.5;
 /// Step of the speed, m/s.
 const SPEED_STEP_MPS: f64 = 0.25;

@@ -29,7 +29,6 @@ const GENTLE_MPS2: f64 = 2.0;
 /// Range within which the rival's eyes replace the radio, m: beyond its sight distance.
 const EYES_M: f64 = 300.0;
 
-/// A signal of a corridor.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Signal {
     /// Position of its stop line, m.

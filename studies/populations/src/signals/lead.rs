@@ -7,17 +7,14 @@ use controller::laws::signal_stop::SignalStop;
 use std::f64::consts::TAU;
 use std::fmt::Write;
 
-/// Step of its motion, s.
 const STEP_S: f64 = 0.1;
 /// Steps between two points of its table of speeds.
 const EVERY: usize = 5;
-/// Longest drive, s.
 const LONGEST_S: f64 = 900.0;
 /// Way beyond the last line, m.
 const BEYOND_M: f64 = 400.0;
 /// Way from a line to the place where it turns off, m.
 const TURN_M: f64 = 8.0;
-/// Length of a car, m.
 const LENGTH_M: f64 = 4.5;
 /// Its temper on an open road and in front of a line.
 const DRIVER: Driver = Driver { acceleration_mps2: 2.0, deceleration_mps2: 1.7, hardest_mps2: 6.0 };
@@ -37,7 +34,6 @@ pub struct Traits {
     pub turns_off_at: usize,
 }
 
-/// A lead and its motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lead {
     gap_m: f64,

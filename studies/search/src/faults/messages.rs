@@ -18,7 +18,6 @@ use scenario::faults::TopicName;
 
 use super::sort::Sort;
 
-/// The faults.
 pub(super) fn sorts() -> Vec<Sort> {
     let text = |word: &str| format!("\"{word}\"");
     let mut all = Vec::new();

@@ -36,7 +36,6 @@ use sort::{BEGIN, LASTS, SIZE};
 
 /// Faults that are reduced at most, the worst first.
 const MOST_REDUCED: usize = 20;
-/// Files that are written at most.
 const MOST_FILES: usize = 5;
 
 /// A scenario that the reference does not avoid shows nothing of faults.
@@ -56,7 +55,6 @@ pub struct FaultRecord {
     judged: Judged,
 }
 
-/// The study.
 pub struct Faults {
     name: String,
     subject: String,

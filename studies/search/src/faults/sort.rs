@@ -7,9 +7,7 @@ use crate::problem::{Domain, Draft, FaultChoice, Setting, Term, Value};
 
 /// Names of the variables of a fault.
 pub(super) const BEGIN: &str = "at_s";
-/// Its duration.
 pub(super) const LASTS: &str = "for_s";
-/// Its size.
 pub(super) const SIZE: &str = "size";
 
 /// A fault without its place in the scenario.

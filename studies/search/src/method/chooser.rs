@@ -24,7 +24,6 @@ const EVEN_EVERY: usize = 4;
 /// Result of a run, as the choice of later ones needs it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Evaluation {
-    /// The point.
     pub point: Vec<f64>,
     /// Its value; below 0: a failure.
     pub value: f64,

@@ -34,7 +34,6 @@ pub type Admit<'a> = dyn Fn(&[f64]) -> Result<Admission, Error> + 'a;
 /// A point that is not admissible.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Refused {
-    /// The point.
     pub point: Vec<f64>,
     /// Its value by the reference alone, above 0.
     pub value: f64,
@@ -43,7 +42,6 @@ pub struct Refused {
 /// A point to be driven.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proposal {
-    /// The point.
     pub point: Vec<f64>,
     /// It was drawn evenly from the admissible points, not chosen by a model.
     pub is_even: bool,

@@ -14,7 +14,6 @@ use rand_pcg::Pcg64;
 
 use crate::problem::MOST_VARIABLES;
 
-/// Bits of a coordinate.
 const BITS: usize = 32;
 
 /// Degree, coefficients and first numbers m of the dimensions from the second on.

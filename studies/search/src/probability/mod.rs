@@ -48,7 +48,6 @@ pub struct KeepsAll;
 
 impl Failure for KeepsAll {}
 
-/// The study.
 pub struct Probability {
     problem: Problem,
     model: Model,

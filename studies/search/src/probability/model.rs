@@ -40,9 +40,7 @@ pub enum ModelError {
     Unknown {
         /// The table below `[probability]`.
         table: &'static str,
-        /// The name.
         name: String,
-        /// The variables.
         known: Vec<String>,
     },
     /// A variable that is not a number.
@@ -52,22 +50,10 @@ pub enum ModelError {
     Words(String),
     /// The distribution cannot be used.
     #[error("probability.distributions.{name}: {reason}")]
-    Distribution {
-        /// The variable.
-        name: String,
-        /// The mistake.
-        reason: DistributionError,
-    },
+    Distribution { name: String, reason: DistributionError },
     /// The CSV file cannot be used.
     #[error("probability.distributions.{name}: {}: {reason}", path.display())]
-    Csv {
-        /// The variable.
-        name: String,
-        /// The file.
-        path: PathBuf,
-        /// The mistake.
-        reason: String,
-    },
+    Csv { name: String, path: PathBuf, reason: String },
     /// The correlations cannot be used.
     #[error("probability.correlations: {0}")]
     Correlations(#[from] CopulaError),

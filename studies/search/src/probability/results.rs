@@ -12,7 +12,6 @@ use super::unit::{Kind as UnitKind, Unit, Units};
 use crate::problem::Problem;
 use crate::results::Search;
 
-/// The estimates.
 pub(super) struct Answer {
     monte_carlo: Estimate,
     cross_entropy: Estimate,
@@ -34,7 +33,6 @@ struct Line {
     note: String,
 }
 
-/// A variable.
 #[derive(Debug, Serialize)]
 struct VariableLine {
     name: String,

@@ -8,10 +8,8 @@ const POINTS: usize = 50;
 /// Rows of a unit of Sobol's indices.
 const ROWS: usize = 5;
 
-/// The units of a study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Units {
-    /// Runs of a replica.
     replica: usize,
     /// Points of Monte Carlo.
     points: usize,
@@ -74,7 +72,6 @@ impl Units {
     }
 }
 
-/// The record of a unit.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Unit {
     /// Points that were evaluated.
@@ -83,7 +80,6 @@ pub struct Unit {
     pub driven: usize,
     /// Points with a value beyond its variable's range.
     pub clipped: usize,
-    /// Points in the event.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub events: Vec<Vec<f64>>,
     /// Their weights in a replica.
@@ -95,7 +91,6 @@ pub struct Unit {
     /// The replica's density settled on the event.
     #[serde(default)]
     pub is_settled: bool,
-    /// Values of rows.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub rows: Vec<Vec<f64>>,
 }
@@ -108,7 +103,6 @@ impl Unit {
         (self.events, self.weights) = (found.events, found.weights);
     }
 
-    /// The replica that it kept.
     pub(super) fn replica(&self) -> Option<Replica> {
         Some(Replica {
             probability: self.probability?,

@@ -45,7 +45,6 @@ pub struct ArithmeticError {
     /// First column concerned, counted in characters from 1.
     pub column: usize,
     width: usize,
-    /// The problem there.
     pub problem: Problem,
     text: String,
 }
@@ -64,7 +63,6 @@ pub enum Problem {
     /// A variable that does not exist.
     #[error("unknown variable `{name}`, expected one of {}{}", known.join(", "), hint(nearest))]
     Unknown {
-        /// Its name.
         name: String,
         /// The variables that are numbers.
         known: Vec<String>,

@@ -95,7 +95,6 @@ enum VaryFault {
     Nominal { nominal: Value, domain: Domain },
 }
 
-/// A search file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {

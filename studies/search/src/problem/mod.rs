@@ -67,32 +67,18 @@ pub enum ProblemError {
     /// More variables than the Sobol sequence has dimensions.
     #[error("{0} variables, expected at most {MOST_VARIABLES}")]
     TooMany(usize),
-    /// An argument of `--vary`.
     #[error("--vary {argument}: {reason}, expected KEY=A..B, KEY=A..B:log or KEY=a,b,c")]
-    Vary {
-        /// The argument.
-        argument: String,
-        /// Its fault.
-        reason: VaryError,
-    },
+    Vary { argument: String, reason: VaryError },
     /// A point that the scenario refuses.
     #[error("the scenario refuses {point}: {reason}")]
     Refused {
-        /// The values at it.
         point: String,
         /// The scenario's words.
         reason: String,
     },
     /// A formula without a value.
     #[error("{key} = \"{formula}\" has no value at {point}")]
-    NoValue {
-        /// The key.
-        key: String,
-        /// Its formula.
-        formula: String,
-        /// The values.
-        point: String,
-    },
+    NoValue { key: String, formula: String, point: String },
 }
 
 /// Reason why an argument of `--vary` names no variable.
@@ -104,7 +90,6 @@ pub enum VaryError {
     /// Another argument has the same key.
     #[error("the key varies already")]
     Twice,
-    /// The values.
     #[error(transparent)]
     Domain(#[from] DomainError),
 }
@@ -158,7 +143,6 @@ impl Problem {
         }
     }
 
-    /// The values at a point.
     #[must_use]
     pub fn values(&self, point: &[f64]) -> Vec<Value> {
         self.variables.iter().zip(point).map(|(variable, at)| variable.domain.at(*at)).collect()
@@ -221,7 +205,6 @@ impl Problem {
         })
     }
 
-    /// The nominal values.
     #[must_use]
     pub fn nominal_values(&self) -> Vec<Value> {
         self.variables.iter().map(|variable| variable.nominal.clone()).collect()

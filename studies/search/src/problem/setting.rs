@@ -11,7 +11,6 @@ use super::variable::{Value, rounded};
 pub struct Setting {
     /// Dotted path.
     pub key: String,
-    /// Its value.
     pub term: Term,
     /// The key holds whole numbers.
     is_whole: bool,
@@ -24,7 +23,6 @@ impl Setting {
         Self { key: key.to_owned(), term, is_whole: is_whole(key) }
     }
 
-    /// A key of a fault.
     pub(crate) fn of_fault(key: &str, term: Term) -> Self {
         Self { key: key.to_owned(), term, is_whole: is_whole(&format!("faults.0.{key}")) }
     }
@@ -40,7 +38,6 @@ impl Setting {
 pub enum Term {
     /// TOML text that stays.
     Constant(String),
-    /// The value of a variable.
     Variable(usize),
     /// A number computed from variables.
     Formula(Arithmetic),

@@ -24,14 +24,11 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 
-/// The table.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Stated {
-    /// Distribution of each variable.
     #[serde(default)]
     pub(crate) distributions: BTreeMap<String, String>,
-    /// Correlations of pairs.
     #[serde(default)]
     pub(crate) correlations: Vec<Correlation>,
     /// Rate at which such scenes are met.
@@ -59,8 +56,6 @@ pub(crate) struct Correlation {
 pub(crate) struct Exposure {
     /// The unit: hour, km, year.
     pub per: String,
-    /// Scenes in one of it.
     pub events: f64,
-    /// Source of the number.
     pub source: String,
 }

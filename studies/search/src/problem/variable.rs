@@ -8,7 +8,6 @@ use thiserror::Error;
 pub struct Variable {
     /// Its name: a word of `[vary]`, or the dotted path of a key.
     pub name: String,
-    /// Its values.
     pub domain: Domain,
     /// The harmless value, from which a minimal case departs as little as it can.
     pub nominal: Value,
@@ -32,13 +31,10 @@ pub enum Domain {
     Words(Vec<String>),
 }
 
-/// A value of a variable.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Value {
-    /// A number.
     Number(f64),
-    /// A word.
     Word(String),
 }
 
@@ -50,12 +46,7 @@ pub enum DomainError {
     NotANumber(String),
     /// The range holds no more than one value.
     #[error("the range is empty: its start {from} is not below its end {to}")]
-    Empty {
-        /// Begin.
-        from: f64,
-        /// End.
-        to: f64,
-    },
+    Empty { from: f64, to: f64 },
     /// The logarithm of an end does not exist.
     #[error("a logarithmic range begins above 0, not at {0}")]
     NoLogarithm(f64),
@@ -231,7 +222,6 @@ fn number(text: &str) -> Result<f64, DomainError> {
 }
 
 impl Value {
-    /// The number, if it is one.
     #[must_use]
     pub fn number(&self) -> Option<f64> {
         match self {

@@ -131,7 +131,6 @@ impl Curve {
         2.0 * self.speed_mps() + 6.0
     }
 
-    /// Beginning of the arc, m.
     fn arc_begins_m(self) -> f64 {
         SETTLES_S * self.speed_mps() + CLOTHOID_M
     }

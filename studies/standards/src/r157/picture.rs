@@ -110,7 +110,6 @@ fn edges(x: &[f64], y: &[f64], has: &dyn Fn(usize, usize) -> bool) -> Vec<[(f64,
     upright(x, y, has).into_iter().chain(lying).collect()
 }
 
-/// The upright ones.
 fn upright(x: &[f64], y: &[f64], has: &dyn Fn(usize, usize) -> bool) -> Vec<[(f64, f64); 2]> {
     let mut edges = Vec::new();
     for (column, &at) in x.iter().enumerate() {

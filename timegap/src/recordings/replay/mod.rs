@@ -72,12 +72,7 @@ pub enum ReplayError {
         program.command.escape_debug(),
         program.sha256.escape_debug()
     )]
-    Program {
-        /// The recording.
-        recording: PathBuf,
-        /// The program that drove.
-        program: Program,
-    },
+    Program { recording: PathBuf, program: Program },
 }
 
 impl Failure for ReplayError {}

@@ -14,7 +14,6 @@ const BACKUP: u32 = 2;
 pub struct CycleHistory {
     /// Steps between two releases of the controller.
     stride: u64,
-    /// Cycles.
     pub count: u64,
     /// Cycles by the quality of their command.
     quality: [u64; 4],
@@ -26,7 +25,6 @@ pub struct CycleHistory {
     pub left_out: u64,
     /// Mode before a change, and the first cycle after it.
     pub changes: Vec<(u32, Diagnostics)>,
-    /// Levels of degradation.
     pub levels: LevelLog,
     last: Option<Diagnostics>,
 }

@@ -76,10 +76,8 @@ pub struct DriveLog {
     first_messages: Vec<(Service, u32, i64)>,
 }
 
-/// A sign of life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sign {
-    /// Service that sent it.
     pub service: Service,
     /// Process of the service that sent it.
     pub incarnation: u32,

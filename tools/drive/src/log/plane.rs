@@ -24,7 +24,6 @@ use crate::report::ReceivedTopic;
 pub struct PlaneScene {
     /// Run time of the scan, s.
     pub time_s: f64,
-    /// The ego.
     pub ego: EgoPlace,
     /// The other vehicles, in the order of `truth/vehicles`.
     pub bodies: Vec<Body>,
@@ -32,14 +31,12 @@ pub struct PlaneScene {
     pub seen: Option<Seen>,
 }
 
-/// The ego in the plane.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EgoPlace {
     /// Middle of the front bumper, m.
     pub x_m: f64,
     /// Middle of the front bumper, m.
     pub y_m: f64,
-    /// Heading of the body, rad.
     pub heading_rad: f64,
     /// Distance of the front bumper's middle from the axis, m, positive to the left.
     pub lateral_m: f64,
@@ -56,11 +53,8 @@ pub struct Body {
     pub x_m: f64,
     /// Middle of the body, m.
     pub y_m: f64,
-    /// Heading of the body, rad.
     pub heading_rad: f64,
-    /// Length, m.
     pub length_m: f64,
-    /// Width, m.
     pub width_m: f64,
     /// Position of the rear bumper on the axis, m.
     pub rear_position_m: f64,
@@ -75,7 +69,6 @@ pub struct Body {
 pub struct Seen {
     /// Run time at which it was published, s.
     pub published_s: f64,
-    /// The selected target.
     pub target: Option<TargetPlace>,
 }
 
@@ -88,7 +81,6 @@ pub struct TargetPlace {
     pub y_m: f64,
     /// Gap along the course, m.
     pub gap_m: f64,
-    /// Identity of its track.
     pub track_id: u32,
 }
 

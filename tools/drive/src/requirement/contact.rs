@@ -8,11 +8,8 @@ use temporal_logic::Unit;
 /// The instant at which the ego was nearest to another vehicle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Closest {
-    /// Index of the step.
     pub step: usize,
-    /// The vehicle.
     pub other: Other,
-    /// Gap to it, m.
     pub gap_m: f64,
 }
 

@@ -9,7 +9,6 @@ use temporal_logic::Unit;
 pub struct Evidence<'a> {
     /// The scenario that was driven.
     pub scenario: &'a Scenario,
-    /// The drive.
     pub drive: &'a Drive,
     /// The referee's speed difference at the contact, m/s; `None` without a collision.
     pub impact_speed_mps: Option<f64>,

@@ -15,7 +15,6 @@
 //! A vehicle whose time gap is above 6 s is not followed. Comfort's accelerations are ISO 15622's limits above 20 m/s,
 //! and its jerk is the limit below 5 m/s. All come from secondary sources.
 
-/// All names.
 pub(super) const NAMES: [&str; 10] = [
     "no-collision",
     "no-avoidable-collision",
@@ -50,7 +49,6 @@ pub(super) enum Rule {
 }
 
 impl Rule {
-    /// The rule in words.
     pub(super) const fn words(self) -> &'static str {
         match self {
             Self::Collision => "least gap, or minus the impact speed",

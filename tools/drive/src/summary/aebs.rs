@@ -12,7 +12,6 @@ pub struct Aebs {
     pub enabled: bool,
     /// Number of warnings to the driver; null without an emergency brake.
     pub warnings: Option<u64>,
-    /// Number of interventions.
     pub interventions: Option<u64>,
     /// Time for which it braked or held the brakes, s.
     pub braking_s: Option<f64>,

@@ -36,7 +36,6 @@ const ANOTHER_M: f64 = 4.5;
 pub struct GapErrors {
     /// Root mean square over time.
     pub rms_m: Option<f64>,
-    /// Largest magnitude.
     pub largest_m: Option<f64>,
     /// Error at the end of the drive.
     pub final_m: Option<f64>,

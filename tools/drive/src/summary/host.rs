@@ -8,14 +8,12 @@ use std::sync::OnceLock;
 pub struct Host {
     /// Processors that this process may use.
     pub cpus: usize,
-    /// Release of the kernel.
     pub kernel: String,
     /// True if the kernel is built with PREEMPT_RT.
     pub realtime_kernel: bool,
 }
 
 impl Host {
-    /// This machine.
     pub fn this() -> Self {
         static THIS: OnceLock<Host> = OnceLock::new();
         THIS.get_or_init(Self::read).clone()

@@ -14,9 +14,7 @@ use serde::{Deserialize, Serialize};
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct LawAccount {
-    /// Name of the law.
     pub name: String,
-    /// Cycles of the controller.
     pub cycles: u64,
     /// Cycles that the law commanded itself.
     pub answered: u64,

@@ -37,12 +37,10 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 use targets::PlaceSums;
 
-/// The summary of one run.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// Version of these keys; it rises when a key changes its name or meaning.
     pub schema_version: u32,
-    /// Name of the scenario.
     pub scenario: String,
     /// Name of the control law.
     pub controller: String,
@@ -51,11 +49,9 @@ pub struct Summary {
     pub caution: Option<&'static str>,
     /// Clock: `realtime` or `lockstep`.
     pub mode: &'static str,
-    /// Carrier of the messages.
     pub carrier: Carrier,
     /// Seed of every random draw of the run.
     pub seed: u64,
-    /// Outcome of the run.
     pub outcome: Outcome,
     /// Reason of the outcome `aborted`.
     pub aborted_because: Option<String>,
@@ -98,7 +94,6 @@ pub struct Summary {
     pub checks: Vec<CheckReport>,
     /// The processes of the group.
     pub services: Vec<ServiceSummary>,
-    /// The machine.
     pub host: Host,
 }
 
@@ -121,7 +116,6 @@ pub struct Control {
 /// Latencies, jitter and deadlines. Durations are in µs; a figure without samples is null.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Timing {
-    /// Cycles of the controller.
     pub cycles: Option<u64>,
     /// Deadline of a control cycle after its scheduled release, µs.
     pub deadline_us: Option<f64>,
@@ -151,7 +145,6 @@ pub struct Timing {
     pub signal_hops_us: SignalHops,
     /// Longest time between two commands that the actuator gateway accepted, µs.
     pub max_command_gap_us: Option<f64>,
-    /// Cycles with a relaxed command.
     pub relaxed_cycles: Option<u64>,
     /// Cycles with a command of the law's backup.
     pub backup_cycles: Option<u64>,
@@ -174,7 +167,6 @@ pub struct Timing {
 /// One process of the group.
 #[derive(Clone, Debug, Serialize)]
 pub struct ServiceSummary {
-    /// Name of the service.
     pub name: &'static str,
     /// Number of replacements of its process, by a restart or by its standby.
     pub restarts: u32,

@@ -7,7 +7,6 @@ use messages::e2e::Outcomes;
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Messages of one topic.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct TopicCounts {
     /// Messages sent by all of the topic's senders.

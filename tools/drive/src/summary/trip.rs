@@ -78,7 +78,6 @@ fn fastest(scenario: &Scenario) -> Option<f64> {
 /// A place on the fastest legal trip.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Passing {
-    /// Run time, s.
     pub time_s: f64,
     /// Position of the front, m.
     pub place_m: f64,
@@ -87,7 +86,6 @@ pub struct Passing {
 }
 
 impl Passing {
-    /// The start of a scenario.
     #[must_use]
     pub fn start(scenario: &Scenario) -> Self {
         let speed_mps = scenario.plant.initial_speed_mps.value();

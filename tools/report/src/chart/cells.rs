@@ -6,7 +6,6 @@ use super::{Picture, Stroke, Tone};
 
 /// Height of the grid, px.
 const HEIGHT: f64 = 200.0;
-/// Width of an edge, px.
 const EDGE_PX: f64 = 2.0;
 
 /// A filled cell: its lower left and upper right corner on the axes.

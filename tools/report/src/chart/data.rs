@@ -109,7 +109,6 @@ pub enum Series {
         label: String,
         tone: &'static str,
         stroke: &'static str,
-        /// Width, px.
         width: f64,
         /// True if each value holds until the next point.
         steps: bool,
@@ -143,7 +142,6 @@ pub enum Series {
     Bar {
         label: String,
         tone: &'static str,
-        /// Height, px.
         px: f64,
         /// Left ends.
         x: Column,

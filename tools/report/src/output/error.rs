@@ -10,30 +10,20 @@ pub enum OutputError {
     #[error(
         "{} belongs to a command that is still running: choose another directory", path.display()
     )]
-    InUse {
-        /// The directory.
-        path: PathBuf,
-    },
+    InUse { path: PathBuf },
     /// Results of an earlier command are in it.
     #[error(
         "{} holds results ({first}): choose another directory, or add --force to replace them",
         path.display()
     )]
-    HoldsResults {
-        /// The directory.
-        path: PathBuf,
-        /// One of the results.
-        first: &'static str,
-    },
+    HoldsResults { path: PathBuf, first: &'static str },
     /// Its results were not begun in parts.
     #[error(
         "{} holds results ({first}) but no {expected}: nothing in it can be gone on with, choose another directory",
         path.display()
     )]
     NotBegun {
-        /// The directory.
         path: PathBuf,
-        /// One of the results.
         first: &'static str,
         /// The file that says what was begun.
         expected: &'static str,

@@ -39,13 +39,10 @@ pub struct LiveProcess {
 /// Act of the supervisor on a process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Act {
-    /// SIGKILL.
     Kill(Service),
     /// SIGKILL to a process other than a service.
     KillHelper(Helper),
-    /// SIGSTOP.
     Stop(Service),
-    /// SIGCONT.
     Continue(Service),
     /// Keep a core, or all, busy.
     Hog(Option<u16>),

@@ -12,7 +12,6 @@ use std::time::Duration;
 pub struct Attached {
     /// Index of the process in its service.
     pub incarnation: u32,
-    /// The process.
     pub process: Process,
     /// Reason for which the launcher killed it, or its end during the run.
     pub cause: Option<Exit>,
@@ -54,7 +53,6 @@ impl Attached {
         self.progress = None;
     }
 
-    /// It stands by from now on.
     pub fn stand_by(&mut self, group: &Group, service: messages::Service, now_ns: i64) {
         self.begin(now_ns);
         // Without its page it looks hung, and is replaced.

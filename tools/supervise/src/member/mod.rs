@@ -135,7 +135,6 @@ impl Member {
         steps
     }
 
-    /// The succession of its processes.
     pub fn succession(&self) -> &Succession {
         &self.succession
     }
@@ -156,7 +155,6 @@ impl Member {
         self.attached(active).expect("the active process is kept")
     }
 
-    /// The active process.
     pub fn process(&mut self) -> &mut Process {
         &mut self.active().process
     }
@@ -267,7 +265,6 @@ impl Member {
         standby.standby_cost(now_ns)
     }
 
-    /// The service.
     pub fn service(&self) -> Service {
         self.service
     }

@@ -14,7 +14,6 @@ const MOST_OF_IT: i64 = 4;
 pub struct Share {
     /// It runs or waits for the processor at this moment.
     runnable: bool,
-    /// It was stopped.
     stopped: bool,
     /// Time on the processor, ns.
     ran_ns: i64,

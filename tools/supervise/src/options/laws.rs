@@ -40,9 +40,7 @@ pub struct NamedLaw {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LawSource {
-    /// A program, with its arguments.
     Program(Vec<String>),
-    /// A shared library.
     Library(PathBuf),
     /// The program that starts the run.
     Caller,
@@ -51,7 +49,6 @@ pub enum LawSource {
 /// Reason why an argument names no law.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LawError {
-    /// It has no `=`.
     #[error("no `=`, expected NAME=COMMAND")]
     NoCommand,
     /// The name is not a valid one.

@@ -120,7 +120,6 @@ pub struct GroupOptions {
     pub processes: bool,
 }
 
-/// Two programs for one service.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 #[error("--service {0}: a program is given twice, expected one in its place")]
 pub struct TwoPrograms(Service);
@@ -165,10 +164,8 @@ impl From<ModeName> for runtime::Mode {
 /// An argument names no service's program.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ServiceProgramError {
-    /// It has no `=`.
     #[error("expected NAME=PROGRAM")]
     NoProgram,
-    /// The service is unknown.
     #[error(transparent)]
     Service(#[from] UnknownService),
 }

@@ -18,7 +18,6 @@ pub struct DeadRun {
     pub prefix: String,
     /// Size of these objects, bytes.
     pub shared_bytes: u64,
-    /// Its living processes.
     pub processes: Vec<u32>,
 }
 

@@ -33,9 +33,7 @@ pub enum RootError {
     /// A directory or file cannot be made or looked at.
     #[error("cannot {action} {}: {reason}", path.display())]
     Path {
-        /// The attempt.
         action: &'static str,
-        /// On what.
         path: PathBuf,
         /// Cause by the system.
         reason: io::Error,
@@ -45,16 +43,10 @@ pub enum RootError {
         "{} is not a directory that belongs to this user alone: remove it, or set XDG_RUNTIME_DIR",
         path.display()
     )]
-    NotOwn {
-        /// The directory.
-        path: PathBuf,
-    },
+    NotOwn { path: PathBuf },
     /// Other runs removed it again and again.
     #[error("{} is removed as often as it is made", path.display())]
-    Vanishes {
-        /// The directory.
-        path: PathBuf,
-    },
+    Vanishes { path: PathBuf },
 }
 
 /// An error of an operation on `path`.
@@ -94,7 +86,6 @@ impl RunRoot {
         Ok(Self { prefix: prefix_of(&id), path, lock })
     }
 
-    /// The directory.
     pub fn path(&self) -> &Path {
         &self.path
     }

@@ -81,7 +81,6 @@ impl Attendant {
         }
     }
 
-    /// Kills it.
     pub fn kill(&mut self) {
         // It may be gone by now.
         let _ = self.child.kill();

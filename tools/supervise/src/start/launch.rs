@@ -8,12 +8,9 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
 
-/// Input of a launch.
 #[derive(Debug)]
 pub struct Launch {
-    /// Clock.
     pub mode: Mode,
-    /// The effective scenario.
     pub scenario: Scenario,
     /// Programs that take the place of built-in services.
     pub programs: BTreeMap<Service, PathBuf>,

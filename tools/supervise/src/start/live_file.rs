@@ -14,7 +14,6 @@ use std::time::SystemTime;
 #[derive(Debug)]
 pub struct LiveFile<'a>(&'a Path);
 
-/// Its content.
 #[derive(Serialize)]
 struct Live<'a> {
     /// Root, prefix, clock and periods of the group.
@@ -24,7 +23,6 @@ struct Live<'a> {
     start_monotonic_ns: i64,
     /// Run time 0 in ns since 1970.
     started_unix_ns: i64,
-    /// Version of the layouts of the messages.
     layout_version: &'static str,
     /// Type and sender of each topic.
     topics: Map<String, Value>,

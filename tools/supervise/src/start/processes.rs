@@ -26,7 +26,6 @@ pub enum SpawnError {
     /// The file that it would run.
     #[error("cannot find this program's own file: {0}")]
     NoFile(#[source] io::Error),
-    /// A service.
     #[error("cannot start {0}: {1}")]
     Service(Service, #[source] io::Error),
     /// A process other than a service.
@@ -118,12 +117,10 @@ impl Process {
         pid(&self.child)
     }
 
-    /// Process group.
     pub fn group(&self) -> i32 {
         self.group
     }
 
-    /// Kills it.
     pub fn kill(&mut self) {
         self.signal(Signal::KILL);
     }
@@ -243,7 +240,6 @@ impl Janitor {
         self.write_line(&group.to_string());
     }
 
-    /// Kills it.
     pub fn kill(&mut self) {
         // It may be gone by now.
         let _ = self.child.kill();

@@ -11,14 +11,10 @@ use std::path::{Path, PathBuf};
 /// It does not cover a program of the user's.
 #[derive(Debug, thiserror::Error)]
 pub enum NoProgram {
-    /// It replaces a service.
     #[error("--service {service}={}: {reason}", path.display())]
     OfService {
-        /// The service.
         service: Service,
-        /// The program.
         path: PathBuf,
-        /// Its fault.
         #[source]
         reason: ProgramError,
     },

@@ -38,10 +38,7 @@ pub enum Phase {
         since_ns: i64,
     },
     /// Its active process is gone; the next one is started at this run time, ns.
-    Waiting {
-        /// When.
-        until_ns: i64,
-    },
+    Waiting { until_ns: i64 },
     /// It is not started again.
     GivenUp,
 }
@@ -52,22 +49,15 @@ pub enum Standby {
     /// The scenario does not ask for one.
     Unwanted,
     /// Absent; the next one is started at this run time, ns.
-    Absent {
-        /// When.
-        until_ns: i64,
-    },
+    Absent { until_ns: i64 },
     /// It has not said yet that it is ready.
     Starting {
-        /// Process.
         incarnation: u32,
         /// Start of the phase, run time in ns.
         since_ns: i64,
     },
     /// It stands by for the active process.
-    Ready {
-        /// Process.
-        incarnation: u32,
-    },
+    Ready { incarnation: u32 },
 }
 
 impl Standby {
@@ -80,7 +70,6 @@ impl Standby {
     }
 }
 
-/// Event of a process.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// Its ports are open.
@@ -88,17 +77,11 @@ pub enum Event {
     /// It was the standby, and took over.
     TookOver(u32),
     /// It ended; `failed` if not by its own orderly end.
-    Gone {
-        /// Process.
-        incarnation: u32,
-        /// The end.
-        failed: bool,
-    },
+    Gone { incarnation: u32, failed: bool },
     /// Time has passed.
     Tick,
 }
 
-/// Step for the supervisor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
     /// Start this process; it becomes the active one or a standby when it is ready.
@@ -107,9 +90,7 @@ pub enum Step {
     Activate(u32),
     /// Let this process, which is ready, stand by for another one.
     StandBy {
-        /// The standby.
         incarnation: u32,
-        /// The active process.
         active: u32,
     },
     /// Report to this standby that the active process is gone.
@@ -118,14 +99,12 @@ pub enum Step {
     Replaced {
         /// The one before it, which may live on.
         old: u32,
-        /// The active one.
         new: u32,
     },
     /// Kill this standby: it does not do what it is there for.
     Kill(u32),
     /// The budget is used up.
     GiveUp,
-    /// The policy ends the run.
     EndRun,
 }
 
@@ -170,7 +149,6 @@ impl Succession {
         self.active
     }
 
-    /// The standby.
     pub fn standby(&self) -> Standby {
         self.standby
     }

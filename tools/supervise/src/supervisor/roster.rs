@@ -94,7 +94,6 @@ impl<'a> Roster<'a> {
         member.expect("all services have been started")
     }
 
-    /// All members.
     pub(super) fn iter(&self) -> impl Iterator<Item = &Member> {
         self.members.iter()
     }
@@ -170,7 +169,6 @@ impl<'a> Roster<'a> {
         living.unwrap_or(0)
     }
 
-    /// Root of the run.
     pub(super) fn root(&self) -> &'a RunRoot {
         self.root
     }

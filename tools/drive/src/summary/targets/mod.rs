@@ -52,7 +52,6 @@ pub enum Place {
 }
 
 impl Place {
-    /// All parts.
     pub const ALL: [Self; 4] = [Self::Straight, Self::Entry, Self::Arc, Self::Exit];
 
     /// The place between two curvatures, 1/m.
@@ -80,7 +79,6 @@ impl Place {
     }
 }
 
-/// Owner of a target.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Owner {
     /// A vehicle, by its place in `truth/vehicles`.
@@ -89,7 +87,6 @@ pub enum Owner {
     Nothing,
 }
 
-/// The lead of a scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lead {
     /// Its place in `truth/vehicles`.
@@ -98,7 +95,6 @@ pub struct Lead {
     pub gap_m: f64,
 }
 
-/// Judgement of a scan.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct JudgedScan {
     /// Run time of the scan, s.
@@ -116,7 +112,6 @@ pub struct JudgedScan {
 }
 
 impl JudgedScan {
-    /// The lead, within reach.
     #[must_use]
     pub fn lead_within(&self, reach_m: f64) -> Option<Lead> {
         self.lead.filter(|lead| lead.gap_m <= reach_m)

@@ -9,9 +9,7 @@ use crate::Drive;
 /// Sums of the scans in one part of a curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Sums {
-    /// Time, s.
     pub time_s: f64,
-    /// Way, km.
     pub km: f64,
     /// Time with a lead within reach, s.
     pub lead_s: f64,
@@ -46,7 +44,6 @@ impl Sums {
 pub struct PlaceSums {
     /// Part of a curve.
     pub place: Place,
-    /// Its sums.
     #[serde(flatten)]
     pub sums: Sums,
 }
