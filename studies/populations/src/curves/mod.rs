@@ -2,7 +2,7 @@
 //!
 //! Perception has to find the vehicle in the ego's lane, and on a curve the lane is not straight ahead. Each scene
 //! is driven with five sets of sources of the course. The first is empty (a straight path), and the second has the yaw
-//! rate. The other three add standing objects, trails and the map one after the other. `docs/curves.md` explains the
+//! rate. The other three add standing objects, trails and the map one after the other. `docs/tests.md` explains the
 //! figures.
 
 mod judge;

@@ -2,7 +2,7 @@
 //!
 //! Each corridor is driven by both laws and by those that the user names, and once more by `cacc-mpc` with wrong
 //! countdowns. Beside them stand the fastest legal trip and a bound that stays behind the lead. The radar is imperfect,
-//! and the signals come as frames. `docs/signals.md` explains the figures.
+//! and the signals come as frames. `docs/tests.md` explains the figures.
 
 mod bound;
 pub mod corridor;
