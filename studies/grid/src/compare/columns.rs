@@ -18,11 +18,14 @@ const ALSO: [Figure; 3] = [FINAL_GAP_ERROR_M, MAX_ACCEL_MPS2, CYCLES_BY_BACKUP];
 /// Columns of the runs; the seed has a place among them where there are several.
 fn of_runs(has_seeds: bool) -> Vec<Column<Row>> {
     let seed = count("seed", "seed", "Seed of the run");
+    // The columns before the outcome name the run.
+    let (outcome, seed) = (outcome("outcome"), if has_seeds { seed } else { seed.hidden() });
+    let [third, fourth] = if has_seeds { [seed, outcome] } else { [outcome, seed] };
     let names = [
         word("scenario", "scenario", "Scenario that was driven"),
         word("controller", "law", "Control law that drove"),
-        if has_seeds { seed } else { seed.hidden() },
-        outcome("outcome"),
+        third,
+        fourth,
     ];
     let figures = compared().copied().filter(|figure| figure.name != DEADLINE_MISSES.name);
     let rest = [
