@@ -198,7 +198,11 @@ fn a_change_must_be_repeated() {
     // Its end may change again: the shown phase counts.
     assert_eq!(receiver.take(&spat(400, 27_000), &at(400)), Verdict::Accepted);
     assert_eq!(told(&receiver, 400).1, Some(27.0));
-    let red = |ms| spat(ms, ms - 5_000);
+    let red = |ms| {
+        let mut spatem = spatem(UNIT, ms, ms - 5_000);
+        spatem.intersections[0].movements[0].events.drain(..2);
+        frame(Message::Spatem(spatem), ms)
+    };
     assert_eq!(receiver.take(&red(9_000), &at(9_000)), Verdict::Contradicting);
     assert_eq!(told(&receiver, 9_000), (vec![300.0], Some(27.0), Some(400)), "it may be false");
     assert_eq!(receiver.take(&red(9_100), &at(9_100)), Verdict::Accepted);
