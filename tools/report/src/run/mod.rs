@@ -200,7 +200,7 @@ mod tests {
             assert!(text.contains(&gap) && text.contains("REQUIREMENT BROKEN"), "{text}");
         }
         let last = console.lines().last().expect("there is text");
-        assert!(last.starts_with("  gap_m > 1000: BROKEN, margin -"), "{console}");
+        assert!(last.starts_with("  gap_m > 1000: BROKEN, margin −"), "{console}");
         assert!(document.junit().contains("failures=\"2\""), "{}", document.junit());
         assert_eq!(document.value()["outcome"], "requirement_broken");
         assert!(console.lines().count() < 50, "{console}");
