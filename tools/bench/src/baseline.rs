@@ -1,11 +1,11 @@
 //! Comparison with an earlier benchmark, on this or another machine, by ratios to the floor.
 
 use super::results::{Report, TransportRow};
-use group::{Error, Failure};
+use group::{Error, UsageError};
 use runtime::statistics::Percentiles;
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Fewest samples for a meaningful 99th percentile.
 const ENOUGH: u64 = 1000;
@@ -15,37 +15,22 @@ const CHANCE: f64 = 5.0;
 /// A figure over its floor, then and now.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct Change {
-    /// Name of the figure.
     pub what: String,
     /// Ratio to the floor of the earlier run.
     pub then: f64,
     /// Ratio to the floor of this run.
     pub now: f64,
-    /// True if the ratio grew by the factor.
     pub worse: bool,
 }
-
-/// A file that is not a benchmark's report.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "{}:{}:{}: {reason}; expected a file of `timegap bench --save`",
-    path.display(),
-    reason.line(),
-    reason.column()
-)]
-pub struct BaselineError {
-    path: PathBuf,
-    #[source]
-    reason: serde_json::Error,
-}
-
-impl Failure for BaselineError {}
 
 pub fn read(path: &Path) -> Result<Report, Error> {
     let error = |reason| Error::Path { action: "read", path: path.to_owned(), reason };
     let text = std::fs::read_to_string(path).map_err(error)?;
-    serde_json::from_str(&text)
-        .map_err(|reason| BaselineError { path: path.to_owned(), reason }.into())
+    let mistake = |reason: serde_json::Error| {
+        let place = format!("{}:{}:{}", path.display(), reason.line(), reason.column());
+        UsageError::at(place, reason, "a file of `timegap bench --save`")
+    };
+    Ok(serde_json::from_str(&text).map_err(mistake)?)
 }
 
 /// The figures of both reports side by side. A ratio that grew by more than `factor` is worse.
@@ -134,7 +119,7 @@ mod tests {
             quick: true,
             seconds: 1.0,
             wake_ups: None,
-            refused: Vec::new(),
+            refused: Default::default(),
             floor,
             transport_us: vec![TransportRow {
                 conditions: CONDITIONS,

@@ -79,10 +79,7 @@ impl Bench<'_> {
         random.next_u64();
         let (mut done, mut ours, mut floor) = (Vec::new(), Events::default(), Events::default());
         for _ in 0..blocks.blocks {
-            let futex = || {
-                let count = u64::from(CHAIN_WAKES);
-                self.stage.wake(Mechanism::Futex, conditions, period_us, count)
-            };
+            let futex = || self.stage.wake(Mechanism::Futex, conditions, period_us, CHAIN_WAKES);
             let (chain, futex) = if random.next_u64() >> 63 == 0 {
                 let futex = futex()?;
                 (chain::run(self.stage, &cell, block_s)?, futex)

@@ -2,12 +2,9 @@
 
 use super::outcome::Outcome;
 use super::plan::Cell;
-use super::setup::Scheduling;
 use super::stage::Stage;
 use super::statistics::Events;
-use group::Ended;
-use group::Error;
-use group::{GroupOptions, ScenarioOptions};
+use group::{Ended, Error, GroupOptions, ScenarioOptions};
 use report::summary::{self, Summary, Timing};
 use runtime::Mode;
 use runtime::statistics::Latencies;
@@ -20,13 +17,12 @@ const PREDICTION_STEP_MS: u32 = 100;
 /// Time in which the group must be ready, s.
 const READY_TIMEOUT_S: f64 = 20.0;
 
-/// Measurements of a group and its metronome during the same seconds.
+/// Measurements of a group and its metronome during the same seconds. Without the cell's conditions the group has
+/// no figures.
 pub struct Chain {
-    /// Times of controller and plant.
     pub timing: Timing,
     /// The group's histograms, by name.
     pub histograms: Vec<(String, Latencies)>,
-    /// Measurements of the metronome.
     pub floor: Outcome,
     /// Requests of the group that the kernel refused.
     pub refused: Vec<String>,
@@ -62,32 +58,27 @@ pub fn run(stage: &Stage, cell: &Cell, seconds: f64) -> Result<Chain, Error> {
     let outcome = result?;
     match &outcome.ended {
         Ended::Interrupted => return Err(Error::Interrupted),
-        Ended::Orderly => {}
-        Ended::Broken { service, how } => {
-            let what = how.clone();
-            return Err(Error::NotReady { service: *service, what, foreign: false });
-        }
-        Ended::GivenUp { service, .. } => {
-            let what = "ended too often".into();
-            return Err(Error::NotReady { service: *service, what, foreign: false });
-        }
+        Ended::Orderly => Ok(()),
+        Ended::Broken { service, how: what } => Err((*service, what.clone())),
+        Ended::GivenUp { service, .. } => Err((*service, "ended too often".to_owned())),
     }
+    .map_err(|(service, what)| Error::NotReady { service, what, foreign: false })?;
     let summary = Summary::new(&scenario, Mode::Realtime, &outcome, begun.elapsed());
     let granted = summary.services.iter().filter_map(|service| service.scheduling.as_ref());
     let as_asked = granted.clone().all(|granted| granted.granted == granted.requested)
         && floor.granted.granted == floor.granted.requested;
     let refused =
         granted.chain([&floor.granted]).flat_map(|g| &g.refused).map(ToString::to_string).collect();
-    let histograms = summary::histograms(&outcome);
-    Ok(Chain { timing: summary.timing, histograms, floor, refused, as_asked })
+    let (timing, histograms) = match as_asked {
+        true => (summary.timing, summary::histograms(&outcome)),
+        false => Default::default(),
+    };
+    Ok(Chain { timing, histograms, floor, refused, as_asked })
 }
 
 fn options(stage: &Stage, cell: &Cell, seconds: f64) -> ScenarioOptions {
     let period_ms = cell.period_us / 1000;
-    let scheduling = match cell.conditions.scheduling {
-        Scheduling::Fifo => "fifo",
-        Scheduling::Other => "other",
-    };
+    let scheduling = cell.conditions.scheduling.name();
     // Radar and plant are released at the same instants: on one core one waits for the other.
     let (radar, controller) = stage.placed(cell.conditions.placement);
     ScenarioOptions {

@@ -4,7 +4,7 @@ use super::goals::{Goal, Verdict};
 use super::results::{DeadlineRow, FloorRow, PairedRow, Report, TransportRow};
 use super::setup::Conditions;
 use super::{WAKE_UPS, baseline::Change, results::ChainRow};
-use report::chart::{Axis, Bands, Mark, Row, Span, Stroke, Tone};
+use report::chart::{Stroke, Tone};
 use report::html::figure;
 use report::output::{HISTOGRAMS, histogram_log};
 use report::print::{carries, p99};
@@ -31,9 +31,6 @@ const WAYS: [(&str, &str); 5] = [
     ("sleep", "lateness of a sleep"),
     ("futex", "floor: futex"),
 ];
-/// Least end of the axis of the intervals, and its largest, as a ratio over the limit.
-const WIDEST: f64 = 2.0;
-const WIDEST_OF_ALL: f64 = 5.0;
 
 /// The result for every output. `histograms` are tagged with figure, conditions and period.
 pub fn of(report: &Report, histograms: &[(String, Latencies)]) -> Document {
@@ -65,7 +62,6 @@ pub fn of(report: &Report, histograms: &[(String, Latencies)]) -> Document {
         .figures("Loops on this machine", wake_ups(histograms))
         .facts("Not granted", refused(report))
         .table(goals(&report.goals))
-        .figures("", intervals(&report.goals))
         .table(comparisons(&report.paired))
         .figures("Comparisons in alternating blocks", blocks(&report.paired, histograms))
         .table(floor(&report.floor.rows))
@@ -273,36 +269,6 @@ fn wake_ups(histograms: &[(String, Latencies)]) -> String {
 
 fn grid(drawn: String) -> String {
     if drawn.is_empty() { drawn } else { format!("<div class=\"grid\">\n{drawn}</div>\n") }
-}
-
-/// The intervals as bars over their limits. A bar left of 1 is met, and a bar right of 1 is missed.
-fn intervals(goals: &[Goal]) -> String {
-    let ends = goals.iter().filter_map(|goal| Some((goal.ci95[1]? / goal.limit).ceil()));
-    let widest = ends.fold(WIDEST, f64::max).min(WIDEST_OF_ALL);
-    let row = |goal: &Goal| {
-        let place = |end: Option<f64>| end.map_or(widest, |end| (end / goal.limit).min(widest));
-        let [low, high] = goal.ci95;
-        let (label, tone) = match goal.verdict {
-            Verdict::Met => ("met", Tone::Go),
-            Verdict::Missed => ("missed", Tone::Stop),
-            Verdict::Undecided => ("undecided", Tone::Clear),
-        };
-        Row {
-            name: format!("{}: {}, limit {:.2}", named(goal), interval(goal.ci95), goal.limit),
-            spans: vec![Span { from: place(low), to: place(high), label: label.to_owned(), tone }],
-        }
-    };
-    if goals.is_empty() {
-        return String::new();
-    }
-    let bands = Bands {
-        title: "95 % intervals of the ratios over their limits: met left of 1, missed right of it"
-            .into(),
-        x: Axis::linear("ratio over its limit", 0.0, widest),
-        rows: goals.iter().map(row).collect(),
-        marks: vec![Mark::numbered(1.0, 1)],
-    };
-    grid(figure(&bands))
 }
 
 /// Distributions of every comparison: ours and its floor.

@@ -24,13 +24,10 @@ pub enum Verdict {
 pub struct Goal {
     /// Names of the two sides and of the figure.
     pub name: String,
-    /// Cores of both.
     pub placement: Placement,
     /// Unit of both figures: µs, or events per million cycles.
     pub unit: &'static str,
-    /// Our figure.
     pub ours: f64,
-    /// The floor's figure.
     pub floor: f64,
     /// Their ratio; null if only ours has an event.
     pub ratio: Option<f64>,
@@ -40,7 +37,6 @@ pub struct Goal {
     pub limit: f64,
     /// Our samples or cycles.
     pub n: u64,
-    /// Judgement.
     pub verdict: Verdict,
     /// Differences between this machine and the one that the goal is meant for.
     pub caveats: Vec<String>,

@@ -27,7 +27,7 @@ mod blocks;
 mod chain;
 mod conditions;
 mod document;
-mod event;
+mod failure;
 mod goals;
 mod limits;
 mod load;
@@ -46,12 +46,15 @@ mod words;
 
 pub use peer::run as run_peer;
 
+use self::outcome::Outcome;
 use self::plan::{Cell, Measure};
 use self::progress::{millis, progress_bar};
-use self::results::TransportRow;
-use self::results::{ChainRow, DeadlineRow, Floor, FloorMeasure, FloorRow, Passing, Report};
+use self::results::{
+    ChainRow, DeadlineRow, Floor, FloorMeasure, FloorRow, Passing, Report, TransportRow,
+};
 use self::setup::Mechanism;
 use self::stage::Stage;
+use self::statistics::Events;
 use clap::Args;
 use group::{Error, SignalsError};
 use messages::Topic;
@@ -93,7 +96,6 @@ pub struct BenchArguments {
     /// Growth of a ratio to the floor that counts as worse
     #[arg(long, value_name = "F", default_value_t = 1.5, value_parser = factor)]
     pub factor: f64,
-    /// Places and forms of the results.
     #[command(flatten)]
     pub results: ResultOptions,
 }
@@ -125,16 +127,33 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
     let cells = plan::cells(quick, cores, reference);
     let compared = plan::comparisons(quick, cores, reference);
     let chains = plan::chain_blocks(quick, cores, reference);
-    let seconds = arguments.seconds.unwrap_or(if arguments.quick { QUICK_S } else { FULL_S });
-    let mut bench = Bench::new(&stage, arguments.quick, seconds);
-    bench.report.caveats = conditions::caveats(cores, reference, conditions::quota());
+    let seconds = arguments.seconds.unwrap_or(if quick { QUICK_S } else { FULL_S });
     let whole: Duration = (cells.iter().map(|cell| cell.estimate(seconds)))
         .chain(compared.iter().map(|(_, _, us)| plan::comparison_estimate(quick, *us)))
         .chain(chains.iter().map(plan::ChainBlocks::estimate))
         .sum();
     let bar = progress_bar(whole, arguments.results.json);
     bar.set_message("wake-ups");
-    bench.wake_ups();
+    // Before any other work on this machine.
+    let (wake_ups, latencies) = doctor::wake_ups::measure(&doctor::wake_ups::USUAL, seconds);
+    let report = Report {
+        schema_version: 1,
+        host: Host::this(),
+        quick,
+        seconds,
+        wake_ups: Some(wake_ups),
+        refused: BTreeSet::new(),
+        floor: Floor::default(),
+        transport_us: Vec::new(),
+        chain: Vec::new(),
+        deadlines: Vec::new(),
+        paired: Vec::new(),
+        goals: Vec::new(),
+        caveats: conditions::caveats(cores, reference, conditions::quota()),
+        against: None,
+    };
+    let mut bench =
+        Bench { stage: &stage, report, histograms: vec![(WAKE_UPS.to_owned(), latencies)] };
     let mut load = None;
     for cell in &cells {
         bar.set_message(cell.describe());
@@ -153,7 +172,7 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
     drop(load);
     bench.compare(&compared, &chains, &bar)?;
     bar.finish_and_clear();
-    let Bench { mut report, histograms, .. } = bench.finish();
+    let Bench { mut report, histograms, .. } = bench;
     if let Some(path) = &arguments.save {
         let json = serde_json::to_string_pretty(&report).expect("plain data") + "\n";
         std::fs::write(path, json).map_err(|reason| Error::Path {
@@ -176,41 +195,11 @@ pub fn schema() -> Schema {
 
 struct Bench<'a> {
     stage: &'a Stage,
-    seconds: f64,
     report: Report,
-    refused: BTreeSet<String>,
     histograms: Vec<(String, Latencies)>,
 }
 
-impl<'a> Bench<'a> {
-    fn new(stage: &'a Stage, quick: bool, seconds: f64) -> Self {
-        let report = Report {
-            schema_version: 1,
-            host: Host::this(),
-            quick,
-            seconds,
-            wake_ups: None,
-            refused: Vec::new(),
-            floor: Floor::default(),
-            transport_us: Vec::new(),
-            chain: Vec::new(),
-            deadlines: Vec::new(),
-            paired: Vec::new(),
-            goals: Vec::new(),
-            caveats: Vec::new(),
-            against: None,
-        };
-        Self { stage, seconds, report, refused: BTreeSet::new(), histograms: Vec::new() }
-    }
-
-    /// Measures which loops hold, before any other work on this machine.
-    fn wake_ups(&mut self) {
-        let (wake_ups, latencies) =
-            doctor::wake_ups::measure(&doctor::wake_ups::USUAL, self.seconds);
-        self.report.wake_ups = Some(wake_ups);
-        self.histograms.push((WAKE_UPS.to_owned(), latencies));
-    }
-
+impl Bench<'_> {
     fn measure(&mut self, cell: &Cell) -> Result<(), Error> {
         match cell.measure {
             Measure::Sleep => self.sleep(cell),
@@ -222,7 +211,7 @@ impl<'a> Bench<'a> {
     fn sleep(&mut self, cell: &Cell) -> Result<(), Error> {
         let metronome = self.stage.metronome(cell.conditions, cell.period_us)?;
         metronome.count(true);
-        std::thread::sleep(Duration::from_secs_f64(self.seconds));
+        std::thread::sleep(Duration::from_secs_f64(self.report.seconds));
         let outcome = metronome.finish()?;
         let us = self.figure(cell, "sleep", &outcome);
         self.floor(cell, FloorMeasure::Sleep, us);
@@ -230,24 +219,21 @@ impl<'a> Bench<'a> {
     }
 
     fn wake(&mut self, cell: &Cell, mechanism: Mechanism) -> Result<(), Error> {
-        let count = (self.seconds * 1e6 / f64::from(cell.period_us)).ceil() as u64;
+        let count = (self.report.seconds * 1e6 / f64::from(cell.period_us)).ceil() as u32;
         let outcome = self.stage.wake(mechanism, cell.conditions, cell.period_us, count)?;
         let us = self.figure(cell, &mechanism.name(), &outcome);
         match mechanism {
             Mechanism::Futex => self.floor(cell, FloorMeasure::Futex, us),
             Mechanism::Eventfd => self.floor(cell, FloorMeasure::Eventfd, us),
             Mechanism::Iceoryx2Event => self.floor(cell, FloorMeasure::Iceoryx2Event, us),
-            Mechanism::Message => {
-                let bytes = Topic::RadarTracks.message_bytes();
-                self.transport(cell, bytes, Passing::Message, &outcome, us);
+            Mechanism::Message | Mechanism::Detections => {
+                let is_tracks = mechanism == Mechanism::Message;
+                let topic = if is_tracks { Topic::RadarTracks } else { Topic::RadarDetections };
+                self.transport(cell, topic.message_bytes(), Passing::Message, &outcome, us);
             }
-            Mechanism::Detections => {
-                let bytes = Topic::RadarDetections.message_bytes();
-                self.transport(cell, bytes, Passing::Message, &outcome, us);
-            }
-            Mechanism::Payload(bytes) => self.transport(cell, bytes, Passing::Bare, &outcome, us),
-            Mechanism::ProtectedPayload(bytes) => {
-                self.transport(cell, bytes, Passing::Protected, &outcome, us);
+            Mechanism::Payload { bytes, is_protected } => {
+                let passing = if is_protected { Passing::Protected } else { Passing::Bare };
+                self.transport(cell, bytes, passing, &outcome, us);
             }
         }
         Ok(())
@@ -258,7 +244,7 @@ impl<'a> Bench<'a> {
         cell: &Cell,
         bytes: usize,
         passing: Passing,
-        outcome: &outcome::Outcome,
+        outcome: &Outcome,
         us: Option<Percentiles>,
     ) {
         let Cell { conditions, period_us, .. } = *cell;
@@ -276,14 +262,9 @@ impl<'a> Bench<'a> {
     }
 
     /// The percentiles of an outcome, if the cell's conditions were granted.
-    fn figure(
-        &mut self,
-        cell: &Cell,
-        name: &str,
-        outcome: &outcome::Outcome,
-    ) -> Option<Percentiles> {
+    fn figure(&mut self, cell: &Cell, name: &str, outcome: &Outcome) -> Option<Percentiles> {
         let granted = &outcome.granted;
-        self.refused.extend(granted.refused.iter().map(ToString::to_string));
+        self.report.refused.extend(granted.refused.iter().map(ToString::to_string));
         if granted.granted != granted.requested {
             return None;
         }
@@ -293,63 +274,45 @@ impl<'a> Bench<'a> {
     }
 
     fn chain(&mut self, cell: &Cell) -> Result<(), Error> {
-        let chain = chain::run(self.stage, cell, self.seconds)?;
-        let beside = chain.floor_events().filter(|_| chain.as_asked);
-        self.refused.extend(chain.refused);
+        let chain = chain::run(self.stage, cell, self.report.seconds)?;
         let Cell { conditions, period_us, .. } = *cell;
         let floor = self.figure(cell, "sleep-beside-chain", &chain.floor);
-        if chain.as_asked {
-            let tagged = chain.histograms.into_iter();
-            let tagged = tagged
-                .map(|(name, h)| (format!("{name}:{}", cell.conditions.tag(cell.period_us)), h));
-            self.histograms.extend(tagged);
-        }
+        let sleep_jitter_us = floor.filter(|_| chain.as_asked);
+        let beside = chain.floor_events();
+        self.report.refused.extend(chain.refused);
+        let tag = |name| format!("{name}:{}", conditions.tag(period_us));
+        self.histograms.extend(chain.histograms.into_iter().map(|(name, h)| (tag(name), h)));
         let timing = chain.timing;
-        let per_million =
-            |misses: u64, cycles: u64| (cycles > 0).then(|| misses as f64 * 1e6 / cycles as f64);
-        // Figures under other conditions than the row's are left out.
-        let kept = |value: Option<u64>| value.filter(|_| chain.as_asked);
-        let kept_us = |value: Option<Percentiles>| value.filter(|_| chain.as_asked);
+        let per_million = |of: Events| (of.cycles > 0).then(|| of.per_million());
         // Skipped releases are cycles that were due.
         let late = timing.deadline_misses.unwrap_or(0);
         let due = timing.cycles.map(|cycles| cycles.max(late));
+        let ours = due.map(|cycles| Events { events: late, cycles });
         self.report.deadlines.push(DeadlineRow {
             conditions,
             period_us,
-            cycles: kept(due),
-            misses: kept(timing.deadline_misses),
-            misses_per_million: kept(due).and_then(|due| per_million(late, due)),
+            cycles: due,
+            misses: timing.deadline_misses,
+            misses_per_million: ours.and_then(per_million),
             floor_cycles: beside.map(|floor| floor.cycles),
             floor_misses: beside.map(|floor| floor.events),
-            floor_misses_per_million: beside
-                .and_then(|floor| per_million(floor.events, floor.cycles)),
+            floor_misses_per_million: beside.and_then(per_million),
         });
+        // The plan has the futex before the chain.
+        let futex = self.report.futex(conditions, period_us);
+        let floor_sum_us =
+            (|| Some(2.0 * sleep_jitter_us?.p50 + futex?.p50 + timing.solve_us?.p50))();
         self.report.chain.push(ChainRow {
             conditions,
             period_us,
-            reaction_time_us: kept_us(timing.reaction_time_us),
-            designed_wait_us: kept_us(timing.designed_wait_us),
-            net_reaction_us: kept_us(timing.net_reaction_us),
-            floor_sum_us: None,
-            hops_us: if chain.as_asked { timing.hops_us } else { Default::default() },
-            solve_us: kept_us(timing.solve_us),
-            sleep_jitter_us: kept_us(floor),
+            reaction_time_us: timing.reaction_time_us,
+            designed_wait_us: timing.designed_wait_us,
+            net_reaction_us: timing.net_reaction_us,
+            floor_sum_us,
+            hops_us: timing.hops_us,
+            solve_us: timing.solve_us,
+            sleep_jitter_us,
         });
         Ok(())
-    }
-
-    /// Adds the figures that need the whole run.
-    fn finish(mut self) -> Self {
-        self.report.refused = self.refused.iter().cloned().collect();
-        let sums: Vec<_> = self.report.chain.iter().map(|row| self.floor_sum_us(row)).collect();
-        for (row, sum) in self.report.chain.iter_mut().zip(sums) {
-            row.floor_sum_us = sum;
-        }
-        self
-    }
-
-    fn floor_sum_us(&self, row: &ChainRow) -> Option<f64> {
-        let futex = self.report.futex(row.conditions, row.period_us)?;
-        Some(2.0 * row.sleep_jitter_us?.p50 + futex.p50 + row.solve_us?.p50)
     }
 }

@@ -1,8 +1,8 @@
 //! Comparisons of two ways to wake a process, in alternating blocks.
 //!
 //! A comparison has several sessions. In each, one source and one sink hold both ways open and use them in turn. Each
-//! pair has a block of ours and a block of the floor in random order. Both processes derive the order from the same
-//! seed, so that they exchange only "ready" and "done".
+//! pair has a block of ours and a block of the floor in random order. Both processes get the
+//! order with their job, so that they exchange only "ready" and "done".
 
 use super::setup::{Conditions, FLAT_FROM, LARGEST, Mechanism};
 use super::statistics::Pair;
@@ -10,7 +10,7 @@ use rand_core::Rng;
 use rand_pcg::Pcg64;
 use runtime::statistics::Latencies;
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 /// Fewest pairs of blocks of a comparison.
 pub const PAIRS: u32 = 20;
@@ -70,42 +70,35 @@ impl Comparison {
             Self::FloorItself => [Mechanism::Futex, Mechanism::Futex],
             Self::Message => [Mechanism::Message, Mechanism::Futex],
             Self::Detections => [Mechanism::Detections, Mechanism::Message],
-            Self::Payload => [Mechanism::Payload(LARGEST), Mechanism::Payload(FLAT_FROM)],
+            Self::Payload => [Mechanism::bare(LARGEST), Mechanism::bare(FLAT_FROM)],
         }
     }
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Blocks {
-    /// Ours and the floor.
-    pub arms: [Mechanism; 2],
-    pub pairs: u32,
-    /// Counted wake-ups in a block.
-    pub wakes: u32,
-    /// Seed of the order inside the pairs.
-    pub seed: u64,
+/// The arm of each block, 0 for ours and 1 for the floor; each once in every pair.
+pub fn order(pairs: u32, seed: u64) -> Vec<usize> {
+    let mut random = Pcg64::new(seed.into(), 17);
+    random.next_u64();
+    let pair = |_| if random.next_u64() >> 63 == 0 { [0, 1] } else { [1, 0] };
+    (0..pairs).flat_map(pair).collect()
 }
 
-impl Blocks {
-    /// The arm of each block, 0 for ours and 1 for the floor; each once in every pair.
-    pub fn order(&self) -> Vec<usize> {
-        let mut random = Pcg64::new(self.seed.into(), 17);
-        random.next_u64();
-        let pair = |_| if random.next_u64() >> 63 == 0 { [0, 1] } else { [1, 0] };
-        (0..self.pairs).flat_map(pair).collect()
+/// The samples of blocks in this order, as pairs.
+pub fn paired(blocks: Vec<Vec<u32>>, order: &[usize]) -> Vec<Pair> {
+    let mut blocks = blocks.into_iter().zip(order);
+    let mut pairs = Vec::new();
+    while let (Some((first, arm)), Some((second, _))) = (blocks.next(), blocks.next()) {
+        let (ours, floor) = if *arm == 0 { (first, second) } else { (second, first) };
+        pairs.push(Pair { ours, floor });
     }
+    pairs
+}
 
-    /// The samples of the blocks in order, as pairs.
-    pub fn paired(&self, blocks: Vec<Vec<u32>>) -> Vec<Pair> {
-        let order = self.order();
-        let mut blocks = blocks.into_iter().zip(order);
-        let mut pairs = Vec::new();
-        while let (Some((first, arm)), Some((second, _))) = (blocks.next(), blocks.next()) {
-            let (ours, floor) = if arm == 0 { (first, second) } else { (second, first) };
-            pairs.push(Pair { ours, floor });
-        }
-        pairs
-    }
+/// Samples, ns, as a histogram.
+pub fn histogram<'a>(samples: impl Iterator<Item = &'a u32>) -> Latencies {
+    let mut latencies = Latencies::default();
+    samples.for_each(|ns| latencies.record_ns(i64::from(*ns)));
+    latencies
 }
 
 #[derive(Clone, Debug)]
@@ -133,13 +126,7 @@ impl Compared {
 
     /// All samples of ours and of the floor as histograms.
     pub fn histograms(&self) -> [Latencies; 2] {
-        let of = |arm: fn(&Pair) -> &Vec<u32>| {
-            let mut latencies = Latencies::default();
-            for ns in self.pairs.iter().flat_map(arm) {
-                latencies.record_ns(i64::from(*ns));
-            }
-            latencies
-        };
+        let of = |arm: fn(&Pair) -> &Vec<u32>| histogram(self.pairs.iter().flat_map(arm));
         [of(|pair| &pair.ours), of(|pair| &pair.floor)]
     }
 }
@@ -148,23 +135,24 @@ impl Compared {
 mod tests {
     use super::*;
 
-    const BLOCKS: Blocks =
-        Blocks { arms: Comparison::Message.arms(), pairs: 40, wakes: 3, seed: 5 };
+    fn order_of(seed: u64) -> Vec<usize> {
+        order(40, seed)
+    }
 
     #[test]
     fn every_pair_has_both_arms_in_an_order_drawn_by_lot() {
-        let order = BLOCKS.order();
+        let order = order_of(5);
         assert!(order.chunks(2).all(|pair| pair[0] + pair[1] == 1), "{order:?}");
         let ours_first = order.chunks(2).filter(|pair| pair[0] == 0).count();
         assert!((8..=32).contains(&ours_first), "{ours_first} of 40");
-        assert_eq!(order, BLOCKS.order(), "both processes agree");
-        assert_ne!(order, Blocks { seed: 6, ..BLOCKS }.order());
+        assert_eq!(order, order_of(5), "the seed decides");
+        assert_ne!(order, order_of(6));
     }
 
     #[test]
     fn blocks_find_their_arm_again() {
-        let blocks = BLOCKS.order().iter().map(|&arm| vec![arm as u32; 3]).collect();
-        for pair in BLOCKS.paired(blocks) {
+        let blocks = order_of(5).iter().map(|&arm| vec![arm as u32; 3]).collect();
+        for pair in paired(blocks, &order_of(5)) {
             assert_eq!((pair.ours, pair.floor), (vec![0; 3], vec![1; 3]));
         }
     }

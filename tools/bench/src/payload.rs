@@ -3,7 +3,7 @@
 //! They take the same steps through the same node, iceoryx2 variant and wake-up. Payloads are loaned, sent where they
 //! are, and borrowed by the reader. They are bare, or written, protected and checked in place.
 
-use super::wake::{WakeError, failed};
+use super::failure::{BenchError, failed};
 use iceoryx2::port::{publisher::Publisher, subscriber::Subscriber};
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
@@ -26,7 +26,7 @@ struct Stamp {
 type Payload = [u8];
 
 /// The iceoryx2 service of payloads of `bytes`, beside the one of the topic.
-fn topic(guest: &Guest, bytes: usize) -> Result<PortFactory<Ipc, Payload, Stamp>, WakeError> {
+fn topic(guest: &Guest, bytes: usize) -> Result<PortFactory<Ipc, Payload, Stamp>, BenchError> {
     let name = format!("bench/payload/{bytes}");
     (guest.service(&name.as_str().try_into().expect("a valid service name")))
         .publish_subscribe::<Payload>()
@@ -43,37 +43,29 @@ fn topic(guest: &Guest, bytes: usize) -> Result<PortFactory<Ipc, Payload, Stamp>
 
 const PAYLOAD_DATA_ID: u32 = PAYLOAD_TOPIC.data_id(Member::PerceptionSim.to_wire());
 
-/// Treatment of the bytes of a payload.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Contents {
-    /// Nothing: they are handed over.
-    Bare,
-    /// The sender writes and protects them, the reader checks them, all in place.
-    Protected,
-}
-
 #[derive(Debug)]
 pub struct PayloadSender {
     port: Publisher<Ipc, Payload, Stamp>,
     waker: Waker,
     bytes: usize,
-    contents: Contents,
+    /// The sender writes and protects the bytes, the reader checks them, all in place.
+    is_protected: bool,
     sent: u32,
 }
 
 impl PayloadSender {
     /// The sending end for payloads of `bytes`.
-    pub fn open(guest: &Guest, bytes: usize, contents: Contents) -> Result<Self, WakeError> {
+    pub fn open(guest: &Guest, bytes: usize, is_protected: bool) -> Result<Self, BenchError> {
         let port = (topic(guest, bytes)?.publisher_builder())
             .initial_max_slice_len(bytes)
             .create()
             .map_err(failed("make a sender of payloads"))?;
-        Ok(Self { port, waker: guest.waker(PAYLOAD_TOPIC), bytes, contents, sent: 0 })
+        Ok(Self { port, waker: guest.waker(PAYLOAD_TOPIC), bytes, is_protected, sent: 0 })
     }
 
     /// Loans a payload, stamps it with the time before the loan, sends it and wakes who waits.
     #[expect(unsafe_code, reason = "a payload is not written to please the type")]
-    pub fn send(&mut self) -> Result<(), WakeError> {
+    pub fn send(&mut self) -> Result<(), BenchError> {
         let sent_ns = monotonic_ns();
         let sample = self.port.loan_slice_uninit(self.bytes);
         let mut sample = sample.map_err(failed("loan a payload"))?;
@@ -82,7 +74,7 @@ impl PayloadSender {
         // payload.
         let mut sample = unsafe { sample.assume_init() };
         self.sent = self.sent.wrapping_add(1);
-        if self.contents == Contents::Protected {
+        if self.is_protected {
             let bytes = sample.payload_mut();
             bytes.fill(self.sent as u8);
             profile7::protect(bytes, PAYLOAD_DATA_ID, self.sent);
@@ -97,36 +89,36 @@ impl PayloadSender {
 pub struct PayloadReceiver {
     port: Subscriber<Ipc, Payload, Stamp>,
     waiter: Waiter,
-    contents: Contents,
+    is_protected: bool,
 }
 
 impl PayloadReceiver {
     /// The receiving end for payloads of `bytes`.
-    pub fn open(guest: &Guest, bytes: usize, contents: Contents) -> Result<Self, WakeError> {
+    pub fn open(guest: &Guest, bytes: usize, is_protected: bool) -> Result<Self, BenchError> {
         let port = (topic(guest, bytes)?.subscriber_builder())
             .create()
             .map_err(failed("make a receiver of payloads"))?;
-        Ok(Self { port, waiter: guest.waiter(PAYLOAD_TOPIC), contents })
+        Ok(Self { port, waiter: guest.waiter(PAYLOAD_TOPIC), is_protected })
     }
 
     /// Waits for payloads, at most for `timeout`. Hands the stamp of each one to `each`, after its check if it is
     /// protected.
-    pub fn next(&self, timeout: Duration, mut each: impl FnMut(i64)) -> Result<(), WakeError> {
+    pub fn next(&self, timeout: Duration, mut each: impl FnMut(i64)) -> Result<(), BenchError> {
         let ticket = self.waiter.ticket();
         if self.take(&mut each)? {
             return Ok(());
         }
-        self.waiter.wait(ticket, timeout).map_err(WakeError::Waiter)?;
+        self.waiter.wait(ticket, timeout).map_err(failed("wait for a payload"))?;
         self.take(&mut each).map(|_| ())
     }
 
-    fn take(&self, each: &mut impl FnMut(i64)) -> Result<bool, WakeError> {
+    fn take(&self, each: &mut impl FnMut(i64)) -> Result<bool, BenchError> {
         let mut found = false;
         while let Some(sample) = self.port.receive().map_err(failed("receive a payload"))? {
             found = true;
-            if self.contents == Contents::Protected {
-                let checked = profile7::check(sample.payload(), PAYLOAD_DATA_ID);
-                checked.map_err(WakeError::Corrupted)?;
+            if self.is_protected {
+                profile7::check(sample.payload(), PAYLOAD_DATA_ID)
+                    .map_err(|reason| failed("accept a payload")(format!("{reason:?}")))?;
             }
             each(sample.user_header().sent_ns);
         }

@@ -64,13 +64,8 @@ pub fn comparisons(
     reference: Scheduling,
 ) -> Vec<(Comparison, Conditions, u32)> {
     let period_us = if quick { QUICK_WAKE_PERIOD_US } else { WAKE_PERIOD_US };
-    let best = move |conditions: &Conditions| {
-        conditions.load == Load::Idle && conditions.scheduling == reference
-    };
-    let of = move |conditions: Conditions| {
-        Comparison::ALL.into_iter().map(move |comparison| (comparison, conditions, period_us))
-    };
-    conditions(cores).filter(best).flat_map(of).collect()
+    let of = |conditions| Comparison::ALL.map(|comparison| (comparison, conditions, period_us));
+    quietest(cores, reference).flat_map(of).collect()
 }
 
 pub fn comparison_estimate(quick: bool, period_us: u32) -> Duration {
@@ -105,51 +100,51 @@ pub const CHAIN_WAKES: u32 = 100;
 
 /// The chains in blocks: at 1 ms; in a quick run on one core only.
 pub fn chain_blocks(quick: bool, cores: usize, reference: Scheduling) -> Vec<ChainBlocks> {
-    let best = |conditions: &Conditions| {
-        conditions.load == Load::Idle && conditions.scheduling == reference
-    };
     let placements = if quick { 1 } else { 2 };
     let (blocks, block_s) = if quick { (PAIRS, 0.2) } else { (2 * PAIRS, 1.0) };
     let period_us = WAKE_PERIOD_US;
     let blocks_of = move |conditions| ChainBlocks { conditions, period_us, blocks, block_s };
-    conditions(cores).filter(best).take(placements).map(blocks_of).collect()
+    quietest(cores, reference).take(placements).map(blocks_of).collect()
 }
 
 /// The cells of a run on `cores` cores. `quick` keeps only an idle machine under `reference`, the best
 /// scheduling that the kernel grants.
 pub fn cells(quick: bool, cores: usize, reference: Scheduling) -> Vec<Cell> {
     let mut cells = Vec::new();
-    for conditions in conditions(cores) {
-        let idle = conditions.load == Load::Idle;
-        let granted = conditions.scheduling == reference;
-        if quick && !(idle && granted) {
-            continue;
-        }
+    let all: Vec<_> = match quick {
+        true => quietest(cores, reference).collect(),
+        false => conditions(cores).collect(),
+    };
+    for conditions in all {
         let mut add = |measure, period_us| cells.push(Cell { measure, conditions, period_us });
-        let best = idle && granted;
-        if best || !quick {
-            add(Measure::Sleep, WAKE_PERIOD_US);
-            add(Measure::Wake(Mechanism::Eventfd), WAKE_PERIOD_US);
-            add(Measure::Wake(Mechanism::Iceoryx2Event), WAKE_PERIOD_US);
-            let sizes = if quick { &QUICK_PAYLOAD_BYTES[..] } else { &PAYLOAD_BYTES };
-            for &bytes in sizes {
-                add(Measure::Wake(Mechanism::Payload(bytes)), WAKE_PERIOD_US);
-                if !quick {
-                    add(Measure::Wake(Mechanism::ProtectedPayload(bytes)), WAKE_PERIOD_US);
-                }
+        add(Measure::Sleep, WAKE_PERIOD_US);
+        add(Measure::Wake(Mechanism::Eventfd), WAKE_PERIOD_US);
+        add(Measure::Wake(Mechanism::Iceoryx2Event), WAKE_PERIOD_US);
+        let sizes = if quick { &QUICK_PAYLOAD_BYTES[..] } else { &PAYLOAD_BYTES };
+        for &bytes in sizes {
+            add(Measure::Wake(Mechanism::bare(bytes)), WAKE_PERIOD_US);
+            if !quick {
+                let protected = Mechanism::Payload { bytes, is_protected: true };
+                add(Measure::Wake(protected), WAKE_PERIOD_US);
             }
-            add(Measure::Wake(Mechanism::Futex), COLD_PERIOD_US);
         }
+        add(Measure::Wake(Mechanism::Futex), COLD_PERIOD_US);
         add(Measure::Wake(Mechanism::Futex), WAKE_PERIOD_US);
         add(Measure::Wake(Mechanism::Message), WAKE_PERIOD_US);
         for period_us in CONTROLLER_PERIODS_US {
             let telling = matches!(period_us, 1_000 | COLD_PERIOD_US | 100_000);
             if !quick || telling {
-                cells.push(Cell { measure: Measure::Chain, conditions, period_us });
+                add(Measure::Chain, period_us);
             }
         }
     }
     cells
+}
+
+/// An idle machine under `reference`.
+fn quietest(cores: usize, reference: Scheduling) -> impl Iterator<Item = Conditions> {
+    let is_quiet = move |of: &Conditions| of.load == Load::Idle && of.scheduling == reference;
+    conditions(cores).filter(is_quiet)
 }
 
 /// All conditions, the quietest first.

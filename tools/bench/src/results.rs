@@ -12,6 +12,7 @@ use report::summary::Host;
 use runtime::statistics::Percentiles;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 /// A benchmark.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -27,7 +28,7 @@ pub struct Report {
     #[schemars(with = "Option<Object>")]
     pub wake_ups: Option<WakeUps>,
     /// Requests that the kernel refused, with its reasons.
-    pub refused: Vec<String>,
+    pub refused: BTreeSet<String>,
     pub floor: Floor,
     pub transport_us: Vec<TransportRow>,
     pub chain: Vec<ChainRow>,
@@ -49,24 +50,18 @@ pub struct Report {
 /// A comparison of two ways to wake, block by block.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct PairedRow {
-    /// The compared sides.
     pub comparison: Comparison,
-    /// The conditions.
     #[serde(flatten)]
     pub conditions: Conditions,
     /// Time between two wake-ups, µs.
     pub period_us: u32,
-    /// Pairs of blocks.
     pub pairs: usize,
     /// Wake-ups that never arrived.
     pub lost: u64,
-    /// Ours, µs.
     #[schemars(with = "Option<Object>")]
     pub ours_us: Option<Percentiles>,
-    /// The floor, µs.
     #[schemars(with = "Option<Object>")]
     pub floor_us: Option<Percentiles>,
-    /// Ratio of the medians.
     pub ratio: Option<f64>,
     /// Its 95 % interval, lower and upper end.
     pub ci95: Option<[f64; 2]>,
@@ -110,7 +105,6 @@ pub struct ByPlacement {
     pub two_cores: Option<Percentiles>,
 }
 
-/// Measurement of a floor row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FloorMeasure {
@@ -130,7 +124,6 @@ pub struct FloorRow {
     pub us: Option<Percentiles>,
 }
 
-/// Kind of hand-over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Passing {
@@ -201,12 +194,9 @@ pub struct DeadlineRow {
 impl Report {
     /// The wake-up by futex under these conditions at this period.
     pub fn futex(&self, conditions: Conditions, period_us: u32) -> Option<Percentiles> {
-        let mut rows = self.floor.rows.iter().filter(|row| {
-            row.measure == FloorMeasure::Futex
-                && row.conditions == conditions
-                && row.period_us == period_us
-        });
-        rows.next().and_then(|row| row.us)
+        let sought = (FloorMeasure::Futex, conditions, period_us);
+        let is_it = |row: &&FloorRow| (row.measure, row.conditions, row.period_us) == sought;
+        self.floor.rows.iter().find(is_it)?.us
     }
 
     /// The chain under these conditions at this period.

@@ -86,13 +86,16 @@ pub enum Mechanism {
     Message,
     /// The largest message through the services' own ports: the radar's detections.
     Detections,
-    /// A payload of this many bytes, loaned and borrowed.
-    Payload(usize),
-    /// The same, written, protected and checked in place.
-    ProtectedPayload(usize),
+    /// A payload, loaned and borrowed; a protected one is also written and checked in place.
+    Payload { bytes: usize, is_protected: bool },
 }
 
 impl Mechanism {
+    /// A payload that neither end reads or writes.
+    pub const fn bare(bytes: usize) -> Self {
+        Self::Payload { bytes, is_protected: false }
+    }
+
     /// Name in tables and tags.
     pub fn name(self) -> String {
         match self {
@@ -101,8 +104,8 @@ impl Mechanism {
             Self::Iceoryx2Event => "iceoryx2-event".into(),
             Self::Message => "message".into(),
             Self::Detections => "detections".into(),
-            Self::Payload(bytes) => format!("payload-{bytes}"),
-            Self::ProtectedPayload(bytes) => format!("protected-payload-{bytes}"),
+            Self::Payload { bytes, is_protected: false } => format!("payload-{bytes}"),
+            Self::Payload { bytes, .. } => format!("protected-payload-{bytes}"),
         }
     }
 }

@@ -1,19 +1,19 @@
 //! The stage of measurements: a run's root of their own, with the processes on it.
 
+use super::failure::failed;
 use super::outcome::Outcome;
-use super::paired::{Blocks, Compared, Comparison, PAIRS_IN_SESSION, WAKES};
-use super::peer::{self, BLOCKS_FILE, Job, Task, metronome};
+use super::paired::{Compared, Comparison, PAIRS_IN_SESSION, WAKES, histogram, order, paired};
+use super::peer::{self, BLOCKS_FILE, Job, Task, Turns, metronome};
 use super::setup::{Conditions, Load, Mechanism, Placement, Scheduling};
 use super::words;
-use group::{Error, Failure, Janitor, RunRoot, Status, check_room, this_program};
+use group::{Error, Janitor, RunRoot, check_room, this_program};
 use runtime::scheduling::usable_cores;
 use runtime::{Group, Mode, SharedWords, Timetable};
 use rustix::event::{EventfdFlags, eventfd};
-use rustix::io::Errno;
-use std::io::{self, Read};
+use std::io::Read;
 use std::os::fd::OwnedFd;
 use std::os::unix::process::CommandExt;
-use std::process::{Child, ExitStatus, Stdio};
+use std::process::{Child, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -29,46 +29,6 @@ const PATIENCE: Duration = Duration::from_secs(60);
 const LOOK: Duration = Duration::from_millis(2);
 /// Shared memory for the largest payloads, bytes.
 const ROOM: u64 = 64 << 20;
-
-/// Reason why a measurement failed.
-#[derive(Debug, thiserror::Error)]
-pub enum StageError {
-    /// A process cannot be started.
-    #[error("cannot start a process: {0}")]
-    Spawn(#[source] io::Error),
-    /// The counter for wake-ups cannot be created.
-    #[error("no eventfd: {0}")]
-    Eventfd(#[source] Errno),
-    /// The counter cannot be passed to a process.
-    #[error("{0}")]
-    Counter(#[source] io::Error),
-    /// A process cannot be waited for or read.
-    #[error("lost a process of the benchmark: {0}")]
-    Lost(#[source] io::Error),
-    /// A process ended without an outcome.
-    #[error("a process of the benchmark failed ({status}): {wrote}")]
-    Failed {
-        /// Exit status or signal.
-        status: ExitStatus,
-        /// Its standard error.
-        wrote: String,
-    },
-    /// A sink ended before its source.
-    #[error("a process of the benchmark failed")]
-    NoSink,
-    /// The samples of a sink cannot be read.
-    #[error("the samples of a comparison: {0}")]
-    Samples(#[source] serde_json::Error),
-    /// The metronome does not tick in time.
-    #[error("the metronome does not start")]
-    NoMetronome,
-}
-
-impl Failure for StageError {
-    fn status(&self) -> Status {
-        Status::Machine
-    }
-}
 
 /// A process of the benchmark, killed with its handle.
 #[derive(Debug)]
@@ -87,7 +47,7 @@ impl Peer {
     pub fn finish(mut self) -> Result<Outcome, Error> {
         let status = loop {
             // Its output fits into a pipe, so that it ends without being read.
-            if let Some(status) = self.child.try_wait().map_err(StageError::Lost)? {
+            if let Some(status) = self.child.try_wait().map_err(failed("wait for a process"))? {
                 break status;
             }
             if self.interrupted.load(Ordering::Relaxed) {
@@ -98,12 +58,12 @@ impl Peer {
         let read = |pipe: Option<&mut dyn Read>| {
             let mut text = String::new();
             let read = pipe.map_or(Ok(0), |pipe| pipe.read_to_string(&mut text));
-            read.map_err(StageError::Lost).map(|_| text)
+            read.map_err(failed("read from a process")).map(|_| text)
         };
         let said = read(self.child.stdout.as_mut().map(|pipe| pipe as &mut dyn Read))?;
         let wrote = read(self.child.stderr.as_mut().map(|pipe| pipe as &mut dyn Read))?;
         serde_json::from_str(&said)
-            .map_err(|_| StageError::Failed { status, wrote: wrote.trim().to_owned() }.into())
+            .map_err(|_| failed("measure")(format!("{status}: {}", wrote.trim())).into())
     }
 }
 
@@ -184,40 +144,44 @@ impl Stage {
         mechanism: Mechanism,
         conditions: Conditions,
         period_us: u32,
-        count: u64,
+        wakes: u32,
     ) -> Result<Outcome, Error> {
-        self.clear();
-        let (source, sink) = (Task::Source(mechanism, count), Task::Sink(mechanism));
-        self.between(source, sink, conditions, period_us).map(|(sink, _)| sink)
+        let turns = Turns { ways: vec![mechanism], order: vec![0], wakes };
+        let (samples, sink, _) = self.between(turns, conditions, period_us)?;
+        Ok(Outcome { latencies: histogram(samples.iter().flatten()), ..sink })
     }
 
-    /// Runs a source and a sink to their end. Returns the outcomes of the sink and of the source.
+    /// Runs a sink and a source to their end. Returns the samples of each block, ns, and both outcomes.
     fn between(
         &self,
-        source: Task,
-        sink: Task,
+        turns: Turns,
         conditions: Conditions,
         period_us: u32,
-    ) -> Result<(Outcome, Outcome), Error> {
+    ) -> Result<(Vec<Vec<u32>>, Outcome, Outcome), Error> {
+        self.clear();
         let fifo = conditions.scheduling == Scheduling::Fifo;
         let (source_core, sink_core) = self.placed(conditions.placement);
-        let counter = eventfd(0, EventfdFlags::CLOEXEC).map_err(StageError::Eventfd)?;
+        let counter = eventfd(0, EventfdFlags::CLOEXEC).map_err(failed("make an eventfd"))?;
         let spawn = |task, priority, core| {
-            let counter = counter.try_clone().map_err(StageError::Counter)?;
+            let counter = counter.try_clone().map_err(failed("pass an eventfd"))?;
             self.spawn(task, fifo.then_some(priority), core, period_us, Some(counter))
         };
-        let mut sink = spawn(sink, SINK_PRIORITY, sink_core)?;
-        let mut source = spawn(source, SOURCE_PRIORITY, source_core)?;
+        let mut sink = spawn(Task::Sink(turns.clone()), SINK_PRIORITY, sink_core)?;
+        let mut source = spawn(Task::Source(turns), SOURCE_PRIORITY, source_core)?;
         while source.ended().is_none() && !self.interrupted.load(Ordering::Relaxed) {
             // A source without its sink would wait for ever.
             if sink.ended() == Some(false) {
                 sink.finish()?;
-                return Err(StageError::NoSink.into());
+                return Err(failed("measure")("the sink ended before its source").into());
             }
             std::thread::sleep(LOOK);
         }
         let source = source.finish()?;
-        Ok((sink.finish()?, source))
+        let sink = sink.finish()?;
+        let path = self.root.as_ref().expect("there until the end").path().join(BLOCKS_FILE);
+        let text = std::fs::read_to_string(&path).map_err(failed("read the samples"))?;
+        let samples = serde_json::from_str(&text).map_err(failed("read the samples"))?;
+        Ok((samples, sink, source))
     }
 
     /// One session of a comparison, block by block; `None` if the kernel refused the scheduling.
@@ -228,26 +192,16 @@ impl Stage {
         period_us: u32,
         session: u32,
     ) -> Result<Option<Compared>, Error> {
-        self.clear();
-        let order = 100 * comparison as u64 + u64::from(session);
-        let seed = u64::from(period_us) + 1_000_000 * order;
-        let (arms, pairs) = (comparison.arms(), PAIRS_IN_SESSION);
-        let blocks = Blocks { arms, pairs, wakes: WAKES, seed };
-        let (sink, source) = (Task::PairedSink(blocks), Task::PairedSource(blocks));
-        let (sink, source) = self.between(source, sink, conditions, period_us)?;
+        let number = 100 * comparison as u64 + u64::from(session);
+        let seed = u64::from(period_us) + 1_000_000 * number;
+        let order = order(PAIRS_IN_SESSION, seed);
+        let turns = Turns { ways: comparison.arms().into(), order: order.clone(), wakes: WAKES };
+        let (samples, sink, source) = self.between(turns, conditions, period_us)?;
         let as_asked = |outcome: &Outcome| outcome.granted.granted == outcome.granted.requested;
         if !as_asked(&sink) || !as_asked(&source) {
             return Ok(None);
         }
-        let root = self.root.as_ref().expect("there until the end").path();
-        let path = root.join(BLOCKS_FILE);
-        let text = std::fs::read_to_string(&path).map_err(|reason| Error::Path {
-            action: "read",
-            path,
-            reason,
-        })?;
-        let samples = serde_json::from_str(&text).map_err(StageError::Samples)?;
-        let (lost, pairs) = (sink.misses, blocks.paired(samples));
+        let (lost, pairs) = (sink.misses, paired(samples, &order));
         Ok(Some(Compared { comparison, conditions, period_us, lost, pairs }))
     }
 
@@ -265,7 +219,7 @@ impl Stage {
         let begun = Instant::now();
         while self.page.word(words::READY).load(Ordering::Acquire) == 0 {
             if begun.elapsed() > PATIENCE {
-                return Err(StageError::NoMetronome.into());
+                return Err(failed("start the metronome")("it does not tick in time").into());
             }
             std::thread::sleep(Duration::from_millis(1));
         }
@@ -282,15 +236,7 @@ impl Stage {
     }
 
     fn clear(&self) {
-        let all = [
-            words::COUNT,
-            words::READY,
-            words::BLOCK_READY,
-            words::DONE,
-            words::BLOCK_DONE,
-            words::METRONOME,
-        ];
-        for word in all {
+        for word in [words::COUNT, words::READY, words::DONE, words::METRONOME] {
             self.page.word(word).store(0, Ordering::Release);
         }
     }
@@ -321,7 +267,7 @@ impl Stage {
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .spawn()
-            .map_err(StageError::Spawn)?;
+            .map_err(failed("start a process"))?;
         Ok(Peer { child, interrupted: Arc::clone(&self.interrupted) })
     }
 }

@@ -1,114 +1,74 @@
 //! The two ends of each way to wake a process.
 //!
 //! Every wake-up carries the instant before the sender's first action. So a stalled sink is charged for each late
-//! wake-up. An end may hold several ways open and use them in turn; equal mechanisms share one.
+//! wake-up. An end holds all its ways open and uses them in turn.
 
-use super::event::{EventReceiver, EventSender};
-use super::payload::{Contents, PayloadReceiver, PayloadSender};
+use super::failure::{BenchError, failed};
+use super::payload::{PayloadReceiver, PayloadSender};
 use super::setup::Mechanism;
 use super::words::{COUNT, RING, STAMPS};
-use group::{Failure, Status};
-use messages::Service;
-use messages::e2e::profile7;
-use messages::{Header, MAX_DETECTIONS, Origins, RadarDetections, RadarTracks};
-use runtime::{
-    Group, Guest, Publisher, RuntimeError, SharedWords, Subscriber, enroll, monotonic_ns,
-};
+use group::Error;
+use iceoryx2::port::{listener::Listener, notifier::Notifier};
+use iceoryx2::service::port_factory::event::PortFactory;
+use messages::{Header, MAX_DETECTIONS, Origins, RadarDetections, RadarTracks, Service};
+use runtime::{Group, Guest, Ipc, Publisher, SharedWords, Subscriber, enroll, monotonic_ns};
 use rustix::io::Errno;
 use rustix::thread::futex;
 use std::path::Path;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
 
 /// Longest wait before the sink checks whether the source has ended.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Reason why a wake-up failed.
-#[derive(Debug, thiserror::Error)]
-pub enum WakeError {
-    /// The kernel does not wake the sink.
-    #[error("cannot wake: {0}")]
-    Wake(#[source] Errno),
-    /// The kernel does not let the sink wait.
-    #[error("cannot wait: {0}")]
-    Wait(#[source] Errno),
-    /// A port of ours failed.
-    #[error(transparent)]
-    Port(#[from] RuntimeError),
-    /// iceoryx2 itself, whose errors are names.
-    #[error("iceoryx2 cannot {what}: {reason:?}")]
-    Iceoryx2 {
-        /// Failed operation.
-        what: &'static str,
-        reason: Box<dyn std::error::Error + Send + Sync>,
-    },
-    /// A payload cannot be waited for.
-    #[error("waiting for a payload: {0}")]
-    Waiter(#[source] std::io::Error),
-    /// A payload does not pass its check.
-    #[error("a payload's {0:?}")]
-    Corrupted(profile7::Corrupted),
+/// iceoryx2's own event service, of the topics' own node and variant.
+fn event(guest: &Guest) -> Result<PortFactory<Ipc>, BenchError> {
+    let name = "bench/event".try_into().expect("a valid service name");
+    guest.service(&name).event().open_or_create().map_err(failed("open an event service"))
 }
 
-impl Failure for WakeError {
-    fn status(&self) -> Status {
-        Status::Machine
-    }
-}
-
-/// The error of an operation of iceoryx2.
-pub fn failed<E>(what: &'static str) -> impl Fn(E) -> WakeError
-where
-    E: std::error::Error + Send + Sync + 'static,
-{
-    move |reason| WakeError::Iceoryx2 { what, reason: Box::new(reason) }
+/// Words of the stamp of a wake-up.
+fn stamp_words(page: &SharedWords, number: u32) -> [&AtomicU32; 2] {
+    let place = STAMPS + number as usize % RING * 2;
+    [page.word(place), page.word(place + 1)]
 }
 
 /// The sending end.
 pub struct Source<'a> {
     page: &'a SharedWords,
     sent: u32,
-    ways: Vec<(Mechanism, SourceWay)>,
+    ways: Vec<SourceWay>,
     /// Dropped after the ports that need it.
-    _guest: Option<Guest>,
+    _guest: Guest,
 }
 
 enum SourceWay {
     Futex,
     Eventfd,
-    Event(Box<EventSender>),
+    Event(Box<Notifier<Ipc>>),
     Message(Box<Publisher<RadarTracks>>),
     Detections(Box<Publisher<RadarDetections>>),
     Payload(PayloadSender),
 }
 
-fn join(root: &Path, name: &str) -> Result<Guest, WakeError> {
-    Ok(Guest::join(Group::read(root)?, name)?)
-}
-
-fn distinct(mechanisms: &[Mechanism]) -> Vec<Mechanism> {
-    let mut distinct = Vec::new();
-    for mechanism in mechanisms {
-        if !distinct.contains(mechanism) {
-            distinct.push(*mechanism);
-        }
+impl SourceWay {
+    fn open(mechanism: Mechanism, guest: &Guest) -> Result<Self, Error> {
+        Ok(match mechanism {
+            Mechanism::Futex => Self::Futex,
+            Mechanism::Eventfd => Self::Eventfd,
+            Mechanism::Iceoryx2Event => {
+                let port = event(guest)?.notifier_builder().create();
+                Self::Event(Box::new(port.map_err(failed("make a notifier"))?))
+            }
+            Mechanism::Message => Self::Message(Box::new(guest.publisher(Service::PerceptionSim)?)),
+            Mechanism::Detections => {
+                Self::Detections(Box::new(guest.publisher(Service::PerceptionSim)?))
+            }
+            Mechanism::Payload { bytes, is_protected } => {
+                Self::Payload(PayloadSender::open(guest, bytes, is_protected)?)
+            }
+        })
     }
-    distinct
-}
-
-/// The guest for mechanisms with our ports.
-fn guest(mechanisms: &[Mechanism], root: &Path, name: &str) -> Result<Option<Guest>, WakeError> {
-    let ours = |mechanism: &Mechanism| {
-        use Mechanism::{Detections, Iceoryx2Event, Message, Payload, ProtectedPayload};
-        matches!(mechanism, Iceoryx2Event | Message | Detections | Payload(_) | ProtectedPayload(_))
-    };
-    if mechanisms.iter().any(ours) { join(root, name).map(Some) } else { Ok(None) }
-}
-
-/// Words of the stamp of a wake-up.
-fn stamp_words(page: &SharedWords, number: u32) -> [&std::sync::atomic::AtomicU32; 2] {
-    let place = STAMPS + number as usize % RING * 2;
-    [page.word(place), page.word(place + 1)]
 }
 
 impl<'a> Source<'a> {
@@ -117,86 +77,59 @@ impl<'a> Source<'a> {
         mechanisms: &[Mechanism],
         root: &Path,
         page: &'a SharedWords,
-    ) -> Result<Self, WakeError> {
-        let guest = guest(mechanisms, root, "bench-source")?;
-        let needed = || guest.as_ref().expect("made for every mechanism with a port");
+    ) -> Result<Self, Error> {
+        let guest = Guest::join(Group::read(root)?, "bench-source")?;
         // A reader accepts messages of group members only.
-        let member = || enroll(root, Service::PerceptionSim, 0, std::process::id());
-        let mut ways = Vec::new();
-        for mechanism in distinct(mechanisms) {
-            let way = match mechanism {
-                Mechanism::Futex => SourceWay::Futex,
-                Mechanism::Eventfd => SourceWay::Eventfd,
-                Mechanism::Iceoryx2Event => {
-                    SourceWay::Event(Box::new(EventSender::open(needed())?))
-                }
-                Mechanism::Message => {
-                    member()?;
-                    SourceWay::Message(Box::new(needed().publisher(Service::PerceptionSim)?))
-                }
-                Mechanism::Detections => {
-                    member()?;
-                    SourceWay::Detections(Box::new(needed().publisher(Service::PerceptionSim)?))
-                }
-                Mechanism::Payload(bytes) => {
-                    SourceWay::Payload(PayloadSender::open(needed(), bytes, Contents::Bare)?)
-                }
-                Mechanism::ProtectedPayload(bytes) => {
-                    SourceWay::Payload(PayloadSender::open(needed(), bytes, Contents::Protected)?)
-                }
-            };
-            ways.push((mechanism, way));
-        }
+        enroll(root, Service::PerceptionSim, 0, std::process::id())?;
+        let ways = mechanisms.iter().map(|mechanism| SourceWay::open(*mechanism, &guest));
+        let ways = ways.collect::<Result<_, _>>()?;
         Ok(Self { page, sent: 0, ways, _guest: guest })
     }
 
-    pub fn wake(&mut self, by: Mechanism) -> Result<(), WakeError> {
+    /// Wakes the sink by the way with this number.
+    pub fn wake(&mut self, way: usize) -> Result<(), Error> {
         let header = Header::new(self.sent.into(), monotonic_ns(), Origins::NONE);
-        match self.ways.iter_mut().find(|(mechanism, _)| *mechanism == by) {
-            Some((_, SourceWay::Message(port))) => {
+        match &mut self.ways[way] {
+            SourceWay::Message(port) => {
                 port.send_with(|message| message.header = header)?;
             }
-            Some((_, SourceWay::Detections(port))) => {
+            SourceWay::Detections(port) => {
                 // Like the radar: the message still holds an earlier, valid scan.
                 let mut message = port.loan_used()?;
                 message.header = header;
                 message.count = MAX_DETECTIONS as u64;
                 port.send(message)?;
             }
-            Some((_, SourceWay::Payload(port))) => port.send()?,
-            Some((_, SourceWay::Futex | SourceWay::Eventfd | SourceWay::Event(_))) => {
+            SourceWay::Payload(port) => port.send()?,
+            SourceWay::Futex | SourceWay::Eventfd | SourceWay::Event(_) => {
                 let now = monotonic_ns().cast_unsigned();
                 let [high, low] = stamp_words(self.page, self.sent);
                 high.store((now >> 32) as u32, Ordering::Relaxed);
                 low.store(now as u32, Ordering::Relaxed);
                 self.sent += 1;
                 self.page.word(COUNT).store(self.sent, Ordering::Release);
-                return self.ring(by);
+                self.ring(way)?;
             }
-            None => unreachable!("every mechanism of the job was opened"),
         }
         Ok(())
     }
 
-    /// Wakes a sink that waits without a timeout, so that it checks for the end.
-    pub fn wake_for_the_end(&self, by: Mechanism) -> Result<(), WakeError> {
-        self.ring(by)
-    }
-
-    fn ring(&self, by: Mechanism) -> Result<(), WakeError> {
-        match self.ways.iter().find(|(mechanism, _)| *mechanism == by) {
-            Some((_, SourceWay::Futex)) => {
-                futex::wake(self.page.word(COUNT), futex::Flags::empty(), 1)
-                    .map_err(WakeError::Wake)?;
+    /// Wakes a sink that waits without a stamp, also so that it checks for the end.
+    pub fn ring(&self, way: usize) -> Result<(), BenchError> {
+        match &self.ways[way] {
+            SourceWay::Futex => {
+                let woken = futex::wake(self.page.word(COUNT), futex::Flags::empty(), 1);
+                woken.map_err(failed("wake by futex"))?;
             }
-            Some((_, SourceWay::Eventfd)) => {
+            SourceWay::Eventfd => {
                 // The counter is this process's standard input.
-                rustix::io::write(rustix::stdio::stdin(), &1_u64.to_ne_bytes())
-                    .map_err(WakeError::Wake)?;
+                let written = rustix::io::write(rustix::stdio::stdin(), &1_u64.to_ne_bytes());
+                written.map_err(failed("wake by eventfd"))?;
             }
-            Some((_, SourceWay::Event(event))) => event.wake()?,
-            Some((_, SourceWay::Message(_) | SourceWay::Detections(_) | SourceWay::Payload(_)))
-            | None => {}
+            SourceWay::Event(port) => {
+                port.notify().map_err(failed("wake by event"))?;
+            }
+            SourceWay::Message(_) | SourceWay::Detections(_) | SourceWay::Payload(_) => {}
         }
         Ok(())
     }
@@ -206,18 +139,36 @@ impl<'a> Source<'a> {
 pub struct Sink<'a> {
     page: &'a SharedWords,
     seen: u32,
-    ways: Vec<(Mechanism, SinkWay)>,
+    ways: Vec<SinkWay>,
     /// Dropped after the ports that need it; messages are waited for through it.
-    guest: Option<Guest>,
+    guest: Guest,
 }
 
 enum SinkWay {
     Futex,
     Eventfd,
-    Event(Box<EventReceiver>),
+    Event(Box<Listener<Ipc>>),
     Message(Box<Subscriber<RadarTracks>>),
     Detections(Box<Subscriber<RadarDetections>>),
     Payload(PayloadReceiver),
+}
+
+impl SinkWay {
+    fn open(mechanism: Mechanism, guest: &Guest) -> Result<Self, Error> {
+        Ok(match mechanism {
+            Mechanism::Futex => Self::Futex,
+            Mechanism::Eventfd => Self::Eventfd,
+            Mechanism::Iceoryx2Event => {
+                let port = event(guest)?.listener_builder().create();
+                Self::Event(Box::new(port.map_err(failed("make a listener"))?))
+            }
+            Mechanism::Message => Self::Message(Box::new(guest.subscriber()?)),
+            Mechanism::Detections => Self::Detections(Box::new(guest.subscriber()?)),
+            Mechanism::Payload { bytes, is_protected } => {
+                Self::Payload(PayloadReceiver::open(guest, bytes, is_protected)?)
+            }
+        })
+    }
 }
 
 impl<'a> Sink<'a> {
@@ -226,34 +177,16 @@ impl<'a> Sink<'a> {
         mechanisms: &[Mechanism],
         root: &Path,
         page: &'a SharedWords,
-    ) -> Result<Self, WakeError> {
-        let guest = guest(mechanisms, root, "bench-sink")?;
-        let needed = || guest.as_ref().expect("made for every mechanism with a port");
-        let mut ways = Vec::new();
-        for mechanism in distinct(mechanisms) {
-            let way = match mechanism {
-                Mechanism::Futex => SinkWay::Futex,
-                Mechanism::Eventfd => SinkWay::Eventfd,
-                Mechanism::Iceoryx2Event => {
-                    SinkWay::Event(Box::new(EventReceiver::open(needed())?))
-                }
-                Mechanism::Message => SinkWay::Message(Box::new(needed().subscriber()?)),
-                Mechanism::Detections => SinkWay::Detections(Box::new(needed().subscriber()?)),
-                Mechanism::Payload(bytes) => {
-                    SinkWay::Payload(PayloadReceiver::open(needed(), bytes, Contents::Bare)?)
-                }
-                Mechanism::ProtectedPayload(bytes) => {
-                    SinkWay::Payload(PayloadReceiver::open(needed(), bytes, Contents::Protected)?)
-                }
-            };
-            ways.push((mechanism, way));
-        }
+    ) -> Result<Self, Error> {
+        let guest = Guest::join(Group::read(root)?, "bench-sink")?;
+        let ways = mechanisms.iter().map(|mechanism| SinkWay::open(*mechanism, &guest));
+        let ways = ways.collect::<Result<_, _>>()?;
         Ok(Self { page, seen: 0, ways, guest })
     }
 
     /// Bytes copied so far to take messages out of shared memory.
     pub fn copied_bytes(&self) -> u64 {
-        let copied = self.ways.iter().map(|(_, way)| match way {
+        let copied = self.ways.iter().map(|way| match way {
             SinkWay::Message(port) => port.copied_bytes(),
             SinkWay::Detections(port) => port.copied_bytes(),
             // Borrowed, or not a message.
@@ -262,37 +195,33 @@ impl<'a> Sink<'a> {
         copied.sum()
     }
 
-    /// Waits once, and calls `each` with the stamp of each new wake-up.
-    pub fn wait(&mut self, by: Mechanism, mut each: impl FnMut(i64)) -> Result<(), WakeError> {
-        let guest = || self.guest.as_ref().expect("opened with the port");
-        match self.ways.iter_mut().find(|(mechanism, _)| *mechanism == by) {
-            Some((_, SinkWay::Message(port))) => {
-                guest().next_samples(port, LOOK, |m| each(m.header.acquisition_ns))?;
-                return Ok(());
+    /// Waits once by the way with this number, and calls `each` with the stamp of each new wake-up.
+    pub fn wait(&mut self, way: usize, mut each: impl FnMut(i64)) -> Result<(), Error> {
+        match &mut self.ways[way] {
+            SinkWay::Message(port) => {
+                self.guest.next_samples(port, LOOK, |m| each(m.header.acquisition_ns))?;
             }
-            Some((_, SinkWay::Detections(port))) => {
-                guest().next_samples(port, LOOK, |m| each(m.header.acquisition_ns))?;
-                return Ok(());
+            SinkWay::Detections(port) => {
+                self.guest.next_samples(port, LOOK, |m| each(m.header.acquisition_ns))?;
             }
-            Some((_, SinkWay::Payload(port))) => {
-                port.next(LOOK, each)?;
-                return Ok(());
-            }
-            Some((_, SinkWay::Futex)) => {
+            SinkWay::Payload(port) => port.next(LOOK, &mut each)?,
+            SinkWay::Futex => {
                 let timeout = LOOK.try_into().expect("short");
                 let word = self.page.word(COUNT);
                 match futex::wait(word, futex::Flags::empty(), self.seen, Some(&timeout)) {
                     Ok(()) | Err(Errno::AGAIN | Errno::TIMEDOUT | Errno::INTR) => {}
-                    Err(error) => return Err(WakeError::Wait(error)),
+                    Err(error) => return Err(failed("wait by futex")(error).into()),
                 }
             }
-            Some((_, SinkWay::Eventfd)) => {
-                rustix::io::read(rustix::stdio::stdin(), &mut [0_u8; 8])
-                    .map_err(WakeError::Wait)?;
+            SinkWay::Eventfd => {
+                let read = rustix::io::read(rustix::stdio::stdin(), &mut [0_u8; 8]);
+                read.map_err(failed("wait by eventfd"))?;
             }
-            Some((_, SinkWay::Event(event))) => event.wait(LOOK)?,
-            None => unreachable!("every mechanism of the job was opened"),
+            SinkWay::Event(port) => {
+                port.timed_wait(|_| {}, LOOK).map_err(failed("wait by event"))?;
+            }
         }
+        // Messages and payloads carry their stamps and do not count here.
         let count = self.page.word(COUNT).load(Ordering::Acquire);
         while self.seen < count {
             let [high, low] = stamp_words(self.page, self.seen).map(|w| w.load(Ordering::Relaxed));
