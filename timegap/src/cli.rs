@@ -20,7 +20,6 @@ use std::num::{IntErrorKind, ParseIntError};
     help_template = "{about}\n\n{usage-heading} {usage}\n\n{before-help}Options:\n{options}{after-help}"
 )]
 pub struct Cli {
-    /// The command.
     #[command(subcommand)]
     pub command: Command,
 }
@@ -201,7 +200,6 @@ fn explain(error: clap::Error) -> clap::Error {
     }
 }
 
-/// Adds that a whole number was expected.
 fn expect_a_number(error: clap::Error) -> clap::Error {
     let reason = error.source().and_then(|reason| reason.downcast_ref::<ParseIntError>());
     let (Some(reason), Some(option), Some(value)) =

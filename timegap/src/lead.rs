@@ -1,7 +1,7 @@
 //! `timegap recording lead`: a recorded motion as a scenario reads it.
 
 use clap::Args;
-use group::{Error, Failure};
+use group::{Error, UsageError};
 use report::chart::{Curve, Plot, Stroke, Tone};
 use report::html::figure;
 use report::print;
@@ -14,7 +14,6 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Arguments of `lead`.
 #[derive(Debug, Args)]
 #[command(
     after_long_help = "The options have the names of the keys of `actors[].profile.csv`. Exit status 1: \
@@ -55,38 +54,16 @@ pub struct LeadArguments {
     pub json: bool,
 }
 
-/// A value outside its range.
-#[derive(Debug, thiserror::Error)]
-enum OptionError {
-    #[error("expected a number")]
-    NoNumber,
-    #[error(transparent)]
-    Range(#[from] OutOfRange<f64>),
-    #[error("expected {0}")]
-    Word(String),
+fn quantity<T: TryFrom<f64, Error = OutOfRange<f64>>>(text: &str) -> Result<T, String> {
+    let number = text.parse::<f64>().map_err(|_| "expected a number")?;
+    T::try_from(number).map_err(|error| error.to_string())
 }
 
-fn quantity<T: TryFrom<f64, Error = OutOfRange<f64>>>(text: &str) -> Result<T, OptionError> {
-    Ok(T::try_from(text.parse().map_err(|_| OptionError::NoNumber)?)?)
-}
-
-fn after_end(text: &str) -> Result<AfterEnd, OptionError> {
+fn after_end(text: &str) -> Result<AfterEnd, String> {
     let found = AfterEnd::ALL.into_iter().find(|kind| kind.name() == text);
-    found.ok_or_else(|| {
-        OptionError::Word(accepted(text, AfterEnd::ALL.iter().map(|kind| kind.name())))
-    })
+    let names = || accepted(text, AfterEnd::ALL.iter().map(|kind| kind.name()));
+    found.ok_or_else(|| format!("expected {}", names()))
 }
-
-/// An option that does not fit the file.
-#[derive(Debug, thiserror::Error)]
-#[error("--{}: {message}, expected {expected}", key.replace('_', "-"))]
-pub struct LeadError {
-    key: &'static str,
-    message: String,
-    expected: String,
-}
-
-impl Failure for LeadError {}
 
 pub fn run(arguments: &LeadArguments) -> Result<ExitCode, Error> {
     let path = &arguments.file;
@@ -106,7 +83,7 @@ pub fn run(arguments: &LeadArguments) -> Result<ExitCode, Error> {
     };
     let record = recorded::read(path, &keys).map_err(|error| match error {
         RecordedError::Key { key, message, expected } => {
-            Error::from(LeadError { key, message, expected })
+            Error::from(UsageError::at(format!("--{}", key.replace('_', "-")), message, expected))
         }
         RecordedError::File(error) => error.into(),
     })?;
@@ -128,13 +105,9 @@ fn write(path: &Path, text: &str) -> Result<(), Error> {
     std::fs::write(path, text).map_err(failed)
 }
 
-/// Lists the topics of a bag.
 fn list(path: &Path, is_json: bool) -> Result<ExitCode, Error> {
-    let topics = bags::topics(path).map_err(|error| LeadError {
-        key: "topic",
-        message: format!("{}: {error}", path.display()),
-        expected: "an MCAP file or a ROS bag".into(),
-    })?;
+    let topics = bags::topics(path)
+        .map_err(|why| UsageError::at(path.display(), why, "an MCAP file or a ROS bag"))?;
     let whole = topics.iter().map(|topic| {
         json!({"name": topic.name, "type": topic.type_name, "messages": topic.messages,
                "fields": topic.fields})

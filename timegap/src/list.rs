@@ -3,14 +3,13 @@
 use clap::{Args, ValueEnum};
 use controller::law::{Descriptor, Formulation};
 use controller::laws;
-use group::{Error, Failure, ScenarioOptions};
+use group::{Error, ScenarioOptions, UsageError};
 use report::print;
 use report::results::schema_document;
 use scenario::builtin;
 use scenario::schema::Key;
 use std::process::ExitCode;
 
-/// Arguments of `list`.
 #[derive(Debug, Args)]
 pub struct ListArguments {
     /// Print a built-in scenario's or campaign's file, or an OpenSCENARIO file as a scenario
@@ -44,7 +43,7 @@ pub enum SchemaOf {
 
 /// The schemas of all results: one row a command.
 fn results() -> serde_json::Value {
-    let mut all = vec![
+    let all = [
         grid::compare::schema(),
         grid::sweep::schema(),
         search::schema(),
@@ -53,35 +52,10 @@ fn results() -> serde_json::Value {
         standards::iso15622::schema(),
         papers::schema(),
         bench::schema(),
+        campaign::schema(),
     ];
-    all.push(campaign::schema());
-    all.extend(populations::schemas());
-    schema_document(&all)
+    schema_document(&[&all[..], &populations::schemas()].concat())
 }
-
-/// An unknown built-in name.
-#[derive(Debug, thiserror::Error)]
-#[error("no scenario or campaign `{name}`, expected one of {}", scenario::accepted(name, names.iter().copied()))]
-pub struct UnknownFile {
-    name: String,
-    names: Vec<&'static str>,
-}
-
-impl Failure for UnknownFile {}
-
-/// An option for a file without parameters and entities.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "{option} {argument}: {name} is not an OpenSCENARIO file and has no {what}, expected --show FILE.xosc"
-)]
-pub struct NotOfOpenScenario {
-    option: &'static str,
-    what: &'static str,
-    name: String,
-    argument: String,
-}
-
-impl Failure for NotOfOpenScenario {}
 
 pub fn print_schema(arguments: &SchemaArguments) -> Result<ExitCode, Error> {
     let schema = match arguments.of {
@@ -104,8 +78,8 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
     let parameter = arguments.parameters.first().map(|it| ("--param", "parameters", it));
     let ego = arguments.ego.as_ref().map(|it| ("--ego", "entities", it));
     if let (Some(name), Some((option, what, argument))) = (&arguments.show, parameter.or(ego)) {
-        let (name, argument) = (name.clone(), argument.clone());
-        return Err(NotOfOpenScenario { option, what, name, argument }.into());
+        let why = format!("{name} is not an OpenSCENARIO file and has no {what}");
+        return Err(UsageError::option(option, argument, why, "--show FILE.xosc").into());
     }
     if let Some(name) = &arguments.show {
         let scenarios = builtin::ALL.iter().map(|builtin| (builtin.name, builtin.text));
@@ -113,8 +87,9 @@ pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
         let files: Vec<_> = scenarios.chain(campaigns).collect();
         let found = files.iter().find(|(known, _)| known == name);
         let (_, text) = found.ok_or_else(|| {
-            let names = files.iter().map(|(known, _)| *known).collect();
-            UnknownFile { name: name.clone(), names }
+            let names = scenario::accepted(name, files.iter().map(|(known, _)| *known));
+            let why = "no scenario or campaign of this name";
+            UsageError::option("--show", name, why, format!("one of {names}"))
         })?;
         print::out(text)?;
         return Ok(ExitCode::SUCCESS);
@@ -154,7 +129,6 @@ fn defaults(keys: &[Key]) -> toml::Table {
     keys.iter().filter_map(|key| Some((key.name.clone(), key.default.clone()?))).collect()
 }
 
-/// The description of a law, without building it.
 fn controller(law: &Descriptor) -> serde_json::Value {
     let formulation = |formulation: &&Formulation| {
         serde_json::json!({

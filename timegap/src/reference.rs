@@ -7,7 +7,6 @@ use messages::{Element, LAYOUT_VERSION, Layout, TOPICS};
 use recorder::schema as layouts;
 use scenario::schema::{self, Key, Shape, Variant};
 use serde_json::{Map, Value, json};
-use std::fmt::Write as _;
 
 /// The keys of a scenario file, with the tables of the laws.
 fn keys() -> Vec<Key> {
@@ -130,26 +129,18 @@ pub fn scenario_page() -> String {
 /// A table for the keys of `path`, then the tables below it.
 fn section(page: &mut String, path: &str, keys: &[Key]) {
     let heading = if path.is_empty() { "top level".to_owned() } else { format!("`{path}`") };
-    write!(
-        page,
+    *page += &format!(
         "\n## {heading}\n\n| key | type | range | default | meaning |\n| --- | --- | --- | --- | --- |\n"
-    )
-    .expect("a string takes all");
+    );
     for key in keys {
         let default = match &key.default {
             Some(value) => format!("`{value}`"),
             None if key.is_required => "required".into(),
             None => String::new(),
         };
-        writeln!(
-            page,
-            "| `{}` | {} | {} | {default} | {} |",
-            key.name,
-            kind(&key.shape),
-            key.expected.as_deref().unwrap_or_default(),
-            key.meaning.replace('|', "\\|"),
-        )
-        .expect("a string takes all");
+        let (name, kind, meaning) = (&key.name, kind(&key.shape), key.meaning.replace('|', "\\|"));
+        let expected = key.expected.as_deref().unwrap_or_default();
+        *page += &format!("| `{name}` | {kind} | {expected} | {default} | {meaning} |\n");
     }
     for key in keys {
         let path = if path.is_empty() { key.name.clone() } else { format!("{path}.{}", key.name) };
@@ -239,16 +230,9 @@ pub fn messages_page() -> String {
     );
     for topic in TOPICS {
         let from = names(topic.sources(), "every service");
-        writeln!(
-            page,
-            "| `{}` | [{name}](#{anchor}) | {} | {from} | {} |",
-            topic.name(),
-            topic.message_bytes(),
-            names(topic.consumers(), "recorder and launcher"),
-            name = topic.layout().name,
-            anchor = topic.layout().name.to_lowercase(),
-        )
-        .expect("a string takes all");
+        let to = names(topic.consumers(), "recorder and launcher");
+        let (message, bytes) = (link(topic.layout()), topic.message_bytes());
+        page += &format!("| `{}` | {message} | {bytes} | {from} | {to} |\n", topic.name());
     }
     for layout in layouts::all() {
         structure(&mut page, layout);
@@ -268,15 +252,17 @@ fn figures(page: &mut String) {
     for law in laws::ALL {
         for formulation in law.formulations {
             for figure in formulation.figures {
-                writeln!(
-                    page,
-                    "| `{}` | {} | `{}` | {} | {} |",
-                    law.name, formulation.name, figure.name, figure.unit, figure.meaning
-                )
-                .expect("a string takes all");
+                let (name, unit, meaning) = (figure.name, figure.unit, figure.meaning);
+                let of = format!("`{}` | {}", law.name, formulation.name);
+                *page += &format!("| {of} | `{name}` | {unit} | {meaning} |\n");
             }
         }
     }
+}
+
+/// A link to a message on the page.
+fn link(layout: &Layout) -> String {
+    format!("[{}](#{})", layout.name, layout.name.to_lowercase())
 }
 
 fn names(services: &[messages::Service], none: &str) -> String {
@@ -285,21 +271,19 @@ fn names(services: &[messages::Service], none: &str) -> String {
 }
 
 fn structure(page: &mut String, layout: &Layout) {
-    write!(
-        page,
-        "\n## {}\n\n{} bytes.\n\n| offset | field | type | meaning |\n| --- | --- | --- | --- |\n",
-        layout.name, layout.bytes
-    )
-    .expect("a string takes all");
+    let (name, bytes) = (layout.name, layout.bytes);
+    *page += &format!(
+        "\n## {name}\n\n{bytes} bytes.\n\n| offset | field | type | meaning |\n| --- | --- | --- | --- |\n"
+    );
     for field in layout.fields {
         let element = match field.shape.element {
-            Element::Struct(inner) => format!("[{}](#{})", inner.name, inner.name.to_lowercase()),
+            Element::Struct(inner) => link(inner),
             scalar => scalar.name().to_owned(),
         };
         let count = field.shape.len.map_or_else(String::new, |len| format!(" × {len}"));
         let meaning = field.meaning();
-        writeln!(page, "| {} | `{}` | {element}{count} | {meaning} |", field.offset, field.name)
-            .expect("a string takes all");
+        let (offset, name) = (field.offset, field.name);
+        *page += &format!("| {offset} | `{name}` | {element}{count} | {meaning} |\n");
     }
 }
 

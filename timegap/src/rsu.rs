@@ -1,10 +1,10 @@
 //! `timegap rsu`: the roadside units of a scenario alone, for vehicles on other hosts.
 
 use clap::Args;
-use group::{Error, Failure, ScenarioOptions, SignalsError, open};
+use group::{Error, ScenarioOptions, SignalsError, UsageError, open};
 use its::geodesy::Plane;
 use its::{EncodeError, Message, MessageKind};
-use radio::{Carrier, OpenError, Role, StationReport, wall_clock_ns};
+use radio::{Carrier, Role, StationReport, wall_clock_ns};
 use report::print;
 use report::results::{Column, Document, Table, count, number};
 use scenario::Scenario;
@@ -21,7 +21,6 @@ use v2x_sim::frames::{Frames, SentFrame, road_plane};
 const SLICE: Duration = Duration::from_millis(50);
 const MOST_VEHICLES: usize = 1000;
 
-/// Arguments of `rsu`.
 #[derive(Debug, Args)]
 pub struct RsuArguments {
     /// Name of a built-in scenario (see `timegap list`) or a TOML file with the signals
@@ -41,29 +40,8 @@ pub struct RsuArguments {
     pub json: bool,
 }
 
-/// Reason why a roadside unit cannot run alone.
-#[derive(Debug, thiserror::Error)]
-pub enum RsuError {
-    /// No destination in the option or the scenario.
-    #[error("missing --radio: expected udp://ADDRESS:PORT, zenoh or zenoh:FILE.json5")]
-    NoRadio,
-    /// The scenario has no signals.
-    #[error("{0} has no signals: a roadside unit needs at least one")]
-    NoSignals(String),
-    /// The standards cannot express the scenario.
-    #[error("v2x.signals: {0}")]
-    Encode(#[from] EncodeError),
-    /// The carrier cannot be opened.
-    #[error("radio: {0}")]
-    Carrier(#[from] OpenError),
-}
-
-impl Failure for RsuError {}
-
-/// Counts of a roadside unit.
 #[derive(Debug, Serialize)]
 struct RsuSummary {
-    /// Version of these keys.
     schema_version: u32,
     scenario: String,
     carrier: String,
@@ -72,15 +50,12 @@ struct RsuSummary {
     spatem: u64,
     /// MAPEM passed to the network.
     mapem: u64,
-    /// Frames that could not be sent.
     not_sent: u64,
     /// Frames received, without repeats.
     received: u64,
     /// Received frames of other message types.
     not_read: u64,
-    /// Frames that were not read in time.
     dropped: u64,
-    /// Vehicles that sent CAMs.
     vehicles: Vec<Vehicle>,
     /// Station ids that several senders use.
     shared_station_ids: Vec<u32>,
@@ -96,9 +71,7 @@ type Sender = (u32, Option<u64>, u64);
 struct Vehicle {
     station_id: u32,
     cams: u64,
-    /// Last position along the road, m.
     position_m: f64,
-    /// Last speed, m/s.
     speed_mps: f64,
 }
 
@@ -109,9 +82,12 @@ pub fn run(arguments: &RsuArguments) -> Result<ExitCode, Error> {
         ..ScenarioOptions::default()
     };
     let scenario = open(&arguments.scenario, &options)?;
-    let address = scenario.v2x.radio.carrier().ok_or(RsuError::NoRadio)?;
+    let address = scenario.v2x.radio.carrier().ok_or_else(|| {
+        let expected = "udp://ADDRESS:PORT, zenoh or zenoh:FILE.json5";
+        UsageError::at("missing --radio", "the scenario has no `v2x.radio`", expected)
+    })?;
     if scenario.v2x.signals.is_empty() {
-        return Err(RsuError::NoSignals(scenario.name.as_str().to_owned()).into());
+        return Err(UsageError::at(scenario.name.as_str(), "no signals", "one at least").into());
     }
     let mut unit = RoadsideUnit::open(&scenario, address)?;
     let stop = Arc::new(AtomicBool::new(false));
@@ -123,6 +99,10 @@ pub fn run(arguments: &RsuArguments) -> Result<ExitCode, Error> {
     let summary = unit.summary(&scenario);
     print::show(arguments.json, &document(&summary))?;
     Ok(ExitCode::SUCCESS)
+}
+
+fn not_encoded(why: EncodeError) -> UsageError {
+    UsageError::at("v2x.signals", why, "signals that the standards can express")
 }
 
 fn seconds(argument: &str) -> Result<f64, &'static str> {
@@ -145,12 +125,13 @@ struct RoadsideUnit {
 }
 
 impl RoadsideUnit {
-    fn open(scenario: &Scenario, address: &CarrierAddress) -> Result<Self, RsuError> {
+    fn open(scenario: &Scenario, address: &CarrierAddress) -> Result<Self, UsageError> {
         let frames = Frames::new(scenario);
         let (begun, start_ns) = (Instant::now(), wall_clock_ns());
         // Report signals that cannot be encoded at once.
-        frames.at(0, start_ns, None)?;
-        let carrier = Carrier::open(address, Role::Roadside { start_ns })?;
+        frames.at(0, start_ns, None).map_err(not_encoded)?;
+        let carrier = Carrier::open(address, Role::Roadside { start_ns })
+            .map_err(|why| UsageError::at("radio", why, "an address that can be used"))?;
         Ok(Self {
             frames,
             carrier,
@@ -165,7 +146,7 @@ impl RoadsideUnit {
     }
 
     /// Sends the frames of each period; skips periods that are over before their turn.
-    fn send_until(&mut self, end: Option<Duration>, stop: &AtomicBool) -> Result<(), RsuError> {
+    fn send_until(&mut self, end: Option<Duration>, stop: &AtomicBool) -> Result<(), UsageError> {
         let mut next = self.begun.elapsed().div_duration_f64(self.period).ceil();
         loop {
             let due = self.period.mul_f64(next);
@@ -180,7 +161,7 @@ impl RoadsideUnit {
                 std::thread::sleep(left.min(SLICE));
             }
             let time_ns = u64::try_from(due.as_nanos()).unwrap_or(u64::MAX);
-            for frame in self.frames.at(time_ns, self.start_ns, None)? {
+            for frame in self.frames.at(time_ns, self.start_ns, None).map_err(not_encoded)? {
                 self.send(&frame);
             }
             next = (next + 1.0).max(self.begun.elapsed().div_duration_f64(self.period).floor());

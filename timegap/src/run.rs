@@ -6,8 +6,8 @@ use controller::law::Formulation;
 use controller::laws;
 use group::report::Outcome;
 use group::{
-    Ended, Error, Failure, GroupOptions, GroupOutcome, Keep, ModeName, Moment, ScenarioOptions,
-    check_targets, drive, open,
+    Ended, Error, GroupOptions, Keep, ModeName, Moment, ScenarioOptions, UsageError, check_targets,
+    drive, open,
 };
 use indicatif::{ProgressBar, ProgressStyle};
 use messages::Service;
@@ -23,7 +23,6 @@ use std::time::Instant;
 /// Simulated time between two positions of the progress bar, ms: a call costs as much as a message.
 const SHOWN_EACH_MS: u64 = 100;
 
-/// Arguments of `run`.
 #[derive(Debug, Args)]
 pub struct RunArguments {
     /// Name of a built-in scenario (see `timegap list`), a TOML file, or an OpenSCENARIO file (.xosc)
@@ -90,7 +89,8 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         live.look(moment);
     };
     let result = if arguments.in_process {
-        in_process(&scenario, &mut watch)
+        // Until a signal, which is blocked since before the run.
+        group::in_process::run_watched(&scenario, &group::is_signalled, &mut watch)
     } else {
         let keep = Keep {
             live_file: Some(output.path().join("live.json")),
@@ -139,38 +139,18 @@ fn driver(scenario: &Scenario, arguments: &RunArguments) -> String {
     }
 }
 
-/// Runs all services in this process until a signal, which is blocked since before the run.
-fn in_process(
-    scenario: &Scenario,
-    watch: &mut dyn FnMut(&Moment<'_>),
-) -> Result<GroupOutcome, Error> {
-    group::in_process::run_watched(scenario, &group::is_signalled, watch)
-}
-
-/// Options that exclude `--in-process`.
-#[derive(Debug, thiserror::Error)]
-pub enum NeedsProcesses {
-    #[error("--in-process: in realtime every service is a process: add --mode lockstep")]
-    Realtime,
-    #[error("--in-process: your program is a process of its own: omit --service or --in-process")]
-    Program,
-    /// The opposite option.
-    #[error("--in-process and --processes exclude each other")]
-    Both,
-}
-
-impl Failure for NeedsProcesses {}
-
-fn refuse_what_needs_processes(arguments: &RunArguments) -> Result<(), NeedsProcesses> {
-    if matches!(arguments.mode, ModeName::Realtime) {
-        Err(NeedsProcesses::Realtime)
+/// Refuses options that exclude `--in-process`.
+fn refuse_what_needs_processes(arguments: &RunArguments) -> Result<(), UsageError> {
+    let (why, expected) = if matches!(arguments.mode, ModeName::Realtime) {
+        ("in realtime every service is a process", "to add --mode lockstep")
     } else if !arguments.group.programs.is_empty() {
-        Err(NeedsProcesses::Program)
+        ("your program is a process of its own", "to omit --service or --in-process")
     } else if arguments.group.processes {
-        Err(NeedsProcesses::Both)
+        ("--processes asks for the opposite", "one of both")
     } else {
-        Ok(())
-    }
+        return Ok(());
+    };
+    Err(UsageError::at("--in-process", why, expected))
 }
 
 /// A bar on a terminal for runs longer than a second; hidden elsewhere.
@@ -186,8 +166,7 @@ fn progress_bar(scenario: &Scenario, quiet: bool) -> ProgressBar {
     bar
 }
 
-/// Exit status of a run.
-pub fn exit_code(ended: &Ended, outcome: Outcome) -> ExitCode {
+fn exit_code(ended: &Ended, outcome: Outcome) -> ExitCode {
     match (ended, outcome) {
         (Ended::Interrupted, _) => ExitCode::from(130),
         (_, Outcome::Completed) => ExitCode::SUCCESS,

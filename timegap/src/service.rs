@@ -1,14 +1,13 @@
 //! `timegap service`: runs one of the group's processes.
 
 use clap::Args;
-use group::{Error, Failure};
+use group::{Error, UsageError};
 use messages::Service;
 use runtime::run_service;
 use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Arguments of `service`.
 #[derive(Debug, Args)]
 pub struct ServiceArguments {
     /// Name of the service
@@ -18,22 +17,6 @@ pub struct ServiceArguments {
     pub arguments: Vec<OsString>,
 }
 
-/// Missing arguments of a process that is not a service.
-#[derive(Debug, thiserror::Error)]
-pub enum MissingArguments {
-    #[error("the janitor needs the root of a run")]
-    Janitor,
-    /// Arguments of a process of the benchmark.
-    #[error("a process of `timegap bench` needs its root and job")]
-    Bench,
-    #[error("`{0}` is not UTF-8 text")]
-    NotText(String),
-    #[error("the hog needs the root of a run, a resource and an amount")]
-    Hog,
-}
-
-impl Failure for MissingArguments {}
-
 /// Runs one of the group's processes.
 pub fn run(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
     if arguments.name == "recorder" {
@@ -42,31 +25,24 @@ pub fn run(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
     if arguments.name == "replayer" {
         return Ok(recorder::replay(&arguments.arguments));
     }
-    let texts = arguments.arguments.iter().map(|argument| {
-        let text = || argument.to_string_lossy().into_owned();
-        argument.to_str().map(str::to_owned).ok_or_else(|| MissingArguments::NotText(text()))
-    });
-    let texts = texts.collect::<Result<Vec<_>, _>>()?;
-    if arguments.name == "janitor" {
-        return match texts.as_slice() {
-            [root] => Ok(group::run_janitor(Path::new(root))),
-            _ => Err(MissingArguments::Janitor.into()),
-        };
-    }
-    if arguments.name == "bench" {
-        return match texts.as_slice() {
-            [root, job] => bench::run_peer(Path::new(root), job),
-            _ => Err(MissingArguments::Bench.into()),
-        };
-    }
-    if arguments.name == "hog" {
-        return match texts.as_slice() {
-            [_, what, number] if number.parse::<usize>().is_ok() => {
-                Ok(group::run_hog(what, number.parse().expect("checked")))
-            }
-            _ => Err(MissingArguments::Hog.into()),
-        };
-    }
-    let service: Service = arguments.name.parse()?;
-    Ok(run_service(service, &texts, group::entry(service)))
+    let text = |argument: &OsString| {
+        let not_text = || UsageError::at(argument.display(), "not UTF-8", "text");
+        argument.to_str().map(str::to_owned).ok_or_else(not_text)
+    };
+    let texts = arguments.arguments.iter().map(text).collect::<Result<Vec<_>, _>>()?;
+    let expected = match (arguments.name.as_str(), texts.as_slice()) {
+        ("janitor", [root]) => return Ok(group::run_janitor(Path::new(root))),
+        ("bench", [root, job]) => return bench::run_peer(Path::new(root), job),
+        ("hog", [_, what, number]) if number.parse::<usize>().is_ok() => {
+            return Ok(group::run_hog(what, number.parse().expect("checked")));
+        }
+        ("janitor", _) => "the root of a run",
+        ("bench", _) => "its root and job",
+        ("hog", _) => "the root of a run, a resource and an amount",
+        (name, _) => {
+            let service: Service = name.parse()?;
+            return Ok(run_service(service, &texts, group::entry(service)));
+        }
+    };
+    Err(UsageError::at(&arguments.name, "other arguments", expected).into())
 }

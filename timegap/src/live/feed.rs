@@ -6,33 +6,26 @@ use messages::level::Level;
 use report::fault;
 use runtime::statistics::{Latencies, Percentiles};
 use std::collections::VecDeque;
-use std::sync::mpsc::{SyncSender, TrySendError};
+use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
 
-/// Time between two frames.
 const PERIOD: Duration = Duration::from_millis(100);
-/// Time that the view gets to take the end of the run.
-const END_PATIENCE: Duration = Duration::from_millis(500);
 /// Most points of the drive in one frame.
 const MAX_POINTS: usize = 100;
 /// Steps after which there is a point even without a new message about the other vehicles.
 const STEPS: u64 = 10;
-/// Newest events in a frame.
 const EVENTS: usize = 12;
 
 /// State of the run, and the part of the drive since the last frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
-    /// Run time reached, s.
     pub time_s: f64,
-    /// Length of the run, s.
     pub duration_s: f64,
     /// The drive, in order of time.
     pub points: Vec<Point>,
     pub mode: String,
     /// Quality of its last command.
     pub quality: &'static str,
-    /// Degradation level of the controller.
     pub level: &'static str,
     /// Radar acquisition to the controller's answer, over the whole run, µs.
     pub answer_us: Option<Percentiles>,
@@ -43,11 +36,8 @@ pub struct Frame {
 /// The drive at an instant. A figure that does not apply is null.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Point {
-    /// Run time, s.
     pub t_s: f64,
-    /// Ego speed, m/s.
     pub speed_mps: f64,
-    /// Ego acceleration, m/s².
     pub acceleration_mps2: f64,
     /// Request of the newest command, m/s².
     pub request_mps2: Option<f64>,
@@ -60,17 +50,9 @@ pub struct Point {
 /// A fault or a degradation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveEvent {
-    /// Run time of its start, s.
     pub t_s: f64,
     /// Name, with effect and end once they are known.
     pub what: String,
-}
-
-/// A message to a view.
-#[derive(Clone, Debug)]
-pub enum Update {
-    Frame(Box<Frame>),
-    Ended,
 }
 
 /// Degradation below the full level.
@@ -81,11 +63,11 @@ struct Degradation {
 }
 
 /// Makes frames of a run and sends them to its view. It never waits: a view that does not keep up
-/// misses frames.
+/// misses frames. The view ends with it.
 pub struct LiveFeed {
     modes: &'static [&'static str],
     duration_s: f64,
-    view: SyncSender<Update>,
+    view: SyncSender<Frame>,
     due: Instant,
     step: Option<u64>,
     truth_step: Option<u64>,
@@ -100,7 +82,7 @@ pub struct LiveFeed {
 
 impl LiveFeed {
     /// A feed for the `view` of a run of `duration_s` under a law with these modes.
-    pub fn new(duration_s: f64, modes: &'static [&'static str], view: SyncSender<Update>) -> Self {
+    pub fn new(duration_s: f64, modes: &'static [&'static str], view: SyncSender<Frame>) -> Self {
         Self {
             modes,
             duration_s,
@@ -125,22 +107,9 @@ impl LiveFeed {
             return;
         }
         self.due = now + PERIOD;
-        let frame = Box::new(self.frame(moment));
+        let frame = self.frame(moment);
         // A view that does not keep up, or that is gone, misses it.
-        let _ = self.view.try_send(Update::Frame(frame));
-    }
-
-    /// Sends the end of the run.
-    pub fn end(self) {
-        let begun = Instant::now();
-        let mut last = Update::Ended;
-        // A view that does not keep up sees the end of its channel instead.
-        while let Err(TrySendError::Full(unsent)) = self.view.try_send(last)
-            && begun.elapsed() < END_PATIENCE
-        {
-            last = unsent;
-            std::thread::sleep(Duration::from_millis(1));
-        }
+        let _ = self.view.try_send(frame);
     }
 
     fn frame(&mut self, moment: &Moment<'_>) -> Frame {

@@ -6,7 +6,6 @@ use std::collections::VecDeque;
 /// Run time that a view shows, s.
 pub const WINDOW_S: f64 = 60.0;
 
-/// The last minute of a run.
 #[derive(Clone, Debug, Default)]
 pub struct History {
     pub newest: Frame,
@@ -14,15 +13,13 @@ pub struct History {
 }
 
 impl History {
-    /// Adds the next frame.
-    pub fn take(&mut self, frame: &Frame) {
-        self.points.extend(&frame.points);
+    pub fn take(&mut self, mut frame: Frame) {
+        self.points.extend(frame.points.drain(..));
         let newest_s = self.points.back().map_or(0.0, |point| point.t_s);
         while self.points.front().is_some_and(|point| point.t_s < newest_s - WINDOW_S) {
             self.points.pop_front();
         }
-
-        self.newest = Frame { points: Vec::new(), ..frame.clone() };
+        self.newest = frame;
     }
 
     /// A figure over the window, without the instants at which it does not apply.
@@ -47,7 +44,7 @@ mod tests {
         let mut history = History::default();
         for second in 0..200 {
             let point = Point { t_s: f64::from(second), ..Point::default() };
-            history.take(&Frame { points: vec![point], ..Frame::default() });
+            history.take(Frame { points: vec![point], ..Frame::default() });
         }
         assert_eq!(history.points.len(), 61);
 

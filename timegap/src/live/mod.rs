@@ -24,7 +24,6 @@ const BACKLOG: usize = 64;
 /// Time to restore the terminal.
 const TERMINAL_PATIENCE: Duration = Duration::from_secs(1);
 
-/// The view of a running simulation.
 #[derive(Clone, Debug, Default, Args)]
 pub struct LiveOptions {
     /// Show the running simulation in this terminal; q, or closing the terminal, ends the run
@@ -49,7 +48,6 @@ impl Live {
         Ok(Self(Some((feed, terminal))))
     }
 
-    /// Shows the present state of the run.
     pub fn look(&mut self, moment: &group::Moment<'_>) {
         if let Some((feed, _)) = &mut self.0 {
             feed.look(moment);
@@ -58,7 +56,7 @@ impl Live {
 
     pub fn end(self) {
         let Some((feed, terminal)) = self.0 else { return };
-        feed.end();
+        drop(feed);
         let begun = Instant::now();
         // A terminal that takes no more output must not delay the results.
         while !terminal.is_finished() && begun.elapsed() < TERMINAL_PATIENCE {

@@ -1,8 +1,8 @@
 //! `--watch`: the run in the terminal.
 
-use super::feed::{Point, Update};
+use super::feed::{Frame, Point};
 use super::history::History;
-use group::{Failure, Status};
+use group::{Error, Failure, Status, UsageError};
 use ratatui::Frame as Screen;
 use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;
@@ -34,36 +34,30 @@ const CONTROL_C: u8 = 3;
 /// First byte of a key's escape sequence.
 const ESCAPE: u8 = 0x1b;
 
-/// Reason why a run cannot be shown in the terminal.
+/// A terminal that the run cannot use.
 #[derive(Debug, thiserror::Error)]
-pub enum WatchError {
-    /// Standard error is not a terminal.
-    #[error("--watch needs a terminal")]
-    NoTerminal,
-    /// The terminal cannot be used.
-    #[error("cannot use the terminal: {0}")]
-    Terminal(#[from] std::io::Error),
-}
+#[error("cannot use the terminal: {0}")]
+struct TerminalError(#[from] std::io::Error);
 
-impl Failure for WatchError {
+impl Failure for TerminalError {
     fn status(&self) -> Status {
-        match self {
-            Self::NoTerminal => Status::Usage,
-            Self::Terminal(_) => Status::Machine,
-        }
+        Status::Machine
     }
 }
 
 /// Starts the view, which ends with its channel or with the terminal. It draws on standard error:
 /// standard output belongs to the results.
-pub fn watch(title: String, updates: Receiver<Update>) -> Result<JoinHandle<()>, WatchError> {
+pub fn watch(title: String, frames: Receiver<Frame>) -> Result<JoinHandle<()>, Error> {
     if !stderr().is_terminal() {
-        return Err(WatchError::NoTerminal);
+        return Err(UsageError::at("--watch", "standard error is none", "a terminal").into());
     }
-    let keys = Keys::open()?;
-    let mut terminal = Held::take()?;
-    let thread = std::thread::Builder::new().name("watch".into());
-    Ok(thread.spawn(move || terminal.follow(&title, &updates, &keys))?)
+    let start = || {
+        let keys = Keys::open()?;
+        let mut terminal = Held::take()?;
+        let thread = std::thread::Builder::new().name("watch".into());
+        thread.spawn(move || terminal.follow(&title, &frames, &keys))
+    };
+    Ok(start().map_err(TerminalError)?)
 }
 
 /// Request from the terminal's keyboard.
@@ -76,7 +70,6 @@ enum Asked {
     Gone,
 }
 
-/// The terminal's keyboard.
 struct Keys(OwnedFd);
 
 impl Keys {
@@ -133,12 +126,12 @@ impl Held {
         Terminal::new(CrosstermBackend::new(stderr())).map(Self).inspect_err(|_| give_back())
     }
 
-    fn follow(&mut self, title: &str, updates: &Receiver<Update>, keys: &Keys) {
+    fn follow(&mut self, title: &str, frames: &Receiver<Frame>, keys: &Keys) {
         let mut history = History::default();
         loop {
-            match updates.recv_timeout(PATIENCE) {
-                Ok(Update::Frame(frame)) => history.take(&frame),
-                Ok(Update::Ended) | Err(RecvTimeoutError::Disconnected) => return,
+            match frames.recv_timeout(PATIENCE) {
+                Ok(frame) => history.take(frame),
+                Err(RecvTimeoutError::Disconnected) => return,
                 Err(RecvTimeoutError::Timeout) => {}
             }
             let asked = keys.asked();
@@ -240,7 +233,6 @@ fn state(history: &History) -> Vec<Line<'static>> {
     ]
 }
 
-/// A named curve with its colour.
 type Strand<'a> = (&'a str, Color, Vec<(f64, f64)>);
 
 /// A strip chart of named curves over the window.
@@ -294,7 +286,7 @@ mod tests {
             request_mps2: Some(-1.25),
             ..Point::default()
         });
-        history.take(&Frame {
+        history.take(Frame {
             time_s: 9.9,
             duration_s: 20.0,
             points: points.collect(),

@@ -2,9 +2,8 @@
 
 use super::{open, print_damage};
 use clap::Args;
-use group::{Error, Failure};
-use messages::Service;
-use messages::Topic;
+use group::{Error, UsageError};
+use messages::{Place, Service, Topic};
 use recorder::{Damage, Record, Recording};
 use report::print;
 use report::results::Document;
@@ -13,7 +12,6 @@ use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Arguments of `diff`.
 #[derive(Debug, Args)]
 pub struct DiffArguments {
     /// First results directory or recording
@@ -31,20 +29,12 @@ pub fn run(arguments: &DiffArguments) -> Result<ExitCode, Error> {
     if comparison.messages == 0
         && let Some(damaged) = [&a, &b].into_iter().find(|file| !file.damage().is_empty())
     {
-        return Err(NothingToCompare { path: damaged.path().to_owned() }.into());
+        let (place, why) = (damaged.path().display(), "damaged before its first message");
+        return Err(UsageError::at(place, why, "a recording with messages").into());
     }
     print::show(arguments.json, &document(&comparison))?;
     Ok(if comparison.equal { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
-
-/// A comparison in which one recording has no readable message.
-#[derive(Debug, thiserror::Error)]
-#[error("{}: damaged before its first message, expected a recording with messages", path.display())]
-struct NothingToCompare {
-    path: PathBuf,
-}
-
-impl Failure for NothingToCompare {}
 
 #[derive(Debug, Serialize)]
 struct Comparison {
@@ -54,24 +44,20 @@ struct Comparison {
     /// Unreadable parts of the first and second recording, which were not compared.
     damage: [Vec<String>; 2],
     first: Option<Divergence>,
-    /// Number of streams (sender and topic) that diverge.
     diverging_streams: usize,
 }
 
-/// Divergence of one sender's messages on one topic.
 #[derive(Clone, Debug, Serialize)]
 struct Divergence {
     topic: &'static str,
     source: String,
     /// Number of the message among its sender's on the topic, from 0.
     index: u64,
-    /// Publication time, ns of run time.
     publish_ns: i64,
     /// Dotted path of the field; `None` if one recording lacks the message.
     field: Option<String>,
     /// The field's value in the first recording; `None` if it lacks the message.
     a: Option<String>,
-    /// The field's value in the second recording.
     b: Option<String>,
 }
 
@@ -79,20 +65,16 @@ struct Divergence {
 /// defined.
 type Key = (Topic, u32);
 
-/// Progress of the comparison of one stream.
 #[derive(Default)]
 struct Stream {
-    /// Messages of each recording.
     counts: [u64; 2],
     /// Fingerprints of messages that one recording is ahead with, and its index.
     ahead: VecDeque<u64>,
     ahead_side: usize,
-    /// The first message that differs.
     diverges_at: Option<u64>,
 }
 
 impl Stream {
-    /// Takes the next message of recording `side`.
     fn add(&mut self, side: usize, bytes: &[u8]) {
         let index = self.counts[side];
         self.counts[side] += 1;
@@ -183,6 +165,17 @@ fn messages_at(recording: &Recording, wanted: &BTreeMap<Key, u64>) -> BTreeMap<K
     found
 }
 
+/// The first of `places` whose bytes differ. The checksum differs with any other one, so that it comes last.
+pub(super) fn first_difference<'a>(places: &'a [Place], a: &[u8], b: &[u8]) -> Option<&'a Place> {
+    let differs = |place: &&Place| {
+        let range = place.offset..place.offset + place.bytes;
+        a[range.clone()] != b[range]
+    };
+    let is_checksum = |place: &&Place| place.path.starts_with("header.protection");
+    let telling = places.iter().find(|place| !is_checksum(place) && differs(place));
+    telling.or_else(|| places.iter().find(differs))
+}
+
 fn divergence(
     (topic, source): Key,
     index: u64,
@@ -201,14 +194,7 @@ fn divergence(
     };
     if let (Some(a), Some(b)) = (a, b) {
         let places = topic.layout().scalars();
-        let differs = |place: &&messages::Place| {
-            let range = place.offset..place.offset + place.bytes;
-            a.bytes()[range.clone()] != b.bytes()[range]
-        };
-        // The checksum differs with any other field.
-        let told = |place: &&messages::Place| !place.path.starts_with("header.protection");
-        let place = places.iter().filter(differs).find(told);
-        if let Some(place) = place.or_else(|| places.iter().find(differs)) {
+        if let Some(place) = first_difference(&places, a.bytes(), b.bytes()) {
             found.field = Some(place.path.clone());
             found.a = Some(place.read(a.bytes()).to_string());
             found.b = Some(place.read(b.bytes()).to_string());

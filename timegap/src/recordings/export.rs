@@ -9,11 +9,11 @@ use messages::names::{self, Enumeration};
 use messages::{Element, Place, TOPICS, Topic, Value};
 use recorder::{LawNames, Record};
 use report::print;
+use report::results::Document;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Arguments of `export`.
 #[derive(Debug, Args)]
 #[command(after_long_help = PANDAS)]
 #[command(group = ArgGroup::new("formats").args(["csv", "parquet", "pcap"]).required(true).multiple(true))]
@@ -95,26 +95,22 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
             std::fs::remove_file(&path).map_err(failed)?;
         }
     }
-    let files: Vec<_> = tables.iter().chain(&captured).collect();
-    if arguments.json {
-        let files: Vec<_> = files
-            .iter()
-            .map(|(path, rows)| json!({"path": path.to_string_lossy(), "rows": rows}))
-            .collect();
-        let result = json!({"schema_version": 1, "files": files});
-        print::out(&(serde_json::to_string_pretty(&result).expect("plain data") + "\n"))?;
-    } else {
-        for form in forms {
-            let of_form = |path: &Path| path.extension().is_some_and(|end| end == form.extension());
-            let tables: Vec<_> = tables.iter().filter(|(path, _)| of_form(path)).collect();
-            let rows = tables.iter().map(|(_, rows)| rows).sum();
-            let (tables, rows) = (count(tables.len() as u64, "table"), count(rows, "row"));
-            print::out(&format!("{tables} with {rows} in {}\n", directory(Some(form)).display()))?;
-        }
-        if let Some((path, frames)) = &captured {
-            print::out(&format!("{} in {}\n", count(*frames, "frame"), path.display()))?;
-        }
-    }
+    let files = tables.iter().chain(&captured);
+    let files = files.map(|(path, rows)| json!({"path": path.to_string_lossy(), "rows": rows}));
+    let whole = json!({"schema_version": 1, "files": files.collect::<Vec<_>>()});
+    let of_form = |form: Form| {
+        let is_its = |path: &Path| path.extension().is_some_and(|end| end == form.extension());
+        let rows: Vec<_> = tables.iter().filter(|(path, _)| is_its(path)).map(|of| of.1).collect();
+        let (tables, rows) = (count(rows.len() as u64, "table"), count(rows.iter().sum(), "row"));
+        format!("{tables} with {rows} in {}", directory(Some(form)).display())
+    };
+    let mut written: Vec<String> = forms.into_iter().map(of_form).collect();
+    written.extend(
+        (captured.iter())
+            .map(|(path, frames)| format!("{} in {}", count(*frames, "frame"), path.display())),
+    );
+    let facts = written.into_iter().map(|line| ("written".to_owned(), line)).collect();
+    print::show(arguments.json, &Document::new("export", "Export", &whole).facts("Export", facts))?;
     print_damage(&recording, &damage);
     Ok(if damage.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
@@ -124,7 +120,6 @@ fn make(directory: &Path) -> Result<(), Error> {
     std::fs::create_dir_all(directory).map_err(failed)
 }
 
-/// A topic's table during writing.
 struct Table {
     topic: Topic,
     sheet: Sheet,
@@ -183,7 +178,6 @@ impl Table {
 /// An array too long for columns: a table of its own with a row for each valid entry.
 struct List {
     sheet: Sheet,
-    /// Valid entries.
     count: Place,
     sequence: Place,
     /// Scalars of an entry, from its first byte.

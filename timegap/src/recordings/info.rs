@@ -12,7 +12,6 @@ use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-/// Arguments of `info`.
 #[derive(Debug, Args)]
 pub struct InfoArguments {
     /// Results directory of a run, or a recording

@@ -12,7 +12,6 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Arguments of `layouts`.
 #[derive(Debug, Args)]
 #[command(after_long_help = SUBSCRIBE)]
 pub struct LayoutsArguments {
@@ -23,7 +22,6 @@ pub struct LayoutsArguments {
     pub law: bool,
 }
 
-/// Output language.
 #[derive(Debug, Args)]
 #[group(required = true, multiple = false)]
 pub struct Language {

@@ -9,33 +9,24 @@ pub mod recover;
 pub mod replay;
 mod sheet;
 
-use group::{Error, Failure, is_alive};
+use group::{Error, UsageError, is_alive};
 use recorder::{Damage, Recording};
 use runtime::Group;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-/// Opens the recording of a run's directory, or a file.
 fn open(path: &Path) -> Result<Recording, Error> {
     Ok(Recording::open(path)?)
 }
 
-/// A result that would overwrite its recording.
-#[derive(Debug, thiserror::Error)]
-#[error("{} is the recording itself, expected another file for the result", .0.display())]
-pub struct OntoItself(PathBuf);
-
-impl Failure for OntoItself {}
-
 /// Refuses to write a result over the recording.
-///
-/// # Errors
-/// [`OntoItself`].
 pub fn expect_another_file(recording: &Recording, out: &Path) -> Result<(), Error> {
     let same = std::fs::canonicalize(out)
         .and_then(|out| Ok(out == std::fs::canonicalize(recording.path())?))
         // A missing file is not the recording.
         .unwrap_or(false);
-    if same { Err(OntoItself(out.to_owned()).into()) } else { Ok(()) }
+    let refusal =
+        || UsageError::at(out.display(), "is the recording itself", "another file for the result");
+    if same { Err(refusal().into()) } else { Ok(()) }
 }
 
 /// Reports unreadable parts of a recording on standard error. A command with an incomplete result then returns

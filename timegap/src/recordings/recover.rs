@@ -2,7 +2,7 @@
 
 use super::{count, expect_another_file, is_being_recorded, open};
 use clap::Args;
-use group::{Error, Failure};
+use group::{Error, UsageError};
 use recorder::{Recording, Recovered};
 use report::print;
 use report::results::Document;
@@ -11,7 +11,6 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Arguments of `recover`.
 #[derive(Debug, Args)]
 pub struct RecoverArguments {
     /// Results directory of a run, or a recording
@@ -24,22 +23,11 @@ pub struct RecoverArguments {
     pub json: bool,
 }
 
-/// Reason why a recording cannot be recovered.
-#[derive(Debug, thiserror::Error)]
-pub enum RecoverError {
-    #[error("{} is still being recorded: wait for its run's end", .0.display())]
-    InProgress(PathBuf),
-    /// It has no complete message.
-    #[error("{} holds no complete message: nothing to recover", .0.display())]
-    Empty(PathBuf),
-}
-
-impl Failure for RecoverError {}
-
 pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
     let broken = open(&arguments.run)?;
     if arguments.out.is_none() && is_being_recorded(broken.path()) {
-        return Err(RecoverError::InProgress(broken.path().to_owned()).into());
+        let place = broken.path().display();
+        return Err(UsageError::at(place, "is still being recorded", "its run's end").into());
     }
     if let Some(out) = &arguments.out {
         expect_another_file(&broken, out)?;
@@ -48,7 +36,8 @@ pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
     let is_asked_for = arguments.out.is_some() || !survey.damage.is_empty();
     if survey.tally.messages() == 0 && is_asked_for {
         super::print_damage(&broken, &survey.damage);
-        return Err(RecoverError::Empty(broken.path().to_owned()).into());
+        let place = broken.path().display();
+        return Err(UsageError::at(place, "holds no complete message", "one to recover").into());
     }
     let damage: Vec<_> = survey.damage.iter().map(ToString::to_string).collect();
     let whole = damage.is_empty() && arguments.out.is_none();

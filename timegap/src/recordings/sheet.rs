@@ -12,7 +12,6 @@ const GROUP: usize = 10_000;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
-    /// Comma-separated values.
     Csv,
     Parquet,
 }
@@ -26,7 +25,6 @@ impl Form {
     }
 }
 
-/// Contents of a cell.
 #[derive(Clone, Copy, Debug)]
 pub enum Item<'a> {
     Value(Value<'a>),
@@ -35,7 +33,6 @@ pub enum Item<'a> {
     Name(&'a str),
 }
 
-/// A table in a file.
 pub struct Sheet {
     path: PathBuf,
     rows: u64,
@@ -49,9 +46,6 @@ enum Inner {
 
 impl Sheet {
     /// Begins the table at `path`, which gets the form's extension.
-    ///
-    /// # Errors
-    /// If it cannot be written.
     pub fn begin(path: &Path, form: Form, names: &[String]) -> Result<Self, Error> {
         // The name of a list has a dot of its own.
         let name = path.file_name().unwrap_or_default().to_string_lossy();
@@ -74,10 +68,6 @@ impl Sheet {
         Ok(Self { path, rows: 0, file })
     }
 
-    /// Adds a row. All rows have the same kinds of cells.
-    ///
-    /// # Errors
-    /// If it cannot be written.
     pub fn row<'a>(&mut self, items: impl Iterator<Item = Item<'a>>) -> Result<(), Error> {
         self.rows += 1;
         let written = match &mut self.file {
@@ -98,9 +88,6 @@ impl Sheet {
     }
 
     /// Ends the table; returns its path and number of rows.
-    ///
-    /// # Errors
-    /// If it cannot be written.
     pub fn finish(self) -> Result<(PathBuf, u64), Error> {
         let ended = match self.file {
             Inner::Csv(mut file) => file.flush(),

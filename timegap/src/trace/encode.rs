@@ -55,7 +55,7 @@ pub fn events(timeline: &Timeline, frame: &Frame, within: &Range<i64>) -> Vec<u8
         (incident.at_ns, event(EventType::Instant, track, category, &incident.what))
     }));
     for (index, counter) in timeline.counters.iter().enumerate() {
-        let samples = counter.samples.iter().filter(|(at_ns, _)| within.contains(at_ns));
+        let samples = counter.iter().filter(|(at_ns, _)| within.contains(at_ns));
         events.extend(samples.map(|(at_ns, value)| {
             let track_event = TrackEvent {
                 r#type: Some(EventType::Counter as i32),

@@ -18,6 +18,7 @@ use group::Error;
 use messages::Service;
 use recorder::{Damage, Record, Recording};
 use report::print;
+use report::results::Document;
 use scenario::Scenario;
 use serde::Serialize;
 use std::collections::VecDeque;
@@ -28,7 +29,6 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use timeline::{Cycle, Incident, Timeline};
 
-/// Arguments of `trace`.
 #[derive(Debug, Args)]
 pub struct TraceArguments {
     /// Results directory of a run, or a recording
@@ -41,7 +41,6 @@ pub struct TraceArguments {
     pub json: bool,
 }
 
-/// Counts of the written trace.
 #[derive(Debug, Serialize)]
 struct Written {
     schema_version: u32,
@@ -69,21 +68,15 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
     })?;
     let damage = [recording.damage(), &damage].concat();
     print_damage(&recording, &damage);
-    if arguments.json {
-        let json = serde_json::to_string_pretty(&written).expect("plain data");
-        print::out(&(json + "\n"))?;
-    } else {
-        print::out(&format!(
-            "{}: {} cycles, {} chains, {} deadlines missed, {} incidents, {:.2} MiB\n\
-             open it at https://ui.perfetto.dev (it stays on this machine)\n",
-            written.file,
-            written.cycles,
-            written.chains,
-            written.deadline_misses,
-            written.incidents,
-            written.bytes as f64 / f64::from(1 << 20),
-        ))?;
-    }
+    let Written { cycles, chains, deadline_misses, incidents, .. } = written;
+    let events = format!(
+        "{cycles} cycles, {chains} chains, {deadline_misses} deadlines missed, {incidents} incidents"
+    );
+    let verdict = "open it at https://ui.perfetto.dev (it stays on this machine)";
+    let facts = [("results", written.file.clone()), ("events", events)];
+    let facts = facts.map(|(name, value)| (name.to_owned(), value)).into();
+    let document = Document::new("trace", "Trace", &written).facts("Trace", facts);
+    print::show(arguments.json, &document.verdict(true, verdict))?;
     Ok(if damage.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 

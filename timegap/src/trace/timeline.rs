@@ -9,17 +9,15 @@ use runtime::Timetable;
 use scenario::Scenario;
 use std::collections::BTreeMap;
 
-/// Events of a run, ns of run time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Timeline {
     /// Cycles of all services, in order of service and time.
     pub cycles: Vec<Cycle>,
     /// Chains from the radar through the controller to the plant.
     pub chains: Vec<Chain>,
-    /// Misses, faults and restarts.
     pub incidents: Vec<Incident>,
-    /// Figures of the drive.
-    pub counters: Vec<Counter>,
+    /// Of each figure in [`COUNTERS`]: (ns of run time, value).
+    pub counters: [Vec<(i64, f64)>; COUNTERS.len()],
 }
 
 /// A cycle, from its scheduled release to its last published message.
@@ -32,7 +30,6 @@ pub struct Cycle {
     pub release_ns: i64,
     /// Start of its work, if the service's messages carry it.
     pub start_ns: Option<i64>,
-    /// Last publication.
     pub finish_ns: i64,
 }
 
@@ -41,30 +38,20 @@ pub struct Cycle {
 pub struct Chain {
     /// Number, equal in every part of the recording.
     pub flow: u64,
-    /// The radar's cycle.
     pub radar: Option<usize>,
     /// Publication of the radar's message.
     pub radar_publish_ns: i64,
-    /// The controller's cycle.
     pub control: usize,
     /// The plant's first cycle that acted on it.
     pub plant: Option<usize>,
 }
 
-/// A miss, a fault or a restart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Incident {
     /// The affected service, if there is one.
     pub service: Option<Service>,
     pub at_ns: i64,
     pub what: String,
-}
-
-/// A figure over time, at its place in [`COUNTERS`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct Counter {
-    /// (ns of run time, value)
-    pub samples: Vec<(i64, f64)>,
 }
 
 impl Timeline {
@@ -94,12 +81,6 @@ fn messages<T: Message>(records: &[Record]) -> impl Iterator<Item = T> + '_ {
     records.iter().filter_map(Record::message)
 }
 
-/// The header of a record and, for a command, the start of its cycle.
-fn stamps(record: &Record) -> (Header, Option<i64>) {
-    let command = record.message::<Command>();
-    (record.header(), command.map(|command| command.start_ns))
-}
-
 /// The cycles behind all messages; messages of one service, incarnation and step are of one cycle.
 fn cycles(records: &[Record], carried: &[Cycle]) -> Vec<Cycle> {
     let key = |cycle: &Cycle| (cycle.service.index(), cycle.incarnation, cycle.step);
@@ -110,7 +91,8 @@ fn cycles(records: &[Record], carried: &[Cycle]) -> Vec<Cycle> {
         if record.topic.sources().is_empty() {
             continue;
         }
-        let (header, start_ns) = stamps(record);
+        let header = record.header();
+        let start_ns = record.message::<Command>().map(|command| command.start_ns);
         let sender = |service: &Service| service.to_wire() == header.source;
         let Some(service) = Service::ALL.into_iter().find(sender) else { continue };
         let key = (service.index(), header.incarnation, header.step);
@@ -235,7 +217,7 @@ fn restarts(cycles: &[Cycle]) -> Vec<Incident> {
         .collect()
 }
 
-fn counters(records: &[Record]) -> Vec<Counter> {
+fn counters(records: &[Record]) -> [Vec<(i64, f64)>; COUNTERS.len()] {
     let odometry = |value: fn(&Odometry) -> f64| -> Vec<(i64, f64)> {
         let samples = messages::<Odometry>(records);
         samples.map(|odometry| (odometry.header.acquisition_ns, value(&odometry))).collect()
@@ -254,9 +236,7 @@ fn counters(records: &[Record]) -> Vec<Counter> {
         let gap = position_m.and_then(|ego_m| all.nearest_ahead(ego_m));
         gaps.extend(gap.map(|(gap_m, _)| (truth.header.acquisition_ns, gap_m)));
     }
-    let samples: [Vec<(i64, f64)>; COUNTERS.len()] =
-        [odometry(|o| o.speed_mps), odometry(|o| o.request_mps2), gaps];
-    samples.into_iter().map(|samples| Counter { samples }).collect()
+    [odometry(|o| o.speed_mps), odometry(|o| o.request_mps2), gaps]
 }
 
 /// Names and units of the drive's figures.

@@ -35,8 +35,7 @@ impl Row {
     }
 }
 
-/// Result of a replay.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 pub(super) struct Comparison {
     pub(super) schema_version: u32,
     pub(super) scenario: String,
@@ -45,9 +44,7 @@ pub(super) struct Comparison {
     /// The user's programs that drove; null for timegap's own controller.
     pub(super) recorded_program: Option<Program>,
     pub(super) replayed_program: Option<Program>,
-    /// The recorded run's clock.
     pub(super) mode: &'static str,
-    /// True if the scenario was changed for the replay.
     pub(super) changed: bool,
     pub(super) not_compared: Vec<&'static str>,
     pub(super) cycles: u64,
@@ -94,18 +91,7 @@ impl Comparison {
             mode: metadata.mode.name(),
             changed,
             not_compared: not_compared(metadata.mode),
-            cycles: 0,
-            commands: 0,
-            cut_short: Vec::new(),
-            identical_commands: 0,
-            identical_diagnostics: 0,
-            identical: false,
-            first_difference: None,
-            max_request_difference_mps2: 0.0,
-            rms_request_difference_mps2: 0.0,
-            max_request_difference_at_s: 0.0,
-            rows: 0,
-            squares: 0.0,
+            ..Self::default()
         }
     }
 
@@ -114,11 +100,6 @@ impl Comparison {
         let Some(difference) = Difference::between(places, recorded, replayed) else { return true };
         self.first_difference.get_or_insert(difference);
         false
-    }
-
-    /// The compared values of `T`.
-    fn places<T: Message>(&self) -> Vec<Place> {
-        places::<T>(&self.not_compared)
     }
 
     fn note(&mut self, row: &Row) {
@@ -151,7 +132,10 @@ pub(super) struct Pairs<'a, R: Iterator<Item = Cycle>> {
 
 impl<'a, R: Iterator<Item = Cycle>> Pairs<'a, R> {
     pub(super) fn new(recorded: R, comparison: &'a mut Comparison, table: &'a mut Table) -> Self {
-        let places = [comparison.places::<Command>(), comparison.places::<Diagnostics>()];
+        let places = [
+            places::<Command>(&comparison.not_compared),
+            places::<Diagnostics>(&comparison.not_compared),
+        ];
         Self { recorded, waiting: VecDeque::new(), commands: 0, comparison, table, places }
     }
 

@@ -1,5 +1,6 @@
 //! The difference between a recorded and a replayed message.
 
+use crate::recordings::diff::first_difference;
 use messages::{Message, Place};
 use runtime::Mode;
 use serde::Serialize;
@@ -56,16 +57,8 @@ impl Difference {
         replayed: &T,
     ) -> Option<Self> {
         let [a, b] = [recorded, replayed].map(bytemuck::bytes_of);
-        let differs = |place: &&Place| {
-            let range = place.offset..place.offset + place.bytes;
-            a[range.clone()] != b[range]
-        };
         let header = recorded.header();
-        // The checksum differs with any other field.
-        let telling = places
-            .iter()
-            .find(|place| differs(place) && !place.path.starts_with("header.protection"));
-        let place = telling.or_else(|| places.iter().find(differs))?;
+        let place = first_difference(places, a, b)?;
         Some(Self {
             topic: T::TOPIC.name(),
             incarnation: header.incarnation,

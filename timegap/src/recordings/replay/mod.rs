@@ -17,20 +17,19 @@ use super::{count, expect_another_file, open, print_damage};
 use clap::Args;
 use comparison::{Comparison, Pairs, Row};
 use controller::laws;
-use group::{Error, Failure, replay, service_program};
+use group::{Error, UsageError, replay, service_program};
 use messages::Service;
 use recorder::Recording;
 use report::print;
 use report::progress::count_bar;
 use report::results::Document;
 use runtime::Program;
-use scenario::{Overrides, Problem, Scenario};
+use scenario::{Overrides, Scenario};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
-/// Arguments of `replay`.
 #[derive(Debug, Args)]
 pub struct ReplayArguments {
     /// Results directory of a run, or a recording
@@ -52,31 +51,6 @@ pub struct ReplayArguments {
     pub json: bool,
 }
 
-/// Reason why a recording cannot be replayed.
-#[derive(Debug, thiserror::Error)]
-pub enum ReplayError {
-    /// No cycle of the controller is recorded.
-    #[error("{} holds no control cycle that could be replayed", .0.display())]
-    Empty(PathBuf),
-    /// The program that the law hosts is not valid.
-    #[error("{}", .0.message)]
-    Law(#[source] Problem),
-    /// A program for a service that is not replayed.
-    #[error("--service {0}: a replay has the controller alone, expected controller=PROGRAM")]
-    NotTheController(Service),
-    /// A program drove the recording, and none is given.
-    #[error(
-        "{} was driven by the program `{}` (sha256 {}), expected --service controller=PROGRAM, or \
-         --controller NAME to compare it with another law",
-        recording.display(),
-        program.command.escape_debug(),
-        program.sha256.escape_debug()
-    )]
-    Program { recording: PathBuf, program: Program },
-}
-
-impl Failure for ReplayError {}
-
 pub fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     let recording = open(&arguments.run)?;
     let (scenario, changed) = scenario(&recording, arguments)?;
@@ -85,7 +59,8 @@ pub fn run(arguments: &ReplayArguments) -> Result<ExitCode, Error> {
     let cycles: u64 = takes.iter().map(|take| take.cycles).sum();
     if cycles == 0 {
         print_damage(&recording, &recording.survey().damage);
-        return Err(ReplayError::Empty(recording.path().to_owned()).into());
+        let place = recording.path().display();
+        return Err(UsageError::at(place, "no control cycle", "one that can be replayed").into());
     }
     let path =
         arguments.out.clone().unwrap_or_else(|| recording.path().with_file_name("replay.csv"));
@@ -135,27 +110,30 @@ pub(super) struct Programs {
     replayed: Option<Program>,
 }
 
-/// Finds the recorded and the present program.
 fn programs(
     recording: &Recording,
     scenario: &Scenario,
     arguments: &ReplayArguments,
 ) -> Result<Programs, Error> {
     let recorded = recording.metadata().programs.get(Service::Controller.name()).cloned();
-    let hosted = laws::program(scenario).map_err(ReplayError::Law)?;
+    let hosted = laws::program(scenario)?;
     let replayed = match &arguments.service {
         Some((Service::Controller, path)) => {
             let here = std::env::current_dir().unwrap_or_default();
             Some(group::of_service(Service::Controller, path, &here)?)
         }
         Some((other, _)) => {
-            return Err(ReplayError::NotTheController(*other).into());
+            let why = "a replay has the controller alone";
+            return Err(UsageError::option("--service", other, why, "controller=PROGRAM").into());
         }
         None => hosted,
     };
     if let (Some(program), None, None) = (&recorded, &replayed, &arguments.controller) {
-        let (recording, program) = (recording.path().to_owned(), program.clone());
-        return Err(ReplayError::Program { recording, program }.into());
+        let (command, sha256) = (program.command.escape_debug(), program.sha256.escape_debug());
+        let why = format!("was driven by the program `{command}` (sha256 {sha256})");
+        let expected =
+            "--service controller=PROGRAM, or --controller NAME to compare it with another law";
+        return Err(UsageError::at(recording.path().display(), why, expected).into());
     }
     if let (Some(then), Some(now)) = (&recorded, &replayed)
         && then.sha256 != now.sha256
