@@ -1,6 +1,6 @@
 //! The four services with the 100-step problem in their loop, and a metronome beside them.
 
-use super::outcome::Outcome;
+use super::peer::Outcome;
 use super::plan::Cell;
 use super::stage::Stage;
 use super::statistics::Events;
@@ -24,7 +24,6 @@ pub struct Chain {
     /// The group's histograms, by name.
     pub histograms: Vec<(String, Latencies)>,
     pub floor: Outcome,
-    /// Requests of the group that the kernel refused.
     pub refused: Vec<String>,
     /// True if every process ran under the cell's conditions.
     pub as_asked: bool,

@@ -8,7 +8,7 @@ use report::chart::{Stroke, Tone};
 use report::html::figure;
 use report::output::{HISTOGRAMS, histogram_log};
 use report::print::{carries, p99};
-use report::results::{Broken, Column, Document, Fact, Format, Table, column, count, number, word};
+use report::results::{Broken, Column, Document, Format, Table, column, count, number, word};
 use report::{Distribution, distributions};
 use runtime::statistics::{Latencies, Percentiles};
 use serde::Serialize;
@@ -42,8 +42,11 @@ pub fn of(report: &Report, histograms: &[(String, Latencies)]) -> Document {
     };
     let changes = report.against.as_deref().unwrap_or_default();
     let worse: Vec<&Change> = changes.iter().filter(|change| change.worse).collect();
+    let fastest = [(WAKE_UPS.to_owned(), "fastest loop")];
+    let fastest = drawn(histograms, "Lateness of wake-ups", &fastest);
     let host = &report.host;
     let kind = if host.realtime_kernel { ", real-time kernel" } else { "" };
+    let refused = report.refused.iter().map(|why| ("not granted".to_owned(), why.clone()));
     let missed_goals = report.goals.iter().filter(|goal| goal.verdict == Verdict::Missed);
     let broken = missed_goals
         .map(|goal| format!("{}: {}, limit {:.2}", named(goal), interval(goal.ci95), goal.limit))
@@ -59,8 +62,8 @@ pub fn of(report: &Report, histograms: &[(String, Latencies)]) -> Document {
             host.cpus, host.kernel, report.seconds
         ))
         .text(report.wake_ups.as_ref().map(|all| all.answer()).unwrap_or_default())
-        .figures("Loops on this machine", wake_ups(histograms))
-        .facts("Not granted", refused(report))
+        .figures("Loops on this machine", grid(fastest.unwrap_or_default()))
+        .facts("Not granted", refused.collect())
         .table(goals(&report.goals))
         .table(comparisons(&report.paired))
         .figures("Comparisons in alternating blocks", blocks(&report.paired, histograms))
@@ -76,10 +79,6 @@ pub fn of(report: &Report, histograms: &[(String, Latencies)]) -> Document {
             format!("goals: {met} met, {missed} missed, {undecided} undecided{caveats}"),
         )
         .broken(broken)
-}
-
-fn refused(report: &Report) -> Vec<Fact> {
-    report.refused.iter().map(|why| ("not granted".to_owned(), why.clone())).collect()
 }
 
 /// A row with its conditions and its period in words, and the percentiles of `us` that its samples carry.
@@ -247,24 +246,9 @@ fn deadlines(rows: &[DeadlineRow]) -> Table {
     Table::new("Deadlines", &under(own), &rows)
 }
 
-/// A ratio; infinity if unbounded.
-fn ratio(value: Option<f64>) -> String {
-    value.map_or_else(|| "∞".into(), |value| format!("{value:.2}"))
-}
-
 fn interval([low, high]: [Option<f64>; 2]) -> String {
-    format!("{} to {}", ratio(low), ratio(high))
-}
-
-/// Lateness of the fastest loop.
-fn wake_ups(histograms: &[(String, Latencies)]) -> String {
-    let known = histograms.iter().find(|(tag, _)| tag == WAKE_UPS);
-    let drawn = known.and_then(|(_, latencies)| {
-        let label = format!("fastest loop (n = {})", latencies.count());
-        let (tone, stroke) = (Tone::Series(0), Stroke::Solid);
-        distributions("Lateness of wake-ups", &[Distribution { label, tone, stroke, latencies }])
-    });
-    grid(drawn.iter().map(|plot| figure(plot)).collect())
+    let end = |value: Option<f64>| value.map_or_else(|| "∞".into(), |end| format!("{end:.2}"));
+    format!("{} to {}", end(low), end(high))
 }
 
 fn grid(drawn: String) -> String {

@@ -33,9 +33,7 @@ pub struct Goal {
     pub ratio: Option<f64>,
     /// Interval of the true ratio with 95 % confidence, lower and upper end; a null upper end is unbounded.
     pub ci95: [Option<f64>; 2],
-    /// Largest accepted ratio.
     pub limit: f64,
-    /// Our samples or cycles.
     pub n: u64,
     pub verdict: Verdict,
     /// Differences between this machine and the one that the goal is meant for.

@@ -30,8 +30,6 @@ mod document;
 mod failure;
 mod goals;
 mod limits;
-mod load;
-mod outcome;
 mod paired;
 mod payload;
 mod peer;
@@ -46,7 +44,7 @@ mod words;
 
 pub use peer::run as run_peer;
 
-use self::outcome::Outcome;
+use self::peer::Outcome;
 use self::plan::{Cell, Measure};
 use self::progress::{millis, progress_bar};
 use self::results::{
@@ -78,7 +76,6 @@ const WAKE_UPS: &str = "wake-ups";
 /// Period of the named floor figures, µs.
 const REFERENCE_PERIOD_US: u32 = 1_000;
 
-/// Arguments of `bench`.
 #[derive(Debug, Args)]
 pub struct BenchArguments {
     /// Measure an idle machine under the best available scheduling only, in at most a minute; judge no p99

@@ -64,7 +64,6 @@ impl Comparison {
         }
     }
 
-    /// Ours and the floor.
     pub const fn arms(self) -> [Mechanism; 2] {
         match self {
             Self::FloorItself => [Mechanism::Futex, Mechanism::Futex],
@@ -105,9 +104,7 @@ pub fn histogram<'a>(samples: impl Iterator<Item = &'a u32>) -> Latencies {
 pub struct Compared {
     pub comparison: Comparison,
     pub conditions: Conditions,
-    /// Time between two wake-ups, µs.
     pub period_us: u32,
-    /// Wake-ups that never arrived.
     pub lost: u64,
     /// The samples, session by session.
     pub pairs: Vec<Pair>,

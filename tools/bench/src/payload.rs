@@ -54,7 +54,6 @@ pub struct PayloadSender {
 }
 
 impl PayloadSender {
-    /// The sending end for payloads of `bytes`.
     pub fn open(guest: &Guest, bytes: usize, is_protected: bool) -> Result<Self, BenchError> {
         let port = (topic(guest, bytes)?.publisher_builder())
             .initial_max_slice_len(bytes)
@@ -93,7 +92,6 @@ pub struct PayloadReceiver {
 }
 
 impl PayloadReceiver {
-    /// The receiving end for payloads of `bytes`.
     pub fn open(guest: &Guest, bytes: usize, is_protected: bool) -> Result<Self, BenchError> {
         let port = (topic(guest, bytes)?.subscriber_builder())
             .create()

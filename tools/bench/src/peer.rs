@@ -1,8 +1,6 @@
 //! The measured processes: this program again, with one job.
 
 use super::failure::{BenchError, failed};
-use super::load;
-use super::outcome::Outcome;
 use super::paired::UNCOUNTED;
 use super::setup::{Load, Mechanism};
 use super::wake::{Sink, Source};
@@ -13,6 +11,7 @@ use runtime::statistics::Latencies;
 use runtime::{SharedWords, monotonic_ns, sleep_until};
 use rustix::process::{Pid, Signal, getppid, set_parent_process_death_signal};
 use serde::{Deserialize, Serialize};
+use std::hint::black_box;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
@@ -61,6 +60,26 @@ pub struct Job {
     pub period_ns: i64,
 }
 
+/// Measurements of a job.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Outcome {
+    pub granted: Granted,
+    pub latencies: Latencies,
+    /// Scheduled releases or wake-ups.
+    pub cycles: u64,
+    /// Wake-ups that did not arrive one by one.
+    pub misses: u64,
+    /// Bytes copied between the sender's writing and the reader's reading.
+    pub copied_bytes: u64,
+}
+
+impl Outcome {
+    /// The outcome of a process without measurements of its own.
+    pub fn of_cycles(granted: Granted, cycles: u64) -> Self {
+        Self { granted, latencies: Latencies::default(), cycles, misses: 0, copied_bytes: 0 }
+    }
+}
+
 /// File below the stage's root with the samples of all blocks.
 pub const BLOCKS_FILE: &str = "bench-blocks.json";
 
@@ -77,7 +96,7 @@ pub fn run(root: &Path, job: &str) -> Result<ExitCode, Error> {
     let outcome = match &job.task {
         Task::Load(kind) => {
             schedule(&job);
-            load::run(*kind)
+            busy(*kind)
         }
         Task::Metronome => metronome_job(&job),
         Task::Source(turns) => source(&job, root, turns),
@@ -196,4 +215,30 @@ fn sink(job: &Job, root: &Path, turns: &Turns) -> Result<Outcome, Error> {
     std::fs::write(&path, text).map_err(|reason| Error::Path { action: "write", path, reason })?;
     let copied_bytes = sink.copied_bytes();
     Ok(Outcome { misses, copied_bytes, ..Outcome::of_cycles(granted, cycles) })
+}
+
+/// Size of the copied buffers: larger than caches.
+const BUFFER_BYTES: usize = 64 << 20;
+
+/// Keeps the core busy until the process is killed.
+fn busy(load: Load) -> ! {
+    match load {
+        Load::Idle => loop {
+            std::thread::park();
+        },
+        Load::Cpu => {
+            let mut state = 1_u64;
+            loop {
+                // Each multiplication depends on the previous one: the core never waits for memory.
+                state = black_box(state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1));
+            }
+        }
+        Load::Memory => {
+            let (mut from, mut to) = (vec![1_u8; BUFFER_BYTES], vec![0_u8; BUFFER_BYTES]);
+            loop {
+                to.copy_from_slice(black_box(&from));
+                from.copy_from_slice(black_box(&to));
+            }
+        }
+    }
 }

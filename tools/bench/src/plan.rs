@@ -14,7 +14,6 @@ pub enum Measure {
     Chain,
 }
 
-/// A measurement under its conditions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cell {
     pub measure: Measure,

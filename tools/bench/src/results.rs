@@ -14,7 +14,6 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
-/// A benchmark.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Report {
     pub schema_version: u32,
@@ -53,10 +52,8 @@ pub struct PairedRow {
     pub comparison: Comparison,
     #[serde(flatten)]
     pub conditions: Conditions,
-    /// Time between two wake-ups, µs.
     pub period_us: u32,
     pub pairs: usize,
-    /// Wake-ups that never arrived.
     pub lost: u64,
     #[schemars(with = "Option<Object>")]
     pub ours_us: Option<Percentiles>,
@@ -88,7 +85,6 @@ impl PairedRow {
 /// The machine's floor. The named figures are of an idle machine under `SCHED_FIFO` at 1 kHz.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Floor {
-    /// Lateness of absolute sleeps.
     #[schemars(with = "Option<Object>")]
     pub sleep_jitter_us: Option<Percentiles>,
     pub futex_us: ByPlacement,
@@ -166,7 +162,6 @@ pub struct ChainRow {
     /// Sum of the medians of the floors. They are two absolute sleeps (radar and plant), a futex wake-up at this
     /// period, and the law. Null without a futex measurement at this period.
     pub floor_sum_us: Option<f64>,
-    /// Percentiles of each hop.
     #[schemars(with = "Object")]
     pub hops_us: Hops,
     #[schemars(with = "Option<Object>")]

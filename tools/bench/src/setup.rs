@@ -52,7 +52,6 @@ names! {
     Load { Idle: "idle", Cpu: "cpu", Memory: "memory" }
 }
 
-/// Conditions of a measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Conditions {
     pub placement: Placement,

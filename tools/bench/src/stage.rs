@@ -1,9 +1,8 @@
 //! The stage of measurements: a run's root of their own, with the processes on it.
 
 use super::failure::failed;
-use super::outcome::Outcome;
 use super::paired::{Compared, Comparison, PAIRS_IN_SESSION, WAKES, histogram, order, paired};
-use super::peer::{self, BLOCKS_FILE, Job, Task, Turns, metronome};
+use super::peer::{self, BLOCKS_FILE, Job, Outcome, Task, Turns, metronome};
 use super::setup::{Conditions, Load, Mechanism, Placement, Scheduling};
 use super::words;
 use group::{Error, Janitor, RunRoot, check_room, this_program};
@@ -121,7 +120,6 @@ impl Stage {
         &self.cores
     }
 
-    /// Cores of source and sink.
     pub fn placed(&self, placement: Placement) -> (usize, usize) {
         let last = self.cores.last().copied().unwrap_or(0);
         match placement {

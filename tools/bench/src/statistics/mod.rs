@@ -28,9 +28,7 @@ const STREAM: u128 = 99;
 /// A block of each arm, ours first: durations in ns.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pair {
-    /// Samples of ours, ns.
     pub ours: Vec<u32>,
-    /// Samples of the floor, ns.
     pub floor: Vec<u32>,
 }
 
@@ -38,7 +36,6 @@ pub struct Pair {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     pub ours: f64,
-    /// The floor's figure.
     pub floor: f64,
     /// Their ratio; infinite if only ours has events.
     pub ratio: f64,
@@ -46,7 +43,6 @@ pub struct Estimate {
     pub low: f64,
     /// Upper end; infinite if unbounded.
     pub high: f64,
-    /// Our samples or cycles.
     pub n: u64,
 }
 
@@ -161,7 +157,6 @@ pub struct Events {
 }
 
 impl Events {
-    /// Events per million cycles.
     pub fn per_million(self) -> f64 {
         self.events as f64 * 1e6 / self.cycles.max(1) as f64
     }
