@@ -180,26 +180,6 @@ fn longest_step_s(record: &Record) -> f64 {
     record.rows.windows(2).map(|pair| pair[1].0 - pair[0].0).fold(0.0, f64::max)
 }
 
-/// Columns of the plot in the terminal.
-const WIDTH: usize = 64;
-
-/// A profile as a row of bars.
-fn bars(record: &Record) -> String {
-    const BARS: [char; 9] = [' ', '▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
-    let points: Vec<_> = record.profile().collect();
-    let top = points.iter().map(|point| point.1).fold(1e-9, f64::max);
-    let end_s = points.last().map_or(0.0, |last| last.0);
-    let bar = |column: usize| {
-        let at_s = end_s * (column as f64 + 0.5) / WIDTH as f64;
-        let before = points.partition_point(|point| point.0 <= at_s);
-        let speed = points[before.saturating_sub(1)].1;
-        // A vehicle that moves has at least the lowest bar.
-        let height = (speed / top * 8.0).ceil().clamp(0.0, 8.0);
-        BARS[height as usize]
-    };
-    (0..WIDTH).map(bar).collect()
-}
-
 /// The record in words and as curves.
 fn document(path: &Path, record: &Record, refusal: Option<&ScenarioError>) -> Document {
     let mut facts: Vec<Fact> = Vec::new();
@@ -209,7 +189,7 @@ fn document(path: &Path, record: &Record, refusal: Option<&ScenarioError>) -> Do
     add("length", format!("{:.1} s", length_s(record)));
     add("step", format!("usually {step_s:.3} s, at most {longest_s:.3} s"));
     let top = record.profile().map(|point| point.1).fold(0.0, f64::max);
-    add("speed", format!("0 to {top:.1} m/s: {}", bars(record)));
+    add("speed", format!("0 to {top:.1} m/s"));
     add("distance", format!("{:.0} m", distance_m(record.profile())));
     let hardest = |(rate, at_s): (f64, f64)| format!("{rate:.2} m/s² at {at_s:.1} s");
     let of_rows = recorded::hardest(record.rows.iter().copied()).map(hardest);

@@ -15,7 +15,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use v2x_sim::frames::{Frames, SentFrame, road_plane};
+use v2x_sim::frames::{Frames, road_plane};
 
 /// Longest delay of an end by signal.
 const SLICE: Duration = Duration::from_millis(50);
@@ -162,16 +162,12 @@ impl RoadsideUnit {
             }
             let time_ns = u64::try_from(due.as_nanos()).unwrap_or(u64::MAX);
             for frame in self.frames.at(time_ns, self.start_ns, None).map_err(not_encoded)? {
-                self.send(&frame);
+                // The carrier counts unsent frames.
+                if self.carrier.send(&frame.bytes).is_ok() {
+                    *self.sent.entry(frame.kind).or_default() += 1;
+                }
             }
             next = (next + 1.0).max(self.begun.elapsed().div_duration_f64(self.period).floor());
-        }
-    }
-
-    fn send(&mut self, frame: &SentFrame) {
-        // Unsent frames are counted.
-        if self.carrier.send(&frame.bytes).is_ok() {
-            *self.sent.entry(frame.kind).or_default() += 1;
         }
     }
 

@@ -137,7 +137,6 @@ fn tracks(frame: &Frame) -> Vec<TrackDescriptor> {
     tracks
 }
 
-/// An event and its instant, ns.
 type Event = (i64, TrackEvent);
 
 fn event(kind: EventType, track: u64, category: &str, name: &str) -> TrackEvent {

@@ -3,37 +3,12 @@
 use super::difference::{Difference, not_compared, places};
 use super::{Programs, Table};
 use group::Replayed;
-use messages::{Command, Diagnostics, Message, Place};
+use messages::{Command, Diagnostics, Header, Message, Place};
 use recorder::{Cycle, Recording, Take};
 use runtime::Program;
 use scenario::Scenario;
 use serde::Serialize;
 use std::collections::VecDeque;
-
-/// Requests of both controllers in one cycle.
-pub(super) struct Row {
-    pub(super) incarnation: u32,
-    pub(super) step: u64,
-    pub(super) time_s: f64,
-    pub(super) recorded_mps2: f64,
-    pub(super) replayed_mps2: f64,
-}
-
-impl Row {
-    pub(super) fn new(recorded: &Command, replayed: &Command) -> Self {
-        Self {
-            incarnation: recorded.header.incarnation,
-            step: recorded.header.step,
-            time_s: recorded.header.acquisition_ns as f64 / 1e9,
-            recorded_mps2: recorded.plan_mps2[0],
-            replayed_mps2: replayed.plan_mps2[0],
-        }
-    }
-
-    pub(super) fn difference_mps2(&self) -> f64 {
-        self.replayed_mps2 - self.recorded_mps2
-    }
-}
 
 #[derive(Debug, Default, Serialize)]
 pub(super) struct Comparison {
@@ -102,14 +77,19 @@ impl Comparison {
         false
     }
 
-    fn note(&mut self, row: &Row) {
-        let difference_mps2 = row.difference_mps2();
+    /// Notes the first requests of both controllers in one cycle; returns their row of the table.
+    fn note(&mut self, recorded: &Command, replayed: &Command) -> String {
+        let [recorded_mps2, replayed_mps2] = [recorded, replayed].map(|of| of.plan_mps2[0]);
+        let difference_mps2 = replayed_mps2 - recorded_mps2;
+        let time_s = recorded.header.acquisition_ns as f64 / 1e9;
         self.rows += 1;
         self.squares += difference_mps2 * difference_mps2;
         if self.rows == 1 || difference_mps2.abs() > self.max_request_difference_mps2 {
             self.max_request_difference_mps2 = difference_mps2.abs();
-            self.max_request_difference_at_s = row.time_s;
+            self.max_request_difference_at_s = time_s;
         }
+        let Header { incarnation, step, .. } = recorded.header;
+        format!("{incarnation},{step},{time_s},{recorded_mps2},{replayed_mps2},{difference_mps2}")
     }
 
     pub(super) fn finish(&mut self) {
@@ -148,9 +128,7 @@ impl<'a, R: Iterator<Item = Cycle>> Pairs<'a, R> {
                 if let Some(recorded) = cycle.and_then(|cycle| cycle.command) {
                     let is_same = self.comparison.is_same(&self.places[0], &recorded, replayed);
                     self.comparison.identical_commands += u64::from(is_same);
-                    let row = Row::new(&recorded, replayed);
-                    self.comparison.note(&row);
-                    self.table.add(&row);
+                    self.table.add(&self.comparison.note(&recorded, replayed));
                 }
             }
             Replayed::Diagnostics(replayed) => {

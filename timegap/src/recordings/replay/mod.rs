@@ -15,7 +15,7 @@ mod difference;
 
 use super::{count, expect_another_file, open, print_damage};
 use clap::Args;
-use comparison::{Comparison, Pairs, Row};
+use comparison::{Comparison, Pairs};
 use controller::laws;
 use group::{Error, UsageError, replay, service_program};
 use messages::Service;
@@ -166,19 +166,9 @@ impl Table {
     }
 
     /// Adds a row. An error is kept for the end: the comparison is printed first.
-    fn add(&mut self, row: &Row) {
+    fn add(&mut self, row: &str) {
         let Ok(file) = &mut self.file else { return };
-        let written = writeln!(
-            file,
-            "{},{},{},{},{},{}",
-            row.incarnation,
-            row.step,
-            row.time_s,
-            row.recorded_mps2,
-            row.replayed_mps2,
-            row.difference_mps2()
-        );
-        if let Err(error) = written {
+        if let Err(error) = writeln!(file, "{row}") {
             self.file = Err(error);
         }
     }
