@@ -46,7 +46,7 @@ fn every_car_follows_the_true_motion_of_the_one_before() {
 #[test]
 fn a_sine_is_swept_and_a_limit_is_found() {
     let corner = Corner::new(PROGRAM);
-    let own = ["string", "following", "--vehicles", "2", "--frequencies", "0.02..0.2/3"];
+    let own = ["string", "following", "--vehicles", "2", "--frequencies", "0.02..0.2:log:3"];
     let limit = ["--param", "runtime.extra_delay_ms=0,1500", "--out", "a"];
     let string = corner.json(&[&own[..], &IDEAL, &limit].concat());
     let frequencies = string["frequencies"].as_array().expect("a curve");

@@ -17,12 +17,10 @@ use report::output::OutputDirectory;
 use report::results::{Column, csv_fields, csv_names, field};
 use report::table::csv_row;
 use scenario::Scenario;
-use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use crate::keep::Key;
-use crate::parts::Records;
 use report::summary::Summary;
 
 pub const FILE: &str = "runs.csv";
@@ -105,18 +103,21 @@ fn head(keys: &[Key], own: Vec<&str>) -> Vec<u8> {
     csv_row(names.chain(["outcome", "duration_s"]).chain(own).chain(figures))
 }
 
-/// Writes the table of all drives; no file without any.
+/// Takes a drive, with the number and the record of its run.
+type Take<'a, R> = &'a mut dyn FnMut(usize, &R, &Drive) -> Result<(), Error>;
+
+/// Writes the table of all drives, which `each` hands over; no file without any.
 ///
 /// # Errors
 /// If a journal cannot be read, or the file cannot be written.
-pub(crate) fn write<R: Serialize + DeserializeOwned>(
-    records: &Records<R>,
+pub(crate) fn write<R: Serialize>(
+    each: &dyn Fn(Take<'_, R>) -> Result<(), Error>,
     keys: &[Key],
     own: &[Column<R>],
     output: &OutputDirectory,
 ) -> Result<(), Error> {
     let mut is_empty = true;
-    records.each_drive(&mut |_, _, _| {
+    each(&mut |_, _, _| {
         is_empty = false;
         Ok(())
     })?;
@@ -125,7 +126,7 @@ pub(crate) fn write<R: Serialize + DeserializeOwned>(
     }
     output.write_by(FILE, |file| {
         file.add(&head(keys, csv_names(own).collect()))?;
-        records.each_drive(&mut |run, record, drive| {
+        each(&mut |run, record, drive| {
             file.add(&drive.line(run, csv_fields(own, record).collect()))
         })
     })

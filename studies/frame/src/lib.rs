@@ -85,18 +85,14 @@
 //! ```
 
 pub mod batch;
-mod command;
-mod crew;
 pub mod drives;
 pub mod keep;
 pub mod param;
 pub mod parts;
-mod run;
 pub mod seeds;
 mod study;
-mod verify;
 
-pub use command::{Command, Entry, MergeArguments, ResumeArguments, RunOptions, merge, resume};
-pub use crew::Crew;
-pub use run::run;
-pub use study::{Found, Needs, RunResult, Study, ok};
+pub use study::{
+    Command, Crew, Entry, Found, MergeArguments, Needs, ResumeArguments, RunOptions, RunResult,
+    Study, merge, ok, resume, run,
+};

@@ -1,17 +1,15 @@
 //! The cars of a string, driven one after another: by the study, or by a caller with laws of its own.
 
-use group::report::{ControlFigures, Outcome};
-use group::{Drive, RequirementVerdict};
+use group::Drive;
 use report::summary::Summary;
 use scenario::Scenario;
-use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::measure::{Measured, measure};
+use super::driven::Driven;
+use super::measure::measure;
 use super::motion::Motion;
 use super::results::Results;
 use super::scene::{Place, Plan, SceneError};
-use super::wave::Amplitudes;
 
 const TRACE_POINTS: usize = 400;
 
@@ -37,25 +35,6 @@ pub struct CarByCar {
     places: Vec<Place>,
     cars: Vec<Driven>,
     last: Option<Motion>,
-}
-
-/// The drive of one car, reduced to figures and a trace.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Driven {
-    /// Place of the car in the string, from 1.
-    pub index: usize,
-    pub controller: String,
-    /// End of its drive.
-    pub outcome: Outcome,
-    pub requirements: Vec<RequirementVerdict>,
-    pub figures: ControlFigures,
-    /// Norms of its speeds and gaps.
-    pub measured: Measured,
-    /// Amplitudes behind a sine.
-    pub amplitudes: Option<Amplitudes>,
-    /// Time, s, position of its front bumper from the first car's start, m, and speed, m/s; empty
-    /// behind a sine.
-    pub trace: Vec<[f64; 3]>,
 }
 
 impl CarByCar {

@@ -6,7 +6,8 @@ use group::Error;
 use report::results::Document;
 
 use super::arguments::{StringArguments, Task};
-use super::cars::{CarByCar, Driven};
+use super::cars::CarByCar;
+use super::driven::Driven;
 use super::limits::{Limits, Point};
 use super::results::Results;
 use super::scene::Plan;

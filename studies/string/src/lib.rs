@@ -14,6 +14,7 @@ mod arguments;
 mod cars;
 mod columns;
 mod drive;
+mod driven;
 mod limits;
 mod measure;
 mod motion;

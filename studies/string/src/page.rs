@@ -5,8 +5,8 @@ use report::html::{Tile, figure};
 use report::results::Document;
 use report::table::NONE;
 
-use super::cars::Driven;
 use super::columns;
+use super::driven::Driven;
 use super::limits::Limits;
 use super::results::{Results, cars_in_words};
 

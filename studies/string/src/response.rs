@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::cars::Driven;
+use super::driven::Driven;
 use super::wave::Amplitudes;
 
 /// A sine ahead of a car is lost in its noise when it is smaller than this times the noise ...

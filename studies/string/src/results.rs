@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::STABLE_GAIN;
-use super::cars::Driven;
+use super::driven::Driven;
 use super::limits::Limits;
 use super::response::{Response, peak};
 use super::scene::Plan;

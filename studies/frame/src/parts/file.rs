@@ -3,14 +3,11 @@
 use std::path::Path;
 
 use group::{Error, GroupOptions, UsageError};
-use report::results::ResultOptions;
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
 use super::{FILE, Shard};
-use crate::command::RunOptions;
-use crate::study::Study;
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -33,28 +30,26 @@ pub struct PartFile {
 const EXPECTED: &str = "the description of a part";
 
 impl PartFile {
-    /// The part `shard` of a study.
-    ///
-    /// # Errors
-    /// As [`Study::subject`].
-    pub fn of<S: Study>(
-        study: &S,
-        arguments: &S::Arguments,
+    /// The part `shard` of a study with this number of runs, whose arguments name files with this content.
+    pub fn new(
+        study: &str,
+        arguments: &impl Serialize,
         group: &GroupOptions,
+        (runs, subject): (usize, &str),
         shard: Option<Shard>,
-    ) -> Result<Self, Error> {
-        let subject = xxhash_rust::xxh3::xxh3_64(study.subject()?.as_bytes());
+    ) -> Self {
+        let subject = xxhash_rust::xxh3::xxh3_64(subject.as_bytes());
         // As it is read back: a number's last digit may differ.
         let text = serde_json::to_string(arguments).expect("arguments are plain data");
-        Ok(Self {
+        Self {
             schema_version: 2,
-            study: S::NAME.to_owned(),
+            study: study.to_owned(),
             arguments: serde_json::from_str(&text).expect("it was written just now"),
             group: GroupOptions { processes: false, ..group.clone() },
-            runs: study.runs(),
+            runs,
             subject: format!("{subject:016x}"),
             shard,
-        })
+        }
     }
 
     /// Reads the file in a part's directory.
@@ -84,23 +79,15 @@ impl PartFile {
         arguments.map_err(|reason| UsageError::at(place().display(), reason, EXPECTED))
     }
 
-    /// Options of runs with the part's programs.
-    pub fn options(&self) -> RunOptions {
-        RunOptions {
-            shard: None,
-            resume: None,
-            keep: None,
-            jobs: None,
-            verify_processes: false,
-            group: self.group.clone(),
-            results: ResultOptions::default(),
-        }
-    }
-
     /// True if both are parts of one study.
     pub fn is_of_the_study_of(&self, other: &Self) -> bool {
         let count = |part: &Self| part.shard.map(|shard| shard.count);
         let shard = self.shard;
         *self == Self { shard, ..other.clone() } && count(self) == count(other)
     }
+}
+
+/// The command that continues the part in `directory`.
+pub fn resume_command(directory: &Path) -> String {
+    runtime::command_line(&["timegap", "resume", &directory.to_string_lossy()])
 }

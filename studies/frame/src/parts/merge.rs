@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use group::{Error, UsageError};
 use serde::de::DeserializeOwned;
 
+use super::file::resume_command;
 use super::{FILE, Line, PartFile, Records, Shard, holds, journal};
 use runtime::command_line;
 
@@ -26,11 +27,6 @@ pub struct Incomplete {
     /// Directory of the part; `None` if it was not begun.
     pub directory: Option<PathBuf>,
     pub command: String,
-}
-
-/// The command that continues the part in `directory`.
-pub(super) fn resume_command(directory: &Path) -> String {
-    command_line(&["timegap", "resume", &directory.to_string_lossy()])
 }
 
 impl<T: DeserializeOwned> Merged<T> {

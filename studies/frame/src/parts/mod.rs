@@ -20,8 +20,9 @@ mod shard;
 pub(crate) use begun::{Begun, SoFar};
 pub(crate) use file::PartFile;
 pub(crate) use merge::{Merged, name_incomplete};
-pub(crate) use part::{Part, holds};
+pub(crate) use part::Part;
 pub use records::Records;
+pub(crate) use shard::holds;
 pub use shard::{Shard, ShardChoice};
 
 use serde::{Deserialize, Serialize};

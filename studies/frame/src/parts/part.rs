@@ -8,8 +8,8 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use super::begun::{self, Begun, SoFar};
+use super::file::resume_command;
 use super::journal::{self, Journal};
-use super::merge::resume_command;
 use super::{FILE, Line, PartFile, Records, Shard};
 use crate::drives::Drive;
 
@@ -98,9 +98,4 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
     pub fn into_records(self) -> Records<T> {
         self.records
     }
-}
-
-/// True if a run belongs to a part. Nothing else decides it.
-pub(crate) fn holds(shard: Option<Shard>, run: usize) -> bool {
-    shard.is_none_or(|shard| shard.holds(run))
 }

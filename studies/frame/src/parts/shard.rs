@@ -29,6 +29,11 @@ impl Shard {
     }
 }
 
+/// True if a run belongs to a part. Nothing else decides it.
+pub(crate) fn holds(shard: Option<Shard>, run: usize) -> bool {
+    shard.is_none_or(|shard| shard.holds(run))
+}
+
 /// A shard that is not one of `I/N`.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("`{0}` is not a shard, expected I/N with I from 1 to N, auto or auto/N")]

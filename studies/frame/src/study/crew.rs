@@ -7,12 +7,12 @@ use group::{Error, GroupOptions};
 use indicatif::ProgressBar;
 use scenario::Scenario;
 
+use super::verify::{self, Verify};
+use super::{RunResult, Study};
 use crate::batch::{self, Done, Job};
 use crate::drives::Drive;
 use crate::keep::Keeper;
 use crate::parts::{Begun, SoFar};
-use crate::study::{RunResult, Study};
-use crate::verify::{self, Verify};
 
 /// Drives runs in threads or process groups.
 pub struct Crew<'a> {

@@ -1,5 +1,16 @@
 //! The trait of all studies.
 
+mod command;
+mod crew;
+mod entry;
+mod run;
+mod verify;
+
+pub use command::{Command, MergeArguments, ResumeArguments, RunOptions};
+pub use crew::Crew;
+pub use entry::{Entry, merge, resume};
+pub use run::run;
+
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -11,8 +22,6 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::batch::{Done, Job};
-use crate::command::RunOptions;
-use crate::crew::Crew;
 use crate::parts::{Records, Shard};
 
 #[derive(Debug)]

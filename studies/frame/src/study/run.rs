@@ -3,18 +3,19 @@
 use std::collections::BTreeMap;
 use std::process::ExitCode;
 
-use group::Error;
+use group::{Error, GroupOptions};
 use indicatif::ProgressBar;
 use report::output::OutputDirectory;
+use report::results::ResultOptions;
 
+use super::command::{Command, MergeArguments, ResumeArguments, RunOptions};
+use super::crew::{Crew, Observed};
+use super::verify::Verify;
+use super::{Found, Needs, RunResult, Study};
 use crate::batch;
-use crate::command::{Command, MergeArguments, ResumeArguments, RunOptions};
-use crate::crew::{Crew, Observed};
 use crate::drives;
 use crate::keep::{self, Keeper, Key};
-use crate::parts::{Begun, Merged, Part, PartFile, ShardChoice, SoFar, name_incomplete};
-use crate::study::{Found, Needs, RunResult, Study};
-use crate::verify::Verify;
+use crate::parts::{Begun, Merged, Part, PartFile, Shard, ShardChoice, SoFar, name_incomplete};
 
 /// Runs the command of a study.
 ///
@@ -24,7 +25,7 @@ pub fn run<S: Study>(command: &Command<S::Arguments>) -> Result<ExitCode, Error>
     let Command { study: arguments, options } = command;
     let study = S::plan(arguments, options)?;
     let shard = options.shard.map(ShardChoice::resolve).transpose()?;
-    let file = PartFile::of(&study, arguments, &options.group, shard)?;
+    let file = part_of(&study, arguments, &options.group, shard)?;
     let output = match &options.resume {
         Some(path) => OutputDirectory::resume(path, crate::parts::FILE)?,
         None => OutputDirectory::create(&options.results.output, &study.label())?,
@@ -74,7 +75,7 @@ pub(crate) fn resume<S: Study>(
         resume: arguments.shard.is_none().then(|| arguments.directory.clone()),
         jobs: arguments.jobs,
         results: arguments.results.clone(),
-        ..part.options()
+        ..options_of(&part)
     };
     run::<S>(&Command { study, options })
 }
@@ -87,8 +88,8 @@ pub(crate) fn merge<S: Study>(
     let MergeArguments { parts, results } = arguments;
     let merged = Merged::<S::Record>::read(parts, results.output.out.as_deref())?;
     let own = part.arguments(&parts[0])?;
-    let study = S::plan(&own, &part.options())?;
-    let now = PartFile::of(&study, &own, &part.group, part.shard)?;
+    let study = S::plan(&own, &options_of(&part))?;
+    let now = part_of(&study, &own, &part.group, part.shard)?;
     merged.check(&now)?;
     name_incomplete(&merged.incomplete);
     let is_whole = merged.incomplete.is_empty();
@@ -97,12 +98,40 @@ pub(crate) fn merge<S: Study>(
     }
     let output = OutputDirectory::create(&results.output, &study.label())?;
     let records = merged.records;
-    drives::write(&records, &columns(&study, &[0]), S::OWN_COLUMNS, &output)?;
+    drives::write(
+        &|take| records.each_drive(take),
+        &columns(&study, &[0]),
+        S::OWN_COLUMNS,
+        &output,
+    )?;
     let directory = output.path().to_owned();
     let seen = BTreeMap::new();
     let document = study.judge(Found { records, seen, shard: None, is_whole, directory })?;
     results.deliver(&document, &output)?;
     Ok(if is_whole { document.exit_code() } else { ExitCode::FAILURE })
+}
+
+/// The part `shard` of a study, as its directory describes it.
+fn part_of<S: Study>(
+    study: &S,
+    arguments: &S::Arguments,
+    group: &GroupOptions,
+    shard: Option<Shard>,
+) -> Result<PartFile, Error> {
+    Ok(PartFile::new(S::NAME, arguments, group, (study.runs(), &study.subject()?), shard))
+}
+
+/// Options of runs with a part's programs.
+fn options_of(part: &PartFile) -> RunOptions {
+    RunOptions {
+        shard: None,
+        resume: None,
+        keep: None,
+        jobs: None,
+        verify_processes: false,
+        group: part.group.clone(),
+        results: ResultOptions::default(),
+    }
 }
 
 /// Does all runs of the part that are left, those that must be alone last.
@@ -175,7 +204,7 @@ fn conclude<S: Study>(
         }
     }
     let is_whole = records.len() == runs;
-    drives::write(&records, &columns(study, &[0]), S::OWN_COLUMNS, output)?;
+    drives::write(&|take| records.each_drive(take), &columns(study, &[0]), S::OWN_COLUMNS, output)?;
     let directory = output.path().to_owned();
     let document = study.judge(Found { records, seen, shard, is_whole, directory })?;
     match end {
