@@ -8,7 +8,8 @@
 //!
 //! From a safe state emergency braking is safe, so a safe request always exists, and the state stays safe. The vehicle
 //! reaches neither a line nor the lead, whatever the law above requests. At a line that is to be passed, the request
-//! must leave one way open. The vehicle can still stop, or it crosses before red at its present speed.
+//! must leave one way open. The vehicle can still stop, or it crosses before red. A request above 0 then goes on, up to
+//! the speed that is safe behind the lead at the line; a deceleration dies away.
 
 use crate::following::kinematics::{Lag, LagStep, Motion};
 use crate::following::parameters::FOLLOWING;
@@ -35,11 +36,25 @@ const SHORTEST_PERIOD_S: f64 = 0.05;
 pub(super) enum Rule {
     /// Stop before it.
     Stop,
-    /// Cross it before red, which comes after this time in s, or stay able to stop.
+    /// Cross it before red, or stay able to stop.
     Pass {
-        /// s.
+        /// Time until red, s.
         red_in_s: f64,
+        /// Fastest speed on the way, m/s.
+        most_mps: f64,
     },
+}
+
+impl Rule {
+    /// The rule `time_s` later.
+    pub(super) fn after(self, time_s: f64) -> Self {
+        match self {
+            Self::Stop => Self::Stop,
+            Self::Pass { red_in_s, most_mps } => {
+                Self::Pass { red_in_s: red_in_s - time_s, most_mps }
+            }
+        }
+    }
 }
 
 /// A line ahead and its rule.
@@ -87,8 +102,10 @@ impl Filter {
     ) -> f64 {
         let mut u = request.clamp(self.min_mps2, self.max_mps2);
         for gate in gates {
-            if let Rule::Pass { red_in_s } = gate.rule {
-                u = self.pass(u, ego, lead, gate.distance_m, red_in_s);
+            if let Rule::Pass { red_in_s, most_mps } = gate.rule {
+                let crossing =
+                    Crossing { line_m: gate.distance_m + LINE_MARGIN_M, red_in_s, most_mps };
+                u = self.pass(u, ego, lead, &crossing);
             }
         }
         for gate in gates {
@@ -107,15 +124,22 @@ impl Filter {
         self.stops_before(self.min_mps2, ego, distance_m)
     }
 
-    /// True if the speed that is left when the present deceleration has died away crosses a line before red.
+    /// True if a line is crossed before red, at the speed that is left when the present deceleration has died away or
+    /// with a `request` above 0 that goes on.
     pub(super) fn can_cross(
         &self,
+        request: f64,
         ego: Motion,
         lead: Option<&LeadNow>,
-        distance_m: f64,
-        red_in_s: f64,
+        gate: Gate,
     ) -> bool {
-        self.has_room(0.0, ego, lead, distance_m, red_in_s)
+        match gate.rule {
+            Rule::Stop => false,
+            Rule::Pass { red_in_s, most_mps } => {
+                let line_m = gate.distance_m + LINE_MARGIN_M;
+                self.has_room(request, ego, lead, &Crossing { line_m, red_in_s, most_mps })
+            }
+        }
     }
 
     /// True if braking with a constant `request` from now on is enough. It must stop before each closed line, and
@@ -139,17 +163,10 @@ impl Filter {
             })
     }
 
-    fn pass(
-        &self,
-        u: f64,
-        ego: Motion,
-        lead: Option<&LeadNow>,
-        distance_m: f64,
-        red_in_s: f64,
-    ) -> f64 {
-        let crosses = |u: f64| self.crosses(u, ego, distance_m, red_in_s);
-        let stops = |u: f64| self.stops_before(u, ego, distance_m);
-        if stops(u) || self.has_room(u, ego, lead, distance_m, red_in_s) {
+    fn pass(&self, u: f64, ego: Motion, lead: Option<&LeadNow>, crossing: &Crossing) -> f64 {
+        let crosses = |u: f64| self.crosses(u, ego, crossing).is_some();
+        let stops = |u: f64| self.stops_before(u, ego, crossing.line_m - LINE_MARGIN_M);
+        if stops(u) || self.has_room(u, ego, lead, crossing) {
             return u;
         }
         if stops(self.min_mps2) {
@@ -177,10 +194,36 @@ impl Filter {
         next.position_m + rest <= distance_m - LINE_MARGIN_M
     }
 
-    fn crosses(&self, u: f64, ego: Motion, distance_m: f64, red_in_s: f64) -> bool {
+    /// Time and state at the line, if it is crossed before red. A request above 0 goes on; a deceleration dies away.
+    fn crosses(&self, u: f64, ego: Motion, crossing: &Crossing) -> Option<(f64, Motion)> {
         let next = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
-        let left = (red_in_s - self.period.step_s).max(0.0);
-        next.position_m + self.kept_mps(next) * left >= distance_m + LINE_MARGIN_M
+        self.goes_on(u, next, crossing).or_else(|| self.goes_on(0.0, next, crossing))
+    }
+
+    /// The same from the end of the period on.
+    fn goes_on(&self, u: f64, next: Motion, crossing: &Crossing) -> Option<(f64, Motion)> {
+        let left_s = crossing.red_in_s - self.period.step_s;
+        let mut at = Motion { acceleration_mps2: 0.0, speed_mps: self.kept_mps(next), ..next };
+        if u > 0.0 && next.acceleration_mps2 > 0.0 {
+            at = next;
+        }
+        let mut time_s = 0.0;
+        loop {
+            let way_m = (crossing.line_m - at.position_m).max(0.0);
+            let rest_s = left_s - time_s;
+            if way_m <= at.speed_mps * CHECK_S.min(rest_s) {
+                let way_s = if way_m > 0.0 { way_m / at.speed_mps } else { 0.0 };
+                let there = Motion { position_m: at.position_m + way_m, ..at };
+                return Some((self.period.step_s + time_s + way_s, there));
+            }
+            if rest_s < CHECK_S {
+                return None;
+            }
+            let spare_mps =
+                crossing.most_mps - at.speed_mps - self.lag.tau_s * at.acceleration_mps2;
+            at = self.check.advance(at, u.max(0.0).min((spare_mps / CHECK_S).max(0.0)));
+            time_s += CHECK_S;
+        }
     }
 
     /// Speed once the present deceleration has died away, m/s.
@@ -188,65 +231,57 @@ impl Filter {
         (ego.speed_mps + ego.acceleration_mps2.min(0.0) * self.lag.tau_s).max(0.0)
     }
 
-    /// True if a lead that goes on as it does now leaves room to cross before red. The ego keeps its speed, brakes only
-    /// after the line, or brakes for the lead all along.
-    fn has_room(
-        &self,
-        u: f64,
-        ego: Motion,
-        lead: Option<&LeadNow>,
-        distance_m: f64,
-        red_in_s: f64,
-    ) -> bool {
-        let Some(lead) = lead else { return self.crosses(u, ego, distance_m, red_in_s) };
+    /// True if a lead that goes on as it does now leaves room to cross before red. The ego goes on, keeps its speed, or
+    /// brakes for the lead all along.
+    fn has_room(&self, u: f64, ego: Motion, lead: Option<&LeadNow>, crossing: &Crossing) -> bool {
+        let Some(lead) = lead else { return self.crosses(u, ego, crossing).is_some() };
         let next = self.period.advance(Motion { position_m: 0.0, ..ego }, u);
         let hardest = FOLLOWING.sure_share * self.min_mps2;
         let now = lead.braking_mps2();
-        let is_safe_there = |time_s: f64, at: Motion| {
-            // The gap must be safe there as well: otherwise it brakes for the lead before the line.
-            let moved = LeadNow {
-                gap_m: lead.position_m(now, time_s) - at.position_m,
-                speed_mps: (lead.speed_mps - now * time_s).max(0.0),
-                ..*lead
-            };
-            let at = Motion { position_m: 0.0, ..at };
-            self.safe.margin_m(at, 0.0, |_| hardest, &moved, self.safe.worst_mps2(&moved)) >= 0.0
+        let moved = |time_s: f64, at: &Motion| LeadNow {
+            gap_m: lead.position_m(now, time_s) - at.position_m,
+            speed_mps: (lead.speed_mps - now * time_s).max(0.0),
+            ..*lead
         };
-        let kept_mps = self.kept_mps(next);
-        let line_m = distance_m + LINE_MARGIN_M;
-        let at_kept_speed =
-            Motion { position_m: line_m, speed_mps: kept_mps, acceleration_mps2: 0.0 };
-        let way_s = (line_m - next.position_m) / kept_mps;
-        if self.crosses(u, ego, distance_m, red_in_s)
-            && is_safe_there(self.period.step_s + way_s, at_kept_speed)
-        {
-            return true;
-        }
-        let left_s = red_in_s - self.period.step_s;
-        BRAKING_SHARES.iter().any(|share| {
-            let reached = self.reaches(next, share * hardest, distance_m, left_s);
-            reached.is_some_and(|(time_s, at)| is_safe_there(self.period.step_s + time_s, at))
-        })
+        let is_safe_there = |(time_s, at): (f64, Motion)| {
+            // The gap must be safe there as well: otherwise it brakes for the lead before the line.
+            let lead = moved(time_s, &at);
+            let at = Motion { position_m: 0.0, ..at };
+            self.safe.margin_m(at, 0.0, |_| hardest, &lead, self.safe.worst_mps2(&lead)) >= 0.0
+        };
+        // On the way it gains no more speed than is safe at the line.
+        let within_safe_speed = |(time_s, at): (f64, Motion)| {
+            let most_mps = crossing.most_mps.min(self.safe.safe_speed_mps(&moved(time_s, &at)));
+            self.goes_on(u, next, &Crossing { most_mps, ..*crossing })
+        };
+        let gaining = self.goes_on(u, next, crossing).and_then(within_safe_speed);
+        let on = gaining.into_iter().chain(self.goes_on(0.0, next, crossing));
+        let braking =
+            BRAKING_SHARES.iter().filter_map(|share| self.reaches(next, share * hardest, crossing));
+        on.chain(braking).any(is_safe_there)
     }
 
     /// Time and state at which a constant request gets beyond a line in the time that is left.
-    fn reaches(
-        &self,
-        mut ego: Motion,
-        request: f64,
-        distance_m: f64,
-        left_s: f64,
-    ) -> Option<(f64, Motion)> {
-        let mut time = 0.0;
-        while time + CHECK_S <= left_s && ego.speed_mps > 0.0 {
+    fn reaches(&self, mut ego: Motion, request: f64, crossing: &Crossing) -> Option<(f64, Motion)> {
+        let mut time_s = self.period.step_s;
+        while time_s + CHECK_S <= crossing.red_in_s && ego.speed_mps > 0.0 {
             ego = self.check.advance(ego, request);
-            time += CHECK_S;
-            if ego.position_m >= distance_m + LINE_MARGIN_M {
-                return Some((time, ego));
+            time_s += CHECK_S;
+            if ego.position_m >= crossing.line_m {
+                return Some((time_s, ego));
             }
         }
         None
     }
+}
+
+/// A line to be crossed before red.
+#[derive(Clone, Copy, Debug)]
+struct Crossing {
+    /// Position that must be reached, m.
+    line_m: f64,
+    red_in_s: f64,
+    most_mps: f64,
 }
 
 /// The gap that a configuration keeps safe: the smallest one, and what a soft stop may use of it.
@@ -288,7 +323,8 @@ mod tests {
     #[test]
     fn past_the_point_of_no_return_it_crosses_before_red() {
         let ego = Motion { position_m: 0.0, speed_mps: 15.0, acceleration_mps2: 0.0 };
-        let pass = |red_in_s| Gate { distance_m: 20.0, rule: Rule::Pass { red_in_s } };
+        let pass =
+            |red_in_s| Gate { distance_m: 20.0, rule: Rule::Pass { red_in_s, most_mps: 15.0 } };
         assert!(!filter().can_stop(ego, 20.0));
         assert!(filter().apply(-3.0, ego, None, &[pass(1.35)]) > -0.5);
         assert_eq!(filter().apply(-3.0, ego, None, &[pass(9.0)]), -3.0);
@@ -300,7 +336,8 @@ mod tests {
         // At 21.4 m/s the line is reached 0.01 s before red. The lead's gap forbids that speed there.
         let ego = Motion { position_m: 0.0, speed_mps: 21.78, acceleration_mps2: -0.79 };
         let lead = |gap_m| LeadNow { gap_m, speed_mps: 17.47, acceleration_mps2: 0.0 };
-        assert!(!filter().can_cross(ego, Some(&lead(42.39)), 54.0, 2.54));
-        assert!(filter().can_cross(ego, Some(&lead(62.39)), 54.0, 2.54));
+        let gate = Gate { distance_m: 54.0, rule: Rule::Pass { red_in_s: 2.54, most_mps: 33.3 } };
+        assert!(!filter().can_cross(0.0, ego, Some(&lead(42.39)), gate));
+        assert!(filter().can_cross(0.0, ego, Some(&lead(62.39)), gate));
     }
 }

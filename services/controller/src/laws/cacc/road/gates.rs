@@ -37,7 +37,9 @@ impl RoadLaw {
                 }
             };
             let rule = match open {
-                Some(green) if passes => Rule::Pass { red_in_s: green.clear_s - now },
+                Some(green) if passes => {
+                    Rule::Pass { red_in_s: green.clear_s - now, most_mps: seen.desired_mps }
+                }
                 _ => Rule::Stop,
             };
             gates[j] = Gate { distance_m, rule };

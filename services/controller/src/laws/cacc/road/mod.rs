@@ -69,7 +69,7 @@ mod signals;
 use mpc_solver::{ProblemError, Solver};
 
 use self::decision::{Choice, Situation, choose};
-use self::filter::Filter;
+use self::filter::{Filter, Gate, Rule};
 pub use self::formulation::FORMULATION;
 use self::formulation::reason_index;
 use self::own_lag::OwnLag;
@@ -225,7 +225,8 @@ impl RoadLaw {
                 Deadline { stage, switch, line_m }
             });
             self.planner.candidate(Choice::Pass, input, seen, gate, row);
-            let red_in_s = green.clear_s - now;
+            let rule = Rule::Pass { red_in_s: green.clear_s - now, most_mps: seen.desired_mps };
+            let gate = Gate { distance_m: line_m, rule };
             let arrival = self.planner.arrival(Choice::Pass, line_m);
             let by = |stage: Option<usize>| {
                 stage.is_some_and(|stage| arrival.map_or(stage > n, |arrival| arrival <= stage))
@@ -234,10 +235,9 @@ impl RoadLaw {
             reaches = by(deadline)
                 && (arrival.is_none()
                     || green.likely_s > green.to_s
-                    || self.planner.is_let_through(line_m, red_in_s, filter));
+                    || self.planner.is_let_through(rule, line_m, filter));
             clears = by(stage_at(green.clear_s))
-                || green.from_s <= now
-                    && filter.can_cross(seen.ego, seen.lead.as_ref(), line_m, red_in_s);
+                || green.from_s <= now && filter.can_cross(0.0, seen.ego, seen.lead.as_ref(), gate);
             // The undisturbed driver passes: nothing can be cheaper.
             let driver = &self.planner.candidate_of(Choice::Pass).reference;
             let in_time = |k| deadline.is_some_and(|stage| k <= stage);

@@ -4,7 +4,7 @@ use mpc_solver::{ProblemError, Solver, Start};
 
 use super::decision::Choice;
 use super::fastest::Fastest;
-use super::filter::{Filter, safe_gap};
+use super::filter::{Filter, Gate as Held, Rule, safe_gap};
 use super::lead::Prediction;
 use super::program::{Deadline, Programs};
 use super::reference::{Gate, Reference, SafeGapTable, Scene};
@@ -188,18 +188,20 @@ impl Planner {
     }
 
     /// True if the safety filter lets the pass's plan cross a line before red. From the first place where a stop is no
-    /// longer possible, the speed that the plan has there must be enough, with one stage to spare: the vehicle is not
-    /// exactly the model.
-    pub(super) fn is_let_through(&self, line_m: f64, red_in_s: f64, filter: &Filter) -> bool {
-        let motion = &self.work.pass.motion[..=self.config.horizon_steps];
+    /// longer possible, the speed and request that the plan has there must be enough.
+    pub(super) fn is_let_through(&self, rule: Rule, line_m: f64, filter: &Filter) -> bool {
+        let Candidate { requests, motion, .. } = &self.work.pass;
         let to_line_m = |at: &Motion| line_m - at.position_m;
-        let committed = motion.iter().position(|at| !filter.can_stop(*at, to_line_m(at)));
-        committed.is_none_or(|stage| {
-            let at = &motion[stage];
-            let lead = self.work.lead.at(stage, at.position_m);
-            let left_s = red_in_s - (stage + 1) as f64 * self.lag.step_s;
-            filter.can_cross(*at, lead.as_ref(), to_line_m(at), left_s)
-        })
+        let mut stages = motion[..=self.config.horizon_steps].iter();
+        let Some(stage) = stages.position(|at| !filter.can_stop(*at, to_line_m(at))) else {
+            return true;
+        };
+        let at = &motion[stage];
+        let lead = self.work.lead.at(stage, at.position_m);
+        let request = requests[stage.min(self.config.horizon_steps - 1)];
+        let gate =
+            Held { distance_m: to_line_m(at), rule: rule.after(stage as f64 * self.lag.step_s) };
+        filter.can_cross(request, *at, lead.as_ref(), gate)
     }
 
     /// Distance by which the pass falls short of the line at its latest stage, m; otherwise zero.
