@@ -54,17 +54,6 @@ pub struct LeadArguments {
     pub json: bool,
 }
 
-fn quantity<T: TryFrom<f64, Error = OutOfRange<f64>>>(text: &str) -> Result<T, String> {
-    let number = text.parse::<f64>().map_err(|_| "expected a number")?;
-    T::try_from(number).map_err(|error| error.to_string())
-}
-
-fn after_end(text: &str) -> Result<AfterEnd, String> {
-    let found = AfterEnd::ALL.into_iter().find(|kind| kind.name() == text);
-    let names = || accepted(text, AfterEnd::ALL.iter().map(|kind| kind.name()));
-    found.ok_or_else(|| format!("expected {}", names()))
-}
-
 pub fn run(arguments: &LeadArguments) -> Result<ExitCode, Error> {
     let path = &arguments.file;
     if arguments.topic.is_none() && bags::is_bag(path) {
@@ -98,6 +87,17 @@ pub fn run(arguments: &LeadArguments) -> Result<ExitCode, Error> {
     }
     print::show(arguments.json, &document)?;
     Ok(if refusal.is_some() { ExitCode::FAILURE } else { ExitCode::SUCCESS })
+}
+
+fn quantity<T: TryFrom<f64, Error = OutOfRange<f64>>>(text: &str) -> Result<T, String> {
+    let number = text.parse::<f64>().map_err(|_| "expected a number")?;
+    T::try_from(number).map_err(|error| error.to_string())
+}
+
+fn after_end(text: &str) -> Result<AfterEnd, String> {
+    let found = AfterEnd::ALL.into_iter().find(|kind| kind.name() == text);
+    let names = || accepted(text, AfterEnd::ALL.iter().map(|kind| kind.name()));
+    found.ok_or_else(|| format!("expected {}", names()))
 }
 
 fn write(path: &Path, text: &str) -> Result<(), Error> {

@@ -11,6 +11,7 @@
 pub mod cacc;
 mod cacc_varied;
 mod columns;
+mod driven;
 mod page;
 mod pictures;
 mod predictive;

@@ -1,6 +1,6 @@
 //! Pictures of a paper, for its page.
 
-use crate::runner::Driven;
+use crate::driven::Driven;
 use group::DriveStep;
 use report::RunPicture;
 use report::chart::{Axis, Curve, Plot, Stroke, Tone};

@@ -3,7 +3,7 @@
 use report::results::Column;
 use serde_json::{Map, Value};
 
-use crate::population::Drive;
+use crate::drive::Drive;
 
 /// Drives with something in common.
 #[derive(Debug)]

@@ -23,6 +23,7 @@
 
 mod curves;
 mod draws;
+mod drive;
 mod effects;
 mod everyday;
 mod figures;
@@ -74,11 +75,19 @@ pub enum PopulationCommand {
 /// As [`frame::run`].
 pub fn run(command: &PopulationCommand) -> Result<ExitCode, Error> {
     match command {
-        PopulationCommand::Signals(command) => study::run::<Signals>(command),
-        PopulationCommand::Curves(command) => study::run::<Curves>(command),
-        PopulationCommand::Everyday(command) => study::run::<Everyday>(command),
-        PopulationCommand::Plausibility(command) => study::run::<Plausibility>(command),
+        PopulationCommand::Signals(command) => drive_all::<Signals>(command),
+        PopulationCommand::Curves(command) => drive_all::<Curves>(command),
+        PopulationCommand::Everyday(command) => drive_all::<Everyday>(command),
+        PopulationCommand::Plausibility(command) => drive_all::<Plausibility>(command),
     }
+}
+
+fn drive_all<P: population::Population>(
+    command: &Command<PopulationArguments>,
+) -> Result<ExitCode, Error> {
+    let Some(table) = &command.study.effects else { return frame::run::<study::Test<P>>(command) };
+    effects::print::<P>(&mut study::Test::of(&command.study)?, table, &command.options.group)?;
+    Ok(ExitCode::SUCCESS)
 }
 
 /// The populations with their purpose in one line.

@@ -12,7 +12,6 @@ use serde_json::{Map, Value, json};
 use crate::figures::{Drives, values};
 use crate::limits;
 use crate::population::{Drive, Finding, Population};
-use crate::study::Test;
 
 /// Most scenario files of drives with a finding.
 const MOST_FILES: usize = 50;
@@ -96,7 +95,12 @@ fn judged<P: Population>(total: &Map<String, Value>) -> Vec<Judged> {
     limits::of(P::NAME).map(judge).collect()
 }
 
-pub fn document<P: Population>(study: &Test<P>, drives: &[Drive<P::Facts>]) -> Document {
+/// `repeat` is the command of a drive, and `scenario` its file.
+pub fn document<P: Population>(
+    drives: &[Drive<P::Facts>],
+    repeat: &dyn Fn(&Planned) -> String,
+    scenario: &dyn Fn(&Planned) -> Result<Scenario, Error>,
+) -> Document {
     let counted = drives.iter().filter(|drive| P::counts(drive));
     let counted = Drives { labels: Vec::new(), all: counted.collect() };
     let mut total = Map::new();
@@ -109,7 +113,7 @@ pub fn document<P: Population>(study: &Test<P>, drives: &[Drive<P::Facts>]) -> D
                 Finding::Breaks(words) => (true, words),
                 Finding::Counts(words) => (false, words),
             };
-            let (name, repeat) = (drive.planned.name(), study.repeat(&drive.planned));
+            let (name, repeat) = (drive.planned.name(), repeat(&drive.planned));
             Some((drive, Failure { drive: name, finding, repeat, breaks }))
         })
         .collect();
@@ -180,7 +184,7 @@ pub fn document<P: Population>(study: &Test<P>, drives: &[Drive<P::Facts>]) -> D
         .table(Table::new("Requirements of the command", LEAST, &margins));
     for drive in files.into_iter().take(MOST_FILES) {
         let name = drive.planned.name().replace([' ', ',', '+'], "-");
-        if let Ok(scenario) = study.scenario(&drive.planned) {
+        if let Ok(scenario) = scenario(&drive.planned) {
             document = document.file(&format!("{name}.toml"), scenario.to_toml());
         }
     }

@@ -2,11 +2,10 @@
 
 use std::collections::BTreeSet;
 use std::num::NonZeroUsize;
-use std::process::ExitCode;
 
 use clap::Args;
 use frame::batch::{Done, Job};
-use frame::{Command, Found, RunOptions, Study};
+use frame::{Found, RunOptions, Study};
 use group::{Error, LawOptions, UsageError};
 use report::figures::Values;
 use report::results::Document;
@@ -14,7 +13,7 @@ use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 
 use crate::population::{Drive, DriveOptions, Planned, Population};
-use crate::{effects, results};
+use crate::results;
 
 /// Arguments of all populations.
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
@@ -43,12 +42,6 @@ pub struct PopulationArguments {
     /// Print the effect of each number of a table instead: of a law's, `following`, `plausibility` or `v2x-sim`
     #[arg(long, value_name = "TABLE")]
     pub effects: Option<String>,
-}
-
-pub fn run<P: Population>(command: &Command<PopulationArguments>) -> Result<ExitCode, Error> {
-    let Some(table) = &command.study.effects else { return frame::run::<Test<P>>(command) };
-    effects::print::<P>(&mut Test::of(&command.study)?, table, &command.options.group)?;
-    Ok(ExitCode::SUCCESS)
 }
 
 /// A population with its drives.
@@ -165,6 +158,8 @@ impl<P: Population> Study for Test<P> {
 
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
         let drives: Vec<_> = found.records.all()?.into_iter().map(|(_, drive)| drive).collect();
-        Ok(results::document(self, &drives))
+        Ok(results::document::<P>(&drives, &|planned| self.repeat(planned), &|planned| {
+            self.scenario(planned)
+        }))
     }
 }

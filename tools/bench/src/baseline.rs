@@ -1,27 +1,14 @@
 //! Comparison with an earlier benchmark, on this or another machine, by ratios to the floor.
 
-use super::results::{Report, TransportRow};
+use super::results::{Change, Report, TransportRow};
 use group::{Error, UsageError};
 use runtime::statistics::Percentiles;
-use schemars::JsonSchema;
-use serde::Serialize;
 use std::path::Path;
 
 /// Fewest samples for a meaningful 99th percentile.
 const ENOUGH: u64 = 1000;
 /// Misses above the floor's that may be chance.
 const CHANCE: f64 = 5.0;
-
-/// A figure over its floor, then and now.
-#[derive(Clone, Debug, Serialize, JsonSchema)]
-pub struct Change {
-    pub what: String,
-    /// Ratio to the floor of the earlier run.
-    pub then: f64,
-    /// Ratio to the floor of this run.
-    pub now: f64,
-    pub worse: bool,
-}
 
 pub fn read(path: &Path) -> Result<Report, Error> {
     let error = |reason| Error::Path { action: "read", path: path.to_owned(), reason };

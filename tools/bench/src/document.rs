@@ -3,7 +3,7 @@
 use super::goals::{Goal, Verdict};
 use super::results::{DeadlineRow, FloorRow, PairedRow, Report, TransportRow};
 use super::setup::Conditions;
-use super::{WAKE_UPS, baseline::Change, results::ChainRow};
+use super::{WAKE_UPS, results::ChainRow, results::Change};
 use report::chart::{Stroke, Tone};
 use report::html::figure;
 use report::output::{HISTOGRAMS, histogram_log};

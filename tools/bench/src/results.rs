@@ -1,6 +1,5 @@
 //! `bench.json`: stable names for the measurements. A figure that is not available is null.
 
-use super::baseline::Change;
 use super::goals::Goal;
 use super::paired::{Compared, Comparison};
 use super::setup::{Conditions, Load, Placement, Scheduling};
@@ -225,4 +224,15 @@ impl Floor {
         }
         self.rows.push(row);
     }
+}
+
+/// A figure over its floor, then and now.
+#[derive(Clone, Debug, Serialize, JsonSchema)]
+pub struct Change {
+    pub what: String,
+    /// Ratio to the floor of the earlier run.
+    pub then: f64,
+    /// Ratio to the floor of this run.
+    pub now: f64,
+    pub worse: bool,
 }

@@ -1,7 +1,7 @@
 //! Charts of the motion across a road with a plan.
 
 use crate::chart::{Curve, Plot, Tone};
-use crate::drive::marks;
+use crate::over_time::marks;
 use crate::picture::RunPicture;
 
 /// Height of a chart, px.

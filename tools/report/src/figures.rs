@@ -36,10 +36,8 @@ use statistics::Spread;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-use crate::results::{Column, Format, Good, column};
+use crate::results::Good;
 use crate::summary::{Control, LawAccount, Summary, Timing};
-
-const MEAN_DECIMALS: usize = 2;
 
 #[derive(Clone, Copy, Debug)]
 pub struct Figure {
@@ -126,39 +124,6 @@ impl<'a> From<&'a Summary> for Measured<'a> {
 }
 
 impl Figure {
-    /// A column whose rows have the figure at its name in their JSON.
-    #[must_use]
-    pub const fn column<R>(&self) -> Column<R> {
-        let format = match self.decimals {
-            0 => Format::Count,
-            decimals => Format::Decimals(decimals),
-        };
-        self.formatted(format)
-    }
-
-    /// A column of rows that keep the figures of their drive.
-    #[must_use]
-    pub const fn of<R>(&self, values: fn(&R) -> &Values) -> Column<R> {
-        self.column().figure(*self, values)
-    }
-
-    /// A column of rows that fold several runs: a number, or an object `{mean, deviation, n}`.
-    #[must_use]
-    pub fn folded<R>(&self) -> Column<R> {
-        match (self.fold, self.decimals) {
-            (Fold::Mean, 0) => self.formatted(Format::Mean(MEAN_DECIMALS)),
-            (_, decimals) => self.formatted(Format::Mean(decimals)),
-        }
-    }
-
-    const fn formatted<R>(&self, format: Format) -> Column<R> {
-        let Self { name, heading, unit, meaning, .. } = *self;
-        let mut column = column(name, heading, unit, format, meaning);
-        column.head.good = self.good;
-        column.head.weight = self.weight;
-        column
-    }
-
     /// Its value in a run; none where it does not apply.
     pub fn value<'a>(&self, run: impl Into<Measured<'a>>) -> Option<f64> {
         (self.of)(&run.into())

@@ -23,13 +23,13 @@
 pub mod chart;
 mod compare;
 mod curve_plots;
-mod drive;
 mod duration;
 pub mod fault;
 pub mod figures;
 pub mod html;
 mod lateral;
 pub mod output;
+mod over_time;
 mod picture;
 mod plane;
 mod plane_road;

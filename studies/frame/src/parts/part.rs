@@ -10,7 +10,7 @@ use serde::de::DeserializeOwned;
 use super::begun::{self, Begun, SoFar};
 use super::file::resume_command;
 use super::journal::{self, Journal};
-use super::{FILE, Line, PartFile, Records, Shard};
+use super::{FILE, Line, PartFile, Records, Shard, holds};
 use crate::drives::Drive;
 
 /// A part under way: its journal and what is left to do.

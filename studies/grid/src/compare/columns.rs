@@ -3,12 +3,11 @@
 use report::figures::{
     CYCLES_BY_BACKUP, DEADLINE_MISSES, FINAL_GAP_ERROR_M, Figure, MAX_ACCEL_MPS2, compared,
 };
-use report::results::{Column, Schema, Table, count, judged, micros, number, outcome, word};
+use report::results::{Column, Table, count, judged, micros, number, outcome, word};
 use report::verdicts;
 use serde_json::{Value, json};
 
 use super::differences::Difference;
-use super::results::Comparison;
 use crate::point::Point;
 use crate::row::Row;
 
@@ -100,9 +99,4 @@ pub fn differences(all: &[Difference]) -> Vec<Table> {
     let real = Table::of(&format!("Real differences from {reference}"), DIFFERENCES, real);
     let all = Table::new(&format!("All differences from {reference}"), DIFFERENCES, all);
     vec![real.for_terminals().without_cases(), all.for_pages().without_cases()]
-}
-
-/// Contents of the JSON.
-pub fn schema() -> Schema {
-    Schema::of::<Comparison>("compare")
 }

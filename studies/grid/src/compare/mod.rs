@@ -10,8 +10,8 @@ mod columns;
 mod differences;
 mod results;
 
-pub use columns::schema;
 pub use results::over_seeds;
+pub use results::schema;
 
 use clap::Args;
 use frame::batch::{self, Done, Job};

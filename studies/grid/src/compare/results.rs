@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use group::report::Outcome;
-use report::results::Document;
+use report::results::{Document, Schema};
 use report::summary::braked;
 use report::{RunPicture, overlay};
 use schemars::JsonSchema;
@@ -157,6 +157,11 @@ fn backup(rows: &[Row]) -> String {
     }
 }
 
+/// Contents of the JSON.
+pub fn schema() -> Schema {
+    Schema::of::<Comparison>("compare")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -175,7 +180,7 @@ mod tests {
             }
             assert!(!text.contains("-0.0") && !text.contains("−0.0"), "{text}");
         }
-        let wrong = report::results::check(&columns::schema().json(), &document.value());
+        let wrong = report::results::check(&schema().json(), &document.value());
         assert_eq!(wrong, [""; 0]);
         assert!(document.junit().contains("name=\"following, acc-mpc\""), "{}", document.junit());
     }
@@ -224,7 +229,7 @@ mod tests {
         assert!(junit.contains("name=\"following, acc-mpc, 4\""), "{junit}");
         assert_eq!(junit.matches("<failure").count(), 2, "the run and the verdict: {junit}");
         assert!(json["rule"].as_str().expect("words").contains("Hartigan"));
-        let wrong = report::results::check(&columns::schema().json(), &json);
+        let wrong = report::results::check(&schema().json(), &json);
         assert_eq!(wrong, [""; 0]);
         let rows = json["rows"].to_string();
         let again = over_seeds(&rows).expect("the rows of a result");

@@ -1,6 +1,6 @@
 //! Figures computed without processes: the full-route plan, human driver models, generated roads.
 
-use super::savings::{PLAN_POINTS, Reconstructed, SKILLED, TEST};
+use super::expected::{PLAN_POINTS, Reconstructed, SKILLED, TEST};
 use super::{ROAD_M, SET_SPEED_MPS};
 use crate::row::{Kind, Row, Tolerance, reconstruction, requirement, within};
 use crate::runner::Runner;

@@ -17,6 +17,7 @@ use group::DriveStep;
 use truck_model::{Preset, Truck};
 
 mod computed;
+mod expected;
 mod following;
 mod savings;
 

@@ -1,6 +1,7 @@
 //! The saving table: fuel on the given road at equal trip time. Its headline is fuel and saving against a skilled
 //! driver, for each truck and planner, with all brakes and with none.
 
+use super::expected::{PLAN_POINTS, RECONSTRUCTED, Reconstructed, SKILLED, TEST};
 use super::{ROAD_M, computed, litres, slower_percent, trip};
 use crate::pictures::{Gallery, Pictures, over_road};
 use crate::row::{EXACT, Kind, Row, Tolerance, paper, reconstruction, requirement, within};
@@ -13,39 +14,6 @@ use truck_model::Preset;
 const MAX_ATTEMPTS: usize = 3;
 /// Largest difference of trip times that counts as none, percent.
 const EQUAL_TIME_PERCENT: f64 = 0.1;
-/// Fuel that the reconstruction gives for a preset: the baseline in L/100 km, then percent against it.
-pub struct Reconstructed {
-    pub preset: Preset,
-    constant_speed: f64,
-    /// In the order of [`PLANNERS`].
-    planners: [f64; 2],
-    pub full_route: f64,
-    /// Standard deviations of 2.5 and 4 km/h.
-    pub humans: [f64; 2],
-}
-
-const RECONSTRUCTED: [Reconstructed; 2] = [
-    Reconstructed {
-        preset: Preset::Jh6At49T,
-        constant_speed: 34.25,
-        planners: [-5.05, -7.6],
-        full_route: -7.8,
-        humans: [1.6, 2.8],
-    },
-    Reconstructed {
-        preset: Preset::Jh6At25T,
-        constant_speed: 21.81,
-        planners: [-2.15, -3.3],
-        full_route: -3.4,
-        humans: [2.1, 3.6],
-    },
-];
-
-/// Planners against the reconstruction's, percentage points.
-pub const PLAN_POINTS: Tolerance = within(
-    0.3,
-    "another implementation of a planner on a grid; the n = 2 scheme is given as a range 0.1 to 0.3 wide",
-);
 /// Trip times, percent.
 const SAME_TIME: Tolerance =
     within(EQUAL_TIME_PERCENT, "0.1 % of trip time is worth about 0.1 % of fuel");
@@ -60,9 +28,7 @@ const ABOUT: Tolerance = within(
 const PRINTED_RANGE: Tolerance = within(1.0, "printed as the range 6 to 8 %");
 
 /// The paper's sentences.
-pub const TEST: &str = "the test without other vehicles, at a set speed of 75 km/h";
 const STEPS: &str = "steps 4 to 6: rolling optimisation with n = 2, torque constant per segment";
-pub const SKILLED: &str = "a skilled driver's fuel on the same road (about 22 L)";
 const FEWER: &str = "figure 6: stretches of several slopes become one, fewer segments";
 const NO_BRAKE: &str = "it controls neither throttle nor brakes, but engine torque directly";
 const MAP: &str = "the slope ahead is the on-board map's; the truck is loaded to its full mass";

@@ -17,6 +17,7 @@
 use std::fmt::Write;
 
 use super::lead;
+pub use super::signal::Signal;
 use crate::draws::Draws;
 use crate::scene::{Scene, fixed};
 
@@ -28,25 +29,6 @@ const REACTION_S: f64 = 1.5;
 const GENTLE_MPS2: f64 = 2.0;
 /// Range within which the rival's eyes replace the radio, m: beyond its sight distance.
 const EYES_M: f64 = 300.0;
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Signal {
-    /// Position of its stop line, m.
-    pub line_m: f64,
-    /// Lengths of green, yellow and red, s.
-    pub lengths_s: [f64; 3],
-    /// Time by which its program is ahead at the start, s.
-    pub offset_s: f64,
-}
-
-impl Signal {
-    /// 0 green, 1 yellow, 2 red.
-    pub fn phase_at(&self, time_s: f64) -> usize {
-        let [green_s, yellow_s, red_s] = self.lengths_s;
-        let into_s = (time_s + self.offset_s) % (green_s + yellow_s + red_s);
-        usize::from(into_s >= green_s) + usize::from(into_s >= green_s + yellow_s)
-    }
-}
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Corridor {

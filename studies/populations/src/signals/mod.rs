@@ -8,6 +8,7 @@ mod bound;
 pub mod corridor;
 mod judge;
 mod lead;
+mod signal;
 
 use frame::batch::Done;
 use group::Error;

@@ -20,8 +20,6 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::matrix::Matrix;
-use super::results::{Figures, LawResult};
-use crate::Model;
 
 /// Share of the cases that a model masters in which a law may collide.
 const FEW: f64 = 0.005;
@@ -34,7 +32,20 @@ pub struct Limit {
     /// The cases of which that is a share, for people.
     of: &'static str,
     /// The collisions that count, and the cases of which they are a share.
-    count: fn(&Figures, &LawResult) -> Option<(u32, u32)>,
+    count: fn(&Counts) -> Option<(u32, u32)>,
+}
+
+/// Numbers of a law's cases that a limit may count.
+#[derive(Clone, Copy, Debug)]
+pub struct Counts {
+    pub cases: u32,
+    pub collisions: u32,
+    pub mastered_by_both: u32,
+    /// Collisions of the law in those.
+    pub avoidable_by_both: u32,
+    pub of_regulation: Option<u32>,
+    /// Collisions in the cases that `careful-driver` masters from the law's gap, and these cases.
+    pub from_its_gap: Option<(u32, u32)>,
 }
 
 /// A figure that is held against a limit.
@@ -65,22 +76,22 @@ impl Limit {
     const MASTERED_BY_BOTH: Self = Self {
         share: FEW,
         of: "the cases that both models master",
-        count: |figures, law| Some((law.avoidable.both, figures.mastered_by_both)),
+        count: |counts| Some((counts.avoidable_by_both, counts.mastered_by_both)),
     };
     const THIRD_OF_REGULATION: Self = Self {
         share: OF_REGULATION,
         of: "the number with regulation",
-        count: |figures, law| Some((law.collisions, figures.models[Model::Regulation.name()]?)),
+        count: |counts| Some((counts.collisions, counts.of_regulation?)),
     };
     const NO_COLLISION: Self = Self {
         share: 0.0,
         of: "the cases",
-        count: |figures, law| Some((law.collisions, figures.cases)),
+        count: |counts| Some((counts.collisions, counts.cases)),
     };
     const MASTERED_FROM_ITS_GAP: Self = Self {
         share: FEW,
         of: "the cases that careful-driver masters from the law's gap",
-        count: |_, law| law.from_its_gap.as_ref().map(|model| (model.avoidable, model.mastered)),
+        count: |counts| counts.from_its_gap,
     };
 
     /// The limit over all the cases of a matrix.
@@ -97,8 +108,8 @@ impl Limit {
         (matrix == Matrix::CutIn).then_some(&Self::THIRD_OF_REGULATION)
     }
 
-    pub fn hold(&self, figures: &Figures, law: &LawResult, is_sample: bool) -> Option<Held> {
-        let (count, of) = (self.count)(figures, law)?;
+    pub fn hold(&self, counts: &Counts, is_sample: bool) -> Option<Held> {
+        let (count, of) = (self.count)(counts)?;
         Some(self.held(count, of, is_sample))
     }
 

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::limits::{Held, Limit, Position};
+use super::limits::{Counts, Held, Limit, Position};
 use super::matrix::{Case, Matrix};
 use crate::{Model, Outcome, Verdict, cut_in};
 
@@ -197,7 +197,15 @@ impl Judged {
         };
         for driven in &self.drivers {
             let mut law = self.law(driven, &chosen);
-            law.limit = limit.and_then(|limit| limit.hold(&figures, &law, self.is_sample()));
+            let counts = Counts {
+                cases: figures.cases,
+                collisions: law.collisions,
+                mastered_by_both: figures.mastered_by_both,
+                avoidable_by_both: law.avoidable.both,
+                of_regulation: figures.models[Model::Regulation.name()],
+                from_its_gap: law.from_its_gap.as_ref().map(|gap| (gap.avoidable, gap.mastered)),
+            };
+            law.limit = limit.and_then(|limit| limit.hold(&counts, self.is_sample()));
             figures.laws.push(law);
         }
         figures

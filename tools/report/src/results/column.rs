@@ -5,7 +5,9 @@ use serde_json::Value;
 use std::borrow::Cow;
 
 use super::head::{Format, Good, Head, Kind};
-use crate::figures::{Figure, Values};
+use crate::figures::{Figure, Fold, Values};
+
+const MEAN_DECIMALS: usize = 2;
 
 /// A column of rows `R`.
 ///
@@ -245,6 +247,41 @@ pub fn at<'a>(json: &'a Value, path: &str) -> Option<&'a Value> {
         Value::Array(list) => list.get(part.parse::<usize>().ok()?),
         json => json.get(part),
     })
+}
+
+impl Figure {
+    /// A column whose rows have the figure at its name in their JSON.
+    #[must_use]
+    pub const fn column<R>(&self) -> Column<R> {
+        let format = match self.decimals {
+            0 => Format::Count,
+            decimals => Format::Decimals(decimals),
+        };
+        self.formatted(format)
+    }
+
+    /// A column of rows that keep the figures of their drive.
+    #[must_use]
+    pub const fn of<R>(&self, values: fn(&R) -> &Values) -> Column<R> {
+        self.column().figure(*self, values)
+    }
+
+    /// A column of rows that fold several runs: a number, or an object `{mean, deviation, n}`.
+    #[must_use]
+    pub fn folded<R>(&self) -> Column<R> {
+        match (self.fold, self.decimals) {
+            (Fold::Mean, 0) => self.formatted(Format::Mean(MEAN_DECIMALS)),
+            (_, decimals) => self.formatted(Format::Mean(decimals)),
+        }
+    }
+
+    const fn formatted<R>(&self, format: Format) -> Column<R> {
+        let Self { name, heading, unit, meaning, .. } = *self;
+        let mut column = column(name, heading, unit, format, meaning);
+        column.head.good = self.good;
+        column.head.weight = self.weight;
+        column
+    }
 }
 
 #[cfg(test)]

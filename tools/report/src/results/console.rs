@@ -8,8 +8,8 @@
 use serde_json::Value;
 use std::ops::Range;
 
-use super::document::Fact;
 use super::head::Format;
+use super::table::Fact;
 use super::table::Table;
 use crate::table::{Align, TextTable};
 

@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::console;
-use super::table::Table;
+use super::table::{Fact, Table};
 use crate::html::Tile;
 
 /// Most findings that a terminal shows.
@@ -22,9 +22,6 @@ pub enum Part {
     /// Facts below a heading, which a terminal leaves out.
     Facts(String, Vec<Fact>),
 }
-
-/// A name and its value in words. A fact without a name belongs to the one before it.
-pub type Fact = (String, String);
 
 /// A finding against the verdict, and the command that repeats it.
 #[derive(Clone, Debug, PartialEq, Eq)]

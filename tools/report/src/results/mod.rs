@@ -28,8 +28,8 @@ pub use column::{
     Column, at, column, count, fact, flag, judged, micros, nested, number, outcome, value, word,
 };
 pub use console::{folded, width};
-pub use document::{Broken, Document, Fact, Part};
+pub use document::{Broken, Document, Part};
 pub use head::{Format, Good, Head, Kind};
 pub use options::{ExportError, ResultOptions};
 pub use schema::{Object, Schema, check, document as schema_document};
-pub use table::{Table, csv_fields, csv_names, field};
+pub use table::{Fact, Table, csv_fields, csv_names, field};

@@ -7,6 +7,9 @@ use super::column::{Column, cells};
 use super::head::{Good, Head};
 use crate::table::csv_row;
 
+/// A name and its value in words. A fact without a name belongs to the one before it.
+pub type Fact = (String, String);
+
 /// A table of a result. It does not depend on the type of its rows any more.
 #[derive(Clone, Debug)]
 pub struct Table {

@@ -12,7 +12,7 @@ use crate::html::{Tile, figure};
 use crate::picture::{RunPicture, letter};
 use crate::results::{Broken, Column, Document, Format, Table, column, count, word};
 use crate::summary::Summary;
-use crate::{curve_plots, drive, fault, print, verdicts};
+use crate::{curve_plots, fault, over_time, print, verdicts};
 use group::report::Outcome;
 use group::{FaultRecord, RequirementVerdict};
 use scenario::Scenario;
@@ -140,13 +140,15 @@ fn faults(records: &[FaultRecord]) -> Table {
 
 /// Charts of the drive.
 pub fn pictures(run: &RunPicture) -> String {
-    let following = [drive::gap(run), drive::time_gap(run), drive::time_to_collision(run)];
-    let plots = [drive::speed(run)].into_iter().chain(following.into_iter().flatten());
-    let motion = plots.chain([drive::acceleration(run), drive::jerk(run), drive::road(run)]);
-    let below = curve_plots::plots(run).into_iter().chain(drive::profile(run));
-    let below = below.chain(drive::powertrain(run));
+    let following =
+        [over_time::gap(run), over_time::time_gap(run), over_time::time_to_collision(run)];
+    let plots = [over_time::speed(run)].into_iter().chain(following.into_iter().flatten());
+    let motion =
+        plots.chain([over_time::acceleration(run), over_time::jerk(run), over_time::road(run)]);
+    let below = curve_plots::plots(run).into_iter().chain(over_time::profile(run));
+    let below = below.chain(over_time::powertrain(run));
     let drawn: String = motion.map(|plot| figure(&plot)).collect();
-    let modes = drive::modes(run).map_or_else(String::new, |modes| figure(&modes));
+    let modes = over_time::modes(run).map_or_else(String::new, |modes| figure(&modes));
     let below: String = below.map(|plot| figure(&plot)).collect();
     let above = run.plane.as_ref().map_or_else(String::new, |plane| plane.html());
     format!("{above}<div class=\"columns\">\n{drawn}{modes}{below}</div>\n")
