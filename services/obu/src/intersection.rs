@@ -161,8 +161,7 @@ impl Intersection {
                 self.senders.push(Sender { station, made_ns, words, revision, timings, candidate });
             }
         }
-        if self.disagree(moment.now_ns, numbers, Timing::agrees_with) {
-            self.renew(moment.now_ns, numbers);
+        if self.disagree(moment.now_ns, numbers) {
             return Verdict::Contradicting;
         }
         let Some(map) = &self.map else { return Verdict::UnknownIntersection };
@@ -203,15 +202,11 @@ impl Intersection {
         if is_taken { Verdict::Accepted } else { Verdict::Contradicting }
     }
 
-    /// The newest timing of a signal group: without its ends if senders differ about them, `None` if they differ about
-    /// the shown phase.
+    /// The newest timing of a signal group; `None` if senders differ. One of them is false, and so may be its green.
     #[must_use]
-    pub fn timing(&self, signal_group: u8, now_ns: i64, numbers: &Numbers) -> Option<Timing> {
+    pub fn timing(&self, signal_group: u8, now_ns: i64, numbers: &Numbers) -> Option<&Timing> {
         let timings = &self.accepted(now_ns, numbers)?.timings;
-        let timing = timings.iter().find(|timing| timing.signal_group == signal_group)?;
-        let differ = self.disagree(now_ns, numbers, Timing::agrees_with);
-        let timing = if differ { timing.without_ends(now_ns as f64 / 1e9) } else { timing.clone() };
-        (!timing.phases.is_empty()).then_some(timing)
+        timings.iter().find(|timing| timing.signal_group == signal_group)
     }
 
     /// Notes the instant of the accepted timing.
@@ -220,26 +215,21 @@ impl Intersection {
         self.certain_ns = self.certain_ns.max(made_ns);
     }
 
-    /// The sender of the newest timing that fits the map, unless another sender shows another phase. A sender of a
+    /// The sender of the newest timing that fits the map, unless another sender contradicts. A sender of a
     /// single message counts only if it is alone.
     fn accepted(&self, now_ns: i64, numbers: &Numbers) -> Option<&Sender> {
         let revision = self.map.as_ref()?.revision();
-        if self.disagree(now_ns, numbers, Timing::shows_as) {
+        if self.disagree(now_ns, numbers) {
             return None;
         }
         let fitting = self.senders.iter().filter(|sender| sender.revision == revision);
         fitting.max_by_key(|sender| (sender.words.min(2), sender.made_ns))
     }
 
-    /// True if two senders with standing timing do not `fit`. The silence of one does not confirm the other.
-    fn disagree(
-        &self,
-        now_ns: i64,
-        numbers: &Numbers,
-        fit: fn(&Timing, &Timing, f64, &Numbers) -> bool,
-    ) -> bool {
+    /// True if two senders with standing timing contradict each other. The silence of one does not confirm the other.
+    fn disagree(&self, now_ns: i64, numbers: &Numbers) -> bool {
         let once_ns = Numbers::nanoseconds(numbers.once_stands_s);
-        let fits = |a: &Timing, b: &Timing| fit(a, b, now_ns as f64 / 1e9, numbers);
+        let fits = |a: &Timing, b: &Timing| a.agrees_with(b, now_ns as f64 / 1e9, numbers);
         let stands = |sender: &&Sender| sender.words >= 2 || now_ns - sender.made_ns <= once_ns;
         let standing: Vec<&Sender> = self.senders.iter().filter(stands).collect();
         standing.iter().enumerate().any(|(place, one)| {

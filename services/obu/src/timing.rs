@@ -93,15 +93,6 @@ impl Timing {
         true
     }
 
-    /// The same without the ends, where senders differ about them from `now_s` on.
-    #[must_use]
-    pub fn without_ends(&self, now_s: f64) -> Self {
-        let mut phases = self.phases.iter().skip_while(|phase| phase.ends_s[1] <= now_s);
-        let shown = phases.next();
-        let phases = shown.map_or_else(Vec::new, |shown| shown_alone(shown, phases.next(), now_s));
-        Self { signal_group: self.signal_group, phases }
-    }
-
     /// Writes the timing into a message.
     pub fn write(&self, intersection_id: u16, signal: &mut Signal) {
         signal.intersection_id = intersection_id.into();
