@@ -4,11 +4,8 @@ use std::cell::Cell;
 use std::sync::Arc;
 
 use frame::Crew;
-use frame::batch::{self, Done, Job};
-use group::{Drive, DriveStep, Error, GroupOptions, ScenarioOptions};
-use report::RunPicture;
-use report::summary::Summary;
-use scenario::Scenario;
+use frame::batch::{self, Job};
+use group::Error;
 
 use super::Pictures;
 pub use super::driven::Driven;

@@ -4,12 +4,10 @@ use std::ops::Range;
 
 use controller::laws;
 use frame::batch::Done;
-use group::report::Outcome;
-use group::{Error, LawOptions, RequirementVerdict, UsageError};
-use report::figures::{self, Values};
+use group::{Error, LawOptions, UsageError};
 use scenario::{Overrides, Scenario};
+use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
 
 pub use crate::drive::{Drive, Planned};
 use crate::figures::{Figure, Group};

@@ -2,16 +2,18 @@
 
 use std::collections::BTreeSet;
 
+use group::Error;
 use report::results::{
     Column, Document, Format, Kind, Schema, Table, column, count, flag, nested, number, word,
 };
 use report::verdicts::{LEAST, Least, least};
+use scenario::Scenario;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use crate::figures::{Drives, values};
 use crate::limits;
-use crate::population::{Drive, Finding, Population};
+use crate::population::{Drive, Finding, Planned, Population};
 
 /// Most scenario files of drives with a finding.
 const MOST_FILES: usize = 50;
