@@ -162,7 +162,7 @@ fn groups(command: &clap::Command) -> String {
     let group = |(title, names): &(&str, &[&str])| {
         format!("{title}:\n{}\n", names.iter().map(line).collect::<String>())
     };
-    GROUPS.iter().map(group).collect()
+    GROUPS.iter().map(group).collect::<String>().trim_end().to_owned()
 }
 
 impl Cli {
