@@ -103,7 +103,7 @@ pub fn full_disk() {
         .expect("it starts");
     let said = text(&output);
     assert_eq!(output.status.code(), Some(3), "{said}");
-    assert!(said.contains("stop line") && said.contains("No space left"), "{said}");
+    assert!(said.contains("crossing") && said.contains("No space left"), "{said}");
     assert!(!said.contains("report  "), "a page is named that is not there: {said}");
     assert!(!said.contains(".part") && !said.contains(".new"), "a half file is left: {said}");
     assert!(!said.contains("read too late"), "the disk is why messages are lost: {said}");

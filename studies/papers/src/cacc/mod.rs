@@ -157,11 +157,14 @@ pub fn keys(scene: &Scene, weights: &Weights, table_3_lead_mps2: f64) -> Vec<Str
     weights.chain((scene.name == "T3").then_some(lead)).collect()
 }
 
+/// Drives a scenario with these keys.
+pub type DriveKeys<'a> = dyn Fn(&str, &[&str]) -> Result<Driven, Error> + 'a;
+
 /// Drives both laws through a scene: ACC, then CACC.
 pub fn both_laws(
     scene: &Scene,
     keys: &[String],
-    drive: &dyn Fn(&str, &[&str]) -> Result<Driven, Error>,
+    drive: &DriveKeys<'_>,
 ) -> Result<[Driven; 2], Error> {
     let of = |law: &str| {
         let name = format!("controller.name={law}");

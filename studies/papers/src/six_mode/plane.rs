@@ -58,10 +58,11 @@ fn in_modes(driven: &Driven) -> Vec<Curve> {
     let modes: Vec<_> = modes.map(|step| step.mode).collect();
     let (speeds, gaps) = (driven.figure("relative_speed_mps"), driven.figure("gap_m"));
     let curve = |(mode, name): (u32, &&str)| {
-        let places = modes.iter().zip(speeds.iter().zip(&gaps));
-        let at = |(seen, (v_r, gap_m)): (&Option<u32>, (&(f64, f64), &(f64, f64)))| {
-            if *seen == Some(mode) { (v_r.1, gap_m.1) } else { (f64::NAN, f64::NAN) }
+        let at = |place: usize| match modes[place] {
+            Some(seen) if seen == mode => (speeds[place].1, gaps[place].1),
+            _ => (f64::NAN, f64::NAN),
         };
+        let places = 0..modes.len().min(speeds.len()).min(gaps.len());
         Curve::new(name, Tone::Series(mode as usize % 5), places.map(at).collect())
     };
     (1..).zip(&Mode::NAMES[1..]).map(curve).collect()
