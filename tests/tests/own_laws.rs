@@ -90,7 +90,15 @@ fn a_file_declares_laws_and_a_sweep_turns_their_knobs() {
 fn a_law_that_does_not_forget_is_found() {
     let corner = Corner::new(PROGRAM);
     let sweep = |law: &str| {
-        let points = ["sweep", "following", "--duration", "3", "--param", "set_speed_mps=20,21,22"];
+        let points = [
+            "sweep",
+            "following",
+            "--duration",
+            "3",
+            "--param",
+            "set_speed_mps=20,21,22",
+            "--verify-processes",
+        ];
         corner.run(&[&points[..], &["--jobs", "1", "--json", "--law", law]].concat())
     };
     let forgets = sweep(&law("mine", "follow"));
