@@ -197,7 +197,7 @@ fn an_answer_that_is_no_number_is_refused_in_its_cycle() {
     assert_eq!(count("cycles"), count("answered") + count("backup"), "{summary}");
     assert_eq!((count("refused"), count("late")), (count("backup"), 0), "{summary}");
     let page = std::fs::read_to_string(corner.path().join("out/report.html")).expect("written");
-    assert!(page.contains("Driven by the backup: "), "the page says who drove");
+    assert!(page.contains("cycles by the backup, not by"), "the page says who drove");
     assert!(summary["timing"]["law_program"]["refused"].as_u64() > Some(10), "{summary}");
     assert!(summary["timing"]["backup_cycles"].as_u64() > Some(10), "{summary}");
     let failure = summary["timing"]["law_program"]["failures"][0].as_str().unwrap_or_default();
