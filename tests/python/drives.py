@@ -29,7 +29,8 @@ def main():
     for drive in drives:
         at = place(drive)
         assert abs(ends[at] - float(drive["duration_s"])) < 0.1, (drive, ends[at])
-        if drive["min_gap_m"] and at in gaps:
+        # The gap of a collision is that of the vehicle that came in beside, which no step has ahead.
+        if drive["min_gap_m"] and at in gaps and drive["outcome"] != "collision":
             assert abs(gaps[at] - float(drive["min_gap_m"])) < 0.5, (drive, gaps[at])
     print(len(drives))
 
