@@ -55,7 +55,7 @@ struct Sheet {
 impl Sheet {
     fn acquisition(&mut self, steps: &[DriveStep]) {
         "target-acquisition-range".clone_into(&mut self.test);
-        let ranges = steps.iter().filter_map(|step| Some((step.gap_m?, step.request_mps2)));
+        let mut ranges = steps.iter().filter_map(|step| Some((step.gap_m?, step.request_mps2)));
         let reacts = |request_mps2: Option<f64>| request_mps2.is_some_and(|a| a < -REACTION_MPS2);
         let reacted_m = ranges.clone().find(|(_, request_mps2)| reacts(*request_mps2));
         let reacted_m = reacted_m.map(|(gap_m, _)| gap_m);
@@ -65,7 +65,8 @@ impl Sheet {
             reacted_m,
             LONGEST_TIME_GAP_S * APPROACH_MPS,
         );
-        let time_gap_s = ranges.last().zip(steps.last()).map(|((gap_m, _), s)| gap_m / s.speed_mps);
+        let time_gap_s =
+            ranges.next_back().zip(steps.last()).map(|((gap_m, _), s)| gap_m / s.speed_mps);
         self.at_least("settled_time_gap_s", "s", time_gap_s, SHORTEST_TIME_GAP_S);
         self.brakes(steps);
     }
