@@ -11,7 +11,7 @@
 //! In lockstep the same services can also take turns in the launcher's own thread: [`in_process`].
 //!
 //! During a realtime run the supervisor keeps the group whole. It replaces a service that dies or hangs, within its
-//! budget. [`exits`] is the table of all ends. [`faults`] applies the faults of the scenario
+//! budget. `drive::exits` is the table of all ends. [`faults`] applies the faults of the scenario
 //! and those that come in at [`control`].
 
 pub mod control;
