@@ -102,7 +102,7 @@ fn is_starved_and_said() -> bool {
     if starved_ms < 350.0 {
         return false;
     }
-    assert!(said.contains("controller: the machine gave it no processor"), "{said}");
+    assert!(said.contains("starved, ms"), "{said}");
     true
 }
 
