@@ -14,7 +14,7 @@
 //! use doctor::wake_ups::LoopFigures;
 //!
 //! let figures = LoopFigures { period_us: 10_000, budget_us: 1_000, wakes: 200, late: 0, worst_us: 212.0 };
-//! let answer = "a 10 ms loop with a budget of 1 ms holds (0 of 200 late, worst 212 µs)";
+//! let answer = "a 10 ms loop with a budget of 1 ms holds (0 of 200 late, worst 212.0 µs)";
 //! assert_eq!(figures.answer(), answer);
 //! ```
 
