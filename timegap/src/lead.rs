@@ -20,7 +20,7 @@ use std::process::ExitCode;
 a scenario refuses this record because of its gaps."
 )]
 pub struct LeadArguments {
-    /// A CSV file, an MCAP file, a ROS bag or its folder
+    /// A CSV file, an MCAP file or the folder of a ROS 2 bag
     pub file: PathBuf,
     /// Column of each quantity, with its unit: `t=stamp, v=speed:km/h` [default: time_s and speed_mps]
     #[arg(long, value_name = "LIST")]
@@ -107,7 +107,7 @@ fn write(path: &Path, text: &str) -> Result<(), Error> {
 
 fn list(path: &Path, is_json: bool) -> Result<ExitCode, Error> {
     let topics = bags::topics(path)
-        .map_err(|why| UsageError::at(path.display(), why, "an MCAP file or a ROS bag"))?;
+        .map_err(|why| UsageError::at(path.display(), why, "an MCAP file"))?;
     let whole = topics.iter().map(|topic| {
         json!({"name": topic.name, "type": topic.type_name, "messages": topic.messages,
                "fields": topic.fields})

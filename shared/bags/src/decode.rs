@@ -5,13 +5,18 @@ use crate::definition::{DEEPEST, Definition, Field, Kind, Repeat, Scalar};
 /// Most steps of a walk for each byte of the message.
 const STEPS_PER_BYTE: usize = 8;
 
-/// Sequence of a message's fields.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Layout {
-    /// Little-endian CDR behind four bytes of encapsulation: scalars on multiples of their size.
+/// Encoding of the messages of a topic.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) enum Encoding {
+    /// Little-endian CDR behind four bytes of encapsulation, with a definition in ROS 2's language. Scalars stand on
+    /// multiples of their size.
     Cdr,
-    /// ROS 1: little-endian, without gaps.
+    /// ROS 1: little-endian without gaps, with its definition.
     Ros1,
+    /// JSON text.
+    Json,
+    /// Another encoding, by name.
+    Other(String),
 }
 
 /// A message is shorter than its definition, or encoded in another way.
@@ -22,20 +27,18 @@ pub(crate) struct Misfit;
 pub(crate) fn number(
     definition: &Definition,
     path: &str,
-    layout: Layout,
+    is_cdr: bool,
     payload: &[u8],
 ) -> Result<Option<f64>, Misfit> {
-    let bytes = match layout {
-        Layout::Cdr => {
-            payload.strip_prefix(&[0, 1]).and_then(|rest| rest.get(2..)).ok_or(Misfit)?
-        }
-        Layout::Ros1 => payload,
+    let bytes = match is_cdr {
+        true => payload.strip_prefix(&[0, 1]).and_then(|rest| rest.get(2..)).ok_or(Misfit)?,
+        false => payload,
     };
     let Some(path) = path.split('.').map(step).collect::<Option<Vec<_>>>() else {
         return Ok(None);
     };
     let budget = STEPS_PER_BYTE * (bytes.len() + 100);
-    let mut walk = Walk { definition, layout, bytes, at: 0, budget };
+    let mut walk = Walk { definition, is_cdr, bytes, at: 0, budget };
     walk.find(&definition.root, &path, 0)
 }
 
@@ -63,7 +66,8 @@ fn step(part: &str) -> Option<(&str, Option<usize>)> {
 /// A walk over a message, field by field.
 struct Walk<'a> {
     definition: &'a Definition,
-    layout: Layout,
+    /// The layout is CDR's, not ROS 1's.
+    is_cdr: bool,
     bytes: &'a [u8],
     at: usize,
     /// Steps that are left. A definition can ask for more elements than the message has bytes.
@@ -169,7 +173,7 @@ impl Walk<'_> {
             Kind::Struct(name) => {
                 let definition = self.definition;
                 let fields = definition.fields(name).filter(|_| depth < DEEPEST).ok_or(Misfit)?;
-                if fields.is_empty() && self.layout == Layout::Cdr {
+                if fields.is_empty() && self.is_cdr {
                     // CDR has a byte for a struct without fields.
                     return self.pass(1);
                 }
@@ -179,7 +183,7 @@ impl Walk<'_> {
     }
 
     fn align(&mut self, bytes: usize) {
-        if self.layout == Layout::Cdr {
+        if self.is_cdr {
             self.at = self.at.next_multiple_of(bytes);
         }
     }

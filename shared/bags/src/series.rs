@@ -1,18 +1,25 @@
 //! The numbers of one topic as rows.
 
-use crate::decode::{self, Layout};
+use crate::BagError;
+use crate::decode::{self, Encoding};
 use crate::definition::Definition;
-use crate::sink::{Connection, Encoding, Sink};
-use crate::{BagError, mcap, ros1};
+use crate::error::one_of;
+use crate::mcap::{self, Connection, Sink};
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::io::{BufReader, Read, Seek};
 use std::path::{Path, PathBuf};
 
 /// Most messages of a topic that are read.
 const MOST_MESSAGES: usize = 4_000_000;
-/// First bytes of an SQLite database.
-const SQLITE: &[u8] = b"SQLite format 3\0";
+/// Bags of earlier tools by their first bytes: what they are, and what makes an MCAP file of them.
+const EARLIER: [(&[u8], &str, &str); 2] = [
+    (b"#ROSBAG V2.0\n", "a ROS 1 bag", "`rosbags-convert`"),
+    (b"SQLite format 3\0", "an SQLite bag", "`ros2 bag convert`"),
+];
+
+/// First bytes of a file, which say what it is.
+const FIRST: usize = 16;
 
 /// A topic of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -53,7 +60,7 @@ pub struct Series {
     pub rows: Vec<Row>,
 }
 
-/// True if the file at `path` begins like a bag, or a file in the folder `path`. A bag of SQLite counts in every build.
+/// True if the file at `path` begins like a bag, or a file in the folder `path`. Bags that are not read count too.
 #[must_use]
 pub fn is_bag(path: &Path) -> bool {
     if path.is_dir() {
@@ -65,12 +72,13 @@ pub fn is_bag(path: &Path) -> bool {
 }
 
 fn is_bag_file(path: &Path) -> bool {
-    let mut first = [0; 16];
+    let mut first = [0; FIRST];
     // Opening a pipe would wait for its other end.
     let is_file = path.metadata().is_ok_and(|metadata| metadata.is_file());
     let read =
         is_file && File::open(path).is_ok_and(|mut file| file.read_exact(&mut first).is_ok());
-    read && (first.starts_with(&mcap::MAGIC) || first.starts_with(ros1::MAGIC) || first == SQLITE)
+    let kinds = EARLIER.map(|(magic, ..)| magic);
+    read && kinds.iter().chain([&&mcap::MAGIC[..]]).any(|magic| first.starts_with(magic))
 }
 
 /// Lists the topics of the file at `path`, by name.
@@ -93,7 +101,7 @@ pub fn series(path: &Path, topic: &str, fields: &[String]) -> Result<Series, Bag
     collect(topic, fields, |choice| read_path(path, choice))
 }
 
-/// Reads the same from a file in memory or elsewhere. SQLite reads files by their path alone.
+/// Reads the same from a file in memory or elsewhere.
 ///
 /// # Errors
 /// As [`series`].
@@ -124,10 +132,10 @@ fn collect(
     if sources.is_empty() {
         topics.sort_unstable();
         topics.dedup();
-        return Err(BagError::NoTopic { topic: topic.to_owned(), topics });
+        return Err(BagError::topic(format!("no topic `{topic}`")).expecting(one_of(&topics)));
     }
     if rows.is_empty() {
-        return Err(BagError::Empty(topic.to_owned()));
+        return Err(BagError::topic(format!("no messages of topic `{topic}`")));
     }
     // Stable: messages of one instant keep the file's order.
     rows.sort_by_key(|row| row.log_time_ns);
@@ -144,46 +152,43 @@ fn in_folder(path: &Path) -> Result<PathBuf, BagError> {
     bags.sort();
     match bags.pop() {
         Some(bag) if bags.is_empty() => Ok(bag),
-        Some(last) => Err(BagError::Folder { bags: bags.len() + 1, last }),
-        None => Err(BagError::NoBag),
+        Some(last) => {
+            let message = format!("it is a folder with {} bags", bags.len() + 1);
+            Err(BagError::file(message)
+                .expecting(format!("one of them, such as {}", last.display())))
+        }
+        None => Err(no_bag()),
     }
 }
 
-fn open(path: &Path) -> Result<BufReader<File>, BagError> {
-    if !path.metadata()?.is_file() {
-        return Err(BagError::NoBag);
-    }
-    Ok(BufReader::with_capacity(1 << 16, File::open(path)?))
+fn no_bag() -> BagError {
+    BagError::file("it is not a bag").expecting("an MCAP file")
 }
 
 fn read_path(path: &Path, sink: &mut dyn Sink) -> Result<(), BagError> {
     let path = in_folder(path)?;
-    let mut file = open(&path)?;
-    match read(&mut file, sink) {
-        #[cfg(feature = "sqlite")]
-        Err(BagError::Sqlite) => crate::sqlite::read(&path, sink),
-        done => done,
+    if !path.metadata()?.is_file() {
+        return Err(no_bag());
     }
+    read(&mut BufReader::with_capacity(1 << 16, File::open(path)?), sink)
 }
 
 fn read(file: &mut (impl Read + Seek), sink: &mut dyn Sink) -> Result<(), BagError> {
     let mut first = Vec::new();
-    file.by_ref().take(16).read_to_end(&mut first)?;
-    file.seek(SeekFrom::Start(0))?;
+    file.by_ref().take(FIRST as u64).read_to_end(&mut first)?;
     if first.starts_with(&mcap::MAGIC) {
-        mcap::read(file, sink)
-    } else if first.starts_with(ros1::MAGIC) {
-        ros1::read(file, sink)
-    } else if first == SQLITE {
-        Err(BagError::Sqlite)
-    } else {
-        Err(BagError::NoBag)
+        return mcap::read(file, sink);
     }
+    Err(match EARLIER.iter().find(|(magic, ..)| first.starts_with(magic)) {
+        Some((_, kind, program)) => BagError::file(format!("it is {kind}"))
+            .expecting(format!("an MCAP file ({program} makes one of it)")),
+        None => no_bag(),
+    })
 }
 
 /// Collects the topics.
 #[derive(Default)]
-struct Listing(BTreeMap<u32, Topic>);
+struct Listing(BTreeMap<u16, Topic>);
 
 impl Sink for Listing {
     fn connection(&mut self, connection: Connection<'_>) {
@@ -195,7 +200,7 @@ impl Sink for Listing {
         });
     }
 
-    fn message(&mut self, id: u32, _: u64, _: &[u8]) -> Result<(), BagError> {
+    fn message(&mut self, id: u16, _: u64, _: &[u8]) -> Result<(), BagError> {
         if let Some(topic) = self.0.get_mut(&id) {
             topic.messages += 1;
         }
@@ -208,7 +213,7 @@ struct Choice<'a> {
     topic: &'a str,
     fields: &'a [String],
     /// Connections of the topic. A bag can hold several, one for each publisher.
-    sources: BTreeMap<u32, (Definition, Encoding)>,
+    sources: BTreeMap<u16, (Definition, Encoding)>,
     type_name: String,
     rows: Vec<Row>,
     topics: Vec<String>,
@@ -227,26 +232,31 @@ impl Sink for Choice<'_> {
         });
     }
 
-    fn message(&mut self, id: u32, log_time_ns: u64, payload: &[u8]) -> Result<(), BagError> {
+    fn message(&mut self, id: u16, log_time_ns: u64, payload: &[u8]) -> Result<(), BagError> {
         let Some((definition, encoding)) = self.sources.get(&id) else { return Ok(()) };
-        let topic = || self.topic.to_owned();
+        let topic = self.topic;
         if self.rows.len() >= MOST_MESSAGES {
-            return Err(BagError::TooMany { topic: topic(), most: MOST_MESSAGES });
+            let message = format!("topic `{topic}` has more than {MOST_MESSAGES} messages");
+            return Err(BagError::file(message));
         }
-        let broken = || BagError::Message { topic: topic(), index: self.rows.len() + 1 };
         let value = |field: &String| {
             let found = match encoding {
-                Encoding::Cdr => decode::number(definition, field, Layout::Cdr, payload),
-                Encoding::Ros1 => decode::number(definition, field, Layout::Ros1, payload),
+                Encoding::Cdr => decode::number(definition, field, true, payload),
+                Encoding::Ros1 => decode::number(definition, field, false, payload),
                 Encoding::Json => decode::json_number(field, payload),
                 Encoding::Other(name) => {
-                    return Err(BagError::Encoding { topic: topic(), encoding: name.clone() });
+                    let message = format!("topic `{topic}` is encoded as {name}");
+                    return Err(BagError::topic(message).expecting("CDR (ros2msg), ROS 1 or JSON"));
                 }
             };
-            found.map_err(|_| broken())?.ok_or_else(|| BagError::NoField {
-                field: field.clone(),
-                type_name: self.type_name.clone(),
-                fields: definition.numbers(),
+            let number = found.map_err(|_| {
+                let index = self.rows.len() + 1;
+                let fault = "does not fit its definition";
+                BagError::file(format!("message {index} of topic `{topic}` {fault}"))
+            })?;
+            number.ok_or_else(|| {
+                let message = format!("`{field}` is not a number of {}", self.type_name);
+                BagError::field(message).expecting(one_of(&definition.numbers()))
             })
         };
         let values = self.fields.iter().map(value).collect::<Result<_, _>>()?;

@@ -2,7 +2,6 @@
 
 use super::records::{self, HEAD, MAGIC, opcode};
 use super::unpack::{LONGEST_CHUNK, unpack};
-use crate::sink::{Connection, Sink};
 use crate::{BagError, Encoding};
 use std::collections::BTreeMap;
 use std::io::{Read, Seek, SeekFrom};
@@ -13,10 +12,26 @@ const LONGEST_RECORD: u64 = 64 << 20;
 /// Schemas seen so far: name, encoding and definition.
 type Schemas = BTreeMap<u16, (String, String, String)>;
 
+/// A topic's declaration in a file.
+pub(crate) struct Connection<'a> {
+    pub(crate) id: u16,
+    pub(crate) topic: &'a str,
+    pub(crate) type_name: &'a str,
+    pub(crate) definition: &'a str,
+    pub(crate) encoding: Encoding,
+}
+
+/// Receiver of a file's content.
+pub(crate) trait Sink {
+    /// A topic; the same one may come again.
+    fn connection(&mut self, connection: Connection<'_>);
+    /// A message of connection `id`.
+    fn message(&mut self, id: u16, log_time_ns: u64, payload: &[u8]) -> Result<(), BagError>;
+}
+
 /// Hands channels and messages of the file to `sink`, in their order in the file.
 pub(crate) fn read(file: &mut (impl Read + Seek), sink: &mut dyn Sink) -> Result<(), BagError> {
-    let mut magic = [0; MAGIC.len()];
-    file.read_exact(&mut magic)?;
+    file.seek(SeekFrom::Start(MAGIC.len() as u64))?;
     let mut schemas = Schemas::new();
     let mut head = [0; HEAD];
     loop {
@@ -26,20 +41,18 @@ pub(crate) fn read(file: &mut (impl Read + Seek), sink: &mut dyn Sink) -> Result
             Err(error) if error.kind() == std::io::ErrorKind::UnexpectedEof => return Ok(()),
             Err(error) => return Err(error.into()),
         }
-        let (code, length) = records::head(&head).map_err(|_| BagError::Malformed)?;
+        let (code, length) = records::head(&head)?;
         match code {
             opcode::FOOTER => return Ok(()),
             opcode::CHUNK => {
                 let body = body(file, length, LONGEST_CHUNK)?;
-                let chunk = records::chunk(&body).map_err(|_| BagError::Malformed)?;
-                let unpacked =
-                    unpack(&chunk).map_err(|error| BagError::Chunk(error.to_string()))?;
+                let unpacked = unpack(&records::chunk(&body)?).map_err(BagError::chunk)?;
                 let mut rest = unpacked.as_slice();
                 while let Some((head, behind)) = rest.split_at_checked(HEAD) {
-                    let (code, length) = records::head(head).map_err(|_| BagError::Malformed)?;
-                    let length = usize::try_from(length).map_err(|_| BagError::Malformed)?;
-                    let (body, behind) =
-                        behind.split_at_checked(length).ok_or(BagError::Malformed)?;
+                    let (code, length) = records::head(head)?;
+                    let length = usize::try_from(length).map_err(|_| BagError::malformed())?;
+                    let whole = behind.split_at_checked(length);
+                    let (body, behind) = whole.ok_or_else(BagError::malformed)?;
                     record(code, body, &mut schemas, sink)?;
                     rest = behind;
                 }
@@ -49,7 +62,7 @@ pub(crate) fn read(file: &mut (impl Read + Seek), sink: &mut dyn Sink) -> Result
                 record(code, &body, &mut schemas, sink)?;
             }
             _ => {
-                let length = i64::try_from(length).map_err(|_| BagError::Malformed)?;
+                let length = i64::try_from(length).map_err(|_| BagError::malformed())?;
                 file.seek(SeekFrom::Current(length))?;
             }
         }
@@ -59,11 +72,11 @@ pub(crate) fn read(file: &mut (impl Read + Seek), sink: &mut dyn Sink) -> Result
 /// Reads a record's body. Nothing is allocated for bytes that the file does not have.
 fn body(file: &mut impl Read, length: u64, longest: u64) -> Result<Vec<u8>, BagError> {
     if length > longest {
-        return Err(BagError::Chunk(format!("a record of {length} bytes; {longest} are read")));
+        return Err(BagError::chunk(format!("a record of {length} bytes; {longest} are read")));
     }
     let mut bytes = Vec::new();
     file.take(length).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 == length { Ok(bytes) } else { Err(BagError::Malformed) }
+    if bytes.len() as u64 == length { Ok(bytes) } else { Err(BagError::malformed()) }
 }
 
 fn record(
@@ -74,34 +87,26 @@ fn record(
 ) -> Result<(), BagError> {
     match code {
         opcode::SCHEMA => {
-            let schema = records::schema(body).map_err(|_| BagError::Malformed)?;
+            let schema = records::schema(body)?;
             let definition = String::from_utf8_lossy(schema.definition).into_owned();
             schemas.insert(schema.id, (schema.name.into(), schema.encoding.into(), definition));
         }
         opcode::CHANNEL => {
-            let channel = records::channel(body).map_err(|_| BagError::Malformed)?;
+            let records::Channel { id, schema, topic, encoding } = records::channel(body)?;
             let none = (String::new(), String::new(), String::new());
-            let (type_name, language, definition) = schemas.get(&channel.schema).unwrap_or(&none);
-            let encoding = match (channel.encoding, language.as_str()) {
+            let (type_name, language, definition) = schemas.get(&schema).unwrap_or(&none);
+            let encoding = match (encoding, language.as_str()) {
                 ("cdr", "ros2msg") => Encoding::Cdr,
                 ("ros1", "ros1msg") => Encoding::Ros1,
                 ("json", _) => Encoding::Json,
-                (other, language) => Encoding::Other(match language {
-                    "" => other.to_owned(),
-                    language => format!("{other}, {language}"),
-                }),
+                (other, "") => Encoding::Other(other.to_owned()),
+                (other, language) => Encoding::Other(format!("{other}, {language}")),
             };
-            sink.connection(Connection {
-                id: u32::from(channel.id),
-                topic: channel.topic,
-                type_name,
-                definition,
-                encoding,
-            });
+            sink.connection(Connection { id, topic, type_name, definition, encoding });
         }
         opcode::MESSAGE => {
-            let (head, payload) = records::message(body).map_err(|_| BagError::Malformed)?;
-            sink.message(u32::from(head.channel), head.log_time, payload)?;
+            let (head, payload) = records::message(body)?;
+            sink.message(head.channel, head.log_time, payload)?;
         }
         _ => {}
     }

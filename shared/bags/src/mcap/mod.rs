@@ -4,7 +4,7 @@ mod messages;
 mod records;
 mod unpack;
 
-pub(crate) use messages::read;
+pub(crate) use messages::{Connection, Sink, read};
 pub use records::{
     Channel, Chunk, Fields, HEAD, MAGIC, MESSAGE_HEAD, Malformed, MessageHead, Schema, Statistics,
     channel, chunk, head, message, metadata, opcode, schema, statistics,

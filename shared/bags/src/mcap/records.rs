@@ -8,7 +8,7 @@
 //! ```
 //!
 //! All numbers are little-endian; a text has its length, u32, before it. Nothing here allocates what
-//! a length in the file asks for.
+//! a length in the file asks for. Every reader fails with [`Malformed`] where the bytes end too early.
 
 use std::collections::BTreeMap;
 
@@ -49,9 +49,6 @@ pub struct Fields<'a>(pub &'a [u8]);
 
 impl<'a> Fields<'a> {
     /// Takes `count` bytes.
-    ///
-    /// # Errors
-    /// [`Malformed`] if the bytes end too early.
     pub fn bytes(&mut self, count: usize) -> Result<&'a [u8], Malformed> {
         let (now, rest) = self.0.split_at_checked(count).ok_or(Malformed)?;
         self.0 = rest;
@@ -63,25 +60,16 @@ impl<'a> Fields<'a> {
     }
 
     /// Takes a number of 16 bits.
-    ///
-    /// # Errors
-    /// [`Malformed`] if the bytes end too early.
     pub fn u16(&mut self) -> Result<u16, Malformed> {
         self.array().map(u16::from_le_bytes)
     }
 
     /// Takes a number of 32 bits.
-    ///
-    /// # Errors
-    /// [`Malformed`] if the bytes end too early.
     pub fn u32(&mut self) -> Result<u32, Malformed> {
         self.array().map(u32::from_le_bytes)
     }
 
     /// Takes a number of 64 bits.
-    ///
-    /// # Errors
-    /// [`Malformed`] if the bytes end too early.
     pub fn u64(&mut self) -> Result<u64, Malformed> {
         self.array().map(u64::from_le_bytes)
     }
@@ -93,9 +81,6 @@ impl<'a> Fields<'a> {
     }
 
     /// Takes a text with its length before it.
-    ///
-    /// # Errors
-    /// [`Malformed`] if the bytes end too early.
     pub fn text(&mut self) -> Result<&'a str, Malformed> {
         std::str::from_utf8(self.block()?).map_err(|_| Malformed)
     }
@@ -111,9 +96,6 @@ impl<'a> Fields<'a> {
 }
 
 /// Reads opcode and length of the body of a record that begins with `head`.
-///
-/// # Errors
-/// [`Malformed`] if the bytes end too early.
 pub fn head(head: &[u8]) -> Result<(u8, u64), Malformed> {
     let mut fields = Fields(head);
     let [opcode] = fields.array()?;
@@ -134,9 +116,6 @@ pub struct Schema<'a> {
 }
 
 /// Reads the body of a schema.
-///
-/// # Errors
-/// [`Malformed`] if the bytes end too early.
 pub fn schema(body: &[u8]) -> Result<Schema<'_>, Malformed> {
     let mut fields = Fields(body);
     let id = fields.u16()?;
@@ -159,9 +138,6 @@ pub struct Channel<'a> {
 }
 
 /// Reads the body of a channel.
-///
-/// # Errors
-/// [`Malformed`] if the bytes end too early.
 pub fn channel(body: &[u8]) -> Result<Channel<'_>, Malformed> {
     let mut fields = Fields(body);
     let (id, schema) = (fields.u16()?, fields.u16()?);
@@ -181,9 +157,6 @@ pub struct MessageHead {
 }
 
 /// Reads the body of a message: its head and its payload.
-///
-/// # Errors
-/// [`Malformed`] if the bytes end too early.
 pub fn message(body: &[u8]) -> Result<(MessageHead, &[u8]), Malformed> {
     let mut fields = Fields(body);
     let channel = fields.u16()?;
@@ -206,9 +179,6 @@ pub struct Chunk<'a> {
 }
 
 /// Reads the body of a chunk.
-///
-/// # Errors
-/// [`Malformed`] if the bytes end too early.
 pub fn chunk(body: &[u8]) -> Result<Chunk<'_>, Malformed> {
     let mut fields = Fields(body);
     let (_start, _end) = (fields.u64()?, fields.u64()?);
@@ -219,9 +189,6 @@ pub fn chunk(body: &[u8]) -> Result<Chunk<'_>, Malformed> {
 }
 
 /// A named map.
-///
-/// # Errors
-/// [`Malformed`] if the bytes end too early.
 pub fn metadata(body: &[u8]) -> Result<(&str, BTreeMap<String, String>), Malformed> {
     let mut fields = Fields(body);
     Ok((fields.text()?, fields.texts()?))
@@ -241,9 +208,6 @@ pub struct Statistics {
 }
 
 /// Reads the body of the statistics.
-///
-/// # Errors
-/// [`Malformed`] if the bytes end too early.
 pub fn statistics(body: &[u8]) -> Result<Statistics, Malformed> {
     let mut fields = Fields(body);
     let messages = fields.u64()?;

@@ -10,7 +10,7 @@ use std::path::PathBuf;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(deny_unknown_fields)]
 pub struct CsvFile {
-    /// Path of the file (CSV, MCAP or ROS bag). A relative one starts at the scenario file's directory, with `--set`
+    /// Path of the file (CSV or MCAP). A relative one starts at the scenario file's directory, with `--set`
     /// also at the present one.
     pub file: PathBuf,
     /// Columns by what they hold, with their units: `t=stamp, v=speed:km/h`; absent: `time_s` and `speed_mps`.

@@ -1,7 +1,7 @@
 //! Recorded motions: a vehicle's speed from a table or a bag.
 //!
 //! ```text
-//! CSV, MCAP, ROS bag ─► rows ─► times and speeds ─► filter ─► cut at the start ─► points
+//! CSV, MCAP ─► rows ─► times and speeds ─► filter ─► cut at the start ─► points
 //!                        (source)  (columns, motion)  (smooth)
 //! ```
 //!
@@ -113,7 +113,7 @@ pub fn read(path: &Path, keys: &CsvFile) -> Result<Record, RecordedError> {
 pub fn read_text(source: &str, text: &str, keys: &CsvFile) -> Result<Record, RecordedError> {
     if keys.topic.is_some() {
         let message = format!("{source} is not a bag and has no topics");
-        return Err(RecordedError::key("topic", message, "an MCAP file or a ROS bag"));
+        return Err(RecordedError::key("topic", message, "an MCAP file"));
     }
     let columns = match &keys.columns {
         Some(text) => Columns::parse(text, false)?,

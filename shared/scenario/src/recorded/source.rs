@@ -5,7 +5,7 @@ use super::error::RecordedError;
 use super::keys::CsvFile;
 use crate::error::ScenarioError;
 use crate::table::Table;
-use bags::{BagError, Series};
+use bags::{BagError, BagFault, Series};
 use openscenario::instant_s;
 use std::path::Path;
 
@@ -85,15 +85,13 @@ impl<'a> Source<'a> {
         let names = columns.time.iter().chain(&columns.of_motion);
         let fields: Vec<String> = names.map(|column| column.name.clone()).collect();
         let series = bags::series(Path::new(path), topic, &fields).map_err(|error| {
-            let key = match error {
-                BagError::NoTopic { .. } | BagError::Empty(_) | BagError::Encoding { .. } => {
-                    "topic"
-                }
-                BagError::NoField { .. } => "columns",
-                _ => return refused(path, &error).into(),
+            let key = match error.kind {
+                BagFault::Topic => "topic",
+                BagFault::Field => "columns",
+                BagFault::File => return refused(path, &error).into(),
             };
-            let expected = error.expected().unwrap_or_else(|| "another topic".to_owned());
-            RecordedError::key(key, format!("{path}: {}", error.message()), expected)
+            let expected = error.expected.unwrap_or_else(|| "another topic".to_owned());
+            RecordedError::key(key, format!("{path}: {}", error.message), expected)
         })?;
         Ok(Self::Messages { path, topic, series, has_time: columns.time.is_some() })
     }
@@ -151,5 +149,6 @@ impl<'a> Source<'a> {
 }
 
 fn refused(path: &str, error: &BagError) -> ScenarioError {
-    ScenarioError::whole(path, error.message()).expecting(error.expected().unwrap_or_default())
+    ScenarioError::whole(path, &*error.message)
+        .expecting(error.expected.clone().unwrap_or_default())
 }
