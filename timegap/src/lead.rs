@@ -106,8 +106,8 @@ fn write(path: &Path, text: &str) -> Result<(), Error> {
 }
 
 fn list(path: &Path, is_json: bool) -> Result<ExitCode, Error> {
-    let topics = bags::topics(path)
-        .map_err(|why| UsageError::at(path.display(), why, "an MCAP file"))?;
+    let topics =
+        bags::topics(path).map_err(|why| UsageError::at(path.display(), why, "an MCAP file"))?;
     let whole = topics.iter().map(|topic| {
         json!({"name": topic.name, "type": topic.type_name, "messages": topic.messages,
                "fields": topic.fields})
