@@ -11,6 +11,7 @@ use pcap_parser::pcapng::Block;
 use pcap_parser::{Linktype, PcapBlockOwned, PcapError, create_reader};
 use std::fs::File;
 use std::io;
+use std::ops::Range;
 use std::path::Path;
 
 /// Largest size of a capture, bytes: it is held in memory.
@@ -29,11 +30,8 @@ pub enum CaptureError {
     #[error("{0}")]
     Read(#[source] io::Error),
     /// The file is larger than the memory for it.
-    #[error("{bytes} bytes are too many, expected at most {max}", max = MAX_BYTES)]
-    TooLarge {
-        /// Its size.
-        bytes: u64,
-    },
+    #[error("{0} bytes are too many, expected at most {max}", max = MAX_BYTES)]
+    TooLarge(u64),
     /// The file is neither pcap nor pcapng.
     #[error("is not a capture, expected pcap or pcapng")]
     NoCapture,
@@ -69,13 +67,10 @@ pub enum CaptureError {
     },
     /// No packet is a frame.
     #[error(
-        "none of {packets} packets is a GeoNetworking frame (EtherType 0x8947, at most {max} bytes)",
+        "none of {0} packets is a GeoNetworking frame (EtherType 0x8947, at most {max} bytes)",
         max = MAX_FRAME
     )]
-    NoFrames {
-        /// Number of packets.
-        packets: u64,
-    },
+    NoFrames(u64),
 }
 
 /// A capture for playback.
@@ -93,28 +88,14 @@ pub enum CaptureError {
 /// assert_eq!(frame.bytes(), b"abc");
 /// # Ok::<(), radio::CaptureError>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Capture {
-    frames: Vec<Captured>,
+    /// Stamps, ns, and places of the frames among the bytes.
+    frames: Vec<(i64, Range<usize>)>,
     bytes: Vec<u8>,
     played: usize,
     passed_over: u64,
     is_truncated: bool,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Captured {
-    stamp_ns: i64,
-    from: usize,
-    length: usize,
-}
-
-/// The next step of reading.
-enum Next {
-    Consume(usize),
-    Refill,
-    Truncated,
-    End,
 }
 
 /// An interface of a capture: link type and unit of its stamps.
@@ -137,7 +118,7 @@ impl Capture {
             return Err(CaptureError::Read(io::ErrorKind::IsADirectory.into()));
         }
         if about.len() > MAX_BYTES {
-            return Err(CaptureError::TooLarge { bytes: about.len() });
+            return Err(CaptureError::TooLarge(about.len()));
         }
         // A pipe has no size; the same bound applies while reading.
         Self::read(io::Read::take(file, MAX_BYTES))
@@ -149,62 +130,46 @@ impl Capture {
     /// [`CaptureError`].
     pub fn read(source: impl io::Read + Send) -> Result<Self, CaptureError> {
         let mut reader = create_reader(MAX_BLOCK, source).map_err(|_| CaptureError::NoCapture)?;
-        let mut this = Self {
-            frames: Vec::new(),
-            bytes: Vec::new(),
-            played: 0,
-            passed_over: 0,
-            is_truncated: false,
-        };
+        let mut this = Self::default();
         let mut interfaces: Vec<Interface> = Vec::new();
         let (mut packets, mut unstamped) = (0, 0);
         loop {
-            let next = match reader.next() {
-                Ok((length, PcapBlockOwned::NG(Block::SimplePacket(_)))) => {
-                    (packets, unstamped) = (packets + 1, unstamped + 1);
-                    Next::Consume(length)
-                }
+            let refill = match reader.next() {
                 Ok((length, block)) => {
-                    this.block(block, &mut interfaces, &mut packets)?;
-                    Next::Consume(length)
+                    match block {
+                        PcapBlockOwned::NG(Block::SimplePacket(_)) => {
+                            (packets, unstamped) = (packets + 1, unstamped + 1);
+                        }
+                        block => this.block(block, &mut interfaces, &mut packets)?,
+                    }
+                    reader.consume(length);
+                    continue;
                 }
-                Err(PcapError::Eof) => Next::End,
-                Err(PcapError::UnexpectedEof) => Next::Truncated,
-                Err(PcapError::Incomplete(_)) => Next::Refill,
+                Err(PcapError::Eof) => break,
+                Err(PcapError::UnexpectedEof) => false,
+                Err(PcapError::Incomplete(_)) => !reader.reader_exhausted(),
                 Err(PcapError::NomError(_, kind) | PcapError::OwnedNomError(_, kind)) => {
-                    let reason = format!("a malformed block ({kind:?})");
-                    return Err(CaptureError::Block { packets, reason });
+                    return Err(fault(packets, format!("a malformed block ({kind:?})")));
                 }
                 Err(PcapError::BufferTooSmall) => {
-                    let reason = format!("a block of more than {MAX_BLOCK} bytes");
-                    return Err(CaptureError::Block { packets, reason });
+                    return Err(fault(packets, format!("a block of more than {MAX_BLOCK} bytes")));
                 }
-                Err(other) => {
-                    let reason = other.to_string();
-                    return Err(CaptureError::Block { packets, reason });
-                }
+                Err(other) => return Err(fault(packets, other.to_string())),
             };
-            match next {
-                Next::Consume(length) => reader.consume(length),
-                Next::Refill if !reader.reader_exhausted() => {
-                    let refilled = reader.refill();
-                    refilled.map_err(|_| CaptureError::Read(io::ErrorKind::Other.into()))?;
-                }
-                Next::Refill | Next::Truncated => {
-                    this.is_truncated = true;
-                    break;
-                }
-                Next::End => break,
+            if !refill {
+                this.is_truncated = true;
+                break;
             }
+            reader.refill().map_err(|_| CaptureError::Read(io::ErrorKind::Other.into()))?;
         }
         if unstamped > 0 {
             return Err(CaptureError::Unstamped { unstamped, packets });
         }
         if this.frames.is_empty() {
-            return Err(CaptureError::NoFrames { packets });
+            return Err(CaptureError::NoFrames(packets));
         }
         // Packets of several interfaces need not be in order.
-        this.frames.sort_by_key(|frame| frame.stamp_ns);
+        this.frames.sort_by_key(|(stamp_ns, _)| *stamp_ns);
         Ok(this)
     }
 
@@ -237,23 +202,16 @@ impl Capture {
             PcapBlockOwned::NG(Block::InterfaceDescription(interface)) => {
                 let per_second = interface.ts_resolution().filter(|per_second| *per_second > 0);
                 let reason = "an interface with a resolution of stamps that is not known";
-                interfaces.push(Interface {
-                    link: interface.linktype,
-                    per_second: per_second.ok_or_else(|| CaptureError::Block {
-                        packets: *packets,
-                        reason: reason.to_owned(),
-                    })?,
-                    offset_s: interface.ts_offset(),
-                });
+                let per_second = per_second.ok_or_else(|| fault(*packets, reason))?;
+                let (link, offset_s) = (interface.linktype, interface.ts_offset());
+                interfaces.push(Interface { link, per_second, offset_s });
                 Ok(())
             }
             PcapBlockOwned::NG(Block::EnhancedPacket(packet)) => {
                 *packets += 1;
                 let interface = usize::try_from(packet.if_id).ok().and_then(|i| interfaces.get(i));
-                let Some(interface) = interface else {
-                    let reason = "a packet of an interface that is not described".to_owned();
-                    return Err(CaptureError::Block { packets: *packets, reason });
-                };
+                let reason = "a packet of an interface that is not described";
+                let interface = interface.ok_or_else(|| fault(*packets, reason))?;
                 let stamp_ns = interface.stamp_ns(packet.ts_high, packet.ts_low);
                 let length = usize::try_from(packet.caplen).unwrap_or(usize::MAX);
                 let whole = packet.caplen == packet.origlen;
@@ -285,7 +243,7 @@ impl Capture {
             Some(frame) if whole && (1..=MAX_FRAME).contains(&frame.len()) => {
                 let from = self.bytes.len();
                 self.bytes.extend_from_slice(frame);
-                self.frames.push(Captured { stamp_ns, from, length: frame.len() });
+                self.frames.push((stamp_ns, from..self.bytes.len()));
             }
             _ => self.passed_over += 1,
         }
@@ -294,21 +252,20 @@ impl Capture {
 
     /// The next frame that is due by run time `now_ns`, ns.
     pub fn receive(&mut self, now_ns: i64) -> Option<Frame> {
-        let next = *self.frames.get(self.played)?;
-        if next.stamp_ns > self.wall_clock_ns(now_ns) {
+        let (stamp_ns, place) = self.frames.get(self.played).cloned()?;
+        if stamp_ns > self.wall_clock_ns(now_ns) {
             return None;
         }
         self.played += 1;
-        let bytes = &self.bytes[next.from..next.from + next.length];
-        let frame = Frame::new(bytes, next.stamp_ns).expect("a longer one was passed over");
+        let frame = Frame::new(&self.bytes[place], stamp_ns).expect("a longer one is skipped");
         let clock = Some(ClockDifference { offset_ns: 0, uncertainty_ns: 0 });
-        Some(Frame { sent_ns: Some(next.stamp_ns), clock, ..frame })
+        Some(Frame { sent_ns: Some(stamp_ns), clock, ..frame })
     }
 
     /// The capture's clock at run time `now_ns`, ns since the Unix epoch.
     #[must_use]
     pub fn wall_clock_ns(&self, now_ns: i64) -> i64 {
-        self.frames.first().map_or(0, |first| first.stamp_ns).saturating_add(now_ns)
+        self.frames.first().map_or(0, |first| first.0).saturating_add(now_ns)
     }
 
     /// Number of its frames.
@@ -321,7 +278,7 @@ impl Capture {
     #[must_use]
     pub fn duration_ns(&self) -> i64 {
         let ends = self.frames.first().zip(self.frames.last());
-        ends.map_or(0, |(first, last)| last.stamp_ns - first.stamp_ns)
+        ends.map_or(0, |(first, last)| last.0 - first.0)
     }
 
     /// Number of packets that are not frames: another EtherType, too long, or captured incompletely.
@@ -341,6 +298,11 @@ impl Capture {
     pub fn is_truncated(&self) -> bool {
         self.is_truncated
     }
+}
+
+/// The error of a block behind some packets.
+fn fault(packets: u64, reason: impl Into<String>) -> CaptureError {
+    CaptureError::Block { packets, reason: reason.into() }
 }
 
 impl Interface {

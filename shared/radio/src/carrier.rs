@@ -10,8 +10,8 @@ use crate::listener::{Identity, Listener, Shared};
 use crate::numbers::NUMBERS;
 use crate::{udp, wall_clock_ns};
 use scenario::carrier::CarrierAddress;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, sync_channel};
-use std::sync::{Arc, PoisonError};
 use std::thread::JoinHandle;
 
 /// End of the carrier.
@@ -39,6 +39,7 @@ enum Kind {
     Capture(Capture),
 }
 
+#[derive(Debug)]
 struct Live {
     identity: Identity,
     outlet: Box<dyn Outlet>,
@@ -63,8 +64,7 @@ impl Carrier {
         let is_roadside = identity.start_ns.is_some();
         let kind = match address {
             CarrierAddress::Udp { address, interface } => {
-                let opened = udp::open(*address, interface.as_deref(), is_roadside)?;
-                let (endpoint, outlet) = opened;
+                let (endpoint, outlet) = udp::open(*address, interface.as_deref(), is_roadside)?;
                 Kind::Live(Live::start(identity, Arc::default(), endpoint, outlet)?)
             }
             CarrierAddress::Zenoh { configuration } => {
@@ -118,9 +118,8 @@ impl Carrier {
         let carrier = self.address.to_string();
         match &self.kind {
             Kind::Live(live) => {
-                let stations = &live.shared.stations;
-                let stations = stations.lock().unwrap_or_else(PoisonError::into_inner);
-                live.shared.counts.report(carrier, stations.report(wall_clock_ns()))
+                let stations = live.shared.stations().report(wall_clock_ns());
+                live.shared.counts.report(carrier, stations)
             }
             Kind::Capture(capture) => {
                 let received = capture.played();
@@ -151,10 +150,7 @@ fn open_zenoh(
 }
 
 #[cfg(not(feature = "zenoh"))]
-fn open_zenoh(
-    _configuration: Option<&std::path::Path>,
-    _identity: Identity,
-) -> Result<Live, OpenError> {
+fn open_zenoh(_: Option<&std::path::Path>, _: Identity) -> Result<Live, OpenError> {
     Err(OpenError::WithoutZenoh)
 }
 
@@ -206,14 +202,5 @@ impl Drop for Live {
             // A panic was reported by its thread.
             let _ = thread.join();
         }
-    }
-}
-
-impl std::fmt::Debug for Live {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Live")
-            .field("identity", &self.identity)
-            .field("sequence", &self.sequence)
-            .finish_non_exhaustive()
     }
 }

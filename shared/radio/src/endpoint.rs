@@ -25,26 +25,18 @@ pub(crate) enum Received {
     Closed,
 }
 
-/// Purpose of a packet.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Purpose {
-    /// A question to a roadside unit.
-    Question,
-    /// An answer for the station with this number.
-    Answer(u64),
-}
-
 /// The receiving end, owned by the receive thread.
 pub(crate) trait Endpoint: Send {
     /// Waits for a packet, at most `timeout`.
     fn receive(&mut self, timeout: Duration, buffer: &mut [u8]) -> Received;
 
-    /// Sends a question or an answer. A lost one is repeated later.
-    fn send(&mut self, to: Origin, purpose: Purpose, packet: &[u8]);
+    /// Sends an answer to the station with the number `asker`, or else a question to a roadside unit. A lost one is
+    /// repeated later.
+    fn send(&mut self, to: Origin, asker: Option<u64>, packet: &[u8]);
 }
 
 /// The sending end, owned by the carrier's owner. It never waits.
-pub(crate) trait Outlet: Send {
+pub(crate) trait Outlet: Send + std::fmt::Debug {
     /// Passes a packet to the network.
     fn send(&mut self, packet: &[u8]) -> Result<(), SendError>;
 

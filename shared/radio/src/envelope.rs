@@ -59,25 +59,25 @@ impl Envelope {
             Content::Question => 2,
             Content::Answer { .. } => 3,
         };
-        room[..4].copy_from_slice(&MAGIC);
-        room[4..8].copy_from_slice(&kind.to_be_bytes());
-        room[8..16].copy_from_slice(&self.sender.to_be_bytes());
-        room[16..24].copy_from_slice(&self.sequence.to_be_bytes());
-        room[24..32].copy_from_slice(&self.sent_ns.to_be_bytes());
-        room[32..40].copy_from_slice(&self.start_ns.unwrap_or(NO_START).to_be_bytes());
+        let mut length = 0;
+        let mut put = |bytes: &[u8]| {
+            room[length..length + bytes.len()].copy_from_slice(bytes);
+            length += bytes.len();
+        };
+        put(&MAGIC);
+        put(&kind.to_be_bytes());
+        let start_ns = self.start_ns.unwrap_or(NO_START);
+        let times = [self.sent_ns, start_ns].map(i64::cast_unsigned);
+        [self.sender, self.sequence].into_iter().chain(times).for_each(|w| put(&w.to_be_bytes()));
         match content {
-            Content::Frame(bytes) => {
-                room[HEADER..HEADER + bytes.len()].copy_from_slice(bytes);
-                HEADER + bytes.len()
-            }
-            Content::Question => HEADER,
+            Content::Frame(bytes) => put(bytes),
+            Content::Question => {}
             Content::Answer { to, asked_ns, heard_ns } => {
-                room[40..48].copy_from_slice(&to.to_be_bytes());
-                room[48..56].copy_from_slice(&asked_ns.to_be_bytes());
-                room[56..64].copy_from_slice(&heard_ns.to_be_bytes());
-                HEADER + 24
+                put(&to.to_be_bytes());
+                [asked_ns, heard_ns].iter().for_each(|time_ns| put(&time_ns.to_be_bytes()));
             }
         }
+        length
     }
 }
 

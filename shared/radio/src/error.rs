@@ -64,13 +64,10 @@ pub enum OpenError {
     },
     /// zenoh cannot open a session.
     #[error(
-        "zenoh opens no session: {reason}; is the router there, and do the certificates belong \
+        "zenoh opens no session: {0}; is the router there, and do the certificates belong \
          together?"
     )]
-    ZenohSession {
-        /// zenoh's error.
-        reason: String,
-    },
+    ZenohSession(String),
 }
 
 /// Reason why a frame was not sent; it is also counted.

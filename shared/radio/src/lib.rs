@@ -43,7 +43,7 @@ mod carrier;
 mod clock;
 mod counts;
 #[cfg(test)]
-mod effects;
+mod effect_tests;
 mod endpoint;
 mod envelope;
 mod error;

@@ -2,14 +2,13 @@
 
 use crate::clock::Exchange;
 use crate::counts::Counts;
-use crate::endpoint::{Endpoint, Origin, Purpose, Received};
+use crate::endpoint::{Endpoint, Origin, Received};
 use crate::envelope::{Content, Envelope, MAX_PACKET, Packet};
 use crate::frame::Frame;
 use crate::stations::Stations;
 use crate::wall_clock_ns;
-use std::sync::atomic::AtomicU64;
 use std::sync::mpsc::SyncSender;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 /// Longest wait for a packet.
@@ -28,7 +27,7 @@ pub(crate) struct Identity {
 #[derive(Debug, Default)]
 pub(crate) struct Shared {
     pub(crate) counts: Counts,
-    pub(crate) stations: Mutex<Stations>,
+    stations: Mutex<Stations>,
 }
 
 pub(crate) struct Listener {
@@ -36,6 +35,13 @@ pub(crate) struct Listener {
     pub(crate) identity: Identity,
     pub(crate) queue: SyncSender<Frame>,
     pub(crate) shared: Arc<Shared>,
+}
+
+impl Shared {
+    /// The known senders. A panic of the other thread was reported there.
+    pub(crate) fn stations(&self) -> MutexGuard<'_, Stations> {
+        self.stations.lock().unwrap_or_else(PoisonError::into_inner)
+    }
 }
 
 impl Identity {
@@ -71,19 +77,19 @@ impl Listener {
     /// Asks the stations whose turn it is; returns the time until the next turn.
     fn ask(&mut self) -> Duration {
         loop {
-            let mut stations = self.shared.stations.lock().unwrap_or_else(PoisonError::into_inner);
+            let mut stations = self.shared.stations();
             let Some(origin) = stations.next_question() else {
                 return stations.until_question().unwrap_or(LONGEST_WAIT).min(LONGEST_WAIT);
             };
             drop(stations);
-            self.send(origin, Purpose::Question, Content::Question);
+            self.send(origin, None, Content::Question);
         }
     }
 
-    fn send(&mut self, to: Origin, purpose: Purpose, content: Content<'_>) {
+    fn send(&mut self, to: Origin, asker: Option<u64>, content: Content<'_>) {
         let mut room = [0; MAX_PACKET];
         let length = self.identity.envelope(0).write(content, &mut room);
-        self.endpoint.send(to, purpose, &room[..length]);
+        self.endpoint.send(to, asker, &room[..length]);
     }
 
     fn take(&mut self, packet: &[u8], origin: Origin) {
@@ -97,10 +103,8 @@ impl Listener {
             }
             Packet::Ours(envelope, _) if envelope.sender == self.identity.sender => {}
             Packet::Ours(envelope, Content::Frame(bytes)) => {
-                let mut stations =
-                    self.shared.stations.lock().unwrap_or_else(PoisonError::into_inner);
-                let Some(clock) = stations.frame(&envelope, origin, now_ns) else { return };
-                drop(stations);
+                let clock = self.shared.stations().frame(&envelope, origin, now_ns);
+                let Some(clock) = clock else { return };
                 Counts::count(&counts.received);
                 self.hand_over(Frame::new(bytes, now_ns).map(|frame| Frame {
                     sender: Some(envelope.sender),
@@ -114,7 +118,7 @@ impl Listener {
                 if self.identity.start_ns.is_some() {
                     let (to, asked_ns) = (envelope.sender, envelope.sent_ns);
                     let answer = Content::Answer { to, asked_ns, heard_ns: now_ns };
-                    self.send(origin, Purpose::Answer(to), answer);
+                    self.send(origin, Some(to), answer);
                 }
             }
             Packet::Ours(envelope, Content::Answer { to, asked_ns, heard_ns }) => {
@@ -122,19 +126,16 @@ impl Listener {
                     let answered_ns = envelope.sent_ns;
                     let exchange =
                         Exchange { asked_ns, heard_ns, answered_ns, returned_ns: now_ns };
-                    let mut stations =
-                        self.shared.stations.lock().unwrap_or_else(PoisonError::into_inner);
-                    stations.answer(envelope.sender, exchange);
+                    self.shared.stations().answer(envelope.sender, exchange);
                 }
             }
         }
     }
 
     fn hand_over(&self, frame: Option<Frame>) {
-        let dropped: &AtomicU64 = &self.shared.counts.dropped;
         // A closed queue means that the carrier is closing.
         if frame.is_none_or(|frame| self.queue.try_send(frame).is_err()) {
-            Counts::count(dropped);
+            Counts::count(&self.shared.counts.dropped);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! The numbers of the carriers, each with its unit, range and origin.
 //!
-//! An origin ends with the effect of half and double the number in a simulation with one sender (`effects`). Its
+//! An origin ends with the effect of half and double the number in a simulation with one sender (`effect_tests`). Its
 //! figures are an uncertainty of 2.99 ms in the first second and of 3.14 ms later, an error of 0.47 ms, 127 questions,
 //! and 4 refused new frames.
 

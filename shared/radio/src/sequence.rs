@@ -15,16 +15,22 @@ pub(crate) struct Sequence {
     window: u64,
     /// Received since `first`.
     counted: u64,
-    received: u64,
+    pub(crate) received: u64,
     /// Lost before `first`.
     lost: u64,
-    duplicates: u64,
-    reordered: u64,
-    /// The last number if it was far from all others, and the length of that run.
+    pub(crate) duplicates: u64,
+    pub(crate) reordered: u64,
+    /// The last number if it was far from all others.
     far: Option<u64>,
-    implausible: u64,
+    /// Frames refused for a number far from all others.
+    pub(crate) implausible: u64,
     /// The last number if it was late, and the number of late ones in a row.
     late: Option<(u64, u32)>,
+}
+
+/// True if a number comes soon after another one.
+fn follows(last: u64, number: u64) -> bool {
+    (1..WINDOW).contains(&number.wrapping_sub(last))
 }
 
 impl Sequence {
@@ -74,8 +80,7 @@ impl Sequence {
 
     /// Adds a number far from all others. The following number confirms it, and counting restarts.
     fn take_far(&mut self, number: u64) -> bool {
-        let follows = |far: u64| (1..WINDOW).contains(&number.wrapping_sub(far));
-        if self.far.is_some_and(follows) {
+        if self.far.is_some_and(|far| follows(far, number)) {
             self.lost = self.lost();
             self.begin(number);
             return true;
@@ -87,9 +92,8 @@ impl Sequence {
 
     /// Adds a late number; true if it and its predecessors are in order without later numbers between.
     fn agrees(&mut self, number: u64) -> bool {
-        let follows = |last: u64| (1..WINDOW).contains(&number.wrapping_sub(last));
         let in_a_row = match self.late {
-            Some((last, in_a_row)) if follows(last) => in_a_row + 1,
+            Some((last, in_a_row)) if follows(last, number) => in_a_row + 1,
             _ => 1,
         };
         self.late = Some((number, in_a_row));
@@ -107,30 +111,12 @@ impl Sequence {
         self.received += 1;
     }
 
-    pub(crate) fn received(&self) -> u64 {
-        self.received
-    }
-
     /// Frames between the first and the last received one that did not arrive.
     pub(crate) fn lost(&self) -> u64 {
-        if self.received == 0 {
-            0
-        } else {
-            self.lost + self.highest - self.first - (self.counted - 1)
+        match self.received {
+            0 => 0,
+            _ => self.lost + self.highest - self.first - (self.counted - 1),
         }
-    }
-
-    pub(crate) fn duplicates(&self) -> u64 {
-        self.duplicates
-    }
-
-    pub(crate) fn reordered(&self) -> u64 {
-        self.reordered
-    }
-
-    /// Frames refused for a number far from all others.
-    pub(crate) fn implausible(&self) -> u64 {
-        self.implausible
     }
 }
 
@@ -141,7 +127,7 @@ mod tests {
     fn after(numbers: &[u64]) -> (Vec<bool>, [u64; 4]) {
         let mut heard = Sequence::default();
         let new = numbers.iter().map(|&number| heard.take(number)).collect();
-        (new, [heard.received(), heard.lost(), heard.duplicates(), heard.reordered()])
+        (new, [heard.received, heard.lost(), heard.duplicates, heard.reordered])
     }
 
     #[test]

@@ -94,11 +94,11 @@ impl Stations {
     pub(crate) fn report(&self, now_ns: i64) -> Vec<StationReport> {
         let reports = self.0.iter().map(|station| StationReport {
             sender: format!("{:016x}", station.sender),
-            received: station.sequence.received(),
+            received: station.sequence.received,
             lost: station.sequence.lost(),
-            duplicates: station.sequence.duplicates(),
-            reordered: station.sequence.reordered(),
-            implausible: station.sequence.implausible(),
+            duplicates: station.sequence.duplicates,
+            reordered: station.sequence.reordered,
+            implausible: station.sequence.implausible,
             clock: station.clock.report(now_ns),
         });
         reports.collect()

@@ -8,7 +8,7 @@
 //!
 //! Questions go to the socket of a received frame, answers to that of the question. So a group does not carry them.
 
-use crate::endpoint::{Endpoint, Origin, Outlet, Purpose, Received};
+use crate::endpoint::{Endpoint, Origin, Outlet, Received};
 use crate::error::{OpenError, SendError};
 use rustix::event::{EventfdFlags, PollFd, PollFlags, Timespec, eventfd, poll};
 use rustix::fd::OwnedFd;
@@ -148,7 +148,7 @@ impl Endpoint for UdpEndpoint {
         Received::Packet(length, Origin::Socket(from))
     }
 
-    fn send(&mut self, to: Origin, _purpose: Purpose, packet: &[u8]) {
+    fn send(&mut self, to: Origin, _: Option<u64>, packet: &[u8]) {
         match to {
             Origin::Socket(to) => {
                 // A lost one is repeated later.

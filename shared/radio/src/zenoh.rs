@@ -5,7 +5,7 @@
 //! dropped. zenoh's calls may wait for a lock, so a separate thread makes them.
 
 use crate::counts::Counts;
-use crate::endpoint::{Endpoint, Origin, Outlet, Purpose, Received};
+use crate::endpoint::{Endpoint, Origin, Outlet, Received};
 use crate::envelope::MAX_PACKET;
 use crate::error::{OpenError, SendError};
 use crate::listener::{Identity, Shared};
@@ -45,7 +45,7 @@ pub(crate) fn open(
             reason: words(&reason),
         })?,
     };
-    let fail = |reason: zenoh::Error| OpenError::ZenohSession { reason: words(&reason) };
+    let fail = |reason: zenoh::Error| OpenError::ZenohSession(words(&reason));
     // With shared memory, zenoh would create segments for each session, which a killed process leaves behind.
     // Frames are too short to need them.
     config.insert_json5("transport/shared_memory/enabled", "false").map_err(fail)?;
@@ -111,11 +111,10 @@ fn open_session(config: Config) -> Result<Session, OpenError> {
         })
         .map_err(OpenError::SetUp)?;
     match opened.recv_timeout(PATIENCE) {
-        Ok(session) => session.map_err(|reason| OpenError::ZenohSession { reason: words(&reason) }),
+        Ok(session) => session.map_err(|reason| OpenError::ZenohSession(words(&reason))),
         Err(_) => {
-            let seconds = PATIENCE.as_secs();
-            let reason = format!("none was open after {seconds} s");
-            Err(OpenError::ZenohSession { reason })
+            let reason = format!("none was open after {} s", PATIENCE.as_secs());
+            Err(OpenError::ZenohSession(reason))
         }
     }
 }
@@ -128,12 +127,8 @@ fn send_all(departures: &Receiver<Vec<u8>>, publisher: &Publisher<'_>, shared: &
     }
 }
 
-/// Input of the receive thread.
-#[derive(Debug)]
-enum Arrival {
-    Packet(Vec<u8>),
-    Close,
-}
+/// Input of the receive thread: a packet, or the end.
+type Arrival = Option<Vec<u8>>;
 
 /// The receiving end.
 pub(crate) struct ZenohEndpoint {
@@ -161,7 +156,7 @@ impl ZenohEndpoint {
                     let bytes = sample.payload().to_bytes();
                     if bytes.len() > MAX_PACKET {
                         Counts::count(&shared.counts.malformed);
-                    } else if arrivals.try_send(Arrival::Packet(bytes.into_owned())).is_err() {
+                    } else if arrivals.try_send(Some(bytes.into_owned())).is_err() {
                         Counts::count(&shared.counts.dropped);
                     }
                 })
@@ -176,12 +171,12 @@ impl ZenohEndpoint {
 impl Endpoint for ZenohEndpoint {
     fn receive(&mut self, timeout: Duration, buffer: &mut [u8]) -> Received {
         match self.heard.recv_timeout(timeout) {
-            Ok(Arrival::Packet(packet)) => {
+            Ok(Some(packet)) => {
                 self.silent = Duration::ZERO;
                 buffer[..packet.len()].copy_from_slice(&packet);
                 Received::Packet(packet.len(), Origin::Zenoh)
             }
-            Ok(Arrival::Close) | Err(RecvTimeoutError::Disconnected) => Received::Closed,
+            Ok(None) | Err(RecvTimeoutError::Disconnected) => Received::Closed,
             Err(RecvTimeoutError::Timeout) => {
                 self.silent += timeout;
                 if self.silent >= RENEWAL {
@@ -193,12 +188,12 @@ impl Endpoint for ZenohEndpoint {
         }
     }
 
-    fn send(&mut self, to: Origin, purpose: Purpose, packet: &[u8]) {
+    fn send(&mut self, to: Origin, asker: Option<u64>, packet: &[u8]) {
         // A lost one is repeated later.
-        let _ = match (to, purpose) {
+        let _ = match (to, asker) {
             (Origin::Socket(_), _) => return,
-            (Origin::Zenoh, Purpose::Question) => self.questions.put(packet).wait(),
-            (Origin::Zenoh, Purpose::Answer(asker)) => (self.session)
+            (Origin::Zenoh, None) => self.questions.put(packet).wait(),
+            (Origin::Zenoh, Some(asker)) => (self.session)
                 .put(answers_to(asker), packet)
                 .congestion_control(CongestionControl::Drop)
                 .priority(Priority::RealTime)
@@ -229,6 +224,6 @@ impl Outlet for ZenohOutlet {
 
     fn close(&mut self) {
         // The receive thread empties the queue, so that there will be room.
-        let _ = self.arrivals.send(Arrival::Close);
+        let _ = self.arrivals.send(None);
     }
 }
