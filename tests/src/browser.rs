@@ -79,6 +79,13 @@ impl Browser {
     /// # Panics
     /// If the browser has ended or refuses.
     pub fn call(&mut self, method: &str, params: Value) -> Value {
+        let answer = self.answer(method, params);
+        assert!(answer["error"].is_null(), "{method}: {answer}");
+        answer["result"].clone()
+    }
+
+    /// Calls a method and returns its whole answer: a result or an error.
+    fn answer(&mut self, method: &str, params: Value) -> Value {
         self.asked += 1;
         let mut order = json!({ "id": self.asked, "method": method, "params": params });
         if let Some(session) = &self.session {
@@ -93,8 +100,7 @@ impl Browser {
             assert_eq!(bytes.pop(), Some(0), "the browser went away");
             let answer: Value = serde_json::from_slice(&bytes).expect("the protocol is JSON");
             if answer["id"] == self.asked {
-                assert!(answer["error"].is_null(), "{method}: {answer}");
-                return answer["result"].clone();
+                return answer;
             }
             let is_error = answer["params"]["entry"]["level"] == "error"
                 || answer["params"]["type"] == "error"
@@ -105,10 +111,10 @@ impl Browser {
         }
     }
 
-    /// The value of an expression in the page.
+    /// The value of an expression in the page. Null while the page has no context: in the middle of a navigation.
     pub fn evaluate(&mut self, expression: &str) -> Value {
         let params = json!({ "expression": expression, "returnByValue": true });
-        self.call("Runtime.evaluate", params)["result"]["value"].clone()
+        self.answer("Runtime.evaluate", params)["result"]["result"]["value"].clone()
     }
 
     /// Waits until an expression is true in the page; false after a timeout.
