@@ -10,7 +10,7 @@
 //! ```
 //! use drive::ReferenceDriver;
 //!
-//! assert_eq!(ReferenceDriver::REGULATION, ReferenceDriver::default());
+//! assert_eq!(ReferenceDriver::REGULATION.braking_mps2(0.35), Some(6.0));
 //! ```
 
 pub mod exits;

@@ -18,7 +18,16 @@
 //! | a target was lost in a curve | the present speed for [`HELD_S`] |
 //!
 //! [`RoadAhead`] is what is known: the map, the course that perception estimates, or the ego's own yaw rate. In a curve
-//! the acceleration a_x is at most √(a_tot² - a_y²). The laws are not involved: they get a lower set speed.
+//! the acceleration a_x is at most √(a_tot² - a_y²).
+//!
+//! The laws get a lower set speed, and come down to it late. So their request is bounded as well: from the place on
+//! where a curve needs the braking b, the request is at most what this curve needs:
+//!
+//! ```text
+//! a_x ≤ (v(s)² - v²) / (2 max(s - τ v, ϑ v))          τ = 0.4 s, ϑ = 0.5 s; at least -2.5 m/s²
+//! ```
+//!
+//! A curve that shows too late for 2.5 m/s² is braked for with up to 3.5 m/s².
 //!
 //! Sources: ISO 15622 (design values of a, from secondary sources). a_tot is openpilot's: 1.7 m/s² at 20 m/s, 3.2 at 40
 //! m/s.
@@ -51,6 +60,15 @@ pub const HELD_S: f64 = 2.0;
 const CURVE_PERM: f64 = 1.0 / 1500.0;
 /// Time by which the cap precedes the curve, s. Chosen: the laws follow a falling set speed 1 to 2 s late.
 const LEAD_S: f64 = 2.0;
+/// Time until a request acts, s: a control period, the links and half of the brake's rise.
+const RESPONSE_S: f64 = 0.4;
+/// Time within which a speed above the comfortable one is braked off in the curve itself, s. Chosen: five periods, so
+/// that noise of the curvature makes no jerk.
+const SETTLE_S: f64 = 0.5;
+/// Hardest braking for a curve that shows in time, and for another one, m/s². The first is a comfortable driver's
+/// limit; the second is ISO 15622's limit of braking above 20 m/s.
+const HARD_MPS2: f64 = 2.5;
+const HARDEST_MPS2: f64 = 3.5;
 /// Total acceleration, m/s², at these speeds, m/s.
 const TOTAL_MPS2: (f64, f64) = (1.7, 3.2);
 const TOTAL_MPS: (f64, f64) = (20.0, 40.0);
@@ -115,13 +133,22 @@ pub struct CurveSpeed {
     target_m: Option<f64>,
     /// Bound on the acceleration, m/s².
     most_mps2: f64,
+    /// The ego is braked down to the speed of a curve.
+    comes_down: bool,
 }
 
 impl CurveSpeed {
     /// No curve yet.
     #[must_use]
     pub fn new(settings: Settings) -> Self {
-        Self { settings, cap_mps: None, held: None, target_m: None, most_mps2: FREE_MPS2 }
+        Self {
+            settings,
+            cap_mps: None,
+            held: None,
+            target_m: None,
+            most_mps2: FREE_MPS2,
+            comes_down: false,
+        }
     }
 
     /// Caps the set speed of `input` by the road ahead. `requested_mps2` is what the last command asked for.
@@ -144,7 +171,8 @@ impl CurveSpeed {
         };
         self.cap_mps = (next_mps < free_mps).then_some(next_mps);
         input.set_speed_mps = free_mps.min(next_mps);
-        self.bound(speed_mps, road.here_perm(), period_s, requested_mps2);
+        let needed_mps2 = self.needed_mps2(road, speed_mps);
+        self.bound(speed_mps, road.here_perm(), needed_mps2, period_s, requested_mps2);
     }
 
     /// Bounds the law's request in a curve.
@@ -172,6 +200,23 @@ impl CurveSpeed {
         least.sqrt()
     }
 
+    /// The acceleration with which every curve ahead is reached with its comfortable speed, m/s²; positive infinity if
+    /// the ego is slow enough.
+    fn needed_mps2(&self, road: &RoadAhead<'_>, speed_mps: f64) -> f64 {
+        let (mut needed, mut at_once) = (f64::INFINITY, f64::INFINITY);
+        road.each(|ahead_m, curvature_perm| {
+            let there_mps = self.settings.comfortable_mps(curvature_perm);
+            if there_mps < speed_mps {
+                let surplus = there_mps * there_mps - speed_mps * speed_mps;
+                let settle_m = SETTLE_S * speed_mps;
+                let way_m = (ahead_m - RESPONSE_S * speed_mps).max(settle_m);
+                needed = needed.min(surplus / (2.0 * way_m));
+                at_once = at_once.min(surplus / (2.0 * ahead_m.max(settle_m)));
+            }
+        });
+        needed.max(if at_once < -HARD_MPS2 { -HARDEST_MPS2 } else { -HARD_MPS2 })
+    }
+
     /// Notes the target; holds the speed where one was lost in a curve.
     fn see_target(&mut self, input: &Input, road: &RoadAhead<'_>, speed_mps: f64) {
         let target_m = input.target.map(|target| target.gap_m);
@@ -186,13 +231,29 @@ impl CurveSpeed {
     }
 
     /// Moves the bound on the acceleration.
-    fn bound(&mut self, speed_mps: f64, here_perm: f64, period_s: f64, requested_mps2: f64) {
+    fn bound(
+        &mut self,
+        speed_mps: f64,
+        here_perm: f64,
+        needed_mps2: f64,
+        period_s: f64,
+        requested_mps2: f64,
+    ) {
+        // Braking that began goes on until the curve needs half of it: the need stays the same while it is met.
+        let share = if self.comes_down { 0.5 } else { 1.0 };
+        self.comes_down = needed_mps2 <= -share * self.settings.braking_mps2;
         let share = (speed_mps - TOTAL_MPS.0) / (TOTAL_MPS.1 - TOTAL_MPS.0);
         let total = TOTAL_MPS2.0 + share.clamp(0.0, 1.0) * (TOTAL_MPS2.1 - TOTAL_MPS2.0);
         let lateral = speed_mps * speed_mps * here_perm.abs();
         let step = BOUND_MPS3 * period_s;
-        self.most_mps2 = if lateral >= LATERAL_MPS2 {
-            let allowed = (total * total - lateral * lateral).max(0.0).sqrt();
+        let mut allowed = FREE_MPS2;
+        if lateral >= LATERAL_MPS2 {
+            allowed = (total * total - lateral * lateral).max(0.0).sqrt();
+        }
+        if self.comes_down {
+            allowed = allowed.min(needed_mps2);
+        }
+        self.most_mps2 = if allowed < FREE_MPS2 {
             let from = self.most_mps2.min(requested_mps2.max(allowed));
             (from - step).max(allowed).min(self.most_mps2 + step)
         } else {

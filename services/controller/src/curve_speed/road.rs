@@ -62,7 +62,8 @@ impl RoadAhead<'_> {
             for (cell, curvature_perm) in map.curvatures_perm.iter().enumerate() {
                 let begin_m = map.first_m + cell as f64 * map.cell_m;
                 if begin_m + map.cell_m > 0.0 {
-                    sound(begin_m.max(0.0), *curvature_perm);
+                    // A mean is reached in the cell's middle, or half a cell earlier where the next cell is as sharp.
+                    sound((begin_m - 0.5 * map.cell_m).max(0.0), *curvature_perm);
                 }
             }
         }
@@ -120,9 +121,9 @@ mod tests {
         let map =
             |first_m| Some(Cells { first_m, cell_m: 25.0, curvatures_perm: &curvatures_perm });
         let road = RoadAhead { map: map(-10.0), own_perm: Some(9e-3), ..RoadAhead::default() };
-        assert_eq!(places(&road), [(0.0, 1e-3), (15.0, 2e-3), (40.0, 3e-3)]);
+        assert_eq!(places(&road), [(0.0, 1e-3), (2.5, 2e-3), (27.5, 3e-3)]);
         assert_eq!(road.here_perm(), 1e-3);
-        assert!(road.bends_within(15.0, 2e-3) && !road.bends_within(14.0, 2e-3));
+        assert!(road.bends_within(2.5, 2e-3) && !road.bends_within(2.0, 2e-3));
         let passed = RoadAhead { map: map(-30.0), ..RoadAhead::default() };
         assert_eq!(places(&passed)[0], (0.0, 2e-3));
     }
@@ -151,7 +152,7 @@ mod tests {
     fn impossible_points_of_a_road_are_left_out() {
         let wrong = [f64::NAN, f64::INFINITY, 0.1, -1e-3];
         let map = Cells { first_m: 0.0, cell_m: 25.0, curvatures_perm: &wrong };
-        assert_eq!(places(&RoadAhead { map: Some(map), ..RoadAhead::default() }), [(75.0, -1e-3)]);
+        assert_eq!(places(&RoadAhead { map: Some(map), ..RoadAhead::default() }), [(62.5, -1e-3)]);
         for map in [Cells { cell_m: f64::NAN, ..map }, Cells { first_m: f64::NAN, ..map }] {
             assert_eq!(places(&RoadAhead { map: Some(map), ..RoadAhead::default() }), []);
         }

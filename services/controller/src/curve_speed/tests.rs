@@ -113,7 +113,8 @@ fn the_acceleration_is_bounded_in_a_curve_alone() {
     };
     // 20 m/s: 1.7 m/s² in all, 1.6 of it across.
     assert!((bound(250.0, 20.0) - (1.7_f64 * 1.7 - 1.6 * 1.6).sqrt()).abs() < 1e-9);
-    assert_eq!(bound(100.0, 20.0), 0.0, "nothing is left");
+    assert_eq!(bound(175.0, 20.0), 0.0, "nothing is left");
+    assert_eq!(bound(100.0, 20.0), -HARDEST_MPS2, "it came too late");
     assert_eq!(bound(1000.0, 20.0), FREE_MPS2);
 }
 
@@ -180,11 +181,18 @@ enum Knows {
     OwnWay,
 }
 
-/// Largest lateral acceleration and jerk of a driver who follows the set speed along a road.
-fn drive(road: &Arcs, set_mps: f64, knows: Knows) -> (f64, f64) {
+/// Largest lateral acceleration, jerk and braking of a drive.
+struct Most {
+    lateral_mps2: f64,
+    jerk_mps3: f64,
+    braking_mps2: f64,
+}
+
+/// A drive along a road. Its driver follows the set speed with a lag of `follows_s`.
+fn drive(road: &Arcs, set_mps: f64, follows_s: f64, knows: Knows) -> Most {
     let mut curve = CurveSpeed::new(Settings::default());
     let (mut place_m, mut speed_mps, mut request) = (0.0, set_mps, 0.0_f64);
-    let (mut lateral, mut jerk) = (0.0_f64, 0.0_f64);
+    let (mut lateral, mut jerk, mut braking) = (0.0_f64, 0.0_f64, 0.0_f64);
     let end_m = road.0[road.0.len() - 1].0;
     let cells = match knows {
         Knows::Map(shift_m) => road.cells(shift_m),
@@ -202,7 +210,7 @@ fn drive(road: &Arcs, set_mps: f64, knows: Knows) -> (f64, f64) {
         });
         let ahead = RoadAhead { own_perm: Some(road.at(place_m)), course: None, map };
         curve.cap(&mut input, &ahead, request);
-        let wanted = ((input.set_speed_mps - speed_mps) / FOLLOWS_S).clamp(-3.0, 1.5);
+        let wanted = ((input.set_speed_mps - speed_mps) / follows_s).clamp(-3.0, 1.5);
         let most = JERK_MPS3 * PERIOD_S;
         let free = request + (wanted - request).clamp(-most, most);
         let before = request;
@@ -211,8 +219,9 @@ fn drive(road: &Arcs, set_mps: f64, knows: Knows) -> (f64, f64) {
         place_m += speed_mps * PERIOD_S + 0.5 * request * PERIOD_S * PERIOD_S;
         speed_mps = (speed_mps + request * PERIOD_S).max(0.0);
         lateral = lateral.max(speed_mps * speed_mps * road.at(place_m).abs());
+        braking = braking.max(-request);
     }
-    (lateral, jerk)
+    Most { lateral_mps2: lateral, jerk_mps3: jerk, braking_mps2: braking }
 }
 
 fn bend() -> impl Strategy<Value = (f64, f64, f64, f64)> {
@@ -228,9 +237,9 @@ proptest! {
     fn with_a_map_no_curve_is_taken_too_fast(
         bends in proptest::collection::vec(bend(), 1..6), set in 15.0..42.0_f64,
     ) {
-        let (lateral, jerk) = drive(&Arcs::new(&bends), set, Knows::Map(0.0));
-        prop_assert!(lateral <= 2.6, "{lateral} m/s²");
-        prop_assert!(jerk <= 2.5 + 1e-9, "{jerk} m/s³");
+        let most = drive(&Arcs::new(&bends), set, FOLLOWS_S, Knows::Map(0.0));
+        prop_assert!(most.lateral_mps2 <= 2.6, "{} m/s²", most.lateral_mps2);
+        prop_assert!(most.jerk_mps3 <= 2.5 + 1e-9, "{} m/s³", most.jerk_mps3);
     }
 
     #[test]
@@ -240,8 +249,21 @@ proptest! {
     ) {
         let road = Arcs::new(&bends);
         for knows in [Knows::OwnWay, Knows::Map(shift)] {
-            let (_, jerk) = drive(&road, set, knows);
+            let jerk = drive(&road, set, FOLLOWS_S, knows).jerk_mps3;
             prop_assert!(jerk <= 2.5 + 1e-9, "{knows:?}: {jerk} m/s³");
         }
+    }
+
+    /// This law follows the set speed 8 s late, so the bound alone keeps the curve. The map shows arcs of two cells.
+    #[test]
+    fn a_law_that_follows_late_takes_no_curve_too_fast(
+        radius_m in 30.0..500.0_f64, left in proptest::bool::ANY, spiral_m in 30.0..100.0_f64,
+        arc_m in 2.0 * CELL_M..300.0, set in 15.0..40.0_f64,
+    ) {
+        let curvature_perm = if left { 1.0 / radius_m } else { -1.0 / radius_m };
+        let road = Arcs::new(&[(curvature_perm, spiral_m, arc_m, 100.0)]);
+        let most = drive(&road, set, 8.0, Knows::Map(0.0));
+        prop_assert!(most.lateral_mps2 <= 1.1 * 2.3, "{} m/s²", most.lateral_mps2);
+        prop_assert!(most.braking_mps2 <= HARD_MPS2, "{} m/s²", most.braking_mps2);
     }
 }

@@ -8,6 +8,7 @@ mod by_hand_tests;
 mod contact;
 mod driver;
 mod evidence;
+mod lateral;
 mod names;
 mod others;
 mod red_light;
@@ -90,7 +91,7 @@ pub struct RequirementVerdict {
     pub met: bool,
 }
 
-/// The requirements of a scenario.
+/// The requirements of a scenario: its formulas, and on a road with a plan its limit of the lateral acceleration.
 ///
 /// # Errors
 /// [`RequirementError`] at the first one that is not a formula or a known name.
@@ -124,7 +125,14 @@ pub fn requirements(scenario: &Scenario) -> Result<Vec<Requirement>, Requirement
         formula.check_duration(scenario.duration_s.value()).map_err(fault)?;
         Ok(Requirement { text: text.clone(), judge: Judge::Formula(formula) })
     };
-    scenario.require.formulas.iter().enumerate().map(read).collect()
+    let mut requirements =
+        scenario.require.formulas.iter().enumerate().map(read).collect::<Result<Vec<_>, _>>()?;
+    if scenario.road.plan().is_some() {
+        let limit_mps2 = scenario.require.max_lateral_mps2.value();
+        let judge = Judge::Rule(Rule::Lateral(limit_mps2));
+        requirements.push(Requirement { text: format!("lateral:{limit_mps2}"), judge });
+    }
+    Ok(requirements)
 }
 
 impl Requirement {
@@ -148,6 +156,7 @@ impl Requirement {
             Judge::Rule(Rule::Collision) => contact::no_collision(evidence),
             Judge::Rule(Rule::AvoidableCollision) => reference::no_avoidable_collision(evidence),
             Judge::Rule(Rule::RedLight) => red_light::no_red_light(evidence),
+            Judge::Rule(Rule::Lateral(limit_mps2)) => lateral::within(*limit_mps2, evidence),
         };
         RequirementVerdict {
             requirement: self.text.clone(),

@@ -10,12 +10,13 @@
 //! | `time-gap:A..B` | `always (time_gap_s >= A and (time_gap_s <= B or time_gap_s > 6))` |
 //! | `jerk:J` | `always abs(jerk_mps3) <= J` |
 //! | `braking:A` | `always acceleration_mps2 >= -A` |
+//! | `lateral:A` | the lateral acceleration on a road with a plan stays within A m/s² |
 //! | `comfort` | `always (acceleration_mps2 >= -3.5 and acceleration_mps2 <= 2 and abs(jerk_mps3) <= 5)` |
 //!
 //! A vehicle whose time gap is above 6 s is not followed. Comfort's accelerations are ISO 15622's limits above 20 m/s,
 //! and its jerk is the limit below 5 m/s. All come from secondary sources.
 
-pub(super) const NAMES: [&str; 10] = [
+pub(super) const NAMES: [&str; 11] = [
     "no-collision",
     "no-avoidable-collision",
     "no-red-light",
@@ -24,6 +25,7 @@ pub(super) const NAMES: [&str; 10] = [
     "time-gap",
     "jerk",
     "braking",
+    "lateral",
     "comfort",
     "string-stable",
 ];
@@ -41,11 +43,13 @@ pub(super) enum Named {
 }
 
 /// A rule that a formula over the signals cannot express: the event that must not happen.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Rule {
     Collision,
     AvoidableCollision,
     RedLight,
+    /// A lateral acceleration beyond this one, m/s².
+    Lateral(f64),
 }
 
 impl Rule {
@@ -56,6 +60,7 @@ impl Rule {
                 "least gap, or minus the impact speed, where the reference avoids"
             }
             Self::RedLight => "way to a stop line when its signal turned red",
+            Self::Lateral(_) => "largest lateral acceleration",
         }
     }
 }
@@ -86,6 +91,10 @@ pub(super) fn named(text: &str) -> Option<Result<Named, WrongForm>> {
         "no-collision" => return Some(rule(Rule::Collision)),
         "no-avoidable-collision" => return Some(rule(Rule::AvoidableCollision)),
         "no-red-light" => return Some(rule(Rule::RedLight)),
+        "lateral" => {
+            let limit = number().map(|a| Named::Rule(Rule::Lateral(a)));
+            return Some(limit.ok_or(WrongForm("lateral:LIMIT in m/s²")));
+        }
         "string-stable" => Err("it in `timegap string`, which drives strings of cars"),
         "min-gap" => number().map(|m| format!("always gap_m >= {m}")).ok_or("min-gap:METRES"),
         "ttc" => number().map(|s| format!("always ttc_s >= {s}")).ok_or("ttc:SECONDS"),

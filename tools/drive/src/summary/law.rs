@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Cycles of a drive by who commanded in them.
 ///
 /// ```
-/// # use report::summary::LawAccount;
+/// # use drive::summary::LawAccount;
 /// let law = LawAccount { name: "mine".into(), cycles: 600, answered: 50, backup: 550, ..Default::default() };
 /// assert_eq!(law.to_string(), "550 of 600 cycles by the backup, not by mine");
 /// assert!(law.backup_share() > 0.9);

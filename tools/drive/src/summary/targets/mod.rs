@@ -57,7 +57,7 @@ impl Place {
     /// The place between two curvatures, 1/m.
     ///
     /// ```
-    /// use report::targets::Place;
+    /// use drive::summary::targets::Place;
     ///
     /// assert_eq!(Place::between(0.0, 0.002), Place::Entry);
     /// assert_eq!(Place::between(0.002, -0.002), Place::Entry, "the next curve of an S");
