@@ -31,6 +31,7 @@ static LAW: Descriptor = Descriptor {
     formulation: |_| &ONE,
     gap: GapPolicy::Internal,
     target: TargetSource::Tracked,
+    trucks_alone: false,
     build: |_| Ok(Box::new(TwoSeconds)),
 };
 

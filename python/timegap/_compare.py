@@ -173,9 +173,9 @@ class Sweep(Rows):
 
 
 def named(laws: Laws | None) -> dict[str, LawLike]:
-    """Laws by name; all of timegap's own if None."""
+    """Laws by name; all of timegap's own that drive cars if None."""
     if laws is None:
-        return {law.name: law.name for law in own_laws()}
+        return {law.name: law.name for law in own_laws() if not law.trucks_alone}
     if isinstance(laws, Mapping):
         found = dict(laws)
     else:
@@ -253,7 +253,7 @@ def compare(
 
     Args:
         scenarios: one scenario, or several.
-        laws: a law, several, or a dict of names and laws; all of timegap's own if None.
+        laws: a law, several, or a dict of names and laws; all of timegap's own that drive cars if None.
         set: keys of every scenario by their dotted paths.
         seeds: seeds with which each is driven; the scenario's own if None.
         keep: keep the runs with their trajectories.

@@ -20,6 +20,7 @@ class LawInfo(NamedTuple):
     name: str
     description: str
     source: str
+    trucks_alone: bool
 
 
 class ScenarioInfo(NamedTuple):

@@ -85,7 +85,7 @@ fn every_built_in_scenario_gives_the_bytes_of_the_list() {
 #[test]
 fn every_law_does_the_same_in_one_process_and_in_a_group() {
     for law in controller::laws::own() {
-        let scenario = if law.name == "predictive" { "truck-follow" } else { "cut-in" };
+        let scenario = if law.trucks_alone { "truck-follow" } else { "cut-in" };
         same_in_both(scenario, &["--controller", law.name, "--duration", "8"]);
     }
 }

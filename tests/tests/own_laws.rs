@@ -1,14 +1,12 @@
 //! Laws of the user's own under names of their own, wherever a controller is named.
 
 use serde_json::Value;
-use std::path::Path;
-use std::process::{Command, ExitCode};
-use system_tests::cases::{self, case, needing};
+use std::process::ExitCode;
+use system_tests::cases::{self, case};
 use system_tests::{Corner, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");
 const ODD_LAW: &str = env!("CARGO_BIN_EXE_odd-law");
-const EXAMPLES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../examples");
 
 /// `--law name=odd-law words`.
 fn law(name: &str, words: &str) -> String {
@@ -156,7 +154,6 @@ fn what_is_no_law_is_refused_with_its_place() {
         (&["run", "following", "--law", "gentle"][..], "expected NAME=COMMAND"),
         (&["run", "following", "--law", "acc-mpc=./x"], "a law of timegap's own"),
         (&["run", "following", "--law", "gentle=./no-such"], "there is no program `./no-such`"),
-        (&["run", "following", "--law", "gentle=library:./no.so"], "expected a shared library"),
         (&["run", "following", "--law", &mine, "--law", &mine], "the name is given twice"),
         (
             &["compare", "following", "--controllers", "gentel", "--law", &mine],
@@ -188,71 +185,6 @@ fn what_is_no_law_is_refused_with_its_place() {
     corner.expect_nothing_left(&[]);
 }
 
-/// The example as a library gives the bytes of the program, with the same checks.
-fn a_library_is_the_same_law() {
-    let corner = Corner::new(PROGRAM);
-    let header = corner.run(&["print", "layouts", "--law", "--c"]);
-    std::fs::write(corner.path().join("timegap_law.h"), header.stdout).expect("ours");
-    let compile = |code: &Path, library: &str| {
-        let compiled = Command::new("cc")
-            .args([
-                "-std=c11", "-Wall", "-Wextra", "-Werror", "-I.", "-O2", "-shared", "-fPIC", "-o",
-                library,
-            ])
-            .arg(code)
-            .arg("-lm")
-            .current_dir(corner.path())
-            .output()
-            .expect("looked for before");
-        assert!(compiled.status.success(), "{}", text(&compiled));
-    };
-    let example = Path::new(EXAMPLES).join("my_law_library.c");
-    compile(&example, "my_law.so");
-    let run = |law: &str, more: &[&str]| {
-        let words = ["run", "following", "--mode", "lockstep", "--duration", "5", "--law", law];
-        corner.json(&[&words[..], more].concat())
-    };
-    let digests = |summary: &Value| summary["messages"]["vehicle/odometry"]["digests"].clone();
-    let program = run(&law("mine", "follow"), &["--in-process"]);
-    let library = run("mine=library:./my_law.so", &["--in-process"]);
-    assert_eq!(digests(&library), digests(&program));
-    assert_eq!(digests(&run("mine=library:my_law.so", &["--no-record"])), digests(&program));
-    let found = library["services"].as_array().expect("a list");
-    let controller =
-        found.iter().find(|service| service["name"] == "controller").expect("it took part");
-    let command = controller["program"]["command"].as_str().unwrap_or_default();
-    assert!(command.ends_with("my_law.so"), "{controller}");
-    assert_eq!(controller["program"]["sha256"].as_str().map(str::len), Some(64));
-    // An answer that no vehicle can follow is refused, and the backup drives.
-    let code = std::fs::read_to_string(&example).expect("text");
-    let wrong = code.replace("fmax(-4.0, fmin(2.0, request))", "NAN");
-    assert_ne!(wrong, code);
-    std::fs::write(corner.path().join("wrong.c"), wrong).expect("ours");
-    compile(&corner.path().join("wrong.c"), "wrong.so");
-    let refused = corner.run(&[
-        "run",
-        "following",
-        "--mode",
-        "lockstep",
-        "--duration",
-        "2",
-        "--law",
-        "mine=library:wrong.so",
-        "--json",
-    ]);
-    let summary: Value =
-        serde_json::from_slice(&refused.stdout).unwrap_or_else(|_| panic!("{}", text(&refused)));
-    assert_eq!(
-        (&summary["outcome"], &summary["law"]["refused"]),
-        (&"driven_by_backup".into(), &21.into())
-    );
-    corner.expect_nothing_left(&[]);
-}
-
-fn c_compiler() -> cases::Needed {
-    cases::program("cc")
-}
-
 fn main() -> ExitCode {
     cases::run(&[
         case("a_run_has_the_name_and_the_program", a_run_has_the_name_and_the_program),
@@ -264,6 +196,5 @@ fn main() -> ExitCode {
         case("a_law_that_does_not_forget_is_found", a_law_that_does_not_forget_is_found),
         case("standards_and_strings_take_them", standards_and_strings_take_them),
         case("what_is_no_law_is_refused_with_its_place", what_is_no_law_is_refused_with_its_place),
-        needing(c_compiler, "a_library_is_the_same_law", a_library_is_the_same_law),
     ])
 }

@@ -153,7 +153,7 @@ fn compare_puts_all_controllers_on_the_same_scenarios() {
         .collect();
     let mut expected = Vec::new();
     for scenario in ["following", "cut-in"] {
-        for controller in laws::own().map(|law| law.name) {
+        for controller in laws::driving(false).map(|law| law.name) {
             expected.push(format!("{scenario} {controller}"));
         }
     }

@@ -22,7 +22,7 @@
 //! protects the message there and hands it over. Readers borrow what is larger than
 //! [`SMALL_BYTES`](messages::SMALL_BYTES) and copy what is not before they check it.
 //!
-//! `unsafe` is allowed in `coroutine`, `library`, `scheduling`, `spawn`, `usage` and `words`, for system calls that no
+//! `unsafe` is allowed in `coroutine`, `scheduling`, `spawn`, `usage` and `words`, for system calls that no
 //! crate wraps. It is also allowed in `transport` (`pooled`, and where loaned bytes become a message).
 
 #![warn(missing_docs)]
@@ -56,7 +56,6 @@ pub use life::link::{FromService, PEER_JOINED, StartOrder, ToService};
 pub use life::prepared::{NAME_PREFIX, PREPARED, PREPARED_PREFIX};
 pub use life::process::{log_warnings, run_service};
 pub use machine::background::{BackgroundWorker, WorkerReport};
-pub use machine::library::{LawLibrary, LibraryError};
 pub use machine::program::{Program, ProgramError, command_line, executable};
 pub use machine::scheduling;
 pub use machine::spawn::{die_with_this_thread, inherit_only};

@@ -164,7 +164,7 @@ pub struct Scenario {
     /// The control law and its loop.
     #[serde(default)]
     pub controller: Controller,
-    /// Laws of the user's own by name: `command`, `directory`, `env`, `arguments`, or `library`.
+    /// Laws of the user's own by name: `command`, `directory`, `env`, `arguments`.
     #[serde(default, skip_serializing_if = "OwnLaws::is_empty")]
     pub laws: OwnLaws,
     /// Scheduling and placement.

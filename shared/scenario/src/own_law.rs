@@ -15,7 +15,7 @@ use super::problem::Problem;
 /// Laws of the user's own, by name.
 pub type OwnLaws = BTreeMap<String, OwnLaw>;
 
-/// A law of the user's own: a program, a shared library, or a function of the program that starts the run.
+/// A law of the user's own: a program, or a function of the program that starts the run.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct OwnLaw {
@@ -25,10 +25,6 @@ pub struct OwnLaw {
     /// Directory in which the program runs. If absent, as for `controller.directory`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub directory: Option<PathBuf>,
-    /// A shared library with the functions of `timegap print layouts --law --c`. It computes in timegap's own process. An
-    /// error in it ends the command, and nothing ends a step that does not return.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub library: Option<PathBuf>,
     /// The program that starts the run computes the law, such as a program in Python.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub caller: bool,
@@ -40,36 +36,16 @@ pub struct OwnLaw {
     pub arguments: BTreeMap<String, Word>,
 }
 
-/// The parts of a law of the user's.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Origin<'a> {
-    /// A program of its own.
-    Program,
-    /// A shared library.
-    Library(&'a Path),
-    /// The program that starts the run.
-    Caller,
-}
-
 impl OwnLaw {
-    /// Its parts.
-    ///
-    /// ```
-    /// use scenario::own_law::{Origin, OwnLaw};
-    ///
-    /// let law = OwnLaw { command: vec!["./law".to_owned()], ..OwnLaw::default() };
-    /// assert_eq!(law.origin(), Origin::Program);
-    /// ```
-    #[must_use]
-    pub fn origin(&self) -> Origin<'_> {
-        match &self.library {
-            Some(library) => Origin::Library(library),
-            None if self.caller => Origin::Caller,
-            None => Origin::Program,
-        }
-    }
-
     /// The words that start the program.
+    ///
+    /// ```
+    /// use scenario::own_law::{OwnLaw, Word};
+    ///
+    /// let mut law = OwnLaw { command: vec!["./law".to_owned()], ..OwnLaw::default() };
+    /// law.arguments.insert("gain".to_owned(), Word("0.4".to_owned()));
+    /// assert_eq!(law.words(), ["./law", "--gain=0.4"]);
+    /// ```
     #[must_use]
     pub fn words(&self) -> Vec<String> {
         let arguments = self.arguments.iter().map(|(key, Word(value))| format!("--{key}={value}"));
@@ -129,16 +105,10 @@ impl<'de> Deserialize<'de> for Word {
     }
 }
 
-/// Settles where the laws' programs run and where their libraries are; `own` is the scenario file's directory.
+/// Settles where the laws' programs run; `own` is the scenario file's directory.
 pub(super) fn place(laws: &mut OwnLaws, own: Option<&Path>) {
-    let here = std::env::current_dir().unwrap_or_default();
     for law in laws.values_mut() {
         law.directory = super::controller::place_of(&law.command, law.directory.take(), own);
-        if let Some(library) = &mut law.library {
-            let beside = own.map(|own| here.join(own).join(&*library));
-            let beside = beside.filter(|beside| beside.is_file());
-            *library = beside.unwrap_or_else(|| here.join(&*library));
-        }
     }
 }
 
@@ -149,10 +119,9 @@ pub(super) fn check(scenario: &Scenario) -> Result<(), Problem> {
         if let Err(error) = Name::try_from(name.clone()) {
             return Err(Problem::new(path, format!("`{name}` is {error}"), "another name"));
         }
-        let kinds = [!law.command.is_empty(), law.library.is_some(), law.caller];
-        if kinds.into_iter().filter(|&is_it| is_it).count() != 1 {
+        if law.command.is_empty() != law.caller {
             let message = format!("the law `{name}` has no program, or more than one");
-            let expected = "one of command, such as [\"python3\", \"law.py\"], and library";
+            let expected = "a command, such as [\"python3\", \"law.py\"]";
             return Err(Problem::new(path, message, expected));
         }
         if law.command.is_empty() && !(law.env.is_empty() && law.arguments.is_empty()) {
@@ -207,8 +176,9 @@ mod tests {
     fn a_table_of_no_law_or_of_two_is_refused_at_its_place() {
         for (lines, what) in [
             ("", "has no program, or more than one"),
-            ("command = [\"a\"]\nlibrary = \"b.so\"", "or more than one"),
-            ("library = \"b.so\"\nenv.A = 1", "is not a program of its own"),
+            ("command = [\"a\"]\ncaller = true", "or more than one"),
+            ("caller = true\nenv.A = 1", "is not a program of its own"),
+            ("library = \"b.so\"", "unknown key `library`"),
             ("command = \"law\"", "a list of words"),
             ("comand = [\"law\"]", "did you mean `command`?"),
             ("command = [\"law\"]\nenv.A = [1]", "a text, a number or a truth value"),

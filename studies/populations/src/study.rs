@@ -60,7 +60,7 @@ impl<P: Population> Test<P> {
         laws.check()?;
         let named = match controllers.as_slice() {
             [] => laws.names(),
-            _ => frame::batch::laws::named(controllers, &laws.names())?,
+            _ => frame::batch::laws::named(controllers, &laws.names(), false)?,
         };
         laws.expect_all_in(&named)?;
         let population = P::new(named)?;

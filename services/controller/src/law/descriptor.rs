@@ -31,6 +31,8 @@ pub struct Descriptor {
     pub gap: GapPolicy,
     /// Information on the target.
     pub target: TargetSource,
+    /// It refuses cars.
+    pub trucks_alone: bool,
     /// Builds the law from the keys that it reads, or names the key that it refuses.
     pub build: fn(&Reader<'_>) -> Result<Box<dyn Law>, Problem>,
 }

@@ -28,6 +28,11 @@ pub fn own() -> impl Iterator<Item = &'static Descriptor> {
     ALL.iter().copied().filter(|law| !std::ptr::eq(*law, &external::EXTERNAL))
 }
 
+/// Those that drive such a vehicle.
+pub fn driving(is_truck: bool) -> impl Iterator<Item = &'static Descriptor> {
+    own().filter(move |law| is_truck || !law.trucks_alone)
+}
+
 /// The law of that name.
 #[must_use]
 pub fn find(name: &str) -> Option<&'static Descriptor> {

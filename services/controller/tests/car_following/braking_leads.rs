@@ -37,7 +37,7 @@ fn law(keys: &str) -> Box<dyn controller::law::Law> {
     laws::build(&scenario).unwrap_or_else(|problem| panic!("{keys}: {problem:?}"))
 }
 
-fn braking_leads(keys: &str, perception: Perception, before: Before, cases: u64) -> Tally {
+fn braking_leads(keys: &str, before: Before, cases: u64) -> Tally {
     let mut tally = Tally::default();
     for seed in 0..cases {
         let mut rng = Pcg64::new(u128::from(seed), 5);
@@ -49,7 +49,7 @@ fn braking_leads(keys: &str, perception: Perception, before: Before, cases: u64)
         let ego = Vehicle { speed_mps, ..Vehicle::default() };
         let gap_m = 6.0 + 2.0 * speed_mps;
         let lead = Vehicle { position_m: gap_m, speed_mps, acceleration_mps2: 0.0 };
-        let mut world = World::new(law(keys), perception, 0.1, (ego, lead), seed);
+        let mut world = World::new(law(keys), Perception::Tracked, 0.1, (ego, lead), seed);
         // The lead is slower than the set speed, so that the law's own gap decides.
         world.set_speed_mps = speed_mps + 4.0;
         let steps = ((SETTLE_S + uniform(0.0, 0.1)) / STEP_S) as u32;
@@ -87,9 +87,9 @@ const CASES: u64 = 200;
 const PULLING_AWAY: u64 = 100;
 
 /// No collision that the law's own brakes avoid after the reaction time.
-fn none_is_avoidable(keys: &str, perception: Perception) {
+fn none_is_avoidable(keys: &str) {
     for (before, cases) in [(Before::Settled, CASES), (Before::PullsAway, PULLING_AWAY)] {
-        let tally = braking_leads(keys, perception, before, cases);
+        let tally = braking_leads(keys, before, cases);
         println!("{keys}, {before:?}: {tally:?}");
         assert!(tally.avoidable.is_empty(), "{keys}, {before:?}: seeds {:?}", tally.avoidable);
         assert!(tally.collisions * 5 < cases as u32, "{keys}: {} collisions", tally.collisions);
@@ -98,27 +98,22 @@ fn none_is_avoidable(keys: &str, perception: Perception) {
 
 #[test]
 fn acc_mpc() {
-    none_is_avoidable("name = \"acc-mpc\"", Perception::Tracked);
+    none_is_avoidable("name = \"acc-mpc\"");
 }
 
 #[test]
 fn cacc_mpc() {
-    none_is_avoidable("name = \"cacc-mpc\"", Perception::Tracked);
+    none_is_avoidable("name = \"cacc-mpc\"");
 }
 
 #[test]
 fn six_mode() {
-    none_is_avoidable("name = \"six-mode\"", Perception::Tracked);
+    none_is_avoidable("name = \"six-mode\"");
 }
 
 #[test]
 fn quadratic_bounded() {
-    none_is_avoidable("name = \"quadratic-bounded\"", Perception::Tracked);
-}
-
-#[test]
-fn predictive_on_a_car() {
-    none_is_avoidable("name = \"predictive\"", Perception::Measured);
+    none_is_avoidable("name = \"quadratic-bounded\"");
 }
 
 #[test]

@@ -87,8 +87,8 @@ fn drive(law: &str, perception: Perception) -> Drive {
 }
 
 /// No collision and soft stops, with ideal perception and with the radar.
-fn stops_softly(law: &str, radar: Perception) -> [Drive; 2] {
-    [Perception::Ideal, radar].map(|perception| {
+fn stops_softly(law: &str) -> [Drive; 2] {
+    [Perception::Ideal, Perception::Tracked].map(|perception| {
         let drive = drive(law, perception);
         println!("{law} {perception:?}: {drive:?}");
         assert_eq!(drive.collision_s, None, "{law}");
@@ -99,28 +99,23 @@ fn stops_softly(law: &str, radar: Perception) -> [Drive; 2] {
 
 #[test]
 fn acc_mpc() {
-    for drive in stops_softly("acc-mpc", Perception::Tracked) {
+    for drive in stops_softly("acc-mpc") {
         assert!(drive.stops >= 4 && drive.mean_time_gap_s < 3.0, "{drive:?}");
     }
 }
 
 #[test]
 fn six_mode() {
-    for drive in stops_softly("six-mode", Perception::Tracked) {
+    for drive in stops_softly("six-mode") {
         assert!(drive.stops >= 4 && drive.mean_time_gap_s < 3.0, "{drive:?}");
     }
 }
 
 #[test]
 fn quadratic_bounded_says_where_its_fall_back_drives() {
-    for drive in stops_softly("quadratic-bounded", Perception::Tracked) {
+    for drive in stops_softly("quadratic-bounded") {
         assert!(drive.stops >= 4, "{drive:?}");
         let share = drive.fall_back_share;
         assert!(share > 0.1 && share < 0.9, "both drive, each in its range: {share}");
     }
-}
-
-#[test]
-fn predictive_on_a_car() {
-    let _ = stops_softly("predictive", Perception::Measured);
 }

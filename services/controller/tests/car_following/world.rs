@@ -1,6 +1,6 @@
 //! A car behind one vehicle: actuator lag, a noisy radar with latency, a tracker, and a law.
 
-use controller::law::{Ego, Input, Law, Output, Plan, Target};
+use controller::law::{Ego, Input, Law, Output, Target};
 use rand_pcg::Pcg64;
 
 use crate::tracker::Tracker;
@@ -51,10 +51,8 @@ impl Vehicle {
 pub(crate) enum Perception {
     /// Exactly what is, at once.
     Ideal,
-    /// Radar and tracker; gap and rate as tracked.
+    /// Radar and tracker.
     Tracked,
-    /// Radar and tracker; gap and rate as measured.
-    Measured,
 }
 
 /// The closed loop.
@@ -145,10 +143,7 @@ impl World {
         let missed = self.uniform() < DROPOUT;
         let dt_s = SCAN_STEPS as f64 * STEP_S;
         let measured = (!missed).then_some([range_m, rate_mps]);
-        let mut seen = self.tracker.update(measured, self.ego.acceleration_mps2, dt_s);
-        if self.perception == Perception::Measured && !missed {
-            (seen.gap_m, seen.relative_speed_mps) = (range_m, rate_mps);
-        }
+        let seen = self.tracker.update(measured, self.ego.acceleration_mps2, dt_s);
         self.told = self.held;
         self.held = Some((seen, self.time_s()));
     }
@@ -175,13 +170,6 @@ impl World {
             ..Input::default()
         };
         self.law.step(&input, &mut self.output);
-        if let Some(planning) = self.law.planning()
-            && let Some(request) = planning.request()
-        {
-            let mut plan = Plan::default();
-            planning.planner().plan(&request, &mut plan);
-            planning.accept(&plan);
-        }
     }
 
     /// Smallest request of the law, m/s².

@@ -34,8 +34,11 @@ struct Subject {
 
 impl Subject {
     fn new(law: &str, keys: &str) -> Self {
+        let trucks_alone = laws::find(law).is_some_and(|law| law.trucks_alone);
+        let vehicle = if trucks_alone { "jh6-49t" } else { "car" };
         let text = format!(
-            "schema_version = 1\nname = \"conformance\"\n[controller]\nname = \"{law}\"\n{keys}\n"
+            "schema_version = 1\nname = \"conformance\"\nplant.vehicle = \"{vehicle}\"\n\
+             [controller]\nname = \"{law}\"\n{keys}\n"
         );
         let scenario = Scenario::parse("conformance", &text).expect("the keys are right");
         Self { name: format!("{law} {keys}"), scenario }

@@ -14,7 +14,7 @@ mod scenes;
 use scenes::{Scene, drive, scenes};
 
 /// Laws with the keys that choose a variant, and the vehicle that they drive.
-const SUBJECTS: [(&str, &[&str]); 12] = [
+const SUBJECTS: [(&str, &[&str]); 11] = [
     ("acc-mpc", &[]),
     ("acc-mpc", &["controller.spacing_policy=constant-distance"]),
     ("acc-signal-stop", &[]),
@@ -25,7 +25,6 @@ const SUBJECTS: [(&str, &[&str]); 12] = [
     ("six-mode", &["controller.six_mode.spacing=paper"]),
     ("quadratic-bounded", &[]),
     ("quadratic-bounded", &["controller.quadratic_bounded.gains=printed"]),
-    ("predictive", &[]),
     ("predictive", &["plant.vehicle=jh6-49t"]),
 ];
 

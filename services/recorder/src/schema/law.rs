@@ -25,24 +25,6 @@ def drive(law):
         answers.flush()
 "#;
 
-/// The functions of a law in a shared library.
-const FUNCTIONS: &str = "
-/* A law in a shared library, which computes in timegap's own process. `create` returns a law of its own each time;
-   several threads use several laws. `step` gets an answer that is all 0, and clears all history where
-   `question->reset` is 1. */
-#ifdef __cplusplus
-extern \"C\" {
-#endif
-/* Returns TIMEGAP_LAYOUT_VERSION. */
-const char *timegap_law_layout_version(void);
-void *timegap_law_create(void);
-void timegap_law_step(void *law, const TimegapLawInput *question, TimegapLawAnswer *answer);
-void timegap_law_destroy(void *law);
-#ifdef __cplusplus
-}
-#endif
-";
-
 /// The two records and what they are made of, each after what it contains.
 #[must_use]
 pub fn all() -> Vec<&'static Layout> {
@@ -70,10 +52,9 @@ pub fn c_header() -> String {
     format!(
         "/* Questions and answers of a law for timegap, layout version {LAYOUT_VERSION}: made by\n   \
          `timegap print layouts --law --c`. The program reads TimegapLawInput from its standard input and\n   \
-         writes one TimegapLawAnswer with the same sequence number to its standard output. A shared\n   \
-         library has the functions at the end instead. */\n\
+         writes one TimegapLawAnswer with the same sequence number to its standard output. */\n\
          #ifndef TIMEGAP_LAW_H\n#define TIMEGAP_LAW_H\n\n#include <assert.h>\n#include \
          <stddef.h>\n#include <stdint.h>\n\n#define TIMEGAP_LAYOUT_VERSION \
-         \"{LAYOUT_VERSION}\"\n{structures}{FUNCTIONS}\n#endif\n"
+         \"{LAYOUT_VERSION}\"\n{structures}\n#endif\n"
     )
 }

@@ -84,20 +84,6 @@ impl Program {
         })
     }
 
-    /// A shared library that computes for the run.
-    ///
-    /// # Errors
-    /// [`ProgramError::Unreadable`].
-    pub fn library(file: &Path) -> Result<Self, ProgramError> {
-        let stem = file.file_stem().map(|stem| stem.to_string_lossy().into_owned());
-        Ok(Self {
-            name: stem.unwrap_or_default(),
-            command: command_line(&[file.to_string_lossy()]),
-            sha256: digest(file)?,
-            file: file.to_owned(),
-        })
-    }
-
     /// The first digits of the digest, for a line that is short.
     #[must_use]
     pub fn short_digest(&self) -> &str {

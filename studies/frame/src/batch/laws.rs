@@ -3,23 +3,24 @@
 use controller::laws;
 use group::UsageError;
 
-/// Each law of `option` once; where the option is empty all of timegap's own, and the user's, which are `own`.
+/// Each law of `option` once; where the option is empty all of timegap's own that drive such a vehicle, and the user's,
+/// which are `own`.
 ///
 /// ```
 /// use frame::batch::laws;
 ///
 /// let chosen = ["acc-mpc".to_owned(), "gentle".to_owned()];
 /// let own = ["gentle".to_owned()];
-/// assert_eq!(laws::named(&chosen, &own).unwrap(), chosen);
-/// assert!(laws::named(&chosen, &[]).is_err(), "no law has this name");
-/// assert!(laws::named(&[], &own).unwrap().len() > 3, "all of timegap's own, and gentle");
+/// assert_eq!(laws::named(&chosen, &own, false).unwrap(), chosen);
+/// assert!(laws::named(&chosen, &[], false).is_err(), "no law has this name");
+/// assert!(laws::named(&[], &own, false).unwrap().len() > 3, "timegap's own, and gentle");
 /// ```
 ///
 /// # Errors
 /// A name that is missing, unknown or there twice.
-pub fn named(option: &[String], own: &[String]) -> Result<Vec<String>, UsageError> {
+pub fn named(option: &[String], own: &[String], is_truck: bool) -> Result<Vec<String>, UsageError> {
     if option.is_empty() {
-        let ours = laws::own().map(|law| law.name.to_owned());
+        let ours = laws::driving(is_truck).map(|law| law.name.to_owned());
         return Ok(ours.chain(own.iter().cloned()).collect());
     }
     let refuse = |why: &str, expected: &str| Err(refusal(option, why, expected));
@@ -39,12 +40,12 @@ pub fn named(option: &[String], own: &[String]) -> Result<Vec<String>, UsageErro
     Ok(option.to_vec())
 }
 
-/// The same for a command that makes its scenarios. The law `external` has no program in them.
+/// The same for a command that makes its scenarios, all with cars. The law `external` has no program in them.
 ///
 /// # Errors
 /// As [`named`].
 pub fn own_named(option: &[String], own: &[String]) -> Result<Vec<String>, UsageError> {
-    let named = named(option, own)?;
+    let named = named(option, own, false)?;
     let ours = laws::own().map(|law| law.name.to_owned());
     let names: Vec<String> = ours.chain(own.iter().cloned()).collect();
     if named.iter().any(|name| !names.contains(name)) {
@@ -68,9 +69,11 @@ mod tests {
 
     #[test]
     fn no_name_is_every_law_of_our_own() {
-        let all = named(&[], &[]).expect("all");
+        let all = named(&[], &[], false).expect("all");
         assert_eq!(Ok(all.clone()), own_named(&[], &[]));
-        assert_eq!(named(&all, &[]), Ok(all.clone()));
+        assert_eq!(named(&all, &[], false), Ok(all.clone()));
+        let of_trucks = named(&[], &[], true).expect("all");
+        assert_eq!(of_trucks, [all.clone(), list("predictive")].concat());
         assert!(all.iter().all(|name| name != "external"), "{all:?}");
     }
 
@@ -83,10 +86,10 @@ mod tests {
             ("acc-mcp", "(did you mean `acc-mpc`?)"),
             ("acc-mpc,six-mode,acc-mpc", "acc-mpc is there twice"),
         ] {
-            let said = named(&list(names), &[]).expect_err(names).to_string();
+            let said = named(&list(names), &[], false).expect_err(names).to_string();
             assert!(said.starts_with("--controllers ") && said.contains(what), "{said}");
         }
-        assert!(named(&list("external"), &[]).is_ok());
+        assert!(named(&list("external"), &[], false).is_ok());
         let said =
             own_named(&list("external"), &list("gentle")).expect_err("no program").to_string();
         assert!(

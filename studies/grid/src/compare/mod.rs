@@ -110,8 +110,9 @@ fn label(argument: &str, all: &[(String, String)]) -> String {
     }
 }
 
-/// The laws of the user's own: of the options, then those that every scenario declares.
-fn own_laws(arguments: &CompareArguments) -> Result<Vec<String>, Error> {
+/// The laws of the user's own: of the options, then those that every scenario declares. Returns also whether all
+/// scenarios are of trucks.
+fn own_laws(arguments: &CompareArguments) -> Result<(Vec<String>, bool), Error> {
     let mut own = arguments.laws.names();
     let options = ScenarioOptions {
         set: arguments.set.clone(),
@@ -121,8 +122,11 @@ fn own_laws(arguments: &CompareArguments) -> Result<Vec<String>, Error> {
         ..ScenarioOptions::default()
     };
     let mut declared: Option<Vec<String>> = None;
+    let mut all_trucks = true;
     for argument in &arguments.scenarios {
-        let laws = group::open(argument, &options)?.laws;
+        let scenario = group::open(argument, &options)?;
+        all_trucks &= scenario.plant.vehicle.is_truck();
+        let laws = scenario.laws;
         match &mut declared {
             Some(declared) => declared.retain(|name| laws.contains_key(name)),
             None => declared = Some(laws.into_keys().collect()),
@@ -131,7 +135,7 @@ fn own_laws(arguments: &CompareArguments) -> Result<Vec<String>, Error> {
     own.extend(
         declared.into_iter().flatten().filter(|name| !arguments.laws.names().contains(name)),
     );
-    Ok(own)
+    Ok((own, all_trucks))
 }
 
 impl Study for Laws {
@@ -144,7 +148,8 @@ impl Study for Laws {
     const NEEDS: Needs = Needs::Part;
 
     fn plan(arguments: &CompareArguments, run: &RunOptions) -> Result<Self, Error> {
-        let laws = batch::laws::named(&arguments.controllers, &own_laws(arguments)?)?;
+        let (own, all_trucks) = own_laws(arguments)?;
+        let laws = batch::laws::named(&arguments.controllers, &own, all_trucks)?;
         arguments.laws.expect_all_in(&laws)?;
         let mut programs = run.group.programs.iter();
         if laws.len() > 1 && programs.any(|(service, _)| *service == Service::Controller) {

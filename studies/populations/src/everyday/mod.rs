@@ -1,6 +1,6 @@
 //! `everyday`: random scenes of everyday driving, judged by an oracle that has the motion of all vehicles.
 //!
-//! Each scene is driven by every law, with the emergency brake (`braked`) and without it (`alone`).
+//! Each scene is driven by every law of cars, with the emergency brake (`braked`) and without it (`alone`).
 
 mod draw;
 mod oracle;
@@ -94,7 +94,7 @@ impl Population for Everyday {
     const KEYS: &'static [&'static str] = &["kind", "brake"];
 
     fn new(laws: Vec<String>) -> Result<Self, Error> {
-        let own = || laws::own().map(|law| law.name.to_owned()).collect();
+        let own = || laws::driving(false).map(|law| law.name.to_owned()).collect();
         Ok(Self { laws: if laws.is_empty() { own() } else { laws } })
     }
 

@@ -276,7 +276,7 @@ mod tests {
 
     #[test]
     fn the_state_at_the_onset_is_the_one_after_a_long_time_behind_the_lead() {
-        for law in laws::own() {
+        for law in laws::driving(false) {
             let scenes = scenes();
             for speed_kmh in [12, 30, 60, 90, 128] {
                 let long = scenes.behind_a_lead(law.name, speed_kmh).expect("a law");

@@ -5,10 +5,6 @@ use clap::Args;
 use scenario::name::Name;
 use scenario::{Overrides, ScenarioError};
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
-
-/// The mark of a shared library.
-const LIBRARY: &str = "library:";
 
 /// Laws of the user's own, by the option `--law`.
 ///
@@ -21,8 +17,7 @@ const LIBRARY: &str = "library:";
 /// ```
 #[derive(Clone, Debug, Default, Args, Serialize, Deserialize)]
 pub struct LawOptions {
-    /// A law of your own: NAME=COMMAND starts a program, with words as in a shell; NAME=library:FILE loads a shared
-    /// library, which can crash or block timegap (repeatable)
+    /// A law of your own: starts a program, with words as in a shell (repeatable)
     #[arg(long = "law", value_name = "NAME=COMMAND")]
     pub laws: Vec<NamedLaw>,
 }
@@ -32,16 +27,15 @@ pub struct LawOptions {
 pub struct NamedLaw {
     /// Its name in rows, legends and JSON.
     pub name: String,
-    /// Its program or library.
+    /// What computes it.
     pub source: LawSource,
 }
 
-/// The program or library of a law of the user's own.
+/// What computes a law of the user's own.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum LawSource {
     Program(Vec<String>),
-    Library(PathBuf),
     /// The program that starts the run.
     Caller,
 }
@@ -88,15 +82,8 @@ impl std::str::FromStr for NamedLaw {
             return Err(LawError::Taken(name));
         }
         let no_command = || LawError::Command(command.to_owned());
-        let source = match command.strip_prefix(LIBRARY) {
-            Some("") => return Err(no_command()),
-            Some(file) => LawSource::Library(file.into()),
-            None => {
-                let words = shlex::split(command).filter(|words| !words.is_empty());
-                LawSource::Program(words.ok_or_else(no_command)?)
-            }
-        };
-        Ok(Self { name, source })
+        let words = shlex::split(command).filter(|words| !words.is_empty());
+        Ok(Self { name, source: LawSource::Program(words.ok_or_else(no_command)?) })
     }
 }
 
@@ -154,7 +141,6 @@ impl LawOptions {
         let words = self.laws.iter().filter_map(|NamedLaw { name, source }| {
             let source = match source {
                 LawSource::Program(words) => runtime::command_line(words),
-                LawSource::Library(file) => format!("{LIBRARY}{}", file.display()),
                 LawSource::Caller => return None,
             };
             Some(["--law".to_owned(), format!("{name}={source}")])
@@ -176,9 +162,6 @@ impl LawOptions {
                     let words: Vec<_> = words.iter().map(|word| text(word)).collect();
                     set("command", format!("[{}]", words.join(", ")));
                     set("directory", text(&here.to_string_lossy()));
-                }
-                LawSource::Library(file) => {
-                    set("library", text(&here.join(file).to_string_lossy()));
                 }
                 LawSource::Caller => set("caller", "true".to_owned()),
             }
@@ -210,8 +193,6 @@ mod tests {
             other => panic!("{other:?}"),
         };
         assert_eq!(words("a=python3 'my law.py' --k=1"), ["python3", "my law.py", "--k=1"]);
-        let library = law("b=library:./law.so").expect("a law");
-        assert_eq!(library.source, LawSource::Library("./law.so".into()));
     }
 
     #[test]
@@ -223,7 +204,6 @@ mod tests {
             ("six-mode=./law", "a law of timegap's own"),
             ("a=", "is not a command"),
             ("a='./law", "is not a command"),
-            ("a=library:", "is not a command"),
         ] {
             let said = law(argument).expect_err(argument).to_string();
             assert!(said.contains(what) && said.contains("expected"), "{said}");

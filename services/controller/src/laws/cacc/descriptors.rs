@@ -24,6 +24,7 @@ pub static ACC_MPC: Descriptor = Descriptor {
     formulation,
     gap: GapPolicy::Scenario(desired_gap),
     target: TargetSource::Tracked,
+    trucks_alone: false,
     build: |reader| of(reader, Signals::Ignored),
 };
 
@@ -37,6 +38,7 @@ pub static CACC_MPC: Descriptor = Descriptor {
     formulation,
     gap: GapPolicy::Scenario(desired_gap),
     target: TargetSource::Tracked,
+    trucks_alone: false,
     build: |reader| of(reader, Signals::Used),
 };
 

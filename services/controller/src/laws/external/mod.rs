@@ -28,14 +28,12 @@ mod channel;
 mod host;
 mod idle;
 mod law;
-mod library;
 mod process;
 mod record;
 mod settings;
 
 pub use asked::{Asked, Questions};
 pub use law::External;
-pub use library::Library;
 pub use settings::Settings;
 
 use super::cacc::config::Config;
@@ -46,8 +44,7 @@ use crate::settings::Table;
 use backup::Backup;
 use bounds::Bounds;
 use process::Plan;
-use runtime::{LawLibrary, Program, ProgramError, executable};
-use scenario::own_law::Origin;
+use runtime::{Program, ProgramError, executable};
 use scenario::{Problem, Scenario};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -64,6 +61,7 @@ pub static EXTERNAL: Descriptor = Descriptor {
     formulation: |_| &FORMULATION,
     gap: GapPolicy::Internal,
     target: TargetSource::Tracked,
+    trucks_alone: false,
     build,
 };
 
@@ -91,7 +89,7 @@ pub(super) fn named(scenario: &Scenario) -> Option<&'static Descriptor> {
     scenario.laws.contains_key(scenario.controller.name.as_str()).then_some(&EXTERNAL)
 }
 
-/// The program or library of a scenario's law, with its digest.
+/// The program of a scenario's law, with its digest.
 ///
 /// # Errors
 /// Names the key when the command names no program.
@@ -99,19 +97,12 @@ pub fn program(scenario: &Scenario) -> Result<Program, Problem> {
     let controller = &scenario.controller;
     let name = controller.name.as_str();
     let (path, words, directory) = match scenario.laws.get(name) {
-        Some(law) => match law.origin() {
-            Origin::Program => (format!("laws.{name}.command"), law.words(), &law.directory),
-            Origin::Library(library) => {
-                let path = format!("laws.{name}.library");
-                return Program::library(library).map_err(|error| refused(&path, &error));
-            }
-            Origin::Caller => {
-                let message =
-                    format!("the law `{name}` is a function of the program that starts the run");
-                let path = format!("laws.{name}.caller");
-                return Err(Problem::new(path, message, "a command or a library"));
-            }
-        },
+        Some(law) if law.caller => {
+            let message =
+                format!("the law `{name}` is a function of the program that starts the run");
+            return Err(Problem::new(format!("laws.{name}.caller"), message, "a command"));
+        }
+        Some(law) => (format!("laws.{name}.command"), law.words(), &law.directory),
         None => ("controller.command".into(), controller.command.clone(), &controller.directory),
     };
     let directory = directory.clone().unwrap_or_default();
@@ -137,24 +128,18 @@ fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
         least_mps2: key!(reader, min_request_mps2).value(),
         most_mps2: key!(reader, max_request_mps2).value(),
     };
-    match scenario.laws.get(name).map(|law| (law, law.origin())) {
+    match scenario.laws.get(name) {
         None => {
             let words = key!(reader, command);
             let directory = key!(reader, directory);
             program_law(reader, "controller.command", words, Vec::new(), directory, bounds)
         }
-        Some((law, Origin::Program)) => {
+        Some(law) if law.caller => Ok(Box::new(Asked::new(Questions::default(), None, scenario))),
+        Some(law) => {
             let path = format!("laws.{name}.command");
             let directory = law.directory.clone();
             program_law(reader, &path, law.words(), law.variables(), directory, bounds)
         }
-        Some((_, Origin::Library(path))) => {
-            let key = format!("laws.{name}.library");
-            let library = LawLibrary::open(path)
-                .map_err(|error| Problem::new(key, error.message(), error.expected()))?;
-            Ok(Box::new(Library::new(library, name, bounds, backup(reader)?)))
-        }
-        Some((_, Origin::Caller)) => Ok(Box::new(Asked::new(Questions::default(), None, scenario))),
     }
 }
 

@@ -115,6 +115,7 @@ pub static QUADRATIC_BOUNDED: Descriptor = Descriptor {
     },
     gap: GapPolicy::Figure("gap_error_m"),
     target: TargetSource::Tracked,
+    trucks_alone: false,
     build,
 };
 

@@ -45,6 +45,7 @@ pub static ACC_SIGNAL_STOP: Descriptor = Descriptor {
     formulation: |_| &FORMULATION,
     gap: GapPolicy::Scenario(cacc::desired_gap),
     target: TargetSource::Tracked,
+    trucks_alone: false,
     // Its modes and figures are its own: the commands are those of `acc-mpc`.
     build: |reader| {
         let settings: SignalStop = reader.table(TABLE.name)?;

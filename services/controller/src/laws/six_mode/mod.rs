@@ -99,6 +99,7 @@ pub static SIX_MODE: Descriptor = Descriptor {
     formulation: |_| &law::FORMULATION,
     gap: GapPolicy::Internal,
     target: TargetSource::Tracked,
+    trucks_alone: false,
     build: |reader| {
         let parameters: Parameters = reader.table(TABLE.name)?;
         reader.without(TABLE.name, parameters.unused());

@@ -12,7 +12,6 @@
 //! takes them away.
 
 use super::bounds::{believable, guarded_nm, permitted, powertrain};
-use super::car;
 use super::following::{self, LastResort, Means};
 use super::formulation::{
     BAD_INPUT, CRUISE, FOLLOW, MAP_CONTRADICTS, NO_PLAN, PLAN, PREDICTIVE, TARGET, TARGET_GONE,
@@ -22,7 +21,7 @@ use super::limiter;
 use super::map_trust::MapTrust;
 use super::planners::create;
 use super::reference::{Reference, Speeds};
-use super::settings::{CAR_MOST_MPS2, Keys, PlannerKind, REQUESTS_MPS2, Settings};
+use super::settings::{Keys, PlannerKind, REQUESTS_MPS2, Settings};
 use super::spacing::{Mode, Spacing};
 use super::speed_band::max_speed_mps;
 use super::speed_keeper::SpeedKeeper;
@@ -60,8 +59,6 @@ struct State {
     last_resort: LastResort,
     /// Last desired acceleration behind a target, m/s².
     wanted_mps2: Option<f64>,
-    /// Last request to a car, m/s².
-    asked_of_car_mps2: Option<f64>,
     mode: u32,
     reason: u32,
     request: Option<PlanRequest>,
@@ -80,7 +77,6 @@ impl State {
             reference: Reference::default(),
             last_resort: LastResort::default(),
             wanted_mps2: None,
-            asked_of_car_mps2: None,
             mode: CRUISE,
             reason: 0,
             request: None,
@@ -304,11 +300,6 @@ impl Law for Predictive {
         );
         let demand = permitted(&self.settings, demand, ego.speed_mps, powertrain.gear);
         self.write(input, &powertrain, &demand, output);
-        if let Some(car) = &self.settings.car {
-            let before_mps2 = self.state.asked_of_car_mps2;
-            let asked = car::drive(car, before_mps2, input, target.as_ref(), economic_mps, output);
-            self.state.asked_of_car_mps2 = Some(asked);
-        }
 
         if let Some(preview) = preview
             && !distrusted
@@ -338,8 +329,7 @@ impl Law for Predictive {
     }
 
     fn request_bounds_mps2(&self) -> (f64, f64) {
-        let (least, most) = REQUESTS_MPS2;
-        (least, if self.settings.car.is_some() { CAR_MOST_MPS2 } else { most })
+        REQUESTS_MPS2
     }
 
     fn planning(&mut self) -> Option<&mut dyn Planning> {

@@ -25,11 +25,9 @@
 //! | gap, modes | (14) to (16) | `spacing` |
 //! | accelerations, brakes | (17), (18) | `following` |
 //! | radar filter | | `target_filter` |
-//! | a car under this law | | `car` |
 
 mod beyond;
 mod bounds;
-mod car;
 mod dynamic_programming;
 pub mod energy_grid;
 mod following;
@@ -60,13 +58,12 @@ pub use planners::create;
 pub use prices::Prices;
 pub use road_classes::{LimitGrades, Reconstruction};
 pub use settings::{
-    BoundKeys, Brakes, CarGap, FilterKeys, FollowKeys, GapKeys, Keys, PlanKeys, PlannerKind,
-    RoadKeys, Settings, TruckKeys,
+    BoundKeys, Brakes, FilterKeys, FollowKeys, GapKeys, Keys, PlanKeys, PlannerKind, RoadKeys,
+    Settings, TruckKeys,
 };
 pub use spacing::Spacing;
 pub use speed_band::SpeedBand;
 
-use crate::law::reader::key;
 use crate::law::{Descriptor, GapPolicy, Law, Reader, TargetSource};
 use crate::settings::Table;
 use scenario::Problem;
@@ -84,32 +81,19 @@ pub static PREDICTIVE: Descriptor = Descriptor {
     formulation: |_| &formulation::FORMULATION,
     gap: GapPolicy::Internal,
     target: TargetSource::Measured,
+    trucks_alone: true,
     build,
 };
 
-/// The law's model of the truck; a car is driven like the heavier truck.
 fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
     let keys: Keys = reader.table(TABLE.name)?;
     let vehicle = reader.plant().vehicle;
-    let preset = Preset::named(vehicle.as_str()).unwrap_or(Preset::Jh6At49T);
-    reader.without(TABLE.name, keys.planner.unused());
-    // A car brakes by its own driver model, not by the truck's estimates of risk.
-    let of_the_other_vehicle: &[&str] = match vehicle.is_truck() {
-        true => &["lead_deceleration_mps2"],
-        false => &["gap.stopping_mps2", "gap.drag_mps2"],
+    let Some(preset) = Preset::named(vehicle.as_str()) else {
+        let message = format!("the law `{}` drives trucks alone", PREDICTIVE.name);
+        let trucks = Preset::ALL.map(|truck| format!("`{}`", truck.name())).join(" or ");
+        let expected = format!("another law, or {trucks} as plant.vehicle");
+        return Err(Problem::new("controller.name", message, expected));
     };
-    reader.without(TABLE.name, of_the_other_vehicle);
-    let car = (!vehicle.is_truck()).then(|| {
-        let lag_s = key!(reader, model_time_constant_s).value();
-        let headway_s = key!(reader, time_headway_s).value();
-        let standstill_m = key!(reader, standstill_distance_m).value();
-        CarGap {
-            lag_s,
-            headway_s,
-            standstill_m,
-            lead_deceleration_mps2: keys.lead_deceleration_mps2,
-        }
-    });
-    let settings = Settings::of_keys(&Truck::preset(preset), &keys);
-    Ok(Box::new(Predictive::new(&Settings { car, ..settings })))
+    reader.without(TABLE.name, keys.planner.unused());
+    Ok(Box::new(Predictive::new(&Settings::of_keys(&Truck::preset(preset), &keys))))
 }

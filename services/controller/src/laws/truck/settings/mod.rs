@@ -13,9 +13,6 @@ pub use tables::{BoundKeys, FilterKeys, FollowKeys, GapKeys, PlanKeys, RoadKeys,
 /// Least and largest request of the law, m/s².
 pub(super) const REQUESTS_MPS2: (f64, f64) = (-6.5, 1.5);
 
-/// Largest request to a car, m/s². Chosen: as the predictive laws for cars.
-pub(super) const CAR_MOST_MPS2: f64 = 2.0;
-
 /// Planner that drives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, Schema)]
 #[serde(rename_all = "kebab-case")]
@@ -104,9 +101,6 @@ pub struct Keys {
     /// Mean speed to keep on a free road, relative to the set speed.
     // At 0.8: rms jerk -6 %, fuel -15.7 %.
     pub mean_speed: f64,
-    /// Hardest assumed deceleration of the vehicle ahead on a car, m/s².
-    // No change at 4.5 and 11.25.
-    pub lead_deceleration_mps2: f64,
     /// Gap and modes (14) to (16).
     pub gap: GapKeys,
     /// Speed and acceleration behind a target (17), (18).
@@ -129,7 +123,6 @@ impl Default for Keys {
             planner: PlannerKind::default(),
             brakes: Brakes::default(),
             mean_speed: 1.0,
-            lead_deceleration_mps2: 9.0,
             gap: GapKeys::default(),
             follow: FollowKeys::default(),
             bounds: BoundKeys::default(),
@@ -144,7 +137,6 @@ impl Default for Keys {
 impl settings::Settings for Keys {
     fn ranges(&self, see: &mut Ranges<'_>) {
         see.within("mean_speed", self.mean_speed, 0.8, 1.2);
-        see.within("lead_deceleration_mps2", self.lead_deceleration_mps2, 0.5, 12.0);
         self.gap.ranges(see);
         self.follow.ranges(see);
         self.bounds.ranges(see);
@@ -162,34 +154,19 @@ pub struct Settings {
     pub truck: Truck,
     /// Settings of a scenario.
     pub keys: Keys,
-    /// Drives a car, by accelerations: kept at a safe gap and stopped softly.
-    pub car: Option<CarGap>,
-}
-
-/// Way in which a car's gap is kept safe.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CarGap {
-    /// Lag of the car's acceleration behind the request, s.
-    pub lag_s: f64,
-    /// Time headway, s.
-    pub headway_s: f64,
-    /// Gap at standstill, m.
-    pub standstill_m: f64,
-    /// Hardest assumed deceleration of the vehicle ahead, m/s².
-    pub lead_deceleration_mps2: f64,
 }
 
 impl Settings {
     /// Settings for a truck whose mean speed is to be its set speed.
     #[must_use]
     pub fn new(truck: &Truck, planner: PlannerKind) -> Self {
-        Self { truck: *truck, keys: Keys { planner, ..Keys::default() }, car: None }
+        Self { truck: *truck, keys: Keys { planner, ..Keys::default() } }
     }
 
     /// Settings of the keys for a truck that they describe in part.
     #[must_use]
     pub fn of_keys(truck: &Truck, keys: &Keys) -> Self {
-        Self { truck: keys.truck.believed(truck), keys: *keys, car: None }
+        Self { truck: keys.truck.believed(truck), keys: *keys }
     }
 }
 
