@@ -4,23 +4,18 @@ use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
 use crate::expression::Value;
+use crate::words::word_enums;
 
-/// A rule that compares two values.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Rule {
-    /// Equal.
-    EqualTo,
-    /// Not equal.
-    NotEqualTo,
-    /// Greater.
-    GreaterThan,
-    /// Less.
-    LessThan,
-    /// Greater or equal.
-    GreaterOrEqual,
-    /// Less or equal.
-    LessOrEqual,
+word_enums! {
+    /// A rule that compares two values.
+    Rule {
+        EqualTo: "equalTo",
+        NotEqualTo: "notEqualTo",
+        GreaterThan: "greaterThan",
+        LessThan: "lessThan",
+        GreaterOrEqual: "greaterOrEqual",
+        LessOrEqual: "lessOrEqual",
+    }
 }
 
 impl Rule {

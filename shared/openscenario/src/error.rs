@@ -5,9 +5,8 @@ use std::fmt;
 /// A line and a column of a text, from 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Spot {
-    /// The line.
     pub line: usize,
-    /// The column, in characters.
+    /// In characters.
     pub column: usize,
 }
 
@@ -18,11 +17,10 @@ impl fmt::Display for Spot {
 }
 
 /// A spot in a file.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Place {
     /// The file, as it was named.
     pub file: String,
-    /// The place in it.
     pub spot: Spot,
 }
 
@@ -37,105 +35,53 @@ impl fmt::Display for Place {
 pub enum ReadError {
     /// The file is not there, or not readable.
     #[error("{file}: {reason}")]
-    File {
-        /// Its path.
-        file: String,
-        /// Error of the system.
-        reason: String,
-    },
+    File { file: String, reason: String },
     /// The text is not well-formed XML.
     #[error("{place}: {reason}")]
-    Syntax {
-        /// Place.
-        place: Place,
-        /// Fault.
-        reason: String,
-    },
-    /// Another version of the standard.
-    #[error("{place}: version {found} of OpenSCENARIO XML is not supported, expected 1.0 to 1.3")]
-    Version {
-        /// Place.
-        place: Place,
-        /// The version that the file states.
-        found: String,
-    },
-    /// An element outside the subset, or one that is missing or too many.
-    #[error("{place}: element `{element}` in `{parent}` {fault}, expected {expected}")]
-    Element {
-        /// Place.
-        place: Place,
-        /// Its name.
-        element: String,
-        /// The element that it stands in.
-        parent: String,
-        /// Fault of the value.
-        fault: &'static str,
-        /// Expected value.
-        expected: String,
-    },
-    /// An attribute that is unknown or missing, or whose value does not fit.
-    #[error("{place}: attribute `{attribute}` of `{element}`: {reason}, expected {expected}")]
-    Attribute {
-        /// Its place; the beginning of its element if it is missing.
-        place: Place,
-        /// Its name.
-        attribute: String,
-        /// The element that it belongs to.
-        element: String,
-        /// Fault.
-        reason: String,
-        /// Expected content.
-        expected: String,
-    },
-    /// A parameter whose value breaks its own constraints: a variation leaves such a combination out.
-    #[error("{place}: parameter `{parameter}` has the value {value}, expected {expected}")]
-    Constraint {
-        /// Place of its declaration.
-        place: Place,
-        /// Its name.
-        parameter: String,
-        /// Its value.
-        value: String,
-        /// The constraints.
-        expected: String,
-    },
+    Syntax { place: Place, reason: String },
+    /// A part of the file is outside the subset, does not fit, or cannot be simulated.
+    #[error("{place}: {reason}, expected {expected}")]
+    Meaning { place: Place, reason: String, expected: String },
     /// A parameter that is not declared, or depends on itself.
     #[error("{place}: parameter `{parameter}` {reason}, expected {expected}")]
-    Parameter {
-        /// Place.
-        place: Place,
-        /// Its name.
-        parameter: String,
-        /// Fault.
-        reason: String,
-        /// Expected content.
-        expected: String,
-    },
-    /// Something that is well formed and cannot be simulated.
-    #[error("{place}: {reason}, expected {expected}")]
-    Meaning {
-        /// Place.
-        place: Place,
-        /// Fault.
-        reason: String,
-        /// Expected content.
-        expected: String,
-    },
+    Parameter { place: Place, parameter: String, reason: String, expected: String },
+    /// A parameter whose value breaks its own constraints: a variation leaves such a combination out.
+    #[error("{place}: parameter `{parameter}` has the value {value}, expected {expected}")]
+    Constraint { place: Place, parameter: String, value: String, expected: String },
     /// A `--param` that names no parameter, or gives it a value that does not fit.
     #[error("parameter {name}={value}: {reason}, expected {expected}")]
-    Override {
-        /// Its name.
-        name: String,
-        /// The value given.
-        value: String,
-        /// Fault.
-        reason: String,
-        /// Expected content.
-        expected: String,
-    },
+    Override { name: String, value: String, reason: String, expected: String },
 }
 
 impl ReadError {
+    pub(crate) fn meaning(
+        place: Place,
+        reason: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self::Meaning { place, reason: reason.into(), expected: expected.into() }
+    }
+
+    /// An error about an element of a parent.
+    pub(crate) fn element(
+        place: Place,
+        (element, parent): (&str, &str),
+        fault: &str,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self::meaning(place, format!("element `{element}` in `{parent}` {fault}"), expected)
+    }
+
+    /// An error about an attribute of an element. The place of a missing one is its element's.
+    pub(crate) fn attribute(
+        place: Place,
+        (attribute, element): (&str, &str),
+        reason: impl fmt::Display,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self::meaning(place, format!("attribute `{attribute}` of `{element}`: {reason}"), expected)
+    }
+
     /// An error about an assignment that stands in a file, with its place there.
     pub(crate) fn given_at(self, place: &Place) -> Self {
         match self {

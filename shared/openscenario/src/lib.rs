@@ -45,7 +45,6 @@ mod comparison;
 mod declare;
 mod error;
 mod expression;
-mod ground;
 mod library;
 pub mod model;
 mod parameter;
@@ -56,6 +55,7 @@ mod scene;
 mod scope;
 mod subset;
 pub mod variation;
+mod words;
 pub mod world;
 pub mod xml;
 

@@ -10,7 +10,8 @@ use crate::declare::{
 };
 use crate::error::{Place, ReadError, meant};
 use crate::expression::Value;
-use crate::scope::{Raw, Scope};
+use crate::scope::{Raw, Scope, undeclared};
+use crate::words::Words;
 
 /// A value that `--param` or a variation gives to a parameter.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -81,27 +82,6 @@ impl Type {
                 .map(Value::Number)
                 .ok_or("a whole number, 0 or more"),
         }
-    }
-}
-
-const RULES: &[(&str, Rule)] = &[
-    ("equalTo", Rule::EqualTo),
-    ("notEqualTo", Rule::NotEqualTo),
-    ("greaterThan", Rule::GreaterThan),
-    ("lessThan", Rule::LessThan),
-    ("greaterOrEqual", Rule::GreaterOrEqual),
-    ("lessOrEqual", Rule::LessOrEqual),
-];
-
-impl Scalar for Rule {
-    type Value = Self;
-
-    fn kind() -> String {
-        kind_of(RULES)
-    }
-
-    fn take(given: &Given<'_>) -> Result<Self, ReadError> {
-        given.word(RULES)
     }
 }
 
@@ -224,9 +204,10 @@ impl Declaration {
             let mut words = Vec::new();
             for Constraint { rule, value: bound } in group {
                 let name = rule.resolve(scope)?.text();
-                let Some((_, meaning)) = RULES.iter().find(|(known, _)| *known == name) else {
-                    let reason = format!("`{name}` is not a rule");
-                    return Err(rule.wrong(reason, meant(&name, RULES.iter().map(|rule| rule.0))));
+                let Some((_, meaning)) = Rule::WORDS.iter().find(|(known, _)| *known == name)
+                else {
+                    let expected = meant(&name, Rule::WORDS.iter().map(|rule| rule.0));
+                    return Err(rule.wrong(format!("`{name}` is not a rule"), expected));
                 };
                 let (type_name, kind) = &self.kind;
                 let typed = kind.take(bound.resolve(scope)?).map_err(|expected| {
@@ -287,16 +268,11 @@ impl<'a> Values<'a> {
             raw.text.clone_from(&assignment.value);
         }
         let (declared, outer) = (self.declared, self.outer);
-        let value = raw.resolve_by(&mut |other| match declared
-            .iter()
-            .find(|declaration| declaration.name == other)
-        {
+        let find = |other: &str| declared.iter().find(|declaration| declaration.name == other);
+        let value = raw.resolve_by(&mut |other| match find(other) {
             Some(found) => self.of(found),
-            None => outer.value(other).cloned().ok_or_else(|| ReadError::Parameter {
-                place: declaration.place.clone(),
-                parameter: other.to_owned(),
-                reason: "is not declared".to_owned(),
-                expected: meant(other, names(declared)),
+            None => outer.value(other).cloned().ok_or_else(|| {
+                undeclared(&declaration.place, other, meant(other, names(declared)))
             }),
         })?;
         let (type_name, kind) = &declaration.kind;

@@ -8,9 +8,10 @@ use crate::library::Source;
 use crate::model::action::Action;
 use crate::model::{InitAction, Script};
 use crate::parameter::{Assignment, opened};
-use crate::scene::{LaneHeadings, Scene};
+use crate::scene::{LaneHeadings, Reference, Scene};
 use crate::scope::Scope;
 use crate::subset::{ScenarioFile, ScenarioParts};
+use crate::world::NotFound;
 use crate::xml::{self, Document};
 
 /// A scenario as it was read.
@@ -127,14 +128,13 @@ pub fn scenario_by(
 
 /// Looks up what refers to parts of the storyboard.
 fn finish(scene: &Scene<'_>, script: &Script) -> Result<(), ReadError> {
-    for reference in scene.references.take() {
-        script.find(reference.kind, &reference.name).map_err(|fault| ReadError::Meaning {
-            place: reference.place,
-            reason: fault.reason,
-            expected: fault.expected,
-        })?;
-    }
-    Ok(())
+    scene.references.take().into_iter().try_for_each(|Reference { place, kind, name }| {
+        let NotFound { reason, expected } = match script.find(kind, &name) {
+            Ok(_) => return Ok(()),
+            Err(fault) => fault,
+        };
+        Err(ReadError::Meaning { place, reason, expected })
+    })
 }
 
 /// A scenario file's parameters, to be asked about many values.
@@ -157,7 +157,7 @@ impl Template {
     /// # Errors
     /// When they do not fit its parameters for another reason.
     pub fn admits(&self, assigned: &[Assignment]) -> Result<bool, ReadError> {
-        let (scene, scope) = (Scene::new(&Nothing, Path::new("")), Scope::default());
+        let (scene, scope) = (Scene::default(), Scope::default());
         let Document { file, root } = &self.document;
         match opened(Node { file, element: root, scope: &scope, scene: &scene }, assigned) {
             Ok(_) => Ok(true),
@@ -200,17 +200,4 @@ pub(crate) fn open(
     }
     check(&document.file, &document.root, form)?;
     Ok(document)
-}
-
-/// No files.
-struct Nothing;
-
-impl Source for Nothing {
-    fn read(&self, _: &Path) -> std::io::Result<String> {
-        Err(std::io::ErrorKind::NotFound.into())
-    }
-
-    fn list(&self, _: &Path) -> std::io::Result<Vec<std::path::PathBuf>> {
-        Err(std::io::ErrorKind::NotFound.into())
-    }
 }

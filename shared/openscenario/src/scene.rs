@@ -6,13 +6,12 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use crate::error::{Place, ReadError, Spot};
-use crate::ground::Ground;
+use crate::error::{Place, ReadError};
 use crate::library::Source;
 use crate::model::element::ElementKind;
 use crate::model::signal::SignalCycle;
 use crate::model::{Entity, Named};
-use crate::road::{self, Road};
+use crate::road::{self, Ground, Road};
 use crate::xml::{self, Document};
 
 /// The direction from which the headings of lane positions count.
@@ -26,8 +25,10 @@ pub enum LaneHeadings {
 }
 
 /// A scenario while it is read. The elements of a file come in an order in which each refers to earlier ones.
+#[derive(Default)]
 pub(crate) struct Scene<'a> {
-    source: &'a dyn Source,
+    /// The files; none where a file is read alone.
+    source: Option<&'a dyn Source>,
     /// The scenario file's directory.
     directory: PathBuf,
     /// Catalogs by directory.
@@ -47,9 +48,13 @@ pub(crate) struct Scene<'a> {
     pub headings: Cell<LaneHeadings>,
     /// The actors of the maneuver group that is read.
     pub actors: RefCell<Vec<usize>>,
+    /// The master of the meeting that is read.
+    pub master: Cell<usize>,
     pub values: RefCell<Vec<Named>>,
     /// Controllers of traffic signals by name.
     pub controllers: RefCell<Vec<(String, SignalCycle)>>,
+    /// The condition that is read is a criterion of CARLA's tests.
+    pub is_criterion: Cell<bool>,
     /// References to parts of the storyboard, to be looked up once all of it has been read.
     pub references: RefCell<Vec<Reference>>,
     pub notices: RefCell<Vec<String>>,
@@ -79,25 +84,12 @@ pub(crate) struct Reference {
 
 impl<'a> Scene<'a> {
     pub(crate) fn new(source: &'a dyn Source, scenario: &Path) -> Self {
-        Self {
-            source,
-            directory: scenario.parent().unwrap_or(Path::new("")).to_owned(),
-            catalogs: RefCell::default(),
-            locations: RefCell::default(),
-            road_file: OnceCell::new(),
-            road: OnceCell::new(),
-            entities: RefCell::default(),
-            selections: RefCell::default(),
-            ego: Cell::default(),
-            ego_name: RefCell::default(),
-            ego_goal_mps: Cell::default(),
-            headings: Cell::default(),
-            actors: RefCell::default(),
-            values: RefCell::default(),
-            controllers: RefCell::default(),
-            references: RefCell::default(),
-            notices: RefCell::default(),
-        }
+        let directory = scenario.parent().unwrap_or(Path::new("")).to_owned();
+        Self { source: Some(source), directory, ..Self::default() }
+    }
+
+    fn source(&self) -> std::io::Result<&'a dyn Source> {
+        self.source.ok_or_else(|| ErrorKind::NotFound.into())
     }
 
     /// The path of a file that the scenario names.
@@ -119,14 +111,16 @@ impl<'a> Scene<'a> {
         if let Some(known) = self.catalogs.borrow().get(&path) {
             return Ok(Rc::clone(known));
         }
-        let unreadable = |path: &Path, error: std::io::Error| ReadError::Meaning {
-            place: location.place.clone(),
-            reason: format!("the catalogs of {} cannot be read: {error}", path.display()),
-            expected: "a directory of catalogs, relative to the scenario file".to_owned(),
+        let unreadable = |path: &Path, error: std::io::Error| {
+            let reason = format!("the catalogs of {} cannot be read: {error}", path.display());
+            let expected = "a directory of catalogs, relative to the scenario file";
+            ReadError::meaning(location.place.clone(), reason, expected)
         };
         let mut documents = Vec::new();
-        for file in self.source.list(&path).map_err(|error| unreadable(&path, error))? {
-            let text = self.source.read(&file).map_err(|error| unreadable(&file, error))?;
+        let listed = self.source().and_then(|source| source.list(&path));
+        for file in listed.map_err(|error| unreadable(&path, error))? {
+            let text = self.source().and_then(|source| source.read(&file));
+            let text = text.map_err(|error| unreadable(&file, error))?;
             documents.push(xml::parse(&file.display().to_string(), &text)?);
         }
         let documents = Rc::new(documents);
@@ -138,7 +132,7 @@ impl<'a> Scene<'a> {
     pub(crate) fn open_road(&self, file: &str, place: &Place) -> Result<(), ReadError> {
         let path = self.path(file);
         let name = path.display().to_string();
-        match self.source.read(&path) {
+        match self.source().and_then(|source| source.read(&path)) {
             Ok(text) => {
                 let document = xml::parse(&name, &text)?;
                 self.road_file.get_or_init(|| document);
@@ -165,13 +159,10 @@ impl<'a> Scene<'a> {
                 found.notices.into_iter().for_each(|notice| self.notice(notice));
                 (found.road, Place { file: document.file.clone(), spot: document.root.spot })
             }
-            None => (Road::assumed(), Place { file: String::new(), spot: Spot::default() }),
+            None => (Road::assumed(), Place::default()),
         };
-        let ground = Ground::of(&road).map_err(|error| ReadError::Meaning {
-            place,
-            reason: error.to_string(),
-            expected: error.expected(),
-        })?;
+        let ground = Ground::of(&road)
+            .map_err(|error| ReadError::meaning(place, error.to_string(), error.expected()))?;
         Ok(Rc::clone(self.road.get_or_init(|| Rc::new(Scenery { road, ground }))))
     }
 

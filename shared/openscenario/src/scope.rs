@@ -43,30 +43,23 @@ impl Raw {
     /// The error that the attribute does not fit.
     pub(crate) fn wrong(
         &self,
-        reason: impl Into<String>,
+        reason: impl std::fmt::Display,
         expected: impl Into<String>,
     ) -> ReadError {
-        ReadError::Attribute {
-            place: self.place.clone(),
-            attribute: self.attribute.clone(),
-            element: self.element.clone(),
-            reason: reason.into(),
-            expected: expected.into(),
-        }
+        let names = (self.attribute.as_str(), self.element.as_str());
+        ReadError::attribute(self.place.clone(), names, reason, expected)
     }
 
     /// The value: a literal, `$name` or `${expression}`.
     pub(crate) fn resolve(&self, scope: &Scope) -> Result<Value, ReadError> {
-        self.resolve_by(&mut |name| {
-            scope.value(name).cloned().ok_or_else(|| ReadError::Parameter {
-                place: self.place.clone(),
-                parameter: name.to_owned(),
-                reason: "is not declared".to_owned(),
-                expected: match scope.iter().next() {
-                    None => "no parameter here".to_owned(),
-                    Some(_) => meant(name, scope.iter().map(|(name, _)| name)),
-                },
-            })
+        self.resolve_by(&mut |name| match scope.value(name) {
+            Some(value) => Ok(value.clone()),
+            None => Err(match scope.iter().next() {
+                None => undeclared(&self.place, name, "no parameter here".to_owned()),
+                Some(_) => {
+                    undeclared(&self.place, name, meant(name, scope.iter().map(|(name, _)| name)))
+                }
+            }),
         })
     }
 
@@ -95,6 +88,12 @@ impl Raw {
             None => Ok(Value::literal(&self.text)),
         }
     }
+}
+
+/// The error that a parameter is not declared.
+pub(crate) fn undeclared(place: &Place, name: &str, expected: String) -> ReadError {
+    let (place, parameter) = (place.clone(), name.to_owned());
+    ReadError::Parameter { place, parameter, reason: "is not declared".to_owned(), expected }
 }
 
 /// Most characters of an expression that an error shows.

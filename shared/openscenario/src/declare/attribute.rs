@@ -6,6 +6,7 @@ use super::Node;
 use crate::error::{ReadError, meant, one_of};
 use crate::expression::Value;
 use crate::scope::Raw;
+use crate::words::Words;
 
 /// Largest magnitude of a number, in any unit: beyond it no motion stays finite.
 const MAX_NUMBER: f64 = 1e9;
@@ -84,7 +85,7 @@ pub(crate) struct Given<'a> {
 impl Given<'_> {
     pub(crate) fn wrong(
         &self,
-        reason: impl Into<String>,
+        reason: impl std::fmt::Display,
         expected: impl Into<String>,
     ) -> ReadError {
         self.raw.wrong(reason, expected)
@@ -105,9 +106,8 @@ impl Given<'_> {
     /// A number, infinite ones included.
     fn any_number(&self, expected: &str) -> Result<f64, ReadError> {
         let value = self.value()?;
-        value
-            .number()
-            .ok_or_else(|| self.wrong(format!("`{}` is not a number", value.text()), expected))
+        let refuse = || self.wrong(format!("`{}` is not a number", value.text()), expected);
+        value.number().ok_or_else(refuse)
     }
 
     /// A finite number of a plausible magnitude, and in a range.
@@ -152,109 +152,61 @@ impl Given<'_> {
     }
 }
 
-macro_rules! numbers {
-    ($($(#[$doc:meta])* $name:ident: $kind:literal, $is_right:expr;)*) => {$(
+/// Declares types of attributes: name, value, allowed values, reading.
+macro_rules! scalars {
+    ($($(#[$doc:meta])* $vis:vis $name:ident -> $value:ty: $kind:expr, |$given:ident| $take:expr;)*) => {$(
         $(#[$doc])*
-        pub(crate) struct $name;
+        $vis struct $name;
 
-        impl Scalar for $name {
-            type Value = f64;
+        impl $crate::declare::Scalar for $name {
+            type Value = $value;
 
             fn kind() -> String {
-                $kind.to_owned()
+                $kind.into()
             }
 
-            fn take(given: &Given<'_>) -> Result<f64, ReadError> {
-                given.number($kind, $is_right)
+            fn take(
+                $given: &$crate::declare::Given<'_>,
+            ) -> Result<$value, $crate::error::ReadError> {
+                $take
             }
         }
     )*};
 }
 
-numbers! {
+scalars! {
     /// Any finite number.
-    Number: "a number", |_| true;
+    pub(crate) Number -> f64: "a number", |given| given.number(&Self::kind(), |_| true);
+
     /// A number that is 0 or more.
-    AtLeastZero: "0 or more", |number| number >= 0.0;
+    pub(crate) AtLeastZero -> f64: "0 or more", |given| given.number(&Self::kind(), |it| it >= 0.0);
+
     /// A number above 0.
-    Positive: "more than 0", |number| number > 0.0;
-}
+    pub(crate) Positive -> f64: "more than 0", |given| given.number(&Self::kind(), |it| it > 0.0);
 
-/// A duration of at most 1e6 s; its value is in ns.
-pub(crate) struct Duration;
-
-impl Scalar for Duration {
-    type Value = u64;
-
-    fn kind() -> String {
-        AtLeastZero::kind()
-    }
-
-    fn take(given: &Given<'_>) -> Result<u64, ReadError> {
+    /// A duration of at most 1e6 s; its value is in ns.
+    pub(crate) Duration -> u64: "0 or more", |given| {
         let time_s = given.number(&Self::kind(), |time_s| (0.0..=1e6).contains(&time_s))?;
         Ok(libm::round(time_s * 1e9) as u64)
-    }
-}
+    };
 
-/// A bound above 0. `INF` means that there is none.
-pub(crate) struct Bound;
-
-impl Scalar for Bound {
-    type Value = f64;
-
-    fn kind() -> String {
-        "more than 0, or INF".to_owned()
-    }
-
-    fn take(given: &Given<'_>) -> Result<f64, ReadError> {
+    /// A bound above 0. `INF` means that there is none.
+    pub(crate) Bound -> f64: "more than 0, or INF", |given| {
         match given.any_number(&Self::kind())? {
             bound if bound > 0.0 => Ok(bound),
             bound => Err(given.wrong(format!("{bound} is out of range"), Self::kind())),
         }
-    }
-}
+    };
 
-/// A whole number.
-pub(crate) struct Whole;
+    /// A whole number.
+    pub(crate) Whole -> i32: "a whole number", |given| given.whole(&Self::kind(), i32::MIN);
 
-impl Scalar for Whole {
-    type Value = i32;
+    /// A whole number, 1 or more.
+    pub(crate) Count -> u32: "a whole number, 1 or more",
+        |given| given.whole(&Self::kind(), 1).map(i32::unsigned_abs);
 
-    fn kind() -> String {
-        "a whole number".to_owned()
-    }
-
-    fn take(given: &Given<'_>) -> Result<i32, ReadError> {
-        given.whole(&Self::kind(), i32::MIN)
-    }
-}
-
-/// A whole number, 1 or more.
-pub(crate) struct Count;
-
-impl Scalar for Count {
-    type Value = u32;
-
-    fn kind() -> String {
-        "a whole number, 1 or more".to_owned()
-    }
-
-    fn take(given: &Given<'_>) -> Result<u32, ReadError> {
-        given.whole(&Self::kind(), 1).map(i32::unsigned_abs)
-    }
-}
-
-/// `true` or `false`.
-pub(crate) struct Truth;
-
-impl Scalar for Truth {
-    type Value = bool;
-
-    fn kind() -> String {
-        "true or false".to_owned()
-    }
-
-    fn take(given: &Given<'_>) -> Result<bool, ReadError> {
+    /// `true` or `false`.
+    pub(crate) Truth -> bool: "true or false", |given| {
         match given.value()? {
             Value::Boolean(value) => Ok(value),
             Value::Number(number) if number == 0.0 || number == 1.0 => Ok(number == 1.0),
@@ -263,37 +215,13 @@ impl Scalar for Truth {
                 Err(given.wrong(reason, Self::kind()))
             }
         }
-    }
-}
+    };
 
-/// Any text.
-pub(crate) struct Text;
+    /// Any text.
+    pub(crate) Text -> String: "a text", |given| given.text();
 
-impl Scalar for Text {
-    type Value = String;
-
-    fn kind() -> String {
-        "a text".to_owned()
-    }
-
-    fn take(given: &Given<'_>) -> Result<String, ReadError> {
-        given.text()
-    }
-}
-
-/// A number, a truth value or a text.
-pub(crate) struct Literal;
-
-impl Scalar for Literal {
-    type Value = Value;
-
-    fn kind() -> String {
-        "a value".to_owned()
-    }
-
-    fn take(given: &Given<'_>) -> Result<Value, ReadError> {
-        given.value()
-    }
+    /// A number, a truth value or a text.
+    pub(crate) Literal -> Value: "a value", |given| given.value();
 }
 
 /// An attribute that is resolved later, in another scope.
@@ -311,39 +239,32 @@ impl<S: Scalar> Scalar for Later<S> {
     }
 }
 
+impl<W: Words> Scalar for W {
+    type Value = Self;
+
+    fn kind() -> String {
+        kind_of(Self::WORDS)
+    }
+
+    fn take(given: &Given<'_>) -> Result<Self, ReadError> {
+        given.word(Self::WORDS)
+    }
+}
+
 /// The allowed words, for errors and for the reference.
 pub(crate) fn kind_of<T>(words: &[(&str, T)]) -> String {
     one_of(words.iter().map(|(word, _)| *word))
 }
 
-/// Gives types the words that stand for their values. A type is an existing one, or a new one with another value.
+/// Declares types of attributes by the words that stand for their values.
 macro_rules! words {
-    ($($(#[$doc:meta])* $name:ident $(= $value:ty)? {$($word:literal $meaning:expr),* $(,)?})*) => {
-        $($crate::declare::words!(@one [$(#[$doc])*] $name [$($value)?] {$($word $meaning),*});)*
-    };
-    (@one [] $name:ident [] {$($word:literal $meaning:expr),*}) => {
-        $crate::declare::words!(@scalar $name $name {$($word $meaning),*});
-    };
-    (@one [$($doc:tt)*] $name:ident [$value:ty] {$($word:literal $meaning:expr),*}) => {
-        $($doc)*
-        pub(crate) struct $name;
-        $crate::declare::words!(@scalar $name $value {$($word $meaning),*});
-    };
-    (@scalar $name:ident $value:ty {$($word:literal $meaning:expr),*}) => {
-        impl $crate::declare::Scalar for $name {
-            type Value = $value;
-
-            fn kind() -> String {
-                $crate::declare::kind_of::<$value>(&[$(($word, $meaning)),*])
-            }
-
-            fn take(
-                given: &$crate::declare::Given<'_>,
-            ) -> Result<$value, $crate::error::ReadError> {
-                given.word::<$value>(&[$(($word, $meaning)),*])
-            }
-        }
+    ($($(#[$doc:meta])* $name:ident = $value:ty {$($word:literal $meaning:expr),* $(,)?})*) => {
+        $crate::declare::scalars! {$(
+            $(#[$doc])*
+            pub(crate) $name -> $value: $crate::declare::kind_of(&[$(($word, $meaning)),*]),
+                |given| given.word(&[$(($word, $meaning)),*]);
+        )*}
     };
 }
 
-pub(crate) use words;
+pub(crate) use {scalars, words};

@@ -16,23 +16,17 @@ pub(crate) fn check_head(document: &Document, versions: &[(&str, &str)]) -> Resu
     let root = &document.root;
     let place = |element: &Element| Place { file: document.file.clone(), spot: element.spot };
     if root.name != "OpenSCENARIO" {
-        return Err(ReadError::Element {
-            place: place(root),
-            element: root.name.clone(),
-            parent: "the file".to_owned(),
-            fault: "is not supported",
-            expected: "`OpenSCENARIO`".to_owned(),
-        });
+        let names = (root.name.as_str(), "the file");
+        return Err(ReadError::element(place(root), names, "is not supported", "`OpenSCENARIO`"));
     }
     let Some(header) = root.child("FileHeader") else { return Ok(()) };
     let part = |name| header.attribute(name).unwrap_or("?");
     let (major, minor) = (part("revMajor"), part("revMinor"));
-    match versions.contains(&(major, minor)) {
-        true => Ok(()),
-        false => {
-            Err(ReadError::Version { place: place(header), found: format!("{major}.{minor}") })
-        }
+    if versions.contains(&(major, minor)) {
+        return Ok(());
     }
+    let reason = format!("version {major}.{minor} of OpenSCENARIO XML is not supported");
+    Err(ReadError::meaning(place(header), reason, "1.0 to 1.3"))
 }
 
 /// Holds an element and all that is inside it against its form.
@@ -41,20 +35,14 @@ pub(crate) fn check_head(document: &Document, versions: &[(&str, &str)]) -> Resu
 /// At the first element or attribute that is unknown, missing or too many.
 pub(crate) fn check(file: &str, here: &Element, form: &'static Form) -> Result<(), ReadError> {
     attributes(file, here, form)?;
-    let fault = |at: &Element, name: &str, fault: &'static str, expected: String| {
-        let place = Place { file: file.to_owned(), spot: at.spot };
-        ReadError::Element {
-            place,
-            element: name.to_owned(),
-            parent: here.name.clone(),
-            fault,
-            expected,
-        }
+    let place = |at: &Element| Place { file: file.to_owned(), spot: at.spot };
+    let fault = |at: &Element, name: &str, fault: &str, expected: &str| {
+        ReadError::element(place(at), (name, &here.name), fault, expected)
     };
     for child in &here.children {
         if !form.children.iter().any(|known| known.has(&child.name)) {
             let expected = meant(&child.name, form.children.iter().flat_map(ChildForm::names));
-            return Err(fault(child, &child.name, "is not supported", expected));
+            return Err(fault(child, &child.name, "is not supported", &expected));
         }
     }
     for known in form.children {
@@ -64,18 +52,14 @@ pub(crate) fn check(file: &str, here: &Element, form: &'static Form) -> Result<(
             continue;
         }
         let [(name, _)] = known.alternatives else {
-            return Err(ReadError::Meaning {
-                place: Place { file: file.to_owned(), spot: here.spot },
-                reason: format!("`{}` holds {count} elements of its choice", here.name),
-                expected: format!("exactly one of {}", one_of(known.names())),
-            });
+            let reason = format!("`{}` holds {count} elements of its choice", here.name);
+            let expected = format!("exactly one of {}", one_of(known.names()));
+            return Err(ReadError::meaning(place(here), reason, expected));
         };
         return Err(match found.nth(known.most) {
-            Some(second) => fault(second, name, "is there twice", "one".to_owned()),
-            None => {
-                let expected = if known.most == 1 { "one" } else { "at least one" };
-                fault(here, name, "is missing", expected.to_owned())
-            }
+            Some(second) => fault(second, name, "is there twice", "one"),
+            None if known.most == 1 => fault(here, name, "is missing", "one"),
+            None => fault(here, name, "is missing", "at least one"),
         });
     }
     here.children.iter().try_for_each(|child| {
@@ -93,12 +77,9 @@ fn attributes(file: &str, here: &Element, form: &Form) -> Result<(), ReadError> 
             form.unused.iter().map(|name| (name.trim_end_matches('?'), name.ends_with('?')));
         form.attributes.iter().map(|known| (known.name, known.optional)).chain(unused)
     };
-    let fault = |spot, attribute: &str, reason: &str, expected: String| ReadError::Attribute {
-        place: Place { file: file.to_owned(), spot },
-        attribute: attribute.to_owned(),
-        element: here.name.clone(),
-        reason: reason.to_owned(),
-        expected,
+    let fault = |spot, attribute: &str, reason: &str, expected: String| {
+        let place = Place { file: file.to_owned(), spot };
+        ReadError::attribute(place, (attribute, &here.name), reason, expected)
     };
     for given in &here.attributes {
         let schema = matches!(given.name.as_str(), "noNamespaceSchemaLocation" | "xsi" | "xmlns");

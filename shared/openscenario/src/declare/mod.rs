@@ -25,7 +25,7 @@ mod node;
 use crate::error::ReadError;
 pub(crate) use attribute::{
     AtLeastZero, AttributeForm, Bound, Count, Duration, FromAttribute, Given, Later, Literal,
-    Number, Positive, Scalar, Text, Truth, Whole, kind_of, words,
+    Number, Positive, Scalar, Text, Truth, Whole, kind_of, scalars, words,
 };
 pub(crate) use check::{CATALOG_VERSIONS, SCENARIO_VERSIONS, check, check_head};
 pub(crate) use content::{AtLeastOne, ChildForm, Choice, Content, OneOf, Placed};

@@ -3,7 +3,7 @@
 use crate::error::{Place, ReadError};
 use crate::scene::Scene;
 use crate::scope::{Raw, Scope};
-use crate::xml::{Attribute, Element};
+use crate::xml::Element;
 
 /// An element that has been checked against its form.
 #[derive(Clone, Copy)]
@@ -29,14 +29,14 @@ impl<'a> Node<'a> {
         reason: impl Into<String>,
         expected: impl Into<String>,
     ) -> ReadError {
-        ReadError::Meaning { place: self.place(), reason: reason.into(), expected: expected.into() }
+        ReadError::meaning(self.place(), reason, expected)
     }
 
     /// The error that an attribute does not fit.
     pub(crate) fn wrong(
         &self,
         attribute: &str,
-        reason: impl Into<String>,
+        reason: impl std::fmt::Display,
         expected: impl Into<String>,
     ) -> ReadError {
         self.raw(attribute).wrong(reason, expected)
@@ -44,7 +44,7 @@ impl<'a> Node<'a> {
 
     /// An attribute as it stands in the file; an absent one is empty and at its element's place.
     pub(crate) fn raw(&self, attribute: &str) -> Raw {
-        let given: Option<&Attribute> = self.element.given(attribute);
+        let given = self.element.given(attribute);
         let spot = given.map_or(self.element.spot, |given| given.spot);
         Raw {
             text: given.map_or_else(String::new, |given| given.value.clone()),

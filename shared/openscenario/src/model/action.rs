@@ -4,9 +4,10 @@ use serde::{Deserialize, Serialize};
 
 use super::meeting::Meeting;
 use super::position::Position;
-use super::profile::SpeedProfile;
+use super::profile::{Bounds, SpeedProfile};
 use super::signal::SignalCycle;
 use crate::expression::Value;
+use crate::words::word_enums;
 
 /// An action.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -37,7 +38,6 @@ pub enum Action {
         /// The shape.
         shape: Shape,
         /// Largest lateral acceleration on the way, m/s². Without it the entity is there at once.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
         max_lateral_mps2: Option<f64>,
         /// Does not end by itself.
         continuous: bool,
@@ -88,21 +88,11 @@ pub enum Action {
 pub enum SpeedTarget {
     /// A speed, m/s.
     Absolute(f64),
-    /// Another entity's speed plus this, m/s.
-    Delta {
-        /// The other.
+    /// Another entity's speed times a factor, plus an offset.
+    Relative {
         entity: usize,
-        /// The difference, m/s.
-        mps: f64,
-        /// Kept up without end.
-        continuous: bool,
-    },
-    /// Another entity's speed times this.
-    Factor {
-        /// The other.
-        entity: usize,
-        /// The factor.
         factor: f64,
+        offset_mps: f64,
         /// Kept up without end.
         continuous: bool,
     },
@@ -121,13 +111,19 @@ impl Action {
 }
 
 impl SpeedTarget {
+    /// The entity whose speed it is seen from.
+    #[must_use]
+    pub fn entity(&self) -> Option<usize> {
+        match self {
+            Self::Absolute(_) => None,
+            Self::Relative { entity, .. } => Some(*entity),
+        }
+    }
+
     /// True if it is kept up without end.
     #[must_use]
     pub fn is_continuous(&self) -> bool {
-        match self {
-            Self::Absolute(_) => false,
-            Self::Delta { continuous, .. } | Self::Factor { continuous, .. } => *continuous,
-        }
+        matches!(self, Self::Relative { continuous: true, .. })
     }
 }
 
@@ -151,30 +147,36 @@ impl Transition {
     }
 }
 
-/// The shape of a transition from 0 to 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Shape {
-    /// x
-    Linear,
-    /// 3 x² - 2 x³
-    Cubic,
-    /// (1 - cos pi x) / 2
-    Sinusoidal,
-    /// 1 from the start on.
-    Step,
-}
+word_enums! {
+    /// The shape of a transition from 0 to 1.
+    Shape {
+        /// x
+        Linear: "linear",
+        /// 3 x² - 2 x³
+        Cubic: "cubic",
+        /// (1 - cos pi x) / 2
+        Sinusoidal: "sinusoidal",
+        /// 1 from the start on.
+        Step: "step",
+    }
 
-/// The meaning of a transition's value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Dimension {
-    /// The time that it takes, s.
-    Time,
-    /// The largest rate on the way, per s.
-    Rate,
-    /// The distance that the entity covers meanwhile, m.
-    Distance,
+    /// The meaning of a transition's value.
+    Dimension {
+        /// The time that it takes, s.
+        Time: "time",
+        /// The largest rate on the way, per s.
+        Rate: "rate",
+        /// The distance that the entity covers meanwhile, m.
+        Distance: "distance",
+    }
+
+    /// A side of another entity.
+    Side {
+        /// The side on which the entity is now.
+        Any: "any",
+        Behind: "trailingReferencedEntity",
+        Ahead: "leadingReferencedEntity",
+    }
 }
 
 /// A distance to another entity.
@@ -191,9 +193,8 @@ pub struct Distance {
     pub side: Side,
     /// Does not end by itself.
     pub continuous: bool,
-    /// Bounds on the way. Without them the entity is there at once.
-    #[serde(default)]
-    pub limits: Option<Limits>,
+    /// Bounds on the way, with finite accelerations. Without them the entity is there at once.
+    pub limits: Option<Bounds>,
 }
 
 /// The size of a distance.
@@ -204,30 +205,6 @@ pub enum Gap {
     Distance(f64),
     /// A time, s, at the speed of the one behind.
     Time(f64),
-}
-
-/// A side of another entity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Side {
-    /// The side on which the entity is now.
-    Any,
-    /// Behind it.
-    Behind,
-    /// Ahead of it.
-    Ahead,
-}
-
-/// Bounds on driving.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    /// Largest acceleration, m/s².
-    pub max_acceleration_mps2: f64,
-    /// Largest deceleration, m/s², positive.
-    pub max_deceleration_mps2: f64,
-    /// Largest speed, m/s.
-    pub max_speed_mps: f64,
 }
 
 /// The end of a lane change.
@@ -269,10 +246,8 @@ pub struct Trajectory {
     /// Its corners.
     pub vertices: Vec<Vertex>,
     /// Times at which the corners are passed. Without them the entity keeps its speed.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub timing: Option<Timing>,
     /// Distance along the line at which the entity begins, m.
-    #[serde(default)]
     pub initial_offset_m: f64,
 }
 
@@ -281,7 +256,6 @@ pub struct Trajectory {
 #[serde(deny_unknown_fields)]
 pub struct Vertex {
     /// Time, s.
-    #[serde(default)]
     pub time_s: f64,
     /// Position.
     pub position: Position,

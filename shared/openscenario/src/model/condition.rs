@@ -7,6 +7,7 @@ use super::element::{ElementKind, ElementState};
 use super::position::Position;
 use crate::comparison::Rule;
 use crate::expression::Value;
+use crate::words::word_enums;
 
 /// A trigger: it fires when one group holds. A group holds when all its conditions do.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -18,28 +19,37 @@ pub struct Trigger(pub Vec<Vec<Condition>>);
 #[serde(deny_unknown_fields)]
 pub struct Condition {
     /// The change that it waits for.
-    #[serde(default)]
     pub edge: Edge,
     /// Delay after the edge, ns.
-    #[serde(default)]
     pub delay_ns: u64,
     /// Its test.
     pub test: Test,
 }
 
-/// The change of a test that a condition waits for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Edge {
-    /// None: the condition holds while its test does.
-    #[default]
-    None,
-    /// From false to true.
-    Rising,
-    /// From true to false.
-    Falling,
-    /// Either.
-    RisingOrFalling,
+word_enums! {
+    /// The change of a test that a condition waits for.
+    #[derive(Default)]
+    Edge {
+        /// No change: the condition holds while its test does.
+        #[default]
+        None: "none",
+        /// From false to true.
+        Rising: "rising",
+        /// From true to false.
+        Falling: "falling",
+        /// Either.
+        RisingOrFalling: "risingOrFalling",
+    }
+
+    /// The direction of a distance.
+    Along {
+        /// Along the axes.
+        Longitudinal: "longitudinal",
+        /// Across the axes.
+        Lateral: "lateral",
+        /// In a straight line.
+        Euclidean: "euclidianDistance" | "euclideanDistance" | "cartesianDistance",
+    }
 }
 
 /// A test: the subject of a condition.
@@ -187,16 +197,4 @@ pub enum Target {
     Entity(usize),
     /// A position.
     Position(Position),
-}
-
-/// The direction of a distance.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Along {
-    /// Along the axes.
-    Longitudinal,
-    /// Across the axes.
-    Lateral,
-    /// In a straight line.
-    Euclidean,
 }

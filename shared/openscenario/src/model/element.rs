@@ -1,41 +1,31 @@
 //! The parts of a storyboard and their states.
 
-use serde::{Deserialize, Serialize};
+use crate::words::word_enums;
 
-/// The parts of a storyboard.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ElementKind {
-    /// A story.
-    Story,
-    /// An act.
-    Act,
-    /// A maneuver group.
-    ManeuverGroup,
-    /// A maneuver.
-    Maneuver,
-    /// An event.
-    Event,
-    /// An action.
-    Action,
-}
+word_enums! {
+    /// The parts of a storyboard.
+    ElementKind {
+        Story: "story",
+        Act: "act",
+        ManeuverGroup: "maneuverGroup",
+        Maneuver: "maneuver",
+        Event: "event",
+        Action: "action",
+    }
 
-/// A state, or a transition between states, which lasts one step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ElementState {
-    /// Waits for its trigger.
-    Standby,
-    /// Runs.
-    Running,
-    /// Is over.
-    Complete,
-    /// Begins to run.
-    StartTransition,
-    /// Ends by itself.
-    EndTransition,
-    /// Is ended from outside.
-    StopTransition,
-    /// Was triggered and did not run.
-    SkipTransition,
+    /// A state, or a transition between states, which lasts one step.
+    ElementState {
+        /// Waits for its trigger.
+        Standby: "standbyState",
+        Running: "runningState",
+        Complete: "completeState",
+        /// Begins to run.
+        StartTransition: "startTransition",
+        /// Ends by itself.
+        EndTransition: "endTransition",
+        /// Stopped by another element.
+        StopTransition: "stopTransition",
+        /// Was triggered and did not run.
+        SkipTransition: "skipTransition",
+    }
 }

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::action::SpeedTarget;
 use super::position::Position;
 
 /// An entity arrives at its goal when another one, the master, arrives at its own.
@@ -19,7 +20,6 @@ pub struct Meeting {
     /// A distance from its goal within which the entity has arrived, m.
     pub tolerance_m: f64,
     /// The speed of the entity at its goal. Without one it is free.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub final_speed: Option<FinalSpeed>,
 }
 
@@ -27,23 +27,9 @@ pub struct Meeting {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FinalSpeed {
-    /// The speed.
-    pub speed: MeetingSpeed,
+    pub speed: SpeedTarget,
     /// The last part of the way, on which the entity has this speed already.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub steady: Option<Steady>,
-}
-
-/// A speed by itself, or seen from the master's.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum MeetingSpeed {
-    /// A speed, m/s.
-    Absolute(f64),
-    /// The master's speed plus this, m/s.
-    Delta(f64),
-    /// The master's speed times this.
-    Factor(f64),
 }
 
 /// The length of the last part of a way.

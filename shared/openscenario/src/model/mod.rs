@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::expression::Value;
 use crate::road::Road;
+use crate::words::word_enums;
 use action::Action;
 use condition::Trigger;
 use storyboard::Story;
@@ -34,16 +35,12 @@ pub struct Script {
     /// Everything that is on the road.
     pub entities: Vec<Entity>,
     /// Parameters and variables that the storyboard compares or changes.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub values: Vec<Named>,
     /// Actions before the first step, in order.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub init: Vec<InitAction>,
     /// The stories.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stories: Vec<Story>,
     /// The trigger that ends the storyboard.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stop: Option<Trigger>,
 }
 
@@ -58,20 +55,19 @@ pub struct Entity {
     /// Its body.
     pub body: Body,
     /// Mover of the entity.
-    #[serde(default)]
     pub drive: Drive,
 }
 
-/// The category of an entity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Category {
-    /// A car, van, lorry, bus, motorbike, bicycle, trailer, train or tram.
-    Vehicle,
-    /// A pedestrian, wheelchair or animal.
-    Pedestrian,
-    /// An object.
-    MiscObject,
+word_enums! {
+    /// The category of an entity.
+    Category {
+        /// A car, van, lorry, bus, motorbike, bicycle, trailer, train or tram.
+        Vehicle: "vehicle",
+        /// A pedestrian, wheelchair or animal.
+        Pedestrian: "pedestrian",
+        /// An object.
+        MiscObject: "miscellaneous",
+    }
 }
 
 /// Mover of an entity.
@@ -114,7 +110,6 @@ pub struct Named {
 #[serde(deny_unknown_fields)]
 pub struct InitAction {
     /// The acting entity; none for an action of the world.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub actor: Option<usize>,
     /// The action.
     pub action: Action,

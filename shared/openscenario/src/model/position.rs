@@ -9,7 +9,6 @@ pub struct Position {
     /// The point.
     pub from: From,
     /// The heading.
-    #[serde(default)]
     pub heading: Heading,
 }
 
@@ -24,37 +23,22 @@ pub enum From {
         /// Across it, positive to the left, m.
         t_m: f64,
     },
-    /// Along and across the road from an entity.
-    EntityOnRoad {
-        /// The entity.
-        entity: usize,
-        /// Along the reference line, m.
-        ds_m: f64,
-        /// Across it, m.
-        dt_m: f64,
-    },
-    /// From an entity, in the plane whose x axis is the direction of the reference line at its start.
-    EntityInPlane {
-        /// The entity.
-        entity: usize,
-        /// Along x, m.
-        dx_m: f64,
-        /// Along y, m.
-        dy_m: f64,
-    },
-    /// In an entity's own axes.
-    Entity {
-        /// The entity.
-        entity: usize,
-        /// Ahead of it, m.
-        ahead_m: f64,
-        /// To its left, m.
-        left_m: f64,
-    },
-    /// On a lane beside an entity's lane.
-    EntityLane {
-        /// The entity.
-        entity: usize,
+    /// Seen from an entity.
+    Entity { entity: usize, offset: Offset },
+}
+
+/// A place seen from an entity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub enum Offset {
+    /// Along and across the reference line, m.
+    Road { ds_m: f64, dt_m: f64 },
+    /// In the plane whose x axis is the direction of the reference line at its start, m.
+    Plane { dx_m: f64, dy_m: f64 },
+    /// In the entity's own axes, m.
+    Own { ahead_m: f64, left_m: f64 },
+    /// On a lane beside the entity's lane.
+    Lane {
         /// Number of lanes to its left.
         lanes_left: i32,
         /// Along the road in its direction, m.
@@ -62,6 +46,17 @@ pub enum From {
         /// Offset from the lane's centre, positive to the left of the reference line, m.
         offset_m: f64,
     },
+}
+
+impl Position {
+    /// The entity that it is seen from.
+    #[must_use]
+    pub fn entity(&self) -> Option<usize> {
+        match self.from {
+            From::Road { .. } => None,
+            From::Entity { entity, .. } => Some(entity),
+        }
+    }
 }
 
 /// A heading.

@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct SpeedProfile {
     /// An entity whose speed is added to the speeds of the profile.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub relative_to: Option<usize>,
     /// The bounds come before the times. Without it, the entries are reached at their times, on straight lines.
     pub smooth: bool,
@@ -24,7 +23,6 @@ pub struct SpeedEntry {
     /// The speed at its end, m/s.
     pub mps: f64,
     /// The time after the entry before, s. Without one it is reached as soon as the bounds allow.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time_s: Option<f64>,
 }
 

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::action::Action;
 use super::condition::Trigger;
+use crate::words::word_enums;
 
 /// A story.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,10 +23,8 @@ pub struct Act {
     /// Its name.
     pub name: String,
     /// The trigger that starts it. Without one it starts with its story.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start: Option<Trigger>,
     /// The trigger that stops it before its end.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stop: Option<Trigger>,
     /// Its groups.
     pub groups: Vec<ManeuverGroup>,
@@ -66,7 +65,6 @@ pub struct Event {
     /// Number of times that it starts.
     pub executions: u32,
     /// The trigger that starts it. Without one it starts with its maneuver.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub start: Option<Trigger>,
     /// Its actions.
     pub actions: Vec<NamedAction>,
@@ -82,14 +80,16 @@ pub struct NamedAction {
     pub action: Action,
 }
 
-/// The effect of a starting event on running events of its maneuver.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Priority {
-    /// Ends them.
-    Override,
-    /// Does not start while one runs.
-    Skip,
-    /// Runs beside them.
-    Parallel,
+word_enums! {
+    /// The effect of a starting event on running events of its maneuver.
+    #[derive(Default)]
+    Priority {
+        /// Ends them.
+        Override: "overwrite" | "override",
+        /// Does not start while one runs.
+        Skip: "skip",
+        /// Runs beside them.
+        #[default]
+        Parallel: "parallel",
+    }
 }

@@ -6,7 +6,7 @@ use road::{Axis, AxisError, Laid, Pose, Profile, Strip};
 use serde::{Deserialize, Serialize};
 
 use super::{Part, Road};
-use crate::error::{Place, ReadError, Spot, one_of};
+use crate::error::{Place, ReadError, one_of};
 use crate::xml;
 
 /// Distance between two heights, m.
@@ -122,14 +122,11 @@ pub fn driven_lane(
 ) -> Result<DrivenLane, ReadError> {
     let document = xml::parse(&file.display().to_string(), text)?;
     let found = super::read(&document, Some(road))?;
-    let place = |spot: Spot| Place { file: document.file.clone(), spot };
     let element = document.root.children.iter().find(|e| e.attribute("id") == Some(road));
     let spot = element.map_or(document.root.spot, |element| element.spot);
-    let refuse = |reason: String, expected: String| ReadError::Meaning {
-        place: place(spot),
-        reason,
-        expected,
-    };
+    let place = Place { file: document.file.clone(), spot };
+    let refuse =
+        |reason: String, expected: String| ReadError::meaning(place.clone(), reason, expected);
     let Some(part) = found.road.part(road) else {
         return Err(refuse(format!("there is no road `{road}`"), found.road.names()));
     };

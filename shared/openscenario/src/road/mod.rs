@@ -5,6 +5,7 @@
 //! the file that runs the other way is turned around.
 
 mod driven;
+mod ground;
 mod lines;
 mod opendrive;
 
@@ -13,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::one_of;
 pub use driven::{Driven, DrivenLane, driven_lane};
+pub(crate) use ground::Ground;
 pub use opendrive::{Found, read};
 
 /// Width of the lanes of an assumed road, m.

@@ -1,25 +1,15 @@
 //! Bodies of entities.
 
-use crate::declare::{AtLeastZero, Given, Node, Number, Scalar, elements};
-use crate::error::ReadError;
+use crate::declare::{AtLeastZero, Node, Number, elements, scalars};
 use crate::model::Body;
 
 /// Largest extent of a body, m.
 const MAX_EXTENT_M: f64 = 100.0;
 
-/// An extent of a body.
-struct Extent;
-
-impl Scalar for Extent {
-    type Value = f64;
-
-    fn kind() -> String {
-        format!("more than 0 and at most {MAX_EXTENT_M}; or 0 for both: unknown")
-    }
-
-    fn take(given: &Given<'_>) -> Result<f64, ReadError> {
-        given.number(&Self::kind(), |metres| (0.0..=MAX_EXTENT_M).contains(&metres))
-    }
+scalars! {
+    /// An extent of a body.
+    Extent -> f64: format!("more than 0 and at most {MAX_EXTENT_M}; or 0 for both: unknown"),
+        |given| given.number(&Self::kind(), |metres| (0.0..=MAX_EXTENT_M).contains(&metres));
 }
 
 elements! { "Entities";

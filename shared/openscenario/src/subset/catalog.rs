@@ -137,6 +137,6 @@ impl<C: Choice> Element for FromCatalog<C> {
 
 impl Reference {
     fn refuse(&self, reason: String, expected: String) -> ReadError {
-        ReadError::Meaning { place: self.place.clone(), reason, expected }
+        ReadError::meaning(self.place.clone(), reason, expected)
     }
 }

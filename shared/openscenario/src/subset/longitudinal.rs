@@ -2,32 +2,13 @@
 
 use super::profile::{DynamicConstraints, SpeedProfileAction};
 use super::reference::EntityName;
-use crate::declare::{AtLeastZero, Number, OneOf, Truth, elements, words};
+use crate::declare::{AtLeastZero, Node, Number, OneOf, Truth, elements, words};
+use crate::error::ReadError;
 use crate::model::action::{
-    Action, Dimension, Distance, Gap, Limits, Shape, Side, SpeedTarget, Transition,
+    Action, Dimension, Distance, Gap, Shape, Side, SpeedTarget, Transition,
 };
-use crate::model::profile::Bounds;
 
 words! {
-    Shape {
-        "linear" Shape::Linear,
-        "cubic" Shape::Cubic,
-        "sinusoidal" Shape::Sinusoidal,
-        "step" Shape::Step,
-    }
-
-    Dimension {
-        "time" Dimension::Time,
-        "rate" Dimension::Rate,
-        "distance" Dimension::Distance,
-    }
-
-    Side {
-        "any" Side::Any,
-        "trailingReferencedEntity" Side::Behind,
-        "leadingReferencedEntity" Side::Ahead,
-    }
-
     /// Ways to follow that do the same.
     FollowingMode = () { "follow" (), "position" () }
 
@@ -82,13 +63,7 @@ elements! { "Actions";
     ["entityRef" entity: EntityName, "value" value: Number,
         "speedTargetValueType" is_factor: SpeedTargetValueType, "continuous" continuous: Truth] {}
     |node| {
-        match is_factor {
-            true if value < 0.0 => {
-                Err(node.wrong("value", format!("{value} is negative"), "0 or more"))
-            }
-            true => Ok(SpeedTarget::Factor { entity, factor: value, continuous }),
-            false => Ok(SpeedTarget::Delta { entity, mps: value, continuous }),
-        }
+        relative(node, (entity, is_factor, value), continuous)
     }
 
     /// without constraints the distance is there at once; a time gap counts with the speed of the one behind; distance or timeGap, not both
@@ -107,18 +82,23 @@ elements! { "Actions";
             }
         };
         let side = side.unwrap_or(Side::Behind);
-        let limits = bounds.and_then(limits);
+        // A distance needs both accelerations.
+        let limits = bounds.filter(|bounds| {
+            bounds.acceleration_mps2.is_finite() && bounds.deceleration_mps2.is_finite()
+        });
         Ok(Action::Distance(Distance { entity, gap, freespace, side, continuous, limits }))
     }
 }
 
-/// The limits of a distance, which needs both accelerations.
-fn limits(bounds: Bounds) -> Option<Limits> {
-    let Bounds { acceleration_mps2, deceleration_mps2, speed_mps, .. } = bounds;
-    let is_limited = acceleration_mps2.is_finite() && deceleration_mps2.is_finite();
-    is_limited.then_some(Limits {
-        max_acceleration_mps2: acceleration_mps2,
-        max_deceleration_mps2: deceleration_mps2,
-        max_speed_mps: speed_mps,
-    })
+/// A speed that is a factor of another entity's, or differs from it by a value in m/s.
+pub(super) fn relative(
+    node: Node<'_>,
+    (entity, is_factor, value): (usize, bool, f64),
+    continuous: bool,
+) -> Result<SpeedTarget, ReadError> {
+    if is_factor && value < 0.0 {
+        return Err(node.wrong("value", format!("{value} is negative"), "0 or more"));
+    }
+    let (factor, offset_mps) = if is_factor { (value, 0.0) } else { (1.0, value) };
+    Ok(SpeedTarget::Relative { entity, factor, offset_mps, continuous })
 }

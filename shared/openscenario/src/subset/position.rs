@@ -3,16 +3,11 @@
 use std::rc::Rc;
 
 use super::reference::EntityName;
-use crate::declare::{
-    AtLeastZero, Given, Node, Number, OneOf, Scalar, Text, Whole, elements, words,
-};
+use crate::declare::{AtLeastZero, Node, Number, OneOf, Text, Whole, elements, scalars, words};
 use crate::error::ReadError;
-use crate::model::position::{self, From, Heading};
+use crate::model::position::{self, From, Heading, Offset};
 use crate::road::Part;
 use crate::scene::{LaneHeadings, Scenery};
-
-/// A road by its id: all positions are on one row of roads.
-struct RoadId;
 
 /// A road of the row.
 struct OnRoad {
@@ -26,14 +21,9 @@ impl OnRoad {
     }
 }
 
-impl Scalar for RoadId {
-    type Value = OnRoad;
-
-    fn kind() -> String {
-        "a road's id".to_owned()
-    }
-
-    fn take(given: &Given<'_>) -> Result<OnRoad, ReadError> {
+scalars! {
+    /// A road by its id: all positions are on one row of roads.
+    RoadId -> OnRoad: "a road's id", |given| {
         let (id, scene) = (given.text()?, given.node.scene);
         let scenery = scene.road(Some(&id))?;
         let part = match scene.assumes_a_road() {
@@ -43,11 +33,10 @@ impl Scalar for RoadId {
         if let Some(part) = part {
             return Ok(OnRoad { scenery, part });
         }
-        Err(given.wrong(
-            format!("`{id}` is a second road"),
-            format!("{}, since all that happens is on one road", scenery.road.names()),
-        ))
-    }
+        let expected =
+            format!("{}, since all that happens is on one road", scenery.road.names());
+        Err(given.wrong(format!("`{id}` is a second road"), expected))
+    };
 }
 
 words! {
@@ -65,7 +54,7 @@ pub(crate) enum Turn {
 
 elements! { "Positions";
     /// of the entity's origin
-    Position -> position::Position [] {
+    Position | TargetPositionMaster | TargetPosition -> position::Position [] {
         position: OneOf<(
             WorldPosition,
             RelativeWorldPosition,
@@ -97,11 +86,8 @@ elements! { "Positions";
     |node| {
         let ground = &node.scene.road(None)?.ground;
         let (x_m, y_m) = ground.turned(dx_m, dy_m);
-        let from = match ground.is_straight() {
-            true => From::EntityOnRoad { entity, ds_m: x_m, dt_m: y_m },
-            false => From::EntityInPlane { entity, dx_m: x_m, dy_m: y_m },
-        };
-        Ok(oriented(from, turn, Heading::Entity))
+        let offset = Offset::Plane { dx_m: x_m, dy_m: y_m };
+        Ok(oriented(From::Entity { entity, offset }, turn, Heading::Entity))
     }
 
     /// in the other entity's own axes
@@ -109,7 +95,10 @@ elements! { "Positions";
     ["entityRef" entity: EntityName, "dx" ahead_m: Number as "m", "dy" left_m: Number as "m"]
     {turn: Option<Orientation>}
     unused ["dz?"]
-    { Ok(oriented(From::Entity { entity, ahead_m, left_m }, turn, Heading::Entity)) }
+    {
+        let offset = Offset::Own { ahead_m, left_m };
+        Ok(oriented(From::Entity { entity, offset }, turn, Heading::Entity))
+    }
 
     /// along and across the reference line
     RoadPosition -> position::Position
@@ -126,7 +115,10 @@ elements! { "Positions";
     RelativeRoadPosition -> position::Position
     ["entityRef" entity: EntityName, "ds" ds_m: Number as "m", "dt" dt_m: Number as "m"]
     {turn: Option<Orientation>}
-    { Ok(oriented(From::EntityOnRoad { entity, ds_m, dt_m }, turn, Heading::Road)) }
+    {
+        let offset = Offset::Road { ds_m, dt_m };
+        Ok(oriented(From::Entity { entity, offset }, turn, Heading::Road))
+    }
 
     /// the offset counts from the lane's centre, positive to the left of the reference line
     LanePosition -> position::Position
@@ -173,8 +165,8 @@ elements! { "Positions";
             return Err(node.refuse("`ds` and `dsLane` say the same here", "one of them"));
         }
         let ds_m = ds_m.or(lane_ds_m).unwrap_or(0.0);
-        let offset_m = offset_m.unwrap_or(0.0);
-        Ok(oriented(From::EntityLane { entity, lanes_left, ds_m, offset_m }, turn, Heading::Road))
+        let offset = Offset::Lane { lanes_left, ds_m, offset_m: offset_m.unwrap_or(0.0) };
+        Ok(oriented(From::Entity { entity, offset }, turn, Heading::Road))
     }
 
     /// absolute in the plane; a missing one is along the reference line, in every lane
@@ -186,11 +178,7 @@ elements! { "Positions";
         match in_plane {
             Some(true) => {
                 let ground = &node.scene.road(None)?.ground;
-                let h_rad = ground.heading_rad(h_rad);
-                Ok(Turn::Plane(match ground.is_straight() {
-                    true => Heading::Road(h_rad),
-                    false => Heading::Plane(h_rad),
-                }))
+                Ok(Turn::Plane(Heading::Plane(ground.heading_rad(h_rad))))
             }
             _ => Ok(Turn::Relative(h_rad)),
         }

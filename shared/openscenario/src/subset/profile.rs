@@ -19,11 +19,9 @@ elements! { "Actions";
     {
         let backwards = entries.iter().find(|(_, entry)| relative_to.is_none() && entry.mps < 0.0);
         if let Some((place, SpeedEntry { mps, .. })) = backwards {
-            return Err(ReadError::Meaning {
-                place: place.clone(),
-                reason: format!("the speed {mps} m/s is backwards"),
-                expected: "0 or more, or an `entityRef` whose speed it is added to".to_owned(),
-            });
+            let expected = "0 or more, or an `entityRef` whose speed it is added to";
+            let reason = format!("the speed {mps} m/s is backwards");
+            return Err(ReadError::meaning(place.clone(), reason, expected));
         }
         let entries = entries.into_iter().map(|(_, entry)| entry).collect();
         let bounds = bounds.unwrap_or(Bounds::NONE);

@@ -1,60 +1,32 @@
 //! Names of entities and values in attributes.
 
-use crate::declare::{Given, Scalar};
-use crate::error::{ReadError, meant};
+use crate::declare::scalars;
+use crate::error::meant;
 use crate::model::Named;
 
-/// The name of an entity; its value is the entity's place in the list.
-pub(super) struct EntityName;
-
-impl Scalar for EntityName {
-    type Value = usize;
-
-    fn kind() -> String {
-        "an entity".to_owned()
-    }
-
-    fn take(given: &Given<'_>) -> Result<usize, ReadError> {
+scalars! {
+    /// The name of an entity; its value is the entity's place in the list.
+    pub(super) EntityName -> usize: "an entity", |given| {
         let name = given.text()?;
         let entities = given.node.scene.entities.borrow();
         entities.iter().position(|entity| entity.name == name).ok_or_else(|| {
             let names = entities.iter().map(|entity| entity.name.as_str());
             given.wrong(format!("there is no entity `{name}`"), meant(&name, names))
         })
-    }
-}
+    };
 
-/// The name of an entity or of a selection of several.
-pub(super) struct EntityNames;
-
-impl Scalar for EntityNames {
-    type Value = Vec<usize>;
-
-    fn kind() -> String {
-        "an entity or a selection".to_owned()
-    }
-
-    fn take(given: &Given<'_>) -> Result<Vec<usize>, ReadError> {
+    /// The name of an entity or of a selection of several.
+    pub(super) EntityNames -> Vec<usize>: "an entity or a selection", |given| {
         let name = given.text()?;
         let selections = given.node.scene.selections.borrow();
         match selections.iter().find(|(selection, _)| *selection == name) {
             Some((_, members)) => Ok(members.clone()),
             None => EntityName::take(given).map(|entity| vec![entity]),
         }
-    }
-}
+    };
 
-/// The name of a parameter; its value is its place among the values of the script.
-pub(super) struct ParameterName;
-
-impl Scalar for ParameterName {
-    type Value = usize;
-
-    fn kind() -> String {
-        "a parameter".to_owned()
-    }
-
-    fn take(given: &Given<'_>) -> Result<usize, ReadError> {
+    /// The name of a parameter; its value is its place among the values of the script.
+    pub(super) ParameterName -> usize: "a parameter", |given| {
         let name = given.raw.text.trim_start_matches('$');
         let mut values = given.node.scene.values.borrow_mut();
         if let Some(known) = values.iter().position(|value| value.name == name) {
@@ -66,25 +38,15 @@ impl Scalar for ParameterName {
         };
         values.push(Named { name: name.to_owned(), value });
         Ok(values.len() - 1)
-    }
-}
+    };
 
-/// The name of a variable; its value is its place among the values of the script.
-pub(super) struct VariableName;
-
-impl Scalar for VariableName {
-    type Value = usize;
-
-    fn kind() -> String {
-        "a variable".to_owned()
-    }
-
-    fn take(given: &Given<'_>) -> Result<usize, ReadError> {
+    /// The name of a variable; its value is its place among the values of the script.
+    pub(super) VariableName -> usize: "a variable", |given| {
         let name = given.raw.text.trim_start_matches('$');
         let values = given.node.scene.values.borrow();
         values.iter().position(|value| value.name == name).ok_or_else(|| {
             let names = values.iter().map(|value| value.name.as_str());
             given.wrong(format!("`{name}` is not declared"), meant(name, names))
         })
-    }
+    };
 }

@@ -64,10 +64,10 @@ fn on_the_road(node: Node<'_>, place: &Place, at: &position::Position) -> Result
     let scenery = node.scene.road(None)?;
     match scenery.road.holds(s_m, t_m) {
         true => Ok(()),
-        false => Err(ReadError::Meaning {
-            place: place.clone(),
-            reason: format!("the route leads to a place {t_m:.1} m beside the reference line"),
-            expected: format!("a place on a lane of road {}", scenery.road.names()),
-        }),
+        false => {
+            let reason = format!("the route leads to a place {t_m:.1} m beside the reference line");
+            let expected = format!("a place on a lane of road {}", scenery.road.names());
+            Err(ReadError::meaning(place.clone(), reason, expected))
+        }
     }
 }

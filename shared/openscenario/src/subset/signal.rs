@@ -1,7 +1,7 @@
 //! Traffic signals: their states are values that conditions compare.
 
 use crate::comparison::Rule;
-use crate::declare::{Duration, Given, Node, OneOf, Scalar, Text, elements};
+use crate::declare::{Duration, Node, OneOf, Text, elements, scalars};
 use crate::error::{ReadError, meant};
 use crate::expression::Value;
 use crate::model::Named;
@@ -80,19 +80,10 @@ elements! { "File";
     TrafficSignalGroupState -> () [] {} unused ["state"] { Ok(()) }
 }
 
-/// The name of a controller of traffic signals.
-struct ControllerName;
-
-impl Scalar for ControllerName {
-    type Value = SignalCycle;
-
-    fn kind() -> String {
-        "a controller".to_owned()
-    }
-
-    fn take(given: &Given<'_>) -> Result<SignalCycle, ReadError> {
-        let name = given.text()?;
-        let scene = given.node.scene;
+scalars! {
+    /// The name of a controller of traffic signals.
+    ControllerName -> SignalCycle: "a controller", |given| {
+        let (name, scene) = (given.text()?, given.node.scene);
         controller_named(scene, &name).map_err(|names| {
             let expected = match scene.controllers.borrow().is_empty() {
                 true => "one in the `TrafficSignals` of the road network".to_owned(),
@@ -100,25 +91,25 @@ impl Scalar for ControllerName {
             };
             given.wrong(format!("there is no controller `{name}`"), expected)
         })
-    }
+    };
 }
 
 elements! { "Conditions";
     /// the signal has this state; none does before an action sets it
-    TrafficSignalCondition -> Result<Test, (ReadError, bool)>
+    TrafficSignalCondition -> Option<Test>
     ["name" name: Text, "state" state: Text] {}
     |node| {
         let of = value_of(node, &named(&name));
-        Ok(Ok(Test::Value { of, rule: Rule::EqualTo, value: Value::Text(state) }))
+        Ok(Some(Test::Value { of, rule: Rule::EqualTo, value: Value::Text(state) }))
     }
 
     /// the controller is in this phase
-    TrafficSignalControllerCondition -> Result<Test, (ReadError, bool)>
+    TrafficSignalControllerCondition -> Option<Test>
     ["trafficSignalControllerRef" controller: ControllerName, "phase" phase: Text] {}
     |node| {
         phase_of(node, &controller, &phase)?;
         let (of, value) = (controller.controller, Value::Text(phase));
-        Ok(Ok(Test::Value { of, rule: Rule::EqualTo, value }))
+        Ok(Some(Test::Value { of, rule: Rule::EqualTo, value }))
     }
 }
 

@@ -6,9 +6,7 @@ use super::catalog::FromCatalog;
 use super::condition::{StartTrigger, StopTrigger};
 use super::entity::EntityRef;
 use super::reference::EntityName;
-use crate::declare::{
-    AtLeastOne, Count, Element, Form, Node, OneOf, Placed, Text, Truth, elements, words,
-};
+use crate::declare::{AtLeastOne, Count, Node, OneOf, Placed, Text, Truth, elements};
 use crate::error::{Place, ReadError, Spot};
 use crate::model::condition::Trigger;
 use crate::model::storyboard::{NamedAction, Priority};
@@ -22,15 +20,6 @@ pub(crate) struct Board {
     pub starts: Vec<(usize, Spot)>,
     pub stories: Vec<storyboard::Story>,
     pub stop: Option<(Place, Trigger)>,
-}
-
-words! {
-    Priority {
-        "overwrite" Priority::Override,
-        "override" Priority::Override,
-        "skip" Priority::Skip,
-        "parallel" Priority::Parallel,
-    }
 }
 
 /// The actions of one entity in Init.
@@ -95,13 +84,10 @@ elements! { "Storyboard";
                 continue;
             }
             if actor == node.scene.ego.get() && !begins_at_once(&action) {
-                return Err(ReadError::Meaning {
-                    place,
-                    reason: "timegap's stack drives the ego from the start".to_owned(),
-                    expected: "in Init a teleport, an absolute speed, a route or a controller action \
-                               for it"
-                        .to_owned(),
-                });
+                let reason = "timegap's stack drives the ego from the start";
+                let expected =
+                    "in Init a teleport, an absolute speed, a route or a controller action for it";
+                return Err(ReadError::meaning(place, reason, expected));
             }
             actions.push(action);
         }
@@ -157,8 +143,12 @@ elements! { "Storyboard";
 
     /// done for every actor of the group
     Action -> NamedAction ["name" name: Text]
-    {action: OneOf<(OfActors, GlobalAction, UserDefinedAction)>}
-    { Ok(NamedAction { name, action }) }
+    {action: OneOf<(PrivateAction, GlobalAction, UserDefinedAction)>}
+    |node| {
+        let private = node.children().find(|child| child.name() == PrivateAction::NAME);
+        private.map_or(Ok(()), |private| check_of_actors(private, &action))?;
+        Ok(NamedAction { name, action })
+    }
 }
 
 /// A start trigger without conditions is none: their authors mean "at once".
@@ -174,29 +164,18 @@ fn not_empty(node: Node<'_>, start: Option<Trigger>) -> Option<Trigger> {
     })
 }
 
-/// An action of the actors of a group.
-struct OfActors;
-
-impl Element for OfActors {
-    const NAME: &'static str = PrivateAction::NAME;
-    const FORM: &'static Form = PrivateAction::FORM;
-    type Value = action::Action;
-
-    fn read(node: Node<'_>) -> Result<action::Action, ReadError> {
-        let scene = node.scene;
-        if scene.actors.borrow().is_empty() {
-            return Err(node.refuse("the group has no actor for it", "an `EntityRef`"));
-        }
-        let action = PrivateAction::read(node)?;
-        not_itself(node, &node.place(), &scene.actors.borrow(), &action)?;
-        if scene.actors.borrow().contains(&scene.ego.get()) && action != action::Action::Nothing {
-            scene.notice(
-                "actions of the ego take their time in the storyboard and do not move it: timegap's stack drives it"
-                    .to_owned(),
-            );
-        }
-        Ok(action)
+/// Checks an action of the actors of a group.
+fn check_of_actors(node: Node<'_>, action: &action::Action) -> Result<(), ReadError> {
+    let (scene, actors) = (node.scene, node.scene.actors.borrow());
+    if actors.is_empty() {
+        return Err(node.refuse("the group has no actor for it", "an `EntityRef`"));
     }
+    not_itself(node, &node.place(), &actors, action)?;
+    if actors.contains(&scene.ego.get()) && *action != action::Action::Nothing {
+        let text = "actions of the ego take their time in the storyboard and do not move it: timegap's stack drives it";
+        scene.notice(text.to_owned());
+    }
+    Ok(())
 }
 
 /// Checks that no actor depends on its own motion.
@@ -206,18 +185,11 @@ fn not_itself(
     actors: &[usize],
     action: &action::Action,
 ) -> Result<(), ReadError> {
-    match action.follows().filter(|entity| actors.contains(entity)) {
-        None => Ok(()),
-        Some(entity) => {
-            let name = &node.scene.entities.borrow()[entity].name;
-            let (place, expected) = (place.clone(), "another entity".to_owned());
-            Err(ReadError::Meaning {
-                place,
-                reason: format!("`{name}` would follow itself"),
-                expected,
-            })
-        }
-    }
+    let Some(entity) = action.follows().filter(|entity| actors.contains(entity)) else {
+        return Ok(());
+    };
+    let reason = format!("`{}` would follow itself", node.scene.entities.borrow()[entity].name);
+    Err(ReadError::meaning(place.clone(), reason, "another entity"))
 }
 
 /// The speed to which the ego shall drive in its own time, m/s. Its stack does so.

@@ -1,22 +1,16 @@
 //! Arrivals at the same time.
 
-use super::position::Position;
+use super::longitudinal::{SpeedTargetValueType, relative};
+use super::position::{TargetPosition, TargetPositionMaster};
 use super::reference::EntityName;
-use crate::declare::{AtLeastZero, Element, Form, Node, Number, OneOf, elements, words};
-use crate::error::ReadError;
-use crate::model::action::Action;
-use crate::model::meeting::{self, Meeting, MeetingSpeed, Steady};
-use crate::model::position;
-
-words! {
-    /// Meaning of a final speed; the value is true for a factor.
-    FinalSpeedType = bool { "delta" false, "factor" true }
-}
+use crate::declare::{AtLeastZero, Number, OneOf, elements, scalars};
+use crate::model::action::{Action, SpeedTarget};
+use crate::model::meeting::{self, Meeting, Steady};
 
 elements! { "Actions";
     /// the entity is at its target when the master is at its own, with the least acceleration for it, at most 20 m/s²; ends when the master is there or both are within their tolerances; at once if a target is not ahead
     SynchronizeAction -> Action
-    ["masterEntityRef" master: EntityName, "targetToleranceMaster" near_master: Option<AtLeastZero> as "m",
+    ["masterEntityRef" master: Master, "targetToleranceMaster" near_master: Option<AtLeastZero> as "m",
         "targetTolerance" near: Option<AtLeastZero> as "m"]
     {master_goal: TargetPositionMaster, goal: TargetPosition, final_speed: Option<FinalSpeed>}
     {
@@ -42,22 +36,16 @@ elements! { "Actions";
             let reason = "an entity that stands covers no last part of its way";
             return Err(node.wrong("value", reason, "more than 0, or no steady state"));
         }
-        Ok(meeting::FinalSpeed { speed: MeetingSpeed::Absolute(mps), steady })
+        Ok(meeting::FinalSpeed { speed: SpeedTarget::Absolute(mps), steady })
     }
 
     /// delta (m/s) or factor of the master's present speed
     RelativeSpeedToMaster -> meeting::FinalSpeed
-    ["value" value: Number, "speedTargetValueType" is_factor: FinalSpeedType]
+    ["value" value: Number, "speedTargetValueType" is_factor: SpeedTargetValueType]
     {steady: Option<OneOf<(TargetDistanceSteadyState, TargetTimeSteadyState)>>}
     |node| {
-        let speed = match is_factor {
-            true if value < 0.0 => {
-                return Err(node.wrong("value", format!("{value} is negative"), "0 or more"));
-            }
-            true => MeetingSpeed::Factor(value),
-            false => MeetingSpeed::Delta(value),
-        };
-        Ok(meeting::FinalSpeed { speed, steady })
+        let master = node.scene.master.get();
+        Ok(meeting::FinalSpeed { speed: relative(node, (master, is_factor, value), false)?, steady })
     }
 
     /// the last part of the way, covered with the final speed
@@ -69,27 +57,11 @@ elements! { "Actions";
     { Ok(Steady::Time(time_s)) }
 }
 
-/// A position under another name.
-macro_rules! positions {
-    ($($(#[$doc:meta])* $name:ident)*) => {$(
-        $(#[$doc])*
-        pub(crate) struct $name;
-
-        impl Element for $name {
-            const NAME: &'static str = stringify!($name);
-            const FORM: &'static Form = Position::FORM;
-            type Value = position::Position;
-
-            fn read(node: Node<'_>) -> Result<position::Position, ReadError> {
-                Position::read(node)
-            }
-        }
-    )*};
-}
-
-positions! {
-    /// The goal of the master.
-    TargetPositionMaster
-    /// The goal of the entity.
-    TargetPosition
+scalars! {
+    /// The entity that another one meets. Its final speed may count from the master's.
+    Master -> usize: EntityName::kind(), |given| {
+        let master = EntityName::take(given)?;
+        given.node.scene.master.set(master);
+        Ok(master)
+    };
 }

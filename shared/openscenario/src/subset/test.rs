@@ -13,20 +13,6 @@ words! {
     /// Entities that a condition needs; the value is true for all of them.
     TriggeringEntitiesRule = bool { "any" false, "all" true }
 
-    Category {
-        "vehicle" Category::Vehicle,
-        "pedestrian" Category::Pedestrian,
-        "miscellaneous" Category::MiscObject,
-    }
-
-    Along {
-        "longitudinal" Along::Longitudinal,
-        "lateral" Along::Lateral,
-        "euclidianDistance" Along::Euclidean,
-        "euclideanDistance" Along::Euclidean,
-        "cartesianDistance" Along::Euclidean,
-    }
-
     /// The axes of a distance; its value is whether the entity's own rather than the road's.
     CoordinateSystem = bool { "entity" true, "lane" false, "road" false, "trajectory" false }
 
@@ -36,11 +22,11 @@ words! {
 
 elements! { "Conditions";
     /// about entities
-    ByEntityCondition -> Result<Test, (ReadError, bool)> []
+    ByEntityCondition -> Option<Test> []
     {triggering: TriggeringEntities, is: EntityCondition}
     {
         let (all, entities) = triggering;
-        Ok(Ok(Test::Entity { entities, all, is }))
+        Ok(Some(Test::Entity { entities, all, is }))
     }
 
     /// any or all of them

@@ -203,11 +203,7 @@ fn too_many(node: Node<'_>) -> ReadError {
 
 /// The error that a parameter is varied in two places: one value would be lost, and drives would repeat.
 fn twice(place: &Place, name: &str) -> ReadError {
-    ReadError::Meaning {
-        place: place.clone(),
-        reason: format!("parameter `{name}` is varied twice"),
-        expected: "each once".to_owned(),
-    }
+    ReadError::meaning(place.clone(), format!("parameter `{name}` is varied twice"), "each once")
 }
 
 /// All combinations of some choices.
@@ -249,11 +245,8 @@ fn drawn(runs: usize, seed: u64, distributions: Vec<(Place, Drawn)>) -> Result<V
         let mut source = distribution.seeded(seed, stream as u64);
         for run in &mut values {
             let Some(value) = source.draw() else {
-                return Err(ReadError::Meaning {
-                    place: inner,
-                    reason: "its range holds next to none of its values".to_owned(),
-                    expected: "a range that most values are in".to_owned(),
-                });
+                let reason = "its range holds next to none of its values";
+                return Err(ReadError::meaning(inner, reason, "a range that most values are in"));
             };
             run.push(Assignment { name: name.clone(), value });
         }

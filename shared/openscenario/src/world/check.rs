@@ -1,82 +1,89 @@
-//! Checks that the actions of a script refer to entities and values that it has.
+//! Checks that a script refers to entities and values that it has.
 
-use crate::model::action::{Action, LaneTarget, OffsetTarget, SpeedTarget};
+use crate::model::action::{Action, LaneTarget, OffsetTarget};
+use crate::model::condition::{CollisionWith, EntityTest, Measured, Target, Test};
 use crate::model::position::Position;
 use crate::model::{Category, MAX_ENTITIES, Script};
 use crate::world::WorldError;
-use crate::world::targets::reference;
+use crate::world::plan::Plan;
 
-/// Checks that every index of a script's actions is inside its list.
-pub(super) fn check(script: &Script) -> Result<(), WorldError> {
-    let entities = script.entities.len();
-    index("entity", script.ego, entities)?;
-    index("number of entities", entities, MAX_ENTITIES + 1)?;
-    for item in &script.init {
-        for &actor in item.actor.as_slice() {
-            index("entity", actor, entities)?;
-        }
-        check_action(script, &item.action)?;
-    }
-    let groups = script.stories.iter().flat_map(|story| &story.acts).flat_map(|act| &act.groups);
-    for group in groups {
-        for &actor in &group.actors {
-            index("entity", actor, entities)?;
-        }
-        let events = group.maneuvers.iter().flat_map(|maneuver| &maneuver.events);
-        for named in events.flat_map(|event| &event.actions) {
-            check_action(script, &named.action)?;
-        }
-    }
-    Ok(())
+/// Checks that every index of a script is inside its list.
+pub(super) fn check(script: &Script, plan: &Plan) -> Result<(), WorldError> {
+    let (entities, values) = (script.entities.len(), script.values.len());
+    inside("entity", script.ego, entities)?;
+    inside("number of entities", entities, MAX_ENTITIES + 1)?;
+    let actors = script.init.iter().filter_map(|item| item.actor);
+    let actors = actors.chain(plan.elements.iter().flat_map(|element| element.actors.clone()));
+    let done = script.init.iter().map(|item| &item.action);
+    let done = done.chain(plan.elements.iter().filter_map(|element| element.action.as_ref()));
+    let acts = plan.elements.iter().flat_map(|element| [&element.start, &element.stop]);
+    let triggers = acts.chain([&plan.stop]).filter_map(|numbered| numbered.trigger.as_ref());
+    let conditions = triggers.flat_map(|trigger| trigger.0.iter().flatten());
+    let known = done.map(of_action).chain(conditions.map(|condition| of_test(&condition.test)));
+    let known: Vec<Indices> = known.chain([(actors.collect(), Vec::new())]).collect();
+    known.iter().try_for_each(|(of_entities, of_values)| {
+        of_entities.iter().try_for_each(|&index| inside("entity", index, entities))?;
+        of_values.iter().try_for_each(|&index| inside("value", index, values))
+    })
 }
 
-fn check_action(script: &Script, action: &Action) -> Result<(), WorldError> {
-    let entities = script.entities.len();
-    let at = |position: &Position| match reference(position) {
-        Some(entity) => index("entity", entity, entities),
-        None => Ok(()),
+/// Places in the lists of entities and of values.
+type Indices = (Vec<usize>, Vec<usize>);
+
+fn of_action(action: &Action) -> Indices {
+    let positions = |positions: &[&Position]| -> Vec<usize> {
+        positions.iter().filter_map(|position| position.entity()).collect()
     };
-    match action {
-        Action::Speed { target: SpeedTarget::Delta { entity, .. }, .. }
-        | Action::Speed { target: SpeedTarget::Factor { entity, .. }, .. }
-        | Action::LaneChange { target: LaneTarget::Beside { entity, .. }, .. }
+    let entities = match action {
+        Action::Speed { target, .. } => target.entity().into_iter().collect(),
+        Action::LaneChange { target: LaneTarget::Beside { entity, .. }, .. }
         | Action::LaneOffset { target: OffsetTarget::Entity { entity, .. }, .. }
-        | Action::Delete { entity } => index("entity", *entity, entities),
-        Action::Distance(distance) => index("entity", distance.entity, entities),
-        Action::Profile(profile) => {
-            profile.relative_to.map_or(Ok(()), |entity| index("entity", entity, entities))
-        }
+        | Action::Delete { entity } => vec![*entity],
+        Action::Distance(distance) => vec![distance.entity],
+        Action::Profile(profile) => profile.relative_to.into_iter().collect(),
         Action::Meet(meeting) => {
-            index("entity", meeting.master, entities)?;
-            at(&meeting.goal)?;
-            at(&meeting.master_goal)
+            [positions(&[&meeting.goal, &meeting.master_goal]), vec![meeting.master]].concat()
         }
-        Action::Teleport(position) => at(position),
-        Action::Add { entity, position } => {
-            index("entity", *entity, entities)?;
-            at(position)
-        }
+        Action::Teleport(position) => positions(&[position]),
+        Action::Add { entity, position } => [positions(&[position]), vec![*entity]].concat(),
         Action::Trajectory(line) => {
-            line.vertices.iter().try_for_each(|vertex| at(&vertex.position))
+            line.vertices.iter().filter_map(|vertex| vertex.position.entity()).collect()
         }
         Action::Set { value, .. } | Action::Phase { controller: value, .. } => {
-            index("value", *value, script.values.len())
+            return (Vec::new(), vec![*value]);
         }
         Action::Cycle(cycle) => {
             let signals = cycle.phases.iter().flat_map(|phase| &phase.states);
-            std::iter::once(cycle.controller)
-                .chain(signals.map(|(signal, _)| *signal))
-                .try_for_each(|value| index("value", value, script.values.len()))
+            let signals = signals.map(|(signal, _)| *signal).chain([cycle.controller]);
+            return (Vec::new(), signals.collect());
         }
-        Action::Speed { .. }
-        | Action::LaneChange { .. }
-        | Action::LaneOffset { .. }
-        | Action::Nothing => Ok(()),
-    }
+        Action::LaneChange { .. } | Action::LaneOffset { .. } | Action::Nothing => Vec::new(),
+    };
+    (entities, Vec::new())
 }
 
-/// Checks that an index is inside its list.
-pub(super) fn index(what: &'static str, index: usize, count: usize) -> Result<(), WorldError> {
+fn of_test(test: &Test) -> Indices {
+    let (entities, is) = match test {
+        Test::Entity { entities, is, .. } => (entities, is),
+        Test::Value { of, .. } => return (Vec::new(), vec![*of]),
+        Test::Time { .. } | Test::Element { .. } => return Indices::default(),
+    };
+    let other = match is {
+        EntityTest::Collision(CollisionWith::Entity(entity))
+        | EntityTest::RelativeSpeed { entity, .. } => Some(*entity),
+        EntityTest::ReachPosition { position, .. } => position.entity(),
+        EntityTest::Distance { to: Measured { target, .. }, .. }
+        | EntityTest::Headway { to: Measured { target, .. }, .. }
+        | EntityTest::TimeToCollision { to: Measured { target, .. }, .. } => match target {
+            Target::Entity(entity) => Some(*entity),
+            Target::Position(position) => position.entity(),
+        },
+        _ => None,
+    };
+    (entities.iter().copied().chain(other).collect(), Vec::new())
+}
+
+fn inside(what: &'static str, index: usize, count: usize) -> Result<(), WorldError> {
     if index < count { Ok(()) } else { Err(WorldError::Index { what, index, count }) }
 }
 

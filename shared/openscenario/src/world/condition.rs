@@ -4,16 +4,14 @@ use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::Script;
 use crate::model::condition::{
-    Along, CollisionWith, Condition, Edge, EntityTest, Measured, Target, Test, Trigger,
+    Along, CollisionWith, Condition, Edge, EntityTest, Measured, Target, Test,
 };
-use crate::model::position::From;
-use crate::world::check::index;
+use crate::world::World;
 use crate::world::geometry::{distance, overlap};
+use crate::world::plan::Numbered;
 use crate::world::shape::seconds;
 use crate::world::state::Motion;
-use crate::world::{World, WorldError};
 
 /// Memory of a condition between steps.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -58,13 +56,12 @@ impl ConditionMemory {
 }
 
 impl World {
-    /// Evaluates every condition of a trigger. `first` is the number of its first condition. Returns whether one
-    /// of its groups holds.
-    pub(super) fn fires(&mut self, trigger: &Trigger, first: usize) -> bool {
+    /// Evaluates every condition of a trigger. Returns whether one of its groups holds; without a trigger, none.
+    pub(super) fn fires(&mut self, numbered: &Numbered) -> Option<bool> {
         let now_ns = self.state.time_ns;
-        let mut number = first;
+        let mut number = numbered.first;
         let mut fires = false;
-        for group in &trigger.0 {
+        for group in &numbered.trigger.as_ref()?.0 {
             let mut holds = !group.is_empty();
             for condition in group {
                 let outcome = self.test(&condition.test, number);
@@ -74,16 +71,14 @@ impl World {
             }
             fires |= holds;
         }
-        fires
+        Some(fires)
     }
 
     /// Clears the memory of a trigger's conditions.
-    pub(super) fn forget(&mut self, trigger: &Trigger, first: usize) {
-        let count = trigger.0.iter().map(Vec::len).sum::<usize>();
-        for memory in &mut self.state.conditions[first..first + count] {
-            memory.last = None;
-            memory.waiting.clear();
-            memory.delayed = false;
+    pub(super) fn forget(&mut self, numbered: &Numbered) {
+        let count = numbered.trigger.iter().flat_map(|trigger| trigger.0.iter().flatten()).count();
+        for memory in &mut self.state.conditions[numbered.first..numbered.first + count] {
+            *memory = ConditionMemory::default();
         }
     }
 
@@ -124,9 +119,11 @@ impl World {
                 rule.holds(motion.speed_mps - self.motion(*entity).speed_mps, *value)
             }
             EntityTest::Collision(with) => self.collides(entity, *with),
-            EntityTest::ReachPosition { position, tolerance_m } => self
-                .resolve(position)
-                .is_some_and(|(s_m, t_m, _)| self.way(motion, s_m, t_m) <= *tolerance_m),
+            EntityTest::ReachPosition { position, tolerance_m } => {
+                self.resolve(position).is_some_and(|(s_m, t_m, _)| {
+                    self.apart((motion.s_m, motion.t_m), (s_m, t_m)) <= *tolerance_m
+                })
+            }
             EntityTest::Distance { to, rule, value } => {
                 self.measure(entity, to).is_some_and(|it| rule.holds(it.metres, *value))
             }
@@ -151,18 +148,10 @@ impl World {
         }
     }
 
-    /// True if a distance is one of the plane. On a curved road it differs from that along and across the road.
-    fn is_plane(&self, to: &Measured) -> bool {
-        !self.ground.is_straight() && (to.entity_axes || to.along == Along::Euclidean)
-    }
-
-    /// The distance from an entity to a point of the road, m.
-    fn way(&self, motion: &Motion, s_m: f64, t_m: f64) -> f64 {
-        if self.ground.is_straight() {
-            return libm::hypot(s_m - motion.s_m, t_m - motion.t_m);
-        }
-        let (here, there) = (self.ground.pose(motion), self.ground.point(s_m, t_m));
-        libm::hypot(there.0 - here.x_m, there.1 - here.y_m)
+    /// A motion with coordinates of the plane in the place of `s` and `t`.
+    fn in_plane(&self, motion: &Motion) -> Motion {
+        let pose = self.pose(motion);
+        Motion { s_m: pose.x_m, t_m: pose.y_m, heading_rad: pose.heading_rad, ..*motion }
     }
 
     /// True if two bodies overlap.
@@ -171,8 +160,7 @@ impl World {
             return self.extent(entity).overlaps(&self.extent(other));
         }
         let body = |entity: usize| {
-            let motion = self.ground.in_plane(&self.motion(entity));
-            (&self.script.entities[entity].body, motion)
+            (&self.script.entities[entity].body, self.in_plane(&self.motion(entity)))
         };
         overlap(body(entity), body(other))
     }
@@ -192,8 +180,9 @@ impl World {
         if !far.present {
             return None;
         }
-        let (own, far) = match self.is_plane(to) {
-            true => (self.ground.in_plane(&own), self.ground.in_plane(&far)),
+        // On a curved road such a distance differs from that along and across the road.
+        let (own, far) = match to.entity_axes || to.along == Along::Euclidean {
+            true => (self.in_plane(&own), self.in_plane(&far)),
             false => (own, far),
         };
         let ends = ((&self.script.entities[entity].body, &own), (body, &far));
@@ -241,36 +230,4 @@ fn closing(own: &Motion, far: &Motion, to: &Measured) -> f64 {
 /// A time, infinite if the distance does not shrink.
 fn quotient(metres: f64, mps: f64) -> f64 {
     if mps > 0.0 { metres / mps } else { f64::INFINITY }
-}
-
-/// Checks that every index of a test is inside its list.
-pub(super) fn check(script: &Script, test: &Test) -> Result<(), WorldError> {
-    let entities = script.entities.len();
-    let at = |from: &From| match from {
-        From::Road { .. } => Ok(()),
-        From::EntityOnRoad { entity, .. }
-        | From::EntityInPlane { entity, .. }
-        | From::Entity { entity, .. }
-        | From::EntityLane { entity, .. } => index("entity", *entity, entities),
-    };
-    let far = |to: &Measured| match &to.target {
-        Target::Entity(entity) => index("entity", *entity, entities),
-        Target::Position(position) => at(&position.from),
-    };
-    let Test::Entity { entities: list, is, .. } = test else {
-        return match test {
-            Test::Value { of, .. } => index("value", *of, script.values.len()),
-            _ => Ok(()),
-        };
-    };
-    list.iter().try_for_each(|entity| index("entity", *entity, entities))?;
-    match is {
-        EntityTest::Collision(CollisionWith::Entity(entity))
-        | EntityTest::RelativeSpeed { entity, .. } => index("entity", *entity, entities),
-        EntityTest::ReachPosition { position, .. } => at(&position.from),
-        EntityTest::Distance { to, .. }
-        | EntityTest::Headway { to, .. }
-        | EntityTest::TimeToCollision { to, .. } => far(to),
-        _ => Ok(()),
-    }
 }

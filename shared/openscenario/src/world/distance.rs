@@ -1,9 +1,9 @@
 //! Distances that an entity keeps to another one.
 
 use crate::model::action::{Distance, Gap, Side};
+use crate::model::profile::Bounds;
 use crate::world::World;
-use crate::world::geometry::Extent;
-use crate::world::motion::rate;
+use crate::world::motion::{Part, rate};
 use crate::world::shape::seconds;
 
 /// Largest error of a distance that counts as reached, m.
@@ -35,19 +35,18 @@ impl World {
         // The error ahead of the entity, m. The closing speed stays within what the limits can brake.
         let mover = &mut self.state.movers[entity];
         let error_m = (goal - mover.motion.s_m) * mover.motion.direction();
-        let brake =
-            if error_m > 0.0 { limits.max_deceleration_mps2 } else { limits.max_acceleration_mps2 };
+        let Bounds { acceleration_mps2, deceleration_mps2, .. } = limits;
+        let brake = if error_m > 0.0 { deceleration_mps2 } else { acceleration_mps2 };
         let closing = libm::sqrt(2.0 * brake * error_m.abs()).min(APPROACH_PER_S * error_m.abs());
-        let wanted = (other + closing * error_m.signum()).clamp(0.0, limits.max_speed_mps);
-        let up = limits.max_acceleration_mps2 * elapsed_s;
-        let down = limits.max_deceleration_mps2 * elapsed_s;
+        let wanted = (other + closing * error_m.signum()).clamp(0.0, limits.speed_mps);
+        let (up, down) = (acceleration_mps2 * elapsed_s, deceleration_mps2 * elapsed_s);
         let speed = before + (wanted - before).max(-down).min(up);
         let way_m = 0.5 * (before + speed) * elapsed_s;
         mover.roll(way_m, stretch, speed, rate(before, speed, elapsed_s));
         let reached = error_m.abs() < REACHED_M && (speed - other).abs() < REACHED_MPS;
         if reached && !distance.continuous {
             mover.motion.speed_mps = other;
-            self.end_pace(entity);
+            self.end(entity, Part::Pace);
         }
     }
 
@@ -72,7 +71,7 @@ impl World {
         if !distance.freespace {
             return Some(if forward { other.s_m + gap_m } else { other.s_m - gap_m });
         }
-        let (near, far): (Extent, Extent) = (self.extent(entity), self.extent(distance.entity));
+        let (near, far) = (self.extent(entity), self.extent(distance.entity));
         Some(match forward {
             true => far.to_s_m + gap_m + (own.s_m - near.from_s_m),
             false => far.from_s_m - gap_m - (near.to_s_m - own.s_m),

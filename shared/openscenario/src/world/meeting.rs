@@ -14,9 +14,9 @@
 //! v(t) = u (1 - t/t₁)² with t₁ = 3 D √u/(u √u + w √w), waits, and leaves in time. Each step makes the plan anew. For a
 //! master of constant speed every plan is the rest of the one before.
 
-use crate::model::meeting::{Meeting, MeetingSpeed, Steady};
+use crate::model::meeting::{Meeting, Steady};
 use crate::world::World;
-use crate::world::motion::rate;
+use crate::world::motion::{Part, rate};
 use crate::world::shape::{MAX_SPEED_MPS, SHORTEST_S, seconds};
 
 /// Largest change of the speed, m/s². Just before the arrival a plan answers to the last change of the master's speed,
@@ -99,22 +99,12 @@ impl World {
         })
     }
 
-    /// The final speed of a meeting, m/s.
-    fn final_speed(&self, meeting: &Meeting) -> Option<f64> {
-        let master = self.motion(meeting.master).speed_mps;
-        meeting.final_speed.map(|it| match it.speed {
-            MeetingSpeed::Absolute(mps) => mps.clamp(0.0, MAX_SPEED_MPS),
-            MeetingSpeed::Delta(mps) => (master + mps).clamp(0.0, MAX_SPEED_MPS),
-            MeetingSpeed::Factor(factor) => (master * factor).clamp(0.0, MAX_SPEED_MPS),
-        })
-    }
-
     /// Drives so that the entity arrives with its master. The master has moved already.
     pub(super) fn meet(&mut self, entity: usize, meeting: &Meeting, from_ns: u64, time_ns: u64) {
         let elapsed_s = seconds(time_ns - from_ns);
         let Some((way_m, master_m)) = self.ways(entity, meeting) else {
             self.drive_free(entity, elapsed_s);
-            self.end_pace(entity);
+            self.end(entity, Part::Pace);
             return;
         };
         let master_mps = self.motion(meeting.master).speed_mps;
@@ -122,7 +112,7 @@ impl World {
             true => (elapsed_s + master_m / master_mps).max(0.0),
             false => f64::INFINITY,
         };
-        let final_mps = self.final_speed(meeting);
+        let final_mps = meeting.final_speed.map(|it| self.target_speed(&it.speed));
         // The last part of the way with the final speed is no part of the plan.
         let steady = meeting.final_speed.and_then(|it| it.steady);
         let (steady_m, steady_s) = match (final_mps, steady) {
@@ -161,7 +151,7 @@ impl World {
             if let Some(final_mps) = final_mps {
                 self.state.movers[entity].motion.speed_mps = final_mps;
             }
-            self.end_pace(entity);
+            self.end(entity, Part::Pace);
         }
     }
 }

@@ -21,18 +21,17 @@ mod start;
 mod state;
 mod storyboard;
 mod targets;
-mod way;
 
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use crate::expression::Value;
-use crate::ground::Ground;
 use crate::model::action::{Action, SpeedTarget, Transition};
 use crate::model::condition::{EntityTest, Test};
 use crate::model::{Drive, Script};
-pub use bend::Bend;
+use crate::road::Ground;
+pub use bend::{Bend, Way};
 use condition::ConditionMemory;
 pub use geometry::Extent;
 use motion::Mover;
@@ -41,7 +40,6 @@ use plan::Plan;
 use signals::Cycle;
 pub use state::Motion;
 use storyboard::Progress;
-pub use way::Way;
 
 /// A script that cannot start.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

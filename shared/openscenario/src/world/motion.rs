@@ -19,15 +19,23 @@ pub(super) struct Mover {
     /// Distance covered since the start, m.
     pub odometer_m: f64,
     pub pace: Pace,
-    pub pace_owner: Option<usize>,
-    pub steer: Steer,
-    pub steer_owner: Option<usize>,
+    /// Without one the lateral position stays.
+    pub steer: Option<LateralShape>,
     pub path: Option<Path>,
-    pub path_owner: Option<usize>,
+    /// The storyboard's actions that these [`Part`]s belong to.
+    pub owners: [Option<usize>; 3],
     /// Times since which it stands, is at the road's end, is off the road, ns.
     pub stands_since: Option<u64>,
     pub at_end_since: Option<u64>,
     pub off_since: Option<u64>,
+}
+
+/// A part of an entity's motion that one action at a time has.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Part {
+    Pace,
+    Steer,
+    Path,
 }
 
 /// Longitudinal action.
@@ -55,16 +63,7 @@ impl Pace {
     }
 }
 
-/// Lateral action.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(super) enum Steer {
-    /// None: the lateral position stays.
-    #[default]
-    Hold,
-    /// From one lateral position to another.
-    Shape(LateralShape),
-}
-
+/// A lateral action: from one lateral position to another.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct LateralShape {
     pub from_t_m: f64,
@@ -89,6 +88,12 @@ pub(super) struct Path {
     pub corners: Vec<(f64, f64, f64)>,
     /// Odometer at its start, m, if the corners count by distance.
     pub by_way_from_m: Option<f64>,
+}
+
+impl Path {
+    pub(super) fn is_timed(&self) -> bool {
+        self.by_way_from_m.is_none()
+    }
 }
 
 impl World {
@@ -145,7 +150,7 @@ impl World {
             Pace::Free | Pace::Match { .. } => false,
         };
         if over {
-            self.end_pace(entity);
+            self.end(entity, Part::Pace);
         }
     }
 
@@ -194,7 +199,7 @@ impl World {
         };
         mover.roll(way_m, stretch, speed_mps, acceleration);
         if over {
-            self.end_pace(entity);
+            self.end(entity, Part::Pace);
         }
     }
 
@@ -215,12 +220,12 @@ impl World {
         }
         let (road, to_s_m) = (&self.script.road, mover.motion.s_m);
         match &mut mover.steer {
-            Steer::Hold => {
+            None => {
                 let drift_m = road.drift(from_s_m, mover.motion.t_m, to_s_m);
                 mover.motion.t_m += drift_m;
                 mover.motion.lateral_mps = rate(0.0, drift_m, elapsed_s);
             }
-            Steer::Shape(shape) => {
+            Some(shape) => {
                 let drift_m = road.drift(from_s_m, shape.to_t_m, to_s_m);
                 shape.from_t_m += drift_m;
                 shape.to_t_m += drift_m;
@@ -229,7 +234,7 @@ impl World {
     }
 
     fn steer(&mut self, entity: usize, from_ns: u64, time_ns: u64) {
-        let Steer::Shape(shape) = self.state.movers[entity].steer else { return };
+        let Some(shape) = self.state.movers[entity].steer else { return };
         let odometer_m = self.state.movers[entity].odometer_m;
         let x = match shape.by {
             Course::Time { start_ns, duration_s } => {
@@ -250,7 +255,7 @@ impl World {
             mover.motion.t_m = target;
         }
         if over && shape.endless.is_none() {
-            self.end_steer(entity);
+            self.end(entity, Part::Steer);
         }
     }
 
@@ -268,14 +273,10 @@ impl World {
             corners.partition_point(|corner| corner.0 <= at).clamp(1, corners.len() - 1) - 1;
         let (a, b) = (corners[before], corners[before + 1]);
         let share = ((at - a.0) / (b.0 - a.0)).clamp(0.0, 1.0);
-        let ground = &self.ground;
-        let stretch = match ground.is_straight() {
-            true => 1.0,
-            false => ground.stretch(0.5 * (a.1 + b.1), 0.5 * (a.2 + b.2)),
-        };
+        let stretch = self.ground.stretch(0.5 * (a.1 + b.1), 0.5 * (a.2 + b.2));
         let (ds, dt) = (b.1 - a.1, b.2 - a.2);
         let way_m = |ds_m: f64, dt_m: f64| libm::hypot(stretch * ds_m, dt_m);
-        let timed = path.by_way_from_m.is_none();
+        let timed = path.is_timed();
         let over = at >= last.0;
         if self.script.entities[entity].drive == Drive::Scripted {
             let motion = &mut mover.motion;
@@ -296,7 +297,7 @@ impl World {
             }
         }
         if over {
-            self.end_path(entity);
+            self.end(entity, Part::Path);
         }
     }
 
@@ -327,9 +328,7 @@ impl Mover {
         speed_mps: f64,
         acceleration_mps2: f64,
     ) {
-        if self.path.as_ref().is_some_and(|path| path.by_way_from_m.is_none())
-            || !self.motion.present
-        {
+        if self.path.as_ref().is_some_and(Path::is_timed) || !self.motion.present {
             return;
         }
         let motion = &mut self.motion;

@@ -1,8 +1,10 @@
 //! The storyboard as a list of parts, with the numbers of their conditions.
 
 use crate::model::Script;
+use crate::model::action::Action;
 use crate::model::condition::{Test, Trigger};
 use crate::model::element::ElementKind;
+use crate::model::storyboard::{ManeuverGroup, NamedAction, Priority};
 use crate::world::WorldError;
 
 /// A name that no part of the storyboard has, or several.
@@ -15,15 +17,11 @@ pub struct NotFound {
     pub expected: String,
 }
 
-/// The place of an element in the nested lists of the script, as deep as its kind goes.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct At {
-    pub story: usize,
-    pub act: usize,
-    pub group: usize,
-    pub maneuver: usize,
-    pub event: usize,
-    pub action: usize,
+/// A trigger with the number of its first condition.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Numbered {
+    pub trigger: Option<Trigger>,
+    pub first: usize,
 }
 
 /// A part of the storyboard. Its descendants follow it in the list, up to `end`.
@@ -32,72 +30,119 @@ pub(super) struct Element {
     pub kind: ElementKind,
     pub path: String,
     pub end: usize,
-    pub at: At,
-    /// First condition of its start trigger.
-    pub start: usize,
-    /// First condition of its stop trigger.
-    pub stop: usize,
+    /// The triggers of an act or of an event.
+    pub start: Numbered,
+    pub stop: Numbered,
+    /// Number of times that a group or an event runs.
+    pub executions: u32,
+    pub priority: Priority,
+    /// The actors of the group that the part is in.
+    pub actors: Vec<usize>,
+    pub action: Option<Action>,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Plan {
     pub elements: Vec<Element>,
     /// Number of all conditions.
     pub conditions: usize,
-    /// First condition of the storyboard's stop trigger.
-    pub stop: usize,
+    /// The storyboard's stop trigger.
+    pub stop: Numbered,
     /// The element that a condition watches, by the condition's number, if it watches one.
     pub watched: Vec<Option<usize>>,
+    /// Names of the parts that are open while the storyboard is laid out, and the actors of the open group.
+    open: (Vec<String>, Vec<usize>),
 }
 
 impl Plan {
     /// Lays out a script, and checks its references.
     pub(super) fn of(script: &Script) -> Result<Self, WorldError> {
-        let mut plan =
-            Self { elements: elements(script), conditions: 0, stop: 0, watched: Vec::new() };
+        let mut plan = Self::laid_out(script);
         for index in 0..plan.elements.len() {
-            let (start, stop) = triggers(script, &plan.elements[index]);
-            let start = plan.number(script, start)?;
-            let stop = plan.number(script, stop)?;
-            plan.elements[index].start = start;
-            plan.elements[index].stop = stop;
+            let Element { start, stop, .. } = plan.elements[index].clone();
+            let numbered = (plan.number(start)?, plan.number(stop)?);
+            let element = &mut plan.elements[index];
+            (element.start, element.stop) = numbered;
         }
-        plan.stop = plan.number(script, script.stop.as_ref())?;
-        super::check::check(script)?;
+        plan.stop = plan.number(Numbered { trigger: script.stop.clone(), first: 0 })?;
+        super::check::check(script, &plan)?;
         Ok(plan)
     }
 
-    /// Numbers the conditions of a trigger. Returns the first number.
-    fn number(&mut self, script: &Script, trigger: Option<&Trigger>) -> Result<usize, WorldError> {
+    /// Numbers the conditions of a trigger.
+    fn number(&mut self, numbered: Numbered) -> Result<Numbered, WorldError> {
         let first = self.conditions;
-        for condition in trigger.iter().flat_map(|trigger| trigger.0.iter().flatten()) {
+        for condition in numbered.trigger.iter().flat_map(|trigger| trigger.0.iter().flatten()) {
             self.watched.push(match &condition.test {
                 Test::Element { kind, name, .. } => Some(find(&self.elements, *kind, name)?),
                 _ => None,
             });
-            super::condition::check(script, &condition.test)?;
             self.conditions += 1;
         }
-        Ok(first)
+        Ok(Numbered { first, ..numbered })
     }
-}
 
-/// The triggers of an act (start, stop) or of an event (start).
-fn triggers<'a>(
-    script: &'a Script,
-    element: &Element,
-) -> (Option<&'a Trigger>, Option<&'a Trigger>) {
-    let at = element.at;
-    match element.kind {
-        ElementKind::Act => {
-            let act = &script.stories[at.story].acts[at.act];
-            (act.start.as_ref(), act.stop.as_ref())
+    /// All parts of a storyboard, each before its descendants.
+    fn laid_out(script: &Script) -> Self {
+        let mut plan = Self::default();
+        for story in &script.stories {
+            let of_story = plan.open(ElementKind::Story, &story.name);
+            for act in &story.acts {
+                let of_act = plan.open(ElementKind::Act, &act.name);
+                plan.elements[of_act].start.trigger.clone_from(&act.start);
+                plan.elements[of_act].stop.trigger.clone_from(&act.stop);
+                act.groups.iter().for_each(|group| plan.group(group));
+                plan.close(of_act);
+            }
+            plan.close(of_story);
         }
-        ElementKind::Event => {
-            let group = &script.stories[at.story].acts[at.act].groups[at.group];
-            (group.maneuvers[at.maneuver].events[at.event].start.as_ref(), None)
+        plan
+    }
+
+    fn group(&mut self, group: &ManeuverGroup) {
+        self.open.1.clone_from(&group.actors);
+        let of_group = self.open(ElementKind::ManeuverGroup, &group.name);
+        self.elements[of_group].executions = group.executions;
+        for maneuver in &group.maneuvers {
+            let of_maneuver = self.open(ElementKind::Maneuver, &maneuver.name);
+            for event in &maneuver.events {
+                let of_event = self.open(ElementKind::Event, &event.name);
+                let element = &mut self.elements[of_event];
+                element.start.trigger.clone_from(&event.start);
+                (element.executions, element.priority) = (event.executions, event.priority);
+                for NamedAction { name, action } in &event.actions {
+                    let of_action = self.open(ElementKind::Action, name);
+                    self.elements[of_action].action = Some(action.clone());
+                    self.close(of_action);
+                }
+                self.close(of_event);
+            }
+            self.close(of_maneuver);
         }
-        _ => (None, None),
+        self.close(of_group);
+        self.open.1.clear();
+    }
+
+    /// Adds a part inside those that are open. Returns its place in the list.
+    fn open(&mut self, kind: ElementKind, name: &str) -> usize {
+        self.open.0.push(name.to_owned());
+        self.elements.push(Element {
+            kind,
+            path: self.open.0.join("::"),
+            end: 0,
+            start: Numbered::default(),
+            stop: Numbered::default(),
+            executions: 1,
+            priority: Priority::default(),
+            actors: self.open.1.clone(),
+            action: None,
+        });
+        self.elements.len() - 1
+    }
+
+    fn close(&mut self, index: usize) {
+        self.elements[index].end = self.elements.len();
+        self.open.0.pop();
     }
 }
 
@@ -107,7 +152,7 @@ impl Script {
     /// # Errors
     /// When there is none, or more than one.
     pub fn find(&self, kind: ElementKind, name: &str) -> Result<usize, NotFound> {
-        find(&elements(self), kind, name)
+        find(&Plan::laid_out(self).elements, kind, name)
     }
 }
 
@@ -146,65 +191,5 @@ fn words(kind: ElementKind) -> &'static str {
         ElementKind::Maneuver => "maneuver",
         ElementKind::Event => "event",
         ElementKind::Action => "action",
-    }
-}
-
-/// All parts, each before its descendants.
-fn elements(script: &Script) -> Vec<Element> {
-    let mut list = List::default();
-    for (story, s) in script.stories.iter().enumerate() {
-        let at = At { story, ..At::default() };
-        list.open(ElementKind::Story, &s.name, at, |list| {
-            for (act, a) in s.acts.iter().enumerate() {
-                let at = At { act, ..at };
-                list.open(ElementKind::Act, &a.name, at, |list| {
-                    for (group, g) in a.groups.iter().enumerate() {
-                        list.group(g, At { group, ..at });
-                    }
-                });
-            }
-        });
-    }
-    list.elements
-}
-
-#[derive(Default)]
-struct List {
-    elements: Vec<Element>,
-    path: Vec<String>,
-}
-
-impl List {
-    fn open(&mut self, kind: ElementKind, name: &str, at: At, inside: impl FnOnce(&mut Self)) {
-        self.path.push(name.to_owned());
-        let index = self.elements.len();
-        let path = self.path.join("::");
-        self.elements.push(Element { kind, path, end: 0, at, start: 0, stop: 0 });
-        inside(self);
-        self.elements[index].end = self.elements.len();
-        self.path.pop();
-    }
-
-    fn group(&mut self, group: &crate::model::storyboard::ManeuverGroup, at: At) {
-        self.open(ElementKind::ManeuverGroup, &group.name, at, |list| {
-            for (maneuver, m) in group.maneuvers.iter().enumerate() {
-                let at = At { maneuver, ..at };
-                list.open(ElementKind::Maneuver, &m.name, at, |list| {
-                    for (event, e) in m.events.iter().enumerate() {
-                        let at = At { event, ..at };
-                        list.open(ElementKind::Event, &e.name, at, |list| {
-                            for (action, a) in e.actions.iter().enumerate() {
-                                list.open(
-                                    ElementKind::Action,
-                                    &a.name,
-                                    At { action, ..at },
-                                    |_| {},
-                                );
-                            }
-                        });
-                    }
-                });
-            }
-        });
     }
 }

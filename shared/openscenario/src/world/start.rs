@@ -8,11 +8,10 @@ use crate::model::action::{
 use crate::model::element::ElementState;
 use crate::model::position::Position;
 use crate::world::check::fits_its_lane;
-use crate::world::motion::{Course, LateralShape, Pace, Path, Steer};
+use crate::world::motion::{Course, LateralShape, Pace, Part, Path};
 use crate::world::profile::Profile;
 use crate::world::shape::{SHORTEST_S, SpeedShape, seconds};
 use crate::world::state::Motion;
-use crate::world::targets::reference;
 use crate::world::{World, WorldError};
 
 /// Length of the chords that a line is cut into on a curved road, m.
@@ -24,29 +23,24 @@ impl World {
     /// Places the entities of Init's teleports, each after the one that it is placed from.
     pub(super) fn place(&mut self) -> Result<(), WorldError> {
         let script = Arc::clone(&self.script);
-        let mut open: Vec<(usize, &Position)> = Vec::new();
-        for item in &script.init {
-            match (&item.action, item.actor) {
-                (Action::Teleport(position), Some(actor)) => open.push((actor, position)),
-                (Action::Add { entity, position }, _) => open.push((*entity, position)),
-                _ => {}
+        let refuse = |actor: usize, reason| {
+            let entity = script.entities[actor].name.clone();
+            Err(WorldError::Placement { entity, reason })
+        };
+        let places = script.init.iter().filter_map(|item| match (&item.action, item.actor) {
+            (Action::Teleport(position), Some(actor)) => Some((actor, position)),
+            (Action::Add { entity, position }, _) => Some((*entity, position)),
+            _ => None,
+        });
+        let placed = match in_order(places.collect(), |position| position.entity()) {
+            Ok(placed) => placed,
+            Err(actor) => {
+                return refuse(actor, "the entities that it is placed from depend on each other");
             }
-        }
-        while !open.is_empty() {
-            let waits = |position: &Position, open: &[(usize, &Position)]| {
-                reference(position)
-                    .is_some_and(|other| open.iter().any(|(actor, _)| *actor == other))
-            };
-            let Some(next) = open.iter().position(|(_, position)| !waits(position, &open)) else {
-                let entity = script.entities[open[0].0].name.clone();
-                let reason = "the entities that it is placed from depend on each other";
-                return Err(WorldError::Placement { entity, reason });
-            };
-            let (actor, position) = open.remove(next);
+        };
+        for (actor, position) in placed {
             let Some((s_m, t_m, heading_rad)) = self.resolve(position) else {
-                let entity = script.entities[actor].name.clone();
-                let reason = "the lane or the entity that it is placed from is not there";
-                return Err(WorldError::Placement { entity, reason });
+                return refuse(actor, "the lane or the entity that it is placed from is not there");
             };
             fits_its_lane(&script, actor, s_m, t_m)?;
             let motion = &mut self.state.movers[actor].motion;
@@ -58,26 +52,15 @@ impl World {
     /// Sets the speeds that Init sets at once, each after the one that it depends on.
     pub(super) fn first_speeds(&mut self) -> Result<(), WorldError> {
         let script = Arc::clone(&self.script);
-        let mut open: Vec<(usize, &SpeedTarget)> = Vec::new();
-        for item in &script.init {
-            if let (Action::Speed { target, transition }, Some(actor)) = (&item.action, item.actor)
-                && self.at_once(transition, target)
-            {
-                open.push((actor, target));
+        let speeds = script.init.iter().filter_map(|item| match &item.action {
+            Action::Speed { target, transition } if self.at_once(transition, target) => {
+                Some((item.actor?, target))
             }
-        }
-        while !open.is_empty() {
-            let waits = |target: &SpeedTarget, open: &[(usize, &SpeedTarget)]| match target {
-                SpeedTarget::Absolute(_) => false,
-                SpeedTarget::Delta { entity, .. } | SpeedTarget::Factor { entity, .. } => {
-                    open.iter().any(|(actor, _)| actor == entity)
-                }
-            };
-            let Some(next) = open.iter().position(|(_, target)| !waits(target, &open)) else {
-                let entity = script.entities[open[0].0].name.clone();
-                return Err(WorldError::Speed { entity });
-            };
-            let (actor, target) = open.remove(next);
+            _ => None,
+        });
+        let speeds = in_order(speeds.collect(), |target| target.entity())
+            .map_err(|actor| WorldError::Speed { entity: script.entities[actor].name.clone() })?;
+        for (actor, target) in speeds {
             self.state.movers[actor].motion.speed_mps = self.target_speed(target);
         }
         Ok(())
@@ -112,7 +95,7 @@ impl World {
             }
             Action::Distance(distance) => {
                 if distance.limits.is_none() && !distance.continuous {
-                    self.clear_pace(actor);
+                    self.clear(actor, Part::Pace);
                     if let Some(goal) = self.gap_goal(actor, distance)
                         && !self.is_external(actor)
                     {
@@ -183,8 +166,9 @@ impl World {
         let to_mps = self.target_speed(target);
         let from_mps = self.motion(actor).speed_mps;
         let (entity, factor, offset_mps) = match *target {
-            SpeedTarget::Delta { entity, mps, continuous: true } => (entity, 1.0, mps),
-            SpeedTarget::Factor { entity, factor, continuous: true } => (entity, factor, 0.0),
+            SpeedTarget::Relative { entity, factor, offset_mps, continuous: true } => {
+                (entity, factor, offset_mps)
+            }
             _ => {
                 let change = (to_mps - from_mps).abs();
                 let duration_s =
@@ -198,7 +182,7 @@ impl World {
                         (_, Dimension::Distance) => 2.0 * transition.value / (from_mps + to_mps),
                     };
                 if duration_s < SHORTEST_S {
-                    self.clear_pace(actor);
+                    self.clear(actor, Part::Pace);
                     if !self.is_external(actor) {
                         self.state.movers[actor].motion.speed_mps = to_mps;
                     }
@@ -256,7 +240,7 @@ impl World {
                 }
                 None => {
                     if let Some(&(_, s, t)) = corners.last() {
-                        way_m += self.apart(s, t, s_m, t_m);
+                        way_m += self.apart((s, t), (s_m, t_m));
                     }
                     way_m
                 }
@@ -273,24 +257,21 @@ impl World {
         }
         let timed = trajectory.timing.is_some();
         if timed {
-            self.clear_pace(actor);
+            self.clear(actor, Part::Pace);
         }
-        self.clear_steer(actor);
-        self.clear_path(actor);
+        self.clear(actor, Part::Steer);
+        self.clear(actor, Part::Path);
         let by_way_from_m = (!timed).then_some(self.state.movers[actor].odometer_m);
         let mover = &mut self.state.movers[actor];
         mover.path = Some(Path { corners, by_way_from_m });
-        mover.path_owner = element;
+        mover.owners[Part::Path as usize] = element;
         self.hold(element);
     }
 
     /// The distance between two points of the road, m.
-    fn apart(&self, s_m: f64, t_m: f64, to_s_m: f64, to_t_m: f64) -> f64 {
-        if self.ground.is_straight() {
-            return libm::hypot(to_s_m - s_m, to_t_m - t_m);
-        }
-        let (from, to) = (self.ground.point(s_m, t_m), self.ground.point(to_s_m, to_t_m));
-        libm::hypot(to.0 - from.0, to.1 - from.1)
+    pub(super) fn apart(&self, from: (f64, f64), to: (f64, f64)) -> f64 {
+        let [from, to] = [from, to].map(|(s_m, t_m)| self.ground.point(s_m, t_m));
+        libm::hypot(to.x_m - from.x_m, to.y_m - from.y_m)
     }
 
     /// A line that is straight between its corners in the plane, with corners of its own on a curved road.
@@ -300,12 +281,12 @@ impl World {
         for pair in corners.windows(2) {
             let (a, b) = (pair[0], pair[1]);
             let (from, to) = (self.ground.point(a.1, a.2), self.ground.point(b.1, b.2));
-            let chords = libm::ceil(self.apart(a.1, a.2, b.1, b.2) / CHORD_M).clamp(1.0, most);
+            let chords = libm::ceil(self.apart((a.1, a.2), (b.1, b.2)) / CHORD_M).clamp(1.0, most);
             let mut near_s_m = a.1;
             for i in 1..chords as u64 {
                 let share = i as f64 / chords;
                 let at = |from: f64, to: f64| from + share * (to - from);
-                let point = (at(from.0, to.0), at(from.1, to.1));
+                let point = (at(from.x_m, to.x_m), at(from.y_m, to.y_m));
                 let (s_m, t_m) = self.ground.project(point, near_s_m);
                 near_s_m = s_m;
                 all.push((at(a.0, b.0), s_m, t_m));
@@ -316,10 +297,10 @@ impl World {
     }
 
     fn set_pace(&mut self, actor: usize, pace: Pace, element: Option<usize>) {
-        self.clear_pace(actor);
+        self.clear(actor, Part::Pace);
         let mover = &mut self.state.movers[actor];
         mover.pace = pace;
-        mover.pace_owner = element;
+        mover.owners[Part::Pace as usize] = element;
         self.hold(element);
     }
 
@@ -330,8 +311,8 @@ impl World {
         immediate: bool,
         element: Option<usize>,
     ) {
-        self.clear_steer(actor);
-        self.clear_path(actor);
+        self.clear(actor, Part::Steer);
+        self.clear(actor, Part::Path);
         if immediate && !self.is_external(actor) {
             self.state.movers[actor].motion.t_m = shape.to_t_m;
         }
@@ -339,8 +320,8 @@ impl World {
             return;
         }
         let mover = &mut self.state.movers[actor];
-        mover.steer = Steer::Shape(shape);
-        mover.steer_owner = element;
+        mover.steer = Some(shape);
+        mover.owners[Part::Steer as usize] = element;
         self.hold(element);
     }
 
@@ -366,10 +347,24 @@ impl World {
 
     fn delete(&mut self, entity: usize) {
         if !self.is_external(entity) {
-            self.clear_pace(entity);
-            self.clear_steer(entity);
-            self.clear_path(entity);
+            self.clear(entity, Part::Pace);
+            self.clear(entity, Part::Steer);
+            self.clear(entity, Part::Path);
             self.state.movers[entity].motion = Motion::default();
         }
     }
+}
+
+/// Entities with what they wait for, each after the entity that it waits for. An entity of a circle is the error.
+fn in_order<T>(
+    mut open: Vec<(usize, T)>,
+    waits_for: impl Fn(&T) -> Option<usize>,
+) -> Result<Vec<(usize, T)>, usize> {
+    let mut done = Vec::with_capacity(open.len());
+    while !open.is_empty() {
+        let is_open = |other: usize| open.iter().any(|(actor, _)| *actor == other);
+        let next = open.iter().position(|(_, it)| !waits_for(it).is_some_and(is_open));
+        done.push(open.remove(next.ok_or(open[0].0)?));
+    }
+    Ok(done)
 }

@@ -8,12 +8,10 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::Script;
-use crate::model::condition::Trigger;
 use crate::model::element::{ElementKind, ElementState};
-use crate::model::storyboard::{Act, Event, ManeuverGroup, Priority};
+use crate::model::storyboard::Priority;
 use crate::world::World;
-use crate::world::plan::At;
+use crate::world::plan::{Element, Plan};
 
 /// Progress of a part of the storyboard.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -56,25 +54,23 @@ impl World {
         acts.filter(|(element, progress)| {
             element.kind == ElementKind::Act && progress.executions == 0
         })
-        .map(|(element, _)| act_at(&self.script, element.at).name.as_str())
+        .map(|(element, _)| element.path.rsplit("::").next().unwrap_or_default())
     }
 
     /// One step of the storyboard, at the world's present time.
     pub(super) fn storyboard(&mut self) {
-        let script = Arc::clone(&self.script);
+        let plan = Arc::clone(&self.plan);
         if self.state.step == 1 {
             self.start_stories();
         }
-        self.complete(&script);
+        self.complete(&plan);
         self.state.evaluating = true;
-        self.evaluate(&script);
+        self.evaluate(&plan);
         self.state.evaluating = false;
     }
 
-    fn evaluate(&mut self, script: &Script) {
-        if let Some(stop) = &script.stop
-            && self.fires(stop, self.plan.stop)
-        {
+    fn evaluate(&mut self, plan: &Plan) {
+        if self.fires(&plan.stop) == Some(true) {
             self.state.stopped = true;
             for index in 0..self.state.progress.len() {
                 self.stop(index);
@@ -82,9 +78,9 @@ impl World {
             return;
         }
         for index in 0..self.state.progress.len() {
-            match self.plan.elements[index].kind {
-                ElementKind::Act => self.act(script, index),
-                ElementKind::Event => self.event(script, index),
+            match plan.elements[index].kind {
+                ElementKind::Act => self.act(plan, index),
+                ElementKind::Event => self.event(plan, index),
                 _ => {}
             }
         }
@@ -100,69 +96,53 @@ impl World {
         }
     }
 
-    fn act(&mut self, script: &Script, index: usize) {
-        let element = &self.plan.elements[index];
-        let (at, start, stop, end) = (element.at, element.start, element.stop, element.end);
-        let act = act_at(script, at);
-        match self.state.progress[index].phase {
-            Phase::Standby => {
-                let starts = act.start.as_ref().is_none_or(|trigger| self.fires(trigger, start));
-                if starts {
-                    self.run(index);
-                    self.each(index + 1, end, ElementKind::ManeuverGroup, |world, group| {
-                        world.run_group(script, group);
-                    });
-                }
-            }
-            Phase::Running => {
-                if act.stop.as_ref().is_some_and(|trigger| self.fires(trigger, stop)) {
-                    for inner in index..end {
-                        self.stop(inner);
+    fn act(&mut self, plan: &Plan, index: usize) {
+        let Element { start, stop, end, .. } = &plan.elements[index];
+        let phase = self.state.progress[index].phase;
+        match phase {
+            Phase::Standby if self.fires(start) != Some(false) => {
+                self.run(index);
+                for inner in index + 1..*end {
+                    if plan.elements[inner].kind == ElementKind::ManeuverGroup {
+                        self.run_group(plan, inner);
                     }
                 }
             }
-            Phase::Idle | Phase::Complete => {}
+            Phase::Running if self.fires(stop) == Some(true) => {
+                (index..*end).for_each(|inner| self.stop(inner));
+            }
+            _ => {}
         }
     }
 
     /// Runs a maneuver group: its maneuvers run, their events stand by.
-    fn run_group(&mut self, script: &Script, index: usize) {
+    fn run_group(&mut self, plan: &Plan, index: usize) {
         self.run(index);
-        let end = self.plan.elements[index].end;
-        for inner in index + 1..end {
-            match self.plan.elements[inner].kind {
+        for inner in index + 1..plan.elements[index].end {
+            match plan.elements[inner].kind {
                 ElementKind::Maneuver => self.run(inner),
                 ElementKind::Event => {
                     self.state.progress[inner].executions = 0;
-                    self.stand_by(script, inner);
+                    self.stand_by(plan, inner);
                 }
                 _ => {}
             }
         }
     }
 
-    fn stand_by(&mut self, script: &Script, event: usize) {
+    fn stand_by(&mut self, plan: &Plan, event: usize) {
         self.state.progress[event].phase = Phase::Standby;
-        let element = &self.plan.elements[event];
-        let start = element.start;
-        if let Some(trigger) = &event_at(script, element.at).start {
-            self.forget(trigger, start);
-        }
+        self.forget(&plan.elements[event].start);
     }
 
-    fn event(&mut self, script: &Script, index: usize) {
-        if self.state.progress[index].phase != Phase::Standby {
+    fn event(&mut self, plan: &Plan, index: usize) {
+        let event = &plan.elements[index];
+        if self.state.progress[index].phase != Phase::Standby
+            || self.fires(&event.start) == Some(false)
+        {
             return;
         }
-        let element = &self.plan.elements[index];
-        let (at, start, end) = (element.at, element.start, element.end);
-        let event = event_at(script, at);
-        let fires = |world: &mut Self, trigger: &Trigger| world.fires(trigger, start);
-        if !event.start.as_ref().is_none_or(|trigger| fires(self, trigger)) {
-            return;
-        }
-        let rival = self.rival(index);
-        match (event.priority, rival) {
+        match (event.priority, self.rival(index)) {
             (Priority::Skip, Some(_)) => {
                 let progress = &mut self.state.progress[index];
                 progress.executions += 1;
@@ -174,19 +154,18 @@ impl World {
             }
             (Priority::Override, _) => {
                 while let Some(rival) = self.rival(index) {
-                    for inner in rival..self.plan.elements[rival].end {
-                        self.stop(inner);
-                    }
+                    (rival..plan.elements[rival].end).for_each(|inner| self.stop(inner));
                 }
             }
             _ => {}
         }
         self.run(index);
-        let group = group_at(script, at);
-        for inner in index + 1..end {
+        for inner in index + 1..event.end {
             self.run(inner);
-            let action = &event.actions[self.plan.elements[inner].at.action].action;
-            self.start(action, &group.actors, Some(inner));
+            let Element { action, actors, .. } = &plan.elements[inner];
+            if let Some(action) = action {
+                self.start(action, actors, Some(inner));
+            }
         }
     }
 
@@ -202,38 +181,24 @@ impl World {
     }
 
     /// Ends parts that have nothing left to do, from the inside outwards.
-    fn complete(&mut self, script: &Script) {
+    fn complete(&mut self, plan: &Plan) {
         for index in (0..self.state.progress.len()).rev() {
-            if self.state.progress[index].phase != Phase::Running {
+            let Element { kind, end, executions, .. } = plan.elements[index];
+            let Progress { phase, executions: done, .. } = self.state.progress[index];
+            if phase != Phase::Running || kind == ElementKind::Action {
                 continue;
             }
-            let element = &self.plan.elements[index];
-            let (kind, at, end) = (element.kind, element.at, element.end);
-            let inner = match kind {
-                ElementKind::Story => ElementKind::Act,
-                ElementKind::Act => ElementKind::ManeuverGroup,
-                ElementKind::ManeuverGroup => ElementKind::Maneuver,
-                ElementKind::Maneuver => ElementKind::Event,
-                ElementKind::Event => ElementKind::Action,
-                ElementKind::Action => continue,
-            };
-            let busy = (index + 1..end).any(|i| {
-                self.plan.elements[i].kind == inner
-                    && self.state.progress[i].phase != Phase::Complete
-            });
-            if busy {
+            let first = (index + 1 < end).then_some(index + 1);
+            let next = |i: &usize| Some(plan.elements[*i].end).filter(|next| *next < end);
+            let mut inside = std::iter::successors(first, next);
+            if inside.any(|i| self.state.progress[i].phase != Phase::Complete) {
                 continue;
             }
-            let executions = self.state.progress[index].executions;
             self.mark(index, ElementState::EndTransition);
             self.state.progress[index].phase = Phase::Complete;
             match kind {
-                ElementKind::Event if executions < event_at(script, at).executions => {
-                    self.stand_by(script, index);
-                }
-                ElementKind::ManeuverGroup if executions < group_at(script, at).executions => {
-                    self.run_group(script, index);
-                }
+                ElementKind::Event if done < executions => self.stand_by(plan, index),
+                ElementKind::ManeuverGroup if done < executions => self.run_group(plan, index),
                 _ => {}
             }
         }
@@ -262,20 +227,6 @@ impl World {
         progress.executions += 1;
         progress.pending = 0;
         self.mark(index, ElementState::StartTransition);
-    }
-
-    fn each(
-        &mut self,
-        from: usize,
-        end: usize,
-        kind: ElementKind,
-        mut act: impl FnMut(&mut Self, usize),
-    ) {
-        for index in from..end {
-            if self.plan.elements[index].kind == kind {
-                act(self, index);
-            }
-        }
     }
 
     /// Records a transition. Conditions see a transition of the second phase in the next step.
@@ -313,16 +264,4 @@ impl World {
             self.mark(element, how);
         }
     }
-}
-
-fn act_at(script: &Script, at: At) -> &Act {
-    &script.stories[at.story].acts[at.act]
-}
-
-fn group_at(script: &Script, at: At) -> &ManeuverGroup {
-    &act_at(script, at).groups[at.group]
-}
-
-fn event_at(script: &Script, at: At) -> &Event {
-    &group_at(script, at).maneuvers[at.maneuver].events[at.event]
 }

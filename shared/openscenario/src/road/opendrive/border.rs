@@ -35,8 +35,8 @@ pub fn resolve(
     if let Some(border) = bordered
         && offset.stretches().iter().any(|stretch| stretch.factors != [0.0; 4])
     {
-        let reason = "a `border` of a road with a `laneOffset`".to_owned();
-        return Err(text.meaning(border, reason, "widths, or no lane offset".to_owned()));
+        let reason = "a `border` of a road with a `laneOffset`";
+        return Err(text.meaning(border, reason, "widths, or no lane offset"));
     }
     let sign = if side == "left" { 1.0 } else { -1.0 };
     let mut outer = Profile::default();
@@ -50,7 +50,7 @@ pub fn resolve(
                 if width_m < -MOST_BELOW_M {
                     let (id, at_m) = (lane.id, stretch.from_m);
                     let reason = format!("lane {id} has a width of {width_m:.3} m at s = {at_m} m");
-                    let expected = "a border outside of the lanes inside it".to_owned();
+                    let expected = "a border outside of the lanes inside it";
                     return Err(text.meaning(first, reason, expected));
                 }
             }

@@ -23,7 +23,7 @@ impl<'a> Line<'a> {
     pub fn read(text: Text<'_>, road: &'a Element) -> Result<Self, ReadError> {
         let declared_m = text.number(road, "length")?;
         if !(declared_m > 0.0) {
-            return Err(text.meaning(road, "the road has no length".to_owned(), "a length".into()));
+            return Err(text.meaning(road, "the road has no length", "a length"));
         }
         let view = road.child("planView");
         let elements: Vec<&Element> =
@@ -41,7 +41,7 @@ impl<'a> Line<'a> {
                 "the road is {declared_m} m long, its geometries are {:.3} m",
                 line.length_m
             );
-            return Err(text.meaning(road, reason, "the same length".to_owned()));
+            return Err(text.meaning(road, reason, "the same length"));
         }
         Ok(line)
     }
@@ -51,14 +51,14 @@ impl<'a> Line<'a> {
             text.numbers(element, ["s", "x", "y", "hdg", "length"])?;
         if !(length_m > 0.0) {
             let reason = format!("a geometry of {length_m} m");
-            return Err(text.meaning(element, reason, "a length above 0".to_owned()));
+            return Err(text.meaning(element, reason, "a length above 0"));
         }
         if (s_m - self.length_m).abs() > MAX_GAP_M {
             let reason = format!(
                 "the geometry begins at s = {s_m} m, the one before ends at {:.3} m",
                 self.length_m
             );
-            return Err(text.meaning(element, reason, "geometries without a gap".to_owned()));
+            return Err(text.meaning(element, reason, "geometries without a gap"));
         }
         let piece = piece(text, element, length_m)?;
         let true_m = piece.true_length_m();
@@ -134,11 +134,7 @@ fn piece(text: Text<'_>, element: &Element, length_m: f64) -> Result<Piece, Read
                 "arcLength" => length_m,
                 other => {
                     let reason = format!("`pRange` is `{other}`");
-                    return Err(text.meaning(
-                        shape,
-                        reason,
-                        "`arcLength` or `normalized`".to_owned(),
-                    ));
+                    return Err(text.meaning(shape, reason, "`arcLength` or `normalized`"));
                 }
             };
             Piece::ParamCubic { length_m, u, v, end }

@@ -81,7 +81,7 @@ pub fn read(text: Text<'_>, road: &Element, length_m: f64) -> Result<Side, ReadE
     };
     if *first_m != 0.0 {
         let reason = format!("the first lane section begins at s = {first_m} m");
-        return Err(text.meaning(first, reason, "0".to_owned()));
+        return Err(text.meaning(first, reason, "0"));
     }
     let (mut sections, mut links) = (Vec::new(), Vec::new());
     let ends: Vec<f64> = starts[1..].iter().map(|(from_m, _)| *from_m).collect();
@@ -184,7 +184,7 @@ fn read_side<'a>(
             .find(|(w, _)| w.factors[0] < -MOST_BELOW_M)
         {
             let reason = format!("a width of {} m", stretch.factors[0]);
-            return Err(text.meaning(width, reason, "at least 0 m".to_owned()));
+            return Err(text.meaning(width, reason, "at least 0 m"));
         }
         let link = |name: &str| {
             let to = element.child("link").and_then(|link| link.child(name));

@@ -61,7 +61,7 @@ pub fn read(document: &Document, id: Option<&str>) -> Result<Found, ReadError> {
                 0 => "this file has no road".to_owned(),
                 count => format!("each of the {count} roads in this file belongs to a junction"),
             };
-            return Err(text.meaning(root, reason, "a road outside of junctions".to_owned()));
+            return Err(text.meaning(root, reason, "a road outside of junctions"));
         }
     };
     match row {

@@ -26,8 +26,7 @@ impl Text<'_> {
                 Some(text) => format!("`{text}` is not a number"),
                 None => "it is missing".to_owned(),
             };
-            let (attribute, element) = (attribute.to_owned(), element.name.clone());
-            ReadError::Attribute { place, attribute, element, reason, expected: "a number".into() }
+            ReadError::attribute(place, (attribute, &element.name), reason, "a number")
         })
     }
 
@@ -48,7 +47,7 @@ impl Text<'_> {
         let number = self.number(element, attribute)?;
         if number != number.trunc() || number.abs() > f64::from(i32::MAX) {
             let reason = format!("`{attribute}` of `{}` is {number}", element.name);
-            return Err(self.meaning(element, reason, "a whole number".to_owned()));
+            return Err(self.meaning(element, reason, "a whole number"));
         }
         Ok(number as i32)
     }
@@ -64,7 +63,7 @@ impl Text<'_> {
         let at_m = self.number(element, start)?;
         if at_m < 0.0 {
             let reason = format!("`{start}` of `{}` is {at_m}", element.name);
-            return Err(self.meaning(element, reason, "at least 0".to_owned()));
+            return Err(self.meaning(element, reason, "at least 0"));
         }
         let factors = self.numbers(element, ["a", "b", "c", "d"])?;
         if let Some(factor) = factors.iter().find(|factor| factor.abs() > MAX_FACTOR) {
@@ -82,20 +81,19 @@ impl Text<'_> {
         &self,
         element: &Element,
         parent: &str,
-        fault: &'static str,
+        fault: &str,
         expected: &str,
     ) -> ReadError {
-        ReadError::Element {
-            place: self.place(element),
-            element: element.name.clone(),
-            parent: parent.to_owned(),
-            fault,
-            expected: expected.to_owned(),
-        }
+        ReadError::element(self.place(element), (&element.name, parent), fault, expected)
     }
 
-    pub fn meaning(&self, element: &Element, reason: String, expected: String) -> ReadError {
-        ReadError::Meaning { place: self.place(element), reason, expected }
+    pub fn meaning(
+        &self,
+        element: &Element,
+        reason: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> ReadError {
+        ReadError::meaning(self.place(element), reason, expected)
     }
 }
 

@@ -4,8 +4,7 @@
 
 use road::{Axis, AxisError, Pose};
 
-use crate::road::Road;
-use crate::world::Motion;
+use super::Road;
 
 /// The axis of a road's reference line, with its place.
 #[derive(Clone, Debug)]
@@ -46,16 +45,9 @@ impl Ground {
         self.axis.pose(s_m).heading_rad
     }
 
-    /// The pose of an entity, its heading included.
-    pub fn pose(&self, motion: &Motion) -> Pose {
-        let pose = self.axis.point(motion.s_m, motion.t_m);
-        Pose { heading_rad: pose.heading_rad + motion.heading_rad, ..pose }
-    }
-
-    /// A point of the road, m.
-    pub fn point(&self, s_m: f64, t_m: f64) -> (f64, f64) {
-        let pose = self.axis.point(s_m, t_m);
-        (pose.x_m, pose.y_m)
+    /// A point of the road with the direction of the reference line.
+    pub fn point(&self, s_m: f64, t_m: f64) -> Pose {
+        self.axis.point(s_m, t_m)
     }
 
     /// `s` and `t` of a point of the plane near a place, m.
@@ -66,11 +58,5 @@ impl Ground {
     /// Metres of way for one metre of `s` at a distance from the reference line; not less than a tenth.
     pub fn stretch(&self, s_m: f64, t_m: f64) -> f64 {
         (1.0 - self.axis.curvature_perm(s_m) * t_m).max(0.1)
-    }
-
-    /// A motion with coordinates of the plane in the place of `s` and `t`.
-    pub fn in_plane(&self, motion: &Motion) -> Motion {
-        let pose = self.pose(motion);
-        Motion { s_m: pose.x_m, t_m: pose.y_m, heading_rad: pose.heading_rad, ..*motion }
     }
 }
