@@ -16,7 +16,6 @@ use crate::words::Words;
 /// A value that `--param` or a variation gives to a parameter.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Assignment {
-    /// The parameter's name.
     pub name: String,
     /// Its value, as an attribute would hold it.
     pub value: String,

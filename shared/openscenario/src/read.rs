@@ -17,9 +17,7 @@ use crate::xml::{self, Document};
 /// A scenario as it was read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scenario {
-    /// Its content.
     pub script: Script,
-    /// The description of its header.
     pub description: String,
     /// Its parameters with the values that took effect, by name.
     pub parameters: Vec<(String, String)>,

@@ -105,7 +105,6 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// The catalogs of a location.
     pub(crate) fn catalogs(&self, location: &Location) -> Result<Rc<Vec<Document>>, ReadError> {
         let path = self.path(&location.path);
         if let Some(known) = self.catalogs.borrow().get(&path) {

@@ -33,9 +33,7 @@ impl Scope {
 pub(crate) struct Raw {
     pub text: String,
     pub place: Place,
-    /// The attribute's name.
     pub attribute: String,
-    /// The element's name.
     pub element: String,
 }
 

@@ -49,9 +49,7 @@ pub(crate) trait Element {
 pub(crate) struct Form {
     /// The heading of its row in the reference.
     pub part: &'static str,
-    /// Its effect in timegap.
     pub effect: &'static str,
-    /// Attributes that are read.
     pub attributes: &'static [AttributeForm],
     /// Attributes that have no effect; a name ends in `?` where it may be absent.
     pub unused: &'static [&'static str],

@@ -14,28 +14,19 @@ use crate::words::word_enums;
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Action {
     /// The speed follows a shape to its target.
-    Speed {
-        /// The target.
-        target: SpeedTarget,
-        /// Transition to it.
-        transition: Transition,
-    },
+    Speed { target: SpeedTarget, transition: Transition },
     /// A distance to another entity is reached, and kept if continuous.
     Distance(Distance),
     /// The lateral position follows a shape to another lane.
     LaneChange {
-        /// The lane.
         target: LaneTarget,
         /// Offset from its centre, m; positive to the left of the reference line.
         offset_m: f64,
-        /// Transition to it.
         transition: Transition,
     },
     /// The lateral position follows a shape to an offset.
     LaneOffset {
-        /// The offset.
         target: OffsetTarget,
-        /// The shape.
         shape: Shape,
         /// Largest lateral acceleration on the way, m/s². Without it the entity is there at once.
         max_lateral_mps2: Option<f64>,
@@ -47,22 +38,13 @@ pub enum Action {
     /// The entity is at a position at once.
     Teleport(Position),
     /// The entity comes onto the road.
-    Add {
-        /// The entity.
-        entity: usize,
-        /// Its position.
-        position: Position,
-    },
+    Add { entity: usize, position: Position },
     /// The entity leaves the road.
-    Delete {
-        /// The entity.
-        entity: usize,
-    },
+    Delete { entity: usize },
     /// A parameter or variable changes.
     Set {
         /// Its place among the script's values.
         value: usize,
-        /// The change.
         change: Change,
     },
     /// An action without effect in the simulation; it is complete at once.
@@ -77,7 +59,6 @@ pub enum Action {
     Phase {
         /// The place of the present phase's name among the script's values.
         controller: usize,
-        /// The number of the phase.
         phase: usize,
     },
 }
@@ -86,7 +67,6 @@ pub enum Action {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum SpeedTarget {
-    /// A speed, m/s.
     Absolute(f64),
     /// Another entity's speed times a factor, plus an offset.
     Relative {
@@ -131,7 +111,6 @@ impl SpeedTarget {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Transition {
-    /// The shape.
     pub shape: Shape,
     /// The meaning of the value.
     pub dimension: Dimension,
@@ -183,13 +162,10 @@ word_enums! {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Distance {
-    /// The other.
     pub entity: usize,
-    /// Its size.
     pub gap: Gap,
     /// True if it counts between the bodies, not the origins.
     pub freespace: bool,
-    /// Side of the other.
     pub side: Side,
     /// Does not end by itself.
     pub continuous: bool,
@@ -214,12 +190,7 @@ pub enum LaneTarget {
     /// A lane's id.
     Lane(i32),
     /// A lane to the left of an entity's lane.
-    Beside {
-        /// The entity.
-        entity: usize,
-        /// Number of lanes to its left.
-        lanes_left: i32,
-    },
+    Beside { entity: usize, lanes_left: i32 },
     /// A lateral position, m, for roads without lanes.
     Lateral(f64),
 }
@@ -232,7 +203,6 @@ pub enum OffsetTarget {
     Lane(f64),
     /// Offset from another entity's lateral position, m.
     Entity {
-        /// The other.
         entity: usize,
         /// Offset from its lateral position, m.
         offset_m: f64,
@@ -243,7 +213,6 @@ pub enum OffsetTarget {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Trajectory {
-    /// Its corners.
     pub vertices: Vec<Vertex>,
     /// Times at which the corners are passed. Without them the entity keeps its speed.
     pub timing: Option<Timing>,
@@ -255,9 +224,7 @@ pub struct Trajectory {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Vertex {
-    /// Time, s.
     pub time_s: f64,
-    /// Position.
     pub position: Position,
 }
 
@@ -269,7 +236,6 @@ pub struct Timing {
     pub absolute: bool,
     /// Scale, without unit.
     pub scale: f64,
-    /// Offset, s.
     pub offset_s: f64,
 }
 

@@ -22,7 +22,6 @@ pub struct Condition {
     pub edge: Edge,
     /// Delay after the edge, ns.
     pub delay_ns: u64,
-    /// Its test.
     pub test: Test,
 }
 
@@ -57,24 +56,16 @@ word_enums! {
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Test {
     /// Time since the start, s.
-    Time {
-        /// The comparison.
-        rule: Rule,
-        /// The value to compare with, s.
-        value: f64,
-    },
+    Time { rule: Rule, value: f64 },
     /// A parameter or variable.
     Value {
         /// Its place among the script's values.
         of: usize,
-        /// The comparison.
         rule: Rule,
-        /// The value to compare with.
         value: Value,
     },
     /// A part of the storyboard.
     Element {
-        /// The kind of part.
         kind: ElementKind,
         /// Its name, or its path with `::`.
         name: String,
@@ -83,7 +74,6 @@ pub enum Test {
     },
     /// A test of entities.
     Entity {
-        /// The triggering entities.
         entities: Vec<usize>,
         /// True if all of them must meet it, rather than one.
         all: bool,
@@ -107,69 +97,29 @@ pub enum EntityTest {
     /// At least that far since the start, m.
     TraveledDistance(f64),
     /// Acceleration, m/s².
-    Acceleration {
-        /// The comparison.
-        rule: Rule,
-        /// The value to compare with, m/s².
-        value: f64,
-    },
+    Acceleration { rule: Rule, value: f64 },
     /// Speed, m/s.
-    Speed {
-        /// The comparison.
-        rule: Rule,
-        /// The value to compare with, m/s.
-        value: f64,
-    },
+    Speed { rule: Rule, value: f64 },
     /// Own speed minus another's, m/s.
-    RelativeSpeed {
-        /// The other.
-        entity: usize,
-        /// The comparison.
-        rule: Rule,
-        /// The value to compare with, m/s.
-        value: f64,
-    },
+    RelativeSpeed { entity: usize, rule: Rule, value: f64 },
     /// Near a position.
     ReachPosition {
-        /// The position.
         position: Position,
         /// Largest distance to it, m.
         tolerance_m: f64,
     },
     /// Distance, m.
-    Distance {
-        /// The far end.
-        to: Measured,
-        /// The comparison.
-        rule: Rule,
-        /// The value to compare with, m.
-        value: f64,
-    },
+    Distance { to: Measured, rule: Rule, value: f64 },
     /// Distance over own speed, s.
-    Headway {
-        /// The far end.
-        to: Measured,
-        /// The comparison.
-        rule: Rule,
-        /// The value to compare with, s.
-        value: f64,
-    },
+    Headway { to: Measured, rule: Rule, value: f64 },
     /// Distance over closing speed, s.
-    TimeToCollision {
-        /// The far end.
-        to: Measured,
-        /// The comparison.
-        rule: Rule,
-        /// The value to compare with, s.
-        value: f64,
-    },
+    TimeToCollision { to: Measured, rule: Rule, value: f64 },
 }
 
 /// The other body of a collision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum CollisionWith {
-    /// This entity.
     Entity(usize),
     /// Any entity of a category.
     Category(Category),
@@ -183,7 +133,6 @@ pub struct Measured {
     pub target: Target,
     /// True if it counts between the bodies, not the origins.
     pub freespace: bool,
-    /// Its direction.
     pub along: Along,
     /// True if its axes are the entity's, not the road's.
     pub entity_axes: bool,
@@ -193,8 +142,6 @@ pub struct Measured {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Target {
-    /// An entity.
     Entity(usize),
-    /// A position.
     Position(Position),
 }

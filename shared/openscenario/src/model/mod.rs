@@ -28,7 +28,6 @@ pub const MAX_ENTITIES: usize = 65;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Script {
-    /// The road.
     pub road: Road,
     /// The ego's place among the entities.
     pub ego: usize,
@@ -38,7 +37,6 @@ pub struct Script {
     pub values: Vec<Named>,
     /// Actions before the first step, in order.
     pub init: Vec<InitAction>,
-    /// The stories.
     pub stories: Vec<Story>,
     /// The trigger that ends the storyboard.
     pub stop: Option<Trigger>,
@@ -48,18 +46,14 @@ pub struct Script {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Entity {
-    /// Its name.
     pub name: String,
-    /// Its category.
     pub category: Category,
-    /// Its body.
     pub body: Body,
     /// Mover of the entity.
     pub drive: Drive,
 }
 
 word_enums! {
-    /// The category of an entity.
     Category {
         /// A car, van, lorry, bus, motorbike, bicycle, trailer, train or tram.
         Vehicle: "vehicle",
@@ -89,9 +83,7 @@ pub struct Body {
     pub center_ahead_m: f64,
     /// Centre of the box to the left of the entity's origin, m.
     pub center_left_m: f64,
-    /// Length, m.
     pub length_m: f64,
-    /// Width, m.
     pub width_m: f64,
 }
 
@@ -99,9 +91,7 @@ pub struct Body {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Named {
-    /// Its name.
     pub name: String,
-    /// Its value.
     pub value: Value,
 }
 
@@ -111,7 +101,6 @@ pub struct Named {
 pub struct InitAction {
     /// The acting entity; none for an action of the world.
     pub actor: Option<usize>,
-    /// The action.
     pub action: Action,
 }
 

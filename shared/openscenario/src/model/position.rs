@@ -6,9 +6,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Position {
-    /// The point.
     pub from: From,
-    /// The heading.
     pub heading: Heading,
 }
 
@@ -16,7 +14,6 @@ pub struct Position {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", deny_unknown_fields)]
 pub enum From {
-    /// A point of the road.
     Road {
         /// Along the reference line, m.
         s_m: f64,
@@ -39,7 +36,6 @@ pub enum Offset {
     Own { ahead_m: f64, left_m: f64 },
     /// On a lane beside the entity's lane.
     Lane {
-        /// Number of lanes to its left.
         lanes_left: i32,
         /// Along the road in its direction, m.
         ds_m: f64,

@@ -18,9 +18,7 @@ pub struct SignalCycle {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SignalPhase {
-    /// Its name.
     pub name: String,
-    /// Its duration, ns.
     pub duration_ns: u64,
     /// States of signals: the place of the signal among the script's values, and its state.
     pub states: Vec<(usize, String)>,

@@ -10,9 +10,7 @@ use crate::words::word_enums;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Story {
-    /// Its name.
     pub name: String,
-    /// Its acts.
     pub acts: Vec<Act>,
 }
 
@@ -20,13 +18,11 @@ pub struct Story {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Act {
-    /// Its name.
     pub name: String,
     /// The trigger that starts it. Without one it starts with its story.
     pub start: Option<Trigger>,
     /// The trigger that stops it before its end.
     pub stop: Option<Trigger>,
-    /// Its groups.
     pub groups: Vec<ManeuverGroup>,
 }
 
@@ -34,13 +30,11 @@ pub struct Act {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ManeuverGroup {
-    /// Its name.
     pub name: String,
     /// Number of times that it runs.
     pub executions: u32,
     /// The acting entities.
     pub actors: Vec<usize>,
-    /// Its maneuvers.
     pub maneuvers: Vec<Maneuver>,
 }
 
@@ -48,9 +42,7 @@ pub struct ManeuverGroup {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Maneuver {
-    /// Its name.
     pub name: String,
-    /// Its events.
     pub events: Vec<Event>,
 }
 
@@ -58,7 +50,6 @@ pub struct Maneuver {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Event {
-    /// Its name.
     pub name: String,
     /// Its effect on other events of the maneuver.
     pub priority: Priority,
@@ -66,7 +57,6 @@ pub struct Event {
     pub executions: u32,
     /// The trigger that starts it. Without one it starts with its maneuver.
     pub start: Option<Trigger>,
-    /// Its actions.
     pub actions: Vec<NamedAction>,
 }
 
@@ -74,9 +64,7 @@ pub struct Event {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NamedAction {
-    /// Its name.
     pub name: String,
-    /// The action.
     pub action: Action,
 }
 

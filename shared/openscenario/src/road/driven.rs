@@ -37,11 +37,9 @@ pub struct DrivenLane {
     pub line: Driven,
     /// Beginning of the line in the coordinates of the file.
     pub start: Pose,
-    /// The road.
     pub road: Road,
     /// Lanes of the same direction to the left and to the right, as the vehicle faces.
     pub beside: [usize; 2],
-    /// Width of the lane, m.
     pub width_m: f64,
     /// Notes for a person, a sentence each.
     pub notices: Vec<String>,

@@ -39,7 +39,6 @@ pub struct Road {
     /// Traffic keeps to the left.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub left_hand: bool,
-    /// Its lanes.
     pub lanes: Lanes,
     /// Height of the reference line, m.
     #[serde(default, skip_serializing_if = "is_level")]
@@ -54,11 +53,8 @@ fn is_level(heights: &Profile) -> bool {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Part {
-    /// Its id in the file.
     pub id: String,
-    /// Its beginning, m.
     pub from_m: f64,
-    /// Its length, m.
     pub length_m: f64,
     /// Its own reference line runs the other way.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]

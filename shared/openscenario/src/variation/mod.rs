@@ -33,9 +33,7 @@ pub const MAX_RUNS: usize = 1_000_000;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variation {
-    /// The scenario file.
     pub scenario: PathBuf,
-    /// The description of the header.
     pub description: String,
     /// The first place at which each parameter is varied.
     places: BTreeMap<String, Place>,

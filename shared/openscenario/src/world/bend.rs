@@ -20,7 +20,6 @@ pub struct Bend {
     pub axis: Arc<Axis>,
     /// 1 where it leads along `s`, -1 where it leads against it.
     pub direction: f64,
-    /// Its beginning, m.
     pub at_s_m: f64,
     /// Its offset from the reference line, m.
     pub at_t_m: f64,

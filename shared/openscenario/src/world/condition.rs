@@ -20,7 +20,6 @@ pub(super) struct ConditionMemory {
     last: Option<bool>,
     /// Delayed outcomes, each with the time at which its delay has passed.
     waiting: VecDeque<(u64, bool)>,
-    /// The delayed outcome.
     delayed: bool,
 }
 

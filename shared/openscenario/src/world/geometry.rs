@@ -60,7 +60,6 @@ impl Interval {
         Self { from: center - half, to: center + half }
     }
 
-    /// A point.
     pub(super) fn point(s_m: f64, t_m: f64, angle: f64) -> Self {
         let at = s_m * libm::cos(angle) + t_m * libm::sin(angle);
         Self { from: at, to: at }

@@ -49,7 +49,6 @@ pub enum WorldError {
     Index {
         /// The kind of list.
         what: &'static str,
-        /// The index.
         index: usize,
         /// Their number.
         count: usize,
@@ -67,30 +66,19 @@ pub enum WorldError {
     Element(#[from] NotFound),
     /// An entity has no place at the start.
     #[error("`{entity}` cannot be placed: {reason}")]
-    Placement {
-        /// Its name.
-        entity: String,
-        /// Why.
-        reason: &'static str,
-    },
+    Placement { entity: String, reason: &'static str },
     /// A vehicle is wider than the lane that it begins in.
     #[error("`{entity}` is {width_m} m wide, expected at most the {lane_m} m of lane {lane}")]
     Width {
-        /// Its name.
         entity: String,
-        /// Its width, m.
         width_m: f64,
-        /// The lane's id.
         lane: i32,
         /// The lane's width, m.
         lane_m: f64,
     },
     /// Two entities' speeds at the start depend on each other.
     #[error("the speed of `{entity}` at the start depends on itself")]
-    Speed {
-        /// Its name.
-        entity: String,
-    },
+    Speed { entity: String },
 }
 
 impl WorldError {
@@ -261,7 +249,6 @@ impl World {
         &self.state
     }
 
-    /// The script.
     #[must_use]
     pub fn script(&self) -> &Script {
         &self.script

@@ -11,7 +11,6 @@ use crate::world::WorldError;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{reason}, expected {expected}")]
 pub struct NotFound {
-    /// The fault.
     pub reason: String,
     /// The names that exist.
     pub expected: String,

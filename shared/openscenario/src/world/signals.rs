@@ -15,7 +15,6 @@ pub(super) struct Cycle {
 }
 
 impl World {
-    /// Begins a cycle.
     pub(super) fn begin_cycle(&mut self, cycle: &SignalCycle) {
         self.state.cycles.push(Cycle { cycle: cycle.clone(), phase: None });
     }

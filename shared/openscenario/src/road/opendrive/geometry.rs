@@ -75,7 +75,6 @@ impl<'a> Line<'a> {
         Ok(())
     }
 
-    /// Its axis.
     pub fn axis(&self, text: Text<'_>) -> Result<Axis, ReadError> {
         Axis::laid(&self.pieces).map_err(|error| self.refusal(text, &error))
     }

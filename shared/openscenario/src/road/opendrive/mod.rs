@@ -21,7 +21,6 @@ const MOST_LISTED: usize = 8;
 /// A road as it was read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
-    /// The road.
     pub road: Road,
     /// Notes for a person on how the file was understood, a sentence each.
     pub notices: Vec<String>,
