@@ -1,9 +1,9 @@
 //! The scenario file and the messages as data and as pages. `timegap print schema` prints them; a test compares the
 //! reference pages of `docs` with this module.
 
-use controller::law::Descriptor;
+use controller::law::{Descriptor, Figure};
 use controller::laws;
-use messages::{Element, LAYOUT_VERSION, Layout, TOPICS};
+use messages::{Element, Field, LAYOUT_VERSION, Layout, TOPICS};
 use recorder::schema as layouts;
 use scenario::schema::{self, Key, Shape, Variant};
 use serde_json::{Map, Value, json};
@@ -117,53 +117,131 @@ fn of_shape(shape: &Shape) -> Value {
 
 /// `docs/reference-scenario.md`.
 pub fn scenario_page() -> String {
-    let mut page = String::from(
-        "# Scenario keys\n\nMade by `timegap print reference scenario` from the types that read the \
-         file; a test compares. Units are part of the names: `_m`, `_mps`, `_mps2`, `_s`, `_ms`. A key \
-         without a default is either required or absent. For editors: `timegap print schema`.\n",
-    );
-    section(&mut page, "", &keys());
-    page
+    let mut page = Page {
+        text: "# Scenario keys\n\nMade by `timegap print reference scenario` from the types that read the file; a test \
+               compares. Units are part of the names: `_m`, `_mps`, `_mps2`, `_s`, `_ms`. A value is a number of the \
+               range unless its cell says otherwise. A key without a default is either required or absent. For \
+               editors: `timegap print schema`.\n"
+            .to_owned(),
+        known: Vec::new(),
+    };
+    page.section("", &keys());
+    page.text
 }
 
-/// A table for the keys of `path`, then the tables below it.
-fn section(page: &mut String, path: &str, keys: &[Key]) {
-    let heading = if path.is_empty() { "top level".to_owned() } else { format!("`{path}`") };
-    *page += &format!(
-        "\n## {heading}\n\n| key | type | range | default | meaning |\n| --- | --- | --- | --- | --- |\n"
-    );
-    for key in keys {
-        let default = match &key.default {
-            Some(value) => format!("`{value}`"),
-            None if key.is_required => "required".into(),
-            None => String::new(),
-        };
-        let (name, kind, meaning) = (&key.name, kind(&key.shape), key.meaning.replace('|', "\\|"));
-        let expected = key.expected.as_deref().unwrap_or_default();
-        *page += &format!("| `{name}` | {kind} | {expected} | {default} | {meaning} |\n");
-    }
-    for key in keys {
-        let path = if path.is_empty() { key.name.clone() } else { format!("{path}.{}", key.name) };
-        below(page, &path, &key.shape);
-    }
+/// Most keys of a table whose rows stand in the table above it.
+const FEW: usize = 8;
+
+/// The page of the scenario's keys in the making.
+struct Page {
+    text: String,
+    /// Tables on the page with their paths. A later table with the same keys refers to the first one.
+    known: Vec<(String, Vec<Key>)>,
 }
 
-fn below(page: &mut String, path: &str, shape: &Shape) {
-    match shape {
-        Shape::Table(keys) => section(page, path, keys),
-        Shape::List(element) => below(page, &format!("{path}[]"), element),
-        Shape::Choice(variants) => {
-            for Variant { name, shape, .. } in variants {
-                if let Some(shape) = shape {
-                    below(page, &format!("{path}.{name}"), shape);
+impl Page {
+    /// A table for the keys of `path`, then the large tables below it.
+    fn section(&mut self, path: &str, keys: &[Key]) {
+        let heading = if path.is_empty() { "top level".to_owned() } else { format!("`{path}`") };
+        self.text +=
+            &format!("\n## {heading}\n\nkey | value (default) | meaning\n--- | --- | ---\n");
+        let mut below = Vec::new();
+        self.rows(path, "", keys, &mut below);
+        for (path, keys) in below {
+            self.section(&path, &keys);
+        }
+    }
+
+    /// Rows of the keys below `inner`, a path inside the table at `path`. Small tables follow their key.
+    fn rows(&mut self, path: &str, inner: &str, keys: &[Key], below: &mut Vec<(String, Vec<Key>)>) {
+        for key in keys {
+            let name = join(inner, &key.name);
+            let mut value = value(key);
+            let mut small = Vec::new();
+            for (name, keys) in tables(&name, &key.shape) {
+                let whole = join(path, &name);
+                if let Some((of, _)) = self.known.iter().find(|(_, known)| *known == keys) {
+                    value += &format!(", as `{of}`");
+                    continue;
+                }
+                self.known.push((whole.clone(), keys.clone()));
+                let is_small = !path.is_empty()
+                    && keys.len() <= FEW
+                    && keys.iter().all(|key| tables("", &key.shape).is_empty());
+                if is_small {
+                    small.push((name, keys));
+                } else {
+                    below.push((whole, keys));
                 }
             }
+            if let Some(default) = &key.default {
+                value += &format!(" (`{default}`)");
+            } else if key.is_required {
+                value += ", required";
+            }
+            let meaning = without_unit(&key.meaning).replace('|', "\\|");
+            self.text += &format!("`{name}` | {value} | {meaning}\n");
+            for (name, keys) in small {
+                self.rows(path, &name, &keys, below);
+            }
         }
-        Shape::Kinds(kinds) => {
-            section(page, path, &together(kinds));
-        }
-        _ => {}
     }
+}
+
+fn join(path: &str, name: &str) -> String {
+    if path.is_empty() { name.to_owned() } else { format!("{path}.{name}") }
+}
+
+/// The tables that a value holds, with their paths.
+fn tables(path: &str, shape: &Shape) -> Vec<(String, Vec<Key>)> {
+    match shape {
+        Shape::Table(keys) => vec![(path.to_owned(), keys.clone())],
+        Shape::List(element) => tables(&format!("{path}[]"), element),
+        Shape::Choice(variants) => {
+            let of = |Variant { name, shape, .. }: &Variant| {
+                shape.as_ref().map(|shape| tables(&join(path, name), shape))
+            };
+            variants.iter().filter_map(of).flatten().collect()
+        }
+        Shape::Kinds(kinds) => vec![(path.to_owned(), together(kinds))],
+        _ => Vec::new(),
+    }
+}
+
+/// The accepted values: the range of a number, else type or words.
+fn value(key: &Key) -> String {
+    let expected = key.expected.as_deref().unwrap_or_default();
+    match (&key.shape, range(expected)) {
+        (Shape::Number { is_whole, .. }, Some(range)) => {
+            if *is_whole {
+                format!("whole, {range}")
+            } else {
+                range
+            }
+        }
+        (shape, _) => [kind(shape).as_str(), expected]
+            .into_iter()
+            .filter(|words| !words.is_empty())
+            .collect::<Vec<_>>()
+            .join(": "),
+    }
+}
+
+/// "a time from 0 to 86400 s, without a sign" as "0..86400 s".
+fn range(expected: &str) -> Option<String> {
+    let (words, _) = expected.split_once(',').unwrap_or((expected, ""));
+    if let Some((_, ends)) = words.split_once(" above ") {
+        return ends.split_once(" and at most ").map(|(low, high)| format!("above {low}..{high}"));
+    }
+    let (low, high) = words.split_once(" from ")?.1.split_once(" to ")?;
+    Some(format!("{low}..{high}"))
+}
+
+/// The meaning without the unit at its end: the key's name has it.
+fn without_unit(meaning: &str) -> String {
+    const UNITS: [&str; 8] = ["m", "m/s", "m/s²", "m/s³", "s", "ms", "dB", "degrees"];
+    let bare = UNITS.iter().find_map(|unit| meaning.strip_suffix(&format!(", {unit}.")));
+    bare.map_or_else(|| meaning.to_owned(), |bare| format!("{bare}."))
 }
 
 /// The keys of all kinds as one table; a key that some kinds lack names its kinds.
@@ -224,15 +302,16 @@ fn kind(shape: &Shape) -> String {
 pub fn messages_page() -> String {
     let mut page = format!(
         "# Messages\n\nMade by `timegap print reference messages` from the structs themselves; a test \
-         compares. Layout version {LAYOUT_VERSION}; all fields are little-endian without padding. For \
-         Python and C: `timegap print layouts`.\n\n| topic | message | bytes | sent by | read by |\n\
-         | --- | --- | --- | --- | --- |\n"
+         compares. Layout version {LAYOUT_VERSION}; all fields are little-endian without padding. A number before a \
+         field is its offset in bytes. A message of a topic without a row at offset 0 begins with a [Header](#header). \
+         For Python and C: `timegap print layouts`.\n\ntopic | message | bytes | sent by | read by\n\
+         --- | --- | --- | --- | ---\n"
     );
     for topic in TOPICS {
         let from = names(topic.sources(), "every service");
         let to = names(topic.consumers(), "recorder and launcher");
         let (message, bytes) = (link(topic.layout()), topic.message_bytes());
-        page += &format!("| `{}` | {message} | {bytes} | {from} | {to} |\n", topic.name());
+        page += &format!("`{}` | {message} | {bytes} | {from} | {to}\n", topic.name());
     }
     for layout in layouts::all() {
         structure(&mut page, layout);
@@ -241,23 +320,33 @@ pub fn messages_page() -> String {
     page
 }
 
-/// Meaning and sign of the laws' figures.
+/// Meaning and sign of the laws' figures. Laws of one formulation share a row.
 fn figures(page: &mut String) {
     page.push_str(
         "\n## Figures of the laws\n\nEntries of `figures` of the diagnostics, and columns of `trajectory.csv`. Their \
          signs are those of each law's source. In `summary.json`, `final_gap_error_m` is the real minus the desired \
          gap for every law (negative: too close), and the jerks leave out the step of the acceleration at which the \
-         ego comes to a stand.\n\n| law | formulation | figure | unit | meaning |\n| --- | --- | --- | --- | --- |\n",
+         ego comes to a stand.\n\nlaw | formulation | figures\n--- | --- | ---\n",
     );
+    let mut rows: Vec<(Vec<String>, String)> = Vec::new();
     for law in laws::ALL {
+        let of = format!("`{}`", law.name);
         for formulation in law.formulations {
-            for figure in formulation.figures {
-                let (name, unit, meaning) = (figure.name, figure.unit, figure.meaning);
-                let of = format!("`{}` | {}", law.name, formulation.name);
-                *page += &format!("| {of} | `{name}` | {unit} | {meaning} |\n");
+            let figures: Vec<String> = formulation.figures.iter().map(figure).collect();
+            let row = format!("{} | {}", formulation.name, figures.join("; "));
+            match rows.iter_mut().find(|(_, known)| *known == row) {
+                Some((laws, _)) => laws.push(of.clone()),
+                None => rows.push((vec![of.clone()], row)),
             }
         }
     }
+    for (laws, row) in rows {
+        *page += &format!("{} | {row}\n", laws.join(", "));
+    }
+}
+
+fn figure(Figure { name, meaning, .. }: &Figure) -> String {
+    if meaning.is_empty() { format!("`{name}`") } else { format!("`{name}`: {meaning}") }
 }
 
 /// A link to a message on the page.
@@ -270,20 +359,21 @@ fn names(services: &[messages::Service], none: &str) -> String {
     if names.is_empty() { none.into() } else { names.join(", ") }
 }
 
+/// The first field of most messages, said once at the head of the page.
+const COMMON: &str = "Common header.";
+
 fn structure(page: &mut String, layout: &Layout) {
     let (name, bytes) = (layout.name, layout.bytes);
-    *page += &format!(
-        "\n## {name}\n\n{bytes} bytes.\n\n| offset | field | type | meaning |\n| --- | --- | --- | --- |\n"
-    );
-    for field in layout.fields {
+    *page += &format!("\n## {name}\n\n{bytes} bytes.\n\nfield | type | meaning\n--- | --- | ---\n");
+    let is_told = |field: &&Field| field.meaning() != COMMON;
+    for field in layout.fields.iter().filter(is_told) {
         let element = match field.shape.element {
             Element::Struct(inner) => link(inner),
             scalar => scalar.name().to_owned(),
         };
-        let count = field.shape.len.map_or_else(String::new, |len| format!(" × {len}"));
-        let meaning = field.meaning();
-        let (offset, name) = (field.offset, field.name);
-        *page += &format!("| {offset} | `{name}` | {element}{count} | {meaning} |\n");
+        let count = field.shape.len.map_or_else(String::new, |len| format!("×{len}"));
+        let (offset, name, meaning) = (field.offset, field.name, field.meaning());
+        *page += &format!("{offset} `{name}` | {element}{count} | {meaning}\n");
     }
 }
 
