@@ -7,8 +7,8 @@ use crate::declare::{AttributeForm, ChildForm, Element, Form};
 use crate::subset::{CatalogFile, ScenarioFile};
 use crate::variation::VariationFile;
 
-/// The headings of the reference, in order.
-const PARTS: [&str; 9] = [
+/// The headings of the tables, in order.
+const PARTS: [&str; 8] = [
     "File",
     "Parameters and catalogs",
     "Entities",
@@ -17,14 +17,16 @@ const PARTS: [&str; 9] = [
     "Actions",
     "Conditions",
     "Parameter variation",
-    "Read, without effect",
 ];
+
+/// The part of elements without effect: a list of their names.
+const UNUSED: &str = "Read, without effect";
 
 /// The table of the subset as it stands in `docs/openscenario.md`.
 ///
 /// ```
 /// let table = openscenario::reference::markdown();
-/// assert!(table.contains("| `TeleportAction` |"));
+/// assert!(table.contains("`TeleportAction` |"));
 /// ```
 #[must_use]
 pub fn markdown() -> String {
@@ -39,14 +41,15 @@ pub fn markdown() -> String {
     let mut text = String::new();
     for part in PARTS {
         let _ = writeln!(text, "### {part}\n");
-        text.push_str("| element | attributes | elements inside | what it does |\n");
-        text.push_str("| --- | --- | --- | --- |\n");
+        text.push_str("element | attributes, then elements | what it does\n--- | --- | ---\n");
         for (names, row) in rows.0.get(part).into_iter().flatten() {
-            let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-            let _ = writeln!(text, "| {} | {row} |", names.join(", "));
+            let _ = writeln!(text, "{} | {row}", quoted(names));
         }
         text.push('\n');
     }
+    let unused: Vec<_> =
+        rows.0.get(UNUSED).into_iter().flatten().map(|(names, _)| quoted(names)).collect();
+    let _ = writeln!(text, "### {UNUSED}\n\nWith all their attributes: {}.", unused.join(", "));
     text
 }
 
@@ -57,13 +60,12 @@ struct Rows(BTreeMap<&'static str, Vec<(Vec<&'static str>, String)>>);
 impl Rows {
     /// Adds an element and all that is inside it, each row once.
     fn add(&mut self, name: &'static str, form: &'static Form) {
-        let mut attributes: Vec<String> = form.attributes.iter().map(attribute).collect();
+        let mut inside: Vec<String> = form.attributes.iter().map(attribute).collect();
         if !form.unused.is_empty() {
-            attributes.push(format!("without effect: {}", form.unused.join(", ")));
+            inside.push(format!("unused {}", form.unused.join(" ")));
         }
-        let inside: Vec<String> = form.children.iter().map(child).collect();
-        let cells = [attributes.join("; "), inside.join(", "), form.effect.trim().to_owned()];
-        let row = cells.join(" | ");
+        inside.extend(form.children.iter().map(child));
+        let row = format!("{} | {}", inside.join("; "), form.effect.trim());
         let rows = self.0.entry(form.part).or_default();
         match rows.iter_mut().find(|(_, known)| *known == row) {
             Some((names, _)) if names.contains(&name) => return,
@@ -76,29 +78,44 @@ impl Rows {
     }
 }
 
+fn quoted(names: &[&str]) -> String {
+    names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
+}
+
+/// Name, unit and accepted values. A number or a text has no more to say than its name.
 fn attribute(form: &AttributeForm) -> String {
     let optional = if form.optional { "?" } else { "" };
     let unit = match form.unit {
         "" => String::new(),
         unit => format!(" ({unit})"),
     };
-    format!("{}{optional}{unit}: {}", form.name, (form.kind)())
+    let values = (form.kind)();
+    let values = match values.as_str() {
+        "a number" | "a text" | "a value" => String::new(),
+        words if words.contains('`') || words == "true or false" => {
+            format!(": {}", words.replace('`', "").replace(", ", "/").replace(" or ", "/"))
+        }
+        values => {
+            let plain = values.trim_start_matches("an ").trim_start_matches("a ");
+            format!(
+                ": {}",
+                plain.replace("more than 0, or INF", ">0/INF").replace("0 or more", "≥0")
+            )
+        }
+    };
+    format!("{}{optional}{unit}{values}", form.name)
 }
 
 fn child(form: &ChildForm) -> String {
     let names: Vec<&str> = form.names().collect();
-    let names = match names.as_slice() {
-        [only] => (*only).to_owned(),
-        all if (form.least, form.most) == (1, 1) => all.join(" or "),
-        all => format!("({})", all.join(" or ")),
-    };
     let count = match (form.least, form.most) {
         (1, 1) => "",
         (0, 1) => "?",
         (0, _) => "*",
         _ => "+",
     };
-    format!("{names}{count}")
+    let all = names.join("/");
+    if names.len() > 1 && !count.is_empty() { format!("({all}){count}") } else { all + count }
 }
 
 #[cfg(test)]
@@ -111,7 +128,7 @@ mod tests {
         rows.add(ScenarioFile::NAME, ScenarioFile::FORM);
         rows.add(CatalogFile::NAME, CatalogFile::FORM);
         rows.add(VariationFile::NAME, VariationFile::FORM);
-        let mut parts = PARTS.to_vec();
+        let mut parts = [&PARTS[..], &[UNUSED]].concat();
         parts.sort_unstable();
         assert_eq!(rows.0.keys().copied().collect::<Vec<_>>(), parts);
     }
@@ -119,7 +136,7 @@ mod tests {
     #[test]
     fn an_element_of_two_names_has_one_row() {
         let table = markdown();
-        assert!(table.contains("| `SpeedActionDynamics`, `LaneChangeActionDynamics` |"), "{table}");
-        assert_eq!(table.matches("| `Position`").count(), 1);
+        assert!(table.contains("\n`SpeedActionDynamics`, `LaneChangeActionDynamics` |"), "{table}");
+        assert_eq!(table.matches("\n`Position`").count(), 1);
     }
 }
