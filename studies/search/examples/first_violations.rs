@@ -1,4 +1,4 @@
-//! The first violation of each method, over repetitions: the table of docs/search.md.
+//! The first violation of each method, over repetitions.
 //!
 //!     cargo run --release -p search --example first_violations -- 10 300 gp studies/search/problems/timing-brake.toml …
 //!

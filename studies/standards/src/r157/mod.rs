@@ -55,7 +55,7 @@ pub struct R157Arguments {
     /// Seed of the drawn cases and of the sensors' noise
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u32,
-    /// Judge every drive by a requirement as well: a formula or a name (repeatable; docs/requirements.md)
+    /// Judge every drive by a requirement as well: a formula or a name (repeatable; docs/search.md)
     #[arg(long = "require", value_name = "FORMULA")]
     pub require: Vec<String>,
     /// Write the models' outcomes of the cut-ins as a table
