@@ -44,6 +44,8 @@ fn _timegap(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(run::interrupts, module)?)?;
     module.add_function(wrap_pyfunction!(run::work_since, module)?)?;
     module.add_function(wrap_pyfunction!(compare::over_seeds, module)?)?;
+    module.add_function(wrap_pyfunction!(registry::figures, module)?)?;
+    module.add_function(wrap_pyfunction!(registry::figures_of, module)?)?;
     module.add_function(wrap_pyfunction!(registry::scenarios, module)?)?;
     module.add_function(wrap_pyfunction!(registry::laws, module)?)
 }

@@ -158,6 +158,8 @@ def test_the_results_of_a_study_are_opened(command: str, tmp_path: Path) -> None
     study = timegap.open(tmp_path / "study")
     assert isinstance(study, timegap.Study) and study.name == "compare" and study.ok
     assert len(study.results["rows"]) == 2 and study.table("runs").num_rows == 2
+    figures = list(timegap.run("following", set={"duration_s": 1}).figures)
+    assert study.table("runs").column_names[-len(figures) :] == figures
     assert "runs" in study.tables and "compare" in repr(study)
     with pytest.raises(KeyError, match="expected one of"):
         study.table("run")
@@ -185,3 +187,14 @@ def test_a_recording_is_read_by_topic(command: str, tmp_path: Path) -> None:
     with pytest.raises(timegap.RunError):
         broken = timegap.open(tmp_path / "broken.mcap")
         assert isinstance(broken, timegap.Recorded) and broken.topics
+
+
+def test_a_row_has_the_figures_of_the_run() -> None:
+    found = timegap.compare("cut-in", ["acc-mpc"], set={"duration_s": 5})
+    assert found.runs is not None
+    row, run = found.rows[0], found.runs[0]
+    names = list(run.figures)
+    assert list(row)[-len(names) :] == names
+    assert row["min_gap_m"] == run.summary["control"]["min_gap_m"]
+    assert row["data_age_p50_ms"] == run.summary["timing"]["data_age_us"]["p50"] / 1e3
+    assert isinstance(row["interventions"], int) and row["fuel_l_per_100km"] is None

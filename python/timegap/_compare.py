@@ -13,11 +13,11 @@ from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Union
 
-from . import _timegap
+from . import _figures, _timegap
 from ._laws import LawLike, check, laws as own_laws, name_of
 from ._options import ScenarioLike
 from ._run import Run, run
-from ._tables import Table, flat, of_rows, to_pandas, to_polars
+from ._tables import Table, of_rows, to_pandas, to_polars
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -80,9 +80,7 @@ class Rows:
         return f"<{type(self).__name__}: {completed} of {len(self.rows)} runs completed>"
 
     def _repr_html_(self) -> str:
-        names = [*self._first, "outcome", "min_gap_m", "rms_gap_error_m", "max_abs_jerk_mps3", "min_accel_mps2"]
-        names = [name for name in dict.fromkeys(names) if any(row.get(name) is not None for row in self.rows)]
-        return _html(names, self.rows)
+        return _html([*self._first, "outcome", *_figures.shown(self.rows, weight=1)], self.rows)
 
 
 class Comparison(Rows):
@@ -193,7 +191,7 @@ def named(laws: Laws | None) -> dict[str, LawLike]:
 
 
 Done = tuple[dict[str, Any], Union[Run, None], dict[str, Any]]
-"""The row of a run, the run if it is kept, and the parts of its summary that a comparison reads."""
+"""The row of a run, the run if it is kept, and what a comparison over seeds reads of it."""
 
 
 def _one(job: tuple[Any, ...]) -> Done:
@@ -202,8 +200,8 @@ def _one(job: tuple[Any, ...]) -> Done:
     # Runs at once do not share a law's state.
     result = run(scenario, law if isinstance(law, str) else copy.deepcopy(law), keys, name=own, **options)
     summary = result.summary
-    row = {**first, "law": result.law, "outcome": result.outcome, "error": result.error, **flat(summary["control"])}
-    read = {key: summary[key] for key in ("controller", "seed", "mode", "outcome", "control", "timing", "aebs")}
+    row = {**first, "law": result.law, "outcome": result.outcome, "error": result.error, **result.figures}
+    read = {**{key: summary[key] for key in ("controller", "seed", "mode", "outcome")}, "figures": result.figures}
     return row, result if keep else None, read
 
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from . import _timegap
+from . import _figures, _timegap
 from ._laws import LawLike, check
 from ._options import ScenarioLike, scenario as open_scenario
 from ._tables import Table, of_floats, of_rows, to_pandas, to_polars
@@ -39,6 +39,11 @@ class Results:
     def modes(self) -> list[str]:
         """Names of the law's modes, in the order of the numbers in the trajectory's column `mode`."""
         return []
+
+    @cached_property
+    def figures(self) -> dict[str, _figures.Value]:
+        """Figures of the drive by name, as in `runs.csv`; one that does not apply is None."""
+        return _figures.of(self.summary)
 
     @property
     def ok(self) -> bool:
@@ -113,20 +118,15 @@ class Results:
         return plot([(self.law, self)], axes, self.scenario)
 
     def __repr__(self) -> str:
-        figures = self.summary["control"]
-        gap = figures.get("min_gap_m")
+        gap, braked = self.figures["min_gap_m"], self.figures["interventions"]
         shown = "" if gap is None else f", min_gap_m={gap:.2f}"
-        braked = self.summary["aebs"]["interventions"]
         shown += f", interventions={braked}" if braked else ""
         return f"<{type(self).__name__} {self.scenario}, {self.law}: {self.outcome}{shown}>"
 
     def _repr_html_(self) -> str:
         """A table for notebooks."""
-        control = self.summary["control"]
         rows = [("law", self.law), ("outcome", self.outcome), ("duration_s", self.summary["duration_s"])]
-        names = ("min_gap_m", "min_ttc_s", "rms_gap_error_m", "max_abs_jerk_mps3", "min_accel_mps2", "max_accel_mps2")
-        rows += [(name, f"{control[name]:.3g}") for name in names if isinstance(control.get(name), (int, float))]
-        rows.append(("interventions", self.summary["aebs"]["interventions"]))
+        rows += [(name, f"{self.figures[name]:.3g}") for name in _figures.shown([self.figures], weight=2)]
         if self.error is not None:
             rows.append(("error", self.error))
         lines = "".join(f"<tr><th>{_cell(name)}</th><td>{_cell(value)}</td></tr>" for name, value in rows)

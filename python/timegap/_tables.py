@@ -60,9 +60,3 @@ def to_polars(table: Table) -> pl.DataFrame:
     frame = pl.from_arrow(table)
     assert isinstance(frame, pl.DataFrame)
     return frame
-
-
-def flat(figures: dict[str, Any]) -> dict[str, Any]:
-    """The plain figures of a summary's part."""
-    plain = (bool, int, float, str, type(None))
-    return {key: value for key, value in figures.items() if isinstance(value, plain)}
