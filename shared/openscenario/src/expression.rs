@@ -74,6 +74,9 @@ pub enum Fault<E> {
     Parameter(E),
 }
 
+/// Operators by level, the closest last.
+static LEVELS: [&[&str]; 4] = [&["or"], &["and"], &["+", "-"], &["*", "/", "%"]];
+
 type Result<E> = std::result::Result<Value, Fault<E>>;
 
 /// Evaluates the text between `${` and `}`. `parameter` gives the value of a name.
@@ -85,7 +88,7 @@ pub fn evaluate<E>(
     parameter: &mut dyn FnMut(&str) -> std::result::Result<Value, E>,
 ) -> Result<E> {
     let mut parser = Parser { text, at: 0, depth: 0, parameter };
-    let value = parser.or()?;
+    let value = parser.binary(0)?;
     parser.space();
     if parser.at < text.len() {
         return wrong(format!("`{}` is left over", &text[parser.at..]), "an operator");
@@ -110,49 +113,31 @@ struct Parser<'a, E> {
 }
 
 impl<'a, E> Parser<'a, E> {
-    fn or(&mut self) -> Result<E> {
-        let mut left = self.and()?;
-        while self.word("or") {
-            let right = self.and()?;
-            left = Value::Boolean(self.boolean(&left)? | self.boolean(&right)?);
+    /// Operators of a level and those that bind more closely.
+    fn binary(&mut self, level: usize) -> Result<E> {
+        let Some(operators) = LEVELS.get(level) else { return self.unary() };
+        let mut left = self.binary(level + 1)?;
+        while let Some(operator) = operators.iter().find(|operator| self.take(operator)) {
+            let right = self.binary(level + 1)?;
+            left = self.apply(operator, &left, &right)?;
         }
         Ok(left)
     }
 
-    fn and(&mut self) -> Result<E> {
-        let mut left = self.sum()?;
-        while self.word("and") {
-            let right = self.sum()?;
-            left = Value::Boolean(self.boolean(&left)? & self.boolean(&right)?);
+    fn apply(&self, operator: &str, left: &Value, right: &Value) -> Result<E> {
+        if let "or" | "and" = operator {
+            let (a, b) = (self.boolean(left)?, self.boolean(right)?);
+            return Ok(Value::Boolean(if operator == "or" { a | b } else { a & b }));
         }
-        Ok(left)
-    }
-
-    fn sum(&mut self) -> Result<E> {
-        let mut left = self.product()?;
-        while let Some(sign) = self.any(&['+', '-']) {
-            let right = self.product()?;
-            let (a, b) = (self.number(&left)?, self.number(&right)?);
-            left = Value::Number(if sign == '+' { a + b } else { a - b });
-        }
-        Ok(left)
-    }
-
-    fn product(&mut self) -> Result<E> {
-        let mut left = self.unary()?;
-        while let Some(sign) = self.any(&['*', '/', '%']) {
-            let right = self.unary()?;
-            let (a, b) = (self.number(&left)?, self.number(&right)?);
-            if sign != '*' && b == 0.0 {
-                return wrong("a division by 0", "a divisor other than 0");
-            }
-            left = Value::Number(match sign {
-                '*' => a * b,
-                '/' => a / b,
-                _ => a % b,
-            });
-        }
-        Ok(left)
+        let (a, b) = (self.number(left)?, self.number(right)?);
+        Ok(Value::Number(match operator {
+            "+" => a + b,
+            "-" => a - b,
+            "*" => a * b,
+            _ if b == 0.0 => return wrong("a division by 0", "a divisor other than 0"),
+            "/" => a / b,
+            _ => a % b,
+        }))
     }
 
     fn unary(&mut self) -> Result<E> {
@@ -160,10 +145,10 @@ impl<'a, E> Parser<'a, E> {
         if self.depth > MAX_DEPTH {
             return wrong("it is nested too deeply", "at most 100 levels");
         }
-        let value = if self.any(&['-']).is_some() {
+        let value = if self.take("-") {
             let value = self.unary()?;
             Ok(Value::Number(-self.number(&value)?))
-        } else if self.word("not") {
+        } else if self.take("not") {
             let value = self.unary()?;
             Ok(Value::Boolean(!self.boolean(&value)?))
         } else {
@@ -179,7 +164,7 @@ impl<'a, E> Parser<'a, E> {
         match rest.chars().next() {
             Some('(') => {
                 self.at += 1;
-                let value = self.or()?;
+                let value = self.binary(0)?;
                 self.close()?;
                 Ok(value)
             }
@@ -233,16 +218,16 @@ impl<'a, E> Parser<'a, E> {
                 );
             }
         };
-        if self.any(&['(']).is_none() {
+        if !self.take("(") {
             return wrong(format!("`{name}` has no arguments"), "`(`");
         }
-        let first = self.or()?;
+        let first = self.binary(0)?;
         let first = self.number(&first)?;
         let second = if arguments == 2 {
-            if self.any(&[',']).is_none() {
+            if !self.take(",") {
                 return wrong(format!("`{name}` has one argument"), "two");
             }
-            let second = self.or()?;
+            let second = self.binary(0)?;
             self.number(&second)?
         } else {
             0.0
@@ -270,13 +255,11 @@ impl<'a, E> Parser<'a, E> {
     }
 
     fn close(&mut self) -> std::result::Result<(), Fault<E>> {
-        match self.any(&[')']) {
-            Some(_) => Ok(()),
-            None => Err(Fault::Expression(
-                format!("a parenthesis of `{}` is not closed", self.text),
-                "`)`".to_owned(),
-            )),
+        if self.take(")") {
+            return Ok(());
         }
+        let reason = format!("a parenthesis of `{}` is not closed", self.text);
+        Err(Fault::Expression(reason, "`)`".to_owned()))
     }
 
     fn number(&self, value: &Value) -> std::result::Result<f64, Fault<E>> {
@@ -300,24 +283,14 @@ impl<'a, E> Parser<'a, E> {
         self.at += rest.len() - rest.trim_start().len();
     }
 
-    /// Takes one of these characters, if it is next.
-    fn any(&mut self, signs: &[char]) -> Option<char> {
+    /// Takes a sign or a word, if it is next.
+    fn take(&mut self, token: &str) -> bool {
         self.space();
-        let next = self.text[self.at..].chars().next().filter(|c| signs.contains(c))?;
-        self.at += next.len_utf8();
-        Some(next)
-    }
-
-    /// Takes this word, if it is next.
-    fn word(&mut self, word: &str) -> bool {
-        self.space();
-        let rest = &self.text[self.at..];
         let ends = |c: char| !(c.is_alphanumeric() || c == '_');
-        let found =
-            rest.strip_prefix(word).is_some_and(|after| after.chars().next().is_none_or(ends));
-        if found {
-            self.at += word.len();
-        }
+        let is_word = !token.starts_with(ends);
+        let after = self.text[self.at..].strip_prefix(token);
+        let found = after.is_some_and(|it| !is_word || it.chars().next().is_none_or(ends));
+        self.at += if found { token.len() } else { 0 };
         found
     }
 

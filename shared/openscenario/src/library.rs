@@ -73,29 +73,28 @@ fn text(bytes: Vec<u8>) -> std::io::Result<String> {
         let expected = "expected XML in UTF-8, UTF-16 or the Latin-1 that it declares";
         std::io::Error::other(format!("{what}, {expected}"))
     };
-    if let [0xff, 0xfe, ..] | [b'<', 0, ..] = bytes[..] {
-        return utf16(&bytes, u16::from_le_bytes).ok_or_else(|| refuse("is broken UTF-16 text"));
-    }
-    if let [0xfe, 0xff, ..] | [0, b'<', ..] = bytes[..] {
-        return utf16(&bytes, u16::from_be_bytes).ok_or_else(|| refuse("is broken UTF-16 text"));
+    let unit: Option<fn([u8; 2]) -> u16> = match bytes[..] {
+        [0xff, 0xfe, ..] | [b'<', 0, ..] => Some(u16::from_le_bytes),
+        [0xfe, 0xff, ..] | [0, b'<', ..] => Some(u16::from_be_bytes),
+        _ => None,
+    };
+    if let Some(unit) = unit {
+        return utf16(&bytes, unit).ok_or_else(|| refuse("is broken UTF-16 text"));
     }
     String::from_utf8(bytes).or_else(|error| {
         let at = error.utf8_error().valid_up_to();
         let bytes = error.into_bytes();
         if declared(&bytes).is_some_and(|name| ONE_BYTE.contains(&name.as_str())) {
-            return Ok(bytes.into_iter().map(of_one_byte).collect());
+            // Bytes with another meaning in each of the encodings stand in names and comments alone.
+            let character = |byte| match byte {
+                0x80..=0x9f => char::REPLACEMENT_CHARACTER,
+                _ => char::from(byte),
+            };
+            return Ok(bytes.into_iter().map(character).collect());
         }
         let line = 1 + bytes[..at].iter().filter(|byte| **byte == b'\n').count();
         Err(refuse(&format!("is not UTF-8 text (line {line}, byte {at})")))
     })
-}
-
-/// The character of a byte. Bytes with another meaning in each of the encodings stand in names and comments alone.
-fn of_one_byte(byte: u8) -> char {
-    match byte {
-        0x80..=0x9f => char::REPLACEMENT_CHARACTER,
-        _ => char::from(byte),
-    }
 }
 
 /// The text of UTF-16, without its mark.

@@ -4,14 +4,11 @@ use std::collections::BTreeMap;
 use std::marker::PhantomData;
 
 use crate::comparison::{Rule, instant_s};
-use crate::declare::{
-    AtLeastOne, Content, Element, Form, Given, Later, Literal, Node, Scalar, Text, elements,
-    kind_of,
-};
+use crate::declare::{AtLeastOne, Content, Element, Form, Later, Literal, Node, Text, elements};
 use crate::error::{Place, ReadError, meant};
 use crate::expression::Value;
 use crate::scope::{Raw, Scope, undeclared};
-use crate::words::Words;
+use crate::words::{Words, word_enums};
 
 /// A value that `--param` or a variation gives to a parameter.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -21,37 +18,15 @@ pub struct Assignment {
     pub value: String,
 }
 
-/// The type of a parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Type {
-    Text,
-    Double,
-    Integer,
-    Unsigned,
-    Boolean,
-    Instant,
-}
-
-const TYPES: &[(&str, Type)] = &[
-    ("string", Type::Text),
-    ("double", Type::Double),
-    ("integer", Type::Integer),
-    ("int", Type::Integer),
-    ("unsignedInt", Type::Unsigned),
-    ("unsignedShort", Type::Unsigned),
-    ("boolean", Type::Boolean),
-    ("dateTime", Type::Instant),
-];
-
-impl Scalar for Type {
-    type Value = (String, Self);
-
-    fn kind() -> String {
-        kind_of(TYPES)
-    }
-
-    fn take(given: &Given<'_>) -> Result<Self::Value, ReadError> {
-        Ok((given.text()?, given.word(TYPES)?))
+word_enums! {
+    /// The type of a parameter.
+    Type {
+        Text: "string",
+        Double: "double",
+        Integer: "integer" | "int",
+        Unsigned: "unsignedInt" | "unsignedShort",
+        Boolean: "boolean",
+        Instant: "dateTime",
     }
 }
 
@@ -89,7 +64,7 @@ impl Type {
 pub(crate) struct Declaration {
     place: Place,
     name: String,
-    kind: (String, Type),
+    kind: Type,
     value: Raw,
     /// One of these groups must hold, with all its constraints.
     groups: Vec<Vec<Constraint>>,
@@ -208,9 +183,10 @@ impl Declaration {
                     let expected = meant(&name, Rule::WORDS.iter().map(|rule| rule.0));
                     return Err(rule.wrong(format!("`{name}` is not a rule"), expected));
                 };
-                let (type_name, kind) = &self.kind;
+                let kind = self.kind;
                 let typed = kind.take(bound.resolve(scope)?).map_err(|expected| {
-                    bound.wrong(format!("`{}` is not of type {type_name}", bound.text), expected)
+                    bound
+                        .wrong(format!("`{}` is not of type {}", bound.text, kind.word()), expected)
                 })?;
                 let comparable = |value: &Value| match kind {
                     Type::Instant => instant_s(value.text().trim()).map(Value::Number),
@@ -274,7 +250,7 @@ impl<'a> Values<'a> {
                 undeclared(&declaration.place, other, meant(other, names(declared)))
             }),
         })?;
-        let (type_name, kind) = &declaration.kind;
+        let (kind, type_name) = (declaration.kind, declaration.kind.word());
         let value = match kind {
             Type::Text if !raw.text.trim().starts_with('$') => Value::Text(raw.text.clone()),
             _ => value,

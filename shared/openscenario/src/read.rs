@@ -3,14 +3,15 @@
 use std::path::Path;
 
 use crate::declare::{Element, Form, Node, SCENARIO_VERSIONS, check, check_head};
-use crate::error::{Place, ReadError, Spot};
+use crate::error::{Place, ReadError};
 use crate::library::Source;
 use crate::model::action::Action;
 use crate::model::{InitAction, Script};
 use crate::parameter::{Assignment, opened};
+pub use crate::scene::Spots;
 use crate::scene::{LaneHeadings, Reference, Scene};
 use crate::scope::Scope;
-use crate::subset::{ScenarioFile, ScenarioParts};
+use crate::subset::ScenarioFile;
 use crate::world::NotFound;
 use crate::xml::{self, Document};
 
@@ -27,17 +28,6 @@ pub struct Scenario {
     pub notices: Vec<String>,
     /// The places of its parts in the scenario file.
     pub spots: Spots,
-}
-
-/// Spots in the scenario file.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Spots {
-    /// The declaration of each entity.
-    pub entities: Vec<Spot>,
-    /// The place in Init that says how each entity begins; its declaration when Init does not.
-    pub starts: Vec<Spot>,
-    /// The storyboard's stop trigger.
-    pub stop: Option<Spot>,
 }
 
 /// A reader's choices for a file.
@@ -93,45 +83,36 @@ pub fn scenario_by(
     let node = Node { file: &document.file, element: root, scope: &outside, scene: &scene };
     let scope = opened(node, &choices.assigned)?;
     let node = Node { scope: &scope, ..node };
-    match ScenarioFile::read(node)? {
-        ScenarioParts { description, entities: Some(entities), storyboard: Some(board) } => {
-            let mut starts = entities.clone();
-            for (entity, spot) in board.starts {
-                starts[entity] = spot;
-            }
-            let (place, stop) = board.stop.unzip();
-            let spots = Spots { entities, starts, stop: place.map(|place| place.spot) };
-            let cycles = scene.controllers.take().into_iter().map(|(_, cycle)| cycle);
-            let cycles =
-                cycles.map(|cycle| InitAction { actor: None, action: Action::Cycle(cycle) });
-            let init = cycles.chain(board.init).collect();
-            let script = Script {
-                road: scene.road(None)?.road.clone(),
-                ego: scene.ego.get(),
-                entities: scene.entities.take(),
-                values: scene.values.take(),
-                init,
-                stories: board.stories,
-                stop,
-            };
-            finish(&scene, &script)?;
-            let parameters = scope.iter().map(|(name, value)| (name.to_owned(), value.text()));
-            let parameters = parameters.collect();
-            let (set_speed_mps, notices) = (scene.ego_goal_mps.get(), scene.notices.take());
-            Ok(Scenario { script, description, parameters, set_speed_mps, notices, spots })
-        }
-        _ => Err(node.refuse("this file holds no scenario", "`Entities` and `Storyboard`")),
+    let (description, Some((stories, stop))) = ScenarioFile::read(node)? else {
+        return Err(node.refuse("this file holds no scenario", "`Entities` and `Storyboard`"));
+    };
+    let cycles = scene.controllers.take().into_iter();
+    let cycles = cycles.map(|(_, cycle)| InitAction { actor: None, action: Action::Cycle(cycle) });
+    let script = Script {
+        road: scene.road(None)?.road.clone(),
+        ego: scene.ego.get(),
+        entities: scene.entities.take(),
+        values: scene.values.take(),
+        init: cycles.chain(scene.init.take()).collect(),
+        stories,
+        stop,
+    };
+    // Only now all parts of the storyboard are there that conditions refer to.
+    for Reference { place, kind, name } in scene.references.take() {
+        script.find(kind, &name).map_err(|NotFound { reason, expected }| ReadError::Meaning {
+            place,
+            reason,
+            expected,
+        })?;
     }
-}
-
-/// Looks up what refers to parts of the storyboard.
-fn finish(scene: &Scene<'_>, script: &Script) -> Result<(), ReadError> {
-    scene.references.take().into_iter().try_for_each(|Reference { place, kind, name }| {
-        let NotFound { reason, expected } = match script.find(kind, &name) {
-            Ok(_) => return Ok(()),
-            Err(fault) => fault,
-        };
-        Err(ReadError::Meaning { place, reason, expected })
+    let parameters = scope.iter().map(|(name, value)| (name.to_owned(), value.text())).collect();
+    Ok(Scenario {
+        script,
+        description,
+        parameters,
+        set_speed_mps: scene.ego_goal_mps.get(),
+        notices: scene.notices.take(),
+        spots: scene.spots.take(),
     })
 }
 

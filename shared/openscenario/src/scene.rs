@@ -6,11 +6,11 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-use crate::error::{Place, ReadError};
+use crate::error::{Place, ReadError, Spot};
 use crate::library::Source;
 use crate::model::element::ElementKind;
 use crate::model::signal::SignalCycle;
-use crate::model::{Entity, Named};
+use crate::model::{Entity, InitAction, Named};
 use crate::road::{self, Ground, Road};
 use crate::xml::{self, Document};
 
@@ -22,6 +22,17 @@ pub enum LaneHeadings {
     Road,
     /// The traffic of the lane, as in esmini and CARLA.
     Traffic,
+}
+
+/// Spots in the scenario file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Spots {
+    /// The declaration of each entity.
+    pub entities: Vec<Spot>,
+    /// The place in Init that says how each entity begins; its declaration when Init does not.
+    pub starts: Vec<Spot>,
+    /// The storyboard's stop trigger.
+    pub stop: Option<Spot>,
 }
 
 /// A scenario while it is read. The elements of a file come in an order in which each refers to earlier ones.
@@ -50,6 +61,8 @@ pub(crate) struct Scene<'a> {
     pub actors: RefCell<Vec<usize>>,
     /// The master of the meeting that is read.
     pub master: Cell<usize>,
+    pub init: RefCell<Vec<InitAction>>,
+    pub spots: RefCell<Spots>,
     pub values: RefCell<Vec<Named>>,
     /// Controllers of traffic signals by name.
     pub controllers: RefCell<Vec<(String, SignalCycle)>>,

@@ -4,6 +4,14 @@
 pub(crate) trait Words: Copy + 'static {
     /// The words with their meanings, in the order in which errors list them.
     const WORDS: &'static [(&'static str, Self)];
+
+    /// The first word of a variant.
+    fn word(self) -> &'static str
+    where
+        Self: PartialEq,
+    {
+        Self::WORDS.iter().find(|(_, known)| *known == self).map_or("", |(word, _)| word)
+    }
 }
 
 /// Declares enumerations, each variant with its words.

@@ -88,10 +88,10 @@ pub fn parse(file: &str, text: &str) -> Result<Document, ReadError> {
             .map_err(|error| syntax(reader.error_position(), format!("not XML: {error}")))?;
         let spot = cursor.at(start as usize);
         let closed = match event {
+            Event::Start(_) | Event::Empty(_) if root.is_some() && open.is_empty() => {
+                return Err(syntax(start, "a second outermost element".to_owned()));
+            }
             Event::Start(tag) => {
-                if root.is_some() && open.is_empty() {
-                    return Err(syntax(start, "a second outermost element".to_owned()));
-                }
                 if open.len() == MAX_DEPTH {
                     let reason = format!("elements are nested more than {MAX_DEPTH} deep");
                     return Err(syntax(start, reason));
@@ -115,10 +115,7 @@ pub fn parse(file: &str, text: &str) -> Result<Document, ReadError> {
         };
         match (closed, open.last_mut()) {
             (Some(element), Some(parent)) => parent.children.push(element),
-            (Some(element), None) if root.is_none() => root = Some(element),
-            (Some(_), None) => {
-                return Err(syntax(start, "a second outermost element".to_owned()));
-            }
+            (Some(element), None) => root = Some(element),
             (None, _) => {}
         }
     }

@@ -51,7 +51,7 @@ pub(crate) struct Form {
     pub part: &'static str,
     pub effect: &'static str,
     pub attributes: &'static [AttributeForm],
-    /// Attributes that have no effect; a name ends in `?` where it may be absent.
+    /// Attributes that have no effect; a name ends in `?` where it may be absent. `*` stands for any content.
     pub unused: &'static [&'static str],
     /// Elements inside it.
     pub children: &'static [ChildForm],
@@ -118,18 +118,4 @@ macro_rules! elements {
     (@first ($default:expr)) => { $default };
 }
 
-/// Declares elements without effect: name, attributes, elements inside.
-macro_rules! unused {
-    ($part:literal; $(
-        $name:ident $(= $xml:literal)? $(| $alias:ident)*
-        [$($unused:literal)*] {$($content:ty),*};
-    )*) => {
-        $crate::declare::elements! { $part; $(
-            #[doc = "read, without effect"]
-            $name $(= $xml)? $(| $alias)* -> () [] {$(_: $content),*} unused [$($unused)*]
-            { Ok(()) }
-        )* }
-    };
-}
-
-pub(crate) use {elements, unused};
+pub(crate) use elements;

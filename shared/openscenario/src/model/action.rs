@@ -11,7 +11,7 @@ use crate::words::word_enums;
 
 /// An action.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "kebab-case")]
 pub enum Action {
     /// The speed follows a shape to its target.
     Speed { target: SpeedTarget, transition: Transition },
@@ -65,7 +65,7 @@ pub enum Action {
 
 /// A target speed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "kebab-case")]
 pub enum SpeedTarget {
     Absolute(f64),
     /// Another entity's speed times a factor, plus an offset.
@@ -109,7 +109,6 @@ impl SpeedTarget {
 
 /// Transition to a target.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Transition {
     pub shape: Shape,
     /// The meaning of the value.
@@ -160,7 +159,6 @@ word_enums! {
 
 /// A distance to another entity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Distance {
     pub entity: usize,
     pub gap: Gap,
@@ -175,7 +173,7 @@ pub struct Distance {
 
 /// The size of a distance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "kebab-case")]
 pub enum Gap {
     /// A length, m.
     Distance(f64),
@@ -185,7 +183,7 @@ pub enum Gap {
 
 /// The end of a lane change.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "kebab-case")]
 pub enum LaneTarget {
     /// A lane's id.
     Lane(i32),
@@ -197,7 +195,7 @@ pub enum LaneTarget {
 
 /// The end of a lane offset.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "kebab-case")]
 pub enum OffsetTarget {
     /// Offset from the centre of the present lane, m.
     Lane(f64),
@@ -211,7 +209,6 @@ pub enum OffsetTarget {
 
 /// A line to move along.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Trajectory {
     pub vertices: Vec<Vertex>,
     /// Times at which the corners are passed. Without them the entity keeps its speed.
@@ -222,7 +219,6 @@ pub struct Trajectory {
 
 /// A corner.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Vertex {
     pub time_s: f64,
     pub position: Position,
@@ -230,7 +226,6 @@ pub struct Vertex {
 
 /// The clock of a trajectory: `scale * time + offset`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Timing {
     /// True if it counts from the start of the run, not of the action.
     pub absolute: bool,
@@ -241,7 +236,7 @@ pub struct Timing {
 
 /// A change of a value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "kebab-case")]
 pub enum Change {
     /// The new value.
     To(Value),

@@ -16,7 +16,6 @@ pub struct Trigger(pub Vec<Vec<Condition>>);
 
 /// A condition with its edge and delay.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Condition {
     /// The change that it waits for.
     pub edge: Edge,
@@ -53,7 +52,7 @@ word_enums! {
 
 /// A test: the subject of a condition.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "kebab-case")]
 pub enum Test {
     /// Time since the start, s.
     Time { rule: Rule, value: f64 },
@@ -84,7 +83,7 @@ pub enum Test {
 
 /// A test of one entity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "kebab-case")]
 pub enum EntityTest {
     /// At the road's end for that long, s.
     EndOfRoad(f64),
@@ -127,7 +126,6 @@ pub enum CollisionWith {
 
 /// Measure of a distance.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Measured {
     /// The far end.
     pub target: Target,

@@ -7,7 +7,6 @@ use super::position::Position;
 
 /// An entity arrives at its goal when another one, the master, arrives at its own.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Meeting {
     /// The other entity.
     pub master: usize,
@@ -25,7 +24,6 @@ pub struct Meeting {
 
 /// The speed at the end of a meeting.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct FinalSpeed {
     pub speed: SpeedTarget,
     /// The last part of the way, on which the entity has this speed already.

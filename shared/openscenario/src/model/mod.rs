@@ -26,7 +26,6 @@ pub const MAX_ENTITIES: usize = 65;
 
 /// A whole scenario.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Script {
     pub road: Road,
     /// The ego's place among the entities.
@@ -44,7 +43,6 @@ pub struct Script {
 
 /// An entity on the road.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Entity {
     pub name: String,
     pub category: Category,
@@ -77,7 +75,6 @@ pub enum Drive {
 
 /// The box around an entity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Body {
     /// Centre of the box ahead of the entity's origin, m.
     pub center_ahead_m: f64,
@@ -89,7 +86,6 @@ pub struct Body {
 
 /// A parameter or variable with its value at the start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Named {
     pub name: String,
     pub value: Value,
@@ -97,7 +93,6 @@ pub struct Named {
 
 /// An action of Init.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct InitAction {
     /// The acting entity; none for an action of the world.
     pub actor: Option<usize>,

@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 /// A position in the road's coordinates, by itself or seen from an entity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Position {
     pub from: From,
     pub heading: Heading,
@@ -12,7 +11,7 @@ pub struct Position {
 
 /// A point, in the frame that it is given in.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "kebab-case")]
 pub enum From {
     Road {
         /// Along the reference line, m.
@@ -26,7 +25,7 @@ pub enum From {
 
 /// A place seen from an entity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "kebab-case")]
 pub enum Offset {
     /// Along and across the reference line, m.
     Road { ds_m: f64, dt_m: f64 },
@@ -57,7 +56,7 @@ impl Position {
 
 /// A heading.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+#[serde(rename_all = "kebab-case")]
 pub enum Heading {
     /// Angle from the direction of the reference line, rad.
     Road(f64),

@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 /// A row of speeds that an entity reaches one after the other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct SpeedProfile {
     /// An entity whose speed is added to the speeds of the profile.
     pub relative_to: Option<usize>,
@@ -18,7 +17,6 @@ pub struct SpeedProfile {
 
 /// A speed of a profile.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct SpeedEntry {
     /// The speed at its end, m/s.
     pub mps: f64,
@@ -28,7 +26,6 @@ pub struct SpeedEntry {
 
 /// Bounds on driving; an infinite one is none.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Bounds {
     /// Largest acceleration, m/s².
     pub acceleration_mps2: f64,

@@ -4,7 +4,6 @@ use serde::{Deserialize, Serialize};
 
 /// The cycle of a controller of traffic signals.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct SignalCycle {
     /// The place of the present phase's name among the script's values.
     pub controller: usize,
@@ -16,7 +15,6 @@ pub struct SignalCycle {
 
 /// A phase of traffic signals.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct SignalPhase {
     pub name: String,
     pub duration_ns: u64,

@@ -8,7 +8,6 @@ use crate::words::word_enums;
 
 /// A story.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Story {
     pub name: String,
     pub acts: Vec<Act>,
@@ -16,7 +15,6 @@ pub struct Story {
 
 /// An act.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Act {
     pub name: String,
     /// The trigger that starts it. Without one it starts with its story.
@@ -28,7 +26,6 @@ pub struct Act {
 
 /// A group of maneuvers with its actors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct ManeuverGroup {
     pub name: String,
     /// Number of times that it runs.
@@ -40,7 +37,6 @@ pub struct ManeuverGroup {
 
 /// A maneuver: a list of events.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Maneuver {
     pub name: String,
     pub events: Vec<Event>,
@@ -48,7 +44,6 @@ pub struct Maneuver {
 
 /// An event: actions and the trigger that starts them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Event {
     pub name: String,
     /// Its effect on other events of the maneuver.
@@ -62,7 +57,6 @@ pub struct Event {
 
 /// An action with its name.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct NamedAction {
     pub name: String,
     pub action: Action,

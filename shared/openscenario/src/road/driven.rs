@@ -18,7 +18,6 @@ const MAX_HEIGHTS: f64 = 4000.0;
 
 /// A line along a road, as data: its axis is made from it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Driven {
     /// The pieces of the road's reference line.
     pub pieces: Vec<Laid>,

@@ -26,7 +26,6 @@ const INSIDE_M: f64 = 1e-6;
 
 /// A road.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Road {
     /// Its length, m; a road without one has no end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -51,7 +50,6 @@ fn is_level(heights: &Profile) -> bool {
 
 /// A road of the file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
 pub struct Part {
     pub id: String,
     pub from_m: f64,

@@ -1,6 +1,5 @@
 //! Actions of an entity and of the world.
 
-use super::appearance::AppearanceAction;
 use super::environment::{
     ActivateControllerAction, ControllerAction, EnvironmentAction, VisibilityAction,
 };
@@ -11,6 +10,7 @@ use super::reference::{EntityName, ParameterName, VariableName};
 use super::signal::InfrastructureAction;
 use super::synchronize::SynchronizeAction;
 use super::trajectory::RoutingAction;
+use super::unused::AppearanceAction;
 use crate::declare::{Literal, Node, Number, OneOf, elements};
 use crate::error::ReadError;
 use crate::model::action::{Action, Change};

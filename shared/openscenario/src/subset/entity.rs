@@ -8,10 +8,11 @@ use crate::declare::{AtLeastOne, OneOf, Placed, Text, elements};
 use crate::error::{Spot, meant, one_of};
 use crate::model::{Body, Category, Drive, Entity, MAX_ENTITIES};
 use crate::parameter::{ParameterDeclarations, Scoped};
+use crate::scene::Spots;
 
 elements! { "Entities";
     /// the ego and up to 64 others; the ego is the one of `--ego`, or is called `Ego` or else `hero`, or is the only one with a controller, or is alone
-    Entities -> Vec<Spot> []
+    Entities -> () []
     {objects: AtLeastOne<Placed<ScenarioObject>>, _: Vec<EntitySelection>}
     |node| {
         let mut entities = node.scene.entities.borrow_mut();
@@ -52,7 +53,10 @@ elements! { "Entities";
             let text = "controllers of entities other than the ego have no effect";
             node.scene.notice(text.to_owned());
         }
-        Ok(objects.into_iter().map(|(place, _)| place.spot).collect())
+        let spots: Vec<Spot> = objects.into_iter().map(|(place, _)| place.spot).collect();
+        let starts = spots.clone();
+        node.scene.spots.replace(Spots { entities: spots, starts, stop: None });
+        Ok(())
     }
 
     /// an entity; the ego is driven by timegap's stack, the others by the storyboard

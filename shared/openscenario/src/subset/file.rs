@@ -4,25 +4,22 @@ use super::catalog::CatalogLocations;
 use super::entity::{Controller, Entities, MiscObject, Pedestrian, Vehicle};
 use super::environment::Environment;
 use super::signal::TrafficSignals;
-use super::storyboard::{Board, Maneuver, Storyboard};
+use super::storyboard::{Maneuver, Storyboard};
 use super::trajectory::Trajectory;
 use super::unused::{License, Properties, SceneGraphFile};
 use crate::declare::{Literal, Text, elements};
-use crate::error::{Place, Spot};
+use crate::error::Place;
 use crate::model::Named;
+use crate::model::condition::Trigger;
+use crate::model::storyboard::Story;
 use crate::parameter::ParameterDeclarations;
 
-/// A scenario file as it was read.
-pub(crate) struct ScenarioParts {
-    pub description: String,
-    /// The declarations of the entities.
-    pub entities: Option<Vec<Spot>>,
-    pub storyboard: Option<Board>,
-}
+/// The stories, and the trigger that ends them.
+type Board = (Vec<Story>, Option<Trigger>);
 
 elements! { "File";
     /// a scenario
-    ScenarioFile = "OpenSCENARIO" -> ScenarioParts [] {
+    ScenarioFile = "OpenSCENARIO" -> (String, Option<Board>) [] {
         description: FileHeader,
         _: Option<ParameterDeclarations>,
         _: Option<VariableDeclarations>,
@@ -36,7 +33,7 @@ elements! { "File";
             let text = "no road file: a straight road with lanes of 3.5 m is assumed".to_owned();
             node.scene.notices.borrow_mut().insert(0, text);
         }
-        Ok(ScenarioParts { description, entities, storyboard })
+        Ok((description, entities.and(storyboard)))
     }
 
     /// a catalog

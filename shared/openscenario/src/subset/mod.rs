@@ -1,7 +1,6 @@
 //! The elements of the standard that are read, each declared once.
 
 mod action;
-mod appearance;
 mod body;
 mod catalog;
 mod condition;
@@ -21,4 +20,4 @@ mod test;
 mod trajectory;
 mod unused;
 
-pub(crate) use file::{CatalogFile, FileHeader, ScenarioFile, ScenarioParts};
+pub(crate) use file::{CatalogFile, FileHeader, ScenarioFile};

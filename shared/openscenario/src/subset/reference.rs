@@ -9,9 +9,9 @@ scalars! {
     pub(super) EntityName -> usize: "an entity", |given| {
         let name = given.text()?;
         let entities = given.node.scene.entities.borrow();
-        entities.iter().position(|entity| entity.name == name).ok_or_else(|| {
-            let names = entities.iter().map(|entity| entity.name.as_str());
-            given.wrong(format!("there is no entity `{name}`"), meant(&name, names))
+        let names = entities.iter().map(|entity| entity.name.as_str());
+        place_of(&name, names).map_err(|expected| {
+            given.wrong(format!("there is no entity `{name}`"), expected)
         })
     };
 
@@ -44,9 +44,16 @@ scalars! {
     pub(super) VariableName -> usize: "a variable", |given| {
         let name = given.raw.text.trim_start_matches('$');
         let values = given.node.scene.values.borrow();
-        values.iter().position(|value| value.name == name).ok_or_else(|| {
-            let names = values.iter().map(|value| value.name.as_str());
-            given.wrong(format!("`{name}` is not declared"), meant(name, names))
-        })
+        place_of(name, values.iter().map(|value| value.name.as_str()))
+            .map_err(|expected| given.wrong(format!("`{name}` is not declared"), expected))
     };
+}
+
+/// The place of a name among others; or the names that were expected, in words.
+pub(super) fn place_of<'a>(
+    name: &str,
+    mut names: impl Iterator<Item = &'a str> + Clone,
+) -> Result<usize, String> {
+    let expected = names.clone();
+    names.position(|known| known == name).ok_or_else(|| meant(name, expected))
 }

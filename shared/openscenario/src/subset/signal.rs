@@ -1,8 +1,9 @@
 //! Traffic signals: their states are values that conditions compare.
 
+use super::reference::place_of;
 use crate::comparison::Rule;
 use crate::declare::{Duration, Node, OneOf, Text, elements, scalars};
-use crate::error::{ReadError, meant};
+use crate::error::ReadError;
 use crate::expression::Value;
 use crate::model::Named;
 use crate::model::action::{Action, Change};
@@ -124,17 +125,14 @@ fn unseen(node: Node<'_>) {
 /// The controller of a name; or the expected names, in words.
 fn controller_named(scene: &Scene, name: &str) -> Result<SignalCycle, String> {
     let controllers = scene.controllers.borrow();
-    let known = controllers.iter().find(|(known, _)| known == name);
-    let names = controllers.iter().map(|(name, _)| name.as_str());
-    known.map(|(_, cycle)| cycle.clone()).ok_or_else(|| meant(name, names))
+    let place = place_of(name, controllers.iter().map(|(name, _)| name.as_str()))?;
+    Ok(controllers[place].1.clone())
 }
 
 /// The number of a phase of a controller.
 fn phase_of(node: Node<'_>, controller: &SignalCycle, name: &str) -> Result<usize, ReadError> {
-    let names = || controller.phases.iter().map(|phase| phase.name.as_str());
-    names().position(|known| known == name).ok_or_else(|| {
-        node.wrong("phase", format!("there is no phase `{name}`"), meant(name, names()))
-    })
+    place_of(name, controller.phases.iter().map(|phase| phase.name.as_str()))
+        .map_err(|expected| node.wrong("phase", format!("there is no phase `{name}`"), expected))
 }
 
 /// The name of a signal's state among the values of the script.

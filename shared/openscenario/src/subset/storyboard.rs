@@ -1,75 +1,58 @@
 //! The storyboard: Init, stories, acts, groups, maneuvers, events.
 
 use super::action::{GlobalAction, PrivateAction};
-use super::appearance::UserDefinedAction;
 use super::catalog::FromCatalog;
 use super::condition::{StartTrigger, StopTrigger};
 use super::entity::EntityRef;
 use super::reference::EntityName;
+use super::unused::UserDefinedAction;
 use crate::declare::{AtLeastOne, Count, Node, OneOf, Placed, Text, Truth, elements};
-use crate::error::{Place, ReadError, Spot};
+use crate::error::{Place, ReadError};
 use crate::model::condition::Trigger;
 use crate::model::storyboard::{NamedAction, Priority};
 use crate::model::{InitAction, action, storyboard};
 use crate::parameter::{ParameterDeclarations, Scoped};
 
-/// A storyboard as it was read.
-pub(crate) struct Board {
-    pub init: Vec<InitAction>,
-    /// The places in Init that say how entities begin.
-    pub starts: Vec<(usize, Spot)>,
-    pub stories: Vec<storyboard::Story>,
-    pub stop: Option<(Place, Trigger)>,
-}
-
-/// The actions of one entity in Init.
-pub(crate) struct Start {
-    actor: usize,
-    spot: Spot,
-    actions: Vec<action::Action>,
-}
-
 elements! { "Storyboard";
     /// ends the run when its stop trigger fires; otherwise the run ends at its duration
-    Storyboard -> Board []
-    {init: Init, stories: Vec<Scoped<Story>>, stop: Option<Placed<StopTrigger>>}
-    {
+    Storyboard -> (Vec<storyboard::Story>, Option<Trigger>) []
+    {_: Init, stories: Vec<Scoped<Story>>, stop: Option<Placed<StopTrigger>>}
+    |node| {
         let named = |(i, (name, acts)): (usize, (Option<String>, _))| {
             let name = name.unwrap_or_else(|| format!("story {}", i + 1));
             storyboard::Story { name, acts }
         };
         let stories = stories.into_iter().enumerate().map(named).collect();
-        let (init, starts) = init;
-        Ok(Board { init, starts, stories, stop })
+        let (place, stop) = stop.unzip();
+        node.scene.spots.borrow_mut().stop = place.map(|place| place.spot);
+        Ok((stories, stop))
     }
 
     /// done before the first step: teleports, then speeds, then the rest
-    Init -> (Vec<InitAction>, Vec<(usize, Spot)>) [] {actions: Actions}
+    Init -> () [] {_: Actions}
     |node| {
-        let (global, starts) = actions;
-        let mut init: Vec<InitAction> =
-            global.into_iter().map(|action| InitAction { actor: None, action }).collect();
-        let spots = starts.iter().map(|start| (start.actor, start.spot)).collect();
-        for Start { actor, actions, .. } in starts {
-            let of_actor = |action| InitAction { actor: Some(actor), action };
-            init.extend(actions.into_iter().map(of_actor));
-        }
+        let mut init = node.scene.init.borrow_mut();
         require_places(node, &init)?;
         init.sort_by_key(|item| match item.action {
             action::Action::Add { .. } | action::Action::Teleport(_) => 0,
             action::Action::Speed { .. } => 1,
             _ => 2,
         });
-        Ok((init, spots))
+        Ok(())
     }
 
     /// actions of Init
-    Actions -> (Vec<action::Action>, Vec<Start>) []
-    {global: Vec<GlobalAction>, _: Vec<UserDefinedAction>, private: Vec<Private>}
-    { Ok((global, private)) }
+    Actions -> () [] {global: Vec<GlobalAction>, _: Vec<UserDefinedAction>, private: Vec<Private>}
+    |node| {
+        let mut init = node.scene.init.borrow_mut();
+        init.extend(global.into_iter().map(|action| InitAction { actor: None, action }));
+        init.extend(private.into_iter().flatten());
+        Ok(())
+    }
 
     /// actions of one entity
-    Private -> Start ["entityRef" actor: EntityName] {placed: AtLeastOne<Placed<PrivateAction>>}
+    Private -> Vec<InitAction> ["entityRef" actor: EntityName]
+    {placed: AtLeastOne<Placed<PrivateAction>>}
     |node| {
         let mut actions = Vec::new();
         for (place, action) in placed {
@@ -89,9 +72,10 @@ elements! { "Storyboard";
                     "in Init a teleport, an absolute speed, a route or a controller action for it";
                 return Err(ReadError::meaning(place, reason, expected));
             }
-            actions.push(action);
+            actions.push(InitAction { actor: Some(actor), action });
         }
-        Ok(Start { actor, spot: node.place().spot, actions })
+        node.scene.spots.borrow_mut().starts[actor] = node.place().spot;
+        Ok(actions)
     }
 
     /// runs from the start

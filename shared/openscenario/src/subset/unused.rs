@@ -1,28 +1,27 @@
 //! Elements that are known and have no effect.
 
-use super::body::BoundingBox;
-use crate::declare::unused;
+use crate::declare::{OneOf, elements};
+use crate::model::action::Action;
 
-unused! { "Read, without effect";
-    License ["name?" "resource?" "spdxId?"] {};
-    SceneGraphFile ["filepath"] {};
-    Properties [] {Vec<Property>, Vec<File>};
-    Property ["name" "value"] {};
-    File ["filepath"] {};
-    Performance
-        ["maxSpeed" "maxAcceleration" "maxDeceleration" "maxAccelerationRate?" "maxDecelerationRate?"]
-        {};
-    Axles [] {Option<FrontAxle>, RearAxle, Vec<AdditionalAxle>};
-    FrontAxle | RearAxle | AdditionalAxle
-        ["maxSteering" "wheelDiameter" "trackWidth" "positionX" "positionZ"] {};
-    TrailerHitch | TrailerCoupler ["dx" "dz?"] {};
-    TimeOfDay ["animation" "dateTime"] {};
-    Weather ["cloudState?" "fractionalCloudCover?" "atmosphericPressure?" "temperature?"]
-        {Option<Sun>, Option<Fog>, Option<Precipitation>, Option<Wind>, Option<DomeImage>};
-    Sun ["azimuth" "elevation" "intensity?" "illuminance?"] {};
-    Fog ["visualRange"] {Option<BoundingBox>};
-    Precipitation ["precipitationType" "intensity?" "precipitationIntensity?"] {};
-    Wind ["direction" "speed"] {};
-    DomeImage ["azimuthOffset?"] {DomeFile};
-    DomeFile ["filepath"] {};
+elements! { "Read, without effect";
+    /// read, without effect; its content is not checked
+    License | SceneGraphFile | Properties | Property | Performance | Axles | TrailerHitch | TrailerCoupler | TimeOfDay
+        | Weather | CustomCommandAction | LightStateAction | AnimationAction -> () [] {} unused ["*"]
+    { Ok(()) }
+}
+
+elements! { "Actions";
+    /// lights and animations have no effect, and the action is complete at once
+    AppearanceAction -> Action [] {_: OneOf<(LightStateAction, AnimationAction)>}
+    { Ok(Action::Nothing) }
+
+    /// a command of another player has no effect, and the action is complete at once
+    UserDefinedAction -> Action [] {_: CustomCommandAction}
+    |node| {
+        node.scene.notice(format!(
+            "{}: a command of another player (`UserDefinedAction`) has no effect",
+            node.place()
+        ));
+        Ok(Action::Nothing)
+    }
 }

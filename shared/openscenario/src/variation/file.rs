@@ -227,7 +227,7 @@ fn all(node: Node<'_>, choices: Vec<(Place, Sets)>) -> Result<Varied, ReadError>
     match count {
         Some(count) if !choices.is_empty() && count <= MAX_RUNS => {
             let sets = choices.into_iter().map(|(_, (_, sets))| sets).collect();
-            Ok(Varied { combinations: Combinations::All(sets), places })
+            Ok(Varied { combinations: sets, places })
         }
         _ => Err(too_many(node)),
     }
@@ -251,5 +251,5 @@ fn drawn(runs: usize, seed: u64, distributions: Vec<(Place, Drawn)>) -> Result<V
             run.push(Assignment { name: name.clone(), value });
         }
     }
-    Ok(Varied { combinations: Combinations::Drawn(values), places })
+    Ok(Varied { combinations: vec![values], places })
 }

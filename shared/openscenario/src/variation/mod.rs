@@ -40,13 +40,8 @@ pub struct Variation {
     combinations: Combinations,
 }
 
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Combinations {
-    /// The choices of each distribution; the last one varies fastest.
-    All(Vec<Vec<Vec<Assignment>>>),
-    /// Run by run.
-    Drawn(Vec<Vec<Assignment>>),
-}
+/// The choices of each distribution, of which the last one varies fastest. Drawn runs are one choice.
+pub(crate) type Combinations = Vec<Vec<Vec<Assignment>>>;
 
 impl Variation {
     /// Reads a variation file.
@@ -89,10 +84,7 @@ impl Variation {
     /// Number of combinations.
     #[must_use]
     pub fn len(&self) -> usize {
-        match &self.combinations {
-            Combinations::All(choices) => choices.iter().map(Vec::len).product(),
-            Combinations::Drawn(runs) => runs.len(),
-        }
+        self.combinations.iter().map(Vec::len).product()
     }
 
     /// True if there are none. A file that was read has at least one.
@@ -104,18 +96,13 @@ impl Variation {
     /// The values of one combination.
     #[must_use]
     pub fn get(&self, index: usize) -> Vec<Assignment> {
-        match &self.combinations {
-            Combinations::Drawn(runs) => runs[index].clone(),
-            Combinations::All(choices) => {
-                let mut rest = index;
-                let mut values = Vec::new();
-                for choice in choices.iter().rev() {
-                    values.push(&choice[rest % choice.len()]);
-                    rest /= choice.len();
-                }
-                values.into_iter().rev().flatten().cloned().collect()
-            }
+        let mut rest = index;
+        let mut values = Vec::new();
+        for choice in self.combinations.iter().rev() {
+            values.push(&choice[rest % choice.len()]);
+            rest /= choice.len();
         }
+        values.into_iter().rev().flatten().cloned().collect()
     }
 }
 

@@ -95,16 +95,14 @@ impl WorldError {
 }
 
 /// The state of a world. A world of the same script that is restored from it moves on in the same way.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct State {
     time_ns: u64,
     step: u64,
     stopped: bool,
     /// The ego came to the end of its road, and the drive ends there.
-    #[serde(default)]
     road_ended: bool,
     /// The ego has been on its road.
-    #[serde(default)]
     was_on_road: bool,
     /// Triggers are being evaluated.
     evaluating: bool,
@@ -113,7 +111,6 @@ pub struct State {
     conditions: Vec<ConditionMemory>,
     values: Vec<Value>,
     /// Controllers of traffic signals.
-    #[serde(default)]
     cycles: Vec<Cycle>,
 }
 
@@ -172,17 +169,11 @@ impl World {
     pub fn new(script: Script) -> Result<Self, WorldError> {
         let plan = Plan::of(&script)?;
         let state = State {
-            time_ns: 0,
-            step: 0,
-            stopped: false,
-            road_ended: false,
-            was_on_road: false,
-            evaluating: false,
             movers: vec![Mover::default(); script.entities.len()],
             progress: vec![Progress::default(); plan.elements.len()],
             conditions: vec![ConditionMemory::default(); plan.conditions],
             values: script.values.iter().map(|named| named.value.clone()).collect(),
-            cycles: Vec::new(),
+            ..State::default()
         };
         if !script.road.lanes.is_sound() {
             return Err(WorldError::Lanes);

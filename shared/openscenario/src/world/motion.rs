@@ -57,6 +57,14 @@ pub(super) enum Pace {
 }
 
 impl Pace {
+    fn is_over(&self, time_ns: u64) -> bool {
+        match self {
+            Self::Shape(shape) => shape.is_over(time_ns),
+            Self::Profile(profile) => profile.is_over(time_ns),
+            Self::Free | Self::Match { .. } | Self::Keep(_) | Self::Meet(_) => false,
+        }
+    }
+
     /// It needs the other entity's place after the step.
     fn comes_last(&self) -> bool {
         matches!(self, Self::Keep(_) | Self::Meet(_))
@@ -143,11 +151,9 @@ impl World {
             mover.motion = observed;
         }
         let over = match &self.state.movers[entity].pace {
-            Pace::Shape(shape) => shape.is_over(time_ns),
-            Pace::Profile(profile) => profile.is_over(time_ns),
             Pace::Keep(distance) => !distance.continuous,
             Pace::Meet(meeting) => self.has_met(entity, meeting),
-            Pace::Free | Pace::Match { .. } => false,
+            pace => pace.is_over(time_ns),
         };
         if over {
             self.end(entity, Part::Pace);
@@ -168,33 +174,23 @@ impl World {
         let reference = reference.clamp(0.0, MAX_SPEED_MPS);
         let mover = &mut self.state.movers[entity];
         let before = mover.motion.speed_mps;
-        let (way_m, speed_mps, acceleration, over) = match &mover.pace {
-            Pace::Free | Pace::Keep(_) | Pace::Meet(_) => (before * elapsed_s, before, 0.0, false),
-            Pace::Profile(profile) if profile.relative_to.is_none() => (
-                profile.way(from_ns, time_ns),
-                reference,
-                profile.acceleration(time_ns),
-                profile.is_over(time_ns),
-            ),
-            Pace::Profile(profile) => (
-                0.5 * (before + reference) * elapsed_s,
-                reference,
-                rate(before, reference, elapsed_s),
-                profile.is_over(time_ns),
-            ),
-            Pace::Shape(shape) => (
-                shape.way(from_ns, time_ns),
-                shape.speed(time_ns),
-                shape.acceleration(time_ns),
-                shape.is_over(time_ns),
-            ),
+        let over = mover.pace.is_over(time_ns);
+        let (way_m, speed_mps, acceleration) = match &mover.pace {
+            Pace::Free | Pace::Keep(_) | Pace::Meet(_) => (before * elapsed_s, before, 0.0),
+            Pace::Profile(profile) if profile.relative_to.is_none() => {
+                (profile.way(from_ns, time_ns), reference, profile.acceleration(time_ns))
+            }
+            Pace::Profile(_) => evenly(before, reference, elapsed_s),
+            Pace::Shape(shape) => {
+                (shape.way(from_ns, time_ns), shape.speed(time_ns), shape.acceleration(time_ns))
+            }
             Pace::Match { rate_mps2, .. } => {
                 // An infinite rate times zero seconds would be NaN.
                 let speed = match rate_mps2.is_finite() {
                     true => toward(before, reference, *rate_mps2 * elapsed_s),
                     false => reference,
                 };
-                (0.5 * (before + speed) * elapsed_s, speed, rate(before, speed, elapsed_s), false)
+                evenly(before, speed, elapsed_s)
             }
         };
         mover.roll(way_m, stretch, speed_mps, acceleration);
@@ -342,6 +338,11 @@ impl Mover {
         motion.lateral_mps = 0.0;
         self.odometer_m += way_m.abs();
     }
+}
+
+/// Way, speed and acceleration of an even change of the speed.
+fn evenly(before: f64, speed: f64, elapsed_s: f64) -> (f64, f64, f64) {
+    (0.5 * (before + speed) * elapsed_s, speed, rate(before, speed, elapsed_s))
 }
 
 /// The value nearest to `target` that is at most `step` from `from`.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::action::Shape;
+use crate::model::action::{Dimension, Shape, Transition};
 
 /// Largest target speed, m/s: a factor that is applied repeatedly stays finite.
 pub(super) const MAX_SPEED_MPS: f64 = 1e4;
@@ -73,6 +73,18 @@ impl Shape {
             Self::Linear | Self::Step => f64::INFINITY,
             Self::Cubic => 6.0,
             Self::Sinusoidal => 0.5 * pi * pi,
+        }
+    }
+}
+
+impl Transition {
+    /// The time for a change, s; a distance is covered at a mean speed.
+    pub(super) fn duration_s(&self, change: f64, mean_mps: f64) -> f64 {
+        match self.dimension {
+            _ if self.is_immediate() || change == 0.0 => 0.0,
+            Dimension::Time => self.value,
+            Dimension::Rate => self.shape.largest_rate() * change / self.value,
+            Dimension::Distance => self.value / mean_mps,
         }
     }
 }

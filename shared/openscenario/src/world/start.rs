@@ -170,17 +170,9 @@ impl World {
                 (entity, factor, offset_mps)
             }
             _ => {
-                let change = (to_mps - from_mps).abs();
-                let duration_s =
-                    match (transition.is_immediate() || change == 0.0, transition.dimension) {
-                        (true, _) => 0.0,
-                        (_, Dimension::Time) => transition.value,
-                        (_, Dimension::Rate) => {
-                            transition.shape.largest_rate() * change / transition.value
-                        }
-                        // All shapes are symmetric: the mean speed is the mean of both ends.
-                        (_, Dimension::Distance) => 2.0 * transition.value / (from_mps + to_mps),
-                    };
+                // All shapes are symmetric: the mean speed is the mean of both ends.
+                let mean_mps = 0.5 * (from_mps + to_mps);
+                let duration_s = transition.duration_s((to_mps - from_mps).abs(), mean_mps);
                 if duration_s < SHORTEST_S {
                     self.clear(actor, Part::Pace);
                     if !self.is_external(actor) {
@@ -213,18 +205,15 @@ impl World {
         let change = (to_t_m - from_t_m).abs();
         let start_ns = self.state.time_ns;
         let start_m = self.state.movers[actor].odometer_m;
-        let immediate = transition.is_immediate() || change == 0.0;
+        let duration_s = transition.duration_s(change, 1.0);
         let by = match transition.dimension {
-            _ if immediate => Course::Time { start_ns, duration_s: 0.0 },
-            Dimension::Time => Course::Time { start_ns, duration_s: transition.value },
-            Dimension::Rate => {
-                let duration_s = transition.shape.largest_rate() * change / transition.value;
-                Course::Time { start_ns, duration_s }
+            Dimension::Distance if duration_s > 0.0 => {
+                Course::Way { start_m, length_m: transition.value }
             }
-            Dimension::Distance => Course::Way { start_m, length_m: transition.value },
+            _ => Course::Time { start_ns, duration_s },
         };
         let shape = LateralShape { from_t_m, to_t_m, by, shape: transition.shape, endless: None };
-        self.set_steer(actor, shape, immediate, element);
+        self.set_steer(actor, shape, duration_s == 0.0, element);
     }
 
     fn begin_path(&mut self, actor: usize, trajectory: &Trajectory, element: Option<usize>) {

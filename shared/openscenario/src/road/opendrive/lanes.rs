@@ -60,19 +60,15 @@ pub fn read(text: Text<'_>, road: &Element, length_m: f64) -> Result<Side, ReadE
     let mut starts: Vec<(f64, &Element)> = Vec::new();
     for section in children(group, "laneSection") {
         let from_m = text.number(section, "s")?;
+        let reason = format!("the lane section begins at s = {from_m} m");
         if let Some((before_m, _)) = starts.last()
             && !(from_m > *before_m)
         {
-            let reason = format!("the lane section begins at s = {from_m} m");
             return Err(text.meaning(section, reason, format!("more than {before_m}")));
         }
         if from_m >= length_m {
-            let reason = format!("the lane section begins at s = {from_m} m");
-            return Err(text.meaning(
-                section,
-                reason,
-                format!("less than the road's {length_m} m"),
-            ));
+            let expected = format!("less than the road's {length_m} m");
+            return Err(text.meaning(section, reason, expected));
         }
         starts.push((from_m, section));
     }

@@ -1,6 +1,6 @@
 //! Roads in a row, by their links.
 
-use road::{Axis, Laid, Lanes, MAX_GAP_M, MAX_KINK_RAD, Pose, Profile};
+use road::{Axis, MAX_GAP_M, MAX_KINK_RAD, Pose, Profile};
 
 use super::Found;
 use super::geometry::Line;
@@ -27,14 +27,12 @@ struct Member<'a> {
 
 /// A member as it was read, in the direction of the row.
 struct Read {
-    pieces: Vec<Laid>,
-    length_m: f64,
+    /// A road of this member alone.
+    road: Road,
     /// End of its last piece; an error if it cannot be driven.
     end: Result<Pose, ReadError>,
-    lanes: Lanes,
     first: Vec<Link>,
     last: Vec<Link>,
-    heights: Profile,
 }
 
 /// True if a road is not a way through a junction.
@@ -76,22 +74,26 @@ impl<'a> Member<'a> {
         // Only now: a word in place of a number is a clearer error than its effect on the line.
         let end = line.axis(text).map(|axis| axis.pose(length_m).placed(&line.pieces[0].start));
         notices.extend(line.notices.iter().cloned());
-        Ok(match self.reversed {
-            false => Read { pieces: line.pieces, length_m, end, lanes, first, last, heights },
-            true => {
-                let start = line.pieces[0].start;
-                let heading_rad = start.heading_rad + std::f64::consts::PI;
-                Read {
-                    pieces: line.reversed(),
-                    length_m,
-                    end: end.map(|_| Pose { heading_rad, ..start }),
-                    lanes: lanes.reversed(),
-                    first: last.into_iter().rev().collect(),
-                    last: first.into_iter().rev().collect(),
-                    heights: heights.reversed(length_m),
-                }
-            }
-        })
+        let id = self.road.attribute("id").unwrap_or_default().to_owned();
+        let mut road = Road {
+            length_m: Some(length_m),
+            parts: vec![Part { id, from_m: 0.0, length_m, reversed: self.reversed }],
+            pieces: Vec::new(),
+            left_hand: self.road.attribute("rule") == Some("LHT"),
+            lanes,
+            heights,
+        };
+        if !self.reversed {
+            road.pieces = line.pieces;
+            return Ok(Read { road, end, first, last });
+        }
+        let start = line.pieces[0].start;
+        let heading_rad = start.heading_rad + std::f64::consts::PI;
+        road.pieces = line.reversed();
+        (road.lanes, road.heights) = (road.lanes.reversed(), road.heights.reversed(length_m));
+        let turned = |links: Vec<Link>| links.into_iter().rev().collect();
+        let end = end.map(|_| Pose { heading_rad, ..start });
+        Ok(Read { road, end, first: turned(last), last: turned(first) })
     }
 }
 
@@ -136,12 +138,13 @@ impl<'a> Row<'a> {
     /// Reads its roads as one.
     pub fn read(&self, text: Text<'_>) -> Result<Found, ReadError> {
         let mut notices = Vec::new();
-        let mut whole: Option<(Road, Read, Pose)> = None;
+        // The roads so far, the links at the end, and its pose.
+        let mut whole: Option<(Road, Vec<Link>, Pose)> = None;
         for (number, member) in self.members.iter().enumerate() {
-            let next = member.read(text, &mut notices)?;
-            let end = match (&next.end, number == self.asked) {
-                (Ok(end), _) => *end,
-                (Err(error), true) => return Err(error.clone()),
+            let Read { road: mut next, end, first, last } = member.read(text, &mut notices)?;
+            let end = match (end, number == self.asked) {
+                (Ok(end), _) => end,
+                (Err(error), true) => return Err(error),
                 (Err(error), false) => {
                     notices.push(format!("the row of roads ends there: {error}"));
                     if number > self.asked {
@@ -151,34 +154,31 @@ impl<'a> Row<'a> {
                     continue;
                 }
             };
-            let id = member.road.attribute("id").unwrap_or_default().to_owned();
-            let (length_m, reversed) = (next.length_m, member.reversed);
-            let part = |from_m| Part { id: id.clone(), from_m, length_m, reversed };
-            let Some((road, last, last_end)) = &mut whole else {
-                whole = Some((alone(part(0.0), member, &next), next, end));
+            let Some((road, last_links, last_end)) = &mut whole else {
+                whole = Some((next, last, end));
                 continue;
             };
             if !is_joined(last_end, &next.pieces[0].start) {
                 notices.push(format!(
-                    "{}: road `{id}` is linked to the one before, and their reference lines do not meet: the row of roads \
+                    "{}: road `{}` is linked to the one before, and their reference lines do not meet: the row of roads \
                      ends between them",
-                    text.place(member.road)
+                    text.place(member.road), next.parts[0].id
                 ));
                 if number > self.asked {
                     break;
                 }
-                *road = alone(part(0.0), member, &next);
-                (*last, *last_end) = (next, end);
+                whole = Some((next, last, end));
                 continue;
             }
             let turned = road.parts.last().is_some_and(|part| part.reversed) != member.reversed;
-            road.parts.push(part(road.lanes.length_m));
-            road.pieces.extend_from_slice(&next.pieces);
-            next.heights.append_to(&mut road.heights, road.lanes.length_m, next.length_m);
-            let links = lanes::pairs(&last.last, &next.first, turned);
-            road.lanes.append(&next.lanes, &links);
+            next.parts[0].from_m = road.lanes.length_m;
+            let next_m = next.lanes.length_m;
+            road.parts.append(&mut next.parts);
+            road.pieces.append(&mut next.pieces);
+            next.heights.append_to(&mut road.heights, road.lanes.length_m, next_m);
+            road.lanes.append(&next.lanes, &lanes::pairs(last_links, &first, turned));
             road.length_m = Some(road.lanes.length_m);
-            (*last, *last_end) = (next, end);
+            (*last_links, *last_end) = (last, end);
         }
         let Some((road, ..)) = whole else { unreachable!("a row has a road") };
         let axis = Axis::laid(&road.pieces);
@@ -190,18 +190,6 @@ impl<'a> Row<'a> {
             )
         })?;
         Ok(Found { road, notices })
-    }
-}
-
-/// A row of one member.
-fn alone(part: Part, member: &Member<'_>, read: &Read) -> Road {
-    Road {
-        length_m: Some(read.length_m),
-        parts: vec![part],
-        pieces: read.pieces.clone(),
-        left_hand: member.road.attribute("rule") == Some("LHT"),
-        lanes: read.lanes.clone(),
-        heights: read.heights.clone(),
     }
 }
 
