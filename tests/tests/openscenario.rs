@@ -210,6 +210,33 @@ fn the_user_names_the_ego() {
     );
 }
 
+/// A story that cannot happen is not a completed drive.
+#[test]
+fn a_story_that_cannot_happen_has_status_1() {
+    let corner = corner();
+    let file = "examples/cut_in.xosc";
+    let path = corner.path().join(file);
+    let good = std::fs::read_to_string(&path).expect("it is there");
+    let refused = |arguments: &[&str], status: i32, expected: &str| {
+        let output = corner.run(&[&["run", file, "--mode", "lockstep"], arguments].concat());
+        let said = text(&output);
+        assert_eq!(output.status.code(), Some(status), "{said}");
+        assert!(said.contains(expected), "{said}");
+    };
+    // The acts start at 500 s.
+    let late = "<SimulationTimeCondition value=\"500\"";
+    std::fs::write(&path, good.replace("<SimulationTimeCondition value=\"0\"", late))
+        .expect("ours");
+    refused(&["--duration", "2"], 1, "never started within");
+    refused(&["--duration", "2", "--json"], 1, "\"no_story\"");
+    let waits = ["--set", "set_speed_mps=0", "--set", "plant.initial_speed_mps=0"];
+    refused(&waits, 1, "error: the ego stands, and its set speed is 0 m/s: the story of");
+    std::fs::write(&path, good.replace("straight.xodr", "bent.xodr")).expect("ours");
+    refused(&[], 1, "bent.xodr is not there: the story of");
+    refused(&["--strict"], 2, "bent.xodr is not there: a straight road with lanes of 3.5 m");
+    assert!(corner.roots().is_empty());
+}
+
 #[test]
 fn a_pedestrian_is_a_target() {
     let corner = corner();

@@ -49,6 +49,9 @@ pub struct RunArguments {
     pub results: ResultOptions,
     #[command(flatten)]
     pub live: LiveOptions,
+    /// Refuse a scenario that has notes: each is an error
+    #[arg(long)]
+    pub strict: bool,
     /// Do not record the topics
     #[arg(long)]
     pub no_record: bool,
@@ -65,7 +68,14 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     };
     let scenario = open(&arguments.scenario, &options)?;
     for notice in scenario.notices() {
-        eprintln!("note: {notice}");
+        eprintln!("{}: {notice}", if arguments.strict { "error" } else { "note" });
+    }
+    if arguments.strict && scenario.notices().next().is_some() {
+        return Ok(ExitCode::from(2));
+    }
+    if let Some(why) = scenario.hindrance() {
+        eprintln!("error: {why}: the story of {} cannot happen", arguments.scenario);
+        return Ok(ExitCode::FAILURE);
     }
     check_targets(&scenario)?;
     let mode = arguments.mode.into();

@@ -71,6 +71,7 @@ pub(crate) struct Scene<'a> {
     /// References to parts of the storyboard, to be looked up once all of it has been read.
     pub references: RefCell<Vec<Reference>>,
     pub notices: RefCell<Vec<String>>,
+    pub hindrance: RefCell<Option<String>>,
 }
 
 /// The road with its place in the plane.
@@ -151,6 +152,7 @@ impl<'a> Scene<'a> {
                 Ok(())
             }
             Err(error) if error.kind() == ErrorKind::NotFound => {
+                self.hindrance.replace(Some(format!("{place}: {name} is not there")));
                 self.notice(format!(
                     "{place}: {name} is not there: a straight road with lanes of 3.5 m is assumed"
                 ));

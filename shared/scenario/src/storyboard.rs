@@ -23,6 +23,9 @@ pub struct Storyboard {
     /// Remarks on its simulation, a sentence each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notices: Vec<String>,
+    /// Reason why its story cannot happen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hindrance: Option<String>,
     /// The file's parameters with the values that took effect.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, String>,
@@ -34,6 +37,24 @@ impl Schema for Storyboard {
     /// A translation fills it.
     fn shape() -> Shape {
         Shape::Free
+    }
+}
+
+impl Scenario {
+    /// Reason why the story of its OpenSCENARIO file cannot happen, as far as that is known before the drive.
+    ///
+    /// ```
+    /// let text = scenario::builtin::find("cut-in").expect("built in").text;
+    /// assert_eq!(scenario::Scenario::parse("cut-in", text)?.hindrance(), None);
+    /// # Ok::<(), scenario::ScenarioError>(())
+    /// ```
+    #[must_use]
+    pub fn hindrance(&self) -> Option<String> {
+        let storyboard = self.storyboard.as_ref()?;
+        let stands =
+            self.set_speed_mps.value() == 0.0 && self.plant.initial_speed_mps.value() == 0.0;
+        let waits = || "the ego stands, and its set speed is 0 m/s".to_owned();
+        storyboard.hindrance.clone().or_else(|| stands.then(waits))
     }
 }
 

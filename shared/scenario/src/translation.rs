@@ -130,6 +130,7 @@ pub(super) fn keys_of(path: &Path, choices: &Choices) -> Result<ForeignKeys, Ope
     }
     keys.set_storyboard(Storyboard {
         source: file,
+        hindrance: read.hindrance,
         notices: (read.notices.into_iter())
             .chain(super::start_notices::of(&script, &world, choices.headings))
             .collect(),

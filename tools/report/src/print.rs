@@ -55,6 +55,7 @@ pub fn outcome_word(outcome: Outcome) -> &'static str {
         Outcome::SafeStop => "safe stop",
         Outcome::DrivenByBackup => "DRIVEN BY BACKUP",
         Outcome::RequirementBroken => "REQUIREMENT BROKEN",
+        Outcome::NoStory => "NO STORY",
         Outcome::Aborted => "aborted",
     }
 }

@@ -102,6 +102,8 @@ pub enum Outcome {
     DrivenByBackup,
     /// The drive broke a requirement of the scenario, beside the rules that every drive is judged by.
     RequirementBroken,
+    /// The story of an OpenSCENARIO file could not happen, so the drive says nothing about it.
+    NoStory,
     /// An error ended the run early.
     Aborted,
 }

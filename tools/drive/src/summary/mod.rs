@@ -210,7 +210,9 @@ impl Summary {
         let evidence = Evidence { scenario, drive: &group.drive, impact_speed_mps };
         let requirements = judge(&evidence);
         let all_met = requirements.iter().all(|verdict| verdict.met);
+        let perception = report(Service::PerceptionSim).and_then(perception_details);
         let outcome = match outcome {
+            Outcome::Completed if !has_begun(scenario, perception.as_ref()) => Outcome::NoStory,
             Outcome::Completed if !all_met => Outcome::RequirementBroken,
             outcome => outcome,
         };
@@ -271,7 +273,7 @@ impl Summary {
                     .map(|plant| plant.late_reactions),
             },
             aebs: Aebs::of(scenario, plant, report(Service::Aebs)),
-            perception: report(Service::PerceptionSim).and_then(perception_details),
+            perception,
             targets: PlaceSums::of(scenario, &group.drive),
             radio: radio::unit(group),
             link: radio::link(group),
@@ -342,6 +344,13 @@ impl Summary {
         let name = Service::Controller.name();
         self.services.iter().find(|service| service.name == name)?.program.as_ref()
     }
+}
+
+/// False if the story of an OpenSCENARIO file could not happen, or none of its acts has started.
+fn has_begun(scenario: &Scenario, perception: Option<&PerceptionReport>) -> bool {
+    let (Some(storyboard), Some(report)) = (&scenario.storyboard, perception) else { return true };
+    let acts: usize = storyboard.script.stories.iter().map(|story| story.acts.len()).sum();
+    scenario.hindrance().is_none() && (acts == 0 || report.unstarted_acts.len() < acts)
 }
 
 fn outcome(ended: &Ended, plant: Option<&PlantReport>) -> (Outcome, Option<String>) {

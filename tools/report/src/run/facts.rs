@@ -120,7 +120,7 @@ fn storyboard(summary: &Summary) -> Option<String> {
     (!remarks.is_empty()).then(|| remarks.join(", "))
 }
 
-fn unstarted_acts(acts: &[String]) -> Option<String> {
+pub(super) fn unstarted_acts(acts: &[String]) -> Option<String> {
     let named: Vec<String> = acts.iter().take(MOST_ACTS).map(|act| format!("`{act}`")).collect();
     let more = acts.len() - named.len();
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };

@@ -78,6 +78,11 @@ fn verdict(summary: &Summary) -> (bool, String) {
             let broken = summary.requirements.iter().filter(|verdict| !verdict.met);
             broken.map(|verdict| verdict.requirement.as_str()).collect::<Vec<_>>().join("; ")
         }
+        Outcome::NoStory => {
+            let acts = summary.perception.as_ref().map_or(&[][..], |it| &it.unstarted_acts);
+            let why = facts::unstarted_acts(acts).unwrap_or_default();
+            format!("{why} within {at}: the file's story did not happen")
+        }
         Outcome::Aborted => {
             let why = summary.aborted_because.as_deref().unwrap_or("ended early");
             format!("{why}, after {at}")
