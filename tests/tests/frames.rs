@@ -63,7 +63,8 @@ fn a_group_of_processes_says_the_same_as_one_process() {
         let verdicts = summary["radio"]["verdicts"].clone();
         (summary["messages"].clone(), verdicts)
     };
-    let (memory, shared) = (run(&["--in-process", "--no-record"]), run(&["--no-record"]));
+    let (memory, shared) =
+        (run(&["--in-process", "--digests", "--no-record"]), run(&["--no-record"]));
     assert!(!memory.0["radio/frames"]["digests"]["v2x-sim"].is_null(), "{}", memory.0);
     assert_eq!(memory, shared);
 }

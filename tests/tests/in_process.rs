@@ -54,7 +54,7 @@ fn same_in_both(scenario: &str, options: &[&str]) {
         serde_json::from_slice::<Value>(&output.stdout)
             .unwrap_or_else(|_| panic!("{}", text(&output)))
     };
-    let (memory, shared) = (run(&["--in-process"]), run(&[]));
+    let (memory, shared) = (run(&["--in-process", "--digests"]), run(&[]));
     assert_eq!(
         (&memory["carrier"], &shared["carrier"]),
         (&"memory".into(), &"shared-memory".into())

@@ -34,7 +34,7 @@ fn a_run_has_the_name_and_the_program() {
     assert_eq!(program["command"], format!("{ODD_LAW} follow"));
     let page = std::fs::read_to_string(corner.path().join("out/report.html")).expect("written");
     assert!(page.contains("gentle ("), "the page has the name");
-    let inside = corner.json(&[&run[..], &["--in-process"]].concat());
+    let inside = corner.json(&[&run[..], &["--in-process", "--digests"]].concat());
     let digests = |summary: &Value| summary["messages"]["control/command"]["digests"].clone();
     assert_eq!(digests(&summary), digests(&inside));
     let replayed = corner.json(&["recording", "replay", "out"]);

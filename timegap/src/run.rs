@@ -15,7 +15,7 @@ use report::output::{HISTOGRAMS, OutputDirectory, histogram_log};
 use report::results::ResultOptions;
 use report::summary::{self, Summary};
 use report::{RunPicture, print, trajectory};
-use runtime::Mode;
+use runtime::{Mode, Sealing};
 use scenario::Scenario;
 use std::process::ExitCode;
 use std::time::Instant;
@@ -45,6 +45,9 @@ pub struct RunArguments {
     /// Run all services in one process: lockstep only, same bytes, no recording
     #[arg(long)]
     pub in_process: bool,
+    /// Compute the digests of all messages also with --in-process; a group of processes always does in lockstep
+    #[arg(long, requires = "in_process")]
+    pub digests: bool,
     #[command(flatten)]
     pub results: ResultOptions,
     #[command(flatten)]
@@ -100,7 +103,8 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     };
     let result = if arguments.in_process {
         // Until a signal, which is blocked since before the run.
-        group::in_process::run_watched(&scenario, &group::is_signalled, &mut watch)
+        let sealing = if arguments.digests { Sealing::Sealed } else { Sealing::Unsealed };
+        group::in_process::run_watched(&scenario, sealing, &group::is_signalled, &mut watch)
     } else {
         let keep = Keep {
             live_file: Some(output.path().join("live.json")),

@@ -15,7 +15,7 @@
 //! assert_eq!(cycles.meaning(), "Cycles done so far.");
 //! ```
 
-use iceoryx2::prelude::ZeroCopySend;
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 /// A scalar of a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -160,6 +160,9 @@ impl<T: FieldType, const N: usize> FieldType for [T; N] {
 }
 
 impl Layout {
+    /// Alignment of every struct, bytes.
+    pub const ALIGNMENT: usize = 8;
+
     /// Checks that the struct's bytes are its CDR body: fields in order without gaps, and each scalar on a multiple of
     /// its size.
     pub(crate) const fn check(&self) {
@@ -247,7 +250,8 @@ macro_rules! layout {
 pub(crate) mod declare {
     pub(crate) use super::layout;
     pub(crate) use bytemuck::{Pod, Zeroable};
-    pub(crate) use iceoryx2::prelude::ZeroCopySend;
+    pub(crate) use iceoryx2_bb_derive_macros::ZeroCopySend;
+    pub(crate) use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 }
 pub(crate) use layout;
 

@@ -16,7 +16,7 @@ use super::{Header, Laid, Layout};
 use crate::Service;
 use bytemuck::Pod;
 use core::fmt::Debug;
-use iceoryx2::prelude::ZeroCopySend;
+use iceoryx2_bb_elementary_traits::zero_copy_send::ZeroCopySend;
 
 /// Version of all message layouts, an attribute of every topic: a process built with another
 /// version cannot open it.
@@ -111,7 +111,7 @@ macro_rules! topics {
 
         const _: () = {
             assert!(core::mem::offset_of!(crate::$topic, header) == 0, "the header comes first");
-            assert!(align_of::<crate::$topic>() == 8, "natural alignment");
+            assert!(align_of::<crate::$topic>() == Layout::ALIGNMENT, "natural alignment");
         };)+
 
         /// Calls the macro `$callback` with the types of all messages, in the order of [`TOPICS`].

@@ -5,11 +5,11 @@
 
 use crate::life::link::End;
 use crate::ports::members::Members;
-use crate::ports::{Checks, Outlet, Protection, Tally, Wire};
+use crate::ports::{Check, Protection, Seal, Tally};
 use crate::survival::gate::Gate;
 use crate::transport::waking::{Waiter, Waker};
-use crate::transport::{Ipc, Sealing, SharedMemory, Transport};
-use crate::{Carried, Clock, Group, Publisher, RuntimeError, Subscriber};
+use crate::transport::{Ipc, SharedMemory, Transport, Wanted};
+use crate::{Clock, Group, Mode, Publisher, RuntimeError, Subscriber};
 use iceoryx2::prelude::ServiceName;
 use iceoryx2::service::builder::Builder;
 use messages::{Message, Service, Topic};
@@ -63,38 +63,31 @@ impl Guest {
     ///
     /// # Errors
     /// [`RuntimeError::Topic`].
-    pub fn publisher<T: Carried>(&self, source: Service) -> Result<Publisher<T>, RuntimeError> {
-        let port = T::sender(&self.transport, End::default())?;
-        let tally = Tally::of_sender(self.group.mode, Sealing::Sealed);
-        let protection = Protection {
-            port: Rc::clone(&port),
-            waker: self.transport.waker(T::TOPIC),
-            timetable: self.group.timetable,
-            tally: Rc::clone(&tally),
-        };
-        let outlet = Outlet {
-            next: Box::new(protection),
-            clock: Rc::new(Clock::new(self.group.mode, self.group.timetable.step_ns)),
+    pub fn publisher<T: Message>(&self, source: Service) -> Result<Publisher<T>, RuntimeError> {
+        let Group { mode, timetable, .. } = self.group;
+        Ok(Publisher::new(Seal {
+            outlet: self.transport.outlet(End::default())?,
+            waker: Some((self.waker(T::TOPIC), timetable)),
+            falsified: None,
+            protection: Protection::Full,
+            clock: Rc::new(Clock::new(mode, timetable.step_ns)),
             source,
             incarnation: 0,
-            tally,
+            tally: Tally::of_sender(mode == Mode::Lockstep),
             gate: Rc::new(Gate::open(source)),
             held: None,
-        };
-        Ok(Publisher::new(port, outlet))
+        }))
     }
 
     /// The receiving end of `T`'s topic, as a service that it releases has it.
     ///
     /// # Errors
     /// [`RuntimeError::Topic`].
-    pub fn subscriber<T: Carried>(&self) -> Result<Subscriber<T>, RuntimeError> {
-        let waiter = Some(self.transport.waiter(T::TOPIC));
-        let (port, tally) = (T::receiver(&self.transport)?, Tally::of_receiver());
-        let members = Rc::new(Members::of(&self.group.root));
-        let wire = Wire::new(Rc::clone(&port), members, Rc::clone(&tally));
-        let checks = Checks::new(None, None, None, Rc::clone(&tally));
-        Ok(Subscriber::new(port, waiter, Box::new(wire), checks, tally))
+    pub fn subscriber<T: Message>(&self) -> Result<Subscriber<T>, RuntimeError> {
+        let (inlet, tally) = (self.transport.inlet(Wanted::Every)?, Tally::of_receiver());
+        let members = Some(Rc::new(Members::of(&self.group.root)));
+        let check = Check::new(members, true, Rc::clone(&tally));
+        Ok(Subscriber::new(inlet, Some(self.waiter(T::TOPIC)), None, check, tally))
     }
 
     /// Waits for samples of `T`'s topic, at most for `timeout`, and hands all to `each`.

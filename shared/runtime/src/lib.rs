@@ -61,10 +61,7 @@ pub use machine::scheduling;
 pub use machine::spawn::{die_with_this_thread, inherit_only};
 pub use machine::usage::Usage;
 pub use ports::members::{enroll, enroll_listener};
-pub use ports::observer::{Observed, Observer};
-pub use ports::player::{Played, Player};
-pub use ports::tap::{Tap, Tapped};
-pub use ports::{Publisher, Subscriber};
+pub use ports::{Observed, Observer, Played, Player, Publisher, Subscriber, Tap, Tapped};
 pub use releases::clock::{Clock, Mode, monotonic_ns, sleep_until};
 pub use releases::release::{Overrun, Release};
 pub use releases::schedule::{Schedule, ScheduledRelease};
@@ -72,7 +69,6 @@ pub use releases::timetable::Timetable;
 pub use session::{Cycle, Runtime, count_allocations_by};
 pub use survival::checkpoint::Checkpoint;
 pub use survival::standby::{ActiveProcess, Cause, TakeOver};
-pub use transport::carried::Carried;
 pub use transport::waking::{Ticket, Waiter, Waker};
 pub use transport::{
     Carrier, Ipc, Loan, Sealing, TransportError, Turns, domain, shared_memory_bytes,

@@ -76,7 +76,7 @@ fn the_same_bytes_by_pipe_in_a_group_and_in_one_process() {
     let command = by(&[&law, "follow"]);
     let run = |more: &[&str]| corner.json(&run_by(&command, &[&LOCKSTEP[..], more].concat()));
     let (one, two) = (run(&["--out", "one"]), run(&["--no-record"]));
-    let inside = run(&["--in-process"]);
+    let inside = run(&["--in-process", "--digests"]);
     for other in [&two, &inside] {
         for topic in ["control/command", "control/diagnostics", "vehicle/odometry"] {
             let digests = |summary: &Value| summary["messages"][topic]["digests"].clone();

@@ -38,19 +38,7 @@ pub fn entry(service: Service) -> Entry {
 /// # Errors
 /// A [`Refusal`](crate::Refusal) of faults of processes, [`Error::NotReady`] if a service cannot begin.
 pub fn run(scenario: &Scenario) -> Result<GroupOutcome, Error> {
-    run_watched(scenario, &|| false, &mut |_| {})
-}
-
-/// The same while `watch` sees it go, until `interrupted` says that it is to end.
-///
-/// # Errors
-/// As [`run`].
-pub fn run_watched(
-    scenario: &Scenario,
-    interrupted: &dyn Fn() -> bool,
-    watch: &mut dyn FnMut(&Moment<'_>),
-) -> Result<GroupOutcome, Error> {
-    drive(scenario, Sealing::Sealed, interrupted, watch)
+    run_watched(scenario, Sealing::Sealed, &|| false, &mut |_| {})
 }
 
 /// The same for a run whose messages are not compared with another run's. CRCs and digests are not computed, and the
@@ -62,10 +50,14 @@ pub fn run_unsealed(
     scenario: &Scenario,
     interrupted: &dyn Fn() -> bool,
 ) -> Result<GroupOutcome, Error> {
-    drive(scenario, Sealing::Unsealed, interrupted, &mut |_| {})
+    run_watched(scenario, Sealing::Unsealed, interrupted, &mut |_| {})
 }
 
-fn drive(
+/// The same with digests or without, while `watch` sees it go, until `interrupted` says that it is to end.
+///
+/// # Errors
+/// As [`run`].
+pub fn run_watched(
     scenario: &Scenario,
     sealing: Sealing,
     interrupted: &dyn Fn() -> bool,

@@ -27,7 +27,6 @@
 use crate::layout::declare::*;
 use bytemuck::{Pod, Zeroable};
 use crc_fast::{CrcAlgorithm, checksum};
-use iceoryx2::prelude::ZeroCopySend;
 
 const _: () = assert!(size_of::<Protection>() == 24);
 

@@ -1,6 +1,6 @@
 //! Choice of the faults that act on a message, and their counts.
 
-use messages::{Drive, Service, TOPICS, Topic};
+use messages::{Drive, EgoTruth, Message, Service, TOPICS, Topic};
 use scenario::Scenario;
 use scenario::faults::{Begin, Effect, Falsification, Fault, Target};
 use serde::{Deserialize, Serialize};
@@ -171,6 +171,11 @@ impl Faults {
         self.reach.get().senders & bit(topic) != 0
     }
 
+    /// True if one may come to act on messages of `topic`, those aside that the launcher still sends.
+    pub(crate) fn concern(&self, topic: Topic) -> bool {
+        self.disturbs(topic) || self.falsifies(topic)
+    }
+
     /// Takes in the faults that the launcher sent.
     pub(crate) fn refresh(&self) {
         for Injected { number, begin_ns, fault } in self.inbox.take() {
@@ -281,6 +286,12 @@ impl Faults {
             }
         }
     }
+}
+
+/// State of the drive in a message of the ego's ground truth: what faults can wait for.
+pub(super) fn drive<T: Message>(message: &T) -> Option<Drive> {
+    (T::TOPIC == Topic::EgoTruth)
+        .then(|| Drive::of(bytemuck::from_bytes::<EgoTruth>(bytemuck::bytes_of(message))))
 }
 
 /// True if the fault is one of messages of `source` on `topic`.

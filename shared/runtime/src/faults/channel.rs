@@ -1,22 +1,28 @@
 //! Faults of messages on their way: between their arrival and a receiver's check.
 
-use super::activation::Faults;
+use super::activation::{Faults, drive};
+use crate::Clock;
 use crate::transport::Sealing;
 use messages::Message;
 use messages::e2e::profile7;
 use scenario::faults::{Disturbance, Effect};
 use std::collections::VecDeque;
+use std::rc::Rc;
 
 /// Messages that can be on their way at once; the oldest is lost beyond it.
 const CAPACITY: usize = 256;
 
 /// The disturbed channel between a topic and one receiver.
 #[derive(Debug)]
-pub(crate) struct ChannelFaults<T> {
+pub(crate) struct Disturbed<T> {
+    faults: Rc<Faults>,
+    clock: Rc<Clock>,
+    /// Sealing of what arrives.
+    sealing: Sealing,
     /// Messages and when they are handed over, ns of run time.
     pending: VecDeque<(i64, OnItsWay<T>)>,
     /// A message that lets its successor pass.
-    overtaken: Option<OnItsWay<T>>,
+    overtaken: Option<Box<OnItsWay<T>>>,
 }
 
 /// A message on its way.
@@ -24,28 +30,27 @@ pub(crate) struct ChannelFaults<T> {
 pub(crate) struct OnItsWay<T> {
     pub(crate) message: T,
     /// The fault that corrupted it.
-    pub(crate) corrupted_by: Option<u32>,
+    pub(super) corrupted_by: Option<u32>,
 }
 
-impl<T: Message> ChannelFaults<T> {
-    pub(crate) fn new() -> Self {
-        Self { pending: VecDeque::new(), overtaken: None }
+impl<T: Message> Disturbed<T> {
+    /// Lets `faults` disturb messages that are sealed so.
+    pub(crate) fn new(faults: Rc<Faults>, clock: Rc<Clock>, sealing: Sealing) -> Self {
+        Self { faults, clock, sealing, pending: VecDeque::new(), overtaken: None }
     }
 
-    /// Takes a message that arrived at `now_ns`. True if no fault acts on it and none is before it. It is then the
-    /// receiver's at once, and is not copied.
-    pub(crate) fn take(
-        &mut self,
-        message: &T,
-        sealing: Sealing,
-        faults: &Faults,
-        now_ns: i64,
-    ) -> bool {
+    /// Takes a message that arrived now. True if no fault acts on it and none is before it. It is then the receiver's at
+    /// once, and is not copied.
+    pub(crate) fn passes(&mut self, message: &T) -> bool {
+        if !self.faults.disturbs(T::TOPIC) {
+            return true;
+        }
+        let now_ns = self.clock.now_ns();
         let in_use = T::LAYOUT.bytes_in_use(bytemuck::bytes_of(message));
         // A message that is checked as a copy is checked by its CRC too.
         let copy = || {
             let mut copy = *message;
-            if sealing == Sealing::Unsealed {
+            if self.sealing == Sealing::Unsealed {
                 profile7::seal(&mut bytemuck::bytes_of_mut(&mut copy)[..in_use]);
             }
             copy
@@ -56,7 +61,8 @@ impl<T: Message> ChannelFaults<T> {
         let mut corrupted_by = None;
         let mut due_ns = now_ns;
         let (mut copies, mut reordered) = (1, false);
-        faults.activate(Effect::of_channels, T::TOPIC, identity, now_ns, |fault, activation| {
+        let which = Effect::of_channels;
+        self.faults.activate(which, T::TOPIC, identity, now_ns, |fault, activation| {
             match fault.disturbance {
                 Disturbance::Drop {} => copies = 0,
                 Disturbance::Duplicate {} => copies += u32::from(copies > 0),
@@ -88,22 +94,37 @@ impl<T: Message> ChannelFaults<T> {
         }
         let message = OnItsWay { message: changed.unwrap_or_else(copy), corrupted_by };
         if reordered && copies > 0 && self.overtaken.is_none() {
-            self.overtaken = Some(message);
+            self.overtaken = Some(Box::new(message));
             return false;
         }
         for _ in 0..copies {
             self.send(due_ns, message);
         }
         if let Some(overtaken) = self.overtaken.take_if(|_| copies > 0) {
-            self.send(due_ns, overtaken);
+            self.send(due_ns, *overtaken);
         }
         false
     }
 
-    /// The next message that is due at `now_ns`.
-    pub(crate) fn hand_over(&mut self, now_ns: i64) -> Option<OnItsWay<T>> {
-        let due = self.pending.front().is_some_and(|(due_ns, _)| *due_ns <= now_ns);
-        due.then(|| self.pending.pop_front()).flatten().map(|(_, message)| message)
+    /// The next message that is due now.
+    pub(crate) fn hand_over(&mut self) -> Option<OnItsWay<T>> {
+        let (due_ns, _) = self.pending.front()?;
+        if *due_ns > self.clock.now_ns() {
+            return None;
+        }
+        self.pending.pop_front().map(|(_, message)| message)
+    }
+
+    /// Notes that a receiver's check let this message pass.
+    pub(crate) fn note_passed(&self, late: &OnItsWay<T>) {
+        if let Some(number) = late.corrupted_by {
+            self.faults.went_undetected(number);
+        }
+    }
+
+    /// Begins faults that wait for what the newest message shows.
+    pub(crate) fn observe(&self, newest: Option<&T>) {
+        self.faults.observe(|| newest.and_then(drive), self.clock.now_ns());
     }
 
     /// Keeps the messages in the order in which they are due.

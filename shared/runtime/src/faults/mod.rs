@@ -8,21 +8,22 @@
 //! Falsified ─► protection ─► topic ─► senders, losses ─► Disturbed ─► end-to-end check
 //! ```
 //!
-//! * [`Disturbed`] is a decorator of a receiving end. It disturbs messages between their arrival and the end-to-end
+//! * [`Disturbed`] is a part of a receiving end. It disturbs messages between their arrival and the end-to-end
 //!   check: `delay`, `drop`, `duplicate`, `reorder`, `corrupt`. A receiver in lockstep counts its message as arrived,
 //!   even if it never gets it.
-//! * [`Falsified`] is a decorator of a sending end. It changes messages before they are protected: `freeze`,
+//! * [`Falsified`] is a part of a sending end. It changes messages before they are protected: `freeze`,
 //!   `bias`, `stale`, `clock-step`.
 //!
-//! The ports do not depend on faults. Without faults a decorator asks one flag per message.
+//! A port has such a part only where a fault can come to act. In one process the scenario decides that at the start.
+//! Between processes the launcher can send a fault at any time: there a part asks one flag per message.
 
 mod activation;
 mod channel;
-mod decorators;
 mod sender;
 #[cfg(test)]
 mod tests;
 
 pub use activation::{FaultStatistics, Injected, concerned};
 pub(super) use activation::{Faults, Inbox};
-pub(super) use decorators::{Disturbed, Falsified};
+pub(super) use channel::Disturbed;
+pub(super) use sender::Falsified;

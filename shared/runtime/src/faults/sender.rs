@@ -1,31 +1,39 @@
 //! Sender faults: messages that are intact and whose content is false.
 
-use super::activation::Faults;
+use super::activation::{Faults, drive};
 use messages::{Header, Message, Odometry, RadarTracks, Spat};
 use scenario::faults::{BiasedField, Effect, Falsification};
 use scenario::quantity::Shift;
+use std::rc::Rc;
 
 /// Falsifies the messages of one publisher.
 #[derive(Debug)]
-pub(crate) struct SenderFaults<T> {
+pub(crate) struct Falsified<T> {
+    faults: Rc<Faults>,
     /// The last message that no freeze replaced, where one may come.
     last_intact: Option<Box<T>>,
 }
 
-impl<T: Message> SenderFaults<T> {
-    pub(crate) fn new() -> Self {
-        Self { last_intact: None }
+impl<T: Message> Falsified<T> {
+    /// Lets `faults` change what is sent.
+    pub(crate) fn new(faults: Rc<Faults>) -> Self {
+        Self { faults, last_intact: None }
     }
 
-    /// Falsifies `message`, stamped but not yet protected, as the faults say.
-    pub(crate) fn apply(&mut self, message: &mut T, faults: &Faults, now_ns: i64) {
+    /// Falsifies `message`, stamped at `now_ns` but not yet protected, as the faults say.
+    pub(crate) fn apply(&mut self, message: &mut T, now_ns: i64) {
+        self.faults.observe(|| drive(&*message), now_ns);
+        if !self.faults.falsifies(T::TOPIC) {
+            return;
+        }
         let header = message.header();
         let identity = (header.source, header.incarnation, header.sequence);
         // Copied only where it is needed: detections are 48 KiB.
-        let may_freeze = faults.may_freeze(T::TOPIC, header.source);
+        let may_freeze = self.faults.may_freeze(T::TOPIC, header.source);
         let intact = if may_freeze { Some(*message) } else { None };
         let mut frozen = false;
-        faults.activate(Effect::of_senders, T::TOPIC, identity, now_ns, |fault, _| {
+        let which = Effect::of_senders;
+        self.faults.activate(which, T::TOPIC, identity, now_ns, |fault, _| {
             match fault.falsification {
                 Falsification::Freeze { .. } => {
                     frozen = true;

@@ -1,18 +1,24 @@
-use super::channel::ChannelFaults;
-use super::sender::SenderFaults;
 use super::*;
 use crate::transport::Sealing;
+use crate::{Clock, Mode};
 use bytemuck::Zeroable;
 use messages::e2e::{Channel, Outcomes, profile7};
 use messages::{Drive, Message, RadarTracks, Service};
 use scenario::Scenario;
+use std::rc::Rc;
 
 const SOURCE: u32 = Service::PerceptionSim.to_wire();
 
-fn faults(text: &str) -> Faults {
+fn faults(text: &str) -> Rc<Faults> {
     let text = format!("schema_version = 1\nname = \"faulty\"\nseed = 7\n{text}");
     let scenario = Scenario::parse("faults", &text).expect("a scenario");
-    Faults::of(&scenario, Inbox::default())
+    Rc::new(Faults::of(&scenario, Inbox::default()))
+}
+
+/// A disturbed channel and its clock.
+fn channel(faults: &Rc<Faults>, sealing: Sealing) -> (Disturbed<RadarTracks>, Rc<Clock>) {
+    let clock = Rc::new(Clock::new(Mode::Lockstep, 1));
+    (Disturbed::new(Rc::clone(faults), Rc::clone(&clock), sealing), clock)
 }
 
 fn message(sequence: u64) -> RadarTracks {
@@ -28,14 +34,15 @@ fn message(sequence: u64) -> RadarTracks {
 /// Sequence numbers in the order of their hand-over, one arrival every 50 ms from 0 on.
 fn through(text: &str, messages: u64) -> Vec<(i64, u64)> {
     let faults = faults(text);
-    let mut channel = ChannelFaults::new();
+    let (mut channel, clock) = channel(&faults, Sealing::Sealed);
     let mut out = Vec::new();
     for k in 0..messages {
         let now_ns = i64::try_from(k).expect("small") * 50_000_000;
-        if channel.take(&message(k + 1), Sealing::Sealed, &faults, now_ns) {
+        clock.set_simulated(now_ns);
+        if channel.passes(&message(k + 1)) {
             out.push((now_ns / 1_000_000, k + 1));
         }
-        while let Some(message) = channel.hand_over(now_ns) {
+        while let Some(message) = channel.hand_over() {
             out.push((now_ns / 1_000_000, message.message.header.sequence));
         }
     }
@@ -64,10 +71,10 @@ fn the_wire_does_as_it_is_set() {
 fn every_corruption_is_detected() {
     let faults = faults("[[faults]]\nkind = \"corrupt\"\ntopic = \"radar/tracks\"\nbits = 2");
     let (mut check, mut outcomes) = (Channel::default(), Outcomes::default());
-    let mut channel = ChannelFaults::new();
+    let (mut channel, _) = channel(&faults, Sealing::Sealed);
     for k in 1..=20_000 {
-        assert!(!channel.take(&message(k), Sealing::Sealed, &faults, 0));
-        let corrupted = channel.hand_over(0).expect("due at once");
+        assert!(!channel.passes(&message(k)));
+        let corrupted = channel.hand_over().expect("due at once");
         assert!(!check.accept(bytemuck::bytes_of(&corrupted.message), 9, 0, &mut outcomes));
     }
     assert_eq!(outcomes.error, 20_000);
@@ -80,9 +87,9 @@ fn a_message_without_a_crc_gets_its_own_before_it_is_disturbed() {
         let sealed = message(1);
         let mut unsealed = sealed;
         unsealed.header.protection.crc = [0x5a; 8];
-        let mut channel = ChannelFaults::new();
-        assert!(!channel.take(&unsealed, Sealing::Unsealed, &faults, 0));
-        let handed = channel.hand_over(0).expect("due at once");
+        let (mut channel, _) = channel(&faults, Sealing::Unsealed);
+        assert!(!channel.passes(&unsealed));
+        let handed = channel.hand_over().expect("due at once");
         let mut outcomes = Outcomes::default();
         let bytes = bytemuck::bytes_of(&handed.message);
         Channel::default().accept(bytes, 9, 0, &mut outcomes);
@@ -97,16 +104,18 @@ fn a_message_handed_over_late_still_names_the_fault_that_corrupted_it() {
         "[[faults]]\nkind = \"delay\"\ntopic = \"radar/tracks\"\ndelay_ms = 100\n\
          [[faults]]\nkind = \"corrupt\"\ntopic = \"radar/tracks\"\nfor_s = 0.05",
     );
-    let mut channel = ChannelFaults::new();
-    assert!(!channel.take(&message(1), Sealing::Sealed, &faults, 0));
-    assert!(!channel.take(&message(2), Sealing::Sealed, &faults, 60_000_000));
-    assert!(
-        channel.hand_over(99_000_000).is_none(),
-        "still on its way: neither noticed nor missed"
-    );
-    let mut by = |now_ns| channel.hand_over(now_ns).expect("due").corrupted_by;
-    assert_eq!((by(100_000_000), by(160_000_000)), (Some(1), None));
-    faults.went_undetected(1);
+    let (mut channel, clock) = channel(&faults, Sealing::Sealed);
+    assert!(!channel.passes(&message(1)));
+    clock.set_simulated(60_000_000);
+    assert!(!channel.passes(&message(2)));
+    clock.set_simulated(99_000_000);
+    assert!(channel.hand_over().is_none(), "still on its way: neither noticed nor missed");
+    for (now_ns, by) in [(100_000_000, Some(1)), (160_000_000, None)] {
+        clock.set_simulated(now_ns);
+        let late = channel.hand_over().expect("due");
+        assert_eq!(late.corrupted_by, by);
+        channel.note_passed(&late);
+    }
     let undetected: Vec<_> = faults.statistics().iter().map(|s| s.undetected).collect();
     assert_eq!(undetected, [0, 1]);
 }
@@ -126,14 +135,16 @@ fn a_condition_begins_the_fault_once_it_holds() {
     let text = "[[faults]]\nkind = \"drop\"\ntopic = \"radar/tracks\"\nfor_s = 1\n\
                 when = { position_above_m = 50, speed_below_mps = 10 }";
     let faults = faults(text);
-    let mut channel = ChannelFaults::new();
+    let (mut channel, clock) = channel(&faults, Sealing::Sealed);
     faults.observe(|| Some(Drive::free(60.0, 11.0)), 0);
-    assert!(channel.take(&message(1), Sealing::Sealed, &faults, 0), "not begun: it passes at once");
+    assert!(channel.passes(&message(1)), "not begun: it passes at once");
     faults.observe(|| Some(Drive::free(60.0, 9.0)), 1);
     faults.observe(|| Some(Drive::free(60.0, 12.0)), 2);
-    assert!(!channel.take(&message(2), Sealing::Sealed, &faults, 2));
-    assert!(channel.hand_over(2).is_none(), "begun at 1, though the condition holds no more");
-    assert!(channel.take(&message(3), Sealing::Sealed, &faults, 1_000_000_001), "over");
+    clock.set_simulated(2);
+    assert!(!channel.passes(&message(2)));
+    assert!(channel.hand_over().is_none(), "begun at 1, though the condition holds no more");
+    clock.set_simulated(1_000_000_001);
+    assert!(channel.passes(&message(3)), "over");
     assert_eq!(
         faults.statistics(),
         [FaultStatistics { fault: 0, begun_ns: 1, messages: 1, undetected: 0 }]
@@ -143,17 +154,13 @@ fn a_condition_begins_the_fault_once_it_holds() {
 #[test]
 fn sender_faults_come_before_the_protection() {
     let tell = |text: &str, k: u64| {
-        let faults = faults(text);
-        let mut sender_faults = SenderFaults::new();
+        let mut sender_faults = Falsified::new(faults(text));
         let mut last = RadarTracks::zeroed();
         for sequence in 1..=k {
             last = message(sequence);
             last.header.acquisition_ns = 10_000_000_000;
-            sender_faults.apply(
-                &mut last,
-                &faults,
-                i64::try_from(sequence).expect("small") * 1_000_000_000,
-            );
+            let now_ns = i64::try_from(sequence).expect("small") * 1_000_000_000;
+            sender_faults.apply(&mut last, now_ns);
         }
         last
     };

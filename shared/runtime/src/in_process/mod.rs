@@ -1,17 +1,14 @@
 //! All services of a lockstep run in one thread: each is a task that goes on until it waits.
 //!
 //! The services' code, ports, checks and reports are those of a group of processes. Two things
-//! differ: queues in memory carry the messages, and a wait is another service's turn.
+//! differ: memory carries the messages, and a wait is another service's turn.
 
 pub mod coroutine;
 
 use self::coroutine::{Pause, Task, Turn};
 use crate::life::link::{Desk, End, Link};
-use crate::releases::schedule::{Schedule, ScheduledRelease};
 use crate::transport::{Bus, Sealing, Seat};
-use crate::{
-    FromService, Group, Mode, Observer, Player, Runtime, RuntimeError, StartOrder, Tap, Timetable,
-};
+use crate::{FromService, Group, Mode, Observer, Runtime, RuntimeError, StartOrder, Timetable};
 use messages::Service;
 use scenario::Scenario;
 use std::path::PathBuf;
@@ -27,7 +24,7 @@ const PATIENCE_NS: i64 = 60_000_000_000;
 /// A run in one thread.
 ///
 /// ```text
-/// new ── observer / tap ── start each service ──► take_turns ─► all ready ─► begin ─► take_turns … ─► idle
+/// new ── observer ── start each service ──► take_turns ─► all ready ─► begin ─► take_turns … ─► idle
 /// ```
 ///
 /// Two services, one that sends and one that reads, with the same ports as in a group of processes:
@@ -123,19 +120,7 @@ impl InProcess {
     /// A listener. It must be drained between turns, or the services wait for it.
     #[must_use]
     pub fn observer(&self) -> Observer {
-        Observer::at(Seat::new(Rc::clone(&self.bus), 0, None))
-    }
-
-    /// A tap, as a recorder has it. It must be read as a listener must.
-    #[must_use]
-    pub fn tap(&self) -> Tap {
-        Tap::at(Seat::new(Rc::clone(&self.bus), 0, None))
-    }
-
-    /// A sender of recorded messages. A queue of which nothing is taken between turns gets full.
-    #[must_use]
-    pub fn player(&self) -> Player {
-        Player::at(Seat::new(Rc::clone(&self.bus), 0, None))
+        Observer::at(Seat::new(Rc::clone(&self.bus), None))
     }
 
     /// Adds a service, which does `entry`.
@@ -148,37 +133,12 @@ impl InProcess {
         scenario: &Scenario,
         entry: impl FnOnce(Runtime) -> Result<(), RuntimeError> + 'static,
     ) -> Result<(), RuntimeError> {
-        self.add(service, scenario, None, entry)
-    }
-
-    /// Adds a service that takes its releases and its inputs from a recorded run.
-    ///
-    /// # Errors
-    /// As [`Self::start`].
-    pub fn start_scheduled(
-        &mut self,
-        service: Service,
-        scenario: &Scenario,
-        releases: Vec<ScheduledRelease>,
-        entry: impl FnOnce(Runtime) -> Result<(), RuntimeError> + 'static,
-    ) -> Result<(), RuntimeError> {
-        self.add(service, scenario, Some(Schedule::in_memory(releases)), entry)
-    }
-
-    fn add(
-        &mut self,
-        service: Service,
-        scenario: &Scenario,
-        schedule: Option<Schedule>,
-        entry: impl FnOnce(Runtime) -> Result<(), RuntimeError> + 'static,
-    ) -> Result<(), RuntimeError> {
         let (pause, desk) = (Pause::default(), Desk::default());
-        let seat = Seat::new(Rc::clone(&self.bus), service.to_wire(), Some(pause.clone()));
+        let seat = Seat::new(Rc::clone(&self.bus), Some(pause.clone()));
         let link = Link::in_memory(desk.clone(), pause.clone());
         let end = link.end.clone();
-        let runtime =
-            Runtime::join_in_process(service, self.group.clone(), scenario.clone(), seat, link)
-                .following(schedule);
+        let (group, scenario) = (self.group.clone(), scenario.clone());
+        let runtime = Runtime::join_in_process(service, group, scenario, seat, link);
         let task = Task::new(pause, move || entry(runtime))?;
         self.members.push(Member { service, task, desk, end });
         Ok(())
@@ -205,7 +165,7 @@ impl InProcess {
     /// Gives every service a turn and hands what they say to `said`, a failure included. False when
     /// all have ended.
     ///
-    /// Call it again only after all listeners and taps have taken their messages. When a whole round moves no message,
+    /// Call it again only after all listeners have taken their messages. When a whole round moves no message,
     /// the services wait for each other for ever, and receive an error.
     pub fn take_turns(&mut self, said: &mut dyn FnMut(Service, FromService)) -> bool {
         let before = self.bus.moved();

@@ -76,40 +76,26 @@ fn thin_out(root: &Path) -> Result<(), RuntimeError> {
     std::fs::rename(&thinner, &path).map_err(error)
 }
 
-/// The list as a consumer reads it.
+/// The processes that the launcher wrote down, in this file.
 #[derive(Debug)]
-pub(crate) enum Members {
-    /// The processes that the launcher wrote down in this file.
-    Listed(PathBuf),
-    /// All are in this process, and each has its service's number for a process id.
-    InProcess,
-}
+pub(crate) struct Members(PathBuf);
 
 impl Members {
     pub(crate) fn of(root: &Path) -> Self {
-        Self::Listed(root.join(FILE))
+        Self(root.join(FILE))
     }
 
     /// True if process `pid` is restart `incarnation` of service `source`. Reads the list again, as
     /// it grows; callers keep the answer.
     pub(crate) fn is_member(&self, source: u32, incarnation: u32, pid: u32) -> bool {
-        match self {
-            Self::Listed(path) => {
-                find(path, |line| service(line) == Some([source, incarnation, pid]))
-            }
-            Self::InProcess => incarnation == 0 && source == pid,
-        }
+        find(&self.0, |line| service(line) == Some([source, incarnation, pid]))
     }
 
     /// True if process `pid` is any service of the group, or one of its listeners.
     pub(crate) fn is_in_group(&self, pid: u32) -> bool {
-        match self {
-            Self::Listed(path) => find(path, |line| {
-                service(line).is_some_and(|[_, _, known]| known == pid)
-                    || listener(line) == Some(pid)
-            }),
-            Self::InProcess => true,
-        }
+        find(&self.0, |line| {
+            service(line).is_some_and(|[_, _, known]| known == pid) || listener(line) == Some(pid)
+        })
     }
 }
 

@@ -1,20 +1,28 @@
-//! Typed ends of a topic, with stamps, counts and digests.
+//! Typed ends of a topic. A message takes four steps from one to the other:
+//!
+//! ```text
+//! Loan ─► the service writes ─► Seal ─► Deliver ─► Check ─► newest
+//! memory    header, (false content),    shared      sender, (disturbed channel),
+//! to write  protection, count           memory,     epoch, end-to-end, clock
+//!                                       or memory
+//! ```
+//!
+//! [`Loan`](crate::Loan) and what delivers belong to the carrier (`transport`). A [`Publisher`] seals ([`seal`]), a
+//! [`Subscriber`] checks ([`check`]). What stands in brackets acts only where faults do ([`crate::faults`]).
 
-mod checks;
-mod intake;
+mod bystanders;
+mod check;
 pub mod members;
-pub mod observer;
-pub mod player;
 mod publisher;
 mod registry;
+mod seal;
 mod subscriber;
 mod tally;
-pub mod tap;
 
-pub(super) use checks::{Checks, Expected};
-pub(super) use intake::{Intake, Next, Wire};
+pub use bystanders::{Observed, Observer, Played, Player, Tap, Tapped};
+pub(super) use check::{Check, Expected};
 pub use publisher::Publisher;
-pub(super) use publisher::{Backlog, Outgoing, Outlet, Protection};
 pub(super) use registry::Ports;
+pub(super) use seal::{Backlog, Protection, Seal};
 pub use subscriber::Subscriber;
 pub(super) use tally::{Counted, Tally};

@@ -5,8 +5,8 @@ use crate::RuntimeError;
 use crate::ports::members::Members;
 use crate::report::{ReceivedTopic, SentTopic};
 use crate::survival::fence::Fences;
-use crate::transport::{Carrier, Connect, Input, Transport};
-use messages::Topic;
+use crate::transport::{Inlet, Outlet, Receiver, Sender, Transport};
+use messages::{Message, Topic};
 use std::cell::RefCell;
 use std::rc::Rc;
 
@@ -14,82 +14,77 @@ use std::rc::Rc;
 #[derive(Debug)]
 pub(crate) struct Ports {
     pub(crate) transport: Transport,
-    pub(crate) members: Rc<Members>,
+    /// `None` in the memory of one process, in which each sender is known.
+    pub(crate) members: Option<Rc<Members>>,
     pub(crate) fences: Option<Fences>,
     sent: Vec<Counted>,
     received: Vec<Counted>,
-    connections: Vec<(Topic, Rc<dyn Connect>)>,
-    /// Receiving ends that a restarted service waits for.
-    inputs: Vec<Rc<dyn Input>>,
+    /// The ends in shared memory, which are connected.
+    senders: Vec<(Topic, Rc<Sender>)>,
+    receivers: Vec<(Topic, Rc<Receiver>)>,
     /// Messages that the ports keep back while this process is a standby.
     backlogs: Vec<Rc<dyn Backlog>>,
 }
 
 impl Ports {
     /// No ports yet, on this carrier.
-    pub(crate) fn new(transport: Transport, members: Members, fences: Option<Fences>) -> Self {
-        Self {
-            transport,
-            members: Rc::new(members),
-            fences,
-            sent: Vec::new(),
-            received: Vec::new(),
-            connections: Vec::new(),
-            inputs: Vec::new(),
-            backlogs: Vec::new(),
+    pub(crate) fn new(
+        transport: Transport,
+        members: Option<Members>,
+        fences: Option<Fences>,
+    ) -> Self {
+        let members = members.map(Rc::new);
+        let (sent, received, senders, receivers, backlogs) = Default::default();
+        Self { transport, members, fences, sent, received, senders, receivers, backlogs }
+    }
+
+    /// Enters a sending end, which counts in `tally`.
+    pub(crate) fn enter_sender<T: Message>(
+        &mut self,
+        outlet: &Outlet<T>,
+        tally: &Rc<RefCell<Tally>>,
+    ) {
+        self.sent.push((T::TOPIC, Rc::clone(tally)));
+        if let Outlet::SharedMemory(port) = outlet {
+            self.senders.push((T::TOPIC, Rc::clone(port)));
         }
     }
 
-    /// Enters a sending end.
-    pub(crate) fn enter_sender(
-        &mut self,
-        topic: Topic,
-        port: Rc<dyn Connect>,
-        tally: Rc<RefCell<Tally>>,
-        backlog: Rc<dyn Backlog>,
-    ) {
-        self.connections.push((topic, port));
-        self.sent.push((topic, tally));
+    /// Enters the message that a sending end keeps back.
+    pub(crate) fn enter_backlog(&mut self, backlog: Rc<dyn Backlog>) {
         self.backlogs.push(backlog);
     }
 
-    /// Enters a receiving end, as its two sides.
-    pub(crate) fn enter_receiver(
+    /// Enters a receiving end, which counts in `tally`.
+    pub(crate) fn enter_receiver<T: Message>(
         &mut self,
-        topic: Topic,
-        port: Rc<dyn Connect>,
-        input: Rc<dyn Input>,
-        tally: Rc<RefCell<Tally>>,
+        inlet: &Inlet<T>,
+        tally: &Rc<RefCell<Tally>>,
     ) {
-        self.connections.push((topic, port));
-        self.inputs.push(input);
-        self.received.push((topic, tally));
-    }
-
-    /// Carrier of the messages.
-    pub(crate) fn carrier(&self) -> Carrier {
-        match self.transport {
-            Transport::SharedMemory(_) => Carrier::SharedMemory,
-            Transport::Memory(_) => Carrier::Memory,
+        self.received.push((T::TOPIC, Rc::clone(tally)));
+        if let Inlet::SharedMemory(port) = inlet {
+            self.receivers.push((T::TOPIC, Rc::clone(port)));
         }
     }
 
     /// Connects all ports to the other ends that exist.
     pub(crate) fn connect(&self) -> Result<(), RuntimeError> {
-        for (topic, port) in &self.connections {
-            port.connect().map_err(|reason| RuntimeError::Topic { topic: *topic, reason })?;
+        let senders = self.senders.iter().map(|(topic, port)| (*topic, port.connect()));
+        let receivers = self.receivers.iter().map(|(topic, port)| (*topic, port.connect()));
+        for (topic, connected) in senders.chain(receivers) {
+            connected.map_err(|reason| RuntimeError::Topic { topic, reason })?;
         }
         Ok(())
     }
 
     /// True if the service sends or receives messages of `topic`.
     pub(crate) fn has(&self, topic: Topic) -> bool {
-        self.connections.iter().any(|(known, _)| *known == topic)
+        self.sent.iter().chain(&self.received).any(|(known, _)| *known == topic)
     }
 
     /// True if a message waits at each receiving end.
     pub(crate) fn have_input(&self) -> bool {
-        self.inputs.iter().all(|input| input.has_input())
+        self.receivers.iter().all(|(_, port)| port.has_input())
     }
 
     /// Sends the messages of `step` that were kept back.

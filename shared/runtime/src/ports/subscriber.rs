@@ -1,49 +1,66 @@
 //! The receiving end of a topic.
 
-use super::checks::Checks;
-use super::intake::Intake;
+use super::check::Check;
 use super::tally::Tally;
 use crate::RuntimeError;
+use crate::faults::Disturbed;
 use crate::life::link::End;
 use crate::transport::waking::{Ticket, Waiter};
-use crate::transport::{Receiver, Rooms, TransportError};
+use crate::transport::{Held, Inlet, TransportError};
 use messages::{Message, Origin};
 use std::cell::RefCell;
+use std::mem::swap;
 use std::rc::Rc;
 use std::time::{Duration, Instant};
 
 /// The receiving end of `T`'s topic. It keeps the newest sample that passed all checks and is not of a later step.
 #[derive(Debug)]
 pub struct Subscriber<T: Message> {
-    port: Rc<dyn Receiver<T>>,
+    inlet: Inlet<T>,
     waiter: Option<Waiter>,
-    intake: Box<dyn Intake<T>>,
-    /// The newest sample, the one that is looked at, and one of a later step than the reader's.
-    rooms: Rooms<T>,
+    newest: Held<T>,
+    /// The sample that is looked at.
+    incoming: Held<T>,
+    /// One of a later step than the reader's.
+    ahead: Held<T>,
+    /// Newest step of which a sample arrived, whatever became of it.
+    arrived_step: Option<u64>,
     /// Stamps of the newest sample as its sender made them.
     origin: Origin,
-    checks: Checks,
+    /// Where faults may act on the channel, or wait for what comes through it.
+    disturbed: Option<Disturbed<T>>,
+    check: Check,
     tally: Rc<RefCell<Tally>>,
 }
 
 impl<T: Message> Subscriber<T> {
-    /// A receiving end of `port`, whose messages come through `intake`.
+    /// A receiving end behind `inlet`. It can wait if it has a waiter.
     pub(crate) fn new(
-        port: Rc<dyn Receiver<T>>,
+        inlet: Inlet<T>,
         waiter: Option<Waiter>,
-        intake: Box<dyn Intake<T>>,
-        checks: Checks,
+        disturbed: Option<Disturbed<T>>,
+        check: Check,
         tally: Rc<RefCell<Tally>>,
     ) -> Self {
-        let rooms = Rooms::new(|| port.room());
-        Self { port, waiter, intake, rooms, origin: Origin::NONE, checks, tally }
+        Self {
+            waiter,
+            newest: inlet.room(),
+            incoming: inlet.room(),
+            ahead: inlet.room(),
+            inlet,
+            arrived_step: None,
+            origin: Origin::NONE,
+            disturbed,
+            check,
+            tally,
+        }
     }
 
     /// The newest sample of the last update. A large one is borrowed from its sender. Its stamps are not later than its
     /// arrival: those of a sender whose clock is ahead are moved back.
     #[must_use]
     pub fn newest(&self) -> Option<&T> {
-        self.rooms.newest()
+        self.newest.get()
     }
 
     /// Bytes that were copied so far to take samples.
@@ -58,34 +75,84 @@ impl<T: Message> Subscriber<T> {
         self.newest().map_or(Origin::NONE, |_| self.origin)
     }
 
-    /// Takes all samples up to `step`, calling `each` on every one that may be used, in order.
+    /// Takes all samples up to `step`, calling `each` on every one that may be used, in order. Where the carrier has
+    /// the newest one alone, that one stands for those since the last look.
     pub(crate) fn drain(
         &mut self,
         step: u64,
         mut each: impl FnMut(&T),
     ) -> Result<(), RuntimeError> {
-        let Self { intake, rooms, origin, checks, .. } = self;
-        intake.drain(step, rooms, &mut |rooms| {
-            let sent = rooms.incoming().get().map(|sample| Origin::of(sample.header()));
-            let passed = checks.pass(rooms.incoming_mut());
-            if let Some((sample, sent)) = rooms.incoming().get().zip(sent).filter(|_| passed) {
-                each(sample);
-                *origin = sent;
-                rooms.keep();
+        while let Some(messages) = self.next()? {
+            let Some(sample) = self.incoming.get() else { break };
+            // The check refuses a wrong step; the wait for it must end.
+            let of_step = sample.header().step;
+            if of_step > step {
+                swap(&mut self.ahead, &mut self.incoming);
+                break;
             }
-            passed
-        })
+            self.arrived_step = self.arrived_step.max(Some(of_step));
+            if self.disturbed.as_mut().is_none_or(|channel| channel.passes(sample)) {
+                self.judge(messages, &mut each);
+            }
+        }
+        while let Some(late) = self.disturbed.as_mut().and_then(Disturbed::hand_over) {
+            self.incoming.copy(&late.message);
+            let passed = self.judge(1, &mut each);
+            if let (Some(channel), true) = (&self.disturbed, passed) {
+                channel.note_passed(&late);
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the next sample of a member of the group, and how many it stands for; `None` if there is none.
+    fn next(&mut self) -> Result<Option<u64>, RuntimeError> {
+        if self.ahead.get().is_some() {
+            self.incoming.clear();
+            swap(&mut self.ahead, &mut self.incoming);
+            return Ok(Some(1));
+        }
+        loop {
+            self.incoming.clear();
+            let arrival = self.inlet.receive(&mut self.incoming).map_err(refused::<T>)?;
+            let Some((arrival, sample)) = arrival.zip(self.incoming.get()) else { return Ok(None) };
+            if self.check.admit::<T>(sample.header(), &arrival) {
+                return Ok(Some(arrival.messages));
+            }
+        }
+    }
+
+    /// Keeps the incoming sample if it passes the checks.
+    fn judge(&mut self, messages: u64, each: &mut impl FnMut(&T)) -> bool {
+        let Some(sent) = self.incoming.get().map(|sample| Origin::of(sample.header())) else {
+            return false;
+        };
+        let passed = self.check.pass(&mut self.incoming, messages);
+        if let Some(sample) = self.incoming.get().filter(|_| passed) {
+            each(sample);
+            self.keep(sent);
+        }
+        passed
+    }
+
+    /// Makes the incoming sample, which was sent with these stamps, the newest.
+    fn keep(&mut self, sent: Origin) {
+        self.origin = sent;
+        swap(&mut self.newest, &mut self.incoming);
+        self.incoming.clear();
     }
 
     /// Notes at `now_ns` that all samples that were due are taken.
     pub(crate) fn settle(&mut self, now_ns: i64) {
-        self.checks.note_silence(now_ns);
-        self.intake.settled(self.rooms.newest(), now_ns);
+        self.check.note_silence(now_ns);
+        if let Some(channel) = &self.disturbed {
+            channel.observe(self.newest.get());
+        }
     }
 
     /// Steps between two releases of the topic's source; `None` if every service sends, or none does.
     pub(crate) fn stride(&self) -> Option<u64> {
-        self.checks.expected.map(|expected| expected.stride)
+        self.check.expected.map(|expected| expected.stride)
     }
 
     /// Counts of this port.
@@ -106,32 +173,17 @@ impl<T: Message> Subscriber<T> {
         end: &End,
         patience: Duration,
     ) -> Result<(), RuntimeError> {
-        let mut waiting_since = None;
+        let mut since = None;
         loop {
             let ticket = self.ticket();
             self.drain(step, |_| {})?;
-            if self.intake.arrived_step().is_some_and(|arrived| arrived >= due) {
+            if self.arrived_step.is_some_and(|arrived| arrived >= due) {
                 return Ok(());
             }
             if end.is_before(step) {
                 return Err(RuntimeError::Stopped);
             }
-            let starved = |waited: Duration| {
-                let waited_s = waited.as_secs_f64();
-                Err(RuntimeError::Starved { topic: T::TOPIC, step: due, waited_s })
-            };
-            if self.waiter().is_in_process() {
-                // The turns of a thread show when a wait cannot end.
-                if self.waiter().is_in_vain() {
-                    return starved(Duration::ZERO);
-                }
-            } else {
-                let waited = waiting_since.get_or_insert_with(Instant::now).elapsed();
-                if waited > patience {
-                    return starved(waited);
-                }
-            }
-            self.wait(ticket, Duration::from_millis(20))?;
+            self.wait_for(due, ticket, &mut since, patience)?;
         }
     }
 
@@ -149,29 +201,42 @@ impl<T: Message> Subscriber<T> {
         if !origin.is_some() || named(self.origin()) {
             return Ok(());
         }
-        let since = Instant::now();
+        let mut since = None;
         loop {
             let ticket = self.ticket();
-            let error = |reason| RuntimeError::Receive { topic: T::TOPIC, reason };
-            while self.port.receive(self.rooms.incoming_mut()).map_err(error)?.is_some() {
-                let sent = self.rooms.incoming().get().map(|sample| Origin::of(sample.header()));
+            while self.inlet.receive(&mut self.incoming).map_err(refused::<T>)?.is_some() {
+                let sent = self.incoming.get().map(|sample| Origin::of(sample.header()));
                 if let Some(sent) = sent.filter(|sent| named(*sent)) {
-                    self.checks.move_back(self.rooms.incoming_mut());
-                    self.origin = sent;
-                    self.rooms.keep();
+                    self.check.move_back(&mut self.incoming);
+                    self.keep(sent);
                     return Ok(());
                 }
             }
             if end.is_now() {
                 return Err(RuntimeError::Stopped);
             }
-            // The turns of a thread show when a wait cannot end.
-            if self.waiter().is_in_vain() || since.elapsed() > patience {
-                let waited_s = since.elapsed().as_secs_f64();
-                return Err(RuntimeError::Starved { topic: T::TOPIC, step, waited_s });
-            }
-            self.wait(ticket, Duration::from_millis(20))?;
+            self.wait_for(step, ticket, &mut since, patience)?;
         }
+    }
+
+    /// Waits a while for a sample of `step`; an error when that has lasted for too long.
+    fn wait_for(
+        &self,
+        step: u64,
+        ticket: Ticket,
+        since: &mut Option<Instant>,
+        patience: Duration,
+    ) -> Result<(), RuntimeError> {
+        let waited = match self.waiter().is_in_process() {
+            // The turns of a thread show when a wait cannot end.
+            true => Duration::ZERO,
+            false => since.get_or_insert_with(Instant::now).elapsed(),
+        };
+        if waited > patience || self.waiter().is_in_vain() {
+            let waited_s = waited.as_secs_f64();
+            return Err(RuntimeError::Starved { topic: T::TOPIC, step, waited_s });
+        }
+        self.wait(ticket, Duration::from_millis(20))
     }
 
     /// To be taken before a look at the topic that may end in a wait.
@@ -183,11 +248,14 @@ impl<T: Message> Subscriber<T> {
     pub(crate) fn wait(&self, ticket: Ticket, timeout: Duration) -> Result<(), RuntimeError> {
         self.waiter()
             .wait(ticket, timeout)
-            .map_err(|reason| TransportError::System { what: "waiting", reason })
-            .map_err(|reason| RuntimeError::Receive { topic: T::TOPIC, reason })
+            .map_err(|reason| refused::<T>(TransportError::System { what: "waiting", reason }))
     }
 
     fn waiter(&self) -> &Waiter {
         self.waiter.as_ref().expect("a port that waits was opened with a waiter")
     }
+}
+
+fn refused<T: Message>(reason: TransportError) -> RuntimeError {
+    RuntimeError::Receive { topic: T::TOPIC, reason }
 }

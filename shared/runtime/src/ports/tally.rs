@@ -1,10 +1,8 @@
 //! Counts of a port.
 
-use crate::Mode;
 use crate::report::{ReceivedTopic, SentTopic};
-use crate::transport::Sealing;
+use messages::Topic;
 use messages::e2e::Outcomes;
-use messages::{Message, Topic};
 use std::cell::RefCell;
 use std::rc::Rc;
 use xxhash_rust::xxh3::Xxh3Default;
@@ -20,7 +18,7 @@ pub(crate) struct Tally {
     /// Bytes that were copied to take the messages.
     pub(crate) copied_bytes: u64,
     pub(crate) e2e: Outcomes,
-    /// Digest of the sent messages, in lockstep, if they are sealed.
+    /// Digest of the sent messages, if it is asked for.
     digest: Option<Box<Xxh3Default>>,
 }
 
@@ -34,9 +32,9 @@ impl std::fmt::Debug for Tally {
 }
 
 impl Tally {
-    /// Counts of a sending port.
-    pub(crate) fn of_sender(mode: Mode, sealing: Sealing) -> Rc<RefCell<Self>> {
-        let digest = (mode == Mode::Lockstep && sealing == Sealing::Sealed).then(Box::default);
+    /// Counts of a sending port, with a digest of its messages or without.
+    pub(crate) fn of_sender(has_digest: bool) -> Rc<RefCell<Self>> {
+        let digest = has_digest.then(Box::default);
         Rc::new(RefCell::new(Self { digest, ..Self::default() }))
     }
 
@@ -50,19 +48,22 @@ impl Tally {
         *self = Self::default();
     }
 
-    pub(super) fn count_sent<T: Message>(&mut self, message: &T) {
+    /// Counts a message that is sent; returns its number.
+    pub(super) fn next(&mut self) -> u64 {
         self.messages += 1;
+        self.messages
+    }
+
+    /// Takes the bytes in use of a message that is sent.
+    pub(super) fn digest(&mut self, bytes: &[u8]) {
         if let Some(digest) = &mut self.digest {
-            digest.update(bytemuck::bytes_of(message));
+            digest.update(bytes);
         }
     }
 
-    fn digest(&self) -> Option<String> {
-        self.digest.as_ref().map(|digest| format!("{:016x}", digest.digest()))
-    }
-
     pub(crate) fn sent(&self, topic: Topic) -> SentTopic {
-        SentTopic { topic: topic.name().into(), sent: self.messages, digest: self.digest() }
+        let digest = self.digest.as_ref().map(|digest| format!("{:016x}", digest.digest()));
+        SentTopic { topic: topic.name().into(), sent: self.messages, digest }
     }
 
     pub(crate) fn received(&self, topic: Topic) -> ReceivedTopic {

@@ -55,13 +55,15 @@ pub struct Clock {
     step_ns: i64,
     start_ns: Cell<i64>,
     simulated_ns: Cell<i64>,
+    step: Cell<u64>,
 }
 
 impl Clock {
     /// A clock whose steps are `step_ns` long; run time begins when the group starts.
     #[must_use]
     pub fn new(mode: Mode, step_ns: i64) -> Self {
-        Self { mode, step_ns, start_ns: Cell::new(monotonic_ns()), simulated_ns: Cell::new(0) }
+        let start_ns = Cell::new(monotonic_ns());
+        Self { mode, step_ns, start_ns, simulated_ns: Cell::new(0), step: Cell::new(0) }
     }
 
     /// Sets the common start instant, in `CLOCK_MONOTONIC` ns.
@@ -69,7 +71,13 @@ impl Clock {
         self.start_ns.set(start_ns);
     }
 
+    /// The step of the service's present release.
+    pub(crate) fn step(&self) -> u64 {
+        self.step.get()
+    }
+
     pub(crate) fn set_step(&self, step: u64) {
+        self.step.set(step);
         self.simulated_ns.set(self.scheduled_ns(step));
     }
 

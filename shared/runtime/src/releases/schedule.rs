@@ -30,16 +30,8 @@ pub struct ScheduledRelease {
 /// The releases of one process, in order.
 #[derive(Debug)]
 pub struct Schedule {
-    releases: Releases,
+    releases: BufReader<File>,
     present: Option<ScheduledRelease>,
-}
-
-#[derive(Debug)]
-enum Releases {
-    /// For a process.
-    File(BufReader<File>),
-    /// For a service in the launcher's own thread.
-    Memory(std::vec::IntoIter<ScheduledRelease>),
 }
 
 impl Schedule {
@@ -67,33 +59,18 @@ impl Schedule {
     pub(crate) fn read(root: &Path, service: Service) -> Result<Option<Self>, RuntimeError> {
         let path = file(root, service);
         match File::open(&path) {
-            Ok(file) => Ok(Some(Self::of(Releases::File(BufReader::new(file))))),
+            Ok(file) => Ok(Some(Self { releases: BufReader::new(file), present: None })),
             Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(None),
             Err(reason) => Err(RuntimeError::GroupFile { path, reason }),
         }
     }
 
-    /// The schedule of these releases.
-    pub(crate) fn in_memory(releases: Vec<ScheduledRelease>) -> Self {
-        Self::of(Releases::Memory(releases.into_iter()))
-    }
-
-    fn of(releases: Releases) -> Self {
-        Self { releases, present: None }
-    }
-
     /// Goes on to the next release; `None` after the last.
     pub(crate) fn advance(&mut self) -> Option<ScheduledRelease> {
-        let next = match &mut self.releases {
-            Releases::File(file) => {
-                let mut release = ScheduledRelease::zeroed();
-                let read = file.read_exact(bytemuck::bytes_of_mut(&mut release));
-                read.ok().map(|()| release)
-            }
-            Releases::Memory(releases) => releases.next(),
-        };
-        self.present = next.or(self.present);
-        next
+        let mut release = ScheduledRelease::zeroed();
+        self.releases.read_exact(bytemuck::bytes_of_mut(&mut release)).ok()?;
+        self.present = Some(release);
+        self.present
     }
 
     /// The sample of `topic` that the present release used.

@@ -47,7 +47,7 @@ impl Runtime {
                 Err(error) => break Err(error),
             }
         };
-        if self.ports.carrier() == Carrier::SharedMemory && self.group.mode == Mode::Realtime {
+        if self.carrier() == Carrier::SharedMemory && self.group.mode == Mode::Realtime {
             // Others may still have their last cycle to run while this service writes its report.
             give_up_priority();
         }

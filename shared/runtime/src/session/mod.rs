@@ -90,7 +90,7 @@ impl Runtime {
         let schedule = Schedule::read(&group.root, service)?;
         wait(&link)?;
         let transport = Transport::SharedMemory(SharedMemory::join(&group, service.name())?);
-        let members = Members::of(&group.root);
+        let members = Some(Members::of(&group.root));
         let fences = Fences::of(&group)?;
         let counts = match group.mode {
             Mode::Realtime => Counts::open(&group, service)?,
@@ -114,14 +114,8 @@ impl Runtime {
         link: Link,
     ) -> Self {
         let survival = Survival::new(Counts::default(), None, service, 0);
-        let ports = Ports::new(Transport::Memory(seat), Members::InProcess, None);
+        let ports = Ports::new(Transport::Memory(seat), None, None);
         Self::of(service, 0, group, scenario, ports, survival, link)
-    }
-
-    /// Follows a recorded run's releases, where there are any.
-    pub(super) fn following(mut self, schedule: Option<Schedule>) -> Self {
-        self.cycles.follow(schedule);
-        self
     }
 
     fn of(
@@ -202,7 +196,7 @@ impl Runtime {
 
     /// Carrier of this service's messages.
     pub(crate) fn carrier(&self) -> Carrier {
-        self.ports.carrier()
+        self.ports.transport.carrier()
     }
 
     /// The clock.

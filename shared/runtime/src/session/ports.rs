@@ -1,10 +1,11 @@
 //! The ends of topics that a service opens.
 
 use super::Runtime;
-use crate::faults::{Disturbed, Falsified};
-use crate::ports::{Checks, Expected, Outlet, Protection, Tally, Wire};
-use crate::{Carried, Mode, Publisher, RuntimeError, Subscriber};
-use messages::Topic;
+use crate::faults::{Disturbed, Falsified, Faults};
+use crate::ports::{Check, Expected, Protection, Seal, Tally};
+use crate::transport::{Carrier, Sealing, Wanted};
+use crate::{Mode, Publisher, RuntimeError, Subscriber};
+use messages::{Message, Topic};
 use std::rc::Rc;
 
 impl Runtime {
@@ -12,7 +13,7 @@ impl Runtime {
     ///
     /// # Errors
     /// [`RuntimeError::Topic`].
-    pub fn publisher<T: Carried>(&mut self) -> Result<Publisher<T>, RuntimeError> {
+    pub fn publisher<T: Message>(&mut self) -> Result<Publisher<T>, RuntimeError> {
         let awaited = match self.group.mode {
             Mode::Lockstep => !T::TOPIC.consumers().is_empty(),
             // Only these can release services.
@@ -20,25 +21,29 @@ impl Runtime {
                 matches!(T::TOPIC, Topic::RadarTracks | Topic::RadarDetections | Topic::RadioFrames)
             }
         };
-        let port = T::sender(&self.ports.transport, self.life.link.end.clone())?;
-        let tally = Tally::of_sender(self.group.mode, port.sealing());
-        let protection = Protection {
-            port: Rc::clone(&port),
-            waker: self.ports.transport.waker(T::TOPIC).filter(|_| awaited),
-            timetable: self.group.timetable,
-            tally: Rc::clone(&tally),
-        };
-        let outlet = Outlet {
-            next: Box::new(Falsified::new(protection, Rc::clone(&self.injection.faults))),
+        let transport = &self.ports.transport;
+        let outlet = transport.outlet(self.life.link.end.clone())?;
+        let waker = transport.waker(T::TOPIC).filter(|_| awaited);
+        let is_sealed = transport.sealing() == Sealing::Sealed;
+        let tally = Tally::of_sender(is_sealed && self.group.mode == Mode::Lockstep);
+        self.ports.enter_sender(&outlet, &tally);
+        let publisher = Publisher::new(Seal {
+            outlet,
+            waker: waker.map(|waker| (waker, self.group.timetable)),
+            falsified: self.faults_on(T::TOPIC).map(Falsified::new),
+            protection: match is_sealed {
+                true => Protection::Full,
+                false if self.injection.faults.concern(T::TOPIC) => Protection::Mark,
+                false => Protection::Nothing,
+            },
             clock: Rc::clone(&self.cycles.clock),
             source: self.service,
             incarnation: self.incarnation,
-            tally: Rc::clone(&tally),
+            tally,
             gate: Rc::clone(&self.survival.gate),
             held: None,
-        };
-        let publisher = Publisher::new(Rc::clone(&port), outlet);
-        self.ports.enter_sender(T::TOPIC, port, tally, publisher.backlog());
+        });
+        self.ports.enter_backlog(publisher.backlog());
         Ok(publisher)
     }
 
@@ -46,7 +51,7 @@ impl Runtime {
     ///
     /// # Errors
     /// [`RuntimeError::Topic`].
-    pub fn subscriber<T: Carried>(&mut self) -> Result<Subscriber<T>, RuntimeError> {
+    pub fn subscriber<T: Message>(&mut self) -> Result<Subscriber<T>, RuntimeError> {
         self.subscribe(self.group.mode == Mode::Lockstep)
     }
 
@@ -54,22 +59,34 @@ impl Runtime {
     ///
     /// # Errors
     /// [`RuntimeError::Topic`].
-    pub fn releasing_subscriber<T: Carried>(&mut self) -> Result<Subscriber<T>, RuntimeError> {
+    pub fn releasing_subscriber<T: Message>(&mut self) -> Result<Subscriber<T>, RuntimeError> {
         self.subscribe(true)
     }
 
-    fn subscribe<T: Carried>(&mut self, waits: bool) -> Result<Subscriber<T>, RuntimeError> {
-        let waiter = waits.then(|| self.ports.transport.waiter(T::TOPIC));
-        let (port, tally) = (T::receiver(&self.ports.transport)?, Tally::of_receiver());
-        let (input, connection) = (Rc::clone(&port), Rc::clone(&port));
-        self.ports.enter_receiver(T::TOPIC, connection, input, Rc::clone(&tally));
-        let clock = &self.cycles.clock;
-        let wire = Wire::new(Rc::clone(&port), Rc::clone(&self.ports.members), Rc::clone(&tally));
-        let faults = Rc::clone(&self.injection.faults);
-        let intake = Disturbed::new(wire, port.sealing(), faults, Rc::clone(clock));
-        let (fences, expected) = (self.ports.fences.clone(), self.expected(T::TOPIC));
-        let checks = Checks::new(fences, Some(Rc::clone(clock)), expected, Rc::clone(&tally));
-        Ok(Subscriber::new(port, waiter, Box::new(intake), checks, tally))
+    fn subscribe<T: Message>(&mut self, waits: bool) -> Result<Subscriber<T>, RuntimeError> {
+        let (transport, clock) = (&self.ports.transport, &self.cycles.clock);
+        let waiter = waits.then(|| transport.waiter(T::TOPIC));
+        let is_concerned = self.injection.faults.concern(T::TOPIC);
+        let wanted = if is_concerned { Wanted::Every } else { Wanted::Newest(clock) };
+        let (inlet, tally) = (transport.inlet(wanted)?, Tally::of_receiver());
+        let is_judged = is_concerned || transport.carrier() == Carrier::SharedMemory;
+        let mut check = Check::new(self.ports.members.clone(), is_judged, Rc::clone(&tally));
+        check.fences.clone_from(&self.ports.fences);
+        check.clock = Some(Rc::clone(clock));
+        check.expected = self.expected(T::TOPIC);
+        let sealing = transport.sealing();
+        let disturbed = self.faults_on(T::TOPIC);
+        let disturbed = disturbed.map(|faults| Disturbed::new(faults, Rc::clone(clock), sealing));
+        self.ports.enter_receiver(&inlet, &tally);
+        Ok(Subscriber::new(inlet, waiter, disturbed, check, tally))
+    }
+
+    /// The faults, if they can come to act on messages of `topic` or wait for what such a message shows.
+    fn faults_on(&self, topic: Topic) -> Option<Rc<Faults>> {
+        let faults = &self.injection.faults;
+        let waits = topic == Topic::EgoTruth && faults.waits_for_the_drive();
+        let can_act = self.carrier() == Carrier::SharedMemory || faults.concern(topic) || waits;
+        can_act.then(|| Rc::clone(faults))
     }
 
     /// Expected period of messages of `topic`.

@@ -22,7 +22,7 @@ impl Runtime {
             release_jitter_us: self.cycles.jitter().percentiles_us(),
             sent,
             received,
-            peak_rss_kib: (self.ports.carrier() == Carrier::SharedMemory).then(peak_rss_kib),
+            peak_rss_kib: (self.carrier() == Carrier::SharedMemory).then(peak_rss_kib),
             scheduling: self.life.granted.expect("`begin` comes before `finish`"),
             fault_statistics: self.injection.faults.statistics(),
             details: Payload::of(figures),

@@ -21,7 +21,7 @@ impl Runtime {
     pub fn begin(&mut self, scenario: &Scenario) -> Result<(), RuntimeError> {
         self.life.heartbeat = Some(self.publisher()?);
         self.watch_the_drive()?;
-        let (carrier, mode) = (self.ports.carrier(), self.group.mode);
+        let (carrier, mode) = (self.carrier(), self.group.mode);
         let granted = match (carrier, mode) {
             // The thread is not this service's alone.
             (Carrier::Memory, _) => in_force(),

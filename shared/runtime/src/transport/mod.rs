@@ -1,29 +1,32 @@
-//! Transport of messages from ports to ports: shared memory between processes, or the memory of one.
+//! Carriers of messages: shared memory between processes, or the memory of one.
+//!
+//! ```text
+//! Outlet ─► shared memory: a port of iceoryx2 for bytes of any layout ─────────────────────► Inlet
+//!        └► memory: the topic's newest message, and queues for who needs each of them ────┘
+//! ```
 
-pub mod carried;
-mod ends;
-mod error;
-mod held;
-mod loan;
 mod memory;
+mod message;
 mod pooled;
 mod shared_memory;
 pub mod waking;
 
-pub use ends::{Connect, Input, Receiver, Sealing, Sender, SenderId};
-pub use error::TransportError;
-pub use held::{Held, Rooms};
-pub use loan::Loan;
 pub use memory::Turns;
 pub(super) use memory::{Bus, Seat};
-pub(super) use shared_memory::SharedMemory;
+pub(super) use message::Held;
+pub use message::Loan;
 pub use shared_memory::{Ipc, domain, shared_memory_bytes};
+pub(super) use shared_memory::{Receiver, Sender, SenderId, SharedMemory};
 
-use crate::RuntimeError;
 use crate::life::link::End;
+use crate::transport::memory::{MemoryReceiver, MemorySender};
+use crate::transport::message::Place;
 use crate::transport::waking::{Waiter, Waker};
+use crate::{Clock, RuntimeError, Timetable};
 use messages::{Message, Topic};
 use serde::Serialize;
+use std::error::Error;
+use std::io;
 use std::rc::Rc;
 
 /// Carrier of the messages of a run.
@@ -36,9 +39,78 @@ pub enum Carrier {
     Memory,
 }
 
+/// Sealing of messages: their CRC, and their place in digests.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sealing {
+    /// They do, as between processes.
+    #[default]
+    Sealed,
+    /// They do not: nothing outside of the run's thread ever has them, and nothing compares them with another
+    /// run's. All else is the same.
+    Unsealed,
+}
+
+/// Refusal by a carrier of messages, or by a library or the system below it.
+#[derive(Debug, thiserror::Error)]
+pub enum TransportError {
+    /// A call of iceoryx2, whose errors are names.
+    #[error("{0:?}")]
+    Iceoryx2(Box<dyn Error + Send + Sync>),
+    /// A call of the system.
+    #[error("{what}: {reason}")]
+    System {
+        /// For what.
+        what: &'static str,
+        /// Its error.
+        #[source]
+        reason: io::Error,
+    },
+    /// The run's root is not a path for iceoryx2.
+    #[error("the path is not UTF-8")]
+    Path,
+    /// The ids of iceoryx2's ports do not name their process.
+    #[error("iceoryx2 does not name the process in its port ids as expected")]
+    PortId,
+    /// All members wait, one of them for room.
+    #[error("a receiver does not read")]
+    NotRead,
+    /// There is no room, and the sender must not wait.
+    #[error("a receiver's queue is full")]
+    Full,
+    /// The message was loaned from another carrier.
+    #[error("a message of another carrier")]
+    OtherCarrier,
+    /// Bytes are played that no message of the topic has.
+    #[error("{0} bytes are not such a message")]
+    Length(usize),
+}
+
+impl TransportError {
+    pub(crate) fn iceoryx2(error: impl Error + Send + Sync + 'static) -> Self {
+        Self::Iceoryx2(Box::new(error))
+    }
+}
+
+/// Messages that a subscriber can lag behind. They are twice what the plant publishes between two releases of
+/// the slowest service. At the usual rates they last for half a second without the processor.
+fn buffer(timetable: &Timetable) -> usize {
+    let slowest = timetable.strides.into_iter().max().unwrap_or(1);
+    usize::try_from((2 * slowest + 8).max(50)).expect("strides are small")
+}
+
+/// Larger messages have buffers of at most [`LARGE_BUFFER`], bytes. Memory for the slowest of many readers would be
+/// tens of megabytes.
+const LARGE_BYTES: usize = 16 << 10;
+const LARGE_BUFFER: usize = 16;
+
+/// The part of `buffer` that `topic` gets.
+fn buffer_of(topic: Topic, buffer: usize) -> usize {
+    if topic.message_bytes() > LARGE_BYTES { buffer.min(LARGE_BUFFER) } else { buffer }
+}
+
 /// A member's access to the topics of its run.
 #[derive(Debug)]
-pub enum Transport {
+pub(crate) enum Transport {
     /// A process of a group.
     SharedMemory(SharedMemory),
     /// A member of a run in one process.
@@ -46,23 +118,35 @@ pub enum Transport {
 }
 
 impl Transport {
-    /// Creates the publisher of `T`'s topic. In lockstep it waits while a subscriber's buffer is
-    /// full, unless the run was aborted.
-    pub(crate) fn publisher<T: Message>(
-        &self,
-        end: End,
-    ) -> Result<Rc<dyn Sender<T>>, RuntimeError> {
+    pub(crate) fn carrier(&self) -> Carrier {
         match self {
-            Self::SharedMemory(node) => node.publisher(end),
-            Self::Memory(seat) => Ok(seat.publisher(end)),
+            Self::SharedMemory(_) => Carrier::SharedMemory,
+            Self::Memory(_) => Carrier::Memory,
         }
     }
 
-    pub(crate) fn subscriber<T: Message>(&self) -> Result<Rc<dyn Receiver<T>>, RuntimeError> {
+    pub(crate) fn sealing(&self) -> Sealing {
         match self {
-            Self::SharedMemory(node) => node.subscriber(),
-            Self::Memory(seat) => Ok(seat.subscriber()),
+            Self::SharedMemory(_) => Sealing::Sealed,
+            Self::Memory(seat) => seat.sealing(),
         }
+    }
+
+    /// Creates the sending end of `T`'s topic. In lockstep it waits while a receiver has no room, unless the run was
+    /// aborted.
+    pub(crate) fn outlet<T: Message>(&self, end: End) -> Result<Outlet<T>, RuntimeError> {
+        Ok(match self {
+            Self::SharedMemory(node) => Outlet::SharedMemory(Rc::new(node.sender(T::TOPIC, end)?)),
+            Self::Memory(seat) => Outlet::Memory(seat.sender(end)),
+        })
+    }
+
+    /// Creates a receiving end of `T`'s topic.
+    pub(crate) fn inlet<T: Message>(&self, wanted: Wanted<'_>) -> Result<Inlet<T>, RuntimeError> {
+        Ok(match self {
+            Self::SharedMemory(node) => Inlet::SharedMemory(Rc::new(node.receiver(T::TOPIC)?)),
+            Self::Memory(seat) => Inlet::Memory(seat.receiver(wanted)),
+        })
     }
 
     /// Removes what dead processes left on the topics.
@@ -86,6 +170,83 @@ impl Transport {
         match self {
             Self::SharedMemory(node) => node.waiter(topic),
             Self::Memory(seat) => seat.waiter(),
+        }
+    }
+}
+
+/// The messages of a topic that a reader in memory needs. Shared memory brings each of them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Wanted<'a> {
+    /// Each one.
+    Every,
+    /// The newest one at each release of a service, whose clock this is.
+    Newest(&'a Rc<Clock>),
+}
+
+/// The sending end of a topic.
+#[derive(Debug)]
+pub(crate) enum Outlet<T: Message> {
+    SharedMemory(Rc<Sender>),
+    Memory(MemorySender<T>),
+}
+
+impl<T: Message> Outlet<T> {
+    /// Memory for a message where its readers will read it. It holds zeros or an earlier message of this
+    /// port.
+    pub(crate) fn loan(&self) -> Result<Loan<T>, TransportError> {
+        Ok(match self {
+            Self::SharedMemory(port) => Loan(Place::SharedMemory(port.loan()?)),
+            Self::Memory(port) => Loan(Place::Memory(port.loan())),
+        })
+    }
+
+    /// Hands a message that was loaned here to all receivers.
+    pub(crate) fn send(&self, message: Loan<T>) -> Result<(), TransportError> {
+        match (self, message.0) {
+            (Self::SharedMemory(_), Place::SharedMemory(sample)) => {
+                sample.send().map(|_| ()).map_err(TransportError::iceoryx2)
+            }
+            (Self::Memory(port), Place::Memory(message)) => port.send(message),
+            _ => Err(TransportError::OtherCarrier),
+        }
+    }
+}
+
+/// A receiving end of a topic.
+#[derive(Debug)]
+pub(crate) enum Inlet<T: Message> {
+    SharedMemory(Rc<Receiver>),
+    Memory(MemoryReceiver<T>),
+}
+
+/// What was taken from a topic.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arrival {
+    /// The port that sent it; `None` in the memory of one process, in which each sender is known.
+    pub(crate) sender: Option<SenderId>,
+    /// Messages since the last look, of which this is the newest.
+    pub(crate) messages: u64,
+    /// Bytes that were copied to take it.
+    pub(crate) copied_bytes: usize,
+}
+
+impl<T: Message> Inlet<T> {
+    /// Room for one message.
+    pub(crate) fn room(&self) -> Held<T> {
+        Held::new(matches!(self, Self::SharedMemory(_)))
+    }
+
+    /// Takes the next message into `held`; `None` if there is none.
+    pub(crate) fn receive(&self, held: &mut Held<T>) -> Result<Option<Arrival>, TransportError> {
+        match self {
+            Self::SharedMemory(port) => Ok(port.receive()?.map(|sample| {
+                let sender = Some(SenderId::of_port(sample.origin().value()));
+                Arrival { sender, messages: 1, copied_bytes: held.take_sample(sample) }
+            })),
+            Self::Memory(port) => Ok(port.receive().map(|(message, messages)| {
+                held.take_shared(message);
+                Arrival { sender: None, messages, copied_bytes: 0 }
+            })),
         }
     }
 }

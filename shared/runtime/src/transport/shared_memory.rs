@@ -1,9 +1,6 @@
 //! iceoryx2 as timegap uses it: one private node per process and one way to open each topic.
 
-use super::ends::{Arrival, Connect, Input, Receiver, Sender, SenderId, buffer, buffer_of};
-use super::error::TransportError;
-use super::held::Held;
-use super::loan::{Loan, Place};
+use super::{TransportError, buffer, buffer_of};
 use crate::counts::file::MOST_BYTES as MOST_COUNTS_BYTES;
 use crate::life::link::End;
 use crate::ports::members::Members;
@@ -14,15 +11,17 @@ use iceoryx2::config::Config;
 use iceoryx2::port::BackpressureAction;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::*;
+use iceoryx2::sample::Sample;
+use iceoryx2::sample_mut::SampleMut;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
 use iceoryx2::service::builder::Builder;
+use iceoryx2::service::marker::{CustomHeaderMarker, CustomPayloadMarker};
 use iceoryx2::service::port_factory::publish_subscribe;
-use messages::Service;
-use messages::{LAYOUT_VERSION, Message, TOPICS, Topic};
+use iceoryx2::service::static_config::message_type_details::{TypeDetail, TypeVariant};
+use messages::{LAYOUT_VERSION, Layout, Service, TOPICS, Topic};
 use std::fmt::Debug;
 use std::os::unix::fs::PermissionsExt;
 use std::path::PathBuf;
-use std::rc::Rc;
 use std::sync::Mutex;
 
 /// The iceoryx2 variant of all topics.
@@ -61,50 +60,76 @@ pub fn shared_memory_bytes(timetable: &Timetable, standby: &[Service]) -> u64 {
     (payload + MANAGEMENT + Service::ALL.len() * (MOST_COUNTS_BYTES + MOST_STATE_BYTES)) as u64
 }
 
-impl<T: Message> Sender<T> for iceoryx2::port::publisher::Publisher<Ipc, T, ()> {
+/// A payload: the bytes of one message. iceoryx2 compiles its ports once for all types, and gets size, alignment and
+/// name of the type of each topic when it is opened. A program that uses the types themselves meets ours.
+pub(super) type Payload = [CustomPayloadMarker];
+pub(super) type LoanedSample = SampleMut<Ipc, Payload, CustomHeaderMarker>;
+pub(super) type ReceivedSample = Sample<Ipc, Payload, CustomHeaderMarker>;
+
+type Factory = publish_subscribe::PortFactory<Ipc, Payload, CustomHeaderMarker>;
+
+/// The sending end of a topic.
+#[derive(Debug)]
+pub(crate) struct Sender(iceoryx2::port::publisher::Publisher<Ipc, Payload, CustomHeaderMarker>);
+
+impl Sender {
+    /// Connects to the receivers that exist, ahead of the first message: it creates files and allocates.
+    pub(crate) fn connect(&self) -> Result<(), TransportError> {
+        self.0.update_connections().map_err(TransportError::iceoryx2)
+    }
+
     #[expect(unsafe_code, reason = "a message is not written twice to please the type")]
-    fn loan(&self) -> Result<Loan<T>, TransportError> {
-        let sample = self.loan_uninit().map_err(TransportError::iceoryx2)?;
+    pub(super) fn loan(&self) -> Result<LoanedSample, TransportError> {
+        // SAFETY: a topic has one payload a message.
+        let sample = unsafe { self.0.loan_custom_payload(1) }.map_err(TransportError::iceoryx2)?;
         // SAFETY: the payload is a part of a file in memory that this process has mapped. It holds zeros or an earlier
-        // message, and any bytes are a `T`, which is `Pod`.
-        Ok(Loan(Place::SharedMemory(unsafe { sample.assume_init() })))
-    }
-
-    fn send(&self, message: Loan<T>) -> Result<(), TransportError> {
-        match message.0 {
-            Place::SharedMemory(sample) => {
-                sample.send().map(|_| ()).map_err(TransportError::iceoryx2)
-            }
-            Place::Memory(_) => Err(TransportError::OtherCarrier),
-        }
+        // message.
+        Ok(unsafe { sample.assume_init() })
     }
 }
 
-impl<Port: UpdateConnections + Debug> Connect for Port {
-    fn connect(&self) -> Result<(), TransportError> {
-        self.update_connections().map_err(TransportError::iceoryx2)
+/// A receiving end of a topic.
+#[derive(Debug)]
+pub(crate) struct Receiver(
+    iceoryx2::port::subscriber::Subscriber<Ipc, Payload, CustomHeaderMarker>,
+);
+
+impl Receiver {
+    /// Connects to the senders that exist.
+    pub(crate) fn connect(&self) -> Result<(), TransportError> {
+        self.0.update_connections().map_err(TransportError::iceoryx2)
+    }
+
+    /// True if a message waits.
+    pub(crate) fn has_input(&self) -> bool {
+        self.0.has_samples().unwrap_or(false)
+    }
+
+    /// The oldest message not yet taken.
+    pub(super) fn receive(&self) -> Result<Option<ReceivedSample>, TransportError> {
+        self.0.receive().map_err(TransportError::iceoryx2)
     }
 }
 
-impl<T: Message> Input for iceoryx2::port::subscriber::Subscriber<Ipc, T, ()> {
-    fn has_input(&self) -> bool {
-        self.has_samples().unwrap_or(false)
-    }
-}
+/// A sending port, unique on this host: the high and the low half of 128 bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SenderId(u64, u64);
 
-impl<T: Message> Receiver<T> for iceoryx2::port::subscriber::Subscriber<Ipc, T, ()> {
-    fn receive(&self, held: &mut Held<T>) -> Result<Option<Arrival>, TransportError> {
-        let Some(sample) = Self::receive(self).map_err(TransportError::iceoryx2)? else {
-            return Ok(None);
-        };
-        let sender = SenderId::of_port(sample.origin().value());
-        Ok(Some(Arrival { sender, copied_bytes: held.take_sample(sample) }))
+impl SenderId {
+    /// Port `id` of iceoryx2.
+    pub(super) fn of_port(id: u128) -> Self {
+        Self((id >> 64) as u64, id as u64)
+    }
+
+    /// The process that made it: iceoryx2's ids are seconds, nanoseconds, process, counter.
+    pub(crate) fn pid(self) -> u32 {
+        self.0 as u32
     }
 }
 
 /// A node in the run's private iceoryx2 domain.
 #[derive(Debug)]
-pub struct SharedMemory {
+pub(crate) struct SharedMemory {
     node: Node<Ipc>,
     wake_words: WakeWords,
     mode: Mode,
@@ -148,39 +173,50 @@ impl SharedMemory {
         self.node.try_cleanup_dead_nodes();
     }
 
-    /// Opens the publish-subscribe service of `T`'s topic.
-    ///
-    /// # Errors
-    /// [`RuntimeError::Topic`].
-    fn topic<T: Message>(
-        &self,
-    ) -> Result<publish_subscribe::PortFactory<Ipc, T, ()>, RuntimeError> {
+    /// Opens the publish-subscribe service of a topic.
+    #[expect(unsafe_code, reason = "the layout stands for the type")]
+    fn topic(&self, topic: Topic) -> Result<Factory, RuntimeError> {
         let key = AttributeKey::try_from("layout").expect("short enough for a key");
         let version = AttributeValue::try_from(LAYOUT_VERSION).expect("short enough for a value");
         let attributes =
-            AttributeVerifier::new().require(&key, &version).map_err(refused(T::TOPIC))?;
-        self.node
-            .service_builder(&service_name(T::TOPIC))
-            .publish_subscribe::<T>()
+            AttributeVerifier::new().require(&key, &version).map_err(refused(topic))?;
+        let layout = topic.layout();
+        let fixed = TypeVariant::FixedSize;
+        let (name, bytes) = (layout.type_name, layout.bytes);
+        let payload = TypeDetail::__internal_new_from_parts(fixed, name, bytes, Layout::ALIGNMENT)
+            .map_err(refused(topic))?;
+        let builder = self
+            .node
+            .service_builder(&service_name(topic))
+            .publish_subscribe::<Payload>()
+            .user_header::<CustomHeaderMarker>();
+        // SAFETY: the payload has the layout of the topic's message, and there is no header of ours.
+        let builder = unsafe {
+            builder
+                .__internal_set_payload_type_details(&payload)
+                .__internal_set_user_header_type_details(&TypeDetail::new::<()>(fixed))
+        };
+        builder
             .max_publishers(self.peers)
             .max_subscribers(self.peers)
             .max_nodes(2 * self.peers)
-            .subscriber_max_buffer_size(buffer_of(T::TOPIC, self.buffer))
+            .subscriber_max_buffer_size(buffer_of(topic, self.buffer))
             .subscriber_max_borrowed_samples(HELD)
             // A restarted receiver begins with it.
             .history_size(HISTORY)
             .enable_safe_overflow(self.mode == Mode::Realtime)
             .open_or_create_with_attributes(&attributes)
-            .map_err(refused(T::TOPIC))
+            .map_err(refused(topic))
     }
 
-    pub(super) fn publisher<T: Message>(
-        &self,
-        end: End,
-    ) -> Result<Rc<dyn Sender<T>>, RuntimeError> {
+    /// Creates the sending end of `topic`.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub(super) fn sender(&self, topic: Topic, end: End) -> Result<Sender, RuntimeError> {
         let group = Listeners::of(&self.root);
         let port = self
-            .topic::<T>()?
+            .topic(topic)?
             .publisher_builder()
             .max_loaned_samples(LOANED)
             .set_backpressure_handler(move |full| {
@@ -191,16 +227,20 @@ impl SharedMemory {
                 BackpressureAction::Retry
             })
             .create()
-            .map_err(refused(T::TOPIC))?;
+            .map_err(refused(topic))?;
         if SenderId::of_port(port.id().value()).pid() != std::process::id() {
-            return Err(RuntimeError::Topic { topic: T::TOPIC, reason: TransportError::PortId });
+            return Err(RuntimeError::Topic { topic, reason: TransportError::PortId });
         }
-        Ok(Rc::new(port))
+        Ok(Sender(port))
     }
 
-    pub(super) fn subscriber<T: Message>(&self) -> Result<Rc<dyn Receiver<T>>, RuntimeError> {
-        let port = (self.topic::<T>()?.subscriber_builder()).create().map_err(refused(T::TOPIC))?;
-        Ok(Rc::new(port))
+    /// Creates a receiving end of `topic`.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Topic`].
+    pub(super) fn receiver(&self, topic: Topic) -> Result<Receiver, RuntimeError> {
+        let port = (self.topic(topic)?.subscriber_builder()).create().map_err(refused(topic))?;
+        Ok(Receiver(port))
     }
 
     /// Begins to open an iceoryx2 service that is not a topic.

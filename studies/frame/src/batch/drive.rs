@@ -105,14 +105,11 @@ pub(crate) fn drive_on(
     let mut samples: Vec<Sample> = Vec::new();
     let mut next = Duration::ZERO;
     let stop = || !going_on();
-    let outcome = match (carrier, sealing) {
-        (Carrier::Memory, Sealing::Sealed) => {
-            group::in_process::run_watched(&job.scenario, &stop, &mut |_| {})?
+    let outcome = match carrier {
+        Carrier::Memory => {
+            group::in_process::run_watched(&job.scenario, sealing, &stop, &mut |_| {})?
         }
-        (Carrier::Memory, Sealing::Unsealed) => {
-            group::in_process::run_unsealed(&job.scenario, &stop)?
-        }
-        (Carrier::SharedMemory, _) => {
+        Carrier::SharedMemory => {
             let directory = job.record.then(Scratch::new).transpose();
             let directory = directory.map_err(PrepareError::of("make a directory"))?;
             let keep = directory.as_ref().map(|directory| Keep {

@@ -253,7 +253,7 @@ mod tests {
 
     use clap::FromArgMatches;
     use group::GroupOptions;
-    use group::in_process::run_watched;
+    use group::in_process;
     use group::report::Details;
     use messages::Service;
 
@@ -269,7 +269,7 @@ mod tests {
     fn drive(case: &Case, law: &str, aebs: bool) -> (BTreeMap<String, String>, u64) {
         let scenes = Scenes::new(1, LawOptions::default(), Vec::new());
         let scenario = scenes.scenario(case, law, aebs).expect("a law");
-        let group = run_watched(&scenario, &|| false, &mut |_| {}).expect("it runs");
+        let group = in_process::run(&scenario).expect("it runs");
         let Details::Plant(plant) = &group.reports[&Service::Plant].details else {
             panic!("the plant has its own report")
         };
