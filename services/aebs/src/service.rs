@@ -12,7 +12,7 @@ use messages::{
 };
 use runtime::statistics::Latencies;
 use runtime::{
-    Count, CountsReader, Cycle, Group, Publisher, Release, Runtime, RuntimeError, Subscriber,
+    Count, Cycle, Group, Publisher, Release, Runtime, RuntimeError, ServiceCounts, Subscriber,
     monotonic_ns,
 };
 use scenario::Scenario;
@@ -54,7 +54,7 @@ pub fn run(mut runtime: Runtime) -> Result<(), RuntimeError> {
 /// Sum of the reports of all processes of a run's emergency brake, which left out `skipped` releases.
 #[must_use]
 pub fn last_known(group: &Group, scenario: &Scenario, skipped: u64) -> AebsReport {
-    let counts = CountsReader::of(group, Service::Aebs);
+    let counts = ServiceCounts::of(group, Service::Aebs);
     let figures = counts.figures();
     let late = figures.count(LATE).map_or(0, |late| late.get());
     AebsReport {

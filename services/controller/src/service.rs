@@ -23,7 +23,7 @@ use messages::{
 };
 use runtime::statistics::{Latencies, Percentiles};
 use runtime::{
-    CountsReader, Cycle, Group, Mode, Overrun, Publisher, Release, Runtime, RuntimeError,
+    Cycle, Group, Mode, Overrun, Publisher, Release, Runtime, RuntimeError, ServiceCounts,
     Subscriber, monotonic_ns,
 };
 use scenario::{Scenario, controller};
@@ -90,7 +90,7 @@ fn run_built(
 /// Time inside the law over all processes of a run's controller; none if that was not kept.
 #[must_use]
 pub fn last_law_times(group: &Group) -> Option<Percentiles> {
-    let counts = CountsReader::of(group, Service::Controller);
+    let counts = ServiceCounts::of(group, Service::Controller);
     let figures = counts.figures();
     figures.latencies(LAW).ok()?.percentiles_us()
 }

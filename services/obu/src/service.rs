@@ -12,7 +12,7 @@ use messages::{
 };
 use runtime::statistics::Latencies;
 use runtime::{
-    Count, CountsReader, Cycle, Figures, Group, Publisher, Release, Runtime, RuntimeError,
+    Count, Cycle, Figures, Group, Publisher, Release, Runtime, RuntimeError, ServiceCounts,
     Subscriber, Timetable, monotonic_ns,
 };
 use scenario::Scenario;
@@ -88,7 +88,7 @@ impl Counts {
 /// Report of a unit whose processes have ended, from the counts that they kept; `None` without them.
 #[must_use]
 pub fn last_known(group: &Group) -> Option<ObuReport> {
-    let counts = CountsReader::of(group, Service::Obu);
+    let counts = ServiceCounts::of(group, Service::Obu);
     let figures = counts.figures();
     let verdicts = Verdicts::open(figures).ok()?;
     Some(Counts::open(figures).ok()?.report(&verdicts))

@@ -6,9 +6,9 @@
 use crate::life::link::End;
 use crate::ports::members::Members;
 use crate::ports::{Check, Protection, Seal, Tally};
-use crate::survival::gate::Gate;
+use crate::survival::fence::Gate;
 use crate::transport::waking::{Waiter, Waker};
-use crate::transport::{Ipc, SharedMemory, Transport, Wanted};
+use crate::transport::{Inlet, Ipc, Outlet, SharedMemory};
 use crate::{Clock, Group, Mode, Publisher, RuntimeError, Subscriber};
 use iceoryx2::prelude::ServiceName;
 use iceoryx2::service::builder::Builder;
@@ -19,7 +19,7 @@ use std::time::Duration;
 /// A member of a group that is not a service.
 #[derive(Debug)]
 pub struct Guest {
-    transport: Transport,
+    node: SharedMemory,
     group: Group,
 }
 
@@ -29,34 +29,25 @@ impl Guest {
     /// # Errors
     /// [`RuntimeError::Node`].
     pub fn join(group: Group, name: &str) -> Result<Self, RuntimeError> {
-        let transport = Transport::SharedMemory(SharedMemory::join(&group, name)?);
-        Ok(Self { transport, group })
+        Ok(Self { node: SharedMemory::join(&group, name)?, group })
     }
 
     /// Begins to open an iceoryx2 service that is not a topic.
     #[must_use]
     pub fn service(&self, name: &ServiceName) -> Builder<Ipc> {
-        self.node().service(name)
+        self.node.service(name)
     }
 
     /// Wakes those who wait for `topic`.
     #[must_use]
     pub fn waker(&self, topic: Topic) -> Waker {
-        self.node().waker(topic)
+        self.node.waker(topic)
     }
 
     /// Waits for `topic`.
     #[must_use]
     pub fn waiter(&self, topic: Topic) -> Waiter {
-        self.node().waiter(topic)
-    }
-
-    /// The node that its ends belong to.
-    fn node(&self) -> &SharedMemory {
-        match &self.transport {
-            Transport::SharedMemory(node) => node,
-            Transport::Memory(_) => unreachable!("`join` joined shared memory"),
-        }
+        self.node.waiter(topic)
     }
 
     /// The sending end of `T`'s topic, as `source` has it.
@@ -66,7 +57,7 @@ impl Guest {
     pub fn publisher<T: Message>(&self, source: Service) -> Result<Publisher<T>, RuntimeError> {
         let Group { mode, timetable, .. } = self.group;
         Ok(Publisher::new(Seal {
-            outlet: self.transport.outlet(End::default())?,
+            outlet: Outlet::SharedMemory(Rc::new(self.node.sender(T::TOPIC, End::default())?)),
             waker: Some((self.waker(T::TOPIC), timetable)),
             falsified: None,
             protection: Protection::Full,
@@ -84,7 +75,8 @@ impl Guest {
     /// # Errors
     /// [`RuntimeError::Topic`].
     pub fn subscriber<T: Message>(&self) -> Result<Subscriber<T>, RuntimeError> {
-        let (inlet, tally) = (self.transport.inlet(Wanted::Every)?, Tally::of_receiver());
+        let inlet = Inlet::SharedMemory(Rc::new(self.node.receiver(T::TOPIC)?));
+        let tally = Tally::of_receiver();
         let members = Some(Rc::new(Members::of(&self.group.root)));
         let check = Check::new(members, true, Rc::clone(&tally));
         Ok(Subscriber::new(inlet, Some(self.waiter(T::TOPIC)), None, check, tally))

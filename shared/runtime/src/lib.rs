@@ -42,9 +42,9 @@ mod survival;
 mod transport;
 mod words;
 
+pub use counts::ServiceCounts;
 pub use counts::account::{LastAccount, Progress};
 pub use counts::figures::{Count, Figures, RELEASE_JITTER};
-pub use counts::reader::CountsReader;
 pub use counts::statistics;
 pub use counts::statistics::histogram_log;
 pub use error::RuntimeError;
@@ -53,8 +53,7 @@ pub use guest::Guest;
 pub use in_process::{Entry, InProcess};
 pub use life::group::Group;
 pub use life::link::{FromService, PEER_JOINED, StartOrder, ToService};
-pub use life::prepared::{NAME_PREFIX, PREPARED, PREPARED_PREFIX};
-pub use life::process::{log_warnings, run_service};
+pub use life::process::{NAME_PREFIX, PREPARED, PREPARED_PREFIX, log_warnings, run_service};
 pub use machine::background::{BackgroundWorker, WorkerReport};
 pub use machine::program::{Program, ProgramError, command_line, executable};
 pub use machine::scheduling;
@@ -63,7 +62,7 @@ pub use machine::usage::Usage;
 pub use ports::members::{enroll, enroll_listener};
 pub use ports::{Observed, Observer, Played, Player, Publisher, Subscriber, Tap, Tapped};
 pub use releases::clock::{Clock, Mode, monotonic_ns, sleep_until};
-pub use releases::release::{Overrun, Release};
+pub use releases::cycles::{Overrun, Release};
 pub use releases::schedule::{Schedule, ScheduledRelease};
 pub use releases::timetable::Timetable;
 pub use session::{Cycle, Runtime, count_allocations_by};
@@ -73,4 +72,4 @@ pub use transport::waking::{Ticket, Waiter, Waker};
 pub use transport::{
     Carrier, Ipc, Loan, Sealing, TransportError, Turns, domain, shared_memory_bytes,
 };
-pub use words::SharedWords;
+pub use words::{Atomics, Shared, SharedWords};

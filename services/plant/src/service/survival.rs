@@ -3,7 +3,7 @@
 
 use messages::level::LevelLog;
 use messages::{Origin, Service};
-use runtime::{Checkpoint, CountsReader, Group, Runtime, RuntimeError};
+use runtime::{Checkpoint, Group, Runtime, RuntimeError, ServiceCounts};
 use serde::{Deserialize, Serialize};
 
 use super::Plant;
@@ -63,7 +63,7 @@ pub fn last_known(group: &Group) -> Option<PlantReport> {
         None => Outcome::Aborted,
     };
     let counted = kept.counted;
-    let counts = CountsReader::of(group, Service::Plant);
+    let counts = ServiceCounts::of(group, Service::Plant);
     let figures = counts.figures();
     let times = times::last(outcome, figures).unwrap_or_else(|_| PlantReport::empty(outcome));
     Some(PlantReport {

@@ -20,10 +20,12 @@ mod state_machine;
 pub use check::{Check, Status};
 pub use state_machine::{State, StateMachine};
 
+use bytemuck::{Pod, Zeroable};
 use serde::{Deserialize, Serialize};
 
 /// Counts of each outcome on a topic.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable, Serialize, Deserialize)]
 pub struct Outcomes {
     /// Intact, next in sequence.
     pub ok: u64,
@@ -67,15 +69,8 @@ impl Outcomes {
 
     /// Adds the counts of another consumer.
     pub fn add(&mut self, other: &Self) {
-        self.ok += other.ok;
-        self.ok_some_lost += other.ok_some_lost;
-        self.repeated += other.repeated;
-        self.wrong_sequence += other.wrong_sequence;
-        self.error += other.error;
-        self.no_new_data += other.no_new_data;
-        self.unknown_sender += other.unknown_sender;
-        self.from_the_future += other.from_the_future;
-        self.distrusted += other.distrusted;
+        let counts: &mut [u64; 9] = bytemuck::cast_mut(self);
+        counts.iter_mut().zip(bytemuck::cast::<_, [u64; 9]>(*other)).for_each(|(a, b)| *a += b);
     }
 }
 

@@ -1,51 +1,73 @@
-//! The account of one process: its counts so far, on a page of shared memory that outlives it. A process that dies
-//! cannot report, and its messages were sent all the same.
+//! The account of one process: its counts so far, in shared memory that outlives it. A process that dies cannot report,
+//! and its messages were sent all the same.
 //!
-//! The service writes the page at the end of each cycle (some hundred stores, no system call). The launcher reads it
+//! The service writes the account at the end of each cycle (some hundred stores, no system call). The launcher reads it
 //! when the process is gone without a report.
 
-use super::file::CountsFile;
-use crate::RuntimeError;
+#![allow(unsafe_code, reason = "a struct of atomic numbers in shared memory")]
+
+use super::{ACCOUNTS, State};
 use crate::faults::{FaultStatistics, Faults};
 use crate::ports::Counted;
 use crate::report::{ReceivedTopic, SentTopic};
-use crate::words::SharedWords;
+use crate::words::{Atomics, Shared};
+use bytemuck::{Pod, Zeroable};
+use messages::TOPICS;
 use messages::e2e::Outcomes;
-use messages::{TOPICS, Topic};
-use std::sync::atomic::Ordering;
+use scenario::faults::MAX_FAULTS;
+use std::fs::File;
+use std::io;
+use std::mem::offset_of;
+use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Words before those of the topics.
-const HEAD: usize = 16;
-/// Cycles run, and releases left out.
-const CYCLES: usize = 0;
-const SKIPPED: usize = 1;
-/// All cycles, also those of a standby.
-const PROGRESS: usize = 2;
-/// Incarnation of the page's process, counted from 1; 0: the page is free.
-const OWNER: usize = 3;
-/// Words of a topic.
-const STRIDE: usize = 16;
-/// Bits of a topic's first word.
-const SENDS: u32 = 1;
-const RECEIVES: u32 = 2;
-
-/// First word of the faults, words of each, and how many there is room for.
-const FAULTS: usize = HEAD + TOPICS.len() * STRIDE;
-const FAULT_STRIDE: usize = 5;
-const MOST_FAULTS: usize = (crate::words::WORDS - FAULTS) / FAULT_STRIDE;
-
-const _: () = assert!(MOST_FAULTS >= 2 * scenario::faults::MAX_FAULTS);
-
-/// The page of one process.
+/// The account of one process.
+#[repr(C, align(4096))]
 #[derive(Debug)]
-pub(crate) struct Account(SharedWords);
-
-/// The word by which process `incarnation` owns its page.
-fn owner(incarnation: u32) -> u32 {
-    incarnation.wrapping_add(1)
+pub(super) struct Account {
+    /// Incarnation of the process, counted from 1; 0: the account is free.
+    owner: AtomicU64,
+    /// All cycles, also those of a standby.
+    progress: AtomicU64,
+    /// [`Sums`], word by word.
+    sums: [AtomicU64; size_of::<Sums>() / 8],
 }
 
-/// Counts of a process when it died. They wrap at 2³².
+// SAFETY: words alone.
+unsafe impl Atomics for Account {}
+
+/// The counts of a process.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct Sums {
+    cycles: u64,
+    skipped: u64,
+    topics: [OfTopic; TOPICS.len()],
+    faults: [OfFault; 2 * MAX_FAULTS],
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct OfTopic {
+    /// 1 if the process sends on the topic, or receives from it.
+    sends: u64,
+    receives: u64,
+    sent: u64,
+    received: u64,
+    lost: u64,
+    e2e: Outcomes,
+}
+
+#[repr(C)]
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+struct OfFault {
+    /// Number, counted from 1; 0 marks the end of the faults.
+    number: u64,
+    begun_ns: i64,
+    messages: u64,
+    undetected: u64,
+}
+
+/// Counts of a process when it died.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct LastAccount {
     /// Cycles run.
@@ -60,172 +82,159 @@ pub struct LastAccount {
     pub faults: Vec<FaultStatistics>,
 }
 
+/// The number by which process `incarnation` owns its account.
+fn owner(incarnation: u32) -> u64 {
+    u64::from(incarnation) + 1
+}
+
+fn map(file: &File, incarnation: u32) -> io::Result<Shared<Account>> {
+    let place = incarnation as usize % ACCOUNTS;
+    Shared::of(file, offset_of!(State, accounts) + place * size_of::<Account>())
+}
+
 impl Account {
-    /// Begins the account of process `incarnation`. Its page may have been another process's, long ago.
-    pub(super) fn begin(file: &CountsFile, incarnation: u32) -> Result<Self, RuntimeError> {
-        let setup = RuntimeError::setup("the account in shared memory");
-        let page = file.account(incarnation).map_err(setup)?;
-        for index in 0..crate::words::WORDS {
-            page.word(index).store(0, Ordering::Relaxed);
-        }
-        page.word(OWNER).store(owner(incarnation), Ordering::Release);
-        Ok(Self(page))
-    }
-
     /// The account of process `incarnation`; `None` if it has none.
-    pub(super) fn of(file: &CountsFile, incarnation: u32) -> Option<Self> {
-        let page = file.account(incarnation).ok()?;
-        let owns = page.word(OWNER).load(Ordering::Acquire) == owner(incarnation);
-        owns.then_some(Self(page))
+    pub(super) fn of(file: &File, incarnation: u32) -> Option<Shared<Self>> {
+        let account = map(file, incarnation).ok()?;
+        let owns = account.owner.load(Ordering::Acquire) == owner(incarnation);
+        owns.then_some(account)
     }
 
-    /// Reads the account and frees its page.
-    pub(super) fn take(self) -> LastAccount {
-        let last = self.read();
-        self.0.word(OWNER).store(0, Ordering::Release);
-        last
+    /// Reads the account and frees its place.
+    pub(super) fn take(&self) -> LastAccount {
+        let mut sums = Sums::zeroed();
+        for (number, word) in words(&mut sums).iter_mut().zip(&self.sums) {
+            *number = word.load(Ordering::Relaxed);
+        }
+        self.owner.store(0, Ordering::Release);
+        let topics = || TOPICS.into_iter().map(|topic| (topic, sums.topics[topic as usize]));
+        let sends = topics().filter(|(_, of)| of.sends > 0);
+        let receives = topics().filter(|(_, of)| of.receives > 0);
+        let faults = sums.faults.iter().map_while(|of| {
+            let fault = u32::try_from(of.number.checked_sub(1)?).ok()?;
+            let OfFault { begun_ns, messages, undetected, .. } = *of;
+            Some(FaultStatistics { fault, begun_ns, messages, undetected })
+        });
+        let sent = |topic: messages::Topic, sent| SentTopic {
+            topic: topic.name().into(),
+            sent,
+            digest: None,
+        };
+        LastAccount {
+            cycles: sums.cycles,
+            skipped: sums.skipped,
+            sent: sends.map(|(topic, of)| sent(topic, of.sent)).collect(),
+            received: receives
+                .map(|(topic, OfTopic { received, lost, e2e, .. })| ReceivedTopic {
+                    topic: topic.name().into(),
+                    received,
+                    lost,
+                    e2e,
+                })
+                .collect(),
+            faults: faults.collect(),
+        }
+    }
+}
+
+fn words(sums: &mut Sums) -> &mut [u64] {
+    bytemuck::cast_slice_mut(std::slice::from_mut(sums))
+}
+
+/// The account as its process writes it.
+#[derive(Debug)]
+pub(crate) struct OwnAccount {
+    account: Shared<Account>,
+    sums: Box<Sums>,
+}
+
+impl OwnAccount {
+    /// Begins the account of process `incarnation`. Its place may have been another process's, long ago.
+    pub(super) fn begin(file: &File, incarnation: u32) -> io::Result<Self> {
+        let mut this = Self { account: map(file, incarnation)?, sums: Box::new(Sums::zeroed()) };
+        this.show_progress(0);
+        this.put();
+        this.account.owner.store(owner(incarnation), Ordering::Release);
+        Ok(this)
     }
 
     /// Shows that another cycle is done: the `cycles`th of this process.
     pub(crate) fn show_progress(&self, cycles: u64) {
-        self.put(PROGRESS, cycles);
+        self.account.progress.store(cycles, Ordering::Relaxed);
     }
 
-    /// Writes what was counted so far.
-    pub(crate) fn write(&self, cycles: u64, skipped: u64, sent: &[Counted], received: &[Counted]) {
-        self.put(CYCLES, cycles);
-        self.put(SKIPPED, skipped);
+    /// Writes what was counted so far, and what faults of messages did.
+    pub(crate) fn write(
+        &mut self,
+        (cycles, skipped): (u64, u64),
+        (sent, received): (&[Counted], &[Counted]),
+        faults: &Faults,
+    ) {
+        let sums = &mut *self.sums;
+        (sums.cycles, sums.skipped) = (cycles, skipped);
         for (topic, tally) in sent {
-            let place = place(*topic);
-            self.0.word(place).fetch_or(SENDS, Ordering::Relaxed);
-            self.put(place + 1, tally.borrow().messages);
+            let of = &mut sums.topics[*topic as usize];
+            (of.sends, of.sent) = (1, tally.borrow().messages);
         }
         for (topic, tally) in received {
-            let (place, tally) = (place(*topic), tally.borrow());
-            self.0.word(place).fetch_or(RECEIVES, Ordering::Relaxed);
-            self.put(place + 2, tally.messages);
-            self.put(place + 3, tally.lost);
-            let outcomes = [
-                tally.e2e.ok,
-                tally.e2e.ok_some_lost,
-                tally.e2e.repeated,
-                tally.e2e.wrong_sequence,
-                tally.e2e.error,
-                tally.e2e.no_new_data,
-                tally.e2e.unknown_sender,
-                tally.e2e.from_the_future,
-                tally.e2e.distrusted,
-            ];
-            for (index, count) in outcomes.into_iter().enumerate() {
-                self.put(place + 4 + index, count);
-            }
+            let (of, tally) = (&mut sums.topics[*topic as usize], tally.borrow());
+            of.receives = 1;
+            (of.received, of.lost, of.e2e) = (tally.messages, tally.lost, tally.e2e);
         }
-    }
-
-    /// Writes what faults of messages did so far.
-    pub(crate) fn write_faults(&self, faults: &Faults) {
-        let mut place = FAULTS;
-        faults.each_statistics(|one| {
-            if place + FAULT_STRIDE > FAULTS + MOST_FAULTS * FAULT_STRIDE {
-                return;
+        let mut places = sums.faults.iter_mut();
+        faults.each_statistics(|FaultStatistics { fault, begun_ns, messages, undetected }| {
+            if let Some(place) = places.next() {
+                *place = OfFault { number: u64::from(fault) + 1, begun_ns, messages, undetected };
             }
-            let begun_ns = one.begun_ns.unsigned_abs();
-            self.put(place + 1, begun_ns & u64::from(u32::MAX));
-            self.put(place + 2, begun_ns >> 32);
-            self.put(place + 3, one.messages);
-            self.put(place + 4, one.undetected);
-            // 0 marks the end of the faults.
-            self.put(place, u64::from(one.fault) + 1);
-            place += FAULT_STRIDE;
         });
+        self.put();
     }
 
-    fn put(&self, index: usize, count: u64) {
-        self.0.word(index).store(count as u32, Ordering::Relaxed);
-    }
-
-    fn read(&self) -> LastAccount {
-        let count = |index: usize| u64::from(self.0.word(index).load(Ordering::Relaxed));
-        let with = |bit: u32| {
-            TOPICS.into_iter().filter(move |&topic| count(place(topic)) & u64::from(bit) != 0)
-        };
-        let sent = |topic: Topic| SentTopic {
-            topic: topic.name().into(),
-            sent: count(place(topic) + 1),
-            digest: None,
-        };
-        let received = |topic: Topic| {
-            let outcome = |index: usize| count(place(topic) + 4 + index);
-            ReceivedTopic {
-                topic: topic.name().into(),
-                received: count(place(topic) + 2),
-                lost: count(place(topic) + 3),
-                e2e: Outcomes {
-                    ok: outcome(0),
-                    ok_some_lost: outcome(1),
-                    repeated: outcome(2),
-                    wrong_sequence: outcome(3),
-                    error: outcome(4),
-                    no_new_data: outcome(5),
-                    unknown_sender: outcome(6),
-                    from_the_future: outcome(7),
-                    distrusted: outcome(8),
-                },
-            }
-        };
-        let fault = |place: usize| {
-            Some(FaultStatistics {
-                fault: u32::try_from(count(place).checked_sub(1)?).ok()?,
-                begun_ns: i64::try_from(count(place + 1) | (count(place + 2) << 32)).ok()?,
-                messages: count(place + 3),
-                undetected: count(place + 4),
-            })
-        };
-        LastAccount {
-            faults: (0..MOST_FAULTS).map_while(|i| fault(FAULTS + i * FAULT_STRIDE)).collect(),
-            cycles: count(CYCLES),
-            skipped: count(SKIPPED),
-            sent: with(SENDS).map(sent).collect(),
-            received: with(RECEIVES).map(received).collect(),
+    fn put(&mut self) {
+        for (word, number) in self.account.sums.iter().zip(words(&mut self.sums)) {
+            word.store(*number, Ordering::Relaxed);
         }
     }
 }
 
 /// The progress of a process, as another one sees it.
 #[derive(Debug)]
-pub struct Progress(SharedWords);
+pub struct Progress(Shared<Account>);
 
 impl Progress {
     /// The progress that `account` shows.
-    pub(super) fn of(account: Account) -> Self {
-        Self(account.0)
+    pub(super) fn of(account: Shared<Account>) -> Self {
+        Self(account)
     }
 
-    /// Cycles that it has done, silent ones included; they wrap at 2³².
+    /// Cycles that it has done, silent ones included.
     #[must_use]
-    pub fn cycles(&self) -> u32 {
-        self.0.word(PROGRESS).load(Ordering::Relaxed)
+    pub fn cycles(&self) -> u64 {
+        self.0.progress.load(Ordering::Relaxed)
     }
-}
-
-/// First word of a topic.
-fn place(topic: Topic) -> usize {
-    HEAD + topic as usize * STRIDE
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::counts::file::tests::Run;
-    use crate::counts::own::Counts;
-    use crate::counts::reader::CountsReader;
+    use crate::counts::ServiceCounts;
+    use crate::counts::tests::Run;
+    use crate::faults::Inbox;
     use crate::ports::Tally;
-    use messages::Service;
+    use messages::{Service, Topic};
+    use scenario::Scenario;
 
-    fn begin(run: &Run, incarnation: u32) -> Counts {
-        let mut counts = Counts::open(&run.0, Service::Plant).expect("shared memory");
+    fn begin(run: &Run, incarnation: u32) -> ServiceCounts {
+        let mut counts = ServiceCounts::open(&run.0, Service::Plant).expect("shared memory");
         counts.begin_account(incarnation).expect("shared memory");
         counts
+    }
+
+    fn no_faults() -> Faults {
+        Faults::of(
+            &Scenario::parse("x", "schema_version = 1\nname = \"x\"").expect("right"),
+            Inbox::default(),
+        )
     }
 
     #[test]
@@ -237,11 +246,12 @@ mod tests {
             tally.borrow_mut().e2e.unknown_sender = 3;
             tally
         };
-        let counts = begin(&run, 2);
+        let mut counts = begin(&run, 2);
         let account = counts.account().expect("it has begun");
-        account.write(5, 1, &[(Topic::Odometry, tally())], &[(Topic::Command, tally())]);
+        let (sent, received) = ([(Topic::Odometry, tally())], [(Topic::Command, tally())]);
+        account.write((5, 1), (&sent, &received), &no_faults());
         drop(counts);
-        let reader = CountsReader::of(&run.0, Service::Plant);
+        let reader = ServiceCounts::of(&run.0, Service::Plant);
         let last = reader.take_account(2).expect("it is there");
         assert_eq!((last.cycles, last.skipped, last.faults), (5, 1, Vec::new()));
         assert_eq!((last.sent.len(), last.sent[0].sent), (1, 7));
@@ -252,10 +262,10 @@ mod tests {
     #[test]
     fn the_active_process_and_its_standby_have_accounts_of_their_own() {
         let run = Run::new("two-accounts");
-        let (active, standby) = (begin(&run, 0), begin(&run, 1));
-        active.account().expect("it has begun").write(5, 0, &[], &[]);
+        let (mut active, mut standby) = (begin(&run, 0), begin(&run, 1));
+        active.account().expect("it has begun").write((5, 0), (&[], &[]), &no_faults());
         standby.account().expect("it has begun").show_progress(4);
-        let reader = CountsReader::of(&run.0, Service::Plant);
+        let reader = ServiceCounts::of(&run.0, Service::Plant);
         assert_eq!(reader.progress(1).map(|progress| progress.cycles()), Some(4));
         assert!(reader.progress(2).is_none(), "no such process");
         assert_eq!(reader.take_account(0).map(|last| last.cycles), Some(5));
@@ -266,15 +276,15 @@ mod tests {
     fn a_page_that_a_later_process_takes_begins_anew() {
         let run = Run::new("account-again");
         for incarnation in 0..40 {
-            let counts = begin(&run, incarnation);
-            let reader = CountsReader::of(&run.0, Service::Plant);
+            let mut counts = begin(&run, incarnation);
+            let reader = ServiceCounts::of(&run.0, Service::Plant);
             let progress = reader.progress(incarnation).expect("it has begun");
             assert_eq!(progress.cycles(), 0);
             counts.account().expect("it has begun").show_progress(9);
             assert_eq!(progress.cycles(), 9);
         }
-        let reader = CountsReader::of(&run.0, Service::Plant);
+        let reader = ServiceCounts::of(&run.0, Service::Plant);
         assert!(reader.take_account(3).is_none(), "another process has its page");
-        assert!(CountsReader::of(&run.0, Service::Controller).take_account(0).is_none());
+        assert!(ServiceCounts::of(&run.0, Service::Controller).take_account(0).is_none());
     }
 }

@@ -7,22 +7,33 @@
 //! A name is a hash, 0 for a free place. It takes its place by compare-and-swap, because the active process and its
 //! standby open the file at the same time. A histogram gets memory when it is opened.
 
-use super::Counters;
-use super::file::{CountsFile, SLOTS};
-use super::statistics::Latencies;
+#![allow(unsafe_code, reason = "a struct of atomic numbers in shared memory")]
+
+use super::statistics::{Buckets, Latencies};
+use super::{SLOTS, State};
 use crate::RuntimeError;
-use crate::words::{SharedWords, WORDS};
+use crate::words::{Atomics, Shared};
+use std::fs::File;
 use std::io;
+use std::mem::offset_of;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use xxhash_rust::xxh3::xxh3_64;
 
 /// Name of the histogram that every service has: actual minus scheduled start of its cycles.
 pub const RELEASE_JITTER: &str = "release_jitter";
-/// Beginning of the names of counts and of the counts, words.
-const COUNT_NAMES: usize = SLOTS;
-const COUNTS: usize = 2 * SLOTS;
-const _: () = assert!(COUNTS + SLOTS <= WORDS);
+
+/// Hashes of the names in a service's file; 0 for a free place. And the counts.
+#[repr(C, align(4096))]
+#[derive(Debug)]
+pub(super) struct Names {
+    histograms: [AtomicU64; SLOTS],
+    counts: [AtomicU64; SLOTS],
+    values: [AtomicU64; SLOTS],
+}
+
+// SAFETY: words alone.
+unsafe impl Atomics for Names {}
 
 /// The counts and histograms of a service: in realtime those of all its processes, else this process's own.
 #[derive(Debug, Default)]
@@ -30,9 +41,9 @@ pub struct Figures(Option<Kept>);
 
 impl Figures {
     /// Those in `file`.
-    pub(super) fn of(file: CountsFile) -> Result<Self, RuntimeError> {
-        let kept = Kept::of(file).map_err(RuntimeError::setup("the figures in shared memory"))?;
-        Ok(Self(Some(kept)))
+    pub(super) fn of(file: File) -> io::Result<Self> {
+        let names = Arc::new(Shared::of(&file, offset_of!(State, names))?);
+        Ok(Self(Some(Kept { file, names, records: Arc::new(AtomicBool::new(true)) })))
     }
 
     /// Sets whether this process records: a standby does not.
@@ -48,9 +59,9 @@ impl Figures {
     /// [`RuntimeError::Setup`] if shared memory has no room for it.
     pub fn count(&self, name: &str) -> Result<Count, RuntimeError> {
         let Some(kept) = &self.0 else { return Ok(Count::default()) };
-        let slot = kept.slot(COUNT_NAMES, name).map_err(RuntimeError::setup(name.to_owned()))?;
-        let (words, records) = (Arc::clone(&kept.names), Arc::clone(&kept.records));
-        Ok(Count(Place::Kept(Counters::new(words, COUNTS + slot, records))))
+        let slot = slot(&kept.names.counts, name).map_err(RuntimeError::setup(name.to_owned()))?;
+        let (names, records) = (Arc::clone(&kept.names), Arc::clone(&kept.records));
+        Ok(Count(Place::Kept { names, slot, records }))
     }
 
     /// The histogram of this name.
@@ -59,54 +70,43 @@ impl Figures {
     /// As [`Self::count`].
     pub fn latencies(&self, name: &str) -> Result<Latencies, RuntimeError> {
         let Some(kept) = &self.0 else { return Ok(Latencies::with_room()) };
-        let words = kept.slot(0, name).and_then(|slot| kept.file.histogram(slot));
-        let words = words.map_err(RuntimeError::setup(name.to_owned()))?;
-        Ok(Latencies::kept(Counters::new(Arc::new(words), 0, Arc::clone(&kept.records))))
+        let buckets = slot(&kept.names.histograms, name).and_then(|slot| {
+            let place = offset_of!(State, histograms) + slot * size_of::<Buckets>();
+            Shared::of(&kept.file, place)
+        });
+        let buckets = buckets.map_err(RuntimeError::setup(name.to_owned()))?;
+        Ok(Latencies::kept(buckets, Arc::clone(&kept.records)))
     }
 }
 
 /// Figures in the file of a service.
 #[derive(Debug)]
 struct Kept {
-    file: CountsFile,
-    names: Arc<SharedWords>,
+    file: File,
+    names: Arc<Shared<Names>>,
     /// False while the process stands by.
     records: Arc<AtomicBool>,
 }
 
-impl Kept {
-    fn of(file: CountsFile) -> io::Result<Self> {
-        let names = Arc::new(file.names()?);
-        Ok(Self { file, names, records: Arc::new(AtomicBool::new(true)) })
-    }
-
-    /// The place of `name` among the names that begin at this word.
-    fn slot(&self, names: usize, name: &str) -> io::Result<usize> {
-        let hash = hash(name);
-        let take = |slot: &usize| {
-            let word = self.names.word(names + *slot);
-            match word.compare_exchange(0, hash, Ordering::Relaxed, Ordering::Relaxed) {
-                Ok(_) => true,
-                Err(taken) => taken == hash,
-            }
-        };
-        (0..SLOTS).find(take).ok_or_else(|| io::ErrorKind::StorageFull.into())
-    }
+/// The place of `name` among these.
+fn slot(names: &[AtomicU64], name: &str) -> io::Result<usize> {
+    // Never 0, which is not a name.
+    let hash = xxh3_64(name.as_bytes()) | 1;
+    let take = |place: &AtomicU64| {
+        let was = place.compare_exchange(0, hash, Ordering::Relaxed, Ordering::Relaxed);
+        was.map_or_else(|taken| taken == hash, |_| true)
+    };
+    names.iter().position(take).ok_or_else(|| io::ErrorKind::StorageFull.into())
 }
 
-/// Never 0, which is not a name.
-fn hash(name: &str) -> u32 {
-    xxh3_64(name.as_bytes()) as u32 | 1
-}
-
-/// A count that goes on over all processes of a service in realtime. It wraps at 2³².
+/// A count that goes on over all processes of a service in realtime.
 #[derive(Debug, Default)]
 pub struct Count(Place);
 
 #[derive(Debug)]
 enum Place {
     Own(u64),
-    Kept(Counters),
+    Kept { names: Arc<Shared<Names>>, slot: usize, records: Arc<AtomicBool> },
 }
 
 impl Default for Place {
@@ -120,7 +120,11 @@ impl Count {
     pub fn add(&mut self, more: u64) {
         match &mut self.0 {
             Place::Own(count) => *count += more,
-            Place::Kept(counter) => counter.add(0, more as u32),
+            Place::Kept { names, slot, records } => {
+                if records.load(Ordering::Relaxed) {
+                    names.values[*slot].fetch_add(more, Ordering::Relaxed);
+                }
+            }
         }
     }
 
@@ -129,7 +133,7 @@ impl Count {
     pub fn get(&self) -> u64 {
         match &self.0 {
             Place::Own(count) => *count,
-            Place::Kept(counter) => counter.get(0),
+            Place::Kept { names, slot, .. } => names.values[*slot].load(Ordering::Relaxed),
         }
     }
 }
@@ -137,17 +141,16 @@ impl Count {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::counts::file::tests::Run;
-    use crate::counts::own::Counts;
-    use crate::counts::reader::CountsReader;
+    use crate::counts::ServiceCounts;
+    use crate::counts::tests::Run;
     use messages::Service;
 
-    fn open(run: &Run) -> Counts {
-        Counts::open(&run.0, Service::Plant).expect("shared memory")
+    fn open(run: &Run) -> ServiceCounts {
+        ServiceCounts::open(&run.0, Service::Plant).expect("shared memory")
     }
 
     fn last(run: &Run, name: &str) -> (Latencies, u64) {
-        let last = CountsReader::of(&run.0, Service::Plant);
+        let last = ServiceCounts::of(&run.0, Service::Plant);
         let count = last.figures().count(name).expect("room").get();
         (last.figures().latencies(name).expect("room"), count)
     }

@@ -2,5 +2,4 @@
 
 pub mod group;
 pub mod link;
-pub mod prepared;
 pub mod process;

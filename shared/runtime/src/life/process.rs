@@ -1,13 +1,32 @@
 //! A service as a process.
+//!
+//! A process can be started ahead. It has loaded its libraries and read the scenario. It opens its ports when the
+//! process before it is gone. Until then it is not a service, and cannot be found under a service's name. Its own name
+//! has another beginning, which it replaces in its own memory.
 
-use crate::life::prepared::{self, PREPARED};
+use crate::life::link::Link;
 use crate::{FromService, Runtime, RuntimeError};
 use messages::Service;
+use std::fs::OpenOptions;
+use std::os::unix::fs::FileExt;
 use std::path::Path;
 use std::process::ExitCode;
 use tracing_subscriber::filter::{LevelFilter, Targets};
 use tracing_subscriber::layer::{Layer, SubscriberExt};
 use tracing_subscriber::util::SubscriberInitExt;
+
+/// The last argument of a process that is started ahead.
+pub const PREPARED: &str = "prepared";
+/// Beginning of the name of a service's process.
+pub const NAME_PREFIX: &str = "timegap-";
+/// Beginning of the name of a process that is started ahead.
+pub const PREPARED_PREFIX: &str = "prepare-";
+
+// One takes the place of the other.
+const _: () = assert!(NAME_PREFIX.len() == PREPARED_PREFIX.len());
+
+/// Field of `/proc/self/stat` with the address of the arguments, counted from the one behind the name.
+const ARGUMENTS_FIELD: usize = 45;
 
 /// Exit status of a process whose standby took over.
 const REPLACED: u8 = 3;
@@ -35,24 +54,19 @@ pub fn run_service(
     arguments: &[String],
     run: impl FnOnce(Runtime) -> Result<(), RuntimeError>,
 ) -> ExitCode {
-    let (root, incarnation, is_prepared) = match arguments {
-        [root, incarnation] if incarnation.parse::<u32>().is_ok() => (root, incarnation, false),
-        [root, incarnation, last] if incarnation.parse::<u32>().is_ok() && last == PREPARED => {
-            (root, incarnation, true)
-        }
-        _ => {
-            eprintln!("{service} is a service of timegap: start it with `timegap run`");
-            return ExitCode::from(2);
-        }
+    let parsed = match arguments {
+        [root, incarnation] => Some((root, incarnation, false)),
+        [root, incarnation, last] if last == PREPARED => Some((root, incarnation, true)),
+        _ => None,
     };
-    let incarnation = incarnation.parse().expect("checked above");
+    let parsed = parsed.and_then(|(root, text, is)| Some((root, text.parse::<u32>().ok()?, is)));
+    let Some((root, incarnation, is_prepared)) = parsed else {
+        eprintln!("{service} is a service of timegap: start it with `timegap run`");
+        return ExitCode::from(2);
+    };
     log_warnings();
-    let root = Path::new(root);
-    let joined = match is_prepared {
-        true => Runtime::join_when(service, root, incarnation, prepared::wait),
-        false => Runtime::join(service, root, incarnation),
-    };
-    match joined.and_then(run) {
+    let wait = |link: &Link| if is_prepared { wait(link) } else { Ok(()) };
+    match Runtime::join(service, Path::new(root), incarnation, wait).and_then(run) {
         Ok(()) | Err(RuntimeError::Stopped) => ExitCode::SUCCESS,
         // Not an orderly end of the service: the launcher may see it before the report of the take-over.
         Err(RuntimeError::Replaced) => ExitCode::from(REPLACED),
@@ -65,4 +79,27 @@ pub fn run_service(
             ExitCode::FAILURE
         }
     }
+}
+
+/// Waits until the launcher lets this process into the run.
+fn wait(link: &Link) -> Result<(), RuntimeError> {
+    link.wait_to_join()?;
+    // Only `ps` shows the name.
+    let _ = take_name();
+    Ok(())
+}
+
+/// Writes the beginning of a service's name over that of this process.
+fn take_name() -> std::io::Result<()> {
+    let stat = std::fs::read_to_string("/proc/self/stat")?;
+    let fields = stat.rsplit(')').next().unwrap_or_default().split_whitespace();
+    let address = fields.into_iter().nth(ARGUMENTS_FIELD).and_then(|field| field.parse().ok());
+    let address: u64 = address.ok_or(std::io::ErrorKind::InvalidData)?;
+    let memory = OpenOptions::new().read(true).write(true).open("/proc/self/mem")?;
+    let mut name = [0; PREPARED_PREFIX.len()];
+    memory.read_exact_at(&mut name, address)?;
+    if name == *PREPARED_PREFIX.as_bytes() {
+        memory.write_all_at(NAME_PREFIX.as_bytes(), address)?;
+    }
+    Ok(())
 }

@@ -1,16 +1,15 @@
 //! Work beside a loop that takes longer than a cycle may, in a thread that is not real-time.
 //!
-//! A loop asks at a release. The answer takes effect a fixed time later, at the release that is due then. In lockstep
-//! that release waits for it, so that the same run gives the same bytes. In realtime it takes an answer that is there;
-//! a missing one is late. The thread holds the two locks of the handover for a copy. The loop only ever *tries* them,
-//! and allocates nothing. If all services share one thread, the work is done on request. Its time does not count there.
+//! A loop asks at a release. The answer takes effect a fixed time later, at the release that is due then. In realtime
+//! that release takes an answer that is there; a missing one is late. The thread holds the two locks of the handover for
+//! a copy. The loop only ever *tries* them, and allocates nothing. In lockstep the work is done on request, so that the
+//! same run gives the same bytes. Its time does not count there.
 
 use crate::counts::statistics::{Latencies, Percentiles};
-use crate::{Carrier, Count, Mode, Release, Runtime, RuntimeError, monotonic_ns};
+use crate::{Count, Mode, Release, Runtime, RuntimeError, monotonic_ns};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Duration;
 
 /// Counts of a [`BackgroundWorker`].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -29,7 +28,6 @@ pub struct WorkerReport {
 #[derive(Debug)]
 pub struct BackgroundWorker<Q, A> {
     worker: Worker<Q, A>,
-    mode: Mode,
     delay_ns: i64,
     /// Time when the answer to the open question takes effect, run time in ns.
     due_ns: Option<i64>,
@@ -61,7 +59,6 @@ struct Shared<Q, A> {
     question: Mutex<Option<Q>>,
     asked: Condvar,
     answer: Mutex<Option<(A, i64)>>,
-    answered: Condvar,
     closed: AtomicBool,
 }
 
@@ -77,9 +74,9 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
         delay_ns: i64,
         work: impl FnMut(&Q) -> A + Send + 'static,
     ) -> Result<Self, RuntimeError> {
-        let mut this = match runtime.carrier() {
-            Carrier::SharedMemory => Self::start_in(runtime.clock().mode(), name, delay_ns, work)?,
-            Carrier::Memory => Self::inline(delay_ns, work),
+        let mut this = match runtime.clock().mode() {
+            Mode::Realtime => Self::in_thread(name, delay_ns, work)?,
+            Mode::Lockstep => Self::inline(delay_ns, work),
         };
         let figures = runtime.figures();
         this.asked = figures.count("asked")?;
@@ -89,13 +86,12 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
     }
 
     fn inline(delay_ns: i64, work: impl FnMut(&Q) -> A + 'static) -> Self {
-        Self::with(Worker::Inline { work: Box::new(work), answer: None }, Mode::Lockstep, delay_ns)
+        Self::with(Worker::Inline { work: Box::new(work), answer: None }, delay_ns)
     }
 
-    fn with(worker: Worker<Q, A>, mode: Mode, delay_ns: i64) -> Self {
+    fn with(worker: Worker<Q, A>, delay_ns: i64) -> Self {
         Self {
             worker,
-            mode,
             delay_ns,
             due_ns: None,
             counted_late: false,
@@ -105,8 +101,7 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
         }
     }
 
-    fn start_in(
-        mode: Mode,
+    fn in_thread(
         name: &str,
         delay_ns: i64,
         work: impl FnMut(&Q) -> A + Send + 'static,
@@ -115,7 +110,6 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
             question: Mutex::new(None),
             asked: Condvar::new(),
             answer: Mutex::new(None),
-            answered: Condvar::new(),
             closed: AtomicBool::new(false),
         });
         let theirs = Arc::clone(&shared);
@@ -123,7 +117,7 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
             .name(name.into())
             .spawn(move || theirs.serve(work))
             .map_err(RuntimeError::setup(format!("thread {name}")))?;
-        Ok(Self::with(Worker::Thread { shared, thread: Some(thread) }, mode, delay_ns))
+        Ok(Self::with(Worker::Thread { shared, thread: Some(thread) }, delay_ns))
     }
 
     /// True if a question is open.
@@ -142,9 +136,9 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
         }
         match &mut self.worker {
             Worker::Thread { shared, .. } => {
-                match lock(self.mode, &shared.question) {
-                    Some(mut slot) => *slot = Some(question),
-                    None => return Err(question),
+                match shared.question.try_lock() {
+                    Ok(mut slot) => *slot = Some(question),
+                    Err(_) => return Err(question),
                 }
                 shared.asked.notify_one();
             }
@@ -161,12 +155,11 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
         if self.due_ns.is_none_or(|due_ns| release.scheduled_ns < due_ns) {
             return None;
         }
-        let answer = match (&mut self.worker, self.mode) {
-            (Worker::Thread { shared, .. }, Mode::Realtime) => {
-                lock(self.mode, &shared.answer).and_then(|mut slot| slot.take())
+        let answer = match &mut self.worker {
+            Worker::Thread { shared, .. } => {
+                shared.answer.try_lock().ok().and_then(|mut slot| slot.take())
             }
-            (Worker::Thread { shared, thread }, Mode::Lockstep) => shared.wait(thread.as_ref()),
-            (Worker::Inline { answer, .. }, _) => answer.take(),
+            Worker::Inline { answer, .. } => answer.take(),
         };
         let Some((answer, worked_ns)) = answer else {
             self.late.add(u64::from(!self.counted_late));
@@ -190,14 +183,6 @@ impl<Q: Send + 'static, A: Send + 'static> BackgroundWorker<Q, A> {
     }
 }
 
-/// In realtime the loop does not wait, not even for a copy.
-fn lock<T>(mode: Mode, slot: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
-    match mode {
-        Mode::Realtime => slot.try_lock().ok(),
-        Mode::Lockstep => Some(slot.lock().unwrap_or_else(PoisonError::into_inner)),
-    }
-}
-
 /// The answer to `question` and the time that it took, ns.
 fn timed<Q, A>(work: &mut (impl FnMut(&Q) -> A + ?Sized), question: &Q) -> (A, i64) {
     let begun = monotonic_ns();
@@ -206,27 +191,10 @@ fn timed<Q, A>(work: &mut (impl FnMut(&Q) -> A + ?Sized), question: &Q) -> (A, i
 }
 
 impl<Q, A> Shared<Q, A> {
-    /// Waits for the answer; `None` if the thread died over it.
-    fn wait(&self, thread: Option<&JoinHandle<()>>) -> Option<(A, i64)> {
-        const LOOK: Duration = Duration::from_millis(100);
-        let mut slot = self.answer.lock().unwrap_or_else(PoisonError::into_inner);
-        loop {
-            if let Some(answer) = slot.take() {
-                return Some(answer);
-            }
-            if thread.is_none_or(JoinHandle::is_finished) {
-                return None;
-            }
-            let waited = self.answered.wait_timeout(slot, LOOK);
-            slot = waited.unwrap_or_else(PoisonError::into_inner).0;
-        }
-    }
-
     fn serve(&self, mut work: impl FnMut(&Q) -> A) {
         while let Some(question) = self.next() {
             let answer = timed(&mut work, &question);
             *self.answer.lock().unwrap_or_else(PoisonError::into_inner) = Some(answer);
-            self.answered.notify_one();
         }
     }
 
@@ -263,6 +231,7 @@ impl<Q, A> Drop for BackgroundWorker<Q, A> {
 mod tests {
     use super::*;
     use std::sync::mpsc::channel;
+    use std::time::Duration;
 
     const DELAY_NS: i64 = 200;
 
@@ -282,13 +251,7 @@ mod tests {
             std::thread::sleep(Duration::from_millis(5));
             2 * x
         };
-        let thread = BackgroundWorker::start_in(Mode::Lockstep, "double", DELAY_NS, slow);
-        for mut worker in [thread.expect("a thread"), BackgroundWorker::inline(DELAY_NS, slow)] {
-            check_effect(&mut worker);
-        }
-    }
-
-    fn check_effect(worker: &mut BackgroundWorker<u32, u32>) {
+        let mut worker = BackgroundWorker::inline(DELAY_NS, slow);
         let mut heard = Vec::new();
         for cycle in 0..6 {
             let release = release(100 * cycle);
@@ -306,12 +269,11 @@ mod tests {
     #[test]
     fn in_realtime_a_late_answer_is_counted_once_and_taken_when_it_comes() {
         let (go, wait) = channel::<()>();
-        let mut worker =
-            BackgroundWorker::start_in(Mode::Realtime, "slow", DELAY_NS, move |x: &u32| {
-                let _ = wait.recv();
-                *x
-            })
-            .expect("a thread");
+        let mut worker = BackgroundWorker::in_thread("slow", DELAY_NS, move |x: &u32| {
+            let _ = wait.recv();
+            *x
+        })
+        .expect("a thread");
         // The thread may just be looking for a question.
         while worker.ask(&release(0), 7).is_err() {}
         assert_eq!(worker.ask(&release(0), 8), Err(8), "one question at a time");
@@ -328,10 +290,9 @@ mod tests {
 
     #[test]
     fn a_thread_that_died_is_not_waited_for() {
-        let mut worker =
-            BackgroundWorker::start_in(Mode::Lockstep, "dies", DELAY_NS, |x: &u32| 1 / (*x - *x))
-                .expect("a thread");
-        worker.ask(&release(0), 7).expect("none is open");
+        let mut worker = BackgroundWorker::in_thread("dies", DELAY_NS, |x: &u32| 1 / (*x - *x))
+            .expect("a thread");
+        while worker.ask(&release(0), 7).is_err() {}
         assert_eq!(worker.answer(&release(200)), None);
     }
 }

@@ -15,6 +15,7 @@ use scenario::Scenario;
 use scenario::runtime::Scheduling;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::io;
 
 /// Scheduling policy of a loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,13 +146,6 @@ pub fn apply(request: &Request) -> Granted {
     }
 }
 
-/// Gives up the calling thread's priority. Its work from here on has no deadline, and must not delay a process with one
-/// on the same core.
-pub fn give_up_priority() {
-    // A process without a priority keeps its policy.
-    let _ = set_policy(libc::SCHED_OTHER, 0);
-}
-
 /// Lends process `pid`, which computes for a service, a share of the services' scheduling. That is their core, and a
 /// priority below them all. So it never delays a service. Settings that the machine does not grant are not lent.
 pub fn lend_to(pid: u32, scenario: &Scenario, service: Service) {
@@ -223,7 +217,8 @@ impl Drop for Priority {
     }
 }
 
-/// Gives the calling thread the ordinary time-sharing policy.
+/// Gives the calling thread the ordinary time-sharing policy: for work without a deadline, which must not delay a
+/// process with one on the same core.
 pub fn become_ordinary() {
     // Lowering is always granted.
     let _ = set_policy(libc::SCHED_OTHER, 0);
@@ -233,24 +228,13 @@ pub fn become_ordinary() {
 ///
 /// # Errors
 /// Why the machine refuses it.
-pub fn pin_to(core: usize) -> Result<(), PinError> {
+pub fn pin_to(core: usize) -> io::Result<()> {
     if core >= CpuSet::MAX_CPU {
-        return Err(PinError::NoSuchCore(core));
+        return Err(io::Error::other(format!("there is no core {core}")));
     }
     let mut set = CpuSet::new();
     set.set(core);
-    sched_setaffinity(None, &set).map_err(|e| PinError::Refused(e.into()))
-}
-
-/// Reason why a thread cannot be pinned to a core.
-#[derive(Debug, thiserror::Error)]
-pub enum PinError {
-    /// More cores than any system has.
-    #[error("there is no core {0}")]
-    NoSuchCore(usize),
-    /// The system refuses it.
-    #[error(transparent)]
-    Refused(std::io::Error),
+    Ok(sched_setaffinity(None, &set)?)
 }
 
 /// Cores that this thread may run on.
@@ -267,22 +251,22 @@ fn pinned_core() -> Option<usize> {
     }
 }
 
-fn set_fifo(priority: u8) -> std::io::Result<()> {
+fn set_fifo(priority: u8) -> io::Result<()> {
     // Helper threads must not inherit the priority.
     set_policy(libc::SCHED_FIFO | libc::SCHED_RESET_ON_FORK, priority)
 }
 
-fn set_policy(policy: libc::c_int, priority: u8) -> std::io::Result<()> {
+fn set_policy(policy: libc::c_int, priority: u8) -> io::Result<()> {
     set_policy_of(0, policy, priority)
 }
 
 /// The same for the process `pid`; 0 is the calling thread.
-fn set_policy_of(pid: i32, policy: libc::c_int, priority: u8) -> std::io::Result<()> {
+fn set_policy_of(pid: i32, policy: libc::c_int, priority: u8) -> io::Result<()> {
     let param = libc::sched_param { sched_priority: i32::from(priority) };
     // SAFETY: `param` lives through the call, which only reads it.
     match unsafe { libc::sched_setscheduler(pid, policy, &raw const param) } {
         0 => Ok(()),
-        _ => Err(std::io::Error::last_os_error()),
+        _ => Err(io::Error::last_os_error()),
     }
 }
 
@@ -317,7 +301,7 @@ mod tests {
         let policies = std::thread::spawn(|| {
             let asked = Request { policy: Policy::Fifo(3), core: None, lock_memory: false };
             let granted = apply(&asked).granted;
-            give_up_priority();
+            become_ordinary();
             (granted, policy_in_force())
         });
         let (granted, after) = policies.join().expect("no panic");

@@ -7,22 +7,21 @@
 //!                                       or memory
 //! ```
 //!
-//! [`Loan`](crate::Loan) and what delivers belong to the carrier (`transport`). A [`Publisher`] seals ([`seal`]), a
-//! [`Subscriber`] checks ([`check`]). What stands in brackets acts only where faults do ([`crate::faults`]).
+//! [`Loan`](crate::Loan) and what delivers belong to the carrier (`transport`). A [`Publisher`] seals, a [`Subscriber`] checks
+//! ([`check`]). What stands in brackets acts only where faults do ([`crate::faults`]).
 
 mod bystanders;
 mod check;
 pub mod members;
 mod publisher;
 mod registry;
-mod seal;
 mod subscriber;
 mod tally;
 
 pub use bystanders::{Observed, Observer, Played, Player, Tap, Tapped};
 pub(super) use check::{Check, Expected};
 pub use publisher::Publisher;
+pub(super) use publisher::{Backlog, Protection, Seal};
 pub(super) use registry::Ports;
-pub(super) use seal::{Backlog, Protection, Seal};
 pub use subscriber::Subscriber;
 pub(super) use tally::{Counted, Tally};

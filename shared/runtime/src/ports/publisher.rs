@@ -1,10 +1,15 @@
-//! The sending end of a topic.
+//! The sending end of a topic, and the seal of a message that a service wrote: header, protection, counts.
 
-use super::seal::{Backlog, Seal};
-use crate::RuntimeError;
-use crate::transport::Loan;
-use messages::Message;
+use super::tally::Tally;
+use crate::faults::Falsified;
+use crate::survival::fence::{Gate, Passage};
+use crate::transport::waking::Waker;
+use crate::transport::{Loan, Outlet};
+use crate::{Clock, RuntimeError, Timetable};
+use messages::e2e::profile7;
+use messages::{Message, Service};
 use std::cell::RefCell;
+use std::fmt::Debug;
 use std::rc::Rc;
 
 /// The sending end of `T`'s topic. A message is written where its readers will read it.
@@ -60,5 +65,106 @@ impl<T: Message> Publisher<T> {
     /// not send any more.
     pub fn send(&mut self, message: Loan<T>) -> Result<i64, RuntimeError> {
         self.0.borrow_mut().send(message)
+    }
+}
+
+/// A consumer that lags this many steps behind is woken even if no sample is due.
+const DRAIN_STEPS: u64 = 16;
+
+/// Completes messages and hands them over. A standby does not: it keeps the newest one until it takes over.
+#[derive(Debug)]
+pub(crate) struct Seal<T: Message> {
+    pub(crate) outlet: Outlet<T>,
+    /// Wakes the receivers, and when.
+    pub(crate) waker: Option<(Waker, Timetable)>,
+    /// Where faults may change the content.
+    pub(crate) falsified: Option<Falsified<T>>,
+    pub(crate) protection: Protection,
+    pub(crate) clock: Rc<Clock>,
+    pub(crate) source: Service,
+    pub(crate) incarnation: u32,
+    pub(crate) tally: Rc<RefCell<Tally>>,
+    pub(crate) gate: Rc<Gate>,
+    /// A standby's newest message.
+    pub(crate) held: Option<Loan<T>>,
+}
+
+/// Parts of the end-to-end protection that a message gets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Protection {
+    /// All of them.
+    Full,
+    /// All but the CRC.
+    Mark,
+    /// Nothing: no reader looks at it.
+    Nothing,
+}
+
+/// A port with a message that was kept back.
+pub(crate) trait Backlog: Debug {
+    /// Sends it if it is of `step`; drops it if it is of an earlier one.
+    fn send_held(&self, step: u64) -> Result<(), RuntimeError>;
+}
+
+impl<T: Message> Backlog for RefCell<Seal<T>> {
+    fn send_held(&self, step: u64) -> Result<(), RuntimeError> {
+        let mut seal = self.borrow_mut();
+        match seal.held.take() {
+            Some(message) if message.header().step == step => seal.hand_over(message).map(|_| ()),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl<T: Message> Seal<T> {
+    /// Hands `message` over if the gate lets it pass; returns the publish stamp.
+    pub(super) fn send(&mut self, message: Loan<T>) -> Result<i64, RuntimeError> {
+        match self.gate.passage() {
+            Passage::Open => self.hand_over(message),
+            Passage::Held => {
+                self.held = Some(message);
+                Ok(self.clock.now_ns())
+            }
+            Passage::Shut => Err(RuntimeError::Replaced),
+        }
+    }
+
+    fn hand_over(&mut self, mut message: Loan<T>) -> Result<i64, RuntimeError> {
+        let now_ns = self.clock.now_ns();
+        let sequence = self.tally.borrow_mut().next();
+        let header = message.header_mut();
+        header.sequence = sequence;
+        header.incarnation = self.incarnation;
+        header.source = self.source.to_wire();
+        header.publish_ns = now_ns;
+        let step = header.step;
+        if let Some(falsified) = &mut self.falsified {
+            falsified.apply(&mut message, now_ns);
+        }
+        self.protect(&mut message, sequence as u32);
+        let sent = self.outlet.send(message);
+        sent.map_err(|reason| RuntimeError::Send { topic: T::TOPIC, reason })?;
+        if let Some((waker, timetable)) = &self.waker
+            && (timetable.is_awaited(T::TOPIC, step) || step.is_multiple_of(DRAIN_STEPS))
+        {
+            waker.wake();
+        }
+        Ok(now_ns)
+    }
+
+    /// Protects the bytes in use. The counter is the sequence number's low half: it wraps.
+    fn protect(&self, message: &mut T, counter: u32) {
+        if self.protection == Protection::Nothing {
+            return;
+        }
+        let data_id = T::TOPIC.data_id(self.source.to_wire());
+        let bytes = bytemuck::bytes_of_mut(message);
+        let in_use = T::LAYOUT.bytes_in_use(bytes);
+        let bytes = &mut bytes[..in_use];
+        match self.protection {
+            Protection::Full => profile7::protect(bytes, data_id, counter),
+            Protection::Mark | Protection::Nothing => profile7::mark(bytes, data_id, counter),
+        }
+        self.tally.borrow_mut().digest(bytes);
     }
 }

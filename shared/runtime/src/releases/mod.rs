@@ -2,6 +2,5 @@
 
 pub mod clock;
 pub mod cycles;
-pub mod release;
 pub mod schedule;
 pub mod timetable;

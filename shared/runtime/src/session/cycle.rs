@@ -1,7 +1,7 @@
 //! Work of every service in each cycle.
 
 use super::Runtime;
-use crate::machine::scheduling::give_up_priority;
+use crate::machine::scheduling::become_ordinary;
 use crate::transport::Carrier;
 use crate::{FromService, Mode, RuntimeError, Subscriber};
 use messages::{Header, Message, Origins, ServiceState};
@@ -49,7 +49,7 @@ impl Runtime {
         };
         if self.carrier() == Carrier::SharedMemory && self.group.mode == Mode::Realtime {
             // Others may still have their last cycle to run while this service writes its report.
-            give_up_priority();
+            become_ordinary();
         }
         self.life.allocations_in_loop =
             allocations().zip(before).map(|(after, before)| after - before);
@@ -97,12 +97,12 @@ impl Runtime {
                 message.state = state as u64;
             })?;
         }
+        let counted = (!self.is_standby()).then(|| self.survival.counted(cycles, self.skipped()));
         if let Some(account) = self.survival.counts.account() {
             account.show_progress(cycles);
-            if !self.is_standby() {
-                let (cycles, skipped) = self.survival.counted(cycles, self.skipped());
-                account.write(cycles, skipped, self.ports.sent(), self.ports.received());
-                account.write_faults(&self.injection.faults);
+            if let Some(counted) = counted {
+                let ports = (self.ports.sent(), self.ports.received());
+                account.write(counted, ports, &self.injection.faults);
             }
         }
         Ok(())

@@ -3,13 +3,12 @@
 mod cycle;
 mod ports;
 mod releases;
-mod report;
 mod start;
 
 pub use cycle::{Cycle, count_allocations_by};
 
+use crate::counts::ServiceCounts;
 use crate::counts::figures::{Figures, RELEASE_JITTER};
-use crate::counts::own::Counts;
 use crate::faults::Faults;
 use crate::life::link::Link;
 use crate::machine::scheduling::Granted;
@@ -69,16 +68,12 @@ struct Life {
 }
 
 impl Runtime {
-    /// Joins the group whose root is `root` as `service`.
+    /// Joins the group whose root is `root` as `service`. A process that was started ahead waits before it opens
+    /// anything of the run.
     ///
     /// # Errors
     /// If the group file, the link or the run's shared memory is not usable.
-    pub fn join(service: Service, root: &Path, incarnation: u32) -> Result<Self, RuntimeError> {
-        Self::join_when(service, root, incarnation, |_| Ok(()))
-    }
-
-    /// The same for a process that was started ahead: it waits before it opens anything of the run.
-    pub(super) fn join_when(
+    pub(super) fn join(
         service: Service,
         root: &Path,
         incarnation: u32,
@@ -93,8 +88,8 @@ impl Runtime {
         let members = Some(Members::of(&group.root));
         let fences = Fences::of(&group)?;
         let counts = match group.mode {
-            Mode::Realtime => Counts::open(&group, service)?,
-            Mode::Lockstep => Counts::default(),
+            Mode::Realtime => ServiceCounts::open(&group, service)?,
+            Mode::Lockstep => ServiceCounts::default(),
         };
         let jitter = counts.figures().latencies(RELEASE_JITTER)?;
         let survival = Survival::new(counts, fences.clone(), service, incarnation);
@@ -113,7 +108,7 @@ impl Runtime {
         seat: Seat,
         link: Link,
     ) -> Self {
-        let survival = Survival::new(Counts::default(), None, service, 0);
+        let survival = Survival::new(ServiceCounts::default(), None, service, 0);
         let ports = Ports::new(Transport::Memory(seat), None, None);
         Self::of(service, 0, group, scenario, ports, survival, link)
     }

@@ -1,7 +1,8 @@
-//! From the open ports to the first release.
+//! The begin and the end of a service: from the open ports to the first release, and the report.
 
 use super::Runtime;
 use crate::machine::scheduling::{Granted, Request, above, apply, in_force};
+use crate::report::{Payload, Reported, ServiceReport};
 use crate::survival::end_word;
 use crate::survival::standby::{ActiveProcess, Standby};
 use crate::transport::Carrier;
@@ -89,4 +90,39 @@ impl Runtime {
         }
         self.cycles.resume_at(self.cycles.present_step());
     }
+}
+
+impl Runtime {
+    /// Reports to the launcher, with the service's own `figures`, and keeps all ports open until all services have
+    /// reported. So no last message is lost with its sender.
+    ///
+    /// # Errors
+    /// [`RuntimeError::Link`].
+    pub fn finish(self, figures: impl Reported) -> Result<(), RuntimeError> {
+        let (cycles, skipped) = self.survival.counted(self.cycles.run(), self.cycles.skipped());
+        let (sent, received) = self.ports.reports();
+        let report = ServiceReport {
+            allocations_in_loop: self.life.allocations_in_loop,
+            service: self.service,
+            cycles,
+            skipped,
+            release_jitter_us: self.cycles.jitter().percentiles_us(),
+            sent,
+            received,
+            peak_rss_kib: (self.carrier() == Carrier::SharedMemory).then(peak_rss_kib),
+            scheduling: self.life.granted.expect("`begin` comes before `finish`"),
+            fault_statistics: self.injection.faults.statistics(),
+            details: Payload::of(figures),
+        };
+        self.life.link.send(FromService::Report(Box::new(report)))?;
+        self.life.link.wait_for_the_end();
+        Ok(())
+    }
+}
+
+/// Peak resident set of this process, KiB; 0 if the kernel does not give it.
+fn peak_rss_kib() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+    line.and_then(|line| line.trim().trim_end_matches(" kB").parse().ok()).unwrap_or(0)
 }

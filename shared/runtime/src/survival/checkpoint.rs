@@ -4,24 +4,39 @@
 //! dies while it writes leaves the other slot whole. No allocation, and no system call per write. Such a call took 2 µs
 //! at 1 kHz, and the services behind on the same core waited for it.
 
-use crate::words::open_own;
-use crate::words::{PAGE_BYTES, SharedWords};
+#![allow(unsafe_code, reason = "a struct of atomic numbers in shared memory")]
+
+use crate::words::{Atomics, Shared, open_own};
 use crate::{Group, RuntimeError};
 use messages::Service;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::io;
-use std::ops::Range;
+use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicU64, Ordering};
 use xxhash_rust::xxh3::xxh3_64_with_seed;
 
-/// Bytes of a slot: number, length, checksum of number and state, state.
-const SLOT: usize = 64 * 1024;
-const HEAD: usize = 24;
-const WORD: usize = 4;
+/// Words of the longest state.
+const WORDS: usize = 8 * 1024 - 3;
+
+/// One of the two places of a state.
+#[repr(C)]
+#[derive(Debug)]
+struct Slot {
+    number: AtomicU64,
+    /// Bytes of the state.
+    length: AtomicU64,
+    /// Checksum of number and state.
+    checksum: AtomicU64,
+    state: [AtomicU64; WORDS],
+}
+
+// SAFETY: words alone.
+unsafe impl Atomics for Slot {}
+
 /// Shared memory that a service takes for it, bytes.
-pub(crate) const MOST_BYTES: usize = 2 * SLOT;
+pub(crate) const MOST_BYTES: usize = 2 * size_of::<Slot>();
 
 /// Name of the file in which a service of the run with this prefix keeps its state.
 pub(crate) fn state_path(prefix: &str, service: Service) -> PathBuf {
@@ -31,19 +46,19 @@ pub(crate) fn state_path(prefix: &str, service: Service) -> PathBuf {
 /// Keeps states of type `T`.
 #[derive(Debug)]
 pub struct Checkpoint<T> {
-    words: SharedWords,
+    slots: Shared<[Slot; 2]>,
+    /// Number of the newest state.
     saved: u64,
-    slot: Box<[u8; SLOT]>,
-    state: std::marker::PhantomData<T>,
+    room: Box<[u64; WORDS]>,
+    state: PhantomData<T>,
 }
 
 impl<T: DeserializeOwned> Checkpoint<T> {
     /// Opens the file at `path`, or makes it.
     pub(crate) fn open(path: &Path) -> Result<Self, RuntimeError> {
-        let words =
-            open_own(path).and_then(|file| SharedWords::of(&file, 0, MOST_BYTES / PAGE_BYTES));
-        let words = words.map_err(RuntimeError::setup(path.display().to_string()))?;
-        Ok(Self { words, saved: 0, slot: Box::new([0; SLOT]), state: std::marker::PhantomData })
+        let slots = open_own(path).and_then(|file| Shared::of(&file, 0));
+        let slots = slots.map_err(RuntimeError::setup(path.display().to_string()))?;
+        Ok(Self { slots, saved: 0, room: Box::new([0; WORDS]), state: PhantomData })
     }
 
     /// The newest state that `service`, which is gone, kept in its run; `None` if it kept no state.
@@ -59,21 +74,18 @@ impl<T: DeserializeOwned> Checkpoint<T> {
     /// The newest state that was kept whole.
     pub fn restore(&mut self) -> Option<T> {
         let mut newest = None;
-        for place in 0..2 {
-            self.read(place, 0..HEAD);
-            let word = |at: usize| {
-                let bytes = self.slot[at..at + 8].try_into().expect("eight bytes");
-                u64::from_le_bytes(bytes)
-            };
-            let (number, length, checksum) = (word(0), word(8), word(16));
-            let Ok(length) = usize::try_from(length) else { continue };
-            if number <= self.saved || length > SLOT - HEAD {
+        let load = |word: &AtomicU64| word.load(Ordering::Relaxed);
+        for slot in &*self.slots {
+            let (number, length) = (load(&slot.number), load(&slot.length) as usize);
+            if number <= self.saved || length > size_of_val(&*self.room) {
                 continue;
             }
-            self.read(place, HEAD..HEAD + length);
-            let state = &self.slot[HEAD..HEAD + length];
+            for (room, word) in self.room.iter_mut().zip(&slot.state).take(length.div_ceil(8)) {
+                *room = load(word);
+            }
+            let state = &bytemuck::bytes_of(&*self.room)[..length];
             // Also where another process is writing it: the number counts.
-            if checksum != xxh3_64_with_seed(state, number) {
+            if load(&slot.checksum) != xxh3_64_with_seed(state, number) {
                 continue;
             }
             if let Ok(state) = postcard::from_bytes(state) {
@@ -90,35 +102,17 @@ impl<T: DeserializeOwned> Checkpoint<T> {
     /// [`RuntimeError::Setup`] if it does not fit.
     pub fn save(&mut self, state: &impl Serialize) -> Result<(), RuntimeError> {
         let error = |reason| RuntimeError::Setup { what: "the kept state".into(), reason };
-        let used = postcard::to_slice(state, &mut self.slot[HEAD..])
-            .map_err(|e| error(io::Error::other(e)))?
-            .len();
+        let used = postcard::to_slice(state, bytemuck::bytes_of_mut(&mut *self.room))
+            .map_err(|e| error(io::Error::other(e)))?;
         self.saved += 1;
-        let checksum = xxh3_64_with_seed(&self.slot[HEAD..HEAD + used], self.saved);
-        self.slot[..8].copy_from_slice(&self.saved.to_le_bytes());
-        self.slot[8..16].copy_from_slice(&(used as u64).to_le_bytes());
-        self.slot[16..24].copy_from_slice(&checksum.to_le_bytes());
-        self.write((self.saved % 2) as usize, HEAD + used);
+        let (length, checksum) = (used.len(), xxh3_64_with_seed(used, self.saved));
+        let slot = &self.slots[(self.saved % 2) as usize];
+        let head = [(&slot.number, self.saved), (&slot.length, length as u64)];
+        let state = slot.state.iter().zip(self.room.iter().copied()).take(length.div_ceil(8));
+        for (word, number) in head.into_iter().chain([(&slot.checksum, checksum)]).chain(state) {
+            word.store(number, Ordering::Relaxed);
+        }
         Ok(())
-    }
-
-    /// Takes whole words of a slot, those that hold `bytes`.
-    fn read(&mut self, place: usize, bytes: Range<usize>) {
-        let words = bytes.start / WORD..bytes.end.div_ceil(WORD);
-        let room = self.slot.chunks_exact_mut(WORD).enumerate().take(words.end);
-        for (index, room) in room.skip(words.start) {
-            let word = self.words.word(place * SLOT / WORD + index);
-            room.copy_from_slice(&word.load(Ordering::Relaxed).to_ne_bytes());
-        }
-    }
-
-    /// Writes whole words of a slot, those that hold its first `bytes`.
-    fn write(&self, place: usize, bytes: usize) {
-        let used = self.slot.chunks_exact(WORD).take(bytes.div_ceil(WORD));
-        for (index, bytes) in used.enumerate() {
-            let word = u32::from_ne_bytes(bytes.try_into().expect("four bytes"));
-            self.words.word(place * SLOT / WORD + index).store(word, Ordering::Relaxed);
-        }
     }
 }
 
@@ -146,7 +140,7 @@ mod tests {
         file.write_all_at(&[0xff; 40], 0).expect("ours");
         assert_eq!(open().restore(), Some((4, Some(0.1))));
         // A later number before an earlier state: it died after the first word.
-        file.write_all_at(&9_u64.to_le_bytes(), SLOT as u64).expect("ours");
+        file.write_all_at(&9_u64.to_le_bytes(), size_of::<Slot>() as u64).expect("ours");
         assert_eq!(open().restore(), None);
         std::fs::remove_file(&path).expect("ours");
     }

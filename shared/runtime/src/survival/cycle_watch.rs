@@ -4,7 +4,7 @@
 #[derive(Debug)]
 pub(crate) struct CycleWatch {
     /// Cycles that it had done at the last look, and since when it had done them.
-    cycles: u32,
+    cycles: u64,
     since_ns: i64,
     looked_ns: i64,
     period_ns: i64,
@@ -18,7 +18,7 @@ impl CycleWatch {
     }
 
     /// Looks at the count at `now_ns`; true if the process completed no cycle for a period and the timeout.
-    pub(crate) fn is_silent(&mut self, now_ns: i64, cycles: u32) -> bool {
+    pub(crate) fn is_silent(&mut self, now_ns: i64, cycles: u64) -> bool {
         // If this process did not get the processor, the other one may not have got it either.
         let stalled = 2 * (now_ns - self.looked_ns) > 3 * self.period_ns.max(self.timeout_ns);
         self.looked_ns = now_ns;

@@ -9,7 +9,7 @@
 
 use crate::machine::scheduling::set_fifo_of;
 use crate::survival::fence;
-use crate::words::SharedWords;
+use crate::words::RunWords;
 use crate::{Group, RuntimeError};
 use messages::Service;
 use rustix::thread::{futex, gettid};
@@ -21,9 +21,6 @@ use std::sync::mpsc::sync_channel;
 /// A word in which the kernel marks its owner's end; `FUTEX_WAITERS` and `FUTEX_OWNER_DIED` of linux/futex.h.
 const WAITERS: u32 = 0x8000_0000;
 const OWNER_DIED: u32 = 0x4000_0000;
-
-/// Words of one service, one for each of its processes in a row.
-const WORDS: u32 = 15;
 
 /// `struct robust_list` of linux/futex.h.
 #[repr(C)]
@@ -44,10 +41,10 @@ struct List {
 /// Length of `struct robust_list_head`, bytes.
 const HEAD_BYTES: usize = offset_of!(List, entry);
 
-/// The word of a service's process, in the cache line of the service's epoch.
-fn word(page: &SharedWords, service: Service, incarnation: u32) -> &AtomicU32 {
-    let of_process = (incarnation % WORDS) as usize;
-    page.word(service.index() * fence::WORDS_APART + 1 + of_process)
+/// The word of a service's process.
+fn word(words: &RunWords, service: Service, incarnation: u32) -> &AtomicU32 {
+    let ends = &words.of(service).ends;
+    &ends[incarnation as usize % ends.len()]
 }
 
 /// Lets the kernel mark the end of this process, a service's `incarnation`. A thread of this priority does it; 0 is an
@@ -60,14 +57,14 @@ pub(crate) fn announce(
     (service, incarnation): (Service, u32),
     priority: u8,
 ) -> Result<(), RuntimeError> {
-    let page = fence::map(group)?;
+    let words = fence::map(group)?;
     let (sender, owned) = sync_channel(1);
     std::thread::Builder::new()
         .name("end".into())
         .stack_size(64 * 1024)
         .spawn(move || {
             set_fifo_of(gettid().as_raw_pid(), priority);
-            own(word(&page, service, incarnation));
+            own(word(&words, service, incarnation));
             // The other end waits.
             let _ = sender.send(());
             loop {
@@ -105,8 +102,8 @@ fn own(word: &AtomicU32) {
 }
 
 /// Waits for the end of a service's process; false if the process does not announce its end.
-pub(crate) fn wait(page: &SharedWords, service: Service, incarnation: u32) -> bool {
-    let word = word(page, service, incarnation);
+pub(crate) fn wait(words: &RunWords, service: Service, incarnation: u32) -> bool {
+    let word = word(words, service, incarnation);
     loop {
         let owner = word.load(Ordering::SeqCst);
         if owner == 0 || owner & OWNER_DIED != 0 {
@@ -120,14 +117,15 @@ pub(crate) fn wait(page: &SharedWords, service: Service, incarnation: u32) -> bo
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::words::{END_WORDS, Shared};
     use std::sync::Arc;
 
     /// Maps a page of its own; its name is removed at once.
-    fn page() -> SharedWords {
-        let name = format!("timegap-test-end-word-{}", gettid().as_raw_pid());
-        let page = SharedWords::map(&name).expect("shared memory");
-        std::fs::remove_file(format!("/dev/shm/{name}")).expect("it is there");
-        page
+    fn page() -> Shared<RunWords> {
+        let prefix = format!("timegap-test-end-word-{}", gettid().as_raw_pid());
+        let words = RunWords::map(&prefix).expect("shared memory");
+        std::fs::remove_file(format!("/dev/shm/{prefix}wake")).expect("it is there");
+        words
     }
 
     #[test]
@@ -155,9 +153,8 @@ mod tests {
         let page = page();
         assert!(!wait(&page, Service::Plant, 0));
         for service in Service::ALL {
-            let line = fence::word(&page, service);
-            line.store(1, Ordering::SeqCst);
-            for incarnation in 0..WORDS {
+            page.of(service).epoch.store(1, Ordering::SeqCst);
+            for incarnation in 0..END_WORDS as u32 {
                 let word = word(&page, service, incarnation);
                 assert_eq!(word.swap(1, Ordering::SeqCst), 0, "{service:?} {incarnation}");
             }

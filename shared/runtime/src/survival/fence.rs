@@ -12,16 +12,14 @@
 //! The sender's look alone is not enough. A process can be stopped between the look and the message, and continue after
 //! it was replaced. The consumer's look comes after the message has arrived. So after the compare-and-swap, consumers
 //! use no message of an earlier epoch. At no instant are two senders accepted. The tests at the end check that over all
-//! interleavings (feature `loom`).
+//! interleavings (feature `loom`). The [`Gate`] of a process looks for its ports, and keeps a standby silent.
 
-use crate::words::SharedWords;
+use crate::words::{RunWords, Shared};
 use crate::{Group, RuntimeError};
 use messages::Service;
+use std::cell::Cell;
 use std::rc::Rc;
 use std::sync::atomic::{AtomicU32, Ordering};
-
-/// Words from one service's to the next one's: a cache line.
-pub(crate) const WORDS_APART: usize = 16;
 
 /// An atomic word: the machine's, or a model checker's.
 pub(crate) trait Word {
@@ -66,7 +64,7 @@ pub(crate) fn claim(word: &impl Word, own: u32) -> bool {
 /// The words of a run's services that have a standby.
 #[derive(Clone, Debug)]
 pub(crate) struct Fences {
-    page: Rc<SharedWords>,
+    words: Rc<Shared<RunWords>>,
     fenced: [bool; Service::ALL.len()],
 }
 
@@ -77,12 +75,12 @@ impl Fences {
             return Ok(None);
         }
         let fenced = Service::ALL.map(|service| group.standby.contains(&service));
-        Ok(Some(Self { page: Rc::new(map(group)?), fenced }))
+        Ok(Some(Self { words: Rc::new(map(group)?), fenced }))
     }
 
     /// The word of a service; `None` where it has no standby.
     pub(crate) fn of_service(&self, service: Service) -> Option<&AtomicU32> {
-        self.fenced[service.index()].then(|| word(&self.page, service))
+        self.fenced[service.index()].then(|| &self.words.of(service).epoch)
     }
 
     /// True if a message of incarnation `incarnation` of the service with this number may be used.
@@ -93,15 +91,72 @@ impl Fences {
     }
 }
 
-/// The page of all words.
-pub(crate) fn map(group: &Group) -> Result<SharedWords, RuntimeError> {
-    SharedWords::map(&format!("{}fence", group.prefix))
-        .map_err(RuntimeError::setup("the epochs in shared memory"))
+/// Decision on a message that is to be sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Passage {
+    /// It is sent.
+    Open,
+    /// It is kept, since the process is a standby.
+    Held,
+    /// It is dropped, since the process was replaced.
+    Shut,
 }
 
-/// The word of a service, in a cache line of its own.
-pub(crate) fn word(page: &SharedWords, service: Service) -> &AtomicU32 {
-    page.word(service.index() * WORDS_APART)
+/// The gate of one process, shared by its ports.
+#[derive(Debug)]
+pub(crate) struct Gate {
+    fences: Option<Fences>,
+    service: Service,
+    incarnation: u32,
+    is_standby: Cell<bool>,
+}
+
+impl Gate {
+    pub(crate) fn of(fences: Option<Fences>, service: Service, incarnation: u32) -> Self {
+        Self { fences, service, incarnation, is_standby: Cell::new(false) }
+    }
+
+    /// Always open: of a sender without a standby.
+    pub(crate) fn open(service: Service) -> Self {
+        Self::of(None, service, 0)
+    }
+
+    /// Makes the process a standby, or ends that.
+    pub(crate) fn set_standby(&self, is_standby: bool) {
+        self.is_standby.set(is_standby);
+    }
+
+    /// True while the process is a standby.
+    pub(crate) fn is_standby(&self) -> bool {
+        self.is_standby.get()
+    }
+
+    /// The service's epoch; `None` where it has no standby.
+    fn word(&self) -> Option<&AtomicU32> {
+        self.fences.as_ref().and_then(|fences| fences.of_service(self.service))
+    }
+
+    /// Makes this process the active one, if it replaces one that is gone; false if
+    /// another process is it.
+    pub(crate) fn claim(&self) -> bool {
+        self.word().is_none_or(|word| claim(word, self.incarnation))
+    }
+
+    /// Decision on a message that is sent now.
+    pub(crate) fn passage(&self) -> Passage {
+        if self.is_standby() {
+            return Passage::Held;
+        }
+        match self.word() {
+            Some(word) if !may_send(word, self.incarnation) => Passage::Shut,
+            _ => Passage::Open,
+        }
+    }
+}
+
+/// The words of a run.
+pub(crate) fn map(group: &Group) -> Result<Shared<RunWords>, RuntimeError> {
+    RunWords::map(&group.prefix).map_err(RuntimeError::setup("the words in shared memory"))
 }
 
 /// The epochs over all interleavings of their processes.
@@ -245,9 +300,7 @@ pub(super) mod tests {
 
     impl Drop for Run {
         fn drop(&mut self) {
-            for page in ["fence", "wake"] {
-                let _ = std::fs::remove_file(format!("/dev/shm/{}{page}", self.0.prefix));
-            }
+            let _ = std::fs::remove_file(format!("/dev/shm/{}wake", self.0.prefix));
         }
     }
 
@@ -278,5 +331,48 @@ pub(super) mod tests {
         assert!(take_over(&word, 0, 3) && !take_over(&word, 0, 4) && !take_over(&word, 3, 3));
         assert!(!claim(&word, 2) && claim(&word, 3) && claim(&word, 4));
         assert!(!may_send(&word, 3) && may_send(&word, 4));
+    }
+
+    #[test]
+    fn without_a_standby_of_its_service_a_gate_is_open_until_it_stands_by() {
+        let run = Run::new("open", &[Service::PerceptionSim]);
+        let of_another = Gate::of(Some(run.fences()), Service::Plant, 3);
+        for gate in [Gate::open(Service::Plant), of_another] {
+            assert!(gate.claim() && !gate.is_standby());
+            assert_eq!(gate.passage(), Passage::Open);
+            gate.set_standby(true);
+            assert!(gate.is_standby());
+            assert_eq!(gate.passage(), Passage::Held);
+            gate.set_standby(false);
+            assert_eq!(gate.passage(), Passage::Open);
+        }
+    }
+
+    #[test]
+    fn a_standby_holds_its_messages_and_a_replaced_process_sends_nothing() {
+        let service = Service::Controller;
+        let run = Run::new("replaced", &[service]);
+        let [active, standby] = [0, 1].map(|own| Gate::of(Some(run.fences()), service, own));
+        assert!(active.claim());
+        standby.set_standby(true);
+        assert_eq!((active.passage(), standby.passage()), (Passage::Open, Passage::Held));
+        let fences = run.fences();
+        let word = fences.of_service(service).expect("it has a standby");
+        assert!(take_over(word, 0, 1));
+        // The standby is silent until its loop ends the time as a standby.
+        assert_eq!((active.passage(), standby.passage()), (Passage::Shut, Passage::Held));
+        standby.set_standby(false);
+        assert_eq!((active.passage(), standby.passage()), (Passage::Shut, Passage::Open));
+        assert!(!active.claim() && standby.claim());
+    }
+
+    #[test]
+    fn a_process_that_is_started_cold_claims_a_later_epoch_alone() {
+        let service = Service::Aebs;
+        let run = Run::new("cold", &[service]);
+        let gate = |own| Gate::of(Some(run.fences()), service, own);
+        assert_eq!(gate(4).passage(), Passage::Shut, "not claimed");
+        assert!(gate(4).claim() && gate(4).claim() && !gate(3).claim());
+        assert_eq!((gate(3).passage(), gate(4).passage()), (Passage::Shut, Passage::Open));
     }
 }

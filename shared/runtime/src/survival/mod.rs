@@ -11,12 +11,10 @@ pub mod checkpoint;
 mod cycle_watch;
 pub mod end_word;
 pub mod fence;
-pub mod gate;
 pub mod standby;
 
-use crate::counts::own::Counts;
-use fence::Fences;
-use gate::Gate;
+use crate::counts::ServiceCounts;
+use fence::{Fences, Gate};
 use messages::Service;
 use standby::Standby;
 use std::rc::Rc;
@@ -24,7 +22,7 @@ use std::rc::Rc;
 /// Parts by which a service survives the end of a process.
 #[derive(Debug)]
 pub(crate) struct Survival {
-    pub(crate) counts: Counts,
+    pub(crate) counts: ServiceCounts,
     pub(crate) gate: Rc<Gate>,
     pub(crate) standby: Option<Standby>,
     /// Cycles and skipped releases of the time as a standby.
@@ -34,7 +32,7 @@ pub(crate) struct Survival {
 impl Survival {
     /// The survival of process `incarnation` of `service`, which counts in `counts`.
     pub(crate) fn new(
-        counts: Counts,
+        counts: ServiceCounts,
         fences: Option<Fences>,
         service: Service,
         incarnation: u32,

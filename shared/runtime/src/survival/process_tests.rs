@@ -2,12 +2,13 @@
 
 use super::fence::tests::Run;
 use super::standby::{ActiveProcess, Cause, OrderSlot, Standby};
-use crate::counts::own::Counts;
+use crate::counts::ServiceCounts;
 use crate::machine::scheduling::Granted;
-use crate::transport::waking::WakeWords;
+use crate::words::RunWords;
 use messages::{Service, Topic};
 use scenario::Scenario;
 use std::process::{Child, Command, Stdio};
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 const SERVICE: Service = Service::Controller;
@@ -61,10 +62,10 @@ fn wait_until(mut is_so: impl FnMut() -> bool) -> bool {
 }
 
 /// Number of wake-ups of the waiters on the topics that can release a loop.
-fn woken(run: &Run) -> [String; 3] {
-    let words = WakeWords::map(&run.0.prefix).expect("shared memory");
+fn woken(run: &Run) -> [u32; 3] {
+    let words = RunWords::map(&run.0.prefix).expect("shared memory");
     [Topic::RadarTracks, Topic::RadarDetections, Topic::Odometry]
-        .map(|topic| format!("{:?}", words.waiter(topic).ticket()))
+        .map(|topic| words.wake(topic).load(Ordering::SeqCst))
 }
 
 #[test]
@@ -128,7 +129,7 @@ fn an_order_of_the_launcher_is_one_too_and_wakes_the_loop() {
 #[test]
 fn a_process_that_lives_and_does_nothing_is_silent() {
     let run = Run::new("silent", &[SERVICE]);
-    let mut counts = Counts::open(&run.0, SERVICE).expect("shared memory");
+    let mut counts = ServiceCounts::open(&run.0, SERVICE).expect("shared memory");
     counts.begin_account(0).expect("shared memory");
     let account = counts.account().expect("it has begun");
     let active = process();

@@ -8,14 +8,14 @@
 //!
 //! The end of the active process is known by [`end_word`], or by its pidfd.
 
+use crate::counts::ServiceCounts;
 use crate::counts::account::Progress;
-use crate::counts::reader::CountsReader;
 use crate::machine::scheduling::{Granted, Request, above, set_below_services, set_fifo_of};
 use crate::survival::cycle_watch::CycleWatch;
 use crate::survival::end_word;
 use crate::survival::fence;
-use crate::transport::waking::WakeWords;
-use crate::words::SharedWords;
+use crate::transport::waking::wake;
+use crate::words::{RunWords, Shared};
 use crate::{Group, RuntimeError, monotonic_ns};
 use messages::{Service, Topic};
 use rustix::event::{PollFd, PollFlags, poll};
@@ -66,7 +66,7 @@ const REPLACED: u32 = 2;
 /// Data that the threads of a standby share.
 #[derive(Debug)]
 struct Order {
-    page: SharedWords,
+    words: Shared<RunWords>,
     service: Service,
     active: u32,
     own: u32,
@@ -77,7 +77,6 @@ struct Order {
     /// The loop's thread, and its priority as the active process; 0 without a real-time priority.
     thread: i32,
     priority: u8,
-    prefix: String,
 }
 
 impl Order {
@@ -86,7 +85,7 @@ impl Order {
         if self.noticed.set((cause, noticed_ns)).is_err() {
             return;
         }
-        let word = fence::word(&self.page, self.service);
+        let word = &self.words.of(self.service).epoch;
         let took = fence::take_over(word, self.active, self.own);
         if took {
             // Above the old process's loop, which gives its memory back at its priority on the same core.
@@ -96,12 +95,12 @@ impl Order {
         // An address of this process's own: waking cannot fail.
         let _ = futex::wake(&self.state, futex::Flags::PRIVATE, i32::MAX.unsigned_abs());
     }
-}
 
-/// Wakes a loop that waits for a topic which can release it.
-fn wake_by_topic(words: &WakeWords) {
-    words.waker(Topic::RadarTracks).wake();
-    words.waker(Topic::RadarDetections).wake();
+    /// Wakes the loop if it waits for a topic which can release it.
+    fn wake_by_topic(&self) {
+        wake(&self.words, Topic::RadarTracks);
+        wake(&self.words, Topic::RadarDetections);
+    }
 }
 
 /// Slot for the launcher's order to take over, filled by the link's thread.
@@ -127,9 +126,7 @@ impl OrderSlot {
             && let Some(order) = self.0.order.get()
         {
             order.take_over(Cause::Gone, monotonic_ns());
-            if let Ok(words) = WakeWords::map(&order.prefix) {
-                wake_by_topic(&words);
-            }
+            order.wake_by_topic();
         }
     }
 
@@ -165,7 +162,7 @@ impl Standby {
         let request = Request::of(scenario, service);
         let priority = granted.priority(&request);
         let order = Arc::new(Order {
-            page: fence::map(group)?,
+            words: fence::map(group)?,
             service,
             active: active.incarnation,
             own,
@@ -173,7 +170,6 @@ impl Standby {
             noticed: OnceLock::new(),
             thread: gettid().as_raw_pid(),
             priority,
-            prefix: group.prefix.clone(),
         });
         if priority > 0 {
             set_below_services(scenario);
@@ -191,7 +187,7 @@ impl Standby {
         let timeout_ns = scenario.supervision.standby_timeout_ms.nanoseconds();
         let timeout_ns = i64::try_from(timeout_ns).unwrap_or(i64::MAX);
         let period_ns = group.timetable.period_ns(service);
-        let progress = CountsReader::of(group, service).progress(active.incarnation);
+        let progress = ServiceCounts::of(group, service).progress(active.incarnation);
         Ok(Self { order, progress, watch: CycleWatch::new(monotonic_ns(), period_ns, timeout_ns) })
     }
 
@@ -234,17 +230,14 @@ impl Standby {
 fn watch(order: &Order, pidfd: Option<OwnedFd>, priority: u8) {
     // Above the loop that it raises.
     set_fifo_of(gettid().as_raw_pid(), above(priority));
-    let words = WakeWords::map(&order.prefix);
     if let Some(pidfd) = pidfd
-        && !end_word::wait(&order.page, order.service, order.active)
+        && !end_word::wait(&order.words, order.service, order.active)
     {
         let mut ends = [PollFd::new(&pidfd, PollFlags::IN)];
         while !matches!(poll(&mut ends, None), Ok(1..)) {}
     }
     order.take_over(Cause::Gone, monotonic_ns());
-    if let Ok(words) = words {
-        wake_by_topic(&words);
-    }
+    order.wake_by_topic();
 }
 
 #[cfg(test)]
@@ -255,7 +248,7 @@ mod tests {
     /// A standby of the controller, process 1, for process 0, without the threads.
     fn order(run: &Run) -> Arc<Order> {
         Arc::new(Order {
-            page: fence::map(&run.0).expect("shared memory"),
+            words: fence::map(&run.0).expect("shared memory"),
             service: Service::Controller,
             active: 0,
             own: 1,
@@ -263,7 +256,6 @@ mod tests {
             noticed: OnceLock::new(),
             thread: 0,
             priority: 0,
-            prefix: run.0.prefix.clone(),
         })
     }
 
@@ -287,19 +279,19 @@ mod tests {
         order.take_over(Cause::Gone, 18);
         assert!(!standby.stands_by());
         assert_eq!(standby.taken_over(), Some((Cause::Silent, 17)));
-        assert_eq!(fence::word(&order.page, Service::Controller).load(Ordering::SeqCst), 1);
+        assert_eq!(order.words.of(Service::Controller).epoch.load(Ordering::SeqCst), 1);
     }
 
     #[test]
     fn a_standby_whose_service_another_process_took_is_replaced() {
         let run = run("replaced-standby");
         let order = order(&run);
-        fence::word(&order.page, Service::Controller).store(2, Ordering::SeqCst);
+        order.words.of(Service::Controller).epoch.store(2, Ordering::SeqCst);
         order.take_over(Cause::Gone, 17);
         let standby = standby(&order);
         assert!(!standby.stands_by());
         assert_eq!(standby.taken_over(), None);
-        assert_eq!(fence::word(&order.page, Service::Controller).load(Ordering::SeqCst), 2);
+        assert_eq!(order.words.of(Service::Controller).epoch.load(Ordering::SeqCst), 2);
     }
 
     #[test]

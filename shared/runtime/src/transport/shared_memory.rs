@@ -1,11 +1,12 @@
 //! iceoryx2 as timegap uses it: one private node per process and one way to open each topic.
 
 use super::{TransportError, buffer, buffer_of};
-use crate::counts::file::MOST_BYTES as MOST_COUNTS_BYTES;
+use crate::counts::MOST_BYTES as MOST_COUNTS_BYTES;
 use crate::life::link::End;
 use crate::ports::members::Members;
 use crate::survival::checkpoint::MOST_BYTES as MOST_STATE_BYTES;
-use crate::transport::waking::{Waiter, WakeWords, Waker};
+use crate::transport::waking::{Waiter, Waker};
+use crate::words::{RunWords, Shared};
 use crate::{Group, Mode, RuntimeError, Timetable};
 use iceoryx2::config::Config;
 use iceoryx2::port::BackpressureAction;
@@ -22,6 +23,7 @@ use messages::{LAYOUT_VERSION, Layout, Service, TOPICS, Topic};
 use std::fmt::Debug;
 use std::os::unix::fs::PermissionsExt;
 use std::path::PathBuf;
+use std::rc::Rc;
 use std::sync::Mutex;
 
 /// The iceoryx2 variant of all topics.
@@ -131,7 +133,7 @@ impl SenderId {
 #[derive(Debug)]
 pub(crate) struct SharedMemory {
     node: Node<Ipc>,
-    wake_words: WakeWords,
+    words: Rc<Shared<RunWords>>,
     mode: Mode,
     buffer: usize,
     peers: usize,
@@ -157,10 +159,10 @@ impl SharedMemory {
             .map_err(error)?;
         let system = |what| move |reason| error(TransportError::System { what, reason });
         keep_to_this_user(&group.prefix).map_err(system("shared memory"))?;
-        let wake_words = WakeWords::map(&group.prefix).map_err(system("wake words"))?;
+        let words = Rc::new(RunWords::map(&group.prefix).map_err(system("wake words"))?);
         Ok(Self {
             node,
-            wake_words,
+            words,
             mode: group.mode,
             buffer: buffer(&group.timetable),
             peers: peers(group.standby.len()),
@@ -213,7 +215,7 @@ impl SharedMemory {
     ///
     /// # Errors
     /// [`RuntimeError::Topic`].
-    pub(super) fn sender(&self, topic: Topic, end: End) -> Result<Sender, RuntimeError> {
+    pub(crate) fn sender(&self, topic: Topic, end: End) -> Result<Sender, RuntimeError> {
         let group = Listeners::of(&self.root);
         let port = self
             .topic(topic)?
@@ -238,7 +240,7 @@ impl SharedMemory {
     ///
     /// # Errors
     /// [`RuntimeError::Topic`].
-    pub(super) fn receiver(&self, topic: Topic) -> Result<Receiver, RuntimeError> {
+    pub(crate) fn receiver(&self, topic: Topic) -> Result<Receiver, RuntimeError> {
         let port = (self.topic(topic)?.subscriber_builder()).create().map_err(refused(topic))?;
         Ok(Receiver(port))
     }
@@ -249,11 +251,11 @@ impl SharedMemory {
     }
 
     pub(crate) fn waker(&self, topic: Topic) -> Waker {
-        self.wake_words.waker(topic)
+        Waker::new(&self.words, topic)
     }
 
     pub(crate) fn waiter(&self, topic: Topic) -> Waiter {
-        self.wake_words.waiter(topic)
+        Waiter::new(&self.words, topic)
     }
 }
 

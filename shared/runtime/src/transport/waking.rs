@@ -15,58 +15,43 @@
 //! at more than twice the cost; `timegap bench` measures both beside the bare futex.
 
 use crate::in_process::coroutine::Pause;
-use crate::words::SharedWords;
+use crate::words::{RunWords, Shared};
 use messages::Topic;
 use rustix::io::Errno;
 use rustix::thread::futex;
 use std::cell::Cell;
 use std::io;
 use std::rc::Rc;
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::sync::atomic::Ordering;
 use std::time::Duration;
-
-/// The words of a run, one for each topic.
-#[derive(Clone, Debug)]
-pub(crate) struct WakeWords(Rc<SharedWords>);
-
-impl WakeWords {
-    /// Maps the words of the run whose shared memory has this prefix.
-    pub(crate) fn map(prefix: &str) -> io::Result<Self> {
-        SharedWords::map(&format!("{prefix}wake")).map(|page| Self(Rc::new(page)))
-    }
-
-    pub(crate) fn waker(&self, topic: Topic) -> Waker {
-        Waker { words: self.clone(), topic }
-    }
-
-    pub(crate) fn waiter(&self, topic: Topic) -> Waiter {
-        Waiter(Way::Futex { words: self.clone(), topic })
-    }
-
-    fn word(&self, topic: Topic) -> &AtomicU32 {
-        // A cache line each.
-        self.0.word(topic as usize * 16)
-    }
-}
 
 /// Wakes those who wait for a topic in other processes.
 #[derive(Debug)]
 pub struct Waker {
-    words: WakeWords,
+    words: Rc<Shared<RunWords>>,
     topic: Topic,
 }
 
 impl Waker {
+    pub(super) fn new(words: &Rc<Shared<RunWords>>, topic: Topic) -> Self {
+        Self { words: Rc::clone(words), topic }
+    }
+
     /// Wakes all who wait. To be called after the sample was sent.
     ///
     /// # Panics
     /// Never: the word is mapped.
     pub fn wake(&self) {
-        let word = self.words.word(self.topic);
-        word.fetch_add(1, Ordering::Release);
-        futex::wake(word, futex::Flags::empty(), i32::MAX.unsigned_abs())
-            .expect("waking fails only for addresses that are none");
+        wake(&self.words, self.topic);
     }
+}
+
+/// Wakes all who wait for `topic`.
+pub(crate) fn wake(words: &RunWords, topic: Topic) {
+    let word = words.wake(topic);
+    word.fetch_add(1, Ordering::Release);
+    futex::wake(word, futex::Flags::empty(), i32::MAX.unsigned_abs())
+        .expect("waking fails only for addresses that are none");
 }
 
 /// The state of a topic's word before a look at the topic.
@@ -82,7 +67,7 @@ enum Way {
     /// By sleeping.
     Futex {
         /// The run's words.
-        words: WakeWords,
+        words: Rc<Shared<RunWords>>,
         /// The topic.
         topic: Topic,
     },
@@ -96,6 +81,10 @@ enum Way {
 }
 
 impl Waiter {
+    pub(super) fn new(words: &Rc<Shared<RunWords>>, topic: Topic) -> Self {
+        Self(Way::Futex { words: Rc::clone(words), topic })
+    }
+
     /// Waits in a run in one process. `stalled` is set when no message will come any more.
     pub(crate) fn in_process(pause: Pause, stalled: Rc<Cell<bool>>) -> Self {
         Self(Way::InProcess { pause, stalled })
@@ -105,7 +94,7 @@ impl Waiter {
     #[must_use]
     pub fn ticket(&self) -> Ticket {
         match &self.0 {
-            Way::Futex { words, topic } => Ticket(words.word(*topic).load(Ordering::Acquire)),
+            Way::Futex { words, topic } => Ticket(words.wake(*topic).load(Ordering::Acquire)),
             Way::InProcess { .. } => Ticket(0),
         }
     }
@@ -124,7 +113,7 @@ impl Waiter {
             }
         };
         let timeout = timeout.try_into().map_err(|_| io::ErrorKind::InvalidInput)?;
-        match futex::wait(words.word(topic), futex::Flags::empty(), ticket.0, Some(&timeout)) {
+        match futex::wait(words.wake(topic), futex::Flags::empty(), ticket.0, Some(&timeout)) {
             Ok(()) | Err(Errno::AGAIN | Errno::TIMEDOUT | Errno::INTR) => Ok(()),
             Err(error) => Err(error.into()),
         }
@@ -154,6 +143,10 @@ mod tests {
         fn new(test: &str) -> Self {
             Self(format!("timegap_test-{}-{test}_", std::process::id()))
         }
+
+        fn words(&self) -> Rc<Shared<RunWords>> {
+            Rc::new(RunWords::map(&self.0).expect("shared memory"))
+        }
     }
 
     impl Drop for Page {
@@ -165,11 +158,10 @@ mod tests {
     #[test]
     fn a_wake_up_between_look_and_wait_is_not_lost() {
         let page = Page::new("between");
-        let (ours, theirs) = (WakeWords::map(&page.0), WakeWords::map(&page.0));
-        let waiter = ours.expect("shared memory").waiter(Topic::Command);
-        let theirs = theirs.expect("the same again");
+        let (ours, theirs) = (page.words(), page.words());
+        let waiter = Waiter::new(&ours, Topic::Command);
         let ticket = waiter.ticket();
-        theirs.waker(Topic::Command).wake();
+        Waker::new(&theirs, Topic::Command).wake();
         let begun = Instant::now();
         waiter.wait(ticket, Duration::from_secs(60)).expect("a valid wait");
         assert!(begun.elapsed() < Duration::from_secs(30), "it waited for its timeout");
@@ -178,10 +170,10 @@ mod tests {
     #[test]
     fn another_topic_wakes_no_waiter_and_the_timeout_ends_the_wait() {
         let page = Page::new("another");
-        let words = WakeWords::map(&page.0).expect("shared memory");
-        let waiter = words.waiter(Topic::Command);
+        let words = page.words();
+        let waiter = Waiter::new(&words, Topic::Command);
         let ticket = waiter.ticket();
-        words.waker(Topic::Odometry).wake();
+        Waker::new(&words, Topic::Odometry).wake();
         let begun = Instant::now();
         waiter.wait(ticket, Duration::from_millis(5)).expect("a valid wait");
         assert!(begun.elapsed() >= Duration::from_millis(4));
@@ -194,9 +186,9 @@ mod tests {
         const TURNS: u64 = 20_000;
         static COUNT: AtomicU64 = AtomicU64::new(0);
         let page = Page::new("many");
-        let play = |prefix: &str, wake: Topic, wait: Topic, mine: u64| {
-            let words = WakeWords::map(prefix).expect("shared memory");
-            let (waker, waiter) = (words.waker(wake), words.waiter(wait));
+        let play = |page: &Page, wake: Topic, wait: Topic, mine: u64| {
+            let words = page.words();
+            let (waker, waiter) = (Waker::new(&words, wake), Waiter::new(&words, wait));
             let mut timeouts = 0;
             loop {
                 let ticket = waiter.ticket();
@@ -215,8 +207,8 @@ mod tests {
             }
         };
         let timeouts = std::thread::scope(|scope| {
-            let other = scope.spawn(|| play(&page.0, Topic::Spat, Topic::Map, 1));
-            play(&page.0, Topic::Map, Topic::Spat, 0) + other.join().expect("no panic")
+            let other = scope.spawn(|| play(&page, Topic::Spat, Topic::Map, 1));
+            play(&page, Topic::Map, Topic::Spat, 0) + other.join().expect("no panic")
         });
         assert_eq!(timeouts, 0);
     }

@@ -1,51 +1,62 @@
-//! Words of memory that the processes of a run share.
+//! Memory that the processes of a run share: structs of atomic numbers.
 
-#![allow(unsafe_code, reason = "no crate maps shared memory as atomic words")]
+#![allow(unsafe_code, reason = "no crate maps shared memory as atomic numbers")]
 
-mod own_file;
-
-pub(crate) use own_file::{open_existing_own, open_own};
-
-use rustix::fs::{FallocateFlags, fallocate};
+use messages::{Service, TOPICS, Topic};
+use rustix::fs::{FallocateFlags, OFlags, fallocate};
 use rustix::mm::{MapFlags, ProtFlags, mmap, munmap};
-use std::fs::File;
-use std::io;
+use std::fs::{File, OpenOptions};
+use std::io::{self, Error, ErrorKind};
+use std::ops::Deref;
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
 use std::path::Path;
 use std::ptr::NonNull;
-use std::sync::atomic::AtomicU32;
+use std::sync::atomic::{AtomicU32, AtomicU64};
 
-/// Words that fit in one page.
-pub(crate) const WORDS: usize = 1024;
 /// Bytes of one page.
-pub(crate) const PAGE_BYTES: usize = WORDS * size_of::<AtomicU32>();
+pub(crate) const PAGE_BYTES: usize = 4096;
 
-/// Pages of words in `/dev/shm`, zero at first and the same for all who map them.
+/// One page of words.
+pub type SharedWords = Shared<[AtomicU32; PAGE_BYTES / size_of::<AtomicU32>()]>;
+
+/// A type of which shared memory can hold a value.
 ///
-/// The first process makes them, and they stay valid when any of them dies. They are removed with
-/// everything else that carries the run's prefix.
-#[derive(Debug)]
-pub struct SharedWords {
-    first: NonNull<AtomicU32>,
-    pages: usize,
-}
+/// # Safety
+/// It is `repr(C)` and has atomic numbers alone. So all zeros are a value, and every process may write at any time.
+pub unsafe trait Atomics {}
 
-// SAFETY: the mapping belongs to the process, not to a thread, and is only ever accessed as atomic words.
-unsafe impl Send for SharedWords {}
+// SAFETY: they are what the trait asks for.
+unsafe impl Atomics for AtomicU32 {}
 // SAFETY: as above.
-unsafe impl Sync for SharedWords {}
+unsafe impl Atomics for AtomicU64 {}
+// SAFETY: as its elements are.
+unsafe impl<T: Atomics, const N: usize> Atomics for [T; N] {}
 
-impl SharedWords {
-    /// Maps the page called `name`.
+/// A `T` in `/dev/shm`, zero at first and the same for all who map it.
+///
+/// The first process makes it, and it stays valid when any of them dies. It is removed with everything else that
+/// carries the run's prefix.
+#[derive(Debug)]
+pub struct Shared<T: Atomics>(NonNull<T>);
+
+// SAFETY: the mapping belongs to the process, not to a thread, and is only ever accessed as atomic numbers.
+unsafe impl<T: Atomics> Send for Shared<T> {}
+// SAFETY: as above.
+unsafe impl<T: Atomics> Sync for Shared<T> {}
+
+impl<T: Atomics> Shared<T> {
+    /// Maps the file called `name`.
     ///
     /// # Errors
     /// If it cannot be created, there is no room for it, or it is another user's.
     pub fn map(name: &str) -> io::Result<Self> {
-        Self::of(&open_own(&Path::new("/dev/shm").join(name))?, 0, 1)
+        Self::of(&open_own(&Path::new("/dev/shm").join(name))?, 0)
     }
 
-    /// Maps `pages` pages of `file` from page `first` on, which get memory if they have none.
-    pub(crate) fn of(file: &File, first: usize, pages: usize) -> io::Result<Self> {
-        let (offset, bytes) = ((first * PAGE_BYTES) as u64, pages * PAGE_BYTES);
+    /// Maps the part of `file` that begins at `offset`, at the begin of a page. It gets memory if it has none.
+    pub(crate) fn of(file: &File, offset: usize) -> io::Result<Self> {
+        const { assert!(align_of::<T>() <= PAGE_BYTES) };
+        let (offset, bytes) = (offset as u64, size_of::<T>());
         // A page that cannot be had is an error here, and would be a SIGBUS later.
         fallocate(file, FallocateFlags::empty(), offset, bytes as u64)?;
         let protection = ProtFlags::READ | ProtFlags::WRITE;
@@ -53,26 +64,134 @@ impl SharedWords {
         let flags = MapFlags::SHARED | MapFlags::POPULATE;
         // SAFETY: no address is asked for, so that no other mapping is replaced.
         let start = unsafe { mmap(std::ptr::null_mut(), bytes, protection, flags, file, offset) }?;
-        let first = NonNull::new(start.cast()).ok_or(io::ErrorKind::OutOfMemory)?;
-        Ok(Self { first, pages })
-    }
-
-    /// The word at `index`.
-    ///
-    /// # Panics
-    /// If `index` is 1024 or more for each page.
-    #[must_use]
-    pub fn word(&self, index: usize) -> &AtomicU32 {
-        assert!(index < self.pages * WORDS, "a page has {WORDS} words");
-        // SAFETY: the word is within the mapping, which is page-aligned and lives as long as `self`. All
-        // processes access it as atomic words only.
-        unsafe { self.first.add(index).as_ref() }
+        NonNull::new(start.cast()).map(Self).ok_or_else(|| io::ErrorKind::OutOfMemory.into())
     }
 }
 
-impl Drop for SharedWords {
+impl<T: Atomics> Deref for Shared<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        // SAFETY: the mapping has the size of a `T`, is page-aligned and lives as long as `self`. Any bytes are a `T`,
+        // and all processes access them as atomic numbers only.
+        unsafe { self.0.as_ref() }
+    }
+}
+
+impl<T: Atomics> Drop for Shared<T> {
     fn drop(&mut self) {
         // SAFETY: the mapping is ours, and no reference into it outlives `self`.
-        let _ = unsafe { munmap(self.first.as_ptr().cast(), self.pages * PAGE_BYTES) };
+        let _ = unsafe { munmap(self.0.as_ptr().cast(), size_of::<T>()) };
+    }
+}
+
+impl SharedWords {
+    /// The word at `index`, one of 1024.
+    #[must_use]
+    pub fn word(&self, index: usize) -> &AtomicU32 {
+        &self[index]
+    }
+}
+
+/// A cache line of its own.
+#[repr(C, align(64))]
+#[derive(Debug)]
+struct Line<T>(T);
+
+/// The words that all processes of a run share.
+#[repr(C)]
+#[derive(Debug)]
+pub(crate) struct RunWords {
+    /// Of each topic: counts its notifications. Programs of users wake by them too: a word every 64 bytes.
+    wake: [Line<AtomicU32>; TOPICS.len()],
+    services: [Line<ServiceWords>; Service::ALL.len()],
+}
+
+/// Processes of a service in a row that have an end word of their own.
+pub(crate) const END_WORDS: usize = 15;
+
+/// The words of a service.
+#[repr(C)]
+#[derive(Debug)]
+pub(crate) struct ServiceWords {
+    /// Incarnation of the one process that may send.
+    pub(crate) epoch: AtomicU32,
+    /// Words in which the kernel marks the end of a process, by its incarnation.
+    pub(crate) ends: [AtomicU32; END_WORDS],
+}
+
+// SAFETY: words alone.
+unsafe impl Atomics for RunWords {}
+
+impl RunWords {
+    /// Maps the words of the run whose shared memory has this prefix.
+    pub(crate) fn map(prefix: &str) -> io::Result<Shared<Self>> {
+        Shared::map(&format!("{prefix}wake"))
+    }
+
+    /// The word that counts the notifications of a topic.
+    pub(crate) fn wake(&self, topic: Topic) -> &AtomicU32 {
+        &self.wake[topic as usize].0
+    }
+
+    pub(crate) fn of(&self, service: Service) -> &ServiceWords {
+        &self.services[service.index()].0
+    }
+}
+
+/// Makes the file at `path`, or opens the one that another process of this user made.
+///
+/// Every user may make a file in `/dev/shm`, also one with the name of ours, before us. A page that another user can
+/// truncate kills the processes that read it.
+pub(crate) fn open_own(path: &Path) -> io::Result<File> {
+    let mut options = OpenOptions::new();
+    options.read(true).write(true).mode(0o600).custom_flags(OFlags::NOFOLLOW.bits().cast_signed());
+    match options.create_new(true).open(path) {
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => {}
+        made => return made,
+    }
+    open_existing_own(path)
+}
+
+/// Opens the file at `path` that a process of this user made.
+pub(crate) fn open_existing_own(path: &Path) -> io::Result<File> {
+    let mut options = OpenOptions::new();
+    options.read(true).write(true).custom_flags(OFlags::NOFOLLOW.bits().cast_signed());
+    let file = options.open(path)?;
+    let found = file.metadata()?;
+    let own = rustix::process::geteuid().as_raw() == found.uid();
+    if own && found.is_file() && found.mode() & 0o077 == 0 {
+        Ok(file)
+    } else {
+        let what = format!("{} is not a file of this user alone", path.display());
+        Err(Error::new(ErrorKind::PermissionDenied, what))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::os::unix::fs::PermissionsExt;
+
+    #[test]
+    fn a_file_is_shared_within_a_user_and_refused_beyond() {
+        let path = std::env::temp_dir().join(format!("timegap-own-{}", std::process::id()));
+        drop(open_own(&path).expect("new"));
+        drop(open_own(&path).expect("ours"));
+        for (mode, why) in [(0o666, "others may write it"), (0o640, "others may read it")] {
+            std::fs::set_permissions(&path, PermissionsExt::from_mode(mode)).expect("ours");
+            assert!(open_own(&path).is_err(), "{why}");
+        }
+        std::fs::remove_file(&path).expect("ours");
+        std::os::unix::fs::symlink("/dev/null", &path).expect("free again");
+        assert!(open_own(&path).is_err(), "a link to something else");
+        std::fs::remove_file(&path).expect("ours");
+        if rustix::process::geteuid().is_root() {
+            std::fs::write(&path, "").expect("writable");
+            std::fs::set_permissions(&path, PermissionsExt::from_mode(0o600)).expect("ours");
+            std::os::unix::fs::chown(&path, Some(65_534), None).expect("root may");
+            assert!(open_own(&path).is_err(), "another user's");
+            std::fs::remove_file(&path).expect("root may");
+        }
     }
 }

@@ -4,7 +4,7 @@ use crate::member::silence::{Meaning, Silence};
 use crate::member::starvation::Share;
 use crate::start::processes::Process;
 use drive::{Exit, StandbyCost};
-use runtime::{CountsReader, Group, Progress};
+use runtime::{Group, Progress, ServiceCounts};
 use std::time::Duration;
 
 /// A process and what is known of it.
@@ -56,7 +56,7 @@ impl Attached {
     pub fn stand_by(&mut self, group: &Group, service: messages::Service, now_ns: i64) {
         self.begin(now_ns);
         // Without its page it looks hung, and is replaced.
-        self.progress = CountsReader::of(group, service).progress(self.incarnation);
+        self.progress = ServiceCounts::of(group, service).progress(self.incarnation);
         self.stands_by_since = Used::of(self.process.pid()).map(|used| (used, now_ns));
     }
 
@@ -100,11 +100,11 @@ impl Attached {
     pub fn look_at_progress(&mut self, now_ns: i64) {
         if let Some(progress) = &self.progress {
             let cycles = progress.cycles();
-            self.sign_of_life(cycles.into(), now_ns);
+            self.sign_of_life(cycles, now_ns);
         }
     }
 
-    /// Counts the time without a sign of life from `now_ns` on.
+    /// ServiceCounts the time without a sign of life from `now_ns` on.
     pub fn reset_silence(&mut self, now_ns: i64) {
         self.silence.reset(now_ns);
     }

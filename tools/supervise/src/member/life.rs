@@ -1,7 +1,7 @@
 //! A service's whole life: what all its processes counted, as one report.
 //!
-//! A process that dies leaves its account in shared memory ([`CountsReader::take_account`]). Its histograms go on over all
-//! processes of a service ([`CountsReader::figures`]). The launcher has received its messages on the topics.
+//! A process that dies leaves its account in shared memory ([`ServiceCounts::take_account`]). Its histograms go on over all
+//! processes of a service ([`ServiceCounts::figures`]). The launcher has received its messages on the topics.
 
 use controller::laws;
 use drive::log::CycleHistory;
@@ -13,7 +13,7 @@ use drive::report::{
 use messages::Service;
 use runtime::scheduling::Granted;
 use runtime::statistics::Percentiles;
-use runtime::{CountsReader, Group, RELEASE_JITTER};
+use runtime::{Group, RELEASE_JITTER, ServiceCounts};
 use scenario::Scenario;
 use std::collections::BTreeMap;
 
@@ -24,7 +24,7 @@ pub fn left_by(
     incarnation: u32,
     scheduling: Granted,
 ) -> ServiceReport {
-    let account = CountsReader::of(group, service).take_account(incarnation).unwrap_or_default();
+    let account = ServiceCounts::of(group, service).take_account(incarnation).unwrap_or_default();
     ServiceReport {
         service,
         cycles: account.cycles,
@@ -80,7 +80,7 @@ fn add_received(topics: &mut Vec<ReceivedTopic>, earlier: ReceivedTopic) {
 
 /// Lateness of the releases over all processes of `service`; none if they kept none.
 pub fn release_jitter_us(group: &Group, service: Service) -> Option<Percentiles> {
-    CountsReader::of(group, service).figures().latencies(RELEASE_JITTER).ok()?.percentiles_us()
+    ServiceCounts::of(group, service).figures().latencies(RELEASE_JITTER).ok()?.percentiles_us()
 }
 
 /// Work of all the controller's processes, as the launcher received it on `control/diagnostics` and

@@ -1,10 +1,14 @@
 //! Latency histograms and their percentiles.
 
+#![allow(unsafe_code, reason = "a struct of atomic numbers in shared memory")]
+
 pub mod histogram_log;
 
-use super::Counters;
+use crate::words::{Atomics, Shared};
 use hdrhistogram::Histogram;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 
 /// Longest duration that a histogram distinguishes, ns; longer ones are counted as this.
 const HIGHEST_NS: u64 = 60_000_000_000;
@@ -13,11 +17,18 @@ const HIGHEST_NS: u64 = 60_000_000_000;
 const DIGIT_BITS: u32 = 8;
 /// Buckets of a histogram.
 const BUCKETS: usize = bucket(HIGHEST_NS) + 1;
-/// Words of a histogram in shared memory: the buckets, then the two [`Extremes`].
-pub(super) const KEPT_WORDS: usize = BUCKETS + 4;
-/// Place of the two extremes.
-const LONGEST: usize = BUCKETS;
-const SHORTEST: usize = BUCKETS + 2;
+
+/// A histogram in shared memory. The extremes are as [`Extremes`] has them.
+#[repr(C, align(4096))]
+#[derive(Debug)]
+pub(super) struct Buckets {
+    counts: [AtomicU32; BUCKETS],
+    longest_ns: AtomicU64,
+    not_shortest_ns: AtomicU64,
+}
+
+// SAFETY: words alone.
+unsafe impl Atomics for Buckets {}
 
 /// The bucket of a duration, by HdrHistogram's layout: one for each ns below 2⁸, and 2⁷ for each doubling above.
 const fn bucket(duration_ns: u64) -> usize {
@@ -49,22 +60,17 @@ pub struct Latencies(Counts);
 #[derive(Debug)]
 enum Counts {
     Own(OwnBuckets),
-    /// In shared memory, with those of the processes before this one.
-    Kept(Counters),
+    /// In shared memory, with those of the processes before this one. It records while `records` is set.
+    Kept {
+        buckets: Arc<Shared<Buckets>>,
+        records: Arc<AtomicBool>,
+    },
 }
 
-/// Buckets of a page: those of one doubling.
-const PAGE: usize = 1 << (DIGIT_BITS - 1);
-const PAGES: usize = BUCKETS.div_ceil(PAGE);
-
-/// Buckets in the memory of this process. Only pages with records exist. In simulated time they are few of many, and no
-/// memory is cleared for the others.
-#[derive(Clone, Debug, Default)]
+/// Buckets in the memory of this process: those with records, in their order. In simulated time they are few.
+#[derive(Clone, Debug, Default, PartialEq)]
 struct OwnBuckets {
-    /// The pages, in the order in which they were first recorded in.
-    counts: Vec<u64>,
-    /// Place of each page among them, counted from 1; 0: it is not there.
-    places: [u8; PAGES],
+    counts: Vec<(usize, u64)>,
     extremes: Extremes,
 }
 
@@ -83,24 +89,15 @@ impl Extremes {
 }
 
 impl OwnBuckets {
-    fn with_room() -> Self {
-        Self { counts: Vec::with_capacity(PAGES * PAGE), ..Self::default() }
-    }
-
     fn add(&mut self, bucket: usize, count: u64) {
-        let place = &mut self.places[bucket / PAGE];
-        if *place == 0 {
-            // Once for a whole histogram: recording is not a place to allocate.
-            self.counts.reserve(PAGES * PAGE - self.counts.len());
-            self.counts.resize(self.counts.len() + PAGE, 0);
-            *place = u8::try_from(self.counts.len() / PAGE).expect("there are few pages");
+        match self.counts.binary_search_by_key(&bucket, |(known, _)| *known) {
+            Ok(place) => self.counts[place].1 += count,
+            Err(place) => {
+                // Once for a whole histogram: recording is not a place to allocate.
+                self.counts.reserve(BUCKETS - self.counts.len());
+                self.counts.insert(place, (bucket, count));
+            }
         }
-        self.counts[(usize::from(*place) - 1) * PAGE + bucket % PAGE] += count;
-    }
-
-    fn count(&self, bucket: usize) -> u64 {
-        let place = usize::from(self.places[bucket / PAGE]);
-        place.checked_sub(1).map_or(0, |place| self.counts[place * PAGE + bucket % PAGE])
     }
 }
 
@@ -112,10 +109,8 @@ impl Default for Latencies {
 
 impl Clone for Latencies {
     fn clone(&self) -> Self {
-        let mut copy = OwnBuckets::default();
-        self.recorded().for_each(|(bucket, count)| copy.add(bucket, count));
-        copy.extremes = self.extremes();
-        Self(Counts::Own(copy))
+        let (counts, extremes) = (self.recorded().collect(), self.extremes());
+        Self(Counts::Own(OwnBuckets { counts, extremes }))
     }
 }
 
@@ -155,12 +150,13 @@ impl From<Vec<(u64, u64)>> for Latencies {
 impl Latencies {
     /// One that allocates nothing when it records.
     pub(crate) fn with_room() -> Self {
-        Self(Counts::Own(OwnBuckets::with_room()))
+        let counts = Vec::with_capacity(BUCKETS);
+        Self(Counts::Own(OwnBuckets { counts, ..OwnBuckets::default() }))
     }
 
     /// One whose counts outlive the process.
-    pub(super) fn kept(buckets: Counters) -> Self {
-        Self(Counts::Kept(buckets))
+    pub(super) fn kept(buckets: Shared<Buckets>, records: Arc<AtomicBool>) -> Self {
+        Self(Counts::Kept { buckets: Arc::new(buckets), records })
     }
 
     /// Records one duration, ns; a negative one counts as zero.
@@ -172,10 +168,12 @@ impl Latencies {
                 own.add(bucket, 1);
                 own.extremes.include(duration_ns);
             }
-            Counts::Kept(words) => {
-                words.add(bucket, 1);
-                words.raise(LONGEST, duration_ns);
-                words.raise(SHORTEST, !duration_ns);
+            Counts::Kept { buckets, records } => {
+                if records.load(Ordering::Relaxed) {
+                    buckets.counts[bucket].fetch_add(1, Ordering::Relaxed);
+                    buckets.longest_ns.fetch_max(duration_ns, Ordering::Relaxed);
+                    buckets.not_shortest_ns.fetch_max(!duration_ns, Ordering::Relaxed);
+                }
             }
         }
     }
@@ -183,9 +181,9 @@ impl Latencies {
     fn extremes(&self) -> Extremes {
         match &self.0 {
             Counts::Own(own) => own.extremes,
-            Counts::Kept(words) => Extremes {
-                longest_ns: words.number(LONGEST),
-                not_shortest_ns: words.number(SHORTEST),
+            Counts::Kept { buckets, .. } => Extremes {
+                longest_ns: buckets.longest_ns.load(Ordering::Relaxed),
+                not_shortest_ns: buckets.not_shortest_ns.load(Ordering::Relaxed),
             },
         }
     }
@@ -196,7 +194,7 @@ impl Latencies {
         let first = recorded.next()?;
         let last = recorded.last().unwrap_or(first);
         let Extremes { longest_ns: longest, not_shortest_ns } = self.extremes();
-        // A process that dies between two words leaves extremes that its buckets do not have.
+        // A process that dies between two stores leaves extremes that its buckets do not have.
         let within = |bucket: usize, duration_ns: u64| {
             let open_end = if bucket + 1 == BUCKETS { u64::MAX } else { longest_ns(bucket) };
             duration_ns.clamp(shortest_ns(bucket), open_end)
@@ -206,17 +204,12 @@ impl Latencies {
 
     /// The buckets with a count, in the order of their durations.
     fn recorded(&self) -> impl Iterator<Item = (usize, u64)> + '_ {
-        let is_there = |page: &usize| match &self.0 {
-            Counts::Own(own) => own.places[*page] > 0,
-            Counts::Kept(_) => true,
+        let (own, kept): (&[(usize, u64)], &[AtomicU32]) = match &self.0 {
+            Counts::Own(own) => (&own.counts, &[]),
+            Counts::Kept { buckets, .. } => (&[], &buckets.counts),
         };
-        let count = |bucket: usize| match &self.0 {
-            Counts::Own(own) => own.count(bucket),
-            Counts::Kept(buckets) => buckets.get(bucket),
-        };
-        let buckets = |page: usize| page * PAGE..BUCKETS.min((page + 1) * PAGE);
-        let all = (0..PAGES).filter(is_there).flat_map(buckets);
-        all.map(move |bucket| (bucket, count(bucket))).filter(|(_, count)| *count > 0)
+        let kept = kept.iter().map(|count| count.load(Ordering::Relaxed).into()).enumerate();
+        own.iter().copied().chain(kept).filter(|(_, count)| *count > 0)
     }
 
     /// As the HdrHistogram family has it.
