@@ -26,7 +26,7 @@ use std::time::{Duration, Instant, SystemTime};
 /// Time between two looks at the topics in lockstep, where senders wait for room.
 const LOCKSTEP_POLL: Duration = Duration::from_millis(1);
 /// The same in realtime, in periods of the plant: a topic's buffer holds fifty.
-const REALTIME_POLL: i64 = 2;
+const REALTIME_POLL: i64 = 5;
 /// Most bytes that wait for the disk.
 const MOST_QUEUED: usize = 64 << 20;
 /// Longest that a message waits before it is handed to the system; in lockstep, simulated time.

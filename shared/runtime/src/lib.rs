@@ -22,8 +22,9 @@
 //! protects the message there and hands it over. Readers borrow what is larger than
 //! [`SMALL_BYTES`](messages::SMALL_BYTES) and copy what is not before they check it.
 //!
-//! `unsafe` is allowed in `coroutine`, `scheduling`, `spawn`, `usage` and `words`, for system calls that no
-//! crate wraps. It is also allowed in `transport` (`pooled`, and where loaned bytes become a message).
+//! `unsafe` is allowed in `coroutine`, `scheduling`, `spawn`, `usage` and `words`, for system calls that no crate wraps.
+//! It is also allowed in `transport` (`pooled`, and where loaned bytes become a message). `counts` and `checkpoint` say
+//! that a struct in shared memory has atomic numbers alone.
 
 #![warn(missing_docs)]
 

@@ -64,7 +64,8 @@ impl Runtime {
                 if first || samples.reaches(self.cycles.next_step()) || late >= fallback_ns {
                     break;
                 }
-                let wait = (fallback_ns - late).clamp(1_000, 50_000_000).unsigned_abs();
+                // A signal, a take-over and each sample end the wait.
+                let wait = (fallback_ns - late).max(1_000).unsigned_abs();
                 samples.wait(ticket, Duration::from_nanos(wait))?;
             }
         }

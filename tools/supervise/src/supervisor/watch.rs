@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 /// Time that services get to report after the run's scheduled end or an order to stop.
 const REPORT_GRACE: Duration = Duration::from_secs(3);
 /// Longest time between two looks at the run in realtime.
-const LOOK: Duration = Duration::from_millis(20);
+const LOOK: Duration = Duration::from_millis(50);
 /// The same while a restarted service is awaited.
 const CLOSE_LOOK: Duration = Duration::from_millis(1);
 /// The same in lockstep, where senders wait for room in the launcher's own buffer.
