@@ -212,24 +212,16 @@ fn tables(path: &str, shape: &Shape) -> Vec<(String, Vec<Key>)> {
 fn value(key: &Key) -> String {
     let expected = key.expected.as_deref().unwrap_or_default();
     match (&key.shape, range(expected)) {
-        (Shape::Number { is_whole, .. }, Some(range)) => {
-            if *is_whole {
-                format!("whole, {range}")
-            } else {
-                range
-            }
-        }
-        (shape, _) => [kind(shape).as_str(), expected]
-            .into_iter()
-            .filter(|words| !words.is_empty())
-            .collect::<Vec<_>>()
-            .join(": "),
+        (Shape::Number { is_whole: true, .. }, Some(range)) => format!("whole, {range}"),
+        (Shape::Number { .. }, Some(range)) => range,
+        (shape, _) if expected.is_empty() => kind(shape),
+        (shape, _) => format!("{}: {expected}", kind(shape)),
     }
 }
 
 /// "a time from 0 to 86400 s, without a sign" as "0..86400 s".
 fn range(expected: &str) -> Option<String> {
-    let (words, _) = expected.split_once(',').unwrap_or((expected, ""));
+    let words = expected.split(',').next()?;
     if let Some((_, ends)) = words.split_once(" above ") {
         return ends.split_once(" and at most ").map(|(low, high)| format!("above {low}..{high}"));
     }
