@@ -77,6 +77,23 @@ pub enum Fault<E> {
 /// Operators by level, the closest last.
 static LEVELS: [&[&str]; 4] = [&["or"], &["and"], &["+", "-"], &["*", "/", "%"]];
 
+static OF_ONE: [(&str, fn(f64) -> f64); 12] = [
+    ("round", libm::round),
+    ("floor", libm::floor),
+    ("ceil", libm::ceil),
+    ("sqrt", libm::sqrt),
+    ("sign", |value| if value == 0.0 { 0.0 } else { value.signum() }),
+    ("abs", f64::abs),
+    ("sin", libm::sin),
+    ("cos", libm::cos),
+    ("tan", libm::tan),
+    ("asin", libm::asin),
+    ("acos", libm::acos),
+    ("atan", libm::atan),
+];
+static OF_TWO: [(&str, fn(f64, f64) -> f64); 3] =
+    [("pow", libm::pow), ("max", f64::max), ("min", f64::min)];
+
 type Result<E> = std::result::Result<Value, Fault<E>>;
 
 /// Evaluates the text between `${` and `}`. `parameter` gives the value of a name.
@@ -207,51 +224,30 @@ impl<'a, E> Parser<'a, E> {
     }
 
     fn call(&mut self, name: &str) -> Result<E> {
-        let arguments = match name {
-            "pow" | "max" | "min" => 2,
-            "round" | "floor" | "ceil" | "sqrt" | "sign" | "abs" | "sin" | "cos" | "tan"
-            | "asin" | "acos" | "atan" => 1,
-            _ => {
-                return wrong(
-                    format!("`{name}` is not a function (a parameter begins with `$`)"),
-                    "round, floor, ceil, sqrt, pow, sign, abs, max, min, sin, cos, tan, asin, acos or atan",
-                );
-            }
-        };
+        let of_two = OF_TWO.iter().find(|(known, _)| *known == name);
+        let of_one = OF_ONE.iter().find(|(known, _)| *known == name);
+        if of_one.is_none() && of_two.is_none() {
+            return wrong(
+                format!("`{name}` is not a function (a parameter begins with `$`)"),
+                "round, floor, ceil, sqrt, pow, sign, abs, max, min, sin, cos, tan, asin, acos or atan",
+            );
+        }
         if !self.take("(") {
             return wrong(format!("`{name}` has no arguments"), "`(`");
         }
-        let first = self.binary(0)?;
-        let first = self.number(&first)?;
-        let second = if arguments == 2 {
-            if !self.take(",") {
-                return wrong(format!("`{name}` has one argument"), "two");
-            }
-            let second = self.binary(0)?;
-            self.number(&second)?
-        } else {
-            0.0
+        let first = self.argument()?;
+        let value = match (of_one, of_two) {
+            (_, Some((_, function))) if self.take(",") => function(first, self.argument()?),
+            (Some((_, function)), _) => function(first),
+            _ => return wrong(format!("`{name}` has one argument"), "two"),
         };
         self.close()?;
-        let value = match name {
-            "pow" => libm::pow(first, second),
-            "max" => first.max(second),
-            "min" => first.min(second),
-            "round" => libm::round(first),
-            "floor" => libm::floor(first),
-            "ceil" => libm::ceil(first),
-            "sqrt" => libm::sqrt(first),
-            "sign" if first == 0.0 => 0.0,
-            "sign" => first.signum(),
-            "abs" => first.abs(),
-            "sin" => libm::sin(first),
-            "cos" => libm::cos(first),
-            "tan" => libm::tan(first),
-            "asin" => libm::asin(first),
-            "acos" => libm::acos(first),
-            _ => libm::atan(first),
-        };
         Ok(Value::Number(value))
+    }
+
+    fn argument(&mut self) -> std::result::Result<f64, Fault<E>> {
+        let value = self.binary(0)?;
+        self.number(&value)
     }
 
     fn close(&mut self) -> std::result::Result<(), Fault<E>> {

@@ -9,7 +9,7 @@ use std::rc::Rc;
 use crate::error::{Place, ReadError, Spot};
 use crate::library::Source;
 use crate::model::element::ElementKind;
-use crate::model::signal::SignalCycle;
+use crate::model::timed::SignalCycle;
 use crate::model::{Entity, InitAction, Named};
 use crate::road::{self, Ground, Road};
 use crate::xml::{self, Document};
@@ -178,6 +178,12 @@ impl<'a> Scene<'a> {
         let ground = Ground::of(&road)
             .map_err(|error| ReadError::meaning(place, error.to_string(), error.expected()))?;
         Ok(Rc::clone(self.road.get_or_init(|| Rc::new(Scenery { road, ground }))))
+    }
+
+    /// The road; if no position has chosen one, the one nearest to a point in the coordinates of the file.
+    pub(crate) fn road_at(&self, x_m: f64, y_m: f64) -> Result<Rc<Scenery>, ReadError> {
+        let document = self.road_file.get().filter(|_| self.road.get().is_none());
+        self.road(document.and_then(|document| road::nearest(document, x_m, y_m)))
     }
 
     /// True if positions may name any road, since none is there.

@@ -11,6 +11,19 @@ pub(crate) const SCENARIO_VERSIONS: &[(&str, &str)] =
 pub(crate) const CATALOG_VERSIONS: &[(&str, &str)] =
     &[("0", "9"), ("1", "0"), ("1", "1"), ("1", "2"), ("1", "3")];
 
+/// Elements of the standard, and elements in them, that are refused in words of their own.
+const REFUSED: &[(&str, &str)] = &[
+    ("TrafficAction", "only the entities of the file are on the road"),
+    ("TrailerAction", "no vehicle pulls a trailer"),
+    ("Trailer", "no vehicle pulls a trailer"),
+    ("Clothoid", "trajectories are straight pieces"),
+    ("ClothoidSpline", "trajectories are straight pieces"),
+    ("Nurbs", "trajectories are straight pieces"),
+    ("RoutePosition", "a route has no coordinates of its own"),
+    ("TrajectoryPosition", "a trajectory has no coordinates of its own"),
+    ("LateralDistanceAction", "no distance across the road is kept"),
+];
+
 /// True if a file is of the format, in one of some versions.
 pub(crate) fn check_head(document: &Document, versions: &[(&str, &str)]) -> Result<(), ReadError> {
     let root = &document.root;
@@ -45,7 +58,10 @@ pub(crate) fn check(file: &str, here: &Element, form: &'static Form) -> Result<(
     for child in &here.children {
         if !form.children.iter().any(|known| known.has(&child.name)) {
             let expected = meant(&child.name, form.children.iter().flat_map(ChildForm::names));
-            return Err(fault(child, &child.name, "is not supported", &expected));
+            let refused = |(name, _): &&(&str, &str)| *name == child.name || *name == here.name;
+            let own = REFUSED.iter().find(refused).map(|(_, why)| format!(": {why}"));
+            let words = format!("is not supported{}", own.unwrap_or_default());
+            return Err(fault(child, &child.name, &words, &expected));
         }
     }
     for known in form.children {

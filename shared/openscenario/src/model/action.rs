@@ -2,10 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::meeting::Meeting;
 use super::position::Position;
-use super::profile::{Bounds, SpeedProfile};
-use super::signal::SignalCycle;
+use super::timed::{Bounds, Meeting, SignalCycle, SpeedProfile};
 use crate::expression::Value;
 use crate::words::word_enums;
 

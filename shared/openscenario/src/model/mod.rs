@@ -6,11 +6,9 @@
 pub mod action;
 pub mod condition;
 pub mod element;
-pub mod meeting;
 pub mod position;
-pub mod profile;
-pub mod signal;
 pub mod storyboard;
+pub mod timed;
 
 use serde::{Deserialize, Serialize};
 

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::one_of;
 pub use driven::{Driven, DrivenLane, driven_lane};
 pub(crate) use ground::Ground;
+pub(crate) use opendrive::nearest;
 pub use opendrive::{Found, read};
 
 /// Width of the lanes of an assumed road, m.

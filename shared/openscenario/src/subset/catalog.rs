@@ -16,7 +16,6 @@ pub(crate) struct Reference {
     catalog: String,
     entry: String,
     assigned: Vec<Assignment>,
-    place: Place,
 }
 
 elements! { "Parameters and catalogs";
@@ -48,10 +47,7 @@ elements! { "Parameters and catalogs";
     /// the entry, with its parameters assigned
     CatalogReference -> Reference ["catalogName" catalog: Text, "entryName" entry: Text]
     {assigned: Option<ParameterAssignments>}
-    |node| {
-        let assigned = assigned.unwrap_or_default();
-        Ok(Reference { catalog, entry, assigned, place: node.place() })
-    }
+    { Ok(Reference { catalog, entry, assigned: assigned.unwrap_or_default() }) }
 }
 
 /// A `CatalogReference` to one of some elements: it reads the entry.
@@ -63,8 +59,7 @@ impl<C: Choice> Element for FromCatalog<C> {
     type Value = C::Value;
 
     fn read(node: Node<'_>) -> Result<C::Value, ReadError> {
-        let reference = CatalogReference::read(node)?;
-        let Reference { catalog, entry, assigned, .. } = &reference;
+        let Reference { catalog, entry, assigned } = &CatalogReference::read(node)?;
         let kind_of = |name: &str| C::ALTERNATIVES.iter().find(|(known, _)| *known == name);
         let locations = node.scene.locations.borrow().clone();
         let mut seen: Vec<String> = Vec::new();
@@ -85,13 +80,13 @@ impl<C: Choice> Element for FromCatalog<C> {
                     |element: &&xml::Element| element.attribute("name") == Some(entry.as_str());
                 let Some(element) = found.children.iter().find(named) else {
                     let known = found.children.iter().filter_map(|entry| entry.attribute("name"));
-                    return Err(reference.refuse(
+                    return Err(node.refuse(
                         format!("catalog `{catalog}` ({}) has no entry `{entry}`", document.file),
                         meant(entry, known),
                     ));
                 };
                 let Some((_, form)) = kind_of(&element.name) else {
-                    return Err(reference.refuse(
+                    return Err(node.refuse(
                         format!("`{entry}` of catalog `{catalog}` is a `{}`", element.name),
                         one_of(C::ALTERNATIVES.iter().map(|(name, _)| *name)),
                     ));
@@ -106,8 +101,8 @@ impl<C: Choice> Element for FromCatalog<C> {
                 check(&document.file, element, form)?;
                 let read = |outside: &Scope| {
                     let inside = Node { file: &document.file, element, scope: outside, ..node };
-                    let scope = opened(inside, assigned)
-                        .map_err(|error| error.given_at(&reference.place))?;
+                    let scope =
+                        opened(inside, assigned).map_err(|error| error.given_at(&node.place()))?;
                     C::read_chosen(Node { scope: &scope, ..inside })
                 };
                 // In the standard an entry sees its own parameters alone; esmini's files use the scenario's too.
@@ -125,18 +120,12 @@ impl<C: Choice> Element for FromCatalog<C> {
             }
         }
         seen.sort();
-        Err(reference.refuse(
+        Err(node.refuse(
             format!("catalog `{catalog}` is in none of the catalog locations"),
             match seen.is_empty() {
                 true => "a location with catalogs of this kind".to_owned(),
                 false => meant(catalog, seen.iter().map(String::as_str)),
             },
         ))
-    }
-}
-
-impl Reference {
-    fn refuse(&self, reason: String, expected: String) -> ReadError {
-        ReadError::meaning(self.place.clone(), reason, expected)
     }
 }

@@ -124,13 +124,11 @@ elements! { "Entities";
     /// see `Trailer`
     TrailerRef -> () ["entityRef" name: Text] {}
     |node| {
-        match name.is_empty() {
-            true => Ok(()),
-            false => {
-                let reason = format!("`{name}` would be pulled as a trailer");
-                Err(node.wrong("entityRef", reason, "none (an empty reference)"))
-            }
+        if !name.is_empty() {
+            let reason = format!("`{name}` would be pulled as a trailer");
+            return Err(node.wrong("entityRef", reason, "none (an empty reference)"));
         }
+        Ok(())
     }
 
     /// its bounding box

@@ -3,8 +3,7 @@
 use super::catalog::FromCatalog;
 use super::entity::{Controller, ObjectController};
 use super::unused::{Properties, TimeOfDay, Weather};
-use crate::declare::{Node, Number, OneOf, Truth, elements};
-use crate::error::ReadError;
+use crate::declare::{Number, OneOf, Truth, elements};
 use crate::model::action::Action;
 use crate::parameter::{ParameterDeclarations, Scoped};
 
@@ -64,12 +63,15 @@ elements! { "Actions";
     } { Ok(()) }
 
     /// see `OverrideControllerValueAction`
-    Throttle | Brake | Clutch | ParkingBrake | SteeringWheel -> () ["active" active: Truth] {}
-    unused ["value?" "maxRate?"]
-    |node| { inactive(node, active) }
-
-    /// see `OverrideControllerValueAction`
-    Gear -> () ["active" active: Truth] {} unused ["number?"] |node| { inactive(node, active) }
+    Throttle | Brake | Clutch | ParkingBrake | SteeringWheel | Gear -> () ["active" active: Truth] {}
+    unused ["value?" "maxRate?" "number?"]
+    |node| {
+        if active {
+            let reason = format!("`{}` would be overridden", node.name());
+            return Err(node.wrong("active", reason, "false"));
+        }
+        Ok(())
+    }
 
     /// see `ControllerAction`
     ActivateControllerAction -> Action [] {}
@@ -79,14 +81,4 @@ elements! { "Actions";
     /// complete at once, without effect
     VisibilityAction -> Action [] {} unused ["graphics" "sensors" "traffic"]
     { Ok(Action::Nothing) }
-}
-
-fn inactive(node: Node<'_>, active: bool) -> Result<(), ReadError> {
-    match active {
-        false => Ok(()),
-        true => {
-            let reason = format!("`{}` would be overridden", node.name());
-            Err(node.wrong("active", reason, "false"))
-        }
-    }
 }

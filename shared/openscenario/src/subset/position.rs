@@ -9,33 +9,17 @@ use crate::model::position::{self, From, Heading, Offset};
 use crate::road::Part;
 use crate::scene::{LaneHeadings, Scenery};
 
-/// A road of the row.
-struct OnRoad {
-    scenery: Rc<Scenery>,
-    part: usize,
-}
-
-impl OnRoad {
-    fn part(&self) -> &Part {
-        &self.scenery.road.parts[self.part]
-    }
-}
-
 scalars! {
-    /// A road by its id: all positions are on one row of roads.
-    RoadId -> OnRoad: "a road's id", |given| {
+    /// A road by its id, as a part of the row: all positions are on one row of roads.
+    RoadId -> (Rc<Scenery>, Part): "a road's id", |given| {
         let (id, scene) = (given.text()?, given.node.scene);
         let scenery = scene.road(Some(&id))?;
-        let part = match scene.assumes_a_road() {
-            true => Some(0),
-            false => scenery.road.parts.iter().position(|part| part.id == id),
-        };
-        if let Some(part) = part {
-            return Ok(OnRoad { scenery, part });
-        }
-        let expected =
-            format!("{}, since all that happens is on one road", scenery.road.names());
-        Err(given.wrong(format!("`{id}` is a second road"), expected))
+        let known = |part: &&Part| scene.assumes_a_road() || part.id == id;
+        let part = scenery.road.parts.iter().find(known).cloned().ok_or_else(|| {
+            let expected = format!("{}, since all that happens is on one road", scenery.road.names());
+            given.wrong(format!("`{id}` is a second road"), expected)
+        })?;
+        Ok((scenery, part))
     };
 }
 
@@ -66,12 +50,12 @@ elements! { "Positions";
         )>,
     } { Ok(position) }
 
-    /// the point of the road nearest to it; a missing h is along the reference line
+    /// the point of the road nearest to it, which is the nearest road of the file if no position has named one; a missing h is along the reference line
     WorldPosition -> position::Position
     ["x" x_m: Number as "m", "y" y_m: Number as "m", "h" h_rad: Option<Number> as "rad"] {}
     unused ["z?" "p?" "r?"]
     |node| {
-        let ground = &node.scene.road(None)?.ground;
+        let ground = &node.scene.road_at(x_m, y_m)?.ground;
         let (s_m, t_m) = ground.locate(x_m, y_m);
         let from_road = |h_rad| ground.heading_rad(h_rad) - ground.direction_rad(s_m);
         let heading = Heading::Road(h_rad.map_or(0.0, from_road));
@@ -105,7 +89,7 @@ elements! { "Positions";
     ["roadId" road: RoadId, "s" s_m: AtLeastZero as "m", "t" t_m: Number as "m"]
     {turn: Option<Orientation>}
     |node| {
-        let part = on_road(node, &road, s_m)?;
+        let (_, part) = on_road(node, road, s_m)?;
         let (s_m, t_m) = part.place(s_m, t_m);
         let from = From::Road { s_m, t_m };
         Ok(oriented(from, turn, |h_rad| Heading::Road(h_rad + part.heading_rad())))
@@ -126,9 +110,9 @@ elements! { "Positions";
         "offset" offset_m: Option<Number> as "m"]
     {turn: Option<Orientation>}
     |node| {
-        let part = on_road(node, &road, s_m)?;
+        let (scenery, part) = on_road(node, road, s_m)?;
         let (s_m, offset_m) = part.place(s_m, offset_m.unwrap_or(0.0));
-        let (row, at_m) = (&road.scenery.road, part.inside(s_m));
+        let (row, at_m) = (&scenery.road, part.inside(s_m));
         let Some(found) = lane.trim().parse().ok().and_then(|id| row.lane(at_m, id)) else {
             let reason = format!("road `{}` has no lane `{lane}`", part.id);
             return Err(node.wrong("laneId", reason, row.lane_names(at_m)));
@@ -198,11 +182,14 @@ fn oriented(
 }
 
 /// The road of a position, whose attribute `s` must be on it.
-fn on_road<'a>(node: Node<'_>, road: &'a OnRoad, s_m: f64) -> Result<&'a Part, ReadError> {
-    let part = road.part();
-    if s_m > part.length_m {
-        let reason = format!("{s_m} m are beyond the road's end");
-        return Err(node.wrong("s", reason, format!("at most {}", part.length_m)));
+fn on_road(
+    node: Node<'_>,
+    road: (Rc<Scenery>, Part),
+    s_m: f64,
+) -> Result<(Rc<Scenery>, Part), ReadError> {
+    if s_m <= road.1.length_m {
+        return Ok(road);
     }
-    Ok(part)
+    let reason = format!("{s_m} m are beyond the road's end");
+    Err(node.wrong("s", reason, format!("at most {}", road.1.length_m)))
 }

@@ -4,7 +4,7 @@ use super::reference::EntityName;
 use crate::declare::{AtLeastOne, AtLeastZero, Bound, Number, Placed, elements, words};
 use crate::error::ReadError;
 use crate::model::action::Action;
-use crate::model::profile::{Bounds, SpeedEntry, SpeedProfile};
+use crate::model::timed::{Bounds, SpeedEntry, SpeedProfile};
 
 words! {
     /// How exactly a profile is followed; the value is true where bounds come before times.

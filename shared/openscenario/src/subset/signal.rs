@@ -8,7 +8,7 @@ use crate::expression::Value;
 use crate::model::Named;
 use crate::model::action::{Action, Change};
 use crate::model::condition::Test;
-use crate::model::signal::{SignalCycle, SignalPhase};
+use crate::model::timed::{SignalCycle, SignalPhase};
 use crate::scene::Scene;
 
 elements! { "Actions";

@@ -5,7 +5,7 @@ use super::position::{TargetPosition, TargetPositionMaster};
 use super::reference::EntityName;
 use crate::declare::{AtLeastZero, Number, OneOf, elements, scalars};
 use crate::model::action::{Action, SpeedTarget};
-use crate::model::meeting::{self, Meeting, Steady};
+use crate::model::timed::{self, Meeting, Steady};
 
 elements! { "Actions";
     /// the entity is at its target when the master is at its own, with the least acceleration for it, at most 20 m/s²; ends when the master is there or both are within their tolerances; at once if a target is not ahead
@@ -25,27 +25,27 @@ elements! { "Actions";
     }
 
     /// the speed at the target; without one it is free
-    FinalSpeed -> meeting::FinalSpeed [] {speed: OneOf<(AbsoluteSpeed, RelativeSpeedToMaster)>}
+    FinalSpeed -> timed::FinalSpeed [] {speed: OneOf<(AbsoluteSpeed, RelativeSpeedToMaster)>}
     { Ok(speed) }
 
     /// a speed
-    AbsoluteSpeed -> meeting::FinalSpeed ["value" mps: AtLeastZero as "m/s"]
+    AbsoluteSpeed -> timed::FinalSpeed ["value" mps: AtLeastZero as "m/s"]
     {steady: Option<OneOf<(TargetDistanceSteadyState, TargetTimeSteadyState)>>}
     |node| {
         if mps == 0.0 && steady.is_some() {
             let reason = "an entity that stands covers no last part of its way";
             return Err(node.wrong("value", reason, "more than 0, or no steady state"));
         }
-        Ok(meeting::FinalSpeed { speed: SpeedTarget::Absolute(mps), steady })
+        Ok(timed::FinalSpeed { speed: SpeedTarget::Absolute(mps), steady })
     }
 
     /// delta (m/s) or factor of the master's present speed
-    RelativeSpeedToMaster -> meeting::FinalSpeed
+    RelativeSpeedToMaster -> timed::FinalSpeed
     ["value" value: Number, "speedTargetValueType" is_factor: SpeedTargetValueType]
     {steady: Option<OneOf<(TargetDistanceSteadyState, TargetTimeSteadyState)>>}
     |node| {
         let master = node.scene.master.get();
-        Ok(meeting::FinalSpeed { speed: relative(node, (master, is_factor, value), false)?, steady })
+        Ok(timed::FinalSpeed { speed: relative(node, (master, is_factor, value), false)?, steady })
     }
 
     /// the last part of the way, covered with the final speed

@@ -21,11 +21,24 @@ pub(super) struct ConditionMemory {
     /// Delayed outcomes, each with the time at which its delay has passed.
     waiting: VecDeque<(u64, bool)>,
     delayed: bool,
+    /// The step, the test's outcome and the result of the last evaluation. A step may have several.
+    seen: Option<(u64, bool, bool)>,
 }
 
 impl ConditionMemory {
     /// The outcome after edge and delay.
-    fn take(&mut self, condition: &Condition, outcome: bool, now_ns: u64) -> bool {
+    fn take(&mut self, condition: &Condition, outcome: bool, (step, now_ns): (u64, u64)) -> bool {
+        match self.seen {
+            Some((seen, of, result)) if (seen, of) == (step, outcome) => result,
+            _ => {
+                let result = self.change(condition, outcome, now_ns);
+                self.seen = Some((step, outcome, result));
+                result
+            }
+        }
+    }
+
+    fn change(&mut self, condition: &Condition, outcome: bool, now_ns: u64) -> bool {
         let rises = self.last == Some(false) && outcome;
         let falls = self.last == Some(true) && !outcome;
         let changed = self.last != Some(outcome);
@@ -57,7 +70,7 @@ impl ConditionMemory {
 impl World {
     /// Evaluates every condition of a trigger. Returns whether one of its groups holds; without a trigger, none.
     pub(super) fn fires(&mut self, numbered: &Numbered) -> Option<bool> {
-        let now_ns = self.state.time_ns;
+        let now = (self.state.step, self.state.time_ns);
         let mut number = numbered.first;
         let mut fires = false;
         for group in &numbered.trigger.as_ref()?.0 {
@@ -65,7 +78,7 @@ impl World {
             for condition in group {
                 let outcome = self.test(&condition.test, number);
                 let memory = &mut self.state.conditions[number];
-                holds &= memory.take(condition, outcome, now_ns);
+                holds &= memory.take(condition, outcome, now);
                 number += 1;
             }
             fires |= holds;
@@ -124,15 +137,18 @@ impl World {
                 })
             }
             EntityTest::Distance { to, rule, value } => {
-                self.measure(entity, to).is_some_and(|it| rule.holds(it.metres, *value))
+                self.measure(entity, to).is_some_and(|(metres, ..)| rule.holds(metres, *value))
             }
-            EntityTest::Headway { to, rule, value } => self
-                .measure(entity, to)
-                .filter(|measure| !measure.is_behind)
-                .is_some_and(|it| rule.holds(quotient(it.metres, motion.speed_mps), *value)),
-            EntityTest::TimeToCollision { to, rule, value } => self
-                .measure(entity, to)
-                .is_some_and(|it| rule.holds(quotient(it.metres, it.closing_mps), *value)),
+            EntityTest::Headway { to, rule, value } => {
+                self.measure(entity, to).is_some_and(|(metres, _, is_behind)| {
+                    !is_behind && rule.holds(quotient(metres, motion.speed_mps), *value)
+                })
+            }
+            EntityTest::TimeToCollision { to, rule, value } => {
+                self.measure(entity, to).is_some_and(|(metres, closing_mps, _)| {
+                    rule.holds(quotient(metres, closing_mps), *value)
+                })
+            }
         }
     }
 
@@ -164,8 +180,9 @@ impl World {
         overlap(body(entity), body(other))
     }
 
-    /// The distance from an entity to a target, if the target is on the road.
-    fn measure(&self, entity: usize, to: &Measured) -> Option<Measure> {
+    /// The distance from an entity to a target, m, if the target is on the road. With it come the rate at which it
+    /// shrinks, m/s, and true if the target is behind the entity: there is no headway to it.
+    fn measure(&self, entity: usize, to: &Measured) -> Option<(f64, f64, bool)> {
         let own = self.motion(entity);
         let (body, far) = match &to.target {
             Target::Entity(other) => {
@@ -192,18 +209,8 @@ impl World {
         let ahead_m = ((far.s_m - own.s_m) * cos + (far.t_m - own.t_m) * sin) * forward;
         // Bodies that overlap along the road are neither ahead nor behind.
         let is_behind = ahead_m < 0.0 && measure(Along::Longitudinal) > 0.0;
-        let closing_mps = closing(&own, &far, to);
-        Some(Measure { metres: measure(to.along), closing_mps, is_behind })
+        Some((measure(to.along), closing(&own, &far, to), is_behind))
     }
-}
-
-/// A distance as a condition sees it.
-struct Measure {
-    metres: f64,
-    /// Rate at which it shrinks, m/s.
-    closing_mps: f64,
-    /// The target is behind the entity: there is no headway to it.
-    is_behind: bool,
 }
 
 /// The closing speed of two points along a direction, m/s.

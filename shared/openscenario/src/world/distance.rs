@@ -1,7 +1,7 @@
 //! Distances that an entity keeps to another one.
 
 use crate::model::action::{Distance, Gap, Side};
-use crate::model::profile::Bounds;
+use crate::model::timed::Bounds;
 use crate::world::World;
 use crate::world::motion::{Part, rate};
 use crate::world::shape::seconds;

@@ -14,7 +14,7 @@
 //! v(t) = u (1 - t/t₁)² with t₁ = 3 D √u/(u √u + w √w), waits, and leaves in time. Each step makes the plan anew. For a
 //! master of constant speed every plan is the rest of the one before.
 
-use crate::model::meeting::{Meeting, Steady};
+use crate::model::timed::{Meeting, Steady};
 use crate::world::World;
 use crate::world::motion::{Part, rate};
 use crate::world::shape::{MAX_SPEED_MPS, SHORTEST_S, seconds};

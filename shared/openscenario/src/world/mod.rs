@@ -104,8 +104,8 @@ pub struct State {
     road_ended: bool,
     /// The ego has been on its road.
     was_on_road: bool,
-    /// Triggers are being evaluated.
-    evaluating: bool,
+    /// A part of the storyboard has changed since this was cleared.
+    changed: bool,
     movers: Vec<Mover>,
     progress: Vec<Progress>,
     conditions: Vec<ConditionMemory>,

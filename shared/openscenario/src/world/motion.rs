@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::model::action::{Distance, Shape};
-use crate::model::meeting::Meeting;
+use crate::model::timed::Meeting;
 use crate::model::{Category, Drive, MAX_ENTITIES};
 use crate::world::World;
 use crate::world::profile::Profile;

@@ -5,6 +5,7 @@ use crate::model::action::Action;
 use crate::model::condition::{Test, Trigger};
 use crate::model::element::ElementKind;
 use crate::model::storyboard::{ManeuverGroup, NamedAction, Priority};
+use crate::words::Words;
 use crate::world::WorldError;
 
 /// A name that no part of the storyboard has, or several.
@@ -169,26 +170,15 @@ fn find(elements: &[Element], kind: ElementKind, name: &str) -> Result<usize, No
     match (found.next(), found.next()) {
         (Some((index, _)), None) => Ok(index),
         (None, _) => Err(NotFound {
-            reason: format!("the storyboard has no {} `{name}`", words(kind)),
+            reason: format!("the storyboard has no {} `{name}`", kind.word()),
             expected: match elements.iter().any(|element| element.kind == kind) {
                 true => names(),
-                false => format!("the name of one, and there is no {}", words(kind)),
+                false => format!("the name of one, and there is no {}", kind.word()),
             },
         }),
         (Some(_), Some(_)) => Err(NotFound {
             reason: format!("the storyboard has several parts called `{name}`"),
             expected: format!("a path: {}", names()),
         }),
-    }
-}
-
-fn words(kind: ElementKind) -> &'static str {
-    match kind {
-        ElementKind::Story => "story",
-        ElementKind::Act => "act",
-        ElementKind::ManeuverGroup => "maneuver group",
-        ElementKind::Maneuver => "maneuver",
-        ElementKind::Event => "event",
-        ElementKind::Action => "action",
     }
 }

@@ -11,7 +11,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::model::profile::{Bounds, SpeedEntry, SpeedProfile};
+use crate::model::timed::{Bounds, SpeedEntry, SpeedProfile};
 use crate::world::shape::{MAX_SPEED_MPS, SHORTEST_S, seconds};
 
 /// A change of the speed that counts as none, m/s.

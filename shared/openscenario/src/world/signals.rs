@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::Value;
-use crate::model::signal::SignalCycle;
+use crate::model::timed::SignalCycle;
 use crate::world::World;
 
 /// A controller that goes through its cycle.

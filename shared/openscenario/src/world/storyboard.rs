@@ -1,8 +1,8 @@
 //! The storyboard's parts: standby, running, complete, and the transitions between.
 //!
-//! A step has two phases. First, parts whose content ended while the entities moved end, from actions upwards. Then
-//! stop triggers and start triggers are evaluated, from the top downwards. Conditions see a transition of the first
-//! phase in the same step. They see one of the second phase in the next step.
+//! In a step, parts whose content ended while the entities moved end, from actions upwards. Then stop triggers and start
+//! triggers are evaluated, from the top downwards. This is repeated until no part changes, so that conditions on a part
+//! follow each other in one step. A transition lasts to the end of its step. A part starts at most once in a step.
 
 use std::sync::Arc;
 
@@ -21,7 +21,9 @@ pub(super) struct Progress {
     executions: u32,
     /// Actors for whom an action is still going on.
     pending: u32,
-    /// The last transition, with the step in which conditions see it.
+    /// The step in which it started or was skipped last.
+    started: u64,
+    /// The last transition, with its step.
     transition: Option<(ElementState, u64)>,
 }
 
@@ -63,10 +65,15 @@ impl World {
         if self.state.step == 1 {
             self.start_stories();
         }
-        self.complete(&plan);
-        self.state.evaluating = true;
-        self.evaluate(&plan);
-        self.state.evaluating = false;
+        // Each part starts and ends at most once.
+        for _ in 0..=2 * plan.elements.len() {
+            self.state.changed = false;
+            self.complete(&plan);
+            self.evaluate(&plan);
+            if !self.state.changed || self.state.stopped {
+                return;
+            }
+        }
     }
 
     fn evaluate(&mut self, plan: &Plan) {
@@ -137,15 +144,16 @@ impl World {
 
     fn event(&mut self, plan: &Plan, index: usize) {
         let event = &plan.elements[index];
-        if self.state.progress[index].phase != Phase::Standby
-            || self.fires(&event.start) == Some(false)
-        {
+        let Progress { phase, started, .. } = self.state.progress[index];
+        let stands_by = phase == Phase::Standby && started != self.state.step;
+        if !stands_by || self.fires(&event.start) == Some(false) {
             return;
         }
         match (event.priority, self.rival(index)) {
             (Priority::Skip, Some(_)) => {
                 let progress = &mut self.state.progress[index];
                 progress.executions += 1;
+                progress.started = self.state.step;
                 if progress.executions >= event.executions {
                     progress.phase = Phase::Complete;
                 }
@@ -224,15 +232,16 @@ impl World {
     fn run(&mut self, index: usize) {
         let progress = &mut self.state.progress[index];
         progress.phase = Phase::Running;
+        progress.started = self.state.step;
         progress.executions += 1;
         progress.pending = 0;
         self.mark(index, ElementState::StartTransition);
     }
 
-    /// Records a transition. Conditions see a transition of the second phase in the next step.
+    /// Records a transition.
     fn mark(&mut self, index: usize, transition: ElementState) {
-        let step = self.state.step + u64::from(self.state.evaluating);
-        self.state.progress[index].transition = Some((transition, step));
+        self.state.changed = true;
+        self.state.progress[index].transition = Some((transition, self.state.step));
     }
 
     /// Counts one more actor that is busy with a storyboard's action.

@@ -1,6 +1,6 @@
 //! `planView`: the reference line.
 
-use road::{Axis, AxisError, Laid, MAX_GAP_M, Piece, Pose};
+use road::{Axis, Laid, MAX_GAP_M, Piece, Pose};
 
 use super::text::{Text, children};
 use crate::error::ReadError;
@@ -76,13 +76,10 @@ impl<'a> Line<'a> {
     }
 
     pub fn axis(&self, text: Text<'_>) -> Result<Axis, ReadError> {
-        Axis::laid(&self.pieces).map_err(|error| self.refusal(text, &error))
-    }
-
-    /// An error of a piece at its geometry.
-    fn refusal(&self, text: Text<'_>, error: &AxisError) -> ReadError {
-        let element = self.elements[error.piece().min(self.elements.len() - 1)];
-        text.meaning(element, error.to_string(), error.expected())
+        Axis::laid(&self.pieces).map_err(|error| {
+            let element = self.elements[error.piece().min(self.elements.len() - 1)];
+            text.meaning(element, error.to_string(), error.expected())
+        })
     }
 
     /// The same line from its end.

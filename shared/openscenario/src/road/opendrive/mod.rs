@@ -12,6 +12,7 @@ mod tests;
 use super::Road;
 use crate::error::{ReadError, one_of};
 use crate::xml::{Document, Element};
+use geometry::Line;
 use row::{Row, outside_junctions};
 use text::{Text, children};
 
@@ -67,6 +68,21 @@ pub fn read(document: &Document, id: Option<&str>) -> Result<Found, ReadError> {
         Some(row) => row.read(text),
         None => Err(unnamed(text, root, id, if id.is_some() { &roads } else { &open })),
     }
+}
+
+/// The id of the road outside of junctions that is nearest to a point, m. Roads that cannot be driven do not count.
+pub(crate) fn nearest(document: &Document, x_m: f64, y_m: f64) -> Option<&str> {
+    let text = Text { file: &document.file };
+    let away = |road: &&Element| {
+        let line = Line::read(text, road).ok()?;
+        let (axis, start) = (line.axis(text).ok()?, line.pieces.first()?.start);
+        let (x_m, y_m) = start.to_local(x_m, y_m);
+        let (s_m, t_m) = axis.nearest(x_m, y_m);
+        Some(libm::hypot(s_m - s_m.clamp(0.0, line.length_m), t_m))
+    };
+    let roads = children(&document.root, "road").filter(|road| outside_junctions(road));
+    let by_distance = roads.filter_map(|road| Some((away(&road)?, road.attribute("id")?)));
+    by_distance.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, id)| id)
 }
 
 /// The error where no road, or no single one, is named.
