@@ -206,17 +206,15 @@ impl<'a, E> Parser<'a, E> {
     }
 
     fn literal(&mut self) -> Result<E> {
-        let bytes = self.text.as_bytes();
-        let start = self.at;
-        while self.at < bytes.len() {
-            let byte = bytes[self.at];
-            let exponent = matches!(byte, b'+' | b'-') && matches!(bytes[self.at - 1], b'e' | b'E');
-            if !(byte.is_ascii_digit() || matches!(byte, b'.' | b'e' | b'E') || exponent) {
-                break;
-            }
-            self.at += 1;
-        }
-        let text = &self.text[start..self.at];
+        let rest = &self.text[self.at..];
+        let mut before = ' ';
+        let ends = |c: char| {
+            let is_sign = matches!(c, '+' | '-') && matches!(before, 'e' | 'E');
+            before = c;
+            !(c.is_ascii_digit() || matches!(c, '.' | 'e' | 'E') || is_sign)
+        };
+        let text = &rest[..rest.find(ends).unwrap_or(rest.len())];
+        self.at += text.len();
         match number(text) {
             Some(value) => Ok(Value::Number(value)),
             None => wrong(format!("`{text}` is not a number"), "a number"),

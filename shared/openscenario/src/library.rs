@@ -52,13 +52,9 @@ impl Source for Disk {
     }
 
     fn list(&self, directory: &Path) -> std::io::Result<Vec<PathBuf>> {
-        let mut files = Vec::new();
-        for entry in std::fs::read_dir(directory)? {
-            let path = entry?.path();
-            if path.extension().is_some_and(|extension| extension == "xosc") {
-                files.push(path);
-            }
-        }
+        let entries = std::fs::read_dir(directory)?.map(|entry| Ok(entry?.path()));
+        let mut files = entries.collect::<std::io::Result<Vec<PathBuf>>>()?;
+        files.retain(|path| path.extension().is_some_and(|extension| extension == "xosc"));
         files.sort();
         Ok(files)
     }

@@ -52,12 +52,13 @@ impl Raw {
     pub(crate) fn resolve(&self, scope: &Scope) -> Result<Value, ReadError> {
         self.resolve_by(&mut |name| match scope.value(name) {
             Some(value) => Ok(value.clone()),
-            None => Err(match scope.iter().next() {
-                None => undeclared(&self.place, name, "no parameter here".to_owned()),
-                Some(_) => {
-                    undeclared(&self.place, name, meant(name, scope.iter().map(|(name, _)| name)))
-                }
-            }),
+            None => {
+                let expected = match scope.iter().next() {
+                    None => "no parameter here".to_owned(),
+                    Some(_) => meant(name, scope.iter().map(|(name, _)| name)),
+                };
+                Err(undeclared(&self.place, name, expected))
+            }
         })
     }
 

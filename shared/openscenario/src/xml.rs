@@ -87,6 +87,9 @@ pub fn parse(file: &str, text: &str) -> Result<Document, ReadError> {
             .read_event()
             .map_err(|error| syntax(reader.error_position(), format!("not XML: {error}")))?;
         let spot = cursor.at(start as usize);
+        let mut read = |tag: &BytesStart<'_>| {
+            element(tag, spot, &mut cursor).map_err(|reason| syntax(start, reason))
+        };
         let closed = match event {
             Event::Start(_) | Event::Empty(_) if root.is_some() && open.is_empty() => {
                 return Err(syntax(start, "a second outermost element".to_owned()));
@@ -96,14 +99,10 @@ pub fn parse(file: &str, text: &str) -> Result<Document, ReadError> {
                     let reason = format!("elements are nested more than {MAX_DEPTH} deep");
                     return Err(syntax(start, reason));
                 }
-                open.push(
-                    element(&tag, spot, &mut cursor).map_err(|reason| syntax(start, reason))?,
-                );
+                open.push(read(&tag)?);
                 None
             }
-            Event::Empty(tag) => {
-                Some(element(&tag, spot, &mut cursor).map_err(|reason| syntax(start, reason))?)
-            }
+            Event::Empty(tag) => Some(read(&tag)?),
             Event::End(_) => open.pop(),
             // An external document type changes nothing: its entities are not read.
             Event::DocType(kind) if kind.contains('[') => {

@@ -46,9 +46,10 @@ fn a_route_along_the_road_is_complete_at_once_and_moves_nothing() {
     let along = waypoint(&on_lane("0", 11.0)) + &waypoint(&on_lane("0", 900.0));
     for action in [route(false, &along), acquire(&on_lane("0", 900.0))] {
         let mut run = with(&action).run();
-        near(run.to(1.0).lead().speed_mps, 20.0);
-        near(run.lead().s_m, 80.0);
-        near(run.to(1.02).lead().speed_mps, 5.0);
+        near(run.to(0.99).lead().speed_mps, 20.0);
+        near(run.to(1.0).lead().s_m, 80.0);
+        // The next event follows in the same step.
+        near(run.lead().speed_mps, 5.0);
     }
 }
 

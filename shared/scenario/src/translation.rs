@@ -76,8 +76,8 @@ pub(super) fn keys_of(path: &Path, choices: &Choices) -> Result<ForeignKeys, Ope
     })?;
     if let Some(index) = overlaps_the_ego(&script, &world) {
         let (place, entity) = (place_of(spots.starts[index]), script.entities[index].name.clone());
-        let reason = "it overlaps the ego at the start";
-        return Err(OpenError::Start { place, cause: WorldError::Placement { entity, reason } });
+        let reason = "cannot be placed: it overlaps the ego at the start".to_owned();
+        return Err(OpenError::Start { place, cause: WorldError::Start { entity, reason } });
     }
     let count = script.entities.len() - 1;
     if count > MAX_ACTORS {

@@ -98,6 +98,11 @@ impl SpeedTarget {
         }
     }
 
+    /// True if Init sets it before the first step.
+    pub(crate) fn is_at_once(&self, transition: &Transition) -> bool {
+        !self.is_continuous() && transition.is_immediate()
+    }
+
     /// True if it is kept up without end.
     #[must_use]
     pub fn is_continuous(&self) -> bool {

@@ -26,10 +26,8 @@ pub struct Condition {
 
 word_enums! {
     /// The change of a test that a condition waits for.
-    #[derive(Default)]
     Edge {
         /// No change: the condition holds while its test does.
-        #[default]
         None: "none",
         /// From false to true.
         Rising: "rising",

@@ -61,11 +61,10 @@ word_enums! {
 }
 
 /// Mover of an entity.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Drive {
     /// The storyboard.
-    #[default]
     Scripted,
     /// The caller: for the ego, and for traffic with profiles of its own.
     External,

@@ -65,9 +65,3 @@ pub enum Heading {
     /// Angle from the other entity's heading, rad.
     Entity(f64),
 }
-
-impl Default for Heading {
-    fn default() -> Self {
-        Self::Road(0.0)
-    }
-}

@@ -5,7 +5,7 @@ use std::path::Path;
 use road::{Axis, AxisError, Laid, Pose, Profile, Strip};
 use serde::{Deserialize, Serialize};
 
-use super::{Part, Road};
+use super::Road;
 use crate::error::{Place, ReadError, one_of};
 use crate::xml;
 
@@ -73,8 +73,7 @@ impl Road {
     /// Numbers of drivable lanes of the same direction to the left and to the right, without a break, as traffic faces.
     #[must_use]
     pub fn neighbours(&self, lane: &Strip, s_m: f64) -> [usize; 2] {
-        let mut strips: Vec<Strip> = self.lanes.strips(s_m).collect();
-        strips.sort_by_key(|strip| strip.index);
+        let strips = self.strips(s_m);
         let same =
             |other: &&Strip| other.is_left == lane.is_left && other.drivable && other.width_m > 0.0;
         let left = strips.iter().skip(lane.index + 1).take_while(same).count();
@@ -131,7 +130,7 @@ pub fn driven_lane(
         let expected = format!("less than {} m", part.length_m);
         return Err(refuse(format!("road `{road}` ends before s = {s_m} m"), expected));
     }
-    let at_m = place_inside(part, s_m);
+    let at_m = part.inside(part.place(s_m, 0.0).0);
     let Some(strip) = found.road.lane(at_m, lane) else {
         let expected = found.road.lane_names(at_m);
         return Err(refuse(format!("road `{road}` has no lane `{lane}` at s = {s_m} m"), expected));
@@ -162,10 +161,6 @@ pub fn driven_lane(
         road: found.road,
         notices: found.notices,
     })
-}
-
-fn place_inside(part: &Part, s_m: f64) -> f64 {
-    part.inside(part.place(s_m, 0.0).0)
 }
 
 #[cfg(test)]

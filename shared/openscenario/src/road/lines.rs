@@ -66,8 +66,7 @@ impl Road {
     /// The lines of the drivable lanes around a place, from right to left. They count to the left of the reference
     /// line, m.
     fn lines_around(&self, s_m: f64, t_m: f64) -> Vec<f64> {
-        let mut strips: Vec<Strip> = self.lanes.strips(s_m).collect();
-        strips.sort_by_key(|strip| strip.index);
+        let strips = self.strips(s_m);
         let Some(own) = self.lane_at(s_m, t_m) else { return Vec::new() };
         let goes_on = |strip: &&Strip| strip.drivable || strip.width_m <= NARROW_M;
         let right = strips[..own.index].iter().rev().take_while(goes_on).count();

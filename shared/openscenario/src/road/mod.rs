@@ -29,24 +29,16 @@ const INSIDE_M: f64 = 1e-6;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Road {
     /// Its length, m; a road without one has no end.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub length_m: Option<f64>,
     /// The roads of the file that it is made of, in order.
     pub parts: Vec<Part>,
     /// The pieces of its reference line; none for a straight line along the x axis.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub pieces: Vec<Laid>,
     /// Traffic keeps to the left.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub left_hand: bool,
     pub lanes: Lanes,
     /// Height of the reference line, m.
-    #[serde(default, skip_serializing_if = "is_level")]
     pub heights: Profile,
-}
-
-fn is_level(heights: &Profile) -> bool {
-    *heights == Profile::default()
 }
 
 /// A road of the file.
@@ -56,7 +48,6 @@ pub struct Part {
     pub from_m: f64,
     pub length_m: f64,
     /// Its own reference line runs the other way.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub reversed: bool,
 }
 
@@ -169,10 +160,15 @@ impl Road {
 
     /// The ids of the lanes at a place, for errors.
     pub(crate) fn lane_names(&self, s_m: f64) -> String {
-        let mut lanes: Vec<Strip> = self.lanes.strips(s_m).collect();
-        lanes.sort_by_key(|lane| lane.index);
-        let names: Vec<String> = lanes.iter().map(|lane| lane.id.to_string()).collect();
+        let names: Vec<String> = self.strips(s_m).iter().map(|lane| lane.id.to_string()).collect();
         one_of(names.iter().map(String::as_str))
+    }
+
+    /// The lanes at a place from right to left.
+    fn strips(&self, s_m: f64) -> Vec<Strip> {
+        let mut strips: Vec<Strip> = self.lanes.strips(s_m).collect();
+        strips.sort_by_key(|strip| strip.index);
+        strips
     }
 
     /// The direction in which traffic drives on a lane: 1 along the reference line, -1 against it.

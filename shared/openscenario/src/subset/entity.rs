@@ -38,13 +38,9 @@ elements! { "Entities";
             (None, []) if entities.len() == 1 => 0,
             (None, _) => {
                 let names = one_of(entities.iter().map(|entity| entity.name.as_str()));
-                return Err(node.refuse(
-                    "no entity is known to be the ego",
-                    format!(
-                        "`--ego NAME` with {names}, an entity called `Ego` or `hero`, or exactly one \
-                         with an `ObjectController`"
-                    ),
-                ));
+                let others = "an entity called `Ego` or `hero`, or exactly one with an `ObjectController`";
+                let expected = format!("`--ego NAME` with {names}, {others}");
+                return Err(node.refuse("no entity is known to be the ego", expected));
             }
         };
         entities[ego].drive = Drive::External;

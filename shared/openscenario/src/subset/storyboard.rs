@@ -8,6 +8,7 @@ use super::reference::EntityName;
 use super::unused::UserDefinedAction;
 use crate::declare::{AtLeastOne, Count, Node, OneOf, Placed, Text, Truth, elements};
 use crate::error::{Place, ReadError};
+use crate::model::action::SpeedTarget;
 use crate::model::condition::Trigger;
 use crate::model::storyboard::{NamedAction, Priority};
 use crate::model::{InitAction, action, storyboard};
@@ -57,22 +58,28 @@ elements! { "Storyboard";
         let mut actions = Vec::new();
         for (place, action) in placed {
             not_itself(node, &place, &[actor], &action)?;
-            if actor == node.scene.ego.get()
-                && let Some(mps) = speeds_up_to(&action)
-            {
-                node.scene.ego_goal_mps.set(Some(mps));
-                node.scene.notice(format!(
-                    "{place}: the ego begins with its speed before this action, and {mps} m/s is its set speed"
-                ));
-                continue;
+            let is_done = match &action {
+                _ if actor != node.scene.ego.get() => true,
+                action::Action::Teleport(_) | action::Action::Nothing => true,
+                action::Action::Speed { transition, .. } if transition.is_immediate() => true,
+                // The ego's stack reaches this speed in its own time.
+                action::Action::Speed { target: SpeedTarget::Absolute(mps), .. } => {
+                    node.scene.ego_goal_mps.set(Some(*mps));
+                    node.scene.notice(format!(
+                        "{place}: the ego begins with its speed before this action, and {mps} m/s is its set speed"
+                    ));
+                    false
+                }
+                _ => {
+                    let reason = "timegap's stack drives the ego from the start";
+                    let expected =
+                        "in Init a teleport, an absolute speed, a route or a controller action for it";
+                    return Err(ReadError::meaning(place, reason, expected));
+                }
+            };
+            if is_done {
+                actions.push(InitAction { actor: Some(actor), action });
             }
-            if actor == node.scene.ego.get() && !begins_at_once(&action) {
-                let reason = "timegap's stack drives the ego from the start";
-                let expected =
-                    "in Init a teleport, an absolute speed, a route or a controller action for it";
-                return Err(ReadError::meaning(place, reason, expected));
-            }
-            actions.push(InitAction { actor: Some(actor), action });
         }
         node.scene.spots.borrow_mut().starts[actor] = node.place().spot;
         Ok(actions)
@@ -176,25 +183,6 @@ fn not_itself(
     Err(ReadError::meaning(place.clone(), reason, "another entity"))
 }
 
-/// The speed to which the ego shall drive in its own time, m/s. Its stack does so.
-fn speeds_up_to(action: &action::Action) -> Option<f64> {
-    match action {
-        action::Action::Speed { target: action::SpeedTarget::Absolute(mps), transition } => {
-            (!transition.is_immediate()).then_some(*mps)
-        }
-        _ => None,
-    }
-}
-
-/// True if Init may do this to the ego: it places the ego and sets its speed at once.
-fn begins_at_once(action: &action::Action) -> bool {
-    match action {
-        action::Action::Teleport(_) | action::Action::Nothing => true,
-        action::Action::Speed { transition, .. } => transition.is_immediate(),
-        _ => false,
-    }
-}
-
 /// Checks that the ego has a place in Init, and notes the others without one.
 fn require_places(node: Node<'_>, init: &[InitAction]) -> Result<(), ReadError> {
     let is_placed = |entity: usize| {
@@ -206,16 +194,16 @@ fn require_places(node: Node<'_>, init: &[InitAction]) -> Result<(), ReadError> 
     };
     for (index, entity) in node.scene.entities.borrow().iter().enumerate() {
         let name = &entity.name;
-        if is_placed(index) {
-            continue;
+        match (is_placed(index), index == node.scene.ego.get()) {
+            (true, _) => {}
+            (false, true) => {
+                let reason = format!("the ego `{name}` is not placed");
+                return Err(node.refuse(reason, "a `TeleportAction` for it"));
+            }
+            (false, false) => node.scene.notice(format!(
+                "`{name}` has no place in Init: it is not on the road until it is added or teleported"
+            )),
         }
-        if index == node.scene.ego.get() {
-            let reason = format!("the ego `{name}` is not placed");
-            return Err(node.refuse(reason, "a `TeleportAction` for it"));
-        }
-        node.scene.notice(format!(
-            "`{name}` has no place in Init: it is not on the road until it is added or teleported"
-        ));
     }
     Ok(())
 }

@@ -81,7 +81,7 @@ elements! { "Conditions";
         "relativeDistanceType" along: Option<Along>] {}
     unused ["routingAlgorithm?"]
     {
-        let to = Ruler { freespace, along_route, axes, along }.to(Target::Entity(entity), false);
+        let to = measured(Target::Entity(entity), freespace, along_route, axes, along);
         Ok(EntityTest::Headway { to, rule, value })
     }
 
@@ -94,8 +94,7 @@ elements! { "Conditions";
     {target: TimeToCollisionConditionTarget}
     unused ["routingAlgorithm?"]
     {
-        let is_straight = matches!(target, Target::Position(_));
-        let to = Ruler { freespace, along_route, axes, along }.to(target, is_straight);
+        let to = measured(target, freespace, along_route, axes, along);
         Ok(EntityTest::TimeToCollision { to, rule, value })
     }
 
@@ -145,7 +144,7 @@ elements! { "Conditions";
     {position: Position}
     unused ["routingAlgorithm?"]
     {
-        let to = Ruler { freespace, along_route, axes, along }.to(Target::Position(position), true);
+        let to = measured(Target::Position(position), freespace, along_route, axes, along);
         Ok(EntityTest::Distance { to, rule, value })
     }
 
@@ -156,8 +155,8 @@ elements! { "Conditions";
         "coordinateSystem" axes: Option<CoordinateSystem>] {}
     unused ["routingAlgorithm?"]
     {
-        let ruler = Ruler { freespace, along_route: None, axes, along: Some(along) };
-        Ok(EntityTest::Distance { to: ruler.to(Target::Entity(entity), false), rule, value })
+        let to = measured(Target::Entity(entity), freespace, None, axes, Some(along));
+        Ok(EntityTest::Distance { to, rule, value })
     }
 }
 
@@ -174,29 +173,20 @@ impl crate::declare::Element for TargetPosition {
     }
 }
 
-/// Measure of a condition's distances.
-struct Ruler {
+/// The measure of a distance. A file that does not say how is measured along the entity's heading, or straight to a
+/// position; version 1.0 says by `along_route` that it is along the road.
+fn measured(
+    target: Target,
     freespace: bool,
-    /// Along the road, as version 1.0 says it.
     along_route: Option<bool>,
     axes: Option<bool>,
     along: Option<Along>,
-}
-
-impl Ruler {
-    /// A distance. A file that does not say how is measured along the entity's heading, or straight to a
-    /// position.
-    fn to(self, target: Target, is_straight: bool) -> Measured {
-        let along_route = self.along_route == Some(true);
-        let otherwise = match is_straight && !along_route {
-            true => Along::Euclidean,
-            false => Along::Longitudinal,
-        };
-        Measured {
-            target,
-            freespace: self.freespace,
-            along: self.along.unwrap_or(otherwise),
-            entity_axes: self.axes.unwrap_or(!along_route),
-        }
-    }
+) -> Measured {
+    let along_route = along_route == Some(true);
+    let otherwise = match matches!(target, Target::Position(_)) && !along_route {
+        true => Along::Euclidean,
+        false => Along::Longitudinal,
+    };
+    let (along, entity_axes) = (along.unwrap_or(otherwise), axes.unwrap_or(!along_route));
+    Measured { target, freespace, along, entity_axes }
 }

@@ -18,10 +18,8 @@ elements! { "Actions";
     /// a command of another player has no effect, and the action is complete at once
     UserDefinedAction -> Action [] {_: CustomCommandAction}
     |node| {
-        node.scene.notice(format!(
-            "{}: a command of another player (`UserDefinedAction`) has no effect",
-            node.place()
-        ));
+        let text = "a command of another player (`UserDefinedAction`) has no effect";
+        node.scene.notice(format!("{}: {text}", node.place()));
         Ok(Action::Nothing)
     }
 }

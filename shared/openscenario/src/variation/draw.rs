@@ -54,7 +54,7 @@ impl Draws {
                 Some((lower + (upper - lower) * self.unit()).to_string())
             }
             Distribution::Normal { mean, deviation, log, range } => self.inside(range, |draws| {
-                let value = mean + deviation * draws.normal();
+                let value = mean + deviation * random::normal(&mut draws.generator);
                 if log { libm::exp(value) } else { value }
             }),
             Distribution::Poisson { mean, range } => {
@@ -95,11 +95,6 @@ impl Draws {
     /// Uniform in [0, 1), 53 bits.
     fn unit(&mut self) -> f64 {
         random::uniform(&mut self.generator)
-    }
-
-    /// Standard normal, by Box and Muller.
-    fn normal(&mut self) -> f64 {
-        random::normal(&mut self.generator)
     }
 
     /// Poisson, by Knuth's product of uniform draws.

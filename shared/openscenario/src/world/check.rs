@@ -100,8 +100,9 @@ pub(super) fn fits_its_lane(
         return Ok(());
     };
     if entity.category == Category::Vehicle && width_m > lane.width_m {
-        let (entity, lane_m) = (entity.name.clone(), lane.width_m);
-        return Err(WorldError::Width { entity, width_m, lane: lane.id, lane_m });
+        let expected = format!("expected at most the {} m of lane {}", lane.width_m, lane.id);
+        let reason = format!("is {width_m} m wide, {expected}");
+        return Err(WorldError::Start { entity: entity.name.clone(), reason });
     }
     Ok(())
 }

@@ -60,11 +60,6 @@ impl Interval {
         Self { from: center - half, to: center + half }
     }
 
-    pub(super) fn point(s_m: f64, t_m: f64, angle: f64) -> Self {
-        let at = s_m * libm::cos(angle) + t_m * libm::sin(angle);
-        Self { from: at, to: at }
-    }
-
     /// The free space to another interval, 0 where they overlap.
     pub(super) fn gap(&self, other: &Self) -> f64 {
         (other.from - self.to).max(self.from - other.to).max(0.0)
@@ -80,6 +75,9 @@ pub(super) fn overlap(a: (&Body, Motion), b: (&Body, Motion)) -> bool {
     })
 }
 
+/// A body without an extent.
+const POINT: Body = Body { center_ahead_m: 0.0, center_left_m: 0.0, length_m: 0.0, width_m: 0.0 };
+
 /// The distance from a body, or from its origin, to another body or a point, m.
 pub(super) fn distance(
     (body, motion): (&Body, &Motion),
@@ -89,19 +87,10 @@ pub(super) fn distance(
     freespace: bool,
 ) -> f64 {
     let base = if entity_axes { motion.heading_rad } else { 0.0 };
-    let measure = |angle: f64| {
-        let (own, far) = if freespace {
-            let far = match other_body {
-                Some(body) => Interval::of(body, other, angle),
-                None => Interval::point(other.s_m, other.t_m, angle),
-            };
-            (Interval::of(body, motion, angle), far)
-        } else {
-            let own = Interval::point(motion.s_m, motion.t_m, angle);
-            (own, Interval::point(other.s_m, other.t_m, angle))
-        };
-        own.gap(&far)
-    };
+    let (own, far) =
+        if freespace { (body, other_body.unwrap_or(&POINT)) } else { (&POINT, &POINT) };
+    let measure =
+        |angle: f64| Interval::of(own, motion, angle).gap(&Interval::of(far, other, angle));
     let aside = base + std::f64::consts::FRAC_PI_2;
     match along {
         Along::Longitudinal => measure(base),

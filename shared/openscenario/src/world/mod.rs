@@ -27,7 +27,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::expression::Value;
-use crate::model::action::{Action, SpeedTarget, Transition};
+use crate::model::action::Action;
 use crate::model::condition::{EntityTest, Test};
 use crate::model::{Drive, Script};
 use crate::road::Ground;
@@ -64,21 +64,9 @@ pub enum WorldError {
     /// A condition names a part of the storyboard that is not there.
     #[error("{0}")]
     Element(#[from] NotFound),
-    /// An entity has no place at the start.
-    #[error("`{entity}` cannot be placed: {reason}")]
-    Placement { entity: String, reason: &'static str },
-    /// A vehicle is wider than the lane that it begins in.
-    #[error("`{entity}` is {width_m} m wide, expected at most the {lane_m} m of lane {lane}")]
-    Width {
-        entity: String,
-        width_m: f64,
-        lane: i32,
-        /// The lane's width, m.
-        lane_m: f64,
-    },
-    /// Two entities' speeds at the start depend on each other.
-    #[error("the speed of `{entity}` at the start depends on itself")]
-    Speed { entity: String },
+    /// An entity cannot begin as Init says.
+    #[error("`{entity}` {reason}")]
+    Start { entity: String, reason: String },
 }
 
 impl WorldError {
@@ -86,10 +74,8 @@ impl WorldError {
     #[must_use]
     pub fn entity(&self) -> Option<&str> {
         match self {
-            Self::Index { .. } | Self::Road(_) | Self::Lanes | Self::Element(_) => None,
-            Self::Placement { entity, .. }
-            | Self::Width { entity, .. }
-            | Self::Speed { entity } => Some(entity),
+            Self::Start { entity, .. } => Some(entity),
+            _ => None,
         }
     }
 }
@@ -189,7 +175,7 @@ impl World {
             let actors = item.actor.as_slice();
             match item.action {
                 Action::Teleport(_) | Action::Add { .. } => {}
-                Action::Speed { transition, target } if world.at_once(&transition, &target) => {}
+                Action::Speed { transition, target } if target.is_at_once(&transition) => {}
                 ref action => world.start(action, actors, None),
             }
         }
@@ -283,11 +269,6 @@ impl World {
         let ego = self.motion(self.script.ego);
         let front_m = self.extent(self.script.ego).front_s_m(ego.direction());
         ego.present && (0.0..=length_m).contains(&front_m)
-    }
-
-    /// A speed that Init sets at once: [`Self::first_speeds`] does it.
-    fn at_once(&self, transition: &Transition, target: &SpeedTarget) -> bool {
-        !target.is_continuous() && transition.is_immediate()
     }
 
     fn is_external(&self, entity: usize) -> bool {

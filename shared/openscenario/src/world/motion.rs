@@ -64,11 +64,6 @@ impl Pace {
             Self::Free | Self::Match { .. } | Self::Keep(_) | Self::Meet(_) => false,
         }
     }
-
-    /// It needs the other entity's place after the step.
-    fn comes_last(&self) -> bool {
-        matches!(self, Self::Keep(_) | Self::Meet(_))
-    }
 }
 
 /// A lateral action: from one lateral position to another.
@@ -115,15 +110,14 @@ impl World {
         for entity in 0..self.state.movers.len() {
             if self.is_external(entity) {
                 self.take_observed(entity, time_ns);
-            } else if !self.state.movers[entity].pace.comes_last() {
+            } else if !matches!(self.state.movers[entity].pace, Pace::Keep(_) | Pace::Meet(_)) {
                 self.drive(entity, from_ns, time_ns);
             }
         }
+        // These need the other entity's place after the step.
         for entity in 0..self.state.movers.len() {
-            if self.is_external(entity) {
-                continue;
-            }
             match self.state.movers[entity].pace {
+                _ if self.is_external(entity) => {}
                 Pace::Keep(distance) => self.keep(entity, &distance, from_ns, time_ns),
                 Pace::Meet(ref meeting) => {
                     let meeting = **meeting;

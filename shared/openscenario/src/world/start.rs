@@ -24,8 +24,8 @@ impl World {
     pub(super) fn place(&mut self) -> Result<(), WorldError> {
         let script = Arc::clone(&self.script);
         let refuse = |actor: usize, reason| {
-            let entity = script.entities[actor].name.clone();
-            Err(WorldError::Placement { entity, reason })
+            let reason = format!("cannot be placed: {reason}");
+            Err(WorldError::Start { entity: script.entities[actor].name.clone(), reason })
         };
         let places = script.init.iter().filter_map(|item| match (&item.action, item.actor) {
             (Action::Teleport(position), Some(actor)) => Some((actor, position)),
@@ -53,13 +53,15 @@ impl World {
     pub(super) fn first_speeds(&mut self) -> Result<(), WorldError> {
         let script = Arc::clone(&self.script);
         let speeds = script.init.iter().filter_map(|item| match &item.action {
-            Action::Speed { target, transition } if self.at_once(transition, target) => {
+            Action::Speed { target, transition } if target.is_at_once(transition) => {
                 Some((item.actor?, target))
             }
             _ => None,
         });
-        let speeds = in_order(speeds.collect(), |target| target.entity())
-            .map_err(|actor| WorldError::Speed { entity: script.entities[actor].name.clone() })?;
+        let speeds = in_order(speeds.collect(), |target| target.entity()).map_err(|actor| {
+            let reason = "has a speed at the start that depends on itself".to_owned();
+            WorldError::Start { entity: script.entities[actor].name.clone(), reason }
+        })?;
         for (actor, target) in speeds {
             self.state.movers[actor].motion.speed_mps = self.target_speed(target);
         }
@@ -336,9 +338,7 @@ impl World {
 
     fn delete(&mut self, entity: usize) {
         if !self.is_external(entity) {
-            self.clear(entity, Part::Pace);
-            self.clear(entity, Part::Steer);
-            self.clear(entity, Part::Path);
+            [Part::Pace, Part::Steer, Part::Path].map(|part| self.clear(entity, part));
             self.state.movers[entity].motion = Motion::default();
         }
     }

@@ -39,6 +39,20 @@ fn centers(road: &Road, s_m: f64) -> Vec<(i32, f64)> {
 }
 
 #[test]
+fn the_nearest_road_outside_of_junctions_is_the_one_of_a_point() {
+    let (from, to) =
+        (STRAIGHT.find("<road ").expect("a road"), STRAIGHT.len() - "</OpenDRIVE>".len());
+    let one = &STRAIGHT[from..to];
+    let second = one.replace("id=\"7\"", "id=\"8\"").replace("y=\"2\"", "y=\"52\"");
+    let way = one.replace("id=\"7\"", "id=\"9\" junction=\"3\"").replace("y=\"2\"", "y=\"102\"");
+    let text = STRAIGHT.replace("</OpenDRIVE>", &format!("{second}{way}</OpenDRIVE>"));
+    let document = xml::parse("a.xodr", &text).expect("it is well-formed");
+    for (x_m, y_m, id) in [(1.0, 2.0, "7"), (-9.0, 45.0, "8"), (1.0, 110.0, "8")] {
+        assert_eq!(nearest(&document, x_m, y_m), Some(id), "({x_m}, {y_m})");
+    }
+}
+
+#[test]
 fn lanes_lie_beside_each_other() {
     let road = road(STRAIGHT).expect("it is straight");
     assert_eq!(centers(&road, 50.0), [(-2, -3.5), (-1, -0.5), (1, 2.0)]);
