@@ -35,10 +35,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-#![allow(
-    clippy::result_large_err,
-    reason = "an error ends the reading of a file; its size costs nothing"
-)]
 #![allow(clippy::neg_cmp_op_on_partial_ord, reason = "NaN fails a check that is written so")]
 
 mod comparison;

@@ -338,7 +338,9 @@ impl World {
 
     fn delete(&mut self, entity: usize) {
         if !self.is_external(entity) {
-            [Part::Pace, Part::Steer, Part::Path].map(|part| self.clear(entity, part));
+            for part in [Part::Pace, Part::Steer, Part::Path] {
+                self.clear(entity, part);
+            }
             self.state.movers[entity].motion = Motion::default();
         }
     }
