@@ -6,10 +6,9 @@ use report::chart::{Curve, Plot, Stroke, Tone};
 use report::html::figure;
 use report::print;
 use report::results::{Column, Document, Fact, Format, Table, column, count, word};
-use scenario::ScenarioError;
-use scenario::accepted;
 use scenario::quantity::{Duration, OutOfRange, TimeConstant, TimeShift};
-use scenario::recorded::{self, AfterEnd, CsvFile, Record, RecordedError};
+use scenario::recorded::{self, AfterEnd, CsvFile, Record};
+use scenario::{Problem, Refusal, accepted};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -71,10 +70,10 @@ pub fn run(arguments: &LeadArguments) -> Result<ExitCode, Error> {
         points: Vec::new(),
     };
     let record = recorded::read(path, &keys).map_err(|error| match error {
-        RecordedError::Key { key, message, expected } => {
-            Error::from(UsageError::at(format!("--{}", key.replace('_', "-")), message, expected))
+        Refusal::Key(Problem { path, message, expected, .. }) => {
+            Error::from(UsageError::at(format!("--{}", path.replace('_', "-")), message, expected))
         }
-        RecordedError::File(error) => error.into(),
+        Refusal::File(error) => error.into(),
     })?;
     let refusal = record.expect_whole().err();
     let document = document(path, &record, refusal.as_ref());

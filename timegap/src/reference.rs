@@ -5,12 +5,12 @@ use controller::law::{Descriptor, Figure};
 use controller::laws;
 use messages::{Element, Field, LAYOUT_VERSION, Layout, TOPICS};
 use recorder::schema as layouts;
-use scenario::schema::{self, Key, Shape, Variant};
+use scenario::schema::{Key, Shape, Variant};
 use serde_json::{Map, Value, json};
 
 /// The keys of a scenario file, with the tables of the laws.
 fn keys() -> Vec<Key> {
-    let mut keys = schema::keys();
+    let mut keys = scenario::keys().to_vec();
     let of_laws = laws::tables().into_iter().map(|table| {
         let is_its = |law: &&&Descriptor| law.table.is_some_and(|own| own.name == table.name);
         let names = laws::ALL.iter().filter(is_its).map(|law| format!("`{}`", law.name));
@@ -79,7 +79,7 @@ fn of_shape(shape: &Shape) -> Value {
         Shape::Text { words } if words.is_empty() => json!({ "type": "string" }),
         Shape::Text { words } => json!({ "enum": words }),
         Shape::List(element) => json!({ "type": "array", "items": of_shape(element) }),
-        Shape::Tuple(elements) => {
+        Shape::Tuple(elements, _) => {
             let prefix: Vec<_> = elements.iter().map(of_shape).collect();
             json!({ "type": "array", "prefixItems": prefix, "items": false })
         }
@@ -277,7 +277,7 @@ fn kind(shape: &Shape) -> String {
             words.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", ")
         }
         Shape::List(element) => format!("list of {}", kind(element)),
-        Shape::Tuple(elements) => {
+        Shape::Tuple(elements, _) => {
             format!("[{}]", elements.iter().map(kind).collect::<Vec<_>>().join(", "))
         }
         Shape::Table(_) | Shape::Kinds(_) => "table".into(),

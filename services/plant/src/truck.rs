@@ -81,7 +81,7 @@ impl Truck {
     /// As [`Self::new`].
     pub fn with(scenario: &Scenario, numbers: &Numbers) -> Result<Option<Self>, Problem> {
         let plant = &scenario.plant;
-        let Some(preset) = Preset::named(plant.vehicle.as_str()) else { return Ok(None) };
+        let Some(preset) = Preset::named(plant.vehicle.name()) else { return Ok(None) };
         let road = scenario.road.profile()?;
         let believed = Model::preset(preset);
         let mass_kg = believed.parameters().mass_kg * plant.mass_factor.value();

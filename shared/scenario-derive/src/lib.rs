@@ -18,6 +18,7 @@
 //! `rename_all` (`kebab-case`, `snake_case`), `from`, `try_from`, `skip` and `skip_deserializing`.
 
 mod serde;
+mod tables;
 
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -30,6 +31,15 @@ use crate::serde::{Fallback, Serde};
 pub fn derive_schema(input: proc_macro::TokenStream) -> proc_macro::TokenStream {
     let input = syn::parse_macro_input!(input as DeriveInput);
     expand(&input).unwrap_or_else(Error::into_compile_error).into()
+}
+
+/// Declares tables and words of a scenario file: `key: type` must be written, `key: type = default` may be left out.
+///
+/// A default is a number or a text of the key's type, a variant of it, `default` for the type's own, or an expression.
+/// A key of type `Option` may always be left out. A `#[sparse]` key is not written while it has the type's own default.
+#[proc_macro]
+pub fn tables(input: proc_macro::TokenStream) -> proc_macro::TokenStream {
+    syn::parse_macro_input!(input as tables::Tables).into_tokens().into()
 }
 
 fn expand(input: &DeriveInput) -> Result<TokenStream, Error> {
@@ -131,7 +141,9 @@ fn shape_of(container: &Serde, fields: &Fields) -> Result<TokenStream, Error> {
         }
         _ => {
             let types = types(fields);
-            quote!(::scenario::schema::Shape::Tuple(::std::vec![#(#types),*]))
+            let usual = || format!("a list of {} values", types.len());
+            let words = container.expecting.clone().unwrap_or_else(usual);
+            quote!(::scenario::schema::Shape::Tuple(::std::vec![#(#types),*], #words))
         }
     })
 }

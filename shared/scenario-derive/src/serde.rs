@@ -8,6 +8,8 @@ pub(crate) struct Serde {
     pub(crate) default: Option<Fallback>,
     pub(crate) rename: Option<String>,
     pub(crate) rename_all: Case,
+    /// What a list of fields is to be, in words.
+    pub(crate) expecting: Option<String>,
     /// The type that is read in place of this one.
     pub(crate) from: Option<Type>,
     /// True for a field that is not read.
@@ -51,6 +53,7 @@ impl Serde {
                     "default" => {
                         found.default = Some(Fallback::Function(value.parse::<Path>()?));
                     }
+                    "expecting" => found.expecting = Some(value.value()),
                     "rename" => found.rename = Some(value.value()),
                     "rename_all" => found.rename_all = Case::of(&value)?,
                     "from" | "try_from" => found.from = Some(value.parse()?),

@@ -1,7 +1,7 @@
 //! The scenarios that come with the program.
 
-use super::accepted::nearest;
-use super::error::ScenarioError;
+use crate::ScenarioError;
+use crate::reading::words::nearest;
 
 /// A scenario compiled into the program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -33,74 +33,36 @@
 // `#[derive(Schema)]` names this crate as its users do.
 extern crate self as scenario;
 
-use serde::{Deserialize, Serialize};
-
-pub mod actor;
-pub mod aebs;
-pub mod builtin;
-pub mod carrier;
-pub mod controller;
-pub mod course;
-pub mod curve_speed;
-pub mod cycle;
-pub mod event;
-pub mod faults;
-pub mod lateral;
-pub mod name;
-pub mod own_law;
-pub mod per_service;
-pub mod perception;
-pub mod plan;
-pub mod plant;
-pub mod preview;
-pub mod quantity;
-pub mod radio;
-pub mod recorded;
-pub mod referee;
-pub mod require;
-pub mod road;
-pub mod runtime;
-pub mod schema;
-pub mod speeds;
-pub mod storyboard;
-pub mod supervision;
-pub mod translation;
-pub mod v2x;
-
-mod accepted;
-mod binary;
 mod check;
-mod document;
-mod error;
-mod event_script;
-mod files;
-mod foreign;
-pub mod grade;
-mod law_tables;
-mod open;
-mod overrides;
-mod placed;
-mod problem;
-mod reads;
-mod refusal;
-mod start_notices;
-mod table;
+mod ego;
+mod group;
+mod reading;
+mod roads;
+mod signals;
+mod traffic;
 
-pub use accepted::accepted;
-pub use binary::DecodeError;
-pub use document::MAX_TEXT_BYTES;
-pub use error::ScenarioError;
-pub use foreign::ForeignKeys;
-pub use law_tables::LawTables;
-pub use open::Source;
-pub use overrides::Overrides;
-pub use problem::Problem;
-pub use reads::Reads;
+pub mod builtin;
+pub mod faults;
+pub mod name;
+pub mod quantity;
+pub mod schema;
+
+pub use ego::{aebs, controller, course, curve_speed, lateral, own_law, perception, plant};
+pub use group::{per_service, referee, require, runtime, supervision};
+pub use reading::words::accepted;
+pub use reading::{
+    DecodeError, LawTables, MAX_TEXT_BYTES, Overrides, Problem, Reads, Refusal, ScenarioError,
+    Source,
+};
+pub use roads::{grade, plan, road};
+pub use signals::{carrier, preview, radio, v2x};
+pub use traffic::{actor, cycle, event, recorded, speeds, storyboard, translation};
+
+use serde::de::DeserializeOwned;
 
 use actor::Actor;
 use aebs::Aebs;
 use controller::Controller;
-use document::Document;
 use faults::Fault;
 use messages::{Presence, Service};
 use name::{Line, Name};
@@ -108,11 +70,13 @@ use own_law::OwnLaws;
 use perception::Perception;
 use plant::Plant;
 use quantity::{Duration, Seed, Speed};
+use reading::Document;
 use referee::Referee;
 use require::Require;
 use road::Road;
 use runtime::Runtime;
-use schema::Schema;
+use scenario_derive::tables;
+use schema::{Key, Shape};
 use storyboard::Storyboard;
 use supervision::Supervision;
 use v2x::V2x;
@@ -120,75 +84,59 @@ use v2x::V2x;
 /// The version of the schema that this program reads.
 pub const SCHEMA_VERSION: u32 = 1;
 
-/// A whole scenario, checked.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
-#[serde(deny_unknown_fields)]
-pub struct Scenario {
-    /// Version of the schema: 1.
-    pub schema_version: u32,
-    /// Name.
-    pub name: Name,
-    /// Its subject, in one line.
-    #[serde(default)]
-    pub description: Line,
-    /// Duration of the run, s.
-    #[serde(default = "ten_seconds")]
-    pub duration_s: Duration,
-    /// Seed of all random numbers.
-    #[serde(default = "first_seed")]
-    pub seed: Seed,
-    /// The driver's set speed, m/s.
-    #[serde(default = "motorway_speed")]
-    pub set_speed_mps: Speed,
-    /// The legal limit on this road, m/s; absent: not known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub speed_limit_mps: Option<Speed>,
-    /// The ego vehicle.
-    #[serde(default)]
-    pub plant: Plant,
-    /// The road's heights and its plan; absent: level and straight.
-    #[serde(default, skip_serializing_if = "Road::is_absent")]
-    pub road: Road,
-    /// Radar, tracker and target selection.
-    #[serde(default)]
-    pub perception: Perception,
-    /// The emergency brake.
-    #[serde(default)]
-    pub aebs: Aebs,
-    /// Measures of the referee.
-    #[serde(default, skip_serializing_if = "Referee::is_default")]
-    pub referee: Referee,
-    /// The roadside unit and its signals.
-    #[serde(default)]
-    pub v2x: V2x,
-    /// The control law and its loop.
-    #[serde(default)]
-    pub controller: Controller,
-    /// Laws of the user's own by name: `command`, `directory`, `env`, `arguments`.
-    #[serde(default, skip_serializing_if = "OwnLaws::is_empty")]
-    pub laws: OwnLaws,
-    /// Scheduling and placement.
-    #[serde(default)]
-    pub runtime: Runtime,
-    /// Restarts and standbys of services that die or hang.
-    #[serde(default)]
-    pub supervision: Supervision,
-    /// Requirements on a completed run.
-    #[serde(default)]
-    pub require: Require,
-    /// The other vehicles.
-    #[serde(default)]
-    pub actors: Vec<Actor>,
-    /// Faults.
-    #[serde(default, deserialize_with = "faults::taken", skip_serializing_if = "Vec::is_empty")]
-    pub faults: Vec<Fault>,
-    /// The storyboard that moves the actors with the profile `storyboard`; comes from an OpenSCENARIO
-    /// file.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub storyboard: Option<Storyboard>,
-    /// Remarks on keys without effect, for the person who starts a run.
-    #[serde(skip)]
-    pub notes: Vec<String>,
+tables! {
+    /// A whole scenario, checked.
+    pub struct Scenario {
+        /// Version of the schema: 1.
+        pub schema_version: u32,
+        /// Name.
+        pub name: Name,
+        /// Its subject, in one line.
+        pub description: Line = default,
+        /// Duration of the run, s.
+        pub duration_s: Duration = 10.0,
+        /// Seed of all random numbers.
+        pub seed: Seed = 1,
+        /// The driver's set speed, m/s.
+        pub set_speed_mps: Speed = 33.3,
+        /// The legal limit on this road, m/s; absent: not known.
+        pub speed_limit_mps: Option<Speed>,
+        /// The ego vehicle.
+        pub plant: Plant = default,
+        /// The road's heights and its plan; absent: level and straight.
+        #[sparse]
+        pub road: Road = default,
+        /// Radar, tracker and target selection.
+        pub perception: Perception = default,
+        /// The emergency brake.
+        pub aebs: Aebs = default,
+        /// Measures of the referee.
+        #[sparse]
+        pub referee: Referee = default,
+        /// The roadside unit and its signals.
+        pub v2x: V2x = default,
+        /// The control law and its loop.
+        pub controller: Controller = default,
+        /// Laws of the user's own by name: `command`, `directory`, `env`, `arguments`.
+        #[sparse]
+        pub laws: OwnLaws = default,
+        /// Scheduling and placement.
+        pub runtime: Runtime = default,
+        /// Restarts and standbys of services that die or hang.
+        pub supervision: Supervision = default,
+        /// Requirements on a completed run.
+        pub require: Require = default,
+        /// The other vehicles.
+        pub actors: Vec<Actor> = default,
+        /// Faults.
+        #[sparse]
+        pub faults: Vec<Fault> = default,
+        /// The storyboard that moves the actors with the profile `storyboard`; comes from an OpenSCENARIO file.
+        pub storyboard: Option<Storyboard>,
+        /// Remarks on keys without effect, for the person who starts a run.
+        #[serde(skip)]
+        pub notes: Vec<String>,
+    }
 }
 
 impl Scenario {
@@ -196,6 +144,22 @@ impl Scenario {
     pub fn notices(&self) -> impl Iterator<Item = &str> {
         let storyboard = self.storyboard.iter().flat_map(|storyboard| &storyboard.notices);
         self.notes.iter().chain(storyboard).map(String::as_str)
+    }
+
+    /// Reason why the story of its OpenSCENARIO file cannot happen, as far as that is known before the drive.
+    ///
+    /// ```
+    /// let text = scenario::builtin::find("cut-in").expect("built in").text;
+    /// assert_eq!(scenario::Scenario::parse("cut-in", text)?.hindrance(), None);
+    /// # Ok::<(), scenario::ScenarioError>(())
+    /// ```
+    #[must_use]
+    pub fn hindrance(&self) -> Option<String> {
+        let storyboard = self.storyboard.as_ref()?;
+        let stands =
+            self.set_speed_mps.value() == 0.0 && self.plant.initial_speed_mps.value() == 0.0;
+        let waits = || "the ego stands, and its set speed is 0 m/s".to_owned();
+        storyboard.hindrance.clone().or_else(|| stands.then(waits))
     }
 
     /// True if the emergency brake is on.
@@ -225,7 +189,7 @@ impl Scenario {
     #[must_use]
     pub fn to_toml(&self) -> String {
         let keys = toml::to_string(self).expect("every value of a scenario has a form in TOML");
-        document::KEPT.to_owned() + &keys
+        reading::KEPT.to_owned() + &keys
     }
 }
 
@@ -235,15 +199,15 @@ impl Scenario {
 /// # Errors
 /// If the text is not TOML, does not fit the type, or does not pass the check. The error shows the line and what was
 /// expected.
-pub fn read_as<T: serde::de::DeserializeOwned>(
+pub fn read_as<T: DeserializeOwned>(
     source: &str,
     text: &str,
     check: impl FnOnce(&T) -> Result<(), Problem>,
 ) -> Result<T, ScenarioError> {
     let none = Overrides::new();
     let document = Document::parse(source, text, &none)?;
-    let (value, ()) = document.read(|_| (), |_| None)?;
-    check(&value).map_err(|problem| document.problem(&problem))?;
+    let value = document.read()?;
+    check(&value).map_err(|problem| document.error(&problem))?;
     Ok(value)
 }
 
@@ -251,20 +215,38 @@ pub fn read_as<T: serde::de::DeserializeOwned>(
 ///
 /// # Errors
 /// When the text is not such a table; shows the line.
-pub fn read_road(source: &str, text: &str) -> Result<crate::grade::GradeProfile, ScenarioError> {
+pub fn read_road(source: &str, text: &str) -> Result<grade::GradeProfile, ScenarioError> {
     road::parse_csv(source, text)
 }
 
-fn ten_seconds() -> Duration {
-    Duration::of(10.0)
+/// The keys of a scenario file.
+#[must_use]
+pub fn keys() -> &'static [Key] {
+    match schema::shape_of::<Scenario>() {
+        Shape::Table(keys) => keys,
+        _ => &[],
+    }
 }
 
-fn first_seed() -> Seed {
-    Seed::of(1)
+/// The dotted path of the only key of a scenario file with this name.
+pub(crate) fn path_of(name: &str) -> Option<String> {
+    let mut found = Vec::new();
+    collect_paths(keys(), "", name, &mut found);
+    let path = found.pop()?;
+    found.is_empty().then_some(path)
 }
 
-fn motorway_speed() -> Speed {
-    Speed::of(33.3)
+fn collect_paths(keys: &[Key], above: &str, name: &str, found: &mut Vec<String>) {
+    for key in keys {
+        let path =
+            if above.is_empty() { key.name.clone() } else { format!("{above}.{}", key.name) };
+        if let Shape::Table(below) = &key.shape {
+            collect_paths(below, &path, name, found);
+        }
+        if key.name == name {
+            found.push(path);
+        }
+    }
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 
 use controller::law::{Law, Output};
 use controller::laws;
-use scenario::schema::{self, Key, Shape};
+use scenario::schema::{Key, Shape};
 use scenario::{Overrides, Scenario};
 
 mod scenes;
@@ -55,7 +55,7 @@ fn open(law: &str, variant: &[&str], key: Option<&str>) -> Option<Scenario> {
 
 /// The keys below `[controller]` with their dotted paths.
 fn keys() -> Vec<(String, Key)> {
-    let scenario = schema::keys().into_iter().find(|key| key.name == "controller");
+    let scenario = scenario::keys().iter().cloned().find(|key| key.name == "controller");
     let Some(Key { shape: Shape::Table(own), .. }) = scenario else { panic!("a table") };
     let mut all = Vec::new();
     collect("", own, &mut all);

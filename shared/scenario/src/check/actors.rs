@@ -1,8 +1,8 @@
 //! Checks of the other vehicles.
 
 use super::fail;
+use crate::Problem;
 use crate::actor::{Actor, MAX_ACTORS, MAX_PROFILE_POINTS, Profile};
-use crate::problem::Problem;
 use crate::quantity::Time;
 use crate::speeds::SpeedPoint;
 

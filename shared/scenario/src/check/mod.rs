@@ -1,17 +1,21 @@
 //! Checks across keys: each value by itself is in its range already.
 
 mod actors;
+mod laws;
+mod plan;
+mod storyboard;
 
-use super::Scenario;
-use super::aebs::LEAST_DECELERATION_MPS2;
-use super::controller::Release;
-use super::faults::{Fault, Target};
-use super::perception::MAX_LATENCY_SCANS;
-use super::plant::Integrator;
-use super::problem::Problem;
-use super::quantity::Acceleration;
-use super::supervision::Restart;
-use super::v2x::{MAX_PROGRAM_PHASES, MAX_SIGNALS, Signal};
+use crate::Problem;
+use crate::Scenario;
+use crate::aebs::LEAST_DECELERATION_MPS2;
+use crate::controller::Release;
+use crate::faults::{Fault, Target};
+use crate::perception::MAX_LATENCY_SCANS;
+use crate::plant::Integrator;
+use crate::quantity::Acceleration;
+use crate::schema::is_default;
+use crate::supervision::Restart;
+use crate::v2x::{MAX_PROGRAM_PHASES, MAX_SIGNALS, Signal};
 use messages::{Service, Topic};
 
 /// Runs every check; the first problem ends it.
@@ -19,17 +23,17 @@ pub(super) fn all(scenario: &Scenario) -> Result<(), Problem> {
     periods(scenario)?;
     plant(scenario)?;
     vehicle(scenario)?;
-    super::plan::check(scenario)?;
+    plan::check(scenario)?;
     perception(scenario)?;
     aebs(scenario)?;
     standby(scenario)?;
     signals(&scenario.v2x.signals)?;
     radio(scenario)?;
     controller(scenario)?;
-    super::own_law::check(scenario)?;
+    laws::check(scenario)?;
     actors::actors(&scenario.actors)?;
-    super::storyboard::check(scenario)?;
-    super::event_script::check(&scenario.actors)
+    storyboard::check(scenario)?;
+    crate::traffic::event_script::check(&scenario.actors)
 }
 
 fn fail<T>(
@@ -293,8 +297,8 @@ fn radio(scenario: &Scenario) -> Result<(), Problem> {
     if scenario.has_obu() {
         return Ok(());
     }
-    let (air, unit, obu) = (v2x.air.is_right(), v2x.unit.is_right(), v2x.obu.is_usual());
-    let origin = v2x.origin.is_usual();
+    let (air, unit, obu) = (is_default(&v2x.air), is_default(&v2x.unit), is_default(&v2x.obu));
+    let origin = is_default(&v2x.origin);
     let unused = [("v2x.origin", origin), ("v2x.air", air), ("v2x.unit", unit), ("v2x.obu", obu)];
     if let Some((table, _)) = unused.into_iter().find(|(_, usual)| !usual) {
         let message = format!("{table} has no effect without frames");
@@ -313,7 +317,7 @@ fn radio(scenario: &Scenario) -> Result<(), Problem> {
 
 /// Frames of other hosts come through the air that there is, into one process.
 fn carrier(scenario: &Scenario) -> Result<(), Problem> {
-    if !scenario.v2x.air.is_right() {
+    if !is_default(&scenario.v2x.air) {
         let message = "the air is simulated for the frames of simulated units alone";
         return Err(Problem::new("v2x.air", message, "v2x.radio = \"frames\"").against("v2x.radio"));
     }

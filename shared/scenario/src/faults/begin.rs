@@ -1,6 +1,7 @@
 //! When a fault begins: at an instant, or by what the ego does and meets.
 
 use messages::Drive;
+use scenario_derive::tables;
 use serde::{Deserialize, Serialize};
 
 use crate::quantity::{AccelerationMagnitude, Distance, Speed, Time};
@@ -71,34 +72,27 @@ impl Begin {
     }
 }
 
-/// Condition on the drive in which a fault begins.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
-#[serde(deny_unknown_fields)]
-pub struct Condition {
-    /// The ego is beyond this place, m.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub position_above_m: Option<Distance>,
-    /// The ego is slower, m/s.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub speed_below_mps: Option<Speed>,
-    /// The ego is faster, m/s.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub speed_above_mps: Option<Speed>,
-    /// The ego brakes harder, m/s².
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub braking_above_mps2: Option<AccelerationMagnitude>,
-    /// The time to collision with the vehicle ahead is shorter, s.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub ttc_below_s: Option<Time>,
-    /// The next stop line is nearer, and its signal shows red, m.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub red_line_below_m: Option<Distance>,
-    /// A vehicle ahead moves sideways towards the ego's lane, or none does.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub cut_in: Option<bool>,
-    /// The ego stands, or it does not.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub standstill: Option<bool>,
+tables! {
+    /// Condition on the drive in which a fault begins.
+    #[derive(Copy)]
+    pub struct Condition {
+        /// The ego is beyond this place, m.
+        pub position_above_m: Option<Distance>,
+        /// The ego is slower, m/s.
+        pub speed_below_mps: Option<Speed>,
+        /// The ego is faster, m/s.
+        pub speed_above_mps: Option<Speed>,
+        /// The ego brakes harder, m/s².
+        pub braking_above_mps2: Option<AccelerationMagnitude>,
+        /// The time to collision with the vehicle ahead is shorter, s.
+        pub ttc_below_s: Option<Time>,
+        /// The next stop line is nearer, and its signal shows red, m.
+        pub red_line_below_m: Option<Distance>,
+        /// A vehicle ahead moves sideways towards the ego's lane, or none does.
+        pub cut_in: Option<bool>,
+        /// The ego stands, or it does not.
+        pub standstill: Option<bool>,
+    }
 }
 
 /// Below this speed the ego stands, m/s.

@@ -1,6 +1,7 @@
 //! The kinds of faults: each is one row with its name, its target and its keys.
 
 use messages::{Service, Topic};
+use scenario_derive::tables;
 use serde::{Deserialize, Serialize};
 
 use super::rows::kinds;
@@ -151,7 +152,7 @@ pub struct SenderFault {
     pub extent: Extent,
 }
 
-/// Messages that a fault acts on.
+/// Messages that a fault acts on. A part of its table, so that it takes no offence at other keys.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Extent {
     /// Probability of each message to be affected.
@@ -161,30 +162,15 @@ pub struct Extent {
     pub for_s: Option<Duration>,
 }
 
-/// A process of a run that is not a service.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
-#[serde(rename_all = "kebab-case")]
-pub enum Helper {
-    /// Writes the recording.
-    Recorder,
-    /// Cleans up after a launcher that was killed.
-    Janitor,
-    /// Starts and supervises all others.
-    Launcher,
-}
-
-impl Helper {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Recorder, Self::Janitor, Self::Launcher];
-
-    /// Name in files and in results.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Recorder => "recorder",
-            Self::Janitor => "janitor",
-            Self::Launcher => "launcher",
-        }
+tables! {
+    /// A process of a run that is not a service.
+    pub enum Helper {
+        /// Writes the recording.
+        Recorder,
+        /// Cleans up after a launcher that was killed.
+        Janitor,
+        /// Starts and supervises all others.
+        Launcher,
     }
 }
 

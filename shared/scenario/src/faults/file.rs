@@ -2,6 +2,7 @@
 
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use toml::Value;
 
 use super::begin::BeginKeys;
 use super::effect::Family;
@@ -9,10 +10,7 @@ use super::{
     Begin, ChannelFault, Disturbance, Effect, Extent, Falsification, Fault, Kind, MAX_FAULTS,
     ProcessFault, SenderFault, TopicName,
 };
-use crate::accepted::accepted;
-use crate::placed::{Parts, Placed};
-use crate::problem::Problem;
-use crate::refusal::Refusal;
+use crate::reading::{self, Problem};
 use crate::schema::{self, Key, Schema, Shape};
 
 /// The key of every fault of a channel.
@@ -22,27 +20,19 @@ struct ChannelKeys {
     topic: TopicName,
 }
 
-/// Takes the list of faults out of a document.
-pub(crate) fn take_from(root: &mut Placed) -> Option<Placed> {
-    root.remove("faults")
-}
-
-/// The faults of a document's list.
+/// Takes the list of faults out of the keys of a scenario.
 ///
 /// # Errors
-/// The first error, with its place.
-pub(crate) fn written(list: Option<&Placed>) -> Result<Vec<Fault>, Problem> {
-    let Some(list) = list else { return Ok(Vec::new()) };
-    let Some(faults) = list.elements() else {
-        return Err(Problem::new("faults", "faults are a list", "[[faults]]").at(list.place()));
-    };
-    if faults.len() > MAX_FAULTS {
-        let message = format!("{} faults", faults.len());
-        let problem = Problem::new("faults", message, format!("at most {MAX_FAULTS}"));
-        return Err(problem.at(list.place()));
+/// The first error.
+pub(crate) fn take_from(keys: &mut Value) -> Result<Vec<Fault>, Problem> {
+    let list = keys.as_table_mut().and_then(|keys| keys.remove("faults"));
+    let Some(Value::Array(list)) = list else { return Ok(Vec::new()) };
+    if list.len() > MAX_FAULTS {
+        let message = format!("{} faults", list.len());
+        return Err(Problem::new("faults", message, format!("at most {MAX_FAULTS}")));
     }
-    let fault = |(i, table)| of_table(table, &format!("faults.{i}"));
-    faults.iter().enumerate().map(fault).collect()
+    let fault = |(i, keys)| of_keys(keys, &format!("faults.{i}"));
+    list.into_iter().enumerate().map(fault).collect()
 }
 
 /// A fault from its keys.
@@ -50,47 +40,45 @@ pub(crate) fn written(list: Option<&Placed>) -> Result<Vec<Fault>, Problem> {
 /// # Errors
 /// The first error; its path is `fault`, or `fault.` and the key.
 pub fn read(keys: toml::Table) -> Result<Fault, Problem> {
-    of_table(&Placed::at(toml::Value::Table(keys), &(0..0)), "fault")
+    let keys = Value::Table(keys);
+    reading::check_form::<Fault>(&keys, "fault")?;
+    of_keys(keys, "fault")
 }
 
-/// The fault of a table, whose place in the document is `path`.
-///
-/// # Errors
-/// The first error.
-pub(crate) fn of_table(table: &Placed, path: &str) -> Result<Fault, Problem> {
-    let Some(entries) = table.entries() else {
-        return Err(Problem::new(path, "a fault is a table", "a table").at(table.place()));
+/// The fault of a table that has the form of one. Each of its parts is a type that reads its own keys of the table.
+fn of_keys(keys: Value, path: &str) -> Result<Fault, Problem> {
+    let kind = keys.get("kind").cloned().unwrap_or(Value::Boolean(false));
+    let kind: Kind = reading::plain(kind, &format!("{path}.kind"))?;
+    // An enum is read from a table with the kind as its only key.
+    let of_kind = || {
+        let kinds = toml::Table::from_iter([(kind.name().to_owned(), keys.clone())]);
+        Value::Table(kinds)
     };
-    let Some(kind) = table.get("kind") else {
-        return Err(Problem::new(path, "a fault needs `kind`", "`kind`").at(table.place()));
+    let below = |problem: Problem| {
+        let path = problem.path.replacen(&format!("{path}.{kind}"), path, 1);
+        Problem { path, ..problem }
     };
-    let kind = Kind::deserialize(kind).map_err(|refusal| {
-        let problem = Problem::new(format!("{path}.kind"), refusal.message(), refusal.expected());
-        problem.at(refusal.place().cloned().unwrap_or_else(|| kind.place()))
-    })?;
-    let keys = Parts::new(table, "kind", kind.name());
-    let (effect, begin) = parts(kind, &keys).map_err(|refusal| {
-        let (message, expected) = match refusal.missing() {
-            Some(key) => (format!("a fault of kind `{kind}` needs `{key}`"), format!("`{key}`")),
-            None => (refusal.message().to_owned(), refusal.expected().to_owned()),
-        };
-        let path = refusal.key().map_or(path.to_owned(), |key| format!("{path}.{key}"));
-        let place = refusal.place().cloned().unwrap_or_else(|| table.place());
-        Problem::new(path, message, expected).at(place)
-    })?;
-    let known = keys.known();
-    if let Some((key, value)) = entries.iter().find(|(key, _)| !known.contains(&key.as_str())) {
-        let message = format!("`{key}` means nothing for a fault of kind `{kind}`");
-        let problem = Problem::new(format!("{path}.{key}"), message, accepted(key, known));
-        return Err(problem.at(value.key_place().unwrap_or_else(|| value.place())));
-    }
-    let at = |key: &str| table.get(key).unwrap_or(table).place();
-    let refuse = |key: &str, message: &str, expected: String| {
-        Err(Problem::new(format!("{path}.{key}"), message, expected).at(at(key)))
+    let effect = match kind.family() {
+        Family::Process => Effect::Process(reading::plain(of_kind(), path).map_err(below)?),
+        Family::Channel => {
+            let disturbance = reading::plain(of_kind(), path).map_err(below)?;
+            let ChannelKeys { topic } = reading::plain(keys.clone(), path)?;
+            let extent = reading::plain(keys.clone(), path)?;
+            Effect::Channel(ChannelFault { disturbance, topic, extent })
+        }
+        Family::Sender => {
+            let falsification = reading::plain(of_kind(), path).map_err(below)?;
+            let extent = reading::plain(keys.clone(), path)?;
+            Effect::Sender(SenderFault { falsification, extent })
+        }
     };
+    let begin: BeginKeys = reading::plain(keys, path)?;
     if begin.at_s.is_some() && begin.when.is_some() {
-        let expected = "one of `at_s` and `when`".to_owned();
-        return refuse("when", "the fault has a time and a condition", expected);
+        return Err(Problem::new(
+            format!("{path}.when"),
+            "the fault has a time and a condition",
+            "one of `at_s` and `when`",
+        ));
     }
     if let Effect::Sender(SenderFault {
         falsification: Falsification::Bias { topic, field, .. },
@@ -98,29 +86,13 @@ pub(crate) fn of_table(table: &Placed, path: &str) -> Result<Fault, Problem> {
     }) = &effect
         && field.topic() != topic.0
     {
-        let message = format!("{} has no such figure", topic.0.name());
-        let expected = format!("a figure of that topic, or topic = \"{}\"", field.topic().name());
-        return refuse("field", &message, expected);
+        return Err(Problem::new(
+            format!("{path}.field"),
+            format!("{} has no such figure", topic.0.name()),
+            format!("a figure of that topic, or topic = \"{}\"", field.topic().name()),
+        ));
     }
     Ok(Fault { begin: Begin::from(begin), effect })
-}
-
-/// The parts of a fault of that kind, each from the keys of its own.
-fn parts(kind: Kind, keys: &Parts<'_>) -> Result<(Effect, BeginKeys), Refusal> {
-    let effect = match kind.family() {
-        Family::Process => Effect::Process(ProcessFault::deserialize(keys)?),
-        Family::Channel => {
-            let disturbance = Disturbance::deserialize(keys)?;
-            let ChannelKeys { topic } = ChannelKeys::deserialize(keys)?;
-            let extent = Extent::deserialize(keys)?;
-            Effect::Channel(ChannelFault { disturbance, topic, extent })
-        }
-        Family::Sender => {
-            let falsification = Falsification::deserialize(keys)?;
-            Effect::Sender(SenderFault { falsification, extent: Extent::deserialize(keys)? })
-        }
-    };
-    Ok((effect, BeginKeys::deserialize(keys)?))
 }
 
 /// The keys of a fault of that kind beside `kind`, with their ranges. They serve a reference, or a search over faults.
@@ -183,13 +155,9 @@ impl Fault {
 
 /// The keys of a family's enum, which is written as a table with the kind as its only key.
 fn own(family: &impl Serialize) -> Result<toml::Table, toml::ser::Error> {
-    let written = toml::Value::try_from(family)?;
-    let kinds = written.as_table().into_iter().flatten();
-    Ok(kinds
-        .filter_map(|(_, keys)| keys.as_table())
-        .flatten()
-        .map(|(key, value)| (key.clone(), value.clone()))
-        .collect())
+    let kinds = Value::try_from(family)?;
+    let keys = kinds.as_table().and_then(|kinds| kinds.values().next()?.as_table());
+    Ok(keys.cloned().unwrap_or_default())
 }
 
 impl Serialize for Fault {

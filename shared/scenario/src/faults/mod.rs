@@ -25,19 +25,12 @@ pub use effect::{
     ChannelFault, Disturbance, Effect, Extent, Falsification, Helper, Kind, ProcessFault,
     SenderFault, Target,
 };
+pub(super) use file::take_from;
 pub use file::{keys_of, read};
-pub(super) use file::{of_table, take_from, written};
 pub use topic::{BiasedField, NoSuchTopic, TopicName};
-
-use serde::Deserializer;
 
 /// Most faults in one scenario.
 pub const MAX_FAULTS: usize = 64;
-
-/// The list within a scenario, whose table has been taken out before: only the key's name is known there.
-pub(super) fn taken<'de, D: Deserializer<'de>>(_: D) -> Result<Vec<Fault>, D::Error> {
-    Ok(Vec::new())
-}
 
 /// A fault.
 #[derive(Clone, Debug, PartialEq)]

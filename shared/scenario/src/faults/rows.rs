@@ -64,28 +64,19 @@ macro_rules! kinds {
             }
         )+
 
-        /// Kind of a fault: its name in files, on the command line and in results.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-        pub enum Kind {
-            $($(
-                $(#[$doc])*
-                #[serde(rename = $name)]
-                $kind,
-            )+)+
+        tables! {
+            /// Kind of a fault: its name in files, on the command line and in results.
+            #[derive(PartialOrd, Ord)]
+            pub enum Kind {
+                $($(
+                    $(#[$doc])*
+                    #[serde(rename = $name)]
+                    $kind,
+                )+)+
+            }
         }
 
         impl Kind {
-            /// All kinds.
-            pub const ALL: [Self; [$($($name),+),+].len()] = [$($(Self::$kind),+),+];
-
-            /// Name in files, on the command line and in results.
-            #[must_use]
-            pub const fn name(self) -> &'static str {
-                match self {
-                    $($(Self::$kind => $name,)+)+
-                }
-            }
-
             /// The family that it belongs to.
             pub(super) const fn family(self) -> Family {
                 match self {

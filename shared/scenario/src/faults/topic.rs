@@ -1,24 +1,25 @@
 //! The messages that a fault can act on, and the figures in them.
 
 use messages::{Role, TOPICS, Topic};
+use scenario_derive::tables;
 use serde::{Deserialize, Serialize};
 
-use crate::accepted::accepted;
-use crate::refusal::{Explained, read_from};
+use crate::accepted;
 use crate::schema::{Schema, Shape};
 
-/// A figure that a `bias` can falsify.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
-#[serde(rename_all = "snake_case")]
-pub enum BiasedField {
-    /// `radar/tracks`: gap to the target, m.
-    GapM,
-    /// `radar/tracks`: relative speed of the target, m/s.
-    RelativeSpeedMps,
-    /// `vehicle/odometry`: speed, m/s.
-    SpeedMps,
-    /// `v2x/spat`: all ends of intervals, s.
-    EndS,
+tables! {
+    /// A figure that a `bias` can falsify.
+    #[serde(rename_all = "snake_case")]
+    pub enum BiasedField {
+        /// `radar/tracks`: gap to the target, m.
+        GapM,
+        /// `radar/tracks`: relative speed of the target, m/s.
+        RelativeSpeedMps,
+        /// `vehicle/odometry`: speed, m/s.
+        SpeedMps,
+        /// `v2x/spat`: all ends of intervals, s.
+        EndS,
+    }
 }
 
 impl BiasedField {
@@ -34,8 +35,8 @@ impl BiasedField {
 }
 
 /// A topic by its name, one whose messages can be disturbed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(into = "String")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
 pub struct TopicName(pub Topic);
 
 impl TopicName {
@@ -47,17 +48,9 @@ impl TopicName {
 
 /// A name of no topic whose messages can be disturbed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{}, expected {}", self.message(), self.expected())]
-pub struct NoSuchTopic(String);
-
-impl Explained for NoSuchTopic {
-    fn message(&self) -> String {
-        format!("no messages of `{}` can be disturbed", self.0)
-    }
-
-    fn expected(&self) -> String {
-        accepted(&self.0, TopicName::all().map(Topic::name))
-    }
+#[error("no messages of `{name}` can be disturbed, expected {}", accepted(.name, TopicName::all().map(Topic::name)))]
+pub struct NoSuchTopic {
+    name: String,
 }
 
 impl Schema for TopicName {
@@ -66,14 +59,12 @@ impl Schema for TopicName {
     }
 }
 
-read_from!(TopicName, String);
-
 impl TryFrom<String> for TopicName {
     type Error = NoSuchTopic;
 
     fn try_from(name: String) -> Result<Self, NoSuchTopic> {
         let found = Self::all().find(|topic| topic.name() == name);
-        found.map(Self).ok_or(NoSuchTopic(name))
+        found.map(Self).ok_or(NoSuchTopic { name })
     }
 }
 

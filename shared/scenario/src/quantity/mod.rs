@@ -15,112 +15,114 @@ mod range;
 
 pub use range::{OutOfRange, Range};
 
-use range::{quantity, whole};
+use range::quantities;
 
-quantity! {
+quantities! {
+    f64, "f64", false, ():
     /// A speed, m/s.
-    Speed: "a speed", 0.0, 100.0, "m/s";
+    Speed: f64, "a speed", 0.0, 100.0, "m/s";
     /// A signed acceleration, m/s².
-    Acceleration: "an acceleration", -30.0, 30.0, "m/s²";
+    Acceleration: f64, "an acceleration", -30.0, 30.0, "m/s²";
     /// The magnitude of an acceleration, m/s², not zero.
-    AccelerationMagnitude: "an acceleration", 0.01, 30.0, "m/s²", ", without a sign";
+    AccelerationMagnitude: f64, "an acceleration", 0.01, 30.0, "m/s²", ", without a sign";
     /// A rate of change of acceleration, m/s³, not zero.
-    JerkMagnitude: "a rate", 0.1, 1000.0, "m/s³", ", without a sign";
+    JerkMagnitude: f64, "a rate", 0.1, 1000.0, "m/s³", ", without a sign";
     /// A difference of two speeds, m/s.
-    SpeedDifference: "a difference of speeds", -200.0, 200.0, "m/s";
+    SpeedDifference: f64, "a difference of speeds", -200.0, 200.0, "m/s";
     /// A distance along the road, m.
-    Distance: "a distance", 0.0, 1e6, "m";
+    Distance: f64, "a distance", 0.0, 1e6, "m";
     /// A length of something that exists, m.
-    Length: "a length", 0.1, 1000.0, "m";
+    Length: f64, "a length", 0.1, 1000.0, "m";
     /// A range that a sensor or radio reaches, m.
-    Reach: "a range", 1.0, 1e5, "m";
+    Reach: f64, "a range", 1.0, 1e5, "m";
     /// A lateral position, m, left positive.
-    Lateral: "a lateral position", -50.0, 50.0, "m";
+    Lateral: f64, "a lateral position", -50.0, 50.0, "m";
     /// A point in time or a waiting time, s.
-    Time: "a time", 0.0, 86_400.0, "s";
+    Time: f64, "a time", 0.0, 86_400.0, "s";
     /// A shift in time, s.
-    TimeShift: "a time", -86_400.0, 86_400.0, "s";
+    TimeShift: f64, "a time", -86_400.0, 86_400.0, "s";
     /// A time that passes, s.
-    Duration: "a duration", 1e-3, 86_400.0, "s";
+    Duration: f64, "a duration", 1e-3, 86_400.0, "s";
     /// A time constant or a time headway, s.
-    TimeConstant: "a time constant", 1e-3, 100.0, "s";
+    TimeConstant: f64, "a time constant", 1e-3, 100.0, "s";
     /// A standard deviation, in the unit of the key.
-    Sigma: "a standard deviation", 0.0, 100.0, "";
+    Sigma: f64, "a standard deviation", 0.0, 100.0, "";
     /// A multiple of a standard deviation.
-    SigmaMultiple: "a multiple of sigma", 1.0, 100.0, "";
+    SigmaMultiple: f64, "a multiple of sigma", 1.0, 100.0, "";
     /// A probability.
-    Probability: "a probability", 0.0, 1.0, "";
+    Probability: f64, "a probability", 0.0, 1.0, "";
     /// A share of a whole.
-    Share: "a share", 0.0, 1.0, "";
+    Share: f64, "a share", 0.0, 1.0, "";
     /// An opening angle, degrees.
-    Angle: "an angle", 0.1, 360.0, "degrees";
+    Angle: f64, "an angle", 0.1, 360.0, "degrees";
     /// A height above any level, m.
-    Height: "a height", -500.0, 9000.0, "m";
+    Height: f64, "a height", -500.0, 9000.0, "m";
     /// A grade, percent, positive uphill.
-    GradePercent: "a grade", -20.0, 20.0, "%";
+    GradePercent: f64, "a grade", -20.0, 20.0, "%";
     /// The magnitude of a grade, percent, not zero.
-    GradeMagnitude: "a grade", 0.01, 20.0, "%", ", without a sign";
+    GradeMagnitude: f64, "a grade", 0.01, 20.0, "%", ", without a sign";
     /// The length of a road, km.
-    RoadLength: "a length", 1.0, 500.0, "km";
+    RoadLength: f64, "a length", 1.0, 500.0, "km";
     /// The length of a piece of a road, m.
-    PieceLength: "a length", 0.1, 1e6, "m";
+    PieceLength: f64, "a length", 0.1, 1e6, "m";
     /// The radius of a curve, m.
-    CurveRadius: "a radius", 20.0, 1e10, "m";
+    CurveRadius: f64, "a radius", 20.0, 1e10, "m";
     /// A coordinate in the plane, m.
-    Coordinate: "a coordinate", -1e6, 1e6, "m";
+    Coordinate: f64, "a coordinate", -1e6, 1e6, "m";
     /// A heading in the plane, degrees counter-clockwise from x.
-    HeadingDeg: "a heading", -360.0, 360.0, "degrees";
+    HeadingDeg: f64, "a heading", -360.0, 360.0, "degrees";
     /// A moment of inertia, kg m².
-    Inertia: "a moment of inertia", 10.0, 1e7, "kg m²";
+    Inertia: f64, "a moment of inertia", 10.0, 1e7, "kg m²";
     /// A compliance of tyres: slip angle by lateral acceleration, rad per m/s².
-    SlipCompliance: "a slip angle by acceleration", 1e-4, 0.1, "rad per m/s²";
+    SlipCompliance: f64, "a slip angle by acceleration", 1e-4, 0.1, "rad per m/s²";
     /// A gradient of understeer, rad per m/s²; negative: oversteer.
-    Understeer: "a gradient", -0.002, 0.05, "rad per m/s²";
+    Understeer: f64, "a gradient", -0.002, 0.05, "rad per m/s²";
     /// An angular frequency, rad/s.
-    AngularFrequency: "a frequency", 0.01, 20.0, "rad/s";
+    AngularFrequency: f64, "a frequency", 0.01, 20.0, "rad/s";
     /// A ratio of damping.
-    Damping: "a damping", 0.1, 5.0, "";
+    Damping: f64, "a damping", 0.1, 5.0, "";
     /// A share of a length, away from its ends.
-    InnerShare: "a share", 0.1, 0.9, "";
+    InnerShare: f64, "a share", 0.1, 0.9, "";
     /// An error in the position of a map, m, positive when the map is too far ahead.
-    MapShift: "a shift", -1000.0, 1000.0, "m";
+    MapShift: f64, "a shift", -1000.0, 1000.0, "m";
     /// A latitude, degrees, north positive.
-    Latitude: "a latitude", -89.0, 89.0, "degrees";
+    Latitude: f64, "a latitude", -89.0, 89.0, "degrees";
     /// A longitude, degrees, east positive.
-    Longitude: "a longitude", -180.0, 180.0, "degrees";
+    Longitude: f64, "a longitude", -180.0, 180.0, "degrees";
     /// A heading, degrees clockwise from north.
-    Heading: "a heading", 0.0, 360.0, "degrees";
+    Heading: f64, "a heading", 0.0, 360.0, "degrees";
     /// A torque at the crankshaft, N m.
-    Torque: "a torque", -5000.0, 5000.0, "N m";
+    Torque: f64, "a torque", -5000.0, 5000.0, "N m";
     /// A rate of change of torque, N m/s, not zero.
-    TorqueRate: "a rate", 10.0, 1e6, "N m/s";
+    TorqueRate: f64, "a rate", 10.0, 1e6, "N m/s";
     /// A noise, percent.
-    Percent: "a number", 0.0, 100.0, "%";
+    Percent: f64, "a number", 0.0, 100.0, "%";
     /// A factor on a mass.
-    MassFactor: "a factor", 0.5, 2.0, "";
+    MassFactor: f64, "a factor", 0.5, 2.0, "";
     /// A mass, kg.
-    Mass: "a mass", 100.0, 100_000.0, "kg";
+    Mass: f64, "a mass", 100.0, 100_000.0, "kg";
     /// A power, kW.
-    Power: "a power", 1.0, 10_000.0, "kW";
+    Power: f64, "a power", 1.0, 10_000.0, "kW";
     /// A deviation, in the unit of the figure that deviates.
-    Shift: "a number", -1e4, 1e4, "";
+    Shift: f64, "a number", -1e4, 1e4, "";
     /// A ratio of powers, dB.
-    Decibels: "a level", -100.0, 100.0, "dB";
+    Decibels: f64, "a level", -100.0, 100.0, "dB";
     /// A loss of power, dB.
-    Loss: "a loss", 0.0, 100.0, "dB";
+    Loss: f64, "a loss", 0.0, 100.0, "dB";
     /// A radar cross section, dB relative to 1 m².
-    CrossSection: "a radar cross section", -40.0, 60.0, "dBsm";
+    CrossSection: f64, "a radar cross section", -40.0, 60.0, "dBsm";
     /// A mean number of events in a scan.
-    MeanCount: "a mean number", 0.0, 2000.0, "";
+    MeanCount: f64, "a mean number", 0.0, 2000.0, "";
     /// A number of objects on a kilometre.
-    PerKilometre: "a number", 0.0, 2000.0, "per km";
+    PerKilometre: f64, "a number", 0.0, 2000.0, "per km";
     /// A weight in a cost function.
-    Weight: "a weight", 0.0, 1e12, "";
+    Weight: f64, "a weight", 0.0, 1e12, "";
     /// A weight in a cost function that must not be zero.
-    PositiveWeight: "a weight", 1e-9, 1e12, "";
+    PositiveWeight: f64, "a weight", 1e-9, 1e12, "";
 }
 
-whole! {
+quantities! {
+    i64, "i64", true, (Eq, Ord):
     /// A period, ms.
     PeriodMs: u32, "a period", 1, 10_000, "ms", ", a whole number";
     /// A delay, ms.
@@ -153,57 +155,26 @@ whole! {
     SignalGroupId: u8, "a signal group id", 1, 254, "";
 }
 
-impl Default for Coordinate {
-    fn default() -> Self {
-        Self::of(0.0)
-    }
+/// Times as nanoseconds.
+macro_rules! nanoseconds {
+    ($($name:ident: |$value:ident| $nanoseconds:expr;)+) => {$(
+        impl $name {
+            /// The time in nanoseconds, rounded to the nearest.
+            #[must_use]
+            #[inline]
+            pub const fn nanoseconds(self) -> u64 {
+                let $value = self.0;
+                $nanoseconds
+            }
+        }
+    )+};
 }
 
-impl Default for HeadingDeg {
-    fn default() -> Self {
-        Self::of(0.0)
-    }
-}
-
-impl PeriodMs {
-    /// The period in nanoseconds.
-    #[must_use]
-    #[inline]
-    pub const fn nanoseconds(self) -> u64 {
-        self.0 as u64 * 1_000_000
-    }
-}
-
-impl DelayMs {
-    /// The delay in nanoseconds.
-    #[must_use]
-    #[inline]
-    pub const fn nanoseconds(self) -> u64 {
-        self.0 as u64 * 1_000_000
-    }
-}
-
-impl Time {
-    /// The time in nanoseconds, rounded to the nearest.
-    #[must_use]
-    #[inline]
-    pub fn nanoseconds(self) -> u64 {
-        seconds_to_nanoseconds(self.0)
-    }
-}
-
-impl Duration {
-    /// The duration in nanoseconds, rounded to the nearest.
-    #[must_use]
-    #[inline]
-    pub fn nanoseconds(self) -> u64 {
-        seconds_to_nanoseconds(self.0)
-    }
-}
-
-#[inline]
-fn seconds_to_nanoseconds(seconds: f64) -> u64 {
-    (seconds * 1e9).round() as u64
+nanoseconds! {
+    PeriodMs: |ms| ms as u64 * 1_000_000;
+    DelayMs: |ms| ms as u64 * 1_000_000;
+    Time: |s| (s * 1e9).round() as u64;
+    Duration: |s| (s * 1e9).round() as u64;
 }
 
 #[cfg(test)]

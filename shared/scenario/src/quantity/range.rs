@@ -1,4 +1,4 @@
-//! Ranges as data and in words, and the macros that declare quantities.
+//! Ranges as data and in words, and the macro that declares quantities.
 
 use std::fmt;
 
@@ -60,114 +60,19 @@ impl<T: End> fmt::Display for Range<T> {
     }
 }
 
-impl<T: End> crate::refusal::Explained for OutOfRange<T> {
-    fn message(&self) -> String {
-        format!("{} is out of range", self.value)
-    }
-
-    fn expected(&self) -> String {
-        self.range.to_string()
-    }
-}
-
-/// Implements reading and the schema of a quantity with a `RANGE`, which is read as a `$number`.
-macro_rules! read_as {
-    ($name:ident, $number:ty, $is_whole:literal) => {
-        impl<'de> serde::Deserialize<'de> for $name {
-            fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-                crate::refusal::convert::<$number, Self, D>(deserializer)
-            }
-        }
-
-        impl crate::schema::Schema for $name {
-            fn shape() -> crate::schema::Shape {
-                let range = Some((Self::RANGE.least as f64, Self::RANGE.most as f64));
-                crate::schema::Shape::Number { is_whole: $is_whole, range, unit: Self::RANGE.unit }
-            }
-
-            fn expected() -> Option<String> {
-                Some(Self::RANGE.to_string())
-            }
-        }
-    };
-}
-
-/// Declares newtypes over `f64` that are always finite and inside their range:
-/// `Name: "what it is", least, most, "unit", "remark";`.
-macro_rules! quantity {
-    ($(
-        $(#[$doc:meta])*
-        $name:ident: $what:literal, $least:expr, $most:expr, $unit:literal $(, $remark:literal)?;
-    )+) => {$(
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, serde::Serialize)]
-        #[serde(into = "f64")]
-        pub struct $name(f64);
-
-        impl $name {
-            /// Range of the values.
-            pub const RANGE: Range<f64> = Range {
-                what: $what,
-                least: $least,
-                most: $most,
-                unit: $unit,
-                remark: concat!($($remark)?),
-            };
-
-            /// Wraps a literal.
-            ///
-            /// # Panics
-            /// When the value is outside the range of the type.
-            #[must_use]
-            pub const fn of(value: f64) -> Self {
-                assert!(value >= $least, $what);
-                assert!(value <= $most, $what);
-                Self(value)
-            }
-
-            /// The number, in the unit that the key's name carries.
-            #[must_use]
-            #[inline]
-            pub const fn value(self) -> f64 {
-                self.0
-            }
-        }
-
-        impl TryFrom<f64> for $name {
-            type Error = OutOfRange<f64>;
-
-            fn try_from(value: f64) -> Result<Self, OutOfRange<f64>> {
-                let is_inside = ($least..=$most).contains(&value);
-                is_inside.then_some(Self(value)).ok_or(OutOfRange { value, range: Self::RANGE })
-            }
-        }
-
-        impl From<$name> for f64 {
-            fn from(quantity: $name) -> f64 {
-                quantity.0
-            }
-        }
-
-        range::read_as!($name, f64, false);
-    )+};
-}
-
-/// Declares newtypes over whole numbers inside a range:
-/// `Name: type, "what it is", least, most, "unit", "remark";`.
-macro_rules! whole {
-    ($(
+/// Declares newtypes over numbers that are always inside their range, and so finite:
+/// `Name: type, "what it is", least, most, "unit", "remark";`. A file holds a `$number`.
+macro_rules! quantities {
+    ($number:ty, $text:literal, $is_whole:literal, $traits:tt: $(
         $(#[$doc:meta])*
         $name:ident: $repr:ty, $what:literal, $least:expr, $most:expr, $unit:literal
         $(, $remark:literal)?;
     )+) => {$(
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Serialize)]
-        #[serde(into = "i64")]
-        pub struct $name($repr);
+        quantities! { @type $traits $text, $(#[$doc])* $name: $repr }
 
         impl $name {
             /// Range of the values.
-            pub const RANGE: Range<i64> = Range {
+            pub const RANGE: Range<$number> = Range {
                 what: $what,
                 least: $least,
                 most: $most,
@@ -181,8 +86,8 @@ macro_rules! whole {
             /// When the value is outside the range of the type.
             #[must_use]
             pub const fn of(value: $repr) -> Self {
-                assert!(value as i64 >= $least, $what);
-                assert!(value as i64 <= $most, $what);
+                assert!(value as $number >= $least, $what);
+                assert!(value as $number <= $most, $what);
                 Self(value)
             }
 
@@ -194,24 +99,40 @@ macro_rules! whole {
             }
         }
 
-        impl TryFrom<i64> for $name {
-            type Error = OutOfRange<i64>;
+        impl TryFrom<$number> for $name {
+            type Error = OutOfRange<$number>;
 
-            fn try_from(value: i64) -> Result<Self, OutOfRange<i64>> {
+            fn try_from(value: $number) -> Result<Self, OutOfRange<$number>> {
                 let is_inside = ($least..=$most).contains(&value);
                 let refused = OutOfRange { value, range: Self::RANGE };
                 is_inside.then_some(Self(value as $repr)).ok_or(refused)
             }
         }
 
-        impl From<$name> for i64 {
-            fn from(number: $name) -> i64 {
-                number.0 as i64
+        impl From<$name> for $number {
+            fn from(quantity: $name) -> $number {
+                quantity.0 as $number
             }
         }
 
-        range::read_as!($name, i64, true);
+        impl crate::schema::Schema for $name {
+            fn shape() -> crate::schema::Shape {
+                let range = Some((Self::RANGE.least as f64, Self::RANGE.most as f64));
+                crate::schema::Shape::Number { is_whole: $is_whole, range, unit: Self::RANGE.unit }
+            }
+
+            fn expected() -> Option<String> {
+                Some(Self::RANGE.to_string())
+            }
+        }
     )+};
+    (@type ($($trait:ident),*) $text:literal, $(#[$doc:meta])* $name:ident: $repr:ty) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, serde::Serialize, serde::Deserialize)]
+        #[derive($($trait),*)]
+        #[serde(try_from = $text, into = $text)]
+        pub struct $name($repr);
+    };
 }
 
-pub(super) use {quantity, read_as, whole};
+pub(super) use quantities;

@@ -15,13 +15,16 @@
 
 mod types;
 
-use crate::Scenario;
+use std::any::TypeId;
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
+
 use serde::Serialize;
 
 pub use scenario_derive::Schema;
 
 /// A type that reads a value of a scenario file.
-pub trait Schema {
+pub trait Schema: Sized + 'static {
     /// True if a key of this type can always be left out.
     const IS_OPTION: bool = false;
 
@@ -56,8 +59,8 @@ pub enum Shape {
     },
     /// A list of such values.
     List(Box<Shape>),
-    /// A list with one value of each of these types.
-    Tuple(Vec<Shape>),
+    /// A list with one value of each of these types, and what it is in words.
+    Tuple(Vec<Shape>, &'static str),
     /// A table with these keys and no others.
     Table(Vec<Key>),
     /// One of these words; a variant with a shape is the only key of a table.
@@ -152,7 +155,7 @@ impl Shape {
             Self::Boolean
             | Self::Number { .. }
             | Self::Text { .. }
-            | Self::Tuple(_)
+            | Self::Tuple(..)
             | Self::Choice(_) => true,
         }
     }
@@ -167,31 +170,21 @@ pub fn keys_of<T: Schema>() -> Vec<Key> {
     }
 }
 
-/// The keys of a scenario file.
-#[must_use]
-pub fn keys() -> Vec<Key> {
-    keys_of::<Scenario>()
-}
-
-/// The dotted path of the only key of a scenario file with this name.
-pub(super) fn path_of(name: &str) -> Option<String> {
-    let mut found = Vec::new();
-    collect_paths(&keys(), "", name, &mut found);
-    let path = found.pop()?;
-    found.is_empty().then_some(path)
-}
-
-fn collect_paths(keys: &[Key], above: &str, name: &str, found: &mut Vec<String>) {
-    for key in keys {
-        let path =
-            if above.is_empty() { key.name.clone() } else { format!("{above}.{}", key.name) };
-        if let Shape::Table(below) = &key.shape {
-            collect_paths(below, &path, name, found);
-        }
-        if key.name == name {
-            found.push(path);
-        }
+/// The form of a type's values, which is made once in a process.
+pub fn shape_of<T: Schema>() -> &'static Shape {
+    static SHAPES: Mutex<BTreeMap<TypeId, &'static Shape>> = Mutex::new(BTreeMap::new());
+    let known = |shapes: &BTreeMap<_, &'static Shape>| shapes.get(&TypeId::of::<T>()).copied();
+    let lock = || SHAPES.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some(shape) = known(&lock()) {
+        return shape;
     }
+    let shape = Box::leak(Box::new(T::shape()));
+    lock().entry(TypeId::of::<T>()).or_insert(shape)
+}
+
+/// True if a value is its type's own default.
+pub(crate) fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
 }
 
 #[cfg(test)]
@@ -214,22 +207,22 @@ mod tests {
 
     #[test]
     fn ranges_defaults_and_meanings_come_from_the_types() {
-        let keys = keys();
-        let period = find(&keys, "plant.period_ms");
+        let keys = crate::keys();
+        let period = find(keys, "plant.period_ms");
         let milliseconds =
             Shape::Number { is_whole: true, range: Some((1.0, 10_000.0)), unit: "ms" };
         assert_eq!(period.shape, milliseconds);
         assert_eq!(period.default, Some(toml::Value::Integer(10)));
-        assert!(find(&keys, "name").is_required && !period.is_required);
-        assert_eq!(find(&keys, "set_speed_mps").default, Some(toml::Value::Float(33.3)));
-        assert_eq!(find(&keys, "speed_limit_mps").default, None);
-        assert!(!find(&keys, "speed_limit_mps").is_required);
-        assert_eq!(find(&keys, "actors.length_m").default, Some(toml::Value::Float(4.5)));
-        assert!(find(&keys, "actors.gap_m").is_required);
-        assert_eq!(find(&keys, "runtime.scheduling").default, Some("fifo".into()));
-        let Shape::Choice(policies) = &find(&keys, "supervision.restart").shape else { panic!() };
+        assert!(find(keys, "name").is_required && !period.is_required);
+        assert_eq!(find(keys, "set_speed_mps").default, Some(toml::Value::Float(33.3)));
+        assert_eq!(find(keys, "speed_limit_mps").default, None);
+        assert!(!find(keys, "speed_limit_mps").is_required);
+        assert_eq!(find(keys, "actors.length_m").default, Some(toml::Value::Float(4.5)));
+        assert!(find(keys, "actors.gap_m").is_required);
+        assert_eq!(find(keys, "runtime.scheduling").default, Some("fifo".into()));
+        let Shape::Choice(policies) = &find(keys, "supervision.restart").shape else { panic!() };
         assert_eq!((policies[1].name.as_str(), &policies[1].shape), ("on-failure", &None));
-        let Shape::Choice(profiles) = &find(&keys, "actors.profile").shape else { panic!() };
+        let Shape::Choice(profiles) = &find(keys, "actors.profile").shape else { panic!() };
         let sine = profiles.iter().find(|variant| variant.name == "sine").expect("it is there");
         let Some(Shape::Table(keys)) = &sine.shape else { panic!("{sine:?}") };
         assert_eq!(keys.len(), 3);
@@ -238,8 +231,8 @@ mod tests {
 
     #[test]
     fn each_kind_of_fault_has_its_own_keys() {
-        let keys = keys();
-        let Shape::List(fault) = &find(&keys, "faults").shape else { panic!("a list") };
+        let keys = crate::keys();
+        let Shape::List(fault) = &find(keys, "faults").shape else { panic!("a list") };
         let Shape::Kinds(kinds) = &**fault else { panic!("{fault:?}") };
         let of = |kind: &str| &kinds.iter().find(|(name, _)| name == kind).expect(kind).1;
         let names: Vec<_> = of("delay").iter().map(|key| key.name.as_str()).collect();
@@ -277,7 +270,7 @@ mod tests {
     #[test]
     fn every_key_has_a_meaning() {
         let mut without = Vec::new();
-        check(&keys(), "", &mut without);
+        check(crate::keys(), "", &mut without);
         assert_eq!(without, [] as [&str; 0]);
     }
 }

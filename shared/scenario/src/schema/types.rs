@@ -59,7 +59,14 @@ impl<T: Schema> Schema for Vec<T> {
 }
 
 /// A table whose keys are names of the author's.
-impl<T> Schema for BTreeMap<String, T> {
+impl<T: 'static> Schema for BTreeMap<String, T> {
+    fn shape() -> Shape {
+        Shape::Free
+    }
+}
+
+/// A table that its reader keeps as it is.
+impl Schema for toml::Table {
     fn shape() -> Shape {
         Shape::Free
     }

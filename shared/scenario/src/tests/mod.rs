@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::open::Place;
+use crate::reading::Place;
 
 mod files;
 mod overrides;
@@ -16,12 +16,22 @@ fn refusal(rest: &str) -> String {
     Scenario::parse("x.toml", &text).expect_err("this scenario is wrong").to_string()
 }
 
+/// The scenario of a text that stands for a built-in one: keys without effect are judged.
+fn build(
+    text: &str,
+    overrides: &Overrides,
+    check: &dyn Fn(&Scenario) -> Result<Reads, Problem>,
+) -> Result<Scenario, ScenarioError> {
+    let document = Document::parse("x.toml", text, overrides)?;
+    Scenario::of_document(&document, Place::BuiltIn(None), check)
+}
+
 fn open(text: &str, arguments: &[&str]) -> Result<Scenario, ScenarioError> {
     let mut overrides = Overrides::new();
     for argument in arguments {
         overrides.set(argument)?;
     }
-    Scenario::build("x.toml", text, &overrides, Place::BuiltIn(None), &|_| Ok(Default::default()))
+    build(text, &overrides, &|_| Ok(Default::default()))
 }
 
 #[test]
@@ -118,10 +128,8 @@ fn a_lead_drives_a_standard_cycle() {
 fn a_radar_has_one_model() {
     let model = |keys: &str| {
         let text = format!("schema_version = 1\nname = \"x\"\n[perception]\n{keys}");
-        Scenario::build("x.toml", &text, &Overrides::new(), Place::BuiltIn(None), &|_| {
-            Ok(Default::default())
-        })
-        .map(|scenario| (scenario.perception.model(), scenario.to_toml()))
+        build(&text, &Overrides::new(), &|_| Ok(Default::default()))
+            .map(|scenario| (scenario.perception.model(), scenario.to_toml()))
     };
     for one in
         ["ideal = true\n", "radar.model = \"ideal\"\n", "ideal = true\nradar.model = \"ideal\"\n"]
@@ -129,10 +137,7 @@ fn a_radar_has_one_model() {
         let (found, effective) = model(one).expect("one model");
         assert_eq!(found, perception::RadarModel::Ideal, "{one}");
         // The effective scenario can be opened again.
-        Scenario::build("x.toml", &effective, &Overrides::new(), Place::BuiltIn(None), &|_| {
-            Ok(Default::default())
-        })
-        .expect(one);
+        build(&effective, &Overrides::new(), &|_| Ok(Default::default())).expect(one);
     }
     for other in ["detections", "object-list"] {
         let error =

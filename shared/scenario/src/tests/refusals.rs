@@ -212,7 +212,7 @@ fn a_name_cannot_lead_out_of_the_run_directory() {
 #[test]
 fn a_law_can_refuse_its_own_parameters_with_their_place() {
     let text = format!("{SHORT}[controller.six_mode]\nrange_m = \"far\"\n");
-    let shown = Scenario::build("x.toml", &text, &Overrides::new(), Place::BuiltIn(None), &|_| {
+    let shown = build(&text, &Overrides::new(), &|_| {
         Err(Problem::new("controller.six_mode.range_m", "not a range", "metres"))
     })
     .expect_err("the law refuses it")

@@ -88,7 +88,7 @@ pub static PREDICTIVE: Descriptor = Descriptor {
 fn build(reader: &Reader<'_>) -> Result<Box<dyn Law>, Problem> {
     let keys: Keys = reader.table(TABLE.name)?;
     let vehicle = reader.plant().vehicle;
-    let Some(preset) = Preset::named(vehicle.as_str()) else {
+    let Some(preset) = Preset::named(vehicle.name()) else {
         let message = format!("the law `{}` drives trucks alone", PREDICTIVE.name);
         let trucks = Preset::ALL.map(|truck| format!("`{}`", truck.name())).join(" or ");
         let expected = format!("another law, or {trucks} as plant.vehicle");

@@ -1,0 +1,204 @@
+//! `tables!`: tables and words of a scenario file, each key in one row with its default.
+
+use proc_macro2::TokenStream;
+use quote::{format_ident, quote};
+use syn::parse::{Parse, ParseStream};
+use syn::punctuated::Punctuated;
+use syn::{Attribute, Error, Expr, Fields, Ident, ItemEnum, Lit, Token, Type, Visibility, braced};
+
+use crate::serde::{Case, Serde};
+
+/// The declarations of one call.
+pub(crate) struct Tables(Vec<TokenStream>);
+
+/// A table before its keys are read.
+struct Table {
+    attributes: Vec<Attribute>,
+    visibility: Visibility,
+    name: Ident,
+    keys: Punctuated<Key, Token![,]>,
+}
+
+/// `key: type` of a key that must be written, `key: type = default` of all others.
+struct Key {
+    attributes: Vec<Attribute>,
+    visibility: Visibility,
+    name: Ident,
+    of: Type,
+    default: Option<Expr>,
+}
+
+impl Parse for Tables {
+    fn parse(input: ParseStream<'_>) -> Result<Self, Error> {
+        let mut items = Vec::new();
+        while !input.is_empty() {
+            let ahead = input.fork();
+            ahead.call(Attribute::parse_outer)?;
+            ahead.parse::<Visibility>()?;
+            items.push(match ahead.peek(Token![enum]) {
+                true => words(&input.parse()?)?,
+                false => input.parse::<Table>()?.declared(),
+            });
+        }
+        Ok(Self(items))
+    }
+}
+
+impl Tables {
+    pub(crate) fn into_tokens(self) -> TokenStream {
+        self.0.into_iter().collect()
+    }
+}
+
+impl Parse for Table {
+    fn parse(input: ParseStream<'_>) -> Result<Self, Error> {
+        let attributes = input.call(Attribute::parse_outer)?;
+        let visibility = input.parse()?;
+        input.parse::<Token![struct]>()?;
+        let name = input.parse()?;
+        let body;
+        braced!(body in input);
+        let keys = body.parse_terminated(Key::parse, Token![,])?;
+        Ok(Self { attributes, visibility, name, keys })
+    }
+}
+
+impl Parse for Key {
+    fn parse(input: ParseStream<'_>) -> Result<Self, Error> {
+        let attributes = input.call(Attribute::parse_outer)?;
+        let (visibility, name) = (input.parse()?, input.parse()?);
+        input.parse::<Token![:]>()?;
+        let of = input.parse()?;
+        let default = input.parse::<Option<Token![=]>>()?.map(|_| input.parse()).transpose()?;
+        Ok(Self { attributes, visibility, name, of, default })
+    }
+}
+
+impl Key {
+    /// The default: a number, a text or a constant is wrapped by the type, a word is a variant of it.
+    fn default(&self) -> Option<TokenStream> {
+        let of = &self.of;
+        let Some(default) = &self.default else {
+            return is_option(of).then(|| quote!(::core::option::Option::None));
+        };
+        Some(match default {
+            Expr::Lit(literal) if matches!(literal.lit, Lit::Bool(_)) => quote!(#default),
+            Expr::Lit(_) | Expr::Unary(_) => quote!(<#of>::of(#default)),
+            Expr::Path(path) if path.path.is_ident("default") => {
+                quote!(<#of as ::core::default::Default>::default())
+            }
+            Expr::Path(path) => match path.path.get_ident() {
+                Some(name) if name.to_string().contains(char::is_lowercase) => {
+                    quote!(<#of>::#name)
+                }
+                _ => quote!(<#of>::of(#default)),
+            },
+            other => quote!(#other),
+        })
+    }
+}
+
+impl Table {
+    /// The struct with what reads, writes and describes it. A table without a required key has a `Default`.
+    fn declared(&self) -> TokenStream {
+        let Self { attributes, visibility, name, keys } = self;
+        let defaults: Vec<_> = keys.iter().map(Key::default).collect();
+        let is_optional = defaults.iter().all(Option::is_some);
+        let fields = keys.iter().zip(&defaults).map(|(key, default)| {
+            let Key { attributes, visibility, name: field, of, .. } = key;
+            let (sparse, rest): (Vec<_>, Vec<_>) =
+                attributes.iter().partition(|attribute| attribute.path().is_ident("sparse"));
+            let sparse = (!sparse.is_empty())
+                .then(|| quote!(#[serde(skip_serializing_if = "crate::schema::is_default")]));
+            let fallback = (!is_optional && default.is_some()).then(|| {
+                let path = format!("{name}::default_{field}");
+                quote!(#[serde(default = #path)])
+            });
+            quote!(#(#rest)* #sparse #fallback #visibility #field: #of)
+        });
+        let fields: Vec<_> = fields.collect();
+        let names: Vec<_> = keys.iter().map(|key| &key.name).collect();
+        let rest = if is_optional {
+            quote! {
+                impl ::core::default::Default for #name {
+                    fn default() -> Self {
+                        Self { #(#names: #defaults),* }
+                    }
+                }
+            }
+        } else {
+            let functions = keys.iter().zip(&defaults).filter_map(|(key, default)| {
+                let (function, of) = (format_ident!("default_{}", key.name), &key.of);
+                Some((function, of, default.as_ref()?))
+            });
+            let functions =
+                functions.map(|(function, of, default)| quote!(fn #function() -> #of { #default }));
+            quote!(impl #name { #(#functions)* })
+        };
+        let container = is_optional.then(|| quote!(, default));
+        quote! {
+            #(#attributes)*
+            #[derive(Clone, Debug, PartialEq, ::serde::Serialize, ::serde::Deserialize, ::scenario::schema::Schema)]
+            #[serde(deny_unknown_fields #container)]
+            #visibility struct #name { #(#fields),* }
+            #rest
+        }
+    }
+}
+
+/// An enum in kebab case, unless its own attribute says another. One of words alone is `Copy` and has their list.
+fn words(item: &ItemEnum) -> Result<TokenStream, Error> {
+    let spelling = (!item.attrs.iter().any(is_serde))
+        .then(|| quote!(#[serde(rename_all = "kebab-case", deny_unknown_fields)]));
+    let has_default = item
+        .variants
+        .iter()
+        .any(|variant| variant.attrs.iter().any(|attribute| attribute.path().is_ident("default")));
+    let default = has_default.then(|| quote!(, ::core::default::Default));
+    let is_words = item.variants.iter().all(|variant| matches!(variant.fields, Fields::Unit));
+    let copy = is_words.then(|| quote!(, Copy, Eq));
+    let list = if is_words { Some(list(item)?) } else { None };
+    Ok(quote! {
+        #[derive(Clone, Debug, PartialEq, ::serde::Serialize, ::serde::Deserialize, ::scenario::schema::Schema #copy #default)]
+        #spelling
+        #item
+        #list
+    })
+}
+
+/// The words of an enum that has no more.
+fn list(item: &ItemEnum) -> Result<TokenStream, Error> {
+    let own = Serde::of(&item.attrs)?;
+    let case = if item.attrs.iter().any(is_serde) { own.rename_all } else { Case::Kebab };
+    let (name, count) = (&item.ident, item.variants.len());
+    let variants: Vec<_> = item.variants.iter().map(|variant| &variant.ident).collect();
+    let names = item.variants.iter().map(|variant| {
+        let renamed = Serde::of(&variant.attrs)?.rename;
+        Ok(renamed.unwrap_or_else(|| case.of_variant(&variant.ident.to_string())))
+    });
+    let names = names.collect::<Result<Vec<_>, Error>>()?;
+    Ok(quote! {
+        impl #name {
+            /// All of them.
+            pub const ALL: [Self; #count] = [#(Self::#variants),*];
+
+            /// The name in files and in results.
+            #[must_use]
+            pub const fn name(self) -> &'static str {
+                match self {
+                    #(Self::#variants => #names),*
+                }
+            }
+        }
+    })
+}
+
+fn is_serde(attribute: &Attribute) -> bool {
+    attribute.path().is_ident("serde")
+}
+
+/// True for `Option<...>`.
+fn is_option(of: &Type) -> bool {
+    let Type::Path(path) = of else { return false };
+    path.path.segments.last().is_some_and(|segment| segment.ident == "Option")
+}

@@ -1,0 +1,39 @@
+//! A table with one key for each service.
+
+use messages::{Service, each_service};
+use serde::{Deserialize, Serialize};
+
+use crate::schema::{Key, Presence, Schema, Shape};
+
+macro_rules! per_service {
+    ($([$service:ident $krate:ident $about:literal])+) => {
+        /// A value for each service: the file's, else the default.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+        #[serde(rename_all = "kebab-case", deny_unknown_fields, default)]
+        #[serde(bound(deserialize = "T: Default + Deserialize<'de>"))]
+        pub struct PerService<T> {
+            $($krate: T,)+
+        }
+
+        impl<T> PerService<T> {
+            /// The value for `service`.
+            #[must_use]
+            pub const fn of(&self, service: Service) -> &T {
+                match service {
+                    $(Service::$service => &self.$krate,)+
+                }
+            }
+        }
+
+        impl<T: Schema + Serialize + Default> Schema for PerService<T> {
+            fn shape() -> Shape {
+                let key = |service: Service, meaning: &str| {
+                    Key::of::<T>(service.name(), meaning.trim(), Presence::of(&T::default()))
+                };
+                Shape::Table(vec![$(key(Service::$service, $about)),+])
+            }
+        }
+    };
+}
+
+each_service!(per_service);

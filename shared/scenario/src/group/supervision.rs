@@ -1,0 +1,134 @@
+//! `[supervision]`: restarts and standbys of services that die or hang, in realtime.
+//!
+//! In simulated time a restart could not repeat exactly: there the end of a service ends the run.
+
+use scenario_derive::tables;
+use serde::{Deserialize, Serialize};
+
+use messages::Service;
+
+use crate::accepted;
+use crate::per_service::PerService;
+use crate::quantity::{Count, DelayMs, Duration};
+use crate::schema::{Schema, Shape};
+
+tables! {
+    /// Restart policy and heartbeats.
+    #[derive(Copy)]
+    pub struct Supervision {
+        /// Condition for a service to be started again.
+        pub restart: Restart = OnFailure,
+        /// Policies of single services, in place of `restart`.
+        pub services: PerService<Option<Restart>> = default,
+        /// Restarts of one service allowed in `window_s`; the next death leads to the safe state.
+        pub budget: Count = 5,
+        /// Window of the budget, s.
+        pub window_s: Duration = 10.0,
+        /// Wait before the second restart in a row, ms, doubled for each further one; the first restart
+        /// does not wait. In a row are restarts within `window_s`.
+        pub backoff_ms: DelayMs = 10,
+        /// Longest wait before a restart, ms.
+        pub max_backoff_ms: DelayMs = 1000,
+        /// Time without a sign of life, beyond its own period, after which a service is killed and replaced, ms.
+        pub heartbeat_timeout_ms: DelayMs = 250,
+        /// Without a standby, the service's next process is started ahead. It has read the scenario and waits to open
+        /// its ports. In realtime only.
+        pub prepared: bool = true,
+        /// Services with a standby. It is a second process that computes and sends nothing. It takes the service over
+        /// when the active one ends or hangs. In realtime only.
+        pub standby: Standbys = default,
+        /// Time without a completed cycle, beyond its own period, after which a standby takes over, ms.
+        pub standby_timeout_ms: DelayMs = 50,
+    }
+
+    /// Condition for a service to be started again.
+    pub enum Restart {
+        /// Never: its end ends the run.
+        Never,
+        /// After it died, hung or failed.
+        OnFailure,
+        /// Whenever it ends before the run does.
+        Always,
+    }
+}
+
+impl Supervision {
+    /// Condition for `service` to be started again.
+    #[must_use]
+    pub fn restart_of(&self, service: Service) -> Restart {
+        let own = *self.services.of(service);
+        own.unwrap_or(self.restart)
+    }
+}
+
+/// A service that can have a standby: its descriptor says so. The plant cannot have one, because there is one vehicle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(try_from = "Service", into = "Service")]
+pub struct StandbyService(Service);
+
+impl StandbyService {
+    fn all() -> impl Iterator<Item = Service> {
+        Service::ALL.into_iter().filter(|service| service.descriptor().can_stand_by)
+    }
+}
+
+/// A service without a standby.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{service}` has no standby, expected {}", accepted(.service.name(), StandbyService::all().map(Service::name)))]
+pub struct NoStandby {
+    service: Service,
+}
+
+impl TryFrom<Service> for StandbyService {
+    type Error = NoStandby;
+
+    fn try_from(service: Service) -> Result<Self, NoStandby> {
+        let can = service.descriptor().can_stand_by;
+        can.then_some(Self(service)).ok_or(NoStandby { service })
+    }
+}
+
+impl From<StandbyService> for Service {
+    fn from(standby: StandbyService) -> Self {
+        standby.0
+    }
+}
+
+impl Schema for StandbyService {
+    fn shape() -> Shape {
+        Shape::Text {
+            words: StandbyService::all().map(|service| service.name().to_owned()).collect(),
+        }
+    }
+}
+
+/// Services with a standby.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
+#[serde(from = "Vec<StandbyService>", into = "Vec<StandbyService>")]
+pub struct Standbys([bool; Service::ALL.len()]);
+
+impl Standbys {
+    /// The services.
+    #[must_use]
+    pub fn services(self) -> Vec<Service> {
+        Service::ALL.into_iter().filter(|service| self.contains(*service)).collect()
+    }
+
+    /// True if `service` has a standby.
+    #[must_use]
+    pub const fn contains(self, service: Service) -> bool {
+        self.0[service.index()]
+    }
+}
+
+impl From<Vec<StandbyService>> for Standbys {
+    fn from(list: Vec<StandbyService>) -> Self {
+        Self(Service::ALL.map(|service| list.contains(&StandbyService(service))))
+    }
+}
+
+impl From<Standbys> for Vec<StandbyService> {
+    fn from(standbys: Standbys) -> Self {
+        standbys.services().into_iter().map(StandbyService).collect()
+    }
+}

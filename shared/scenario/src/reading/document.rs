@@ -1,0 +1,266 @@
+//! A scenario's keys with the overrides laid over them, and the place of each in its text.
+//!
+//! Reading needs values alone. An error needs a place: it is looked up in the texts by the key's path.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use serde::de::DeserializeOwned;
+use toml::de::{DeTable, DeValue};
+use toml::{Spanned, Table, Value};
+
+use super::error::ScenarioError;
+use super::foreign::Foreign;
+use super::overrides::{Override, Overrides};
+use super::problem::Problem;
+use super::typed;
+
+/// First line of a scenario that a run keeps.
+pub(crate) const KEPT: &str = "# As it took effect: every key is written.\n";
+
+/// Longest text of a scenario, bytes.
+pub const MAX_TEXT_BYTES: usize = 1 << 20;
+
+/// The keys of a file with their overrides.
+pub(crate) struct Document<'a> {
+    origin: Origin<'a>,
+    overrides: Cow<'a, Overrides>,
+    root: Table,
+}
+
+/// Origin of the keys that no option sets.
+#[derive(Clone, Copy)]
+enum Origin<'a> {
+    /// A text in TOML.
+    Text { source: &'a str, text: &'a str },
+    /// A file of another format.
+    Foreign(&'a Foreign),
+    /// Another process.
+    Values,
+}
+
+/// Place of a value, or of the nearest table above it.
+struct Place<'o> {
+    /// The option that set the value; none if the file did.
+    option: Option<&'o str>,
+    /// Steps of the path that lead to it.
+    steps: usize,
+    key: Option<Range<usize>>,
+    value: Range<usize>,
+}
+
+impl<'a> Document<'a> {
+    /// Parses `text` and lays `overrides` over it, in their order.
+    pub(crate) fn parse(
+        source: &'a str,
+        text: &'a str,
+        overrides: &'a Overrides,
+    ) -> Result<Self, ScenarioError> {
+        Self::of_parsed(source, text, Self::root_of(source, text)?, overrides)
+    }
+
+    /// The keys of a text.
+    pub(crate) fn root_of(source: &str, text: &str) -> Result<Table, ScenarioError> {
+        if text.len() > MAX_TEXT_BYTES {
+            let message = format!("the text has {} bytes", text.len());
+            return Err(ScenarioError::whole(source, message)
+                .expecting(format!("at most {MAX_TEXT_BYTES} bytes")));
+        }
+        toml::from_str(text).map_err(|error| {
+            let span = error.span().unwrap_or(0..0);
+            let found = text.get(span.clone()).unwrap_or_default();
+            // A number of too many digits fits no type.
+            let (message, expected) = match error.message().split_once(", expected any valid") {
+                Some(_) => (format!("invalid value: integer `{found}`"), "a smaller number"),
+                None => (error.message().to_owned(), ""),
+            };
+            ScenarioError::at(source, text, span, &message).expecting(expected)
+        })
+    }
+
+    /// Lays `overrides` over the keys of a text that was parsed before.
+    pub(crate) fn of_parsed(
+        source: &'a str,
+        text: &'a str,
+        root: Table,
+        overrides: &'a Overrides,
+    ) -> Result<Self, ScenarioError> {
+        Self::with(Origin::Text { source, text }, root, overrides)
+    }
+
+    /// Takes the keys of a file of another format, and lays `overrides` over them.
+    pub(crate) fn of_foreign(
+        keys: &'a Foreign,
+        overrides: &'a Overrides,
+    ) -> Result<Self, ScenarioError> {
+        Self::with(Origin::Foreign(keys), keys.table.clone(), overrides)
+    }
+
+    fn with(
+        origin: Origin<'a>,
+        root: Table,
+        overrides: &'a Overrides,
+    ) -> Result<Self, ScenarioError> {
+        let root = overrides.laid_over(root)?;
+        Ok(Self { origin, overrides: Cow::Borrowed(overrides), root })
+    }
+
+    /// Takes the values that another process wrote.
+    pub(crate) fn of_values(root: Table) -> Self {
+        Self { origin: Origin::Values, overrides: Cow::Owned(Overrides::new()), root }
+    }
+
+    /// The keys.
+    pub(crate) fn root(&self) -> &Table {
+        &self.root
+    }
+
+    /// Reads the document into a type that does not declare its keys.
+    pub(crate) fn read<T: DeserializeOwned>(&self) -> Result<T, ScenarioError> {
+        typed::plain(Value::Table(self.root.clone()), "").map_err(|problem| self.error(&problem))
+    }
+
+    /// True if the key was written, in the text or on the command line.
+    pub(crate) fn has(&self, path: &str) -> bool {
+        let mut steps = path.split('.');
+        let top = steps.next().and_then(|key| self.root.get(key));
+        steps.fold(top, |value, step| child(value?, step)).is_some()
+    }
+
+    /// True if the key was set on the command line.
+    pub(crate) fn is_set(&self, path: &str) -> bool {
+        let steps: Vec<&str> = path.split('.').collect();
+        let sets = |option: &Override| {
+            let below = option.below(&steps)?;
+            Some(follow(&option.spanned().ok()?, below).0 == below.len())
+        };
+        self.has(path) && self.overrides.iter().any(|option| sets(option) == Some(true))
+    }
+
+    /// True if a run has kept the text.
+    pub(crate) fn is_kept(&self) -> bool {
+        matches!(self.origin, Origin::Text { text, .. } if text.starts_with(KEPT))
+    }
+
+    /// True if a written key may be meant for another choice than the present one. Built-in files and
+    /// those of runs serve several choices. Or a key that chooses was set on the command line, and this
+    /// one was not.
+    pub(crate) fn is_for_another(&self, choosing: &[&str], path: &str) -> bool {
+        let is_builtin =
+            matches!(self.origin, Origin::Text { source, .. } if source.starts_with("built-in "));
+        let serves_many = is_builtin || self.is_kept();
+        let is_chosen_anew = serves_many || choosing.iter().any(|choosing| self.is_set(choosing));
+        self.overrides.are_shared() || (is_chosen_anew && !self.is_set(path))
+    }
+
+    /// Dotted paths of the values that were written below `table`, relative to it; a list is one value.
+    pub(crate) fn written_below(&self, table: &str) -> Vec<String> {
+        let mut paths = Vec::new();
+        if let Some(Value::Table(found)) = self.root.get(table) {
+            collect_paths(found, "", &mut paths);
+        }
+        paths
+    }
+
+    /// The error for a problem, at its key's value or at the nearest table above it that exists.
+    pub(crate) fn error(&self, problem: &Problem) -> ScenarioError {
+        let is_whole = |path: &str, place: &Place<'_>| place.steps == path.split('.').count();
+        let (mut path, mut place) = (problem.path.as_str(), self.place(&problem.path));
+        if let Some(other) = &problem.against {
+            let instead = self.place(other);
+            let is_better = instead.option.is_some() || !is_whole(path, &place);
+            if is_whole(other, &instead) && is_better {
+                (path, place) = (other, instead);
+            }
+        }
+        let span = place.key.filter(|_| problem.is_of_key).unwrap_or(place.value);
+        let error = match (place.option, self.origin) {
+            (Some(option), _) => ScenarioError::in_option(option, span, &problem.message),
+            (None, Origin::Text { source, text }) => {
+                ScenarioError::at(source, text, span, &problem.message)
+            }
+            (None, Origin::Foreign(keys)) => keys.error(path, &problem.message),
+            (None, Origin::Values) => ScenarioError::whole("scenario", problem.message.as_str()),
+        };
+        error.expecting(problem.expected.as_str())
+    }
+
+    /// The place of a value. An option that sets it or a table around it replaces what stood there before.
+    fn place(&self, path: &str) -> Place<'_> {
+        let path: Vec<&str> = path.split('.').filter(|step| !step.is_empty()).collect();
+        let (steps, key, value) = match self.origin {
+            Origin::Text { text, .. } => DeTable::parse(text).map_or((0, None, 0..0), |root| {
+                let span = root.span();
+                follow(&Spanned::new(span, DeValue::Table(root.into_inner())), &path)
+            }),
+            Origin::Foreign(keys) => (keys.steps(&path), None, 0..0),
+            Origin::Values => (0, None, 0..0),
+        };
+        let mut found = Place { option: None, steps, key, value };
+        for option in self.overrides.iter() {
+            let own = option.path();
+            let common =
+                own.iter().zip(&path).take_while(|((name, _), step)| name == *step).count();
+            let at_key = common.checked_sub(1).map_or(0..0, |last| own[last].1.clone());
+            if let (Some(below), Ok(set)) = (option.below(&path), option.spanned()) {
+                let shifted = |span: Range<usize>| {
+                    span.start + option.value_start()..span.end + option.value_start()
+                };
+                let (steps, key, value) = follow(&set, below);
+                let (key, value) = (key.map_or(at_key, shifted), shifted(value));
+                let steps = common + steps;
+                found = Place { option: Some(option.option()), steps, key: Some(key), value };
+            } else if common > found.steps {
+                // The option made this table on its way.
+                let (key, value) = (Some(at_key.clone()), at_key);
+                found = Place { option: Some(option.option()), steps: common, key, value };
+            }
+        }
+        found
+    }
+}
+
+/// The value of a key of a table, or of an index of a list.
+pub(super) fn child<'v>(value: &'v Value, step: &str) -> Option<&'v Value> {
+    match value {
+        Value::Table(table) => table.get(step),
+        Value::Array(list) => list.get(step.parse::<usize>().ok()?),
+        _ => None,
+    }
+}
+
+/// Follows a path as far as it leads: the number of steps, and the places of the last key and its value.
+fn follow(
+    value: &Spanned<DeValue<'_>>,
+    path: &[&str],
+) -> (usize, Option<Range<usize>>, Range<usize>) {
+    let (mut value, mut key) = (value, None);
+    for (steps, step) in path.iter().enumerate() {
+        let next = match value.get_ref() {
+            DeValue::Table(table) => table
+                .iter()
+                .find(|(name, _)| name.get_ref() == step)
+                .map(|(name, below)| (Some(name.span()), below)),
+            DeValue::Array(list) => {
+                let element = step.parse::<usize>().ok().and_then(|index| list.get(index));
+                element.map(|element| (None, element))
+            }
+            _ => None,
+        };
+        match next {
+            Some(next) => (key, value) = next,
+            None => return (steps, key, value.span()),
+        }
+    }
+    (path.len(), key, value.span())
+}
+
+fn collect_paths(table: &Table, above: &str, into: &mut Vec<String>) {
+    for (key, value) in table {
+        let path = super::form::below(above, key);
+        match value {
+            Value::Table(table) => collect_paths(table, &path, into),
+            _ => into.push(path),
+        }
+    }
+}

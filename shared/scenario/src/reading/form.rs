@@ -1,0 +1,158 @@
+//! Comparison of written values with their declaration, before they are read into types.
+//!
+//! The declaration knows the words that an author needs: the keys of this table, the kinds of that list. A reader by
+//! types alone would also take a list for a table.
+
+use serde::de::Unexpected;
+use toml::{Table, Value};
+
+use super::problem::Problem;
+use super::words::accepted;
+use crate::schema::{Key, Shape, Variant};
+
+/// Compares a value with its declared form.
+///
+/// # Errors
+/// The first value or key that does not have it.
+pub(super) fn check(shape: &Shape, value: &Value, path: &str) -> Result<(), Problem> {
+    let wrong = |expected: &str| {
+        Err(Problem::new(path, format!("invalid type: {}", found(value)), expected))
+    };
+    match (shape, value) {
+        (Shape::Free, _)
+        | (Shape::Boolean, Value::Boolean(_))
+        | (Shape::Text { .. }, Value::String(_))
+        | (Shape::Number { .. }, Value::Integer(_))
+        | (Shape::Number { is_whole: false, .. }, Value::Float(_)) => Ok(()),
+        (Shape::List(element), Value::Array(list)) => {
+            let mut elements = list.iter().enumerate();
+            elements.try_for_each(|(i, value)| check(element, value, &below(path, i)))
+        }
+        (Shape::Tuple(elements, _), Value::Array(list)) if elements.len() == list.len() => {
+            let mut pairs = elements.iter().zip(list).enumerate();
+            pairs.try_for_each(|(i, (element, value))| check(element, value, &below(path, i)))
+        }
+        (Shape::Tuple(_, words), Value::Array(list)) => {
+            Err(Problem::new(path, format!("invalid length {}", list.len()), *words))
+        }
+        (Shape::Table(keys), Value::Table(table)) => self::table(keys, table, path),
+        (Shape::Choice(variants), _) => choice(variants, value, path),
+        (Shape::Kinds(kinds), Value::Table(table)) => kind(kinds, table, path),
+        (Shape::Boolean, _) => wrong("true or false"),
+        (Shape::Text { .. }, _) => wrong("a string"),
+        (Shape::Number { is_whole: true, .. }, _) => wrong("a whole number"),
+        (Shape::Number { is_whole: false, .. }, _) => wrong("a number"),
+        (Shape::List(of), _) if matches!(**of, Shape::Text { .. }) => {
+            wrong("a list of words, such as [\"a\", \"b\"]")
+        }
+        (Shape::List(_), _) => wrong("an array"),
+        (Shape::Tuple(_, words), _) => wrong(words),
+        (Shape::Table(_) | Shape::Kinds(_), _) => wrong("a table"),
+    }
+}
+
+/// A table with these keys and no others.
+fn table(keys: &[Key], table: &Table, path: &str) -> Result<(), Problem> {
+    for (name, value) in table {
+        let path = below(path, name);
+        let Some(key) = keys.iter().find(|key| key.name == *name) else {
+            let known = keys.iter().map(|key| key.name.as_str());
+            let message = format!("unknown key `{name}`");
+            return Err(Problem::new(path, message, accepted(name, known)).of_key());
+        };
+        check(&key.shape, value, &path).map_err(|problem| match &key.expected {
+            Some(expected) if problem.path == path && !problem.is_of_key => {
+                Problem { expected: expected.clone(), ..problem }
+            }
+            _ => problem,
+        })?;
+    }
+    let missing = keys.iter().find(|key| key.is_required && !table.contains_key(&key.name));
+    missing.map_or(Ok(()), |key| {
+        Err(Problem::new(path, format!("missing key `{}`", key.name), String::new()))
+    })
+}
+
+/// A word, or a table with a word as its only key.
+fn choice(variants: &[Variant], value: &Value, path: &str) -> Result<(), Problem> {
+    let names = || variants.iter().map(|variant| variant.name.as_str());
+    let find = |word: &str, path: &str| {
+        variants.iter().find(|variant| variant.name == word).ok_or_else(|| {
+            Problem::new(path, format!("unknown value `{word}`"), accepted(word, names()))
+        })
+    };
+    let not_one = |found: &str| {
+        let expected = format!("exactly one of {}", accepted("", names()));
+        Err(Problem::new(path, format!("invalid type: {found}"), expected))
+    };
+    match value {
+        Value::String(word) if find(word, path)?.shape.is_some() => Err(Problem::new(
+            path,
+            "the kind without what it is to be",
+            "a table with its name as the key",
+        )),
+        Value::String(_) => Ok(()),
+        Value::Table(table) => match (table.iter().next(), table.len()) {
+            (Some((word, value)), 1) => {
+                let path = below(path, word);
+                let variant = find(word, &path).map_err(Problem::of_key)?;
+                variant.shape.as_ref().map_or(Ok(()), |shape| check(shape, value, &path))
+            }
+            (_, count) => not_one(&format!("a table of {count} keys")),
+        },
+        other => not_one(&found(other)),
+    }
+}
+
+/// A table whose key `kind` determines its other keys.
+fn kind(kinds: &[(String, Vec<Key>)], table: &Table, path: &str) -> Result<(), Problem> {
+    let names = kinds.iter().map(|(name, _)| name.as_str());
+    let refuse = |path: String, message: String, expected: String| {
+        Err(Problem::new(path, message, expected))
+    };
+    let Some(kind) = table.get("kind") else {
+        return refuse(path.to_owned(), "a fault needs `kind`".to_owned(), "`kind`".to_owned());
+    };
+    let Some(kind) = kind.as_str() else {
+        let message = format!("invalid type: {}", found(kind));
+        return refuse(below(path, "kind"), message, accepted("", names));
+    };
+    let Some((_, keys)) = kinds.iter().find(|(name, _)| name == kind) else {
+        return refuse(
+            below(path, "kind"),
+            format!("unknown value `{kind}`"),
+            accepted(kind, names),
+        );
+    };
+    let known = || std::iter::once("kind").chain(keys.iter().map(|key| key.name.as_str()));
+    if let Some(key) = table.keys().find(|&key| known().all(|known| known != key)) {
+        let message = format!("`{key}` means nothing for a fault of kind `{kind}`");
+        return refuse(below(path, key), message, accepted(key, known())).map_err(Problem::of_key);
+    }
+    if let Some(Key { name, .. }) =
+        keys.iter().find(|key| key.is_required && !table.contains_key(&key.name))
+    {
+        let message = format!("a fault of kind `{kind}` needs `{name}`");
+        return refuse(path.to_owned(), message, format!("`{name}`"));
+    }
+    let mut written = keys.iter().filter_map(|key| Some((key, table.get(&key.name)?)));
+    written.try_for_each(|(key, value)| check(&key.shape, value, &below(path, &key.name)))
+}
+
+/// The path of a key or an index of the value at `path`.
+pub(super) fn below(path: &str, key: impl std::fmt::Display) -> String {
+    if path.is_empty() { key.to_string() } else { format!("{path}.{key}") }
+}
+
+/// A value in words.
+fn found(value: &Value) -> String {
+    match value {
+        Value::String(text) => Unexpected::Str(text).to_string(),
+        Value::Integer(number) => Unexpected::Signed(*number).to_string(),
+        Value::Float(number) => Unexpected::Float(*number).to_string(),
+        Value::Boolean(truth) => Unexpected::Bool(*truth).to_string(),
+        Value::Datetime(_) => "datetime".to_owned(),
+        Value::Array(_) => "a list".to_owned(),
+        Value::Table(_) => "a table".to_owned(),
+    }
+}

@@ -1,0 +1,180 @@
+//! The files that a scenario names: recorded motions, roads in CSV and OpenDRIVE.
+
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use openscenario::xml::MAX_FILE_BYTES;
+
+use super::document::{Document, MAX_TEXT_BYTES};
+use super::problem::Problem;
+use super::refusal::Refusal;
+use super::text_file::{TextFileError, read};
+use crate::Scenario;
+use crate::actor::{Actor, Profile};
+use crate::plan::{AlongRoad, DrivenLine, Lanes, Start};
+use crate::recorded::{self, READING};
+use crate::road::{self, Heights};
+
+/// Fills in what the scenario takes from files: the actors' recorded motions, the road. `own` is the scenario
+/// file's directory. Returns remarks on the records.
+pub(super) fn load(
+    scenario: &mut Scenario,
+    document: &Document<'_>,
+    own: Option<&Path>,
+) -> Result<Vec<String>, Refusal> {
+    let mut notes = Vec::new();
+    for (index, actor) in scenario.actors.iter_mut().enumerate() {
+        notes.extend(load_record(actor, index, document, own)?);
+    }
+    if let Heights::Csv { file, points } = &mut scenario.road.heights
+        && let is_set = is_set(document, "road.csv", "road.points")
+        && let Some(path) = to_read(file, own, is_set, points.is_empty())
+    {
+        let text = read(&path, MAX_TEXT_BYTES).map_err(|reason| {
+            let message = format!("{} {reason}", path.display());
+            let expected = "a CSV file with the columns distance_m and height_m or grade_percent";
+            Problem::new("road.csv", message, expected)
+        })?;
+        let profile = road::parse_csv(&path.display().to_string(), &text)?;
+        *points = road::points_of(&profile);
+    }
+    notes.extend(load_plan(scenario, document, own)?);
+    Ok(notes)
+}
+
+/// Reads the recorded motion of an actor, if it has one. Returns remarks on it.
+fn load_record(
+    actor: &mut Actor,
+    index: usize,
+    document: &Document<'_>,
+    own: Option<&Path>,
+) -> Result<Vec<String>, Refusal> {
+    let Profile::Csv(csv) = &mut actor.profile else { return Ok(Vec::new()) };
+    let key = |key: &str| format!("actors.{index}.profile.csv.{key}");
+    let is_set = is_set(document, &key("file"), &key("points"));
+    let Some(path) = to_read(&csv.file, own, is_set, csv.points.is_empty()) else {
+        let changed = READING.iter().map(|reading| key(reading)).find(|key| document.is_set(key));
+        return match changed.filter(|_| !csv.points.is_empty()) {
+            None => Ok(Vec::new()),
+            Some(changed) => Err(Problem::new(
+                changed,
+                "the record has been read already, and its points stand in the scenario",
+                "the key `file` set too, so that the file is read again",
+            )
+            .into()),
+        };
+    };
+    if let Err(reason) = File::open(&path).map_err(TextFileError::NotOpened) {
+        let message = format!("{} {reason}", path.display());
+        let expected = "a CSV file, an MCAP file or a ROS bag";
+        return Err(Problem::new(key("file"), message, expected).into());
+    }
+    let record = recorded::read(&path, csv).map_err(|refusal| match refusal {
+        Refusal::Key(problem) => Problem { path: key(&problem.path), ..problem }.into(),
+        file => file,
+    })?;
+    record.expect_whole()?;
+    actor.leaves_at_s = match (actor.leaves_at_s, record.leaves_at_s) {
+        (Some(own), Some(of_record)) if of_record < own => Some(of_record),
+        (own, of_record) => own.or(of_record),
+    };
+    let about = |note| format!("actor {}, {}: {note}", actor.name.as_str(), path.display());
+    let notes = record.notes().into_iter().map(about).collect();
+    csv.points = record.points;
+    Ok(notes)
+}
+
+/// Reads the OpenDRIVE file of a plan: the line that the ego drives along, its lanes and its heights. Returns notes on it.
+fn load_plan(
+    scenario: &mut Scenario,
+    document: &Document<'_>,
+    own: Option<&Path>,
+) -> Result<Vec<String>, Refusal> {
+    const FILE: &str = "road.plan.opendrive.file";
+    let Some(plan) = &mut scenario.road.plan else { return Ok(Vec::new()) };
+    let Some(opendrive) = &mut plan.opendrive else { return Ok(Vec::new()) };
+    let is_set = is_set(document, FILE, "road.plan.opendrive.line");
+    let Some(path) = to_read(&opendrive.file, own, is_set, opendrive.line.is_none()) else {
+        return Ok(Vec::new());
+    };
+    let text = read(&path, MAX_FILE_BYTES).map_err(|reason| {
+        Problem::new(FILE, format!("{} {reason}", path.display()), "an OpenDRIVE file")
+    })?;
+    let lane = opendrive.read(&path, &text)?;
+    let refuse =
+        |error: &::road::AxisError| Problem::new(FILE, error.to_string(), error.expected());
+    let heights = lane.road.heights_along(&lane.line).map_err(|error| refuse(&error))?;
+    let lines = lane.road.lane_lines(&lane.line).map_err(|error| refuse(&error))?;
+    opendrive.line = Some(DrivenLine(lane.line));
+    if !document.has("road.plan.start") {
+        plan.start = Start::of_pose(&lane.start);
+    }
+    if !document.has("road.plan.lanes") {
+        let lanes = Lanes::beside(lane.beside, lane.width_m);
+        plan.lanes = Lanes { along: AlongRoad(lines), ..lanes };
+    }
+    if scenario.road.is_level() && !heights.is_empty() {
+        scenario.road.heights = Heights::Points(road::points(&heights)?);
+    }
+    Ok(lane.notices)
+}
+
+/// True if the command line set a file without its points. The points in the scenario are then another file's.
+fn is_set(document: &Document<'_>, file: &str, points: &str) -> bool {
+    document.is_set(file) && !document.is_set(points)
+}
+
+/// Path of a file that has to be read. A relative path starts at the directory `own`. One that the command line set
+/// starts at the present directory, unless that file is in `own`.
+fn to_read(file: &Path, own: Option<&Path>, is_set: bool, is_unread: bool) -> Option<PathBuf> {
+    let beside = own.map(|own| own.join(file));
+    match is_set {
+        true => Some(beside.filter(|path| path.is_file()).unwrap_or_else(|| file.to_owned())),
+        false => beside.filter(|_| is_unread),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Overrides;
+
+    /// Also over a built-in scenario, which has no directory, and in the place of another file's points.
+    #[test]
+    fn a_file_that_is_set_on_the_command_line_is_read_from_the_present_directory() {
+        let here = std::env::current_dir().expect("it is there");
+        let directory = std::env::temp_dir().join(format!("timegap-set-{}", std::process::id()));
+        std::fs::create_dir_all(&directory).expect("writable");
+        std::fs::write(directory.join("road.csv"), "distance_m,height_m\n0,0\n400,4\n")
+            .expect("writable");
+        let up = "../".repeat(here.components().count());
+        let relative = format!("{up}{}", directory.join("road.csv").display());
+        let mut overrides = Overrides::new();
+        overrides.set(&format!("road={{csv=\"{relative}\"}}")).expect("an option");
+        let opened = Scenario::open("truck-hills", &overrides, &|_| Ok(Default::default()))
+            .expect("a scenario");
+        let Heights::Csv { points, .. } = &opened.road.heights else { panic!("{:?}", opened.road) };
+        assert_eq!(points.len(), 2);
+        let kept = directory.join("scenario.toml");
+        let other = opened.to_toml().replace("400.0", "500.0");
+        std::fs::write(&kept, other).expect("writable");
+        let mut overrides = Overrides::new();
+        overrides.set("road.csv=road.csv").expect("an option");
+        let again =
+            Scenario::open(&kept.to_string_lossy(), &overrides, &|_| Ok(Default::default()));
+        let again = again.expect("a scenario").road.heights;
+        let Heights::Csv { points: read, .. } = again else { panic!() };
+        assert_eq!(&read, points);
+        std::fs::write(directory.join("lead.csv"), "time_s,speed_mps\n0,20\n9,20\n")
+            .expect("writable");
+        let lead = format!("{up}{}", directory.join("lead.csv").display());
+        let mut overrides = Overrides::new();
+        overrides
+            .set(&format!("actors[0].profile={{csv={{file=\"{lead}\"}}}}"))
+            .expect("an option");
+        let driven = Scenario::open("following", &overrides, &|_| Ok(Default::default()))
+            .expect("a scenario");
+        assert_eq!(driven.actors[0].profile.points().map(<[_]>::len), Some(2));
+        std::fs::remove_dir_all(&directory).expect("ours");
+    }
+}

@@ -1,0 +1,42 @@
+//! Reading of scenario files.
+//!
+//! ```text
+//! text ─► values ─► overrides laid over ─► form checked ─► types ─► completed, checked
+//!        (document)     (overrides)        (form, typed)            (load, open, crate::check)
+//!                                               │
+//!                              Problem: a path ─► place in the text (document) ─► ScenarioError (error)
+//! ```
+
+mod bytes;
+mod document;
+mod error;
+mod foreign;
+mod form;
+mod law_tables;
+mod load;
+mod open;
+mod overrides;
+mod problem;
+mod reads;
+mod refusal;
+mod typed;
+
+pub(crate) mod csv;
+pub(crate) mod text_file;
+pub(crate) mod words;
+
+pub use bytes::DecodeError;
+pub use document::MAX_TEXT_BYTES;
+pub use error::ScenarioError;
+pub use law_tables::LawTables;
+pub use open::Source;
+pub use overrides::Overrides;
+pub use problem::Problem;
+pub use reads::Reads;
+pub use refusal::Refusal;
+
+pub(crate) use document::{Document, KEPT};
+pub(crate) use foreign::Foreign;
+#[cfg(test)]
+pub(crate) use open::Place;
+pub(crate) use typed::{check_form, plain};

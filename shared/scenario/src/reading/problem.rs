@@ -1,0 +1,41 @@
+//! An error in a scenario, before its place in a text is looked up.
+
+/// A value does not fit its key, contradicts another key, or is refused by the law that it is for.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{path}: {message}, expected {expected}")]
+pub struct Problem {
+    /// Dotted path of the offending key, array elements by their index: `actors.0.gap_m`.
+    pub path: String,
+    /// Fault.
+    pub message: String,
+    /// Expected value; empty if the message says it.
+    pub expected: String,
+    /// The key that `path` contradicts; shown instead when only that one was written, or was set on
+    /// the command line.
+    pub against: Option<String>,
+    /// True if the key itself is wrong, not its value.
+    pub(crate) is_of_key: bool,
+}
+
+impl Problem {
+    /// A problem at `path`.
+    pub fn new(
+        path: impl Into<String>,
+        message: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Self {
+        let (path, message, expected) = (path.into(), message.into(), expected.into());
+        Self { path, message, expected, against: None, is_of_key: false }
+    }
+
+    /// Names the key that this one contradicts.
+    #[must_use]
+    pub fn against(self, path: &str) -> Self {
+        Self { against: Some(path.to_owned()), ..self }
+    }
+
+    /// The same about the key itself.
+    pub(crate) fn of_key(self) -> Self {
+        Self { is_of_key: true, ..self }
+    }
+}

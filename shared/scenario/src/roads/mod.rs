@@ -1,0 +1,5 @@
+//! The tables of the road: its heights and its plan.
+
+pub mod grade;
+pub mod plan;
+pub mod road;

@@ -1,0 +1,360 @@
+//! `[road]`: how high the road is, and its plan.
+//!
+//! The heights have one of four sources, or none for a level road:
+//!
+//! ```toml
+//! road.builtin = "hills-60km"
+//! road.csv = "my-road.csv"                       # columns distance_m and height_m or grade_percent
+//! road.points = [[0, 0], [50, 0.6], [100, 1.3]]  # distance in m, height in m
+//! road.generated = { seed = 7, length_km = 20 }
+//! ```
+
+use scenario_derive::tables;
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use crate::Problem;
+use crate::ScenarioError;
+use crate::grade::{
+    Alignment, BuiltinRoad, GradeProfile, MAX_POINTS, Point, ProfileError, generate,
+};
+use crate::plan::Plan;
+use crate::quantity::{
+    Distance, GradeMagnitude, GradePercent, Height, Length, Reach, RoadLength, Seed,
+};
+use crate::reading::csv::Table;
+use crate::schema::Schema;
+
+/// The road.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(from = "RoadKeys", into = "RoadKeys")]
+pub struct Road {
+    /// Height of the road.
+    pub heights: Heights,
+    /// Its course in the plane; `None` for a straight road in scenarios without the plane.
+    pub plan: Option<Plan>,
+}
+
+/// Heights of the road. Beyond its ends it is level.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Heights {
+    /// None are given.
+    #[default]
+    Level,
+    /// A road that comes with the program.
+    Builtin(BuiltinRoad),
+    /// A CSV file.
+    Csv {
+        /// The file; a relative path starts at the scenario file's directory.
+        file: PathBuf,
+        /// Its content when the scenario was opened.
+        points: Vec<RoadPoint>,
+    },
+    /// A road made by a random generator.
+    Generated(Generated),
+    /// The points themselves.
+    Points(Vec<RoadPoint>),
+}
+
+tables! {
+    /// The keys of `[road]`.
+    pub struct RoadKeys {
+        /// A road that comes with the program.
+        pub builtin: Option<BuiltinRoad>,
+        /// A CSV file; a relative path starts at the scenario file's directory, with `--set` also at the present one.
+        pub csv: Option<PathBuf>,
+        /// A road made by a random generator.
+        pub generated: Option<Generated>,
+        /// The points themselves; beside `csv`, what the file held when the scenario was opened.
+        #[sparse]
+        pub points: Vec<RoadPoint> = default,
+        /// The course of the road in the plane; absent: a straight road, and no messages of the plane.
+        pub plan: Option<Plan>,
+    }
+
+    /// A hilly highway of a seed.
+    #[derive(Copy)]
+    pub struct Generated {
+        /// Seed; each has its own road.
+        pub seed: Seed,
+        /// Length, km.
+        pub length_km: RoadLength,
+        /// Standard deviation of the grades, percent.
+        pub grade_sigma_percent: GradeMagnitude = 1.38,
+        /// Largest grade, percent.
+        pub max_grade_percent: GradeMagnitude = 3.0,
+        /// Shortest stretch of constant grade, m.
+        pub min_tangent_m: Length = 300.0,
+        /// Longest stretch of constant grade, m.
+        pub max_tangent_m: Reach = 1500.0,
+        /// Length of the vertical curves, m.
+        pub curve_m: Length = 300.0,
+        /// True if the road ends as high as it began.
+        pub closed: bool = true,
+    }
+}
+
+impl From<RoadKeys> for Road {
+    /// Takes one source of heights; [`one_source`] refuses several.
+    fn from(keys: RoadKeys) -> Self {
+        let RoadKeys { builtin, csv, generated, points, plan } = keys;
+        let heights = match (builtin, csv, generated) {
+            (Some(builtin), ..) => Heights::Builtin(builtin),
+            (None, Some(file), _) => Heights::Csv { file, points },
+            (None, None, Some(generated)) => Heights::Generated(generated),
+            (None, None, None) if points.is_empty() => Heights::Level,
+            (None, None, None) => Heights::Points(points),
+        };
+        Self { heights, plan }
+    }
+}
+
+impl From<Road> for RoadKeys {
+    fn from(Road { heights, plan }: Road) -> Self {
+        let none = Self { plan, ..Self::default() };
+        match heights {
+            Heights::Level => none,
+            Heights::Builtin(builtin) => Self { builtin: Some(builtin), ..none },
+            Heights::Csv { file, points } => Self { csv: Some(file), points, ..none },
+            Heights::Generated(generated) => Self { generated: Some(generated), ..none },
+            Heights::Points(points) => Self { points, ..none },
+        }
+    }
+}
+
+/// Checks that the keys that were written name one source at most; the points beside a file are the file's.
+pub(crate) fn one_source(is_written: impl Fn(&str) -> bool) -> Result<(), Problem> {
+    let points = if is_written("road.csv") { "road.csv" } else { "road.points" };
+    let sources = ["road.builtin", "road.generated", points];
+    let mut given = sources.into_iter().filter(|source| is_written(source));
+    match (given.next(), given.next()) {
+        (Some(first), Some(second)) => Err(Problem::new(
+            second,
+            format!("the road is given twice, by {first} and {second}"),
+            "one source for the road",
+        )
+        .against(first)),
+        _ => Ok(()),
+    }
+}
+
+/// A point of a road: `[distance_m, height_m]`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(expecting = "a point [distance_m, height_m]")]
+pub struct RoadPoint(pub Distance, pub Height);
+
+impl Road {
+    /// A road of these heights without a plan.
+    #[must_use]
+    pub fn of_heights(heights: Heights) -> Self {
+        Self { heights, plan: None }
+    }
+
+    /// True if no heights are given.
+    #[must_use]
+    pub fn is_level(&self) -> bool {
+        self.heights == Heights::Level
+    }
+
+    /// The road in the plane, if it has one.
+    #[must_use]
+    pub fn plan(&self) -> Option<&Plan> {
+        self.plan.as_ref()
+    }
+
+    /// The road's heights.
+    ///
+    /// # Errors
+    /// When the points are not a road, or the file has not been read.
+    pub fn profile(&self) -> Result<GradeProfile, Problem> {
+        self.heights.profile()
+    }
+}
+
+impl Heights {
+    fn profile(&self) -> Result<GradeProfile, Problem> {
+        let points = match self {
+            Self::Builtin(builtin) => {
+                return Ok(parse_csv("built-in road", builtin.csv())
+                    .expect("a test reads every built-in road"));
+            }
+            Self::Generated(generated) => return generated.profile(),
+            Self::Csv { points, .. } if points.is_empty() => {
+                return Err(Problem::new(
+                    "road.csv",
+                    "the file has not been read, for this scenario is not a file itself",
+                    "points, or a scenario file",
+                ));
+            }
+            Self::Csv { points, .. } | Self::Points(points) => points.as_slice(),
+            Self::Level => &[],
+        };
+        let point =
+            |point: &RoadPoint| Point { distance_m: point.0.value(), height_m: point.1.value() };
+        GradeProfile::new(points.iter().map(point).collect()).map_err(|error| {
+            let path = format!("road.points.{}", error.index());
+            Problem::new(path, error.to_string(), error.expected())
+        })
+    }
+}
+
+impl Generated {
+    fn profile(&self) -> Result<GradeProfile, Problem> {
+        let (shortest, longest) = (self.min_tangent_m.value(), self.max_tangent_m.value());
+        if shortest > longest {
+            return Err(Problem::new(
+                "road.generated.max_tangent_m",
+                "the longest tangent is shorter than the shortest",
+                format!("at least {shortest} m"),
+            )
+            .against("road.generated.min_tangent_m"));
+        }
+        let alignment = Alignment {
+            length_m: 1e3 * self.length_km.value(),
+            grade_sigma: self.grade_sigma_percent.value() / 100.0,
+            max_grade: self.max_grade_percent.value() / 100.0,
+            tangent_m: [shortest, longest],
+            curve_m: self.curve_m.value(),
+            closed: self.closed,
+        };
+        Ok(generate(&alignment, self.seed.value()))
+    }
+}
+
+/// Heights of a file, way and height in m, as a scenario keeps them.
+pub(crate) fn points(heights: &[[f64; 2]]) -> Result<Vec<RoadPoint>, Problem> {
+    let point = |[distance_m, height_m]: &[f64; 2]| {
+        let refuse = |message: String| Problem::new("road", message, "heights that are in range");
+        let distance =
+            Distance::try_from(*distance_m).map_err(|error| refuse(error.to_string()))?;
+        let height = Height::try_from(*height_m).map_err(|error| refuse(error.to_string()))?;
+        Ok(RoadPoint(distance, height))
+    };
+    heights.iter().map(point).collect()
+}
+
+/// The points of a profile as a scenario keeps them.
+pub(crate) fn points_of(profile: &GradeProfile) -> Vec<RoadPoint> {
+    let point = |point: &Point| {
+        let distance = Distance::try_from(point.distance_m).ok()?;
+        Some(RoadPoint(distance, Height::try_from(point.height_m).ok()?))
+    };
+    profile.points().iter().filter_map(point).collect()
+}
+
+/// Reads a road from a CSV text. It has the column `distance_m` and one of `height_m` and `grade_percent`; the grade's
+/// value holds up to the next line's distance.
+pub(crate) fn parse_csv(source: &str, text: &str) -> Result<GradeProfile, ScenarioError> {
+    const COLUMNS: &str = "distance_m,height_m or distance_m,grade_percent";
+    let table = Table::split(source, text);
+    let distance = table.column("distance_m", COLUMNS)?;
+    let (height, grade) = (table.find("height_m"), table.find("grade_percent"));
+    if table.len() < 2 || table.len() > MAX_POINTS {
+        return Err(ScenarioError::whole(source, format!("{} lines of numbers", table.len()))
+            .expecting(format!("2 to {MAX_POINTS} points of a road")));
+    }
+    let value = match (height, grade) {
+        (Some(height), None) => height,
+        (None, Some(grade)) => grade,
+        (None, None) => table.column("height_m", COLUMNS)?,
+        (Some(_), Some(_)) => {
+            return Err(ScenarioError::whole(source, "both heights and grades")
+                .expecting(format!("the columns {COLUMNS}")));
+        }
+    };
+    let mut points: Vec<Point> = Vec::with_capacity(table.len());
+    let mut slope = 0.0;
+    for row in 0..table.len() {
+        let distance_m = table.number::<Distance>(row, distance)?.value();
+        let height_m = if height.is_some() {
+            table.number::<Height>(row, value)?.value()
+        } else {
+            let before = points.last().copied().unwrap_or(Point { distance_m, height_m: 0.0 });
+            let height_m = before.height_m + slope * (distance_m - before.distance_m);
+            slope = table.number::<GradePercent>(row, value)?.value() / 100.0;
+            Height::try_from(height_m)
+                .map_err(|error| table.fault(row, value, &error.to_string()))?
+                .value()
+        };
+        points.push(Point { distance_m, height_m });
+    }
+    GradeProfile::new(points).map_err(|error| {
+        let column = match error {
+            ProfileError::TooSteep { .. } => value,
+            ProfileError::OnePoint
+            | ProfileError::TooManyPoints(_)
+            | ProfileError::NotANumber { .. }
+            | ProfileError::OutOfOrder { .. }
+            | ProfileError::Gap { .. } => distance,
+        };
+        table.fault(error.index(), column, &error.to_string()).expecting(error.expected())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Scenario;
+
+    fn refusal(text: &str) -> String {
+        parse_csv("road.csv", text).expect_err("no road").to_string()
+    }
+
+    #[test]
+    fn the_built_in_road_is_sixty_kilometres_closed_within_three_percent() {
+        let road = parse_csv("hills", BuiltinRoad::Hills60km.csv()).expect("a right road");
+        assert_eq!((road.end_m(), road.height_m(60e3)), (60e3, 0.0));
+        let grades = road.points().windows(2).map(|pair| road.grade(pair[0].distance_m));
+        let steepest = grades.fold(0.0_f64, |most, grade| most.max(grade.abs()));
+        assert!((0.02..=0.0301).contains(&steepest), "{steepest}");
+    }
+
+    #[test]
+    fn grades_are_summed_up_to_heights() {
+        let text = "# by hand\nnote,grade_percent,distance_m\na,2,0\nb,-1,100\nc,0,300\n";
+        let road = parse_csv("road.csv", text).expect("a right road");
+        assert_eq!([100.0, 200.0, 300.0].map(|x| road.height_m(x)), [2.0, 1.0, 0.0]);
+    }
+
+    #[test]
+    fn faults_are_shown_where_they_are() {
+        let cases = [
+            ("distance_m,height_m\n0,0\n50,NaN\n", "road.csv:3:4: NaN is out of range"),
+            ("distance_m,height_m\n0,0\n50,x\n", "road.csv:3:4: `x` is not a number"),
+            ("distance_m,height_m\n0,0\n50\n", "road.csv:3:1: no `height_m` in this line"),
+            ("distance_m,height_m\n0,0\n50,1\n50,1\n", "road.csv:4:1: distances must increase"),
+            ("distance_m,height_m\n0,0\n900,1\n", "road.csv:3:1: a gap of 900 m"),
+            ("distance_m,height_m\n0,0\n50,30\n", "road.csv:3:4: a grade of 60.0 %"),
+            ("distance_m,grade_percent\n0,25\n50,1\n", "road.csv:2:3: 25 is out of range"),
+            ("s,z\n0,0\n50,1\n", "road.csv:1:1: no column `distance_m`"),
+            ("distance_m,z\n0,0\n50,1\n", "road.csv:1:1: no column `height_m`"),
+        ];
+        for (text, expected) in cases {
+            let shown = refusal(text);
+            assert!(shown.starts_with(&format!("error: {expected}")), "{text}\n{shown}");
+        }
+        assert!(refusal("distance_m,height_m\n0,0\n").contains("1 lines of numbers"));
+        let both = "distance_m,height_m,grade_percent\n0,0,0\n50,1,2\n";
+        assert!(refusal(both).contains("both heights and grades"));
+    }
+
+    #[test]
+    fn two_sources_are_one_too_many() {
+        let points = "points = [[0, 0], [50, 1]]";
+        let text = format!(
+            "schema_version = 1\nname = \"x\"\n[road]\nbuiltin = \"hills-60km\"\n{points}\n"
+        );
+        let said = Scenario::parse("x.toml", &text).expect_err("two").to_string();
+        assert!(
+            said.contains("x.toml:5:") && said.contains("by road.builtin and road.points"),
+            "{said}"
+        );
+        let file: Road = toml::from_str(&format!("csv = \"a.csv\"\n{points}")).expect("one");
+        let points = match file.heights {
+            Heights::Csv { points, .. } => points.len(),
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(points, 2, "the file's points");
+    }
+}

@@ -1,0 +1,374 @@
+//! The events of actors as a storyboard, and what is wrong with them.
+
+use openscenario::model::action::{Action, Dimension, LaneTarget, Shape, SpeedTarget, Transition};
+use openscenario::model::condition::{
+    Along, Condition, Edge, EntityTest, Measured, Target, Test, Trigger,
+};
+use openscenario::model::element::{ElementKind, ElementState};
+use openscenario::model::position::{From, Heading, Position};
+use openscenario::model::storyboard::{
+    Act, Event, Maneuver, ManeuverGroup, NamedAction, Priority, Story,
+};
+use openscenario::model::{Body, Category, Drive, Entity, InitAction};
+use openscenario::road::Road;
+use openscenario::{Rule, Script};
+
+use crate::Problem;
+use crate::Scenario;
+use crate::accepted;
+use crate::actor::{Actor, Profile};
+use crate::event::{ActorEvent, LateralChange, MAX_EVENTS, SpeedChange, VEHICLE_WIDTH_M, When};
+use crate::name::Name;
+
+impl Scenario {
+    /// The script that moves its actors: an OpenSCENARIO file's, or one made of the actors' events.
+    /// Entity 0 is the ego in the latter, entity `i + 1` the actor `i`. Nothing where no actor is
+    /// moved by events.
+    #[must_use]
+    pub fn script(&self) -> Option<Script> {
+        if let Some(storyboard) = &self.storyboard {
+            return Some(storyboard.script.clone());
+        }
+        let moved = self.actors.iter().any(|actor| !actor.events.is_empty());
+        moved.then(|| of_events(self))
+    }
+}
+
+/// The events of a scenario's actors as a storyboard. Origins are at rear bumpers, `t` counts from the
+/// middle of the ego's lane.
+fn of_events(scenario: &Scenario) -> Script {
+    let body = |length_m: f64, width_m: f64| Body {
+        center_ahead_m: 0.5 * length_m,
+        center_left_m: 0.0,
+        length_m,
+        width_m,
+    };
+    let ego_length_m = scenario.plant.length_m.value();
+    let entity = |name: &str, body: Body, drive: Drive| Entity {
+        name: name.to_owned(),
+        category: Category::Vehicle,
+        body,
+        drive,
+    };
+    let ego = body(ego_length_m, VEHICLE_WIDTH_M);
+    let mut entities = vec![entity("the ego", ego, Drive::External)];
+    let place = |actor, s_m, t_m| InitAction {
+        actor: Some(actor),
+        action: Action::Teleport(Position {
+            from: From::Road { s_m, t_m },
+            heading: Heading::Road(0.0),
+        }),
+    };
+    let speed = |actor, mps| InitAction {
+        actor: Some(actor),
+        action: Action::Speed { target: SpeedTarget::Absolute(mps), transition: STEP },
+    };
+    let mut init =
+        vec![place(0, -ego_length_m, 0.0), speed(0, scenario.plant.initial_speed_mps.value())];
+    let mut stories = Vec::new();
+    for (index, actor) in scenario.actors.iter().enumerate() {
+        let moved = !actor.events.is_empty();
+        let drive = if moved { Drive::Scripted } else { Drive::External };
+        let body = body(actor.length_m.value(), actor.width_m.value());
+        entities.push(entity(actor.name.as_str(), body, drive));
+        if moved {
+            init.push(place(index + 1, actor.gap_m.value(), actor.lateral_offset_m.value()));
+            let initial_mps = actor.initial_speed_mps.map_or(0.0, |speed| speed.value());
+            init.push(speed(index + 1, initial_mps));
+            stories.push(story(scenario, index, actor));
+        }
+    }
+    let road = Road::one_lane();
+    Script { road, ego: 0, entities, values: Vec::new(), init, stories, stop: None }
+}
+
+const STEP: Transition = Transition { shape: Shape::Step, dimension: Dimension::Time, value: 0.0 };
+
+fn story(scenario: &Scenario, index: usize, actor: &Actor) -> Story {
+    let own = index + 1;
+    let events = actor.events.iter().enumerate().map(|(number, event)| {
+        let mut actions = Vec::new();
+        if let Some(SpeedChange { to_mps, rate_mps2, shape }) = event.speed {
+            let transition =
+                Transition { shape, dimension: Dimension::Rate, value: rate_mps2.value() };
+            let target = SpeedTarget::Absolute(to_mps.value());
+            let action = Action::Speed { target, transition };
+            actions.push(NamedAction { name: "speed".to_owned(), action });
+        }
+        if let Some(LateralChange { to_m, duration_s, shape }) = event.lateral {
+            let transition =
+                Transition { shape, dimension: Dimension::Time, value: duration_s.value() };
+            let target = LaneTarget::Lateral(to_m.value());
+            let action = Action::LaneChange { target, offset_m: 0.0, transition };
+            actions.push(NamedAction { name: "lateral".to_owned(), action });
+        }
+        Event {
+            name: event_name(event, number),
+            priority: Priority::Parallel,
+            executions: 1,
+            start: Some(Trigger(vec![vec![condition(scenario, own, event)]])),
+            actions,
+        }
+    });
+    let maneuver = Maneuver { name: "events".to_owned(), events: events.collect() };
+    let group = ManeuverGroup {
+        name: "actor".to_owned(),
+        executions: 1,
+        actors: vec![own],
+        maneuvers: vec![maneuver],
+    };
+    let act = Act { name: "run".to_owned(), start: None, stop: None, groups: vec![group] };
+    Story { name: actor.name.as_str().to_owned(), acts: vec![act] }
+}
+
+fn event_name(event: &ActorEvent, number: usize) -> String {
+    let given = event.name.as_ref().map(|name| name.as_str().to_owned());
+    given.unwrap_or_else(|| format!("event {}", number + 1))
+}
+
+fn condition(scenario: &Scenario, own: usize, event: &ActorEvent) -> Condition {
+    let named = |name: &Name| scenario.actors.iter().position(|actor| actor.name == *name);
+    let other = event.to.as_ref().and_then(named).map_or(0, |index| index + 1);
+    let measured = |target| Measured {
+        target: Target::Entity(target),
+        freespace: true,
+        along: Along::Longitudinal,
+        entity_axes: false,
+    };
+    let of = |entities: Vec<usize>, is| Test::Entity { entities, all: false, is };
+    let test = match &event.when {
+        When::TimeS(time) => Test::Time { rule: Rule::GreaterOrEqual, value: time.value() },
+        When::GapBelowM(gap) => {
+            let (to, value) = (measured(other), gap.value());
+            of(vec![own], EntityTest::Distance { to, rule: Rule::LessThan, value })
+        }
+        When::GapAboveM(gap) => {
+            let (to, value) = (measured(other), gap.value());
+            of(vec![own], EntityTest::Distance { to, rule: Rule::GreaterThan, value })
+        }
+        // The one behind is asked: the ego, or the other actor.
+        When::HeadwayBelowS(time) => {
+            let (to, value) = (measured(own), time.value());
+            of(vec![other], EntityTest::Headway { to, rule: Rule::LessThan, value })
+        }
+        When::TtcBelowS(time) => {
+            let (to, value) = (measured(own), time.value());
+            of(vec![other], EntityTest::TimeToCollision { to, rule: Rule::LessThan, value })
+        }
+        When::HeadwayAboveS(time) => {
+            let (to, value) = (measured(own), time.value());
+            of(vec![other], EntityTest::Headway { to, rule: Rule::GreaterThan, value })
+        }
+        When::TtcAboveS(time) => {
+            let (to, value) = (measured(own), time.value());
+            of(vec![other], EntityTest::TimeToCollision { to, rule: Rule::GreaterThan, value })
+        }
+        When::RelativeSpeedBelowMps(speed) => {
+            let (entity, rule, value) = (other, Rule::LessThan, speed.value());
+            of(vec![own], EntityTest::RelativeSpeed { entity, rule, value })
+        }
+        When::RelativeSpeedAboveMps(speed) => {
+            let (entity, rule, value) = (other, Rule::GreaterThan, speed.value());
+            of(vec![own], EntityTest::RelativeSpeed { entity, rule, value })
+        }
+        When::TraveledM(distance) => of(vec![own], EntityTest::TraveledDistance(distance.value())),
+        When::StandsForS(time) => of(vec![own], EntityTest::StandStill(time.value())),
+        When::SpeedBelowMps(speed) => {
+            of(vec![own], EntityTest::Speed { rule: Rule::LessThan, value: speed.value() })
+        }
+        When::SpeedAboveMps(speed) => {
+            of(vec![own], EntityTest::Speed { rule: Rule::GreaterThan, value: speed.value() })
+        }
+        When::EgoSpeedBelowMps(speed) => {
+            of(vec![0], EntityTest::Speed { rule: Rule::LessThan, value: speed.value() })
+        }
+        When::EgoSpeedAboveMps(speed) => {
+            of(vec![0], EntityTest::Speed { rule: Rule::GreaterThan, value: speed.value() })
+        }
+        When::Completed(name) => Test::Element {
+            kind: ElementKind::Event,
+            name: format!(
+                "{}::run::actor::events::{}",
+                scenario.actors[own - 1].name.as_str(),
+                name.as_str()
+            ),
+            state: ElementState::Complete,
+        },
+    };
+    Condition { edge: Edge::None, delay_ns: event.delay_s.nanoseconds(), test }
+}
+
+/// Checks that events hold together.
+pub(crate) fn check(actors: &[Actor]) -> Result<(), Problem> {
+    for (i, actor) in actors.iter().enumerate().filter(|(_, actor)| !actor.events.is_empty()) {
+        let plain = actor.profile == Profile::Constant
+            && actor.lateral.is_empty()
+            && actor.appears_at_s.value() == 0.0
+            && actor.leaves_at_s.is_none()
+            && actor.max_speed_mps.is_none();
+        if !plain {
+            return Err(Problem::new(
+                format!("actors.{i}.events"),
+                "an actor with events is on the road from start to end and moves by them alone",
+                "no profile, lateral, appears_at_s, leaves_at_s or max_speed_mps beside events",
+            ));
+        }
+        if actor.events.len() > MAX_EVENTS {
+            let expected = format!("at most {MAX_EVENTS}");
+            return Err(Problem::new(format!("actors.{i}.events"), "too many events", expected));
+        }
+        for (k, event) in actor.events.iter().enumerate() {
+            one(actors, i, k, event)?;
+        }
+    }
+    Ok(())
+}
+
+fn one(actors: &[Actor], i: usize, k: usize, event: &ActorEvent) -> Result<(), Problem> {
+    let path = format!("actors.{i}.events.{k}");
+    let own = &actors[i];
+    if event.speed.is_none() && event.lateral.is_none() {
+        return Err(Problem::new(path, "an event that does nothing", "`speed`, `lateral` or both"));
+    }
+    let named =
+        |name: &Name| own.events.iter().filter(|other| other.name.as_ref() == Some(name)).count();
+    if event.name.as_ref().is_some_and(|name| named(name) > 1) {
+        let message = "another event of this actor has the same name";
+        return Err(Problem::new(format!("{path}.name"), message, "a name of its own"));
+    }
+    if let When::Completed(name) = &event.when
+        && (named(name) == 0 || event.name.as_ref() == Some(name))
+    {
+        let names: Vec<&str> =
+            own.events.iter().filter_map(|other| other.name.as_ref()).map(Name::as_str).collect();
+        return Err(Problem::new(
+            format!("{path}.when.completed"),
+            format!("there is no other event `{}` of this actor", name.as_str()),
+            accepted(name.as_str(), names),
+        ));
+    }
+    if let Some(other) = &event.to {
+        let measures = matches!(
+            event.when,
+            When::GapBelowM(_)
+                | When::GapAboveM(_)
+                | When::HeadwayBelowS(_)
+                | When::HeadwayAboveS(_)
+                | When::TtcBelowS(_)
+                | When::TtcAboveS(_)
+                | When::RelativeSpeedBelowMps(_)
+                | When::RelativeSpeedAboveMps(_)
+        );
+        if !measures {
+            let message = "this trigger measures nothing to another actor";
+            return Err(Problem::new(format!("{path}.to"), message, "no `to`"));
+        }
+        if *other == own.name || !actors.iter().any(|actor| actor.name == *other) {
+            return Err(Problem::new(
+                format!("{path}.to"),
+                format!("there is no other actor `{}`", other.as_str()),
+                "the name of another actor",
+            ));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HEAD: &str = "schema_version = 1\nname = \"x\"\n[[actors]]\nname = \"car\"\ngap_m = 60\n";
+
+    fn read(lines: &str) -> Result<Scenario, String> {
+        let text = format!("{HEAD}{lines}");
+        Scenario::parse("x.toml", &text).map_err(|error| error.to_string())
+    }
+
+    const EVENTS: &str = "initial_speed_mps = 20
+[[actors.events]]
+name = \"a\"
+when = { gap_below_m = 30 }
+speed = { to_mps = 10, rate_mps2 = 2 }
+[[actors.events]]
+when = { completed = \"a\" }
+delay_s = 2
+lateral = { to_m = 3.5, duration_s = 3, shape = \"cubic\" }
+";
+
+    #[test]
+    fn events_become_a_storyboard_and_read_back() {
+        let scenario = read(EVENTS).expect("it is right");
+        let script = scenario.script().expect("there are events");
+        assert!(openscenario::World::new(script.clone()).is_ok());
+        assert_eq!(script.entities.len(), 2);
+        let names: Vec<&str> = script.stories[0].acts[0].groups[0].maneuvers[0]
+            .events
+            .iter()
+            .map(|event| event.name.as_str())
+            .collect();
+        assert_eq!(names, ["a", "event 2"]);
+        let again = Scenario::parse("again.toml", &scenario.to_toml()).expect("it was written");
+        assert_eq!(again, scenario);
+        assert_eq!(read("initial_speed_mps = 20\n").expect("it is right").script(), None);
+    }
+
+    #[test]
+    fn every_trigger_is_read_and_makes_a_script() {
+        for when in [
+            "time_s = 1",
+            "gap_below_m = 30",
+            "gap_above_m = 30",
+            "headway_below_s = 1",
+            "headway_above_s = 3",
+            "ttc_below_s = 2",
+            "ttc_above_s = 9",
+            "relative_speed_below_mps = -3.5",
+            "relative_speed_above_mps = 3.5",
+            "speed_below_mps = 3",
+            "speed_above_mps = 30",
+            "ego_speed_below_mps = 3",
+            "ego_speed_above_mps = 30",
+            "traveled_m = 200",
+            "stands_for_s = 2",
+        ] {
+            let scenario = read(&EVENTS.replacen("gap_below_m = 30", when, 1)).expect(when);
+            let script = scenario.script().expect("there are events");
+            assert!(openscenario::World::new(script).is_ok(), "{when}");
+        }
+        let shown = read(&EVENTS.replacen("gap_below_m = 30", "relative_speed_below_mps = nan", 1));
+        assert!(shown.expect_err("no number").contains("x.toml:9:"));
+    }
+
+    #[test]
+    fn senseless_values_are_shown_at_their_line() {
+        for (from, to, line, expected) in [
+            ("gap_below_m = 30", "gap_under_m = 30", 9, "gap_below_m"),
+            ("gap_below_m = 30", "gap_below_m = -1", 9, "a distance from 0"),
+            ("speed = { to_mps = 10, rate_mps2 = 2 }", "", 7, "`speed`, `lateral` or both"),
+            ("completed = \"a\"", "completed = \"b\"", 12, "expected `a`"),
+            ("name = \"a\"", "name = \"a\"\nto = \"van\"", 9, "the name of another actor"),
+            ("delay_s = 2", "to = \"car\"", 13, "no `to`"),
+            (
+                "initial_speed_mps = 20",
+                "initial_speed_mps = 20\nappears_at_s = 3",
+                8,
+                "beside events",
+            ),
+            ("\"cubic\"", "\"round\"", 14, "`cubic`"),
+        ] {
+            assert!(EVENTS.contains(from), "{from}");
+            let shown = read(&EVENTS.replacen(from, to, 1)).expect_err(to);
+            assert!(
+                shown.contains(&format!("x.toml:{line}:")) && shown.contains(expected),
+                "{shown}"
+            );
+        }
+        let shown =
+            read("initial_speed_mps = 20\nprofile = \"storyboard\"\n").expect_err("no storyboard");
+        assert!(
+            shown.contains("x.toml:7:") && shown.contains("no storyboard to follow"),
+            "{shown}"
+        );
+    }
+}

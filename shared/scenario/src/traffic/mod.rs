@@ -1,0 +1,13 @@
+//! The tables of the other vehicles: profiles, events, recorded motions, and OpenSCENARIO's storyboards.
+
+pub mod actor;
+pub mod cycle;
+pub mod event;
+pub mod recorded;
+pub mod speeds;
+pub mod storyboard;
+pub mod translation;
+
+mod start_notices;
+
+pub(crate) mod event_script;
