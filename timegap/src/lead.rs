@@ -8,7 +8,7 @@ use report::print;
 use report::results::{Column, Document, Fact, Format, Table, column, count, word};
 use scenario::quantity::{Duration, OutOfRange, TimeConstant, TimeShift};
 use scenario::recorded::{self, AfterEnd, CsvFile, Record};
-use scenario::{Problem, Refusal, accepted};
+use scenario::{Problem, Refusal, ScenarioError, accepted};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
