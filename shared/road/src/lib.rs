@@ -39,6 +39,7 @@ mod check;
 mod cubic;
 mod element;
 mod error;
+pub mod grade;
 mod lanes;
 mod lines;
 mod piece;

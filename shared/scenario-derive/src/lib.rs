@@ -126,13 +126,12 @@ fn shape_of(container: &Serde, fields: &Fields) -> Result<TokenStream, Error> {
         Fields::Named(named) => {
             let keys = named.named.iter().map(|field| key(container, field));
             let keys = keys.collect::<Result<Vec<_>, Error>>()?.into_iter().flatten();
-            let defaults = match container.default {
-                Some(_) => quote!(&<Self as ::core::default::Default>::default()),
-                None => quote!(&()),
-            };
+            let defaults = container.default.as_ref().map(|_| {
+                let all = quote!(&<Self as ::core::default::Default>::default());
+                quote!(let defaults = ::scenario::schema::written(#all);)
+            });
             quote!({
-                let defaults = ::scenario::schema::defaults(#defaults);
-                let _ = &defaults;
+                #defaults
                 ::scenario::schema::Shape::Table(::std::vec![#(#keys),*])
             })
         }
@@ -158,17 +157,14 @@ fn key(container: &Serde, field: &Field) -> Result<Option<TokenStream>, Error> {
     let name = own.rename.unwrap_or_else(|| container.rename_all.of_field(&ident));
     let meaning = meaning(&field.attrs);
     let ty = &field.ty;
-    let presence = match (&own.default, &container.default) {
-        (Some(Fallback::Trait), _) => quote! {
-            ::scenario::schema::Presence::of(&<#ty as ::core::default::Default>::default())
-        },
-        (Some(Fallback::Function(path)), _) => {
-            quote!(::scenario::schema::Presence::of(&#path()))
-        }
-        (None, Some(_)) => quote!(::scenario::schema::Presence::among(&defaults, #name)),
-        (None, None) => quote!(::scenario::schema::Presence::Required),
+    let written = |value: TokenStream| quote!(Some(::scenario::schema::written(&#value)));
+    let default = match (&own.default, &container.default) {
+        (Some(Fallback::Trait), _) => written(quote!(<#ty as ::core::default::Default>::default())),
+        (Some(Fallback::Function(path)), _) => written(quote!(#path())),
+        (None, Some(_)) => quote!(Some(defaults.as_ref().and_then(|all| all.get(#name)).cloned())),
+        (None, None) => quote!(None),
     };
-    Ok(Some(quote!(::scenario::schema::Key::of::<#ty>(#name, #meaning, #presence))))
+    Ok(Some(quote!(::scenario::schema::Key::of::<#ty>(#name, #meaning, #default))))
 }
 
 /// The doc comment, in one line.

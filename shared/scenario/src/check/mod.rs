@@ -1,22 +1,24 @@
 //! Checks across keys: each value by itself is in its range already.
 
 mod actors;
+mod events;
 mod laws;
 mod plan;
 mod storyboard;
 
-use crate::Problem;
-use crate::Scenario;
+use messages::{Service, Topic};
+
 use crate::aebs::LEAST_DECELERATION_MPS2;
 use crate::controller::Release;
 use crate::faults::{Fault, Target};
 use crate::perception::MAX_LATENCY_SCANS;
 use crate::plant::Integrator;
 use crate::quantity::Acceleration;
+use crate::reading::refuse;
 use crate::schema::is_default;
 use crate::supervision::Restart;
 use crate::v2x::{MAX_PROGRAM_PHASES, MAX_SIGNALS, Signal};
-use messages::{Service, Topic};
+use crate::{Problem, Scenario};
 
 /// Runs every check; the first problem ends it.
 pub(super) fn all(scenario: &Scenario) -> Result<(), Problem> {
@@ -33,27 +35,14 @@ pub(super) fn all(scenario: &Scenario) -> Result<(), Problem> {
     laws::check(scenario)?;
     actors::actors(&scenario.actors)?;
     storyboard::check(scenario)?;
-    crate::traffic::event_script::check(&scenario.actors)
-}
-
-fn fail<T>(
-    path: impl Into<String>,
-    message: impl Into<String>,
-    expected: impl Into<String>,
-) -> Result<T, Problem> {
-    Err(Problem::new(path, message, expected))
+    events::check(&scenario.actors)
 }
 
 fn multiple(path: &str, value_ms: u32, base: &str, base_ms: u32) -> Result<(), Problem> {
-    if value_ms.is_multiple_of(base_ms) {
-        return Ok(());
-    }
-    Err(Problem::new(
-        path,
-        format!("{path} = {value_ms} is not a whole multiple of {base} = {base_ms}"),
-        format!("{path} to be a multiple of {base}"),
-    )
-    .against(base))
+    refuse!(if !value_ms.is_multiple_of(base_ms),
+        "{path}": "{path} = {value_ms} is not a whole multiple of {base} = {base_ms}",
+        "{path} to be a multiple of {base}", against "{base}");
+    Ok(())
 }
 
 fn periods(scenario: &Scenario) -> Result<(), Problem> {
@@ -78,57 +67,40 @@ fn plant(scenario: &Scenario) -> Result<(), Problem> {
     let plant = &scenario.plant;
     let (period, step) = (plant.period_ms.value(), plant.integration_step_ms.value());
     match plant.integrator {
-        Integrator::Fine if !period.is_multiple_of(step) => {
-            return Err(Problem::new(
-                "plant.integration_step_ms",
-                format!("a step of {step} ms does not divide plant.period_ms = {period}"),
-                "a divisor of the period",
-            )
-            .against("plant.period_ms"));
+        Integrator::Fine => {
+            refuse!(if !period.is_multiple_of(step), "plant.integration_step_ms":
+                "a step of {step} ms does not divide plant.period_ms = {period}",
+                "a divisor of the period", against "plant.period_ms");
         }
         Integrator::PaperEuler => {
             multiple("plant.integration_step_ms", step, "plant.period_ms", period)?;
             let lag_ms = 1e3 * plant.actuator_time_constant_s.value();
-            if f64::from(step) > lag_ms {
-                return Err(Problem::new(
-                    "plant.integration_step_ms",
-                    format!("a step of {step} ms is longer than the actuator's time constant"),
-                    format!("at most {lag_ms} ms, or the Euler step oscillates"),
-                )
-                .against("plant.actuator_time_constant_s"));
-            }
+            refuse!(if f64::from(step) > lag_ms, "plant.integration_step_ms":
+                "a step of {step} ms is longer than the actuator's time constant",
+                "at most {lag_ms} ms, or the Euler step oscillates",
+                against "plant.actuator_time_constant_s");
         }
-        Integrator::Fine => {}
     }
     let bounds = (plant.min_acceleration_mps2, plant.max_acceleration_mps2);
     around_zero("plant.min_acceleration_mps2", "plant.max_acceleration_mps2", bounds)?;
     let gateway = &plant.gateway;
     let bounds = (gateway.min_request_mps2, gateway.max_request_mps2);
-    around_zero("plant.gateway.min_request_mps2", "plant.gateway.max_request_mps2", bounds)?;
-    Ok(())
+    around_zero("plant.gateway.min_request_mps2", "plant.gateway.max_request_mps2", bounds)
 }
 
 /// The emergency brake needs brakes that deserve the name, and detections to brake for.
 fn aebs(scenario: &Scenario) -> Result<(), Problem> {
     let deceleration = scenario.aebs.deceleration_mps2.value();
-    if scenario.has_aebs() && deceleration < LEAST_DECELERATION_MPS2 {
-        return fail(
-            "aebs.deceleration_mps2",
-            format!("an emergency brake of {deceleration} m/s² has no authority"),
-            format!("at least {LEAST_DECELERATION_MPS2} m/s² (UN R152)"),
-        );
-    }
-    if scenario.aebs.enabled == Some(true) && !scenario.perception.gives_detections() {
-        return Err(Problem::new(
-            "aebs.enabled",
-            "the emergency brake reads the radar's detections, and this radar gives none",
-            if scenario.perception.ideal {
-                "perception.ideal = false, or aebs.enabled = false"
-            } else {
-                "perception.radar.model = \"detections\", or aebs.enabled = false"
-            },
-        ));
-    }
+    refuse!(if scenario.has_aebs() && deceleration < LEAST_DECELERATION_MPS2,
+        "aebs.deceleration_mps2": "an emergency brake of {deceleration} m/s² has no authority",
+        "at least {LEAST_DECELERATION_MPS2} m/s² (UN R152)");
+    let other = match scenario.perception.ideal {
+        true => "perception.ideal = false",
+        false => "perception.radar.model = \"detections\"",
+    };
+    refuse!(if scenario.aebs.enabled == Some(true) && !scenario.perception.gives_detections(),
+        "aebs.enabled": "the emergency brake reads the radar's detections, and this radar gives none",
+        "{other}, or aebs.enabled = false");
     Ok(())
 }
 
@@ -136,15 +108,11 @@ fn aebs(scenario: &Scenario) -> Result<(), Problem> {
 fn standby(scenario: &Scenario) -> Result<(), Problem> {
     let supervision = &scenario.supervision;
     for service in supervision.standby.services() {
-        if !scenario.services().contains(&service) {
-            let message = format!("a standby for {service}, which the scenario does not have");
-            return fail("supervision.standby", message, "services of the scenario");
-        }
-        if supervision.restart_of(service) == Restart::Never {
-            let message = format!("a standby for {service}, whose end is to end the run");
-            let expected = "a restart policy other than \"never\"";
-            return fail("supervision.standby", message, expected);
-        }
+        refuse!(if !scenario.services().contains(&service), "supervision.standby":
+            "a standby for {service}, which the scenario does not have", "services of the scenario");
+        refuse!(if supervision.restart_of(service) == Restart::Never, "supervision.standby":
+            "a standby for {service}, whose end is to end the run",
+            "a restart policy other than \"never\"");
     }
     Ok(())
 }
@@ -153,33 +121,20 @@ fn standby(scenario: &Scenario) -> Result<(), Problem> {
 fn vehicle(scenario: &Scenario) -> Result<(), Problem> {
     let plant = &scenario.plant;
     scenario.road.profile()?;
-    if plant.gateway.min_torque_nm >= plant.gateway.max_torque_nm {
-        return Err(Problem::new(
-            "plant.gateway.min_torque_nm",
-            "the smallest torque is not below the largest",
-            format!("less than {}", plant.gateway.max_torque_nm.value()),
-        )
-        .against("plant.gateway.max_torque_nm"));
-    }
+    let (least, most) = (plant.gateway.min_torque_nm.value(), plant.gateway.max_torque_nm.value());
+    refuse!(if least >= most, "plant.gateway.min_torque_nm":
+        "the smallest torque is not below the largest", "less than {most}",
+        against "plant.gateway.max_torque_nm");
+    let is_paper = plant.integrator == Integrator::PaperEuler;
     if plant.vehicle.is_truck() {
-        if plant.integrator == Integrator::PaperEuler {
-            return Err(Problem::new(
-                "plant.integrator",
-                "a truck has no paper's Euler step",
-                "`fine`",
-            )
-            .against("plant.vehicle"));
-        }
+        refuse!(if is_paper, "plant.integrator": "a truck has no paper's Euler step", "`fine`",
+            against "plant.vehicle");
         return Ok(());
     }
-    if !scenario.road.is_level() && plant.integrator == Integrator::PaperEuler {
-        let problem = Problem::new("road", "the paper's Euler step has no grade", "no heights");
-        return Err(problem.against("plant.integrator"));
-    }
-    if plant.mass_factor.value() != 1.0 {
-        let expected = "plant.vehicle = \"jh6-49t\" or \"jh6-25t\"";
-        return fail("plant.mass_factor", "a car has no mass here", expected);
-    }
+    refuse!(if !scenario.road.is_level() && is_paper, "road":
+        "the paper's Euler step has no grade", "no heights", against "plant.integrator");
+    refuse!(if plant.mass_factor.value() != 1.0, "plant.mass_factor":
+        "a car has no mass here", "plant.vehicle = \"jh6-49t\" or \"jh6-25t\"");
     Ok(())
 }
 
@@ -188,12 +143,10 @@ fn around_zero(
     max_path: &str,
     (min, max): (Acceleration, Acceleration),
 ) -> Result<(), Problem> {
-    if min.value() >= 0.0 {
-        return fail(min_path, "this bound leaves no way to brake", "a negative number");
-    }
-    if max.value() <= 0.0 {
-        return fail(max_path, "this bound leaves no way to drive", "a positive number");
-    }
+    refuse!(if min.value() >= 0.0,
+        "{min_path}": "this bound leaves no way to brake", "a negative number");
+    refuse!(if max.value() <= 0.0,
+        "{max_path}": "this bound leaves no way to drive", "a positive number");
     Ok(())
 }
 
@@ -201,35 +154,20 @@ fn perception(scenario: &Scenario) -> Result<(), Problem> {
     let perception = &scenario.perception;
     let (latency, period) = (perception.radar.latency_ms.value(), perception.period_ms.value());
     multiple("perception.radar.latency_ms", latency, "perception.period_ms", period)?;
-    if latency / period > MAX_LATENCY_SCANS {
-        return fail(
-            "perception.radar.latency_ms",
-            format!("{latency} ms are more than {MAX_LATENCY_SCANS} scans"),
-            format!("at most {} ms", MAX_LATENCY_SCANS * period),
-        );
-    }
+    let most = MAX_LATENCY_SCANS * period;
+    refuse!(if latency > most, "perception.radar.latency_ms":
+        "{latency} ms are more than {MAX_LATENCY_SCANS} scans", "at most {most} ms");
     let tracker = &perception.tracker;
-    if tracker.confirm_hits > tracker.confirm_scans || tracker.confirm_scans.value() > 32 {
-        return Err(Problem::new(
-            "perception.tracker.confirm_hits",
-            format!(
-                "{} hits in {} scans",
-                tracker.confirm_hits.value(),
-                tracker.confirm_scans.value()
-            ),
-            "at most as many hits as scans, and at most 32 scans",
-        )
-        .against("perception.tracker.confirm_scans"));
-    }
+    let (hits, scans) = (tracker.confirm_hits.value(), tracker.confirm_scans.value());
+    refuse!(if hits > scans || scans > 32, "perception.tracker.confirm_hits":
+        "{hits} hits in {scans} scans", "at most as many hits as scans, and at most 32 scans",
+        against "perception.tracker.confirm_scans");
     let selection = &perception.target_selection;
-    if selection.leave_half_width_m < selection.enter_half_width_m {
-        return Err(Problem::new(
-            "perception.target_selection.leave_half_width_m",
-            "the path is narrower for leaving than for entering",
-            format!("at least {}", selection.enter_half_width_m.value()),
-        )
-        .against("perception.target_selection.enter_half_width_m"));
-    }
+    let enter = selection.enter_half_width_m.value();
+    refuse!(if selection.leave_half_width_m.value() < enter,
+        "perception.target_selection.leave_half_width_m":
+        "the path is narrower for leaving than for entering", "at least {enter}",
+        against "perception.target_selection.enter_half_width_m");
     Ok(())
 }
 
@@ -237,49 +175,30 @@ fn controller(scenario: &Scenario) -> Result<(), Problem> {
     let controller = &scenario.controller;
     let bounds = (controller.min_request_mps2, controller.max_request_mps2);
     around_zero("controller.min_request_mps2", "controller.max_request_mps2", bounds)?;
-    if controller.deadline() > controller.period_ms {
-        return Err(Problem::new(
-            "controller.deadline_ms",
-            "the deadline is longer than the period",
-            format!("at most {} ms", controller.period_ms.value()),
-        )
-        .against("controller.period_ms"));
-    }
+    let period_ms = controller.period_ms.value();
+    refuse!(if controller.deadline().value() > period_ms, "controller.deadline_ms":
+        "the deadline is longer than the period", "at most {period_ms} ms",
+        against "controller.period_ms");
     Ok(())
 }
 
 fn signals(signals: &[Signal]) -> Result<(), Problem> {
-    if signals.len() > MAX_SIGNALS {
-        return fail(
-            "v2x.signals",
-            format!("{} signals", signals.len()),
-            format!("at most {MAX_SIGNALS}"),
-        );
-    }
+    let count = signals.len();
+    refuse!(if count > MAX_SIGNALS, "v2x.signals": "{count} signals", "at most {MAX_SIGNALS}");
     for (i, signal) in signals.iter().enumerate() {
-        let path = format!("v2x.signals.{i}");
-        if !(1..=MAX_PROGRAM_PHASES).contains(&signal.program.len()) {
-            return fail(
-                format!("{path}.program"),
-                format!("a program of {} phases", signal.program.len()),
-                format!("1 to {MAX_PROGRAM_PHASES} phases"),
-            );
-        }
-        if i > 0 && signals[i - 1].stop_line_m >= signal.stop_line_m {
-            return fail(
-                format!("{path}.stop_line_m"),
-                "this stop line is not ahead of the signal before",
-                format!("more than {} m", signals[i - 1].stop_line_m.value()),
-            );
-        }
+        let phases = signal.program.len();
+        refuse!(if !(1..=MAX_PROGRAM_PHASES).contains(&phases), "v2x.signals.{i}.program":
+            "a program of {phases} phases", "1 to {MAX_PROGRAM_PHASES} phases");
+        let before_m = i
+            .checked_sub(1)
+            .map_or(f64::NEG_INFINITY, |before| signals[before].stop_line_m.value());
+        refuse!(if before_m >= signal.stop_line_m.value(), "v2x.signals.{i}.stop_line_m":
+            "this stop line is not ahead of the signal before", "more than {before_m} m");
         let id = |s: &Signal| (s.intersection_id, s.signal_group);
-        if signals[..i].iter().any(|other| id(other) == id(signal)) {
-            return fail(
-                format!("{path}.intersection_id"),
-                "another signal has the same intersection and signal group",
-                "a pair of ids of its own",
-            );
-        }
+        refuse!(if signals[..i].iter().any(|other| id(other) == id(signal)),
+            "v2x.signals.{i}.intersection_id":
+            "another signal has the same intersection and signal group",
+            "a pair of ids of its own");
     }
     Ok(())
 }
@@ -287,10 +206,9 @@ fn signals(signals: &[Signal]) -> Result<(), Problem> {
 /// Without frames there is no air and no on-board unit: a fault of theirs would act on nothing.
 fn radio(scenario: &Scenario) -> Result<(), Problem> {
     let v2x = &scenario.v2x;
-    if v2x.poll_ms.is_some() && !v2x.radio.is_live() {
-        let message = "v2x.poll_ms has no effect without frames of other hosts";
-        return fail("v2x.poll_ms", message, "v2x.radio to be the address of a live carrier");
-    }
+    refuse!(if v2x.poll_ms.is_some() && !v2x.radio.is_live(), "v2x.poll_ms":
+        "v2x.poll_ms has no effect without frames of other hosts",
+        "v2x.radio to be the address of a live carrier");
     if v2x.radio.carrier().is_some() {
         return carrier(scenario);
     }
@@ -299,32 +217,26 @@ fn radio(scenario: &Scenario) -> Result<(), Problem> {
     }
     let (air, unit, obu) = (is_default(&v2x.air), is_default(&v2x.unit), is_default(&v2x.obu));
     let origin = is_default(&v2x.origin);
-    let unused = [("v2x.origin", origin), ("v2x.air", air), ("v2x.unit", unit), ("v2x.obu", obu)];
-    if let Some((table, _)) = unused.into_iter().find(|(_, usual)| !usual) {
-        let message = format!("{table} has no effect without frames");
-        return fail(table, message, "v2x.radio = \"frames\"");
+    for (table, is_usual) in
+        [("v2x.origin", origin), ("v2x.air", air), ("v2x.unit", unit), ("v2x.obu", obu)]
+    {
+        refuse!(if !is_usual,
+            "{table}": "{table} has no effect without frames", "v2x.radio = \"frames\"");
     }
     let aimed = |fault: &Fault| fault.effect.target() == Target::Topic(Topic::RadioFrames);
-    match scenario.faults.iter().position(aimed) {
-        Some(index) => fail(
-            format!("faults.{index}.topic"),
-            "there are no frames on `radio/frames`",
-            "v2x.radio = \"frames\"",
-        ),
-        None => Ok(()),
-    }
+    refuse!(if let Some(index) = scenario.faults.iter().position(aimed), "faults.{index}.topic":
+        "there are no frames on `radio/frames`", "v2x.radio = \"frames\"");
+    Ok(())
 }
 
 /// Frames of other hosts come through the air that there is, into one process.
 fn carrier(scenario: &Scenario) -> Result<(), Problem> {
-    if !is_default(&scenario.v2x.air) {
-        let message = "the air is simulated for the frames of simulated units alone";
-        return Err(Problem::new("v2x.air", message, "v2x.radio = \"frames\"").against("v2x.radio"));
-    }
-    if scenario.supervision.standby.services().contains(&Service::V2xSim) {
-        let message = "two processes of v2x-sim cannot have the radio";
-        let problem = Problem::new("supervision.standby", message, "v2x.radio = \"frames\"");
-        return Err(problem.against("v2x.radio"));
-    }
+    refuse!(if !is_default(&scenario.v2x.air), "v2x.air":
+        "the air is simulated for the frames of simulated units alone",
+        "v2x.radio = \"frames\"", against "v2x.radio");
+    let standbys = scenario.supervision.standby.services();
+    refuse!(if standbys.contains(&Service::V2xSim), "supervision.standby":
+        "two processes of v2x-sim cannot have the radio",
+        "v2x.radio = \"frames\"", against "v2x.radio");
     Ok(())
 }

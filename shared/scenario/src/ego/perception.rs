@@ -9,6 +9,7 @@ use crate::quantity::{
     Angle, Count, CrossSection, Decibels, DelayMs, Length, Loss, MeanCount, PerKilometre, PeriodMs,
     Probability, Reach, Sigma, SigmaMultiple, Speed, Time, TimeConstant,
 };
+use crate::reading::refuse;
 use crate::schema::{Schema, Shape};
 
 /// Longest latency of the radar, in scans.
@@ -169,12 +170,12 @@ tables! {
 impl Perception {
     /// Makes one of the two keys that say how deep the simulation of the radar goes.
     pub(crate) fn unite(&mut self, is_written: impl Fn(&str) -> bool) -> Result<(), Problem> {
-        const KEYS: [&str; 2] = ["perception.ideal", "perception.radar.model"];
-        if self.ideal && self.radar.model != RadarModel::Ideal && KEYS.into_iter().all(is_written) {
-            let message = "perception.ideal = true says another model of the radar";
-            let expected = "perception.radar.model = \"ideal\", or perception.ideal = false";
-            return Err(Problem::new(KEYS[1], message, expected).against(KEYS[0]));
-        }
+        let contradicts = self.ideal && self.radar.model != RadarModel::Ideal;
+        let are_written = is_written("perception.ideal") && is_written("perception.radar.model");
+        refuse!(if contradicts && are_written, "perception.radar.model":
+            "perception.ideal = true says another model of the radar",
+            "perception.radar.model = \"ideal\", or perception.ideal = false",
+            against "perception.ideal");
         self.radar.model = self.model();
         Ok(())
     }

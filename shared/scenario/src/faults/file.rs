@@ -10,7 +10,7 @@ use super::{
     Begin, ChannelFault, Disturbance, Effect, Extent, Falsification, Fault, Kind, MAX_FAULTS,
     ProcessFault, SenderFault, TopicName,
 };
-use crate::reading::{self, Problem};
+use crate::reading::{self, Problem, refuse};
 use crate::schema::{self, Key, Schema, Shape};
 
 /// The key of every fault of a channel.
@@ -27,10 +27,8 @@ struct ChannelKeys {
 pub(crate) fn take_from(keys: &mut Value) -> Result<Vec<Fault>, Problem> {
     let list = keys.as_table_mut().and_then(|keys| keys.remove("faults"));
     let Some(Value::Array(list)) = list else { return Ok(Vec::new()) };
-    if list.len() > MAX_FAULTS {
-        let message = format!("{} faults", list.len());
-        return Err(Problem::new("faults", message, format!("at most {MAX_FAULTS}")));
-    }
+    let count = list.len();
+    refuse!(if count > MAX_FAULTS, "faults": "{count} faults", "at most {MAX_FAULTS}");
     let fault = |(i, keys)| of_keys(keys, &format!("faults.{i}"));
     list.into_iter().enumerate().map(fault).collect()
 }
@@ -73,24 +71,16 @@ fn of_keys(keys: Value, path: &str) -> Result<Fault, Problem> {
         }
     };
     let begin: BeginKeys = reading::plain(keys, path)?;
-    if begin.at_s.is_some() && begin.when.is_some() {
-        return Err(Problem::new(
-            format!("{path}.when"),
-            "the fault has a time and a condition",
-            "one of `at_s` and `when`",
-        ));
-    }
+    refuse!(if begin.at_s.is_some() && begin.when.is_some(),
+        "{path}.when": "the fault has a time and a condition", "one of `at_s` and `when`");
     if let Effect::Sender(SenderFault {
         falsification: Falsification::Bias { topic, field, .. },
         ..
     }) = &effect
-        && field.topic() != topic.0
     {
-        return Err(Problem::new(
-            format!("{path}.field"),
-            format!("{} has no such figure", topic.0.name()),
-            format!("a figure of that topic, or topic = \"{}\"", field.topic().name()),
-        ));
+        let (own, other) = (topic.0.name(), field.topic().name());
+        refuse!(if own != other, "{path}.field": "{own} has no such figure",
+            "a figure of that topic, or topic = \"{other}\"");
     }
     Ok(Fault { begin: Begin::from(begin), effect })
 }

@@ -4,7 +4,6 @@ use messages::{Role, TOPICS, Topic};
 use scenario_derive::tables;
 use serde::{Deserialize, Serialize};
 
-use crate::accepted;
 use crate::schema::{Schema, Shape};
 
 tables! {
@@ -48,10 +47,8 @@ impl TopicName {
 
 /// A name of no topic whose messages can be disturbed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no messages of `{name}` can be disturbed, expected {}", accepted(.name, TopicName::all().map(Topic::name)))]
-pub struct NoSuchTopic {
-    name: String,
-}
+#[error("no messages of `{0}` can be disturbed")]
+pub struct NoSuchTopic(String);
 
 impl Schema for TopicName {
     fn shape() -> Shape {
@@ -64,7 +61,7 @@ impl TryFrom<String> for TopicName {
 
     fn try_from(name: String) -> Result<Self, NoSuchTopic> {
         let found = Self::all().find(|topic| topic.name() == name);
-        found.map(Self).ok_or(NoSuchTopic { name })
+        found.map(Self).ok_or(NoSuchTopic(name))
     }
 }
 

@@ -3,7 +3,7 @@
 use messages::{Service, each_service};
 use serde::{Deserialize, Serialize};
 
-use crate::schema::{Key, Presence, Schema, Shape};
+use crate::schema::{self, Key, Schema, Shape};
 
 macro_rules! per_service {
     ($([$service:ident $krate:ident $about:literal])+) => {
@@ -28,7 +28,7 @@ macro_rules! per_service {
         impl<T: Schema + Serialize + Default> Schema for PerService<T> {
             fn shape() -> Shape {
                 let key = |service: Service, meaning: &str| {
-                    Key::of::<T>(service.name(), meaning.trim(), Presence::of(&T::default()))
+                    Key::of::<T>(service.name(), meaning.trim(), Some(schema::written(&T::default())))
                 };
                 Shape::Table(vec![$(key(Service::$service, $about)),+])
             }

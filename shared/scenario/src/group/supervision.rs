@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 
 use messages::Service;
 
-use crate::accepted;
 use crate::per_service::PerService;
 use crate::quantity::{Count, DelayMs, Duration};
 use crate::schema::{Schema, Shape};
@@ -61,51 +60,19 @@ impl Supervision {
     }
 }
 
-/// A service that can have a standby: its descriptor says so. The plant cannot have one, because there is one vehicle.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "Service", into = "Service")]
-pub struct StandbyService(Service);
-
-impl StandbyService {
-    fn all() -> impl Iterator<Item = Service> {
-        Service::ALL.into_iter().filter(|service| service.descriptor().can_stand_by)
-    }
-}
-
-/// A service without a standby.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{service}` has no standby, expected {}", accepted(.service.name(), StandbyService::all().map(Service::name)))]
-pub struct NoStandby {
-    service: Service,
-}
-
-impl TryFrom<Service> for StandbyService {
-    type Error = NoStandby;
-
-    fn try_from(service: Service) -> Result<Self, NoStandby> {
-        let can = service.descriptor().can_stand_by;
-        can.then_some(Self(service)).ok_or(NoStandby { service })
-    }
-}
-
-impl From<StandbyService> for Service {
-    fn from(standby: StandbyService) -> Self {
-        standby.0
-    }
-}
-
-impl Schema for StandbyService {
-    fn shape() -> Shape {
-        Shape::Text {
-            words: StandbyService::all().map(|service| service.name().to_owned()).collect(),
-        }
-    }
-}
-
-/// Services with a standby.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
-#[serde(from = "Vec<StandbyService>", into = "Vec<StandbyService>")]
+/// Services with a standby. A service's descriptor says whether it can have one: the plant cannot, because there is one
+/// vehicle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(from = "Vec<Service>", into = "Vec<Service>")]
 pub struct Standbys([bool; Service::ALL.len()]);
+
+impl Schema for Standbys {
+    fn shape() -> Shape {
+        let all = Service::ALL.into_iter().filter(|service| service.descriptor().can_stand_by);
+        let words = all.map(|service| service.name().to_owned()).collect();
+        Shape::List(Box::new(Shape::Text { words }))
+    }
+}
 
 impl Standbys {
     /// The services.
@@ -121,14 +88,14 @@ impl Standbys {
     }
 }
 
-impl From<Vec<StandbyService>> for Standbys {
-    fn from(list: Vec<StandbyService>) -> Self {
-        Self(Service::ALL.map(|service| list.contains(&StandbyService(service))))
+impl From<Vec<Service>> for Standbys {
+    fn from(list: Vec<Service>) -> Self {
+        Self(Service::ALL.map(|service| list.contains(&service)))
     }
 }
 
-impl From<Standbys> for Vec<StandbyService> {
+impl From<Standbys> for Vec<Service> {
     fn from(standbys: Standbys) -> Self {
-        standbys.services().into_iter().map(StandbyService).collect()
+        standbys.services()
     }
 }

@@ -19,19 +19,12 @@ use range::quantities;
 
 quantities! {
     f64, "f64", false, ():
-    /// A speed, m/s.
     Speed: f64, "a speed", 0.0, 100.0, "m/s";
-    /// A signed acceleration, m/s².
     Acceleration: f64, "an acceleration", -30.0, 30.0, "m/s²";
-    /// The magnitude of an acceleration, m/s², not zero.
     AccelerationMagnitude: f64, "an acceleration", 0.01, 30.0, "m/s²", ", without a sign";
-    /// A rate of change of acceleration, m/s³, not zero.
     JerkMagnitude: f64, "a rate", 0.1, 1000.0, "m/s³", ", without a sign";
-    /// A difference of two speeds, m/s.
     SpeedDifference: f64, "a difference of speeds", -200.0, 200.0, "m/s";
-    /// A distance along the road, m.
     Distance: f64, "a distance", 0.0, 1e6, "m";
-    /// A length of something that exists, m.
     Length: f64, "a length", 0.1, 1000.0, "m";
     /// A range that a sensor or radio reaches, m.
     Reach: f64, "a range", 1.0, 1e5, "m";
@@ -39,117 +32,81 @@ quantities! {
     Lateral: f64, "a lateral position", -50.0, 50.0, "m";
     /// A point in time or a waiting time, s.
     Time: f64, "a time", 0.0, 86_400.0, "s";
-    /// A shift in time, s.
     TimeShift: f64, "a time", -86_400.0, 86_400.0, "s";
-    /// A time that passes, s.
     Duration: f64, "a duration", 1e-3, 86_400.0, "s";
     /// A time constant or a time headway, s.
     TimeConstant: f64, "a time constant", 1e-3, 100.0, "s";
     /// A standard deviation, in the unit of the key.
     Sigma: f64, "a standard deviation", 0.0, 100.0, "";
-    /// A multiple of a standard deviation.
     SigmaMultiple: f64, "a multiple of sigma", 1.0, 100.0, "";
-    /// A probability.
     Probability: f64, "a probability", 0.0, 1.0, "";
-    /// A share of a whole.
     Share: f64, "a share", 0.0, 1.0, "";
     /// An opening angle, degrees.
     Angle: f64, "an angle", 0.1, 360.0, "degrees";
-    /// A height above any level, m.
     Height: f64, "a height", -500.0, 9000.0, "m";
     /// A grade, percent, positive uphill.
     GradePercent: f64, "a grade", -20.0, 20.0, "%";
-    /// The magnitude of a grade, percent, not zero.
     GradeMagnitude: f64, "a grade", 0.01, 20.0, "%", ", without a sign";
-    /// The length of a road, km.
     RoadLength: f64, "a length", 1.0, 500.0, "km";
-    /// The length of a piece of a road, m.
     PieceLength: f64, "a length", 0.1, 1e6, "m";
-    /// The radius of a curve, m.
     CurveRadius: f64, "a radius", 20.0, 1e10, "m";
     /// A coordinate in the plane, m.
     Coordinate: f64, "a coordinate", -1e6, 1e6, "m";
     /// A heading in the plane, degrees counter-clockwise from x.
     HeadingDeg: f64, "a heading", -360.0, 360.0, "degrees";
-    /// A moment of inertia, kg m².
     Inertia: f64, "a moment of inertia", 10.0, 1e7, "kg m²";
     /// A compliance of tyres: slip angle by lateral acceleration, rad per m/s².
     SlipCompliance: f64, "a slip angle by acceleration", 1e-4, 0.1, "rad per m/s²";
     /// A gradient of understeer, rad per m/s²; negative: oversteer.
     Understeer: f64, "a gradient", -0.002, 0.05, "rad per m/s²";
-    /// An angular frequency, rad/s.
     AngularFrequency: f64, "a frequency", 0.01, 20.0, "rad/s";
-    /// A ratio of damping.
     Damping: f64, "a damping", 0.1, 5.0, "";
     /// A share of a length, away from its ends.
     InnerShare: f64, "a share", 0.1, 0.9, "";
     /// An error in the position of a map, m, positive when the map is too far ahead.
     MapShift: f64, "a shift", -1000.0, 1000.0, "m";
-    /// A latitude, degrees, north positive.
     Latitude: f64, "a latitude", -89.0, 89.0, "degrees";
-    /// A longitude, degrees, east positive.
     Longitude: f64, "a longitude", -180.0, 180.0, "degrees";
     /// A heading, degrees clockwise from north.
     Heading: f64, "a heading", 0.0, 360.0, "degrees";
     /// A torque at the crankshaft, N m.
     Torque: f64, "a torque", -5000.0, 5000.0, "N m";
-    /// A rate of change of torque, N m/s, not zero.
     TorqueRate: f64, "a rate", 10.0, 1e6, "N m/s";
     /// A noise, percent.
     Percent: f64, "a number", 0.0, 100.0, "%";
-    /// A factor on a mass.
     MassFactor: f64, "a factor", 0.5, 2.0, "";
-    /// A mass, kg.
     Mass: f64, "a mass", 100.0, 100_000.0, "kg";
-    /// A power, kW.
     Power: f64, "a power", 1.0, 10_000.0, "kW";
     /// A deviation, in the unit of the figure that deviates.
     Shift: f64, "a number", -1e4, 1e4, "";
-    /// A ratio of powers, dB.
     Decibels: f64, "a level", -100.0, 100.0, "dB";
-    /// A loss of power, dB.
     Loss: f64, "a loss", 0.0, 100.0, "dB";
-    /// A radar cross section, dB relative to 1 m².
     CrossSection: f64, "a radar cross section", -40.0, 60.0, "dBsm";
-    /// A mean number of events in a scan.
     MeanCount: f64, "a mean number", 0.0, 2000.0, "";
-    /// A number of objects on a kilometre.
     PerKilometre: f64, "a number", 0.0, 2000.0, "per km";
-    /// A weight in a cost function.
     Weight: f64, "a weight", 0.0, 1e12, "";
-    /// A weight in a cost function that must not be zero.
     PositiveWeight: f64, "a weight", 1e-9, 1e12, "";
 }
 
 quantities! {
     i64, "i64", true, (Eq, Ord):
-    /// A period, ms.
     PeriodMs: u32, "a period", 1, 10_000, "ms", ", a whole number";
-    /// A delay, ms.
     DelayMs: u32, "a delay", 0, 10_000, "ms", ", a whole number";
     /// A difference of two clocks, ms.
     OffsetMs: i32, "an offset", -60_000, 60_000, "ms", ", a whole number";
     /// The rate by which a clock is too fast, millionths.
     DriftPpm: i32, "a drift", -1000, 1000, "millionths", ", a whole number";
-    /// The id of a station that sends.
     StationId: u32, "a station id", 1, 4_294_967_295, "";
-    /// A number of lanes.
     LaneCount: u8, "a number of lanes", 0, 20, "";
     /// The id of a lane in OpenDRIVE: positive on the left of the reference line, negative on the right.
     LaneId: i32, "a lane id", -1000, 1000, "";
-    /// A seed of the random numbers.
     Seed: u64, "a whole number", 0, i64::MAX, "";
-    /// A number of things, or of repetitions.
     Count: u16, "a whole number", 1, 10_000, "";
-    /// An amount of memory, MiB.
     Megabytes: u32, "a size", 1, 1_000_000, "MiB", ", a whole number";
-    /// A number of steps in a horizon.
     Steps: u16, "a whole number", 2, 1000, "";
     /// A real-time priority as SCHED_FIFO counts them.
     Priority: u8, "a priority", 1, 99, "", " (highest)";
-    /// A CPU, by its id.
     Core: u16, "a CPU id", 0, 1023, "";
-    /// An intersection, by its id in the standards' 16 bits.
     IntersectionId: u16, "an intersection id", 0, 65_535, "";
     /// A signal group; the standards reserve 0 (not available) and 255 (permanently green).
     SignalGroupId: u8, "a signal group id", 1, 254, "";

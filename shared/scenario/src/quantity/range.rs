@@ -68,7 +68,12 @@ macro_rules! quantities {
         $name:ident: $repr:ty, $what:literal, $least:expr, $most:expr, $unit:literal
         $(, $remark:literal)?;
     )+) => {$(
-        quantities! { @type $traits $text, $(#[$doc])* $name: $repr }
+        quantities! {
+            @type $traits $text,
+            #[doc = concat!("Holds ", $what, ": ", $unit, "\n")]
+            $(#[$doc])*
+            $name: $repr
+        }
 
         impl $name {
             /// Range of the values.

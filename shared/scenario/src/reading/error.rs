@@ -17,43 +17,31 @@ use std::ops::Range;
 pub struct ScenarioError {
     message: String,
     expected: Option<String>,
-    place: Box<Place>,
+    /// A file, or an option of the command line.
+    source: String,
+    /// The place in it; none: the whole.
+    mark: Option<Box<Mark>>,
 }
 
-/// Place of the fault.
+/// A marked line.
 #[derive(Clone, Debug, PartialEq, Eq)]
-enum Place {
-    /// In a text: file name or option, line and column (from 1), the line itself, and the length of the mark in
-    /// characters. An option of the command line has one line and shows no number.
-    Text { source: String, line: usize, column: usize, text: String, mark: usize, numbered: bool },
-    /// In the whole of a file or an argument.
-    Whole { source: String },
+struct Mark {
+    /// Line and column, from 1. An option of the command line has one line and shows no number.
+    line: Option<usize>,
+    column: usize,
+    text: String,
+    /// Characters that are marked.
+    length: usize,
 }
 
 impl ScenarioError {
     /// An error about a whole file or argument.
     pub(crate) fn whole(source: &str, message: impl Into<String>) -> Self {
-        let place = Place::Whole { source: source.to_owned() };
-        Self { message: message.into(), expected: None, place: Box::new(place) }
+        Self { message: message.into(), expected: None, source: source.to_owned(), mark: None }
     }
 
     /// An error at a byte range of a file's text.
     pub(crate) fn at(source: &str, text: &str, span: Range<usize>, message: &str) -> Self {
-        Self::in_text(source, text, span, message, true)
-    }
-
-    /// An error at a byte range of an option of the command line.
-    pub(crate) fn in_option(option: &str, span: Range<usize>, message: &str) -> Self {
-        Self::in_text(option, option, span, message, false)
-    }
-
-    fn in_text(
-        source: &str,
-        text: &str,
-        span: Range<usize>,
-        message: &str,
-        numbered: bool,
-    ) -> Self {
         let start = floor_char_boundary(text, span.start);
         let end = floor_char_boundary(text, span.end.max(start));
         // A byte order mark is not a character of the first line.
@@ -62,15 +50,20 @@ impl ScenarioError {
         let end = end.max(start);
         let line_start = text[..start].rfind('\n').map_or(first, |at| at + 1);
         let line_end = text[start..].find('\n').map_or(text.len(), |at| start + at);
-        let place = Place::Text {
-            source: source.to_owned(),
-            line: text[..line_start].matches('\n').count() + 1,
+        let mark = Mark {
+            line: Some(text[..line_start].matches('\n').count() + 1),
             column: text[line_start..start].chars().count() + 1,
             text: text[line_start..line_end].trim_end_matches('\r').to_owned(),
-            mark: text[start..end.clamp(start, line_end)].chars().count().max(1),
-            numbered,
+            length: text[start..end.clamp(start, line_end)].chars().count().max(1),
         };
-        Self { message: message.to_owned(), expected: None, place: Box::new(place) }
+        Self { mark: Some(Box::new(mark)), ..Self::whole(source, message) }
+    }
+
+    /// An error at a byte range of an option of the command line.
+    pub(crate) fn in_option(option: &str, span: Range<usize>, message: &str) -> Self {
+        let error = Self::at(option, option, span, message);
+        let without_line = |mark: Box<Mark>| Box::new(Mark { line: None, ..*mark });
+        Self { mark: error.mark.map(without_line), ..error }
     }
 
     /// Says what would have been right.
@@ -98,34 +91,22 @@ impl ScenarioError {
 
 impl fmt::Display for ScenarioError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &*self.place {
-            Place::Whole { source } => {
-                write!(f, "error: {}: {}", printable(source), printable(&self.message))?;
-                match &self.expected {
-                    Some(expected) => write!(f, ", expected {}", printable(expected)),
-                    None => Ok(()),
-                }
-            }
-            Place::Text { source, line, column, text, mark, numbered } => {
-                let message = printable(&self.message);
-                let number = if *numbered { line.to_string() } else { String::new() };
-                if *numbered {
-                    writeln!(f, "error: {}:{line}:{column}: {message}", printable(source))?;
-                } else {
-                    writeln!(f, "error: {}: {message}", printable(source))?;
-                }
-                let (text, column, mark) = excerpt(text, *column, *mark);
-                let gutter = " ".repeat(number.len());
-                writeln!(f, "{gutter} |")?;
-                writeln!(f, "{number} | {text}")?;
-                let (indent, carets) = (" ".repeat(column - 1), "^".repeat(mark));
-                write!(f, "{gutter} | {indent}{carets}")?;
-                match &self.expected {
-                    Some(expected) => write!(f, " expected {}", printable(expected)),
-                    None => Ok(()),
-                }
-            }
+        let (source, message) = (printable(&self.source), printable(&self.message));
+        let expected = self.expected.as_ref().map(|expected| printable(expected));
+        let Some(mark) = &self.mark else {
+            write!(f, "error: {source}: {message}")?;
+            return expected.map_or(Ok(()), |expected| write!(f, ", expected {expected}"));
+        };
+        match mark.line {
+            Some(line) => writeln!(f, "error: {source}:{line}:{}: {message}", mark.column)?,
+            None => writeln!(f, "error: {source}: {message}")?,
         }
+        let number = mark.line.map_or_else(String::new, |line| line.to_string());
+        let (text, column, length) = excerpt(&mark.text, mark.column, mark.length);
+        let gutter = " ".repeat(number.len());
+        let (indent, carets) = (" ".repeat(column - 1), "^".repeat(length));
+        write!(f, "{gutter} |\n{number} | {text}\n{gutter} | {indent}{carets}")?;
+        expected.map_or(Ok(()), |expected| write!(f, " expected {expected}"))
     }
 }
 

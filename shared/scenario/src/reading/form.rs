@@ -21,9 +21,13 @@ pub(super) fn check(shape: &Shape, value: &Value, path: &str) -> Result<(), Prob
     match (shape, value) {
         (Shape::Free, _)
         | (Shape::Boolean, Value::Boolean(_))
-        | (Shape::Text { .. }, Value::String(_))
         | (Shape::Number { .. }, Value::Integer(_))
         | (Shape::Number { is_whole: false, .. }, Value::Float(_)) => Ok(()),
+        (Shape::Text { words }, Value::String(word))
+            if words.is_empty() || words.contains(word) =>
+        {
+            Ok(())
+        }
         (Shape::List(element), Value::Array(list)) => {
             let mut elements = list.iter().enumerate();
             elements.try_for_each(|(i, value)| check(element, value, &below(path, i)))
@@ -38,6 +42,10 @@ pub(super) fn check(shape: &Shape, value: &Value, path: &str) -> Result<(), Prob
         (Shape::Table(keys), Value::Table(table)) => self::table(keys, table, path),
         (Shape::Choice(variants), _) => choice(variants, value, path),
         (Shape::Kinds(kinds), Value::Table(table)) => kind(kinds, table, path),
+        (Shape::Text { words }, Value::String(word)) => {
+            let known = words.iter().map(String::as_str);
+            Err(Problem::new(path, format!("unknown value `{word}`"), accepted(word, known)))
+        }
         (Shape::Boolean, _) => wrong("true or false"),
         (Shape::Text { .. }, _) => wrong("a string"),
         (Shape::Number { is_whole: true, .. }, _) => wrong("a whole number"),
@@ -66,6 +74,14 @@ fn table(keys: &[Key], table: &Table, path: &str) -> Result<(), Problem> {
             }
             _ => problem,
         })?;
+        let number = value.as_float().or(value.as_integer().map(|number| number as f64));
+        if let (Shape::Number { range: Some((least, most)), .. }, Some(number), Some(expected)) =
+            (&key.shape, number, &key.expected)
+            && !(*least..=*most).contains(&number)
+        {
+            let shown = value.as_integer().map_or(number.to_string(), |whole| whole.to_string());
+            return Err(Problem::new(path, format!("{shown} is out of range"), expected.as_str()));
+        }
     }
     let missing = keys.iter().find(|key| key.is_required && !table.contains_key(&key.name));
     missing.map_or(Ok(()), |key| {

@@ -39,4 +39,5 @@ pub(crate) use document::{Document, KEPT};
 pub(crate) use foreign::Foreign;
 #[cfg(test)]
 pub(crate) use open::Place;
+pub(crate) use problem::refuse;
 pub(crate) use typed::{check_form, plain};

@@ -39,3 +39,24 @@ impl Problem {
         Self { is_of_key: true, ..self }
     }
 }
+
+/// Refuses a value where a condition holds: `refuse!(if condition, "path": "message", "expected", against "other")`.
+/// The texts are format strings.
+macro_rules! refuse {
+    (if let $found:pat = $in:expr, $($problem:tt)+) => {
+        if let $found = $in {
+            refuse!($($problem)+);
+        }
+    };
+    (if $wrong:expr, $($problem:tt)+) => {
+        if $wrong {
+            refuse!($($problem)+);
+        }
+    };
+    ($path:literal: $message:literal, $expected:literal $(, against $other:literal)?) => {
+        return Err($crate::Problem::new(format!($path), format!($message), format!($expected))
+            $(.against(&format!($other)))?)
+    };
+}
+
+pub(crate) use refuse;

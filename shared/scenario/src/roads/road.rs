@@ -24,6 +24,7 @@ use crate::quantity::{
     Distance, GradeMagnitude, GradePercent, Height, Length, Reach, RoadLength, Seed,
 };
 use crate::reading::csv::Table;
+use crate::reading::refuse;
 use crate::schema::Schema;
 
 /// The road.
@@ -123,20 +124,19 @@ impl From<Road> for RoadKeys {
     }
 }
 
-/// Checks that the keys that were written name one source at most; the points beside a file are the file's.
+/// Checks that the keys that were written name one source of heights at most; the points beside a file are the file's.
 pub(crate) fn one_source(is_written: impl Fn(&str) -> bool) -> Result<(), Problem> {
     let points = if is_written("road.csv") { "road.csv" } else { "road.points" };
     let sources = ["road.builtin", "road.generated", points];
-    let mut given = sources.into_iter().filter(|source| is_written(source));
-    match (given.next(), given.next()) {
-        (Some(first), Some(second)) => Err(Problem::new(
-            second,
-            format!("the road is given twice, by {first} and {second}"),
-            "one source for the road",
-        )
-        .against(first)),
-        _ => Ok(()),
-    }
+    one_of("road", sources.map(|source| (source, is_written(source))))
+}
+
+/// Checks that a thing has one source at most.
+pub(crate) fn one_of(thing: &str, sources: [(&str, bool); 3]) -> Result<(), Problem> {
+    let mut given = sources.into_iter().filter(|(_, is_given)| *is_given);
+    let (Some((first, _)), Some((second, _))) = (given.next(), given.next()) else { return Ok(()) };
+    refuse!("{second}": "the {thing} is given twice, by {first} and {second}",
+        "one source for the {thing}", against "{first}")
 }
 
 /// A point of a road: `[distance_m, height_m]`.
@@ -202,14 +202,9 @@ impl Heights {
 impl Generated {
     fn profile(&self) -> Result<GradeProfile, Problem> {
         let (shortest, longest) = (self.min_tangent_m.value(), self.max_tangent_m.value());
-        if shortest > longest {
-            return Err(Problem::new(
-                "road.generated.max_tangent_m",
-                "the longest tangent is shorter than the shortest",
-                format!("at least {shortest} m"),
-            )
-            .against("road.generated.min_tangent_m"));
-        }
+        refuse!(if shortest > longest, "road.generated.max_tangent_m":
+            "the longest tangent is shorter than the shortest", "at least {shortest} m",
+            against "road.generated.min_tangent_m");
         let alignment = Alignment {
             length_m: 1e3 * self.length_km.value(),
             grade_sigma: self.grade_sigma_percent.value() / 100.0,
@@ -280,14 +275,8 @@ pub(crate) fn parse_csv(source: &str, text: &str) -> Result<GradeProfile, Scenar
         points.push(Point { distance_m, height_m });
     }
     GradeProfile::new(points).map_err(|error| {
-        let column = match error {
-            ProfileError::TooSteep { .. } => value,
-            ProfileError::OnePoint
-            | ProfileError::TooManyPoints(_)
-            | ProfileError::NotANumber { .. }
-            | ProfileError::OutOfOrder { .. }
-            | ProfileError::Gap { .. } => distance,
-        };
+        let is_of_heights = matches!(error, ProfileError::TooSteep { .. });
+        let column = if is_of_heights { value } else { distance };
         table.fault(error.index(), column, &error.to_string()).expecting(error.expected())
     })
 }

@@ -99,48 +99,22 @@ pub struct Key {
     pub meaning: String,
 }
 
-/// Presence of a key: it must be written, or it has this value otherwise.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Presence {
-    /// It must be written.
-    Required,
-    /// It may be left out; its value is then this one, if there is one.
-    Optional(Option<toml::Value>),
-}
-
-impl Presence {
-    /// A key that may be left out, with its default.
-    pub fn of(default: &impl Serialize) -> Self {
-        Self::Optional(toml::Value::try_from(default).ok())
-    }
-
-    /// The key `name` of a table whose defaults are `defaults`.
-    #[must_use]
-    pub fn among(defaults: &toml::Table, name: &str) -> Self {
-        Self::Optional(defaults.get(name).cloned())
-    }
-}
-
-/// The keys of a table's default value.
-pub fn defaults(table: &impl Serialize) -> toml::Table {
-    toml::Table::try_from(table).unwrap_or_default()
+/// A value's form in TOML, as the keys of a table or as the default of a key.
+pub fn written(value: &impl Serialize) -> Option<toml::Value> {
+    toml::Value::try_from(value).ok()
 }
 
 impl Key {
-    /// A key whose value is read into a `T`.
+    /// A key whose value is read into a `T`. It must be written if it has no default, unless it is an option.
     #[must_use]
-    pub fn of<T: Schema>(name: &str, meaning: &str, presence: Presence) -> Self {
+    pub fn of<T: Schema>(name: &str, meaning: &str, default: Option<Option<toml::Value>>) -> Self {
         let shape = T::shape();
-        let (is_required, default) = match presence {
-            Presence::Required => (!T::IS_OPTION, None),
-            Presence::Optional(default) => (false, default.filter(|_| shape.is_plain())),
-        };
         Self {
             name: name.to_owned(),
-            shape,
             expected: T::expected(),
-            is_required,
-            default,
+            is_required: default.is_none() && !T::IS_OPTION,
+            default: default.flatten().filter(|_| shape.is_plain()),
+            shape,
             meaning: meaning.to_owned(),
         }
     }

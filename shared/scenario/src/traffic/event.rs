@@ -109,3 +109,20 @@ tables! {
         pub shape: Shape = Sinusoidal,
     }
 }
+
+impl When {
+    /// True if it measures to the ego or another actor.
+    pub(crate) fn measures(&self) -> bool {
+        !matches!(
+            self,
+            Self::TimeS(_)
+                | Self::SpeedBelowMps(_)
+                | Self::SpeedAboveMps(_)
+                | Self::EgoSpeedBelowMps(_)
+                | Self::EgoSpeedAboveMps(_)
+                | Self::TraveledM(_)
+                | Self::StandsForS(_)
+                | Self::Completed(_)
+        )
+    }
+}

@@ -13,11 +13,9 @@ use openscenario::model::{Body, Category, Drive, Entity, InitAction};
 use openscenario::road::Road;
 use openscenario::{Rule, Script};
 
-use crate::Problem;
 use crate::Scenario;
-use crate::accepted;
-use crate::actor::{Actor, Profile};
-use crate::event::{ActorEvent, LateralChange, MAX_EVENTS, SpeedChange, VEHICLE_WIDTH_M, When};
+use crate::actor::Actor;
+use crate::event::{ActorEvent, LateralChange, SpeedChange, VEHICLE_WIDTH_M, When};
 use crate::name::Name;
 
 impl Scenario {
@@ -127,151 +125,47 @@ fn event_name(event: &ActorEvent, number: usize) -> String {
 }
 
 fn condition(scenario: &Scenario, own: usize, event: &ActorEvent) -> Condition {
+    const BELOW: Rule = Rule::LessThan;
+    const ABOVE: Rule = Rule::GreaterThan;
     let named = |name: &Name| scenario.actors.iter().position(|actor| actor.name == *name);
     let other = event.to.as_ref().and_then(named).map_or(0, |index| index + 1);
-    let measured = |target| Measured {
+    let to = |target| Measured {
         target: Target::Entity(target),
         freespace: true,
         along: Along::Longitudinal,
         entity_axes: false,
     };
-    let of = |entities: Vec<usize>, is| Test::Entity { entities, all: false, is };
+    let of = |entity, is| Test::Entity { entities: vec![entity], all: false, is };
+    let gap = |rule, value| of(own, EntityTest::Distance { to: to(other), rule, value });
+    // The one behind is asked: the ego, or the other actor.
+    let headway = |rule, value| of(other, EntityTest::Headway { to: to(own), rule, value });
+    let collision =
+        |rule, value| of(other, EntityTest::TimeToCollision { to: to(own), rule, value });
+    let relative = |rule, value| of(own, EntityTest::RelativeSpeed { entity: other, rule, value });
+    let speed = |entity, rule, value| of(entity, EntityTest::Speed { rule, value });
     let test = match &event.when {
         When::TimeS(time) => Test::Time { rule: Rule::GreaterOrEqual, value: time.value() },
-        When::GapBelowM(gap) => {
-            let (to, value) = (measured(other), gap.value());
-            of(vec![own], EntityTest::Distance { to, rule: Rule::LessThan, value })
+        When::GapBelowM(limit) => gap(BELOW, limit.value()),
+        When::GapAboveM(limit) => gap(ABOVE, limit.value()),
+        When::HeadwayBelowS(limit) => headway(BELOW, limit.value()),
+        When::HeadwayAboveS(limit) => headway(ABOVE, limit.value()),
+        When::TtcBelowS(limit) => collision(BELOW, limit.value()),
+        When::TtcAboveS(limit) => collision(ABOVE, limit.value()),
+        When::RelativeSpeedBelowMps(limit) => relative(BELOW, limit.value()),
+        When::RelativeSpeedAboveMps(limit) => relative(ABOVE, limit.value()),
+        When::SpeedBelowMps(limit) => speed(own, BELOW, limit.value()),
+        When::SpeedAboveMps(limit) => speed(own, ABOVE, limit.value()),
+        When::EgoSpeedBelowMps(limit) => speed(0, BELOW, limit.value()),
+        When::EgoSpeedAboveMps(limit) => speed(0, ABOVE, limit.value()),
+        When::TraveledM(way) => of(own, EntityTest::TraveledDistance(way.value())),
+        When::StandsForS(time) => of(own, EntityTest::StandStill(time.value())),
+        When::Completed(name) => {
+            let actor = scenario.actors[own - 1].name.as_str();
+            let name = format!("{actor}::run::actor::events::{}", name.as_str());
+            Test::Element { kind: ElementKind::Event, name, state: ElementState::Complete }
         }
-        When::GapAboveM(gap) => {
-            let (to, value) = (measured(other), gap.value());
-            of(vec![own], EntityTest::Distance { to, rule: Rule::GreaterThan, value })
-        }
-        // The one behind is asked: the ego, or the other actor.
-        When::HeadwayBelowS(time) => {
-            let (to, value) = (measured(own), time.value());
-            of(vec![other], EntityTest::Headway { to, rule: Rule::LessThan, value })
-        }
-        When::TtcBelowS(time) => {
-            let (to, value) = (measured(own), time.value());
-            of(vec![other], EntityTest::TimeToCollision { to, rule: Rule::LessThan, value })
-        }
-        When::HeadwayAboveS(time) => {
-            let (to, value) = (measured(own), time.value());
-            of(vec![other], EntityTest::Headway { to, rule: Rule::GreaterThan, value })
-        }
-        When::TtcAboveS(time) => {
-            let (to, value) = (measured(own), time.value());
-            of(vec![other], EntityTest::TimeToCollision { to, rule: Rule::GreaterThan, value })
-        }
-        When::RelativeSpeedBelowMps(speed) => {
-            let (entity, rule, value) = (other, Rule::LessThan, speed.value());
-            of(vec![own], EntityTest::RelativeSpeed { entity, rule, value })
-        }
-        When::RelativeSpeedAboveMps(speed) => {
-            let (entity, rule, value) = (other, Rule::GreaterThan, speed.value());
-            of(vec![own], EntityTest::RelativeSpeed { entity, rule, value })
-        }
-        When::TraveledM(distance) => of(vec![own], EntityTest::TraveledDistance(distance.value())),
-        When::StandsForS(time) => of(vec![own], EntityTest::StandStill(time.value())),
-        When::SpeedBelowMps(speed) => {
-            of(vec![own], EntityTest::Speed { rule: Rule::LessThan, value: speed.value() })
-        }
-        When::SpeedAboveMps(speed) => {
-            of(vec![own], EntityTest::Speed { rule: Rule::GreaterThan, value: speed.value() })
-        }
-        When::EgoSpeedBelowMps(speed) => {
-            of(vec![0], EntityTest::Speed { rule: Rule::LessThan, value: speed.value() })
-        }
-        When::EgoSpeedAboveMps(speed) => {
-            of(vec![0], EntityTest::Speed { rule: Rule::GreaterThan, value: speed.value() })
-        }
-        When::Completed(name) => Test::Element {
-            kind: ElementKind::Event,
-            name: format!(
-                "{}::run::actor::events::{}",
-                scenario.actors[own - 1].name.as_str(),
-                name.as_str()
-            ),
-            state: ElementState::Complete,
-        },
     };
     Condition { edge: Edge::None, delay_ns: event.delay_s.nanoseconds(), test }
-}
-
-/// Checks that events hold together.
-pub(crate) fn check(actors: &[Actor]) -> Result<(), Problem> {
-    for (i, actor) in actors.iter().enumerate().filter(|(_, actor)| !actor.events.is_empty()) {
-        let plain = actor.profile == Profile::Constant
-            && actor.lateral.is_empty()
-            && actor.appears_at_s.value() == 0.0
-            && actor.leaves_at_s.is_none()
-            && actor.max_speed_mps.is_none();
-        if !plain {
-            return Err(Problem::new(
-                format!("actors.{i}.events"),
-                "an actor with events is on the road from start to end and moves by them alone",
-                "no profile, lateral, appears_at_s, leaves_at_s or max_speed_mps beside events",
-            ));
-        }
-        if actor.events.len() > MAX_EVENTS {
-            let expected = format!("at most {MAX_EVENTS}");
-            return Err(Problem::new(format!("actors.{i}.events"), "too many events", expected));
-        }
-        for (k, event) in actor.events.iter().enumerate() {
-            one(actors, i, k, event)?;
-        }
-    }
-    Ok(())
-}
-
-fn one(actors: &[Actor], i: usize, k: usize, event: &ActorEvent) -> Result<(), Problem> {
-    let path = format!("actors.{i}.events.{k}");
-    let own = &actors[i];
-    if event.speed.is_none() && event.lateral.is_none() {
-        return Err(Problem::new(path, "an event that does nothing", "`speed`, `lateral` or both"));
-    }
-    let named =
-        |name: &Name| own.events.iter().filter(|other| other.name.as_ref() == Some(name)).count();
-    if event.name.as_ref().is_some_and(|name| named(name) > 1) {
-        let message = "another event of this actor has the same name";
-        return Err(Problem::new(format!("{path}.name"), message, "a name of its own"));
-    }
-    if let When::Completed(name) = &event.when
-        && (named(name) == 0 || event.name.as_ref() == Some(name))
-    {
-        let names: Vec<&str> =
-            own.events.iter().filter_map(|other| other.name.as_ref()).map(Name::as_str).collect();
-        return Err(Problem::new(
-            format!("{path}.when.completed"),
-            format!("there is no other event `{}` of this actor", name.as_str()),
-            accepted(name.as_str(), names),
-        ));
-    }
-    if let Some(other) = &event.to {
-        let measures = matches!(
-            event.when,
-            When::GapBelowM(_)
-                | When::GapAboveM(_)
-                | When::HeadwayBelowS(_)
-                | When::HeadwayAboveS(_)
-                | When::TtcBelowS(_)
-                | When::TtcAboveS(_)
-                | When::RelativeSpeedBelowMps(_)
-                | When::RelativeSpeedAboveMps(_)
-        );
-        if !measures {
-            let message = "this trigger measures nothing to another actor";
-            return Err(Problem::new(format!("{path}.to"), message, "no `to`"));
-        }
-        if *other == own.name || !actors.iter().any(|actor| actor.name == *other) {
-            return Err(Problem::new(
-                format!("{path}.to"),
-                format!("there is no other actor `{}`", other.as_str()),
-                "the name of another actor",
-            ));
-        }
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -10,4 +10,4 @@ pub mod translation;
 
 mod start_notices;
 
-pub(crate) mod event_script;
+mod event_script;

@@ -26,6 +26,7 @@ use serde::{Deserialize, Serialize};
 use crate::Problem;
 use crate::quantity::{Coordinate, CurveRadius, HeadingDeg, LaneCount, Length, PieceLength};
 use crate::quantity::{RoadLength, Seed};
+use crate::reading::refuse;
 use crate::schema::{Schema, Shape};
 
 /// The road in the plane. Outside its ends it goes on straight.
@@ -213,22 +214,12 @@ impl Plan {
 impl GeneratedPlan {
     fn geometry(&self) -> Result<Vec<road::Piece>, Problem> {
         let (least, most) = (self.min_radius_m.value(), self.max_radius_m.value());
-        if least > most {
-            return Err(Problem::new(
-                "road.plan.generated.max_radius_m",
-                "the largest radius is below the smallest",
-                format!("at least {least} m"),
-            )
-            .against("road.plan.generated.min_radius_m"));
-        }
+        refuse!(if least > most, "road.plan.generated.max_radius_m":
+            "the largest radius is below the smallest", "at least {least} m",
+            against "road.plan.generated.min_radius_m");
         let (shortest, longest) = (self.spiral_m.0.value(), self.spiral_m.1.value());
-        if shortest > longest {
-            return Err(Problem::new(
-                "road.plan.generated.spiral_m",
-                "the longest spiral is shorter than the shortest",
-                format!("at least {shortest} m"),
-            ));
-        }
+        refuse!(if shortest > longest, "road.plan.generated.spiral_m":
+            "the longest spiral is shorter than the shortest", "at least {shortest} m");
         let recipe = road::random::Recipe {
             length_m: 1e3 * self.length_km.value(),
             min_radius_m: least,

@@ -5,20 +5,25 @@ use serde::{Deserialize, Serialize};
 
 use crate::Problem;
 use crate::quantity::{CurveRadius, PieceLength};
-use crate::schema::{Schema, Shape};
+use crate::schema::{Key, Schema, Shape};
 
 /// A piece of the road.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "PieceKeys", into = "PieceKeys")]
+#[serde(untagged, deny_unknown_fields)]
+#[serde(
+    expecting = "these keys are not a piece of a road, expected { line_m }, { spiral_m } or { arc_m, radius_m, turn }"
+)]
 pub enum PlanPiece {
     /// A straight line.
     Line {
         /// Length, m.
+        #[serde(rename = "line_m")]
         length_m: PieceLength,
     },
     /// A circular arc.
     Arc {
         /// Length, m.
+        #[serde(rename = "arc_m")]
         length_m: PieceLength,
         /// Radius, m.
         radius_m: CurveRadius,
@@ -28,6 +33,7 @@ pub enum PlanPiece {
     /// A clothoid that joins the curvatures of its neighbours.
     Spiral {
         /// Length, m.
+        #[serde(rename = "spiral_m")]
         length_m: PieceLength,
     },
 }
@@ -40,81 +46,19 @@ tables! {
         /// To the right.
         Right,
     }
-
-    /// The keys of a piece: one length, and with `arc_m` the other two.
-    #[derive(Copy)]
-    pub struct PieceKeys {
-        /// Length of a straight line, m.
-        pub line_m: Option<PieceLength>,
-        /// Length of a circular arc, m.
-        pub arc_m: Option<PieceLength>,
-        /// Length of a clothoid, m.
-        pub spiral_m: Option<PieceLength>,
-        /// Radius of an arc, m.
-        pub radius_m: Option<CurveRadius>,
-        /// Side to which an arc turns.
-        pub turn: Option<Turn>,
-    }
 }
-
-/// Keys that are not a piece of a road.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("these keys are not a piece of a road, expected {FORMS}")]
-pub struct NoPiece;
-
-const FORMS: &str = "{ line_m }, { spiral_m } or { arc_m, radius_m, turn }";
 
 impl Schema for PlanPiece {
+    /// The keys of all pieces.
     fn shape() -> Shape {
-        PieceKeys::shape()
-    }
-
-    fn expected() -> Option<String> {
-        Some(FORMS.to_owned())
-    }
-}
-
-impl TryFrom<PieceKeys> for PlanPiece {
-    type Error = NoPiece;
-
-    fn try_from(keys: PieceKeys) -> Result<Self, NoPiece> {
-        match keys {
-            PieceKeys {
-                line_m: Some(length_m),
-                arc_m: None,
-                spiral_m: None,
-                radius_m: None,
-                turn: None,
-            } => Ok(Self::Line { length_m }),
-            PieceKeys {
-                line_m: None,
-                arc_m: None,
-                spiral_m: Some(length_m),
-                radius_m: None,
-                turn: None,
-            } => Ok(Self::Spiral { length_m }),
-            PieceKeys {
-                line_m: None,
-                arc_m: Some(length_m),
-                spiral_m: None,
-                radius_m: Some(radius_m),
-                turn: Some(turn),
-            } => Ok(Self::Arc { length_m, radius_m, turn }),
-            _ => Err(NoPiece),
-        }
-    }
-}
-
-impl From<PlanPiece> for PieceKeys {
-    fn from(piece: PlanPiece) -> Self {
-        let none = Self::default();
-        match piece {
-            PlanPiece::Line { length_m } => Self { line_m: Some(length_m), ..none },
-            PlanPiece::Spiral { length_m } => Self { spiral_m: Some(length_m), ..none },
-            PlanPiece::Arc { length_m, radius_m, turn } => {
-                Self { arc_m: Some(length_m), radius_m: Some(radius_m), turn: Some(turn), ..none }
-            }
-        }
+        let length = |name, meaning| Key::of::<PieceLength>(name, meaning, Some(None));
+        Shape::Table(vec![
+            length("line_m", "Length of a straight line, m."),
+            length("arc_m", "Length of a circular arc, m."),
+            length("spiral_m", "Length of a clothoid, m."),
+            Key::of::<CurveRadius>("radius_m", "Radius of an arc, m.", Some(None)),
+            Key::of::<Turn>("turn", "Side to which an arc turns.", Some(None)),
+        ])
     }
 }
 

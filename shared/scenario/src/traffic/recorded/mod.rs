@@ -123,8 +123,8 @@ pub fn read_text(source: &str, text: &str, keys: &CsvFile) -> Result<Record, Ref
 
 fn record(source: &Source<'_>, keys: &CsvFile, columns: &Columns) -> Result<Record, Refusal> {
     if source.len() > MAX_ROWS {
-        let error = source.fault(0, 0, "too many rows");
-        return Err(error.expecting(format!("at most {MAX_ROWS}")).into());
+        let expected = format!("at most {MAX_ROWS}");
+        return Err(source.refusal(0, 0, "too many rows", expected).into());
     }
     let t = times(source, columns, keys.offset_s.map(|offset| offset.value()))?;
     let half_s = keys.smooth_s.map(|half| half.value());
@@ -133,9 +133,10 @@ fn record(source: &Source<'_>, keys: &CsvFile, columns: &Columns) -> Result<Reco
     let median_step_s = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
     let gaps = gaps(&t, longest_step_s(&steps, keys));
     let refusal = gaps.first().map(|(row, gap)| {
-        source.fault(*row, 0, &format!("a gap of {:.2} s before this row", gap.length_s)).expecting(
-            format!("steps as the usual {median_step_s:.3} s; max_gap_s allows longer ones"),
-        )
+        let message = format!("a gap of {:.2} s before this row", gap.length_s);
+        let expected =
+            format!("steps as the usual {median_step_s:.3} s; max_gap_s allows longer ones");
+        source.refusal(*row, 0, &message, expected)
     });
     let (smoothed, standing) = match half_s {
         Some(half_s) => smooth::speeds(&t, &v, half_s),
@@ -178,19 +179,16 @@ fn times(
             _ => Time::try_from(time_s).err(),
         };
         if let Some(refused) = refused {
-            let message = format!("{} is out of range", refused.value);
             if time_s.is_finite() && row == 0 {
-                let message = format!("the time of the first row: {message}");
+                let message = format!("the time of the first row: {time_s} is out of range");
                 let expected = "0 (the run begins with the first row)";
                 return Err(Problem::new("offset_s", message, expected).into());
             }
-            return Err(source.fault(row, 0, &message).expecting(refused.range.to_string()).into());
+            return Err(source.out_of_range(row, 0, &refused).into());
         }
         if times.last().is_some_and(|last| *last >= time_s) {
-            return Err(source
-                .fault(row, 0, "times must increase")
-                .expecting("a time later than the line before")
-                .into());
+            let expected = "a time later than the line before";
+            return Err(source.refusal(row, 0, "times must increase", expected).into());
         }
         times.push(time_s);
     }
@@ -210,14 +208,12 @@ fn speeds(
             if value.is_finite() {
                 return Ok(value);
             }
-            let refused = Speed::try_from(value).expect_err("not finite");
+            let message = format!("{value} is out of range");
             let expected = match columns.motion {
-                Motion::Speed => refused.range.to_string(),
+                Motion::Speed => Speed::RANGE.to_string(),
                 _ => "a number".to_owned(),
             };
-            Err(source
-                .fault(row, index + 1, &format!("{} is out of range", refused.value))
-                .expecting(expected))
+            Err(source.refusal(row, index + 1, &message, expected))
         };
         (0..t.len()).map(value).collect::<Result<Vec<f64>, _>>()
     };
@@ -229,15 +225,10 @@ fn speeds(
         match Speed::try_from(if is_rest { 0.0 } else { *speed }) {
             Ok(_) => {}
             Err(_) if columns.motion == Motion::Distance && *speed < 0.0 => {
-                return Err(source
-                    .fault(row, 1, "the distance decreases")
-                    .expecting("a vehicle that does not reverse"));
+                let expected = "a vehicle that does not reverse";
+                return Err(source.refusal(row, 1, "the distance decreases", expected));
             }
-            Err(refused) => {
-                return Err(source
-                    .fault(row, 1, &format!("{} is out of range", refused.value))
-                    .expecting(refused.range.to_string()));
-            }
+            Err(refused) => return Err(source.out_of_range(row, 1, &refused)),
         }
     }
     Ok(speeds)
@@ -304,11 +295,7 @@ fn finish(
 ) -> Result<(Vec<SpeedPoint>, Option<Time>), ScenarioError> {
     let last_row = source.len() - 1;
     let time = |time_s: f64| {
-        Time::try_from(time_s).map_err(|refused| {
-            source
-                .fault(last_row, 0, &format!("{} is out of range", refused.value))
-                .expecting(refused.range.to_string())
-        })
+        Time::try_from(time_s).map_err(|refused| source.out_of_range(last_row, 0, &refused))
     };
     let mut points = Vec::with_capacity(kept.len() + 1);
     for (time_s, speed_mps) in kept {

@@ -2,6 +2,7 @@
 
 use super::columns::{Column, Columns};
 use super::keys::CsvFile;
+use crate::quantity::OutOfRange;
 use crate::reading::csv::Table;
 use crate::{Problem, Refusal, ScenarioError};
 use bags::{BagError, BagFault, Series};
@@ -134,8 +135,14 @@ impl<'a> Source<'a> {
     }
 
     /// An error at a field.
-    pub(super) fn fault(&self, row: usize, column: usize, message: &str) -> ScenarioError {
-        match self {
+    pub(super) fn refusal(
+        &self,
+        row: usize,
+        column: usize,
+        message: &str,
+        expected: impl Into<String>,
+    ) -> ScenarioError {
+        let error = match self {
             Self::Lines { table, rows, columns } => {
                 table.fault(rows[row], columns[column], message)
             }
@@ -143,7 +150,19 @@ impl<'a> Source<'a> {
                 let place = format!("message {} of topic {topic}: {message}", row + 1);
                 ScenarioError::whole(path, place)
             }
-        }
+        };
+        error.expecting(expected)
+    }
+
+    /// An error at a number outside its range.
+    pub(super) fn out_of_range(
+        &self,
+        row: usize,
+        column: usize,
+        refused: &OutOfRange<f64>,
+    ) -> ScenarioError {
+        let message = format!("{} is out of range", refused.value);
+        self.refusal(row, column, &message, refused.range.to_string())
     }
 }
 

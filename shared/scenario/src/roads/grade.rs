@@ -1,9 +1,13 @@
-//! The roads that come with the program.
+//! The heights of roads, and the road that comes with the program. A law gets them through `v2x/preview` alone.
+
+pub use ::road::grade::{
+    Alignment, GradeProfile, MAX_GRADE, MAX_POINTS, MAX_SPACING_M, Point, ProfileError, generate,
+};
 
 use scenario_derive::tables;
 
 /// Sixty kilometres of synthetic hilly motorway, closed in height: `distance_m,height_m`.
-pub const HILLS_60KM: &str = include_str!("../../../roads/hills-60km.csv");
+pub const HILLS_60KM: &str = include_str!("../../roads/hills-60km.csv");
 
 tables! {
     /// A road compiled into the program.
