@@ -219,7 +219,6 @@ mod tests {
     use super::*;
     use crate::counts::ServiceCounts;
     use crate::counts::tests::Run;
-    use crate::faults::Inbox;
     use crate::ports::Tally;
     use messages::{Service, Topic};
     use scenario::Scenario;
@@ -231,10 +230,7 @@ mod tests {
     }
 
     fn no_faults() -> Faults {
-        Faults::of(
-            &Scenario::parse("x", "schema_version = 1\nname = \"x\"").expect("right"),
-            Inbox::default(),
-        )
+        Faults::of(&Scenario::parse("x", "schema_version = 1\nname = \"x\"").expect("right"), None)
     }
 
     #[test]

@@ -1,12 +1,11 @@
 //! Choice of the faults that act on a message, and their counts.
 
-use messages::{Drive, EgoTruth, Message, Service, TOPICS, Topic};
+use messages::{Drive, EgoTruth, Message, Service, Topic};
 use scenario::Scenario;
 use scenario::faults::{Begin, Effect, Falsification, Fault, Target};
 use serde::{Deserialize, Serialize};
-use std::cell::{Cell, RefCell};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
+use std::cell::RefCell;
+use std::sync::mpsc::Receiver;
 use xxhash_rust::xxh3::xxh3_64_with_seed;
 
 /// A fault that the launcher sends into a run.
@@ -52,26 +51,6 @@ pub struct FaultStatistics {
     pub undetected: u64,
 }
 
-/// Inbox for the launcher's faults, filled by the link's thread.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Inbox(Arc<(AtomicBool, Mutex<Vec<Injected>>)>);
-
-impl Inbox {
-    pub(crate) fn put(&self, injected: Injected) {
-        if let Ok(mut list) = self.0.1.lock() {
-            list.push(injected);
-            self.0.0.store(true, Ordering::Release);
-        }
-    }
-
-    fn take(&self) -> Vec<Injected> {
-        if !self.0.0.swap(false, Ordering::AcqRel) {
-            return Vec::new();
-        }
-        self.0.1.lock().map(|mut list| std::mem::take(&mut *list)).unwrap_or_default()
-    }
-}
-
 /// A fault and what became of it.
 #[derive(Clone, Debug)]
 struct Entry {
@@ -87,45 +66,8 @@ struct Entry {
 pub(crate) struct Faults {
     seed: u64,
     entries: RefCell<Vec<Entry>>,
-    reach: Cell<Reach>,
-    pub(crate) inbox: Inbox,
-}
-
-/// Topics on which the faults can act: all other messages pass without a look at each fault.
-#[derive(Clone, Copy, Debug, Default)]
-struct Reach {
-    /// A bit for each topic.
-    channels: u32,
-    senders: u32,
-    /// One has not begun.
-    waits: bool,
-}
-
-impl Reach {
-    fn of(entries: &[Entry]) -> Self {
-        let topics = |concerned: fn(&Effect) -> bool| {
-            let aimed = entries.iter().filter(|entry| concerned(&entry.fault.effect));
-            aimed.fold(0, |topics, entry| {
-                topics
-                    | match entry.fault.effect.target() {
-                        Target::Topic(topic) => bit(topic),
-                        Target::Service(_) => u32::MAX,
-                        Target::Helper(_) | Target::Machine => 0,
-                    }
-            })
-        };
-        Self {
-            channels: topics(|effect| effect.of_channels().is_some()),
-            senders: topics(|effect| effect.of_senders().is_some()),
-            waits: entries.iter().any(|entry| entry.begun_ns.is_none()),
-        }
-    }
-}
-
-const _: () = assert!(TOPICS.len() <= u32::BITS as usize);
-
-fn bit(topic: Topic) -> u32 {
-    1 << topic as u32
+    /// Those that the launcher sends during the run.
+    injected: Option<Receiver<Injected>>,
 }
 
 /// One fault at the moment it acts on a message.
@@ -144,8 +86,8 @@ impl Activation {
 }
 
 impl Faults {
-    /// The faults of `scenario` that act on messages.
-    pub(crate) fn of(scenario: &Scenario, inbox: Inbox) -> Self {
+    /// The faults of `scenario` that act on messages, and those that are `injected` during the run.
+    pub(crate) fn of(scenario: &Scenario, injected: Option<Receiver<Injected>>) -> Self {
         let entry = |(number, fault): (usize, &Fault)| Entry {
             number: u32::try_from(number).expect("faults are few"),
             fault: fault.clone(),
@@ -153,36 +95,46 @@ impl Faults {
             messages: 0,
             undetected: 0,
         };
-        let entries: Vec<Entry> = (scenario.faults.iter().enumerate())
-            .filter(|(_, fault)| fault.effect.extent().is_some())
-            .map(entry)
-            .collect();
-        let reach = Cell::new(Reach::of(&entries));
-        Self { seed: scenario.seed.value(), entries: RefCell::new(entries), reach, inbox }
+        let entries = scenario.faults.iter().enumerate();
+        let entries = entries.filter(|(_, fault)| fault.effect.extent().is_some()).map(entry);
+        let entries = RefCell::new(entries.collect());
+        Self { seed: scenario.seed.value(), entries, injected }
     }
 
     /// True if one may disturb messages on `topic`.
     pub(crate) fn disturbs(&self, topic: Topic) -> bool {
-        self.reach.get().channels & bit(topic) != 0
+        self.reach(topic, |effect| effect.of_channels().is_some())
     }
 
     /// True if one may falsify messages on `topic`.
     pub(crate) fn falsifies(&self, topic: Topic) -> bool {
-        self.reach.get().senders & bit(topic) != 0
+        self.reach(topic, |effect| effect.of_senders().is_some())
     }
 
     /// True if one may come to act on messages of `topic`, those aside that the launcher still sends.
     pub(crate) fn concern(&self, topic: Topic) -> bool {
-        self.disturbs(topic) || self.falsifies(topic)
+        self.reach(topic, |_| true)
+    }
+
+    fn reach(&self, topic: Topic, which: impl Fn(&Effect) -> bool) -> bool {
+        self.entries.borrow().iter().map(|entry| &entry.fault.effect).any(|effect| {
+            which(effect)
+                && match effect.target() {
+                    Target::Topic(aimed) => aimed == topic,
+                    Target::Service(_) => true,
+                    Target::Helper(_) | Target::Machine => false,
+                }
+        })
     }
 
     /// Takes in the faults that the launcher sent.
     pub(crate) fn refresh(&self) {
-        for Injected { number, begin_ns, fault } in self.inbox.take() {
-            let begun_ns = Some(begin_ns);
-            let mut entries = self.entries.borrow_mut();
-            entries.push(Entry { number, fault, begun_ns, messages: 0, undetected: 0 });
-            self.reach.set(Reach::of(&entries));
+        for Injected { number, begin_ns, fault } in
+            self.injected.iter().flat_map(Receiver::try_iter)
+        {
+            let (begun_ns, messages, undetected) = (Some(begin_ns), 0, 0);
+            let entry = Entry { number, fault, begun_ns, messages, undetected };
+            self.entries.borrow_mut().push(entry);
         }
     }
 
@@ -193,20 +145,11 @@ impl Faults {
 
     /// Begins the faults whose condition the drive fulfils.
     pub(crate) fn observe(&self, drive: impl FnOnce() -> Option<Drive>, now_ns: i64) {
-        if !self.reach.get().waits {
-            return;
-        }
-        let Some(drive) = drive() else { return };
         let mut entries = self.entries.borrow_mut();
-        let mut begun = false;
-        for entry in entries.iter_mut() {
-            if entry.begun_ns.is_none() && entry.fault.begin.is_met(&drive) {
-                entry.begun_ns = Some(now_ns);
-                begun = true;
-            }
-        }
-        if begun {
-            self.reach.set(Reach::of(&entries));
+        let mut waiting = entries.iter_mut().filter(|entry| entry.begun_ns.is_none()).peekable();
+        let Some(drive) = waiting.peek().is_some().then(drive).flatten() else { return };
+        for entry in waiting.filter(|entry| entry.fault.begin.is_met(&drive)) {
+            entry.begun_ns = Some(now_ns);
         }
     }
 

@@ -23,7 +23,7 @@ mod sender;
 #[cfg(test)]
 mod tests;
 
+pub(super) use activation::Faults;
 pub use activation::{FaultStatistics, Injected, concerned};
-pub(super) use activation::{Faults, Inbox};
 pub(super) use channel::Disturbed;
 pub(super) use sender::Falsified;

@@ -12,7 +12,7 @@ const SOURCE: u32 = Service::PerceptionSim.to_wire();
 fn faults(text: &str) -> Rc<Faults> {
     let text = format!("schema_version = 1\nname = \"faulty\"\nseed = 7\n{text}");
     let scenario = Scenario::parse("faults", &text).expect("a scenario");
-    Rc::new(Faults::of(&scenario, Inbox::default()))
+    Rc::new(Faults::of(&scenario, None))
 }
 
 /// A disturbed channel and its clock.

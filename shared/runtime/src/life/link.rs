@@ -4,7 +4,7 @@
 //! its standard output. The end of the input is the launcher's death, and an order to stop at once.
 
 use crate::RuntimeError;
-use crate::faults::{Inbox, Injected};
+use crate::faults::Injected;
 use crate::in_process::coroutine::Pause;
 use crate::machine::scheduling::{Granted, set_fifo_of};
 use crate::report::ServiceReport;
@@ -16,7 +16,7 @@ use std::io::{BufRead, Write};
 use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicI32, AtomicUsize, Ordering};
-use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::mpsc::{Receiver, channel, sync_channel};
 
 /// The common start instant.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -100,7 +100,8 @@ impl End {
 pub(crate) struct Link {
     way: Way,
     pub(crate) end: End,
-    pub(crate) inbox: Inbox,
+    /// The launcher's faults.
+    pub(crate) injected: Option<Receiver<Injected>>,
     /// A process joined the group.
     pub(crate) joined: Arc<AtomicBool>,
     /// The vehicle is to be brought to a stop.
@@ -137,7 +138,7 @@ impl Link {
         Self {
             way: Way::Memory(desk, pause),
             end: End::default(),
-            inbox: Inbox::default(),
+            injected: None,
             joined: Arc::default(),
             safe_stop: Arc::default(),
             take_over: OrderSlot::default(),
@@ -164,9 +165,9 @@ impl Link {
             .map_err(|reason| RuntimeError::Link { what: "signal handler", reason })?;
         let (sender, start) = sync_channel(1);
         let (join, joins) = sync_channel(1);
-        let (orders, inbox) = (end.clone(), Inbox::default());
+        let (faults, injected) = channel();
         let safe_stop = Arc::new(AtomicBool::new(false));
-        let (faults, stop) = (inbox.clone(), Arc::clone(&safe_stop));
+        let (orders, stop) = (end.clone(), Arc::clone(&safe_stop));
         let take_over = OrderSlot::default();
         let slot = take_over.clone();
         let thread = Arc::new(AtomicI32::new(0));
@@ -182,7 +183,7 @@ impl Link {
                         Some(ToService::Join) => drop(join.try_send(())),
                         Some(ToService::Start(order)) => drop(sender.try_send(order)),
                         Some(ToService::StopAfter(step)) => orders.set_before(step + 1),
-                        Some(ToService::Inject(injected)) => faults.put(injected),
+                        Some(ToService::Inject(injected)) => drop(faults.send(injected)),
                         Some(ToService::TakeOver) => slot.take_over(),
                         Some(ToService::SafeStop) => stop.store(true, Ordering::Relaxed),
                         Some(ToService::Abort) | None => orders.set_before(0),
@@ -191,8 +192,8 @@ impl Link {
                 orders.set_before(0);
             })
             .map_err(|reason| RuntimeError::Link { what: "thread", reason })?;
-        let (way, joins) = (Way::Streams(start), Some(joins));
-        Ok(Self { way, end, inbox, joined, safe_stop, take_over, joins, thread })
+        let (way, joins, injected) = (Way::Streams(start), Some(joins), Some(injected));
+        Ok(Self { way, end, injected, joined, safe_stop, take_over, joins, thread })
     }
 
     /// Waits for the order to take part.

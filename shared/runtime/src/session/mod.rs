@@ -120,10 +120,10 @@ impl Runtime {
         scenario: Scenario,
         ports: Ports,
         survival: Survival,
-        link: Link,
+        mut link: Link,
     ) -> Self {
         link.end.set_before(group.timetable.last_step + 1);
-        let faults = Rc::new(Faults::of(&scenario, link.inbox.clone()));
+        let faults = Rc::new(Faults::of(&scenario, link.injected.take()));
         Self {
             service,
             incarnation,
