@@ -32,27 +32,11 @@ pub enum RuntimeError {
         #[source]
         reason: TransportError,
     },
-    /// A topic could not be created or opened.
-    #[error("cannot open topic `{}`{HINT}", topic.name())]
+    /// A topic could not be opened, or a message not be sent or received.
+    #[error("cannot {what} topic `{}`{HINT}", topic.name())]
     Topic {
-        /// The topic.
-        topic: Topic,
-        /// The transport's error.
-        #[source]
-        reason: TransportError,
-    },
-    /// A message could not be sent.
-    #[error("cannot send on topic `{}`{HINT}", topic.name())]
-    Send {
-        /// The topic.
-        topic: Topic,
-        /// The transport's error.
-        #[source]
-        reason: TransportError,
-    },
-    /// A message could not be received.
-    #[error("cannot receive on topic `{}`{HINT}", topic.name())]
-    Receive {
+        /// Request that failed.
+        what: &'static str,
         /// The topic.
         topic: Topic,
         /// The transport's error.

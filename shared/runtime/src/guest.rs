@@ -85,7 +85,7 @@ impl Guest {
     /// Waits for samples of `T`'s topic, at most for `timeout`, and hands all to `each`.
     ///
     /// # Errors
-    /// [`RuntimeError::Receive`].
+    /// [`RuntimeError::Topic`].
     pub fn next_samples<T: Message>(
         &self,
         topic: &mut Subscriber<T>,

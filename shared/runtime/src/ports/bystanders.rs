@@ -64,7 +64,7 @@ impl<T: Message> Observed<T> {
     /// Takes all messages that arrived, in order.
     ///
     /// # Errors
-    /// [`RuntimeError::Receive`].
+    /// [`RuntimeError::Topic`].
     pub fn drain(&mut self, each: impl FnMut(&T)) -> Result<(), RuntimeError> {
         self.0.drain(u64::MAX, each)
     }
@@ -110,11 +110,15 @@ impl<T: Message> Tapped<T> {
     /// Hands the oldest message that was not yet taken to `each`; false if there is none.
     ///
     /// # Errors
-    /// [`RuntimeError::Receive`].
+    /// [`RuntimeError::Topic`].
     pub fn take(&self, each: impl FnOnce(&T)) -> Result<bool, RuntimeError> {
         let mut held = self.held.borrow_mut();
         let taken = self.inlet.receive(&mut held);
-        let taken = taken.map_err(|reason| RuntimeError::Receive { topic: T::TOPIC, reason })?;
+        let taken = taken.map_err(|reason| RuntimeError::Topic {
+            what: "receive on",
+            topic: T::TOPIC,
+            reason,
+        })?;
         if let (Some(_), Some(message)) = (&taken, held.get()) {
             each(message);
         }
@@ -157,9 +161,9 @@ impl<T: Message> Played<T> {
     /// Sends the message whose bytes these are as it is, and wakes who waits for it.
     ///
     /// # Errors
-    /// [`RuntimeError::Send`], also for as many bytes as no message of the type has.
+    /// [`RuntimeError::Topic`], also for as many bytes as no message of the type has.
     pub fn send(&self, bytes: &[u8]) -> Result<(), RuntimeError> {
-        let error = |reason| RuntimeError::Send { topic: T::TOPIC, reason };
+        let error = |reason| RuntimeError::Topic { what: "send on", topic: T::TOPIC, reason };
         let mut message = self.outlet.loan().map_err(error)?;
         let place = bytemuck::bytes_of_mut(&mut *message);
         if place.len() != bytes.len() {

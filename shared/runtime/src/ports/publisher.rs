@@ -29,7 +29,7 @@ impl<T: Message> Publisher<T> {
     /// Memory for the next message, all zeros, where its readers will read it.
     ///
     /// # Errors
-    /// [`RuntimeError::Send`] if the transport has no memory.
+    /// [`RuntimeError::Topic`] if the transport has no memory.
     pub fn loan(&self) -> Result<Loan<T>, RuntimeError> {
         let mut message = self.loan_used()?;
         bytemuck::write_zeroes(&mut *message);
@@ -43,7 +43,7 @@ impl<T: Message> Publisher<T> {
     /// As [`Self::loan`].
     pub fn loan_used(&self) -> Result<Loan<T>, RuntimeError> {
         let loan = self.0.borrow().outlet.loan();
-        loan.map_err(|reason| RuntimeError::Send { topic: T::TOPIC, reason })
+        loan.map_err(|reason| RuntimeError::Topic { what: "send on", topic: T::TOPIC, reason })
     }
 
     /// Loans, lets `write` fill the zeros and sends.
@@ -61,7 +61,7 @@ impl<T: Message> Publisher<T> {
     /// allocates. A standby keeps it and releases the previous one.
     ///
     /// # Errors
-    /// [`RuntimeError::Send`] if the transport refuses it, [`RuntimeError::Replaced`] if this process may
+    /// [`RuntimeError::Topic`] if the transport refuses it, [`RuntimeError::Replaced`] if this process may
     /// not send any more.
     pub fn send(&mut self, message: Loan<T>) -> Result<i64, RuntimeError> {
         self.0.borrow_mut().send(message)
@@ -143,7 +143,7 @@ impl<T: Message> Seal<T> {
         }
         self.protect(&mut message, sequence as u32);
         let sent = self.outlet.send(message);
-        sent.map_err(|reason| RuntimeError::Send { topic: T::TOPIC, reason })?;
+        sent.map_err(|reason| RuntimeError::Topic { what: "send on", topic: T::TOPIC, reason })?;
         if let Some((waker, timetable)) = &self.waker
             && (timetable.is_awaited(T::TOPIC, step) || step.is_multiple_of(DRAIN_STEPS))
         {

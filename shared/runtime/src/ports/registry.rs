@@ -72,7 +72,7 @@ impl Ports {
         let senders = self.senders.iter().map(|(topic, port)| (*topic, port.connect()));
         let receivers = self.receivers.iter().map(|(topic, port)| (*topic, port.connect()));
         for (topic, connected) in senders.chain(receivers) {
-            connected.map_err(|reason| RuntimeError::Topic { topic, reason })?;
+            connected.map_err(|reason| RuntimeError::Topic { what: "open", topic, reason })?;
         }
         Ok(())
     }

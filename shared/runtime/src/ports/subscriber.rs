@@ -257,5 +257,5 @@ impl<T: Message> Subscriber<T> {
 }
 
 fn refused<T: Message>(reason: TransportError) -> RuntimeError {
-    RuntimeError::Receive { topic: T::TOPIC, reason }
+    RuntimeError::Topic { what: "receive on", topic: T::TOPIC, reason }
 }

@@ -80,7 +80,7 @@ impl Runtime {
     /// Sends the heartbeat when it is due; called once at the end of every cycle.
     ///
     /// # Errors
-    /// [`RuntimeError::Send`].
+    /// [`RuntimeError::Topic`].
     pub fn end_cycle(&mut self, state: ServiceState) -> Result<(), RuntimeError> {
         if let Some(mut drive) = self.injection.drive.take() {
             self.update(&mut drive)?;

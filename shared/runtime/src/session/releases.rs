@@ -11,7 +11,7 @@ impl Runtime {
     /// Waits for the next release on the timer; `None` at the end of the run.
     ///
     /// # Errors
-    /// [`RuntimeError::Replaced`] if the service's standby has taken over, [`RuntimeError::Send`] if this
+    /// [`RuntimeError::Replaced`] if the service's standby has taken over, [`RuntimeError::Topic`] if this
     /// process is it and cannot send.
     pub fn next_release(&mut self, overrun: Overrun) -> Result<Option<Release>, RuntimeError> {
         let idle_ns = self.clock().now_ns();

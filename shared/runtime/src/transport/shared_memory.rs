@@ -231,7 +231,11 @@ impl SharedMemory {
             .create()
             .map_err(refused(topic))?;
         if SenderId::of_port(port.id().value()).pid() != std::process::id() {
-            return Err(RuntimeError::Topic { topic, reason: TransportError::PortId });
+            return Err(RuntimeError::Topic {
+                what: "open",
+                topic,
+                reason: TransportError::PortId,
+            });
         }
         Ok(Sender(port))
     }
@@ -313,7 +317,11 @@ pub fn domain(group: &Group) -> Result<Config, RuntimeError> {
 fn refused<E: std::error::Error + Send + Sync + 'static>(
     topic: Topic,
 ) -> impl FnOnce(E) -> RuntimeError {
-    move |error| RuntimeError::Topic { topic, reason: TransportError::iceoryx2(error) }
+    move |error| RuntimeError::Topic {
+        what: "open",
+        topic,
+        reason: TransportError::iceoryx2(error),
+    }
 }
 
 /// Ending of the name of the one object that iceoryx2 makes for all users.
