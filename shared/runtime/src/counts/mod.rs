@@ -27,7 +27,7 @@ const SLOTS: usize = 40;
 /// has just ended.
 const ACCOUNTS: usize = 8;
 
-/// What the processes of a service keep together.
+/// The struct in a service's file.
 #[repr(C)]
 struct State {
     names: Names,
@@ -54,7 +54,7 @@ fn path(prefix: &str, service: Service) -> PathBuf {
 }
 
 impl ServiceCounts {
-    /// Those of a process of `service`, which makes the file if there is none. It has no account yet.
+    /// The counts of a process of `service`. It makes the file if there is none, and has no account yet.
     pub(crate) fn open(group: &Group, service: Service) -> Result<Self, RuntimeError> {
         let path = path(&group.prefix, service);
         let made = || {
@@ -64,8 +64,8 @@ impl ServiceCounts {
         made().map_err(RuntimeError::setup(path.display().to_string()))
     }
 
-    /// Those of `service` in the run of `group`, as another process reads them. They are empty if the service made no
-    /// file.
+    /// The counts of `service` in the run of `group`, as another process reads them. They are empty if the service made
+    /// no file.
     #[must_use]
     pub fn of(group: &Group, service: Service) -> Self {
         let found = || {

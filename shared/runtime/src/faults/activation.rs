@@ -66,7 +66,7 @@ struct Entry {
 pub(crate) struct Faults {
     seed: u64,
     entries: RefCell<Vec<Entry>>,
-    /// Those that the launcher sends during the run.
+    /// Faults that the launcher sends during the run.
     injected: Option<Receiver<Injected>>,
 }
 

@@ -77,7 +77,7 @@ pub(crate) struct Seal<T: Message> {
     pub(crate) outlet: Outlet<T>,
     /// Wakes the receivers, and when.
     pub(crate) waker: Option<(Waker, Timetable)>,
-    /// Where faults may change the content.
+    /// Faults of the content; `None` where none can come to act.
     pub(crate) falsified: Option<Falsified<T>>,
     pub(crate) protection: Protection,
     pub(crate) clock: Rc<Clock>,

@@ -27,7 +27,7 @@ pub struct Subscriber<T: Message> {
     arrived_step: Option<u64>,
     /// Stamps of the newest sample as its sender made them.
     origin: Origin,
-    /// Where faults may act on the channel, or wait for what comes through it.
+    /// Faults of the channel; `None` where none can come to act, and none waits for these messages.
     disturbed: Option<Disturbed<T>>,
     check: Check,
     tally: Rc<RefCell<Tally>>,

@@ -1,8 +1,8 @@
 //! Topics in the memory of one process, whose only thread all members of the run share.
 //!
 //! A topic is its newest message and the count of all. A service looks at it when it is released. A service that is
-//! released less often than the topic's sender looks once, and counts what came in between. Who needs each message has
-//! a queue. These are observers, and the readers of a topic that a fault of messages acts on.
+//! released less often than the topic's sender looks once, and counts what came in between. Readers that need each
+//! message have a queue: observers, and readers of a topic that a fault of messages acts on.
 //!
 //! A sender goes on only if each reader sees what was the newest message at its release: it waits for its next turn, as
 //! it would wait for room in shared memory. It writes the next message into one that its readers no longer have.

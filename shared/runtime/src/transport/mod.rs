@@ -219,7 +219,7 @@ pub(crate) enum Inlet<T: Message> {
     Memory(MemoryReceiver<T>),
 }
 
-/// What was taken from a topic.
+/// A message that was taken from a topic.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Arrival {
     /// The port that sent it; `None` in the memory of one process, in which each sender is known.

@@ -102,7 +102,7 @@ struct Line<T>(T);
 #[repr(C)]
 #[derive(Debug)]
 pub(crate) struct RunWords {
-    /// Of each topic: counts its notifications. Programs of users wake by them too: a word every 64 bytes.
+    /// Counts of notifications, one for each topic. Programs of users wake by them too: a word every 64 bytes.
     wake: [Line<AtomicU32>; TOPICS.len()],
     services: [Line<ServiceWords>; Service::ALL.len()],
 }
