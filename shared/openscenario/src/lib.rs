@@ -40,7 +40,7 @@
 mod comparison;
 mod declare;
 mod error;
-mod expression;
+pub mod expression;
 mod library;
 pub mod model;
 mod parameter;

@@ -11,10 +11,9 @@ use frame::Command;
 use frame::batch::share;
 use group::Error;
 use indicatif::ProgressBar;
-use search::SearchArguments;
 use search::method::MethodName;
 use search::problem::Problem;
-use search::single::first_violation;
+use search::{SearchArguments, first_violation};
 
 const METHODS: [MethodName; 3] = [MethodName::Random, MethodName::Sobol, MethodName::Gp];
 

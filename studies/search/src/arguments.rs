@@ -3,7 +3,7 @@
 use std::num::NonZeroUsize;
 
 use clap::Args;
-use group::{Failure, ScenarioOptions};
+use group::{ScenarioOptions, UsageError};
 use serde::{Deserialize, Serialize};
 
 use crate::method::MethodName;
@@ -47,21 +47,17 @@ pub struct SearchArguments {
     pub scenario_options: ScenarioOptions,
 }
 
-/// A text that is not a seed.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("--seed {0}: expected a whole number without a sign")]
-pub struct NoSeed(String);
-
-impl Failure for NoSeed {}
-
 impl SearchArguments {
     /// Seed of the study: the seeds of its runs come from it.
     ///
     /// # Errors
-    /// [`NoSeed`].
-    pub fn seed(&self) -> Result<u64, NoSeed> {
+    /// A text that is not a whole number.
+    pub fn seed(&self) -> Result<u64, UsageError> {
         match &self.scenario_options.seed {
-            Some(seed) => seed.parse().map_err(|_| NoSeed(seed.clone())),
+            Some(seed) => {
+                let expected = "a whole number without a sign";
+                seed.parse().map_err(|_| UsageError::option("--seed", seed, "no seed", expected))
+            }
             None => Ok(1),
         }
     }

@@ -6,9 +6,8 @@
 //! ```
 //!
 //! A [`problem::Problem`] is a scenario with variables and a requirement. A method ([`method`]) chooses points one
-//! after the other; a [`mod@reference`] driver decides which are worth a run. [`value`] is what is made small: below 0
-//! a run
-//! is a failure. The command is a study of `frame`: journals, parts and results are the frame's.
+//! after the other; a [`mod@reference`] driver decides which are worth a run. Their value
+//! ([`record`]) is made small: below 0 a run is a failure. The command is a study of `frame`: journals, parts and results are the frame's.
 //!
 //! docs/search.md has the files, the methods and what they found.
 
@@ -16,24 +15,18 @@
 
 mod arguments;
 pub mod distinct;
-mod effect;
-mod failure_row;
-mod fault_row;
 mod faults;
 pub mod method;
 pub mod minimal;
-mod open;
 mod pictures;
 pub mod probability;
 pub mod problem;
 pub mod record;
 pub mod reference;
 mod results;
-pub mod single;
+mod rows;
 mod study;
-pub mod trial;
-pub mod value;
 
 pub use arguments::SearchArguments;
 pub use results::schema;
-pub use study::{STUDIES, run};
+pub use study::{STUDIES, first_violation, run};

@@ -7,10 +7,18 @@
 //! Each change is kept if the failure still holds on 8 of 10 seeds. One seed is not enough. Noise turns verdicts near
 //! the limit, and a case that was reduced on one seed holds on few others.
 
-use group::Error;
+use std::num::NonZeroUsize;
+use std::sync::Mutex;
 
+use frame::batch::{self, Done};
+use group::{Error, GroupOptions};
+use indicatif::ProgressBar;
+use runtime::Mode;
+use scenario::Scenario;
+
+use crate::method::seed_of;
 use crate::problem::{Problem, Value, is_refusal, rounded};
-use crate::value::Judged;
+use crate::record::{Judged, judge};
 
 /// Share of the seeds on which a case must fail.
 pub const HOLDS_ON: f64 = 0.8;
@@ -28,14 +36,6 @@ pub struct Held {
     pub tried: usize,
     /// The first seed on which it failed, and its verdict.
     pub first: Option<(u64, Judged)>,
-}
-
-/// A failure that was reduced.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Case {
-    pub values: Vec<Value>,
-    /// Its verdict on all seeds.
-    pub held: Held,
 }
 
 /// Drives values on several seeds.
@@ -72,7 +72,7 @@ pub trait Trial {
 ///
 /// # Errors
 /// As [`Trial::holds`].
-pub fn reduce(problem: &Problem, from: &[Value], trial: &dyn Trial) -> Result<Case, Error> {
+pub fn reduce(problem: &Problem, from: &[Value], trial: &dyn Trial) -> Result<Vec<Value>, Error> {
     let mut values = from.to_vec();
     for _ in 0..PASSES {
         let before = values.clone();
@@ -109,8 +109,7 @@ pub fn reduce(problem: &Problem, from: &[Value], trial: &dyn Trial) -> Result<Ca
             }
         }
     }
-    let held = trial.drive(&values, true)?;
-    Ok(Case { values, held })
+    Ok(values)
 }
 
 /// Values with one variable nearer to its nominal value, as near as halving finds.
@@ -144,6 +143,85 @@ fn halved(
     Ok(found)
 }
 
+/// Drives in the worker's threads.
+pub struct Seeds<'a> {
+    pub problem: &'a Problem,
+    pub group: &'a GroupOptions,
+    /// Runs at once; none: one per core.
+    pub jobs: Option<NonZeroUsize>,
+    pub seed: u64,
+    pub count: usize,
+    /// Counts the runs.
+    pub bar: &'a ProgressBar,
+}
+
+/// The text of a file that `timegap run` repeats. A fault with nothing to act on has no effect. A single run refuses
+/// it, so the file leaves it out.
+pub fn repeatable(scenario: &Scenario) -> String {
+    let mut repeatable = scenario.clone();
+    repeatable.faults.retain(|fault| group::absent(fault, scenario).is_none());
+    repeatable.to_toml()
+}
+
+impl Seeds<'_> {
+    fn run(&self, values: &[Value], seed: u64, going_on: &dyn Fn() -> bool) -> Result<Done, Error> {
+        let scenario = self.problem.scenario(values, seed)?;
+        batch::lockstep(&scenario, self.group, going_on)
+    }
+
+    /// The drive with a seed.
+    ///
+    /// # Errors
+    /// If it cannot be done.
+    pub fn repeat(&self, values: &[Value], seed: u64) -> Result<Done, Error> {
+        self.run(values, seed, &|| true)
+    }
+
+    fn seed(&self, index: usize) -> u64 {
+        seed_of(self.seed, 7, index as u64)
+    }
+}
+
+impl Trial for Seeds<'_> {
+    fn seeds(&self) -> usize {
+        self.count
+    }
+
+    fn drive(&self, values: &[Value], all: bool) -> Result<Held, Error> {
+        if self.problem.by_reference(&self.problem.scenario(values, 1)?) >= 0.0 {
+            return Ok(Held { failed: 0, tried: 0, first: None });
+        }
+        let at_once = batch::at_once(self.jobs, Mode::Lockstep);
+        let (enough, mut done) = (self.enough(), 0);
+        let mut failed: Vec<(usize, Judged)> = Vec::new();
+        while done < self.count {
+            let is_clear = failed.len() >= enough || done - failed.len() > self.count - enough;
+            if is_clear && !all {
+                break;
+            }
+            let next = at_once.min(self.count - done);
+            let first = done;
+            let ended = Mutex::new(Vec::new());
+            let work = |index: usize, going_on: &dyn Fn() -> bool| {
+                self.run(values, self.seed(first + index), going_on)
+            };
+            let mut each = |index: usize, result: Result<Done, Error>| {
+                let judged = judge(&result?.summary);
+                ended.lock().expect("one thread").push((first + index, judged));
+                Ok(())
+            };
+            batch::share(next, at_once, &ProgressBar::hidden(), &work, &mut each)?;
+            self.bar.inc(next as u64);
+            done += next;
+            let ended = ended.into_inner().expect("one thread");
+            failed.extend(ended.into_iter().filter(|(_, judged)| judged.robustness < 0.0));
+        }
+        failed.sort_by_key(|(index, _)| *index);
+        let first = failed.first().map(|(index, judged)| (self.seed(*index), judged.clone()));
+        Ok(Held { failed: failed.len(), tried: done, first })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -174,14 +252,25 @@ mod tests {
         let problem = Problem::open(&study, &options.group).expect("a problem");
         // Nominal: a gap of 27 m, 25 m/s, 4.5 m, all from the scenario.
         let from = [Value::Number(21.234), Value::Number(36.75), Value::Number(5.789)];
-        let case = reduce(&problem, &from, &Fake).expect("it runs");
-        assert_eq!(case.values, problem.nominal_values(), "the nominal values fail too");
+        let values = reduce(&problem, &from, &Fake).expect("it runs");
+        assert_eq!(values, problem.nominal_values(), "the nominal values fail too");
         let mut harmless = problem.clone();
         harmless.variables[0].nominal = Value::Number(50.0);
-        let case = reduce(&harmless, &from, &Fake).expect("it runs");
-        assert_eq!(case.values[1..], harmless.nominal_values()[1..]);
-        let Value::Number(gap_m) = case.values[0] else { panic!("a number") };
+        let values = reduce(&harmless, &from, &Fake).expect("it runs");
+        assert_eq!(values[1..], harmless.nominal_values()[1..]);
+        let Value::Number(gap_m) = values[0] else { panic!("a number") };
         assert!((26.0..30.0).contains(&gap_m) && gap_m.fract() == 0.0, "{gap_m}");
-        assert_eq!(case.held.failed, 9);
+    }
+
+    #[test]
+    fn a_file_has_the_faults_that_act() {
+        let text = |brake: bool| {
+            let head = "schema_version = 1\nname = \"a\"\n[aebs]\n";
+            let fault = "[[faults]]\nkind = \"drop\"\ntopic = \"radar/detections\"\nat_s = 1\n";
+            let text = format!("{head}enabled = {brake}\n{fault}");
+            repeatable(&Scenario::parse("a.toml", &text).expect("a scenario"))
+        };
+        assert!(text(true).contains("radar/detections"));
+        assert!(!text(false).contains("radar/detections"), "nothing receives it");
     }
 }

@@ -6,7 +6,7 @@ use report::chart::{
     Axis, Curve, Dot, Edges, Mark, Parallel, Picture, Plot, Polyline, Scatter, Stroke, Tone,
 };
 
-use crate::effect::effects;
+use crate::distinct::effects;
 use crate::problem::{Domain, Problem, Variable};
 use crate::record::Record;
 use crate::reference::Sample;
@@ -81,7 +81,7 @@ fn parallel(problem: &Problem, records: &[(usize, Record)]) -> Parallel {
     order.truncate(MOST_LINES.min(near + MOST_OTHERS));
     let lines = order
         .iter()
-        .map(|record| Polyline { shares: record.point.clone(), kind: kind(record.value()) });
+        .map(|record| Polyline { shares: record.driven.point.clone(), kind: kind(record.value()) });
     let rows =
         problem.variables.iter().map(|variable| format!("{}: {}", variable.name, variable.domain));
     Parallel {
@@ -107,7 +107,7 @@ fn best_so_far(records: &[(usize, Record)]) -> Scatter {
         at: place(one),
         kind: match &one.1 {
             record if record.is_failure() => 0,
-            record if record.is_even => 2,
+            record if record.driven.is_even => 2,
             _ => 1,
         },
     });
@@ -148,7 +148,10 @@ fn scatter(problem: &Problem, records: &[(usize, Record)]) -> Option<Scatter> {
     let [across, up, ..] = places[..] else { return None };
     let (x, y) = (&problem.variables[across], &problem.variables[up]);
     let dots = records.iter().map(|(_, record)| Dot {
-        at: (drawn_at(x, record.point[across]), drawn_at(y, record.point[up])),
+        at: (
+            x.domain.drawn_at(record.driven.point[across]),
+            y.domain.drawn_at(record.driven.point[up]),
+        ),
         kind: kind(record.value()),
     });
     Some(Scatter {
@@ -163,24 +166,12 @@ fn scatter(problem: &Problem, records: &[(usize, Record)]) -> Option<Scatter> {
 
 /// The axis of a variable's numbers.
 fn axis(variable: &Variable) -> Axis {
-    let (low, high) = (drawn_at(variable, -ROOM), drawn_at(variable, 1.0 + ROOM));
+    let (low, high) = (variable.domain.drawn_at(-ROOM), variable.domain.drawn_at(1.0 + ROOM));
     match &variable.domain {
         Domain::Range { is_log: true, .. } => {
             Axis { label: variable.name.clone(), ..Axis::frequencies("", low, high) }
         }
         _ => Axis::linear(&variable.name, low, high),
-    }
-}
-
-/// The place on its variable's axis of a point of the unit interval, or of one a little outside.
-fn drawn_at(variable: &Variable, share: f64) -> f64 {
-    match &variable.domain {
-        Domain::Range { from, to, is_log: false } => from + share * (to - from),
-        Domain::Range { from, to, is_log: true } => {
-            libm::exp(libm::log(*from) + share * (libm::log(*to) - libm::log(*from)))
-        }
-        Domain::Numbers(numbers) => share * numbers.len() as f64,
-        Domain::Words(words) => share * words.len() as f64,
     }
 }
 

@@ -26,6 +26,9 @@ const STEP_S: f64 = 0.01;
 /// Clearance that the driver must keep, m. Chosen: below it verdicts depend on the step.
 pub const CLEARANCE_M: f64 = 0.5;
 
+/// Largest magnitude of a value, tolerances. Margins on an empty road are infinite.
+pub(crate) const MOST: f64 = 200.0;
+
 /// Braking that the driver needs before it acts, m/s².
 const NEED_MPS2: f64 = ReferenceDriver::NEED_MPS2;
 /// Need at which it stops braking hard, m/s². Chosen: comfortable.
@@ -86,7 +89,7 @@ impl Driven {
     /// it.
     #[must_use]
     pub fn value(&self) -> f64 {
-        ((CLEARANCE_M - self.clearance_m) / 0.5).clamp(-200.0, 200.0)
+        ((CLEARANCE_M - self.clearance_m) / 0.5).clamp(-MOST, MOST)
     }
 }
 

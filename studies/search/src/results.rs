@@ -1,21 +1,22 @@
 //! The result of a search.
 
+use std::path::Path;
+
 use report::html::{Tile, figure};
 use report::results::{Broken, Column, Document, Object, Schema, Table, number, word};
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::Value as Json;
 
-use crate::effect::effects;
-use crate::failure_row::{self, FailureRow};
-use crate::fault_row::{self, FaultRow};
+use crate::distinct::effects;
 use crate::method::MethodName;
 use crate::pictures::{self, Drives};
 use crate::problem::{Problem, Value};
 use crate::record::Record;
+use crate::rows::{FAILURES, FAULTS, FailureRow, FaultRow};
 
 /// Scenes and faults that break a requirement.
-#[derive(Debug, Serialize, JsonSchema)]
+#[derive(Debug, Default, Serialize, JsonSchema)]
 pub struct Search {
     schema_version: u32,
     /// No run broke a requirement in a scene that the reference avoids.
@@ -78,6 +79,13 @@ const VARIABLES: &[Column<VariableRow>] = &[
     number("effect", "effect", "", 2, "Share of the variance of the values that it explains alone"),
 ];
 
+/// Name of a failure's file, and the command that repeats it.
+pub fn repeated(directory: &Path, place: usize) -> (String, String) {
+    let file = format!("failure-{}.toml", place + 1);
+    let path = directory.join(&file).to_string_lossy().into_owned();
+    (file, runtime::command_line(&["timegap", "run", &path, "--mode", "lockstep"]))
+}
+
 /// The schema of the command's JSON.
 #[must_use]
 pub fn schema() -> Schema {
@@ -85,6 +93,32 @@ pub fn schema() -> Schema {
 }
 
 impl Search {
+    /// A result before its runs.
+    fn begun(problem: &Problem, method: &'static str, planned: usize) -> Self {
+        Self {
+            schema_version: 1,
+            ok: true,
+            problem: problem.name.clone(),
+            controller: problem.nominal.controller.name.as_str().to_owned(),
+            method,
+            requirements: problem.nominal.require.formulas.clone(),
+            planned,
+            ..Self::default()
+        }
+    }
+
+    /// Counts runs with their values.
+    fn count(&mut self, runs: &[(usize, f64)]) {
+        let values = || runs.iter().map(|(_, value)| *value);
+        self.runs = runs.len();
+        self.violations = values().filter(|value| *value < 0.0).count();
+        self.ok = self.violations == 0;
+        let first = runs.iter().find(|(_, value)| *value < 0.0);
+        self.first_violation = first.map(|(run, _)| run + 1);
+        self.worst_robustness = values().min_by(f64::total_cmp);
+        self.nearest_miss = values().filter(|value| *value >= 0.0).min_by(f64::total_cmp);
+    }
+
     /// The result of some runs.
     pub fn new(
         problem: &Problem,
@@ -92,12 +126,13 @@ impl Search {
         records: &[(usize, Record)],
         distinct: usize,
     ) -> Self {
-        let values = || records.iter().map(|(_, record)| record.value());
-        let least = |values: &mut dyn Iterator<Item = f64>| values.min_by(f64::total_cmp);
-        let violations = values().filter(|value| *value < 0.0).count();
-        let even: Vec<&Record> =
-            records.iter().map(|(_, record)| record).filter(|record| record.is_even).collect();
-        let none_failed = !even.is_empty() && even.iter().all(|record| !record.is_failure());
+        let mut search = Self::begun(problem, method.name(), planned);
+        let values = records.iter().map(|(run, record)| (*run, record.value()));
+        search.count(&values.collect::<Vec<_>>());
+        let even = || records.iter().filter(|(_, record)| record.driven.is_even);
+        let none_failed = even().all(|(_, record)| !record.is_failure());
+        // Rule of three: 1 - 0.05^(1/n) is below 3/n.
+        let share_below = (3.0 / even().count() as f64).min(1.0);
         let effects = effects(&problem.variables, records);
         let rows = problem.variables.iter().zip(effects).map(|(variable, effect)| VariableRow {
             name: variable.name.clone(),
@@ -106,38 +141,19 @@ impl Search {
             effect,
         });
         Self {
-            schema_version: 1,
-            ok: violations == 0,
-            problem: problem.name.clone(),
-            controller: problem.nominal.controller.name.as_str().to_owned(),
-            method: method.name(),
-            requirements: problem.nominal.require.formulas.clone(),
-            runs: records.len(),
-            planned,
-            reducing_runs: 0,
-            refused: records.iter().map(|(_, record)| record.tried).sum(),
-            first_violation: records
-                .iter()
-                .find(|(_, one)| one.is_failure())
-                .map(|(run, _)| run + 1),
-            violations,
             distinct,
-            failures: Vec::new(),
-            worst_robustness: least(&mut values()),
-            nearest_miss: least(&mut values().filter(|value| *value >= 0.0)),
-            // Rule of three: 1 - 0.05^(1/n) is below 3/n.
-            share_below: none_failed.then(|| (3.0 / even.len() as f64).min(1.0)),
+            refused: records.iter().map(|(_, record)| record.driven.tried).sum(),
+            share_below: (none_failed && even().count() > 0).then_some(share_below),
             variables: rows.collect(),
-            faults: Vec::new(),
-            probability: None,
-            drives: Vec::new(),
+            ..search
         }
     }
 
     /// The result of `--probability`, which has no runs of a search.
     pub fn of_probability(problem: &Problem, (found, ok): (Json, bool), runs: usize) -> Self {
-        let none = Self::new(problem, (MethodName::Random, runs), &[], 0);
-        Self { ok, method: "probability", runs, probability: Some(found), ..none }
+        let search = Self::begun(problem, "probability", runs);
+        let variables = Self::new(problem, (MethodName::Random, runs), &[], 0).variables;
+        Self { ok, runs, variables, probability: Some(found), ..search }
     }
 
     /// The same with its minimal cases; the files are numbered in their order.
@@ -145,71 +161,57 @@ impl Search {
         mut self,
         cases: Vec<(FailureRow, Drives)>,
         reducing_runs: u64,
-        directory: &std::path::Path,
+        directory: &Path,
     ) -> Self {
         self.reducing_runs = reducing_runs;
         for (place, (mut row, drives)) in cases.into_iter().enumerate() {
-            row.file = format!("failure-{}.toml", place + 1);
-            let path = directory.join(&row.file).to_string_lossy().into_owned();
-            row.repeat = runtime::command_line(&["timegap", "run", &path, "--mode", "lockstep"]);
+            (row.file, row.repeat) = repeated(directory, place);
             self.failures.push(row);
             self.drives.push(drives);
         }
         self
     }
 
-    /// The result of a search among faults: `values` of its runs, and its rows in their order.
+    /// The result of a search among faults: its rows in their order.
     pub fn of_faults(
         problem: &Problem,
-        (planned, reducing_runs, first_violation): (usize, u64, Option<usize>),
-        values: Vec<f64>,
+        (planned, reducing_runs): (usize, u64),
+        runs: &[(usize, f64)],
         faults: Vec<FaultRow>,
     ) -> Self {
-        let runs = values.len();
-        let least = |values: &mut dyn Iterator<Item = f64>| values.min_by(f64::total_cmp);
-        let violations = values.iter().filter(|value| **value < 0.0).count();
-        Self {
-            method: MethodName::Sobol.name(),
-            runs,
-            planned,
-            reducing_runs,
-            first_violation,
-            violations,
-            ok: violations == 0,
-            distinct: faults.iter().filter(|row| row.broken > 0).count(),
-            worst_robustness: least(&mut values.iter().copied()),
-            nearest_miss: least(&mut values.iter().copied().filter(|value| *value >= 0.0)),
-            variables: Vec::new(),
-            faults,
-            ..Self::new(problem, (MethodName::Sobol, planned), &[], 0)
-        }
+        let mut search = Self::begun(problem, MethodName::Sobol.name(), planned);
+        search.count(runs);
+        let distinct = faults.iter().filter(|row| row.broken > 0).count();
+        Self { reducing_runs, distinct, faults, ..search }
+    }
+
+    fn about(&self, searched: &str) -> String {
+        let Self { problem, controller, runs, planned, .. } = self;
+        let requirements = self.requirements.join(", ");
+        format!("{problem} ({controller}): {searched}, {runs} of {planned} runs, {requirements}")
     }
 
     /// The result of a search among faults for every output.
     pub fn faults_document(&self) -> Document {
         let place = &self.problem;
-        let requirements = self.requirements.join(", ");
-        let about = format!(
-            "{place} ({}): {} faults of messages and timing, {} of {} runs, {requirements}",
-            self.controller,
-            self.faults.len(),
-            self.runs,
-            self.planned,
-        );
+        let about = self.about(&format!("{} faults of messages and timing", self.faults.len()));
         let sentence = match self.distinct {
             0 => format!("no fault broke a requirement in {} runs", self.runs),
             broken => {
                 format!("BROKEN: {broken} of {} faults break a requirement", self.faults.len())
             }
         };
-        let table = Table::new("What hurts most", fault_row::COLUMNS, &self.faults).most_rows(25);
+        let table = Table::new("What hurts most", FAULTS, &self.faults).most_rows(25);
         let document = Document::new("search", &format!("Faults in {place}"), self)
             .about(about)
             .table(table)
             .verdict(self.ok, sentence)
             .broken(self.faults.iter().filter_map(|row| {
                 let command = row.repeat.clone()?;
-                Some(Broken::new(format!("{} breaks {}", row.fault, row.requirement), command))
+                Some(Broken::new(
+                    format!("{} breaks {}", row.fault, row.judged.requirement),
+                    command,
+                ))
             }));
         self.faults.iter().fold(document, |document, row| match &row.file {
             Some(file) => document.file(file, row.text.clone()),
@@ -219,33 +221,24 @@ impl Search {
 
     /// The result for every output.
     pub fn document(&self, problem: &Problem, records: &[(usize, Record)]) -> Document {
-        let (place, method) = (&self.problem, self.method);
-        let requirements = self.requirements.join(", ");
-        let about = format!(
-            "{place} ({}, {method}): {}, {} of {} runs, {requirements}",
-            self.controller,
-            problem.count_in_words(),
-            self.runs,
-            self.planned,
-        );
+        let place = &self.problem;
+        let about = self.about(&format!("{}, {}", self.method, problem.count_in_words()));
         let mut pictures = pictures::of_runs(problem, records);
         for (row, drives) in self.failures.iter().zip(&self.drives) {
-            pictures.extend(pictures::of_drives(&row.file, &row.requirement, drives));
+            pictures.extend(pictures::of_drives(&row.file, &row.judged.requirement, drives));
         }
         let pictures: String = pictures.iter().map(|picture| figure(picture.as_ref())).collect();
-        let pictures = match pictures.as_str() {
-            "" => String::new(),
-            drawn => format!("<div class=\"grid\">\n{drawn}</div>\n"),
-        };
+        let grid = |pictures| format!("<div class=\"grid\">\n{pictures}</div>\n");
+        let pictures = Some(pictures).filter(|drawn| !drawn.is_empty()).map(grid);
         let mut document = Document::new("search", &format!("Search in {place}"), self)
             .about(about)
             .tiles(self.tiles())
-            .table(Table::new("Minimal cases", failure_row::COLUMNS, &self.failures))
+            .table(Table::new("Minimal cases", FAILURES, &self.failures))
             .table(Table::new("Variables", VARIABLES, &self.variables).without_cases())
-            .figures("Runs", pictures)
+            .figures("Runs", pictures.unwrap_or_default())
             .verdict(self.ok, self.sentence())
             .broken(self.failures.iter().map(|row| {
-                Broken::new(format!("{} breaks {}", row.file, row.requirement), &row.repeat)
+                Broken::new(format!("{} breaks {}", row.file, row.judged.requirement), &row.repeat)
             }));
         for row in &self.failures {
             document = document.file(&row.file, row.text.clone());

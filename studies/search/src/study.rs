@@ -6,51 +6,28 @@ use std::process::ExitCode;
 use std::sync::{Condvar, Mutex};
 use std::time::Duration;
 
-use frame::batch::{Done, Job};
+use frame::batch::{self, Done, Job};
 use frame::parts::ShardChoice;
 use frame::{Command, Crew, Entry, Found, Needs, RunOptions, RunResult, Study};
-use group::{Error, Failure, GroupOptions};
+use group::{Error, GroupOptions, UsageError};
 use indicatif::ProgressBar;
 use report::results::{Column, Document, fact, number, word};
 use serde_json::json;
-use thiserror::Error;
 
 use crate::arguments::SearchArguments;
-use crate::distinct::{self, Group};
-use crate::failure_row::FailureRow;
+use crate::distinct;
 use crate::faults::Faults;
 use crate::method::{Chooser, MethodName, Proposal, independent, seed_of};
-use crate::minimal::{self, Case, Held, Trial};
+use crate::minimal::{self, Held, Seeds, Trial, repeatable};
 use crate::pictures::Drives;
 use crate::probability::Probability;
-use crate::problem::Problem;
-use crate::record::Record;
+use crate::problem::{Problem, Value};
+use crate::record::{Judged, Record, judge};
 use crate::results::Search;
-use crate::single::admit;
-use crate::trial::{Seeds, repeatable};
-use crate::value::judge;
+use crate::rows::FailureRow;
 
 /// Longest wait for a result before an interrupt is looked for.
 const LOOK: Duration = Duration::from_millis(50);
-
-/// Options that do not go together.
-#[derive(Debug, Error)]
-pub enum PlanError {
-    /// A part would not hold a whole search.
-    #[error(
-        "--shard {index}/{count}: a part holds whole replicas of the search, expected --replicas {count} or a multiple"
-    )]
-    Part {
-        index: u32,
-        /// Number of parts.
-        count: u32,
-    },
-    /// Replicas of runs that do not depend on each other.
-    #[error("--replicas: runs of `{0}` do not depend on each other, expected `gp`")]
-    Replicas(&'static str),
-}
-
-impl Failure for PlanError {}
 
 /// Runs the command.
 ///
@@ -89,7 +66,7 @@ struct Runs {
 impl Runs {
     /// The point of a run, when the results that its choice needs are there.
     fn proposal(&self, run: usize, going_on: &dyn Fn() -> bool) -> Result<Proposal, Error> {
-        let admit = |point: &[f64]| admit(&self.problem, point);
+        let admit = |point: &[f64]| self.problem.admit(point);
         if self.method == MethodName::Random {
             return independent(self.problem.dimensions(), self.seed, run, &admit);
         }
@@ -105,7 +82,8 @@ impl Runs {
 
     fn tell(&self, run: usize, record: &Record) {
         let mut chooser = self.chooser.lock().expect("no worker panics here");
-        chooser.tell(run, record.told());
+        let (driven, value) = record.told();
+        chooser.tell(run, &driven, value);
         self.ended.notify_all();
     }
 }
@@ -129,13 +107,16 @@ impl Study for Runs {
     fn plan(arguments: &SearchArguments, options: &RunOptions) -> Result<Self, Error> {
         let (method, replicas) = (arguments.method, arguments.replicas.get());
         if replicas > 1 && method != MethodName::Gp {
-            return Err(PlanError::Replicas(method.name()).into());
+            let why = format_args!("runs of `{}` do not depend on each other", method.name());
+            return Err(UsageError::at("--replicas", why, "`gp`").into());
         }
         if let Some(shard) = options.shard.map(ShardChoice::resolve).transpose()?
             && method == MethodName::Gp
             && !replicas.is_multiple_of(shard.count as usize)
         {
-            return Err(PlanError::Part { index: shard.index, count: shard.count }.into());
+            let place = format_args!("--shard {}/{}", shard.index, shard.count);
+            let expected = format_args!("--replicas {} or a multiple", shard.count);
+            return Err(UsageError::at(place, "a part holds whole replicas", expected).into());
         }
         let seed = arguments.seed()?;
         let problem = Problem::open(arguments, &options.group)?;
@@ -194,18 +175,13 @@ impl Study for Runs {
     ) -> Result<(Record, ()), Error> {
         let summary = result?.summary;
         let proposal = self.under_way.lock().expect("no worker panics here").remove(&run);
-        let Proposal { point, is_even, reference, tried, refused } =
-            proposal.expect("the run was proposed");
+        let driven = proposal.expect("the run was proposed");
         let record = Record {
-            values: self.problem.values(&point),
-            point,
+            values: self.problem.values(&driven.point),
+            driven,
             seed: job.scenario.seed.value(),
             outcome: summary.outcome,
             judged: judge(&summary),
-            reference,
-            is_even,
-            tried,
-            refused,
         };
         self.tell(run, &record);
         Ok((record, ()))
@@ -240,7 +216,7 @@ impl Runs {
     /// Minimal cases of the worst groups: those that hold on enough seeds, then others.
     fn reduce(
         &self,
-        groups: &[Group],
+        groups: &[Vec<usize>],
         records: &[(usize, Record)],
         bar: &ProgressBar,
     ) -> Result<Vec<(FailureRow, Drives)>, Error> {
@@ -267,13 +243,10 @@ impl Runs {
         }
         // A failure of few seeds stays as it was found.
         for group in unsure.into_iter().take(self.cases - sure.len()) {
-            let (_, record) = &records[group.members[0]];
-            let held = trial.drive(&record.values, true)?;
+            let (run, record) = &records[group[0]];
             // Its own seed fails in any case.
-            let first = held.first.clone().unwrap_or((record.seed, record.judged.clone()));
-            let held = Held { first: Some(first), ..held };
-            let case = Case { values: record.values.clone(), held };
-            sure.push(self.row(&case, (group, records[group.members[0]].0), &trial)?);
+            let own = (record.seed, record.judged.clone());
+            sure.push(self.row(record.values.clone(), Some(own), (group.len(), *run), &trial)?);
         }
         Ok(sure)
     }
@@ -281,38 +254,65 @@ impl Runs {
     /// The minimal case of a group; none if its worst failures hold on too few seeds.
     fn case(
         &self,
-        group: &Group,
+        group: &[usize],
         records: &[(usize, Record)],
         trial: &Seeds<'_>,
     ) -> Result<Option<(FailureRow, Drives)>, Error> {
-        for member in group.members.iter().take(MOST_STARTS) {
+        for member in group.iter().take(MOST_STARTS) {
             let (run, record) = &records[*member];
             if trial.holds(&record.values)? {
-                let case = minimal::reduce(&self.problem, &record.values, trial)?;
-                return Ok(Some(self.row(&case, (group, *run), trial)?));
+                let values = minimal::reduce(&self.problem, &record.values, trial)?;
+                return Ok(Some(self.row(values, None, (group.len(), *run), trial)?));
             }
         }
         Ok(None)
     }
 
-    /// The row of a case, with its file and its drives.
+    /// The row of a case, with its file and its drives. `own` is a failure that stands in where no seed fails.
     fn row(
         &self,
-        case: &Case,
-        (group, run): (&Group, usize),
+        values: Vec<Value>,
+        own: Option<(u64, Judged)>,
+        from: (usize, usize),
         trial: &Seeds<'_>,
     ) -> Result<(FailureRow, Drives), Error> {
-        let seed = case.held.first.as_ref().map_or(self.seed, |(seed, _)| *seed);
-        let scenario = self.problem.scenario(&case.values, seed)?;
-        let from = (group.members.len(), run);
-        let mut row = FailureRow::new(&self.problem, &case.values, &case.held, from);
+        let held = trial.drive(&values, true)?;
+        let held = Held { first: held.first.or(own), ..held };
+        let seed = held.first.as_ref().map_or(self.seed, |(seed, _)| *seed);
+        let scenario = self.problem.scenario(&values, seed)?;
+        let mut row = FailureRow::new(&self.problem, &values, held, from);
         row.text = repeatable(&scenario);
-        let done = trial.repeat(&case.values, seed)?;
+        let done = trial.repeat(&values, seed)?;
         let mut verdicts = done.summary.requirements.iter();
-        let decided = verdicts.find(|verdict| verdict.requirement == row.requirement);
+        let decided = verdicts.find(|verdict| verdict.requirement == row.judged.requirement);
         let decided_s = decided.map(|verdict| verdict.at_s);
         let reference = self.problem.reference.as_ref();
         let reference = reference.map(|driver| driver.drive(&scenario, true).samples);
         Ok((row, Drives::new(&done.drive.steps, reference.unwrap_or_default(), decided_s)))
     }
+}
+
+/// Number of the first failing run of a search in the caller's thread, from 1; none within the budget.
+///
+/// # Errors
+/// An interrupt, or a run that cannot be done.
+pub fn first_violation(
+    problem: &Problem,
+    (method, seed): (MethodName, u64),
+    budget: usize,
+    group: &GroupOptions,
+    going_on: &dyn Fn() -> bool,
+) -> Result<Option<usize>, Error> {
+    let mut chooser = Chooser::new(method, &problem.kinds(), seed, 1);
+    for run in 0..budget {
+        let driven = chooser.propose(run, &|point| problem.admit(point))?;
+        let values = problem.values(&driven.point);
+        let scenario = problem.scenario(&values, seed_of(seed, 6, run as u64))?;
+        let value = judge(&batch::lockstep(&scenario, group, going_on)?.summary).robustness;
+        if value < 0.0 {
+            return Ok(Some(run + 1));
+        }
+        chooser.tell(run, &driven, value);
+    }
+    Ok(None)
 }

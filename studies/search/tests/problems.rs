@@ -6,7 +6,6 @@ use frame::Command;
 use search::SearchArguments;
 use search::method::{Chooser, MethodName};
 use search::problem::{FAULT, Problem};
-use search::single::admit;
 
 fn open(words: &[&str]) -> Result<Problem, String> {
     let Command { study, options } = Command::<SearchArguments>::read(words).expect("arguments");
@@ -30,8 +29,8 @@ fn the_published_problems_are_problems() {
         let name = path.to_string_lossy().into_owned();
         let problem = open(&[&name]).unwrap_or_else(|error| panic!("{name}: {error}"));
         let nominal = problem.nominal_values();
-        let admission = admit(&problem, &problem.point(&nominal)).expect("it can be driven");
-        assert!(admission.admits(), "{name}: {admission:?}");
+        let value = problem.admit(&problem.point(&nominal)).expect("it can be driven");
+        assert!(value < 0.0, "{name}: {value}");
         let choice = problem.variables.iter().position(|variable| variable.name == FAULT);
         let words = choice.map_or(0, |place| problem.variables[place].domain.count().unwrap_or(0));
         for word in 0..words {
@@ -51,7 +50,7 @@ fn a_file_that_is_not_a_problem_is_refused_with_its_place() {
     for (words, parts) in [
         (&["following"][..], &["nothing varies", "--vary KEY=A..B"][..]),
         (&["following", "--vary", "set_speed_mps"], &["--vary set_speed_mps: no `=`"]),
-        (&["following", "--vary", "set_speed_mps=3..2"], &["the range is empty", "KEY=A..B:log"]),
+        (&["following", "--vary", "set_speed_mps=3..2"], &["after its end 2", "KEY=A..B:log"]),
         (
             &["following", "--vary", "set_sped_mps=2..3"],
             &["set_sped_mps = 2", "unknown", "set_speed_mps"],
@@ -72,6 +71,18 @@ fn a_file_that_is_not_a_problem_is_refused_with_its_place() {
             &["following", "--vary", "seed=1..2", "--vary", "seed=3..4"],
             &["--vary seed=3..4: the key varies already"],
         ),
+        (
+            &[
+                "following",
+                "--vary",
+                "set_speed_mps=20..30",
+                "--law",
+                "mine=true",
+                "--controller",
+                "acc-mpc",
+            ],
+            &["mine"],
+        ),
     ] {
         let said = open(words).expect_err("refused");
         assert!(parts.iter().all(|part| said.contains(part)), "{words:?}: {said}");
@@ -86,7 +97,7 @@ fn a_box_that_the_reference_never_avoids_is_refused() {
     let problem = open(&words).expect("a problem");
     let mut chooser = Chooser::new(MethodName::Sobol, &problem.kinds(), 1, 1);
     // The admission of one point is that of all: the others need not be driven.
-    let one = admit(&problem, &[0.5]).expect("it can be driven");
+    let one = problem.admit(&[0.5]).expect("it can be driven");
     let said = chooser.propose(0, &|_| Ok(one)).expect_err("refused").to_string();
-    assert!(!one.admits() && said.contains("none of 10000 points"), "{said}");
+    assert!(one > 0.0 && said.contains("none of 10000 points"), "{said}");
 }

@@ -9,43 +9,29 @@
 //! are spread over all faults.
 
 mod candidates;
-mod messages;
-mod sort;
 
 use std::num::NonZeroUsize;
 
 use frame::batch::{Done, Job};
 use frame::{Found, Needs, RunOptions, Study};
 use group::report::Outcome;
-use group::{Error, Failure, GroupOptions};
+use group::{Error, GroupOptions, UsageError};
 use report::results::Document;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use crate::arguments::SearchArguments;
-use crate::fault_row::FaultRow;
 use crate::method::{Sobol, seed_of};
-use crate::minimal::{self, Case, Trial};
-use crate::problem::{Draft, Value, scenario_name};
+use crate::minimal::{self, Held, Seeds, Trial};
+use crate::problem::{Problem, Value};
+use crate::record::{Judged, judge};
 use crate::reference::Reference;
-use crate::results::Search;
-use crate::trial::Seeds;
-use crate::value::{Judged, judge};
-use candidates::{Candidate, candidates};
-use sort::{BEGIN, LASTS, SIZE};
+use crate::results::{Search, repeated};
+use crate::rows::FaultRow;
+use candidates::{BEGIN, Candidate, LASTS, SIZE, candidates};
 
 /// Faults that are reduced at most, the worst first.
 const MOST_REDUCED: usize = 20;
 const MOST_FILES: usize = 5;
-
-/// A scenario that the reference does not avoid shows nothing of faults.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error(
-    "--faults: the reference driver does not avoid the scenario itself, expected a milder one, or --reference none"
-)]
-pub struct NotAvoided;
-
-impl Failure for NotAvoided {}
 
 /// A run that was done.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -78,25 +64,20 @@ impl Study for Faults {
 
     fn plan(arguments: &SearchArguments, run: &RunOptions) -> Result<Self, Error> {
         let seed = arguments.seed()?;
-        let scenario = arguments.scenario.clone();
-        let options = &arguments.scenario_options;
-        let base = group::open(&scenario, options)?;
+        let mut base = Problem::new(&arguments.scenario, &arguments.scenario_options)?;
+        let laws = &arguments.scenario_options.laws;
+        laws.expect_all_in(&[base.nominal.controller.name.as_str()])?;
         let reference = Reference::named(arguments.reference.unwrap_or_default());
-        if reference.is_some_and(|driver| !driver.drive(&base, false).avoids()) {
-            return Err(NotAvoided.into());
+        if reference.is_some_and(|driver| !driver.drive(&base.nominal, false).avoids()) {
+            let why = "the reference driver does not avoid the scenario itself";
+            return Err(UsageError::at("--faults", why, "a milder one, or --reference none").into());
         }
         // The scene is the same in all runs: the reference has been asked.
-        let draft = || Draft {
-            name: scenario_name(&scenario),
-            scenario: scenario.clone(),
-            reference: Some(None),
-            ..Draft::default()
-        };
-        let open = |draft: Draft| draft.finish(options.clone());
-        let candidates = candidates(&draft, base.duration_s.value(), &open)?;
+        base.reference = None;
+        let candidates = candidates(&base)?;
         Ok(Self {
-            name: scenario_name(&scenario),
-            subject: base.to_toml(),
+            name: base.name,
+            subject: base.nominal.to_toml(),
             sobol: Sobol::new(3, Some(seed_of(seed, 8, 0))),
             budget: arguments.budget.get(),
             seed,
@@ -151,61 +132,53 @@ impl Study for Faults {
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
         let Found { records, shard, is_whole, directory, .. } = found;
         let records = records.all()?;
-        let mut worst: Vec<Option<(usize, FaultRecord)>> = vec![None; self.candidates.len()];
-        let mut tried = vec![(0, 0); self.candidates.len()];
-        for (run, record) in &records {
-            let place = run % self.candidates.len();
-            tried[place].0 += 1;
-            tried[place].1 += usize::from(record.judged.value < 0.0);
-            let is_worse =
-                |known: &(usize, FaultRecord)| record.judged.value < known.1.judged.value;
-            if worst[place].as_ref().is_none_or(is_worse) {
-                worst[place] = Some((*run, record.clone()));
-            }
+        let mut rows: Vec<(&Candidate, &FaultRecord, FaultRow)> = Vec::new();
+        for (place, candidate) in self.candidates.iter().enumerate() {
+            let tried = records.iter().filter(|(run, _)| run % self.candidates.len() == place);
+            let tried: Vec<&FaultRecord> = tried.map(|(_, record)| record).collect();
+            let value = |record: &&&FaultRecord| record.judged.robustness;
+            let worst = tried.iter().min_by(|a, b| value(a).total_cmp(&value(b)));
+            let Some(&worst) = worst else { continue };
+            let row = FaultRow {
+                fault: candidate.name.clone(),
+                size_unit: candidate.unit,
+                runs: tried.len(),
+                broken: tried.iter().filter(|record| value(record) < 0.0).count(),
+                judged: worst.judged.clone(),
+                // Behind each fault that was reduced.
+                severity: 2.0,
+                ..FaultRow::default()
+            };
+            rows.push((candidate, worst, row));
         }
-        let first = records.iter().find(|(_, record)| record.judged.value < 0.0);
-        let first = first.map(|(run, _)| run + 1);
-        let mut rows = Vec::new();
-        let worst = self.candidates.iter().zip(worst).zip(tried);
-        for ((candidate, worst), (runs, broken)) in worst {
-            let Some((_, record)) = worst else { continue };
-            let named = (candidate.name.as_str(), candidate.unit);
-            let row = FaultRow::new(named, &record.judged, (runs, broken));
-            rows.push((candidate, record, row));
-        }
-        rows.sort_by(|a, b| a.1.judged.value.total_cmp(&b.1.judged.value));
+        rows.sort_by(|a, b| a.1.judged.robustness.total_cmp(&b.1.judged.robustness));
         let bar = report::progress::count_bar(0, self.is_quiet);
         bar.set_message("smallest faults");
         if shard.is_none() && is_whole {
-            let broken = rows.iter_mut().filter(|(_, record, _)| record.judged.value < 0.0);
+            let broken = rows.iter_mut().filter(|(_, record, _)| record.judged.robustness < 0.0);
             for (candidate, record, row) in broken.take(MOST_REDUCED) {
-                let case = self.smallest(candidate, &record.values, &bar)?;
-                let value = |name: &str| candidate.value(name, &case.values);
+                let (values, held) = self.smallest(candidate, &record.values, &bar)?;
+                let value = |name: &str| candidate.value(name, &values);
                 (row.size, row.for_s, row.at_s) = (value(SIZE), value(LASTS), value(BEGIN));
-                row.holds_on = Some([case.held.failed, case.held.tried]);
-                let place = |name: &str| candidate.severity(name, &case.values);
-                row.severity = place(SIZE) + place(LASTS);
-                let seed = case.held.first.as_ref().map_or(self.seed, |(seed, _)| *seed);
-                row.text = candidate.problem.scenario(&case.values, seed)?.to_toml();
+                row.holds_on = Some([held.failed, held.tried]);
+                row.severity =
+                    [SIZE, LASTS].map(|name| candidate.severity(name, &values)).iter().sum();
+                let seed = held.first.map_or(self.seed, |(seed, _)| seed);
+                row.text = candidate.problem.scenario(&values, seed)?.to_toml();
             }
         }
         let reducing_runs = bar.position();
         bar.finish_and_clear();
         let mut rows: Vec<FaultRow> = rows.into_iter().map(|(_, _, row)| row).collect();
         rows.sort_by(FaultRow::rank);
-        for (place, row) in
-            rows.iter_mut().filter(|row| !row.text.is_empty()).take(MOST_FILES).enumerate()
-        {
-            row.file = Some(format!("failure-{}.toml", place + 1));
-            let path = directory.join(format!("failure-{}.toml", place + 1));
-            let path = path.to_string_lossy();
-            row.repeat =
-                Some(runtime::command_line(&["timegap", "run", &path, "--mode", "lockstep"]));
+        let with_file = rows.iter_mut().filter(|row| !row.text.is_empty()).take(MOST_FILES);
+        for (place, row) in with_file.enumerate() {
+            let (file, repeat) = repeated(&directory, place);
+            (row.file, row.repeat) = (Some(file), Some(repeat));
         }
-        let problem = &self.candidates[0].problem;
-        let values = records.iter().map(|(_, record)| record.judged.value);
-        let search =
-            Search::of_faults(problem, (self.budget, reducing_runs, first), values.collect(), rows);
+        let values = records.iter().map(|(run, record)| (*run, record.judged.robustness));
+        let (problem, values) = (&self.candidates[0].problem, values.collect::<Vec<_>>());
+        let search = Search::of_faults(problem, (self.budget, reducing_runs), &values, rows);
         Ok(search.faults_document())
     }
 }
@@ -226,7 +199,7 @@ impl Faults {
         candidate: &Candidate,
         values: &[Value],
         bar: &indicatif::ProgressBar,
-    ) -> Result<Case, Error> {
+    ) -> Result<(Vec<Value>, Held), Error> {
         let trial = Seeds {
             problem: &candidate.problem,
             group: &self.group,
@@ -235,9 +208,11 @@ impl Faults {
             count: self.seeds,
             bar,
         };
-        if trial.holds(values)? {
-            return minimal::reduce(&candidate.problem, values, &trial);
-        }
-        Ok(Case { values: values.to_vec(), held: trial.drive(values, true)? })
+        let values = match trial.holds(values)? {
+            true => minimal::reduce(&candidate.problem, values, &trial)?,
+            false => values.to_vec(),
+        };
+        let held = trial.drive(&values, true)?;
+        Ok((values, held))
     }
 }

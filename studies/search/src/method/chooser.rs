@@ -6,7 +6,7 @@ use gaussian_process::Kind;
 use group::Error;
 
 use super::gaussian::{Datum, Model};
-use super::scan::{Admit, Proposal, Refused, Scan, random};
+use super::scan::{Admit, Proposal, Scan, random};
 use super::{MethodName, seed_of};
 
 /// Runs that are chosen at once by a Gaussian process; two such halves are under way.
@@ -21,31 +21,21 @@ const MOST_BETWEEN_FITS: usize = 100;
 /// One of this number of points of a process is an even one.
 const EVEN_EVERY: usize = 4;
 
-/// Result of a run, as the choice of later ones needs it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Evaluation {
-    pub point: Vec<f64>,
-    /// Its value; below 0: a failure.
-    pub value: f64,
-    /// Points that were refused before it.
-    pub refused: Vec<Refused>,
-}
-
 /// Chooses points.
 ///
 /// ```
 /// use gaussian_process::Kind;
-/// use search::method::{Admission, Chooser, Evaluation, MethodName};
+/// use search::method::{Chooser, MethodName};
 ///
 /// let mut chooser = Chooser::new(MethodName::Gp, &[Kind::Number; 2], 1, 1);
-/// let admit = |_: &[f64]| Ok(Admission { value: -1.0 });
+/// let admit = |_: &[f64]| Ok(-1.0);
 /// let mut best = f64::INFINITY;
 /// for run in 0..60 {
 ///     let proposal = chooser.propose(run, &admit).unwrap();
 ///     let [x, y] = proposal.point[..] else { panic!("two variables") };
 ///     let value = (x - 0.3).hypot(y - 0.8) * 10.0 - 0.1;
 ///     best = best.min(value);
-///     chooser.tell(run, Evaluation { point: proposal.point, value, refused: proposal.refused });
+///     chooser.tell(run, &proposal, value);
 /// }
 /// assert!(best < 0.0, "the failure takes 0.03 % of the square");
 /// ```
@@ -62,7 +52,7 @@ pub struct Chooser {
 struct Replica {
     scan: Scan,
     model: Model,
-    told: BTreeMap<usize, Evaluation>,
+    told: BTreeMap<usize, (Proposal, f64)>,
     chosen: BTreeMap<usize, Proposal>,
     start: usize,
     /// Data of the reported runs as far as they follow each other from 0.
@@ -104,7 +94,7 @@ impl Chooser {
     /// Chooses the point of a run. `admit` judges points without a run.
     ///
     /// # Errors
-    /// [`super::NoneAdmissible`], or an error of `admit`.
+    /// No admissible point, or an error of `admit`.
     ///
     /// # Panics
     /// If the run is not ready.
@@ -119,10 +109,10 @@ impl Chooser {
         }
     }
 
-    /// Takes the result of a run.
-    pub fn tell(&mut self, run: usize, told: Evaluation) {
+    /// Takes the value of a run.
+    pub fn tell(&mut self, run: usize, driven: &Proposal, value: f64) {
         let count = self.replicas.len();
-        self.replicas[run % count].tell(run / count, told);
+        self.replicas[run % count].tell(run / count, (driven.clone(), value));
     }
 
     fn place(&self, run: usize) -> (&Replica, usize) {
@@ -141,11 +131,11 @@ impl Replica {
         self.ends.len() >= runs
     }
 
-    fn tell(&mut self, place: usize, told: Evaluation) {
+    fn tell(&mut self, place: usize, told: (Proposal, f64)) {
         self.told.insert(place, told);
-        while let Some(told) = self.told.get(&self.ends.len()) {
-            self.data.push(Datum { point: told.point.clone(), value: told.value });
-            self.refused.extend(told.refused.iter().map(|refused| refused.point.clone()));
+        while let Some((driven, value)) = self.told.get(&self.ends.len()) {
+            self.data.push(Datum { point: driven.point.clone(), value: *value });
+            self.refused.extend(driven.refused.iter().cloned());
             self.ends.push(self.refused.len());
         }
     }
@@ -167,7 +157,7 @@ impl Replica {
         let mut pending = Vec::with_capacity(HALF);
         for place in known..known + HALF {
             let point = match self.told.get(&place) {
-                Some(told) => told.point.clone(),
+                Some((driven, _)) => driven.point.clone(),
                 None => self.propose(place, admit)?.point,
             };
             pending.push(point);
@@ -206,7 +196,6 @@ impl Replica {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Admission;
     use super::*;
 
     fn kinds(numbers: usize) -> Vec<Kind> {
@@ -216,8 +205,8 @@ mod tests {
     }
 
     /// A ridge of no reference, and a small hole beyond it for one word alone.
-    fn admit(point: &[f64]) -> Result<Admission, Error> {
-        Ok(Admission { value: 4.0 * (point[0] - 0.9) })
+    fn admit(point: &[f64]) -> Result<f64, Error> {
+        Ok(4.0 * (point[0] - 0.9))
     }
 
     fn value(point: &[f64]) -> f64 {
@@ -230,10 +219,10 @@ mod tests {
         let mut chooser = Chooser::new(method, &kinds(3), 5, 1);
         let mut values = Vec::new();
         for run in 0..runs {
-            let Proposal { point, refused, .. } = chooser.propose(run, &admit).expect("admissible");
-            let value = value(&point);
+            let driven = chooser.propose(run, &admit).expect("admissible");
+            let value = value(&driven.point);
             values.push(value);
-            chooser.tell(run, Evaluation { point, value, refused });
+            chooser.tell(run, &driven, value);
         }
         values
     }
@@ -256,16 +245,16 @@ mod tests {
             let is_active = (0.58..0.7).contains(&x[3]);
             2.0 + 3.0 * x[0] + if is_active { broken.min(0.0) } else { 0.0 }
         };
-        let all = |_: &[f64]| Ok(Admission { value: -1.0 });
+        let all = |_: &[f64]| Ok(-1.0);
         let first = |method, seed| {
             let mut chooser = Chooser::new(method, &kinds, seed, 1);
             for run in 0..150 {
-                let Proposal { point, refused, .. } = chooser.propose(run, &all).expect("one");
-                let value = value(&point);
+                let driven = chooser.propose(run, &all).expect("one");
+                let value = value(&driven.point);
                 if value < 0.0 {
                     return run;
                 }
-                chooser.tell(run, Evaluation { point, value, refused });
+                chooser.tell(run, &driven, value);
             }
             150
         };
@@ -286,24 +275,21 @@ mod tests {
         let mut chooser = Chooser::new(MethodName::Gp, &kinds(3), 5, 1);
         for run in 0..runs {
             let proposal = chooser.propose(run, &admit).expect("admissible");
-            all.push(proposal.clone());
-            let Proposal { point, refused, .. } = proposal;
-            let value = value(&point);
-            chooser.tell(run, Evaluation { point, value, refused });
+            chooser.tell(run, &proposal, value(&proposal.point));
+            all.push(proposal);
         }
-        let told = |run: usize| {
-            let Proposal { point, refused, .. } = all[run].clone();
-            Evaluation { value: value(&point), point, refused }
+        let tell = |chooser: &mut Chooser, run: usize| {
+            chooser.tell(run, &all[run], value(&all[run].point));
         };
         // As after an interrupt: the last half batch is missing two of its runs.
         let mut resumed = Chooser::new(MethodName::Gp, &kinds(3), 5, 1);
         for run in (0..runs).rev().filter(|run| ![42, 46].contains(run)) {
-            resumed.tell(run, told(run));
+            tell(&mut resumed, run);
         }
         for run in [42, 46] {
             assert!(resumed.is_ready(run));
             assert_eq!(resumed.propose(run, &admit).expect("admissible"), all[run], "run {run}");
-            resumed.tell(run, told(run));
+            tell(&mut resumed, run);
         }
         let next = resumed.propose(50, &admit).expect("admissible");
         assert_eq!(next, chooser.propose(50, &admit).expect("admissible"));
@@ -313,8 +299,8 @@ mod tests {
     fn replicas_are_independent_of_each_other() {
         let mut chooser = Chooser::new(MethodName::Gp, &kinds(2), 5, 2);
         for run in (0..40).step_by(2) {
-            let Proposal { point, refused, .. } = chooser.propose(run, &admit).expect("one");
-            chooser.tell(run, Evaluation { value: point[0], point, refused });
+            let driven = chooser.propose(run, &admit).expect("one");
+            chooser.tell(run, &driven, driven.point[0]);
         }
         assert!(chooser.is_ready(40) && chooser.is_ready(1) && !chooser.is_ready(41));
     }

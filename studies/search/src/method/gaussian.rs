@@ -14,7 +14,7 @@ use group::Error;
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
 
-use super::scan::{Admit, Proposal, Refused};
+use super::scan::{Admit, Proposal};
 use super::{Sobol, seed_of};
 
 /// Points that hyperparameters are fitted to at most: the cost grows with the cube.
@@ -266,24 +266,23 @@ impl Choice<'_> {
             *score *= if self.is_beside_refused(point) { BESIDE_REFUSED } else { 1.0 };
         }
         scored.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mut refused: Vec<Refused> = Vec::new();
-        for (score, point) in scored {
-            let admission = admit(&point)?;
-            if admission.admits() {
-                let (mut point, mut reference) = (point, admission.value);
+        let mut refused = Vec::new();
+        for (score, mut point) in scored {
+            let mut reference = admit(&point)?;
+            if reference < 0.0 {
                 if let Some(better) = self.climb(score, &point) {
                     // The climb may leave the admissible points.
-                    let admission = admit(&better)?;
-                    if admission.admits() {
-                        (point, reference) = (better, admission.value);
+                    let value = admit(&better)?;
+                    if value < 0.0 {
+                        (point, reference) = (better, value);
                     } else {
-                        refused.push(Refused { point: better, value: admission.value });
+                        refused.push(better);
                     }
                 }
                 let tried = refused.len();
                 return Ok(Proposal { point, is_even: false, reference, tried, refused });
             }
-            refused.push(Refused { point, value: admission.value });
+            refused.push(point);
             if refused.len() >= MOST_REFUSED {
                 break;
             }
@@ -294,7 +293,6 @@ impl Choice<'_> {
         let points =
             std::iter::repeat_with(|| (0..count).map(|_| random::uniform(random)).collect());
         let found = super::scan::first(points, admit)?;
-        refused.truncate(MOST_REFUSED);
         Ok(Proposal { is_even: false, tried: found.tried + refused.len(), refused, ..found })
     }
 

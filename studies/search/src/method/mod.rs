@@ -16,10 +16,10 @@ mod gaussian;
 mod scan;
 mod sobol;
 
-pub use chooser::{Chooser, Evaluation};
+pub use chooser::Chooser;
 pub(crate) use scan::random as independent;
-pub use scan::{Admission, Admit, NoneAdmissible, Proposal, Refused};
-pub use sobol::Sobol;
+pub use scan::{Admit, Proposal};
+pub use sobol::{MOST_VARIABLES, Sobol};
 
 use clap::ValueEnum;
 use serde::{Deserialize, Serialize};

@@ -1,10 +1,9 @@
 //! The admissible points of a sequence, one after the other.
 
-use group::{Error, Failure};
+use group::{Error, UsageError};
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use super::{Sobol, seed_of};
 
@@ -13,34 +12,11 @@ pub const MOST_TRIES: usize = 10_000;
 /// Refused points that a proposal names: they show a Gaussian process where the reference fails.
 const MOST_REFUSED: usize = 2;
 
-/// True if a point is worth a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Admission {
-    /// Value of the point by the reference alone; above 0: it is not admissible.
-    pub value: f64,
-}
-
-impl Admission {
-    /// The reference avoids the point.
-    #[must_use]
-    pub fn admits(self) -> bool {
-        self.value < 0.0
-    }
-}
-
-/// Judges a point without a run.
-pub type Admit<'a> = dyn Fn(&[f64]) -> Result<Admission, Error> + 'a;
-
-/// A point that is not admissible.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Refused {
-    pub point: Vec<f64>,
-    /// Its value by the reference alone, above 0.
-    pub value: f64,
-}
+/// Judges a point without a run: its value by the reference alone. Below 0 it is admissible.
+pub type Admit<'a> = dyn Fn(&[f64]) -> Result<f64, Error> + 'a;
 
 /// A point to be driven.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Proposal {
     pub point: Vec<f64>,
     /// It was drawn evenly from the admissible points, not chosen by a model.
@@ -50,17 +26,9 @@ pub struct Proposal {
     /// Points that were tried before it.
     pub tried: usize,
     /// Some of them.
-    pub refused: Vec<Refused>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub refused: Vec<Vec<f64>>,
 }
-
-/// The box holds no point that the reference avoids.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error(
-    "the reference driver avoids none of {MOST_TRIES} points, expected milder ranges, or --reference none"
-)]
-pub struct NoneAdmissible;
-
-impl Failure for NoneAdmissible {}
 
 /// The first admissible point of `points`.
 pub(super) fn first(
@@ -69,21 +37,17 @@ pub(super) fn first(
 ) -> Result<Proposal, Error> {
     let mut refused = Vec::new();
     for (tried, point) in points.take(MOST_TRIES).enumerate() {
-        let admission = admit(&point)?;
-        if admission.admits() {
-            return Ok(Proposal {
-                point,
-                is_even: true,
-                reference: admission.value,
-                tried,
-                refused,
-            });
+        let reference = admit(&point)?;
+        if reference < 0.0 {
+            return Ok(Proposal { point, is_even: true, reference, tried, refused });
         }
         if refused.len() < MOST_REFUSED {
-            refused.push(Refused { point, value: admission.value });
+            refused.push(point);
         }
     }
-    Err(NoneAdmissible.into())
+    let place = "the reference driver";
+    let why = format_args!("it avoids none of {MOST_TRIES} points");
+    Err(UsageError::at(place, why, "milder ranges, or --reference none").into())
 }
 
 /// Draws for itself: run `run` of a random search.
@@ -133,8 +97,8 @@ impl Scan {
 mod tests {
     use super::*;
 
-    fn half(point: &[f64]) -> Result<Admission, Error> {
-        Ok(Admission { value: point[0] - 0.5 })
+    fn half(point: &[f64]) -> Result<f64, Error> {
+        Ok(point[0] - 0.5)
     }
 
     #[test]
@@ -153,7 +117,7 @@ mod tests {
 
     #[test]
     fn a_box_without_an_admissible_point_is_refused() {
-        let none = |_: &[f64]| Ok(Admission { value: 1.0 });
+        let none = |_: &[f64]| Ok(1.0);
         let said = Scan::new(2, 1).get(0, &none).expect_err("none").to_string();
         assert!(said.contains("none of 10000 points"), "{said}");
     }

@@ -12,9 +12,10 @@
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
-use crate::problem::MOST_VARIABLES;
-
 const BITS: usize = 32;
+
+/// Most variables: the dimensions whose direction numbers are known.
+pub const MOST_VARIABLES: usize = 21;
 
 /// Degree, coefficients and first numbers m of the dimensions from the second on.
 const DIRECTIONS: [(u32, u32, &[u32]); MOST_VARIABLES - 1] = [

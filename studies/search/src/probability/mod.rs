@@ -15,7 +15,6 @@ mod model;
 mod results;
 mod unit;
 
-pub use model::ModelError;
 pub use unit::Unit;
 
 use std::collections::{BTreeMap, VecDeque};
@@ -24,29 +23,19 @@ use std::sync::Mutex;
 use frame::batch::Job;
 use frame::keep::Keep;
 use frame::{Crew, Found, Needs, RunOptions, RunResult, Study};
-use group::{Error, Failure};
+use group::{Error, UsageError};
 use rare_events::{Budget, REPLICAS, replica, sobol};
 use report::results::Document;
-use thiserror::Error;
 
 use crate::arguments::SearchArguments;
 use crate::method::seed_of;
 use crate::problem::{Problem, Value};
-use crate::value::judge;
+use crate::record::judge;
 use model::Model;
 use unit::{Kind, Units};
 
 /// Points of a unit that are kept at once: more than a unit of Monte Carlo has.
 const KEPT_AT_ONCE: usize = 100;
-
-/// A unit's drives are kept until its end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]
-#[error(
-    "--keep all: a unit of --probability holds too many drives for memory, expected failures or worst:N"
-)]
-pub struct KeepsAll;
-
-impl Failure for KeepsAll {}
 
 pub struct Probability {
     problem: Problem,
@@ -67,7 +56,8 @@ impl Study for Probability {
 
     fn plan(arguments: &SearchArguments, run: &RunOptions) -> Result<Self, Error> {
         if run.keep == Some(Keep::All) {
-            return Err(KeepsAll.into());
+            let why = "a unit of --probability holds too many drives for memory";
+            return Err(UsageError::at("--keep all", why, "failures or worst:N").into());
         }
         let problem = Problem::open(arguments, &run.group)?;
         let model = Model::of(&problem)?;
@@ -198,8 +188,7 @@ impl Points<'_> {
         let number = self.unit.points as u64;
         self.unit.points += 1;
         let scenario = problem.scenario(&values, seed_of(*seed, 11 + self.run as u64, number))?;
-        let reference = problem.reference.as_ref();
-        let reference = reference.map_or(f64::NEG_INFINITY, |d| d.drive(&scenario, false).value());
+        let reference = problem.by_reference(&scenario);
         if reference >= 0.0 {
             return Ok(reference);
         }
@@ -211,6 +200,6 @@ impl Points<'_> {
         let done = self.crew.drive(self.run, &job)?;
         self.crew.observe(self.run, &problem.named(&values), &job.scenario, &done);
         self.unit.driven += 1;
-        Ok(judge(&done.summary).value.max(reference))
+        Ok(judge(&done.summary).robustness.max(reference))
     }
 }

@@ -1,12 +1,11 @@
 //! The variables' joint distribution.
 
-use group::{Error, Failure};
-use rare_events::{Copula, CopulaError, Distribution, DistributionError};
+use group::UsageError;
+use rare_events::{Copula, Distribution};
 use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
-use thiserror::Error;
+use std::path::Path;
 
-use crate::problem::{Domain, Exposure, Problem, Stated, Value, Variable};
+use crate::problem::{Domain, Exposure, Problem, SearchError, Stated, Value, Variable};
 
 /// Largest CSV file, bytes.
 const MAX_BYTES: u64 = 64 << 20;
@@ -26,93 +25,73 @@ pub struct Model {
     pub(super) is_correlated: bool,
 }
 
-/// Reason why there is no joint distribution.
-#[derive(Debug, Error)]
-pub enum ModelError {
-    /// The file has no `[probability]`.
-    #[error("--probability: expected a search file with [probability.distributions]")]
-    Nothing,
-    /// A variable without a distribution.
-    #[error("probability.distributions: `{0}` has no distribution, expected one for each variable")]
-    Missing(String),
-    /// A distribution without a variable.
-    #[error("probability.{table}: no variable `{name}`, expected {}", scenario::accepted(name, known.iter().map(String::as_str)))]
-    Unknown {
-        /// The table below `[probability]`.
-        table: &'static str,
-        name: String,
-        known: Vec<String>,
-    },
-    /// A variable that is not a number.
-    #[error(
-        "probability.distributions.{0}: the variable's values are words, expected numbers; fix it by --set"
-    )]
-    Words(String),
-    /// The distribution cannot be used.
-    #[error("probability.distributions.{name}: {reason}")]
-    Distribution { name: String, reason: DistributionError },
-    /// The CSV file cannot be used.
-    #[error("probability.distributions.{name}: {}: {reason}", path.display())]
-    Csv { name: String, path: PathBuf, reason: String },
-    /// The correlations cannot be used.
-    #[error("probability.correlations: {0}")]
-    Correlations(#[from] CopulaError),
-    /// A pair of one variable, or a pair again.
-    #[error("probability.correlations: {0} and {1}: expected each pair of two variables once")]
-    Pair(String, String),
-    /// The exposure is not a rate.
-    #[error("probability.exposure.events = {0}, expected a number above 0")]
-    Exposure(f64),
-}
-
-impl Failure for ModelError {}
-
 impl Model {
     /// The model of a problem.
     ///
     /// # Errors
-    /// [`ModelError`].
-    pub fn of(problem: &Problem) -> Result<Self, Error> {
-        let (stated, folder) = problem.stated().ok_or(ModelError::Nothing)?;
-        Ok(Self::new(stated, folder, &problem.variables)?)
+    /// A problem without distributions, or a mistake in its file.
+    pub fn of(problem: &Problem) -> Result<Self, SearchError> {
+        let Some((stated, folder)) = &problem.stated else {
+            let why = "nothing says how the variables are distributed";
+            let expected = "a search file with [probability.distributions]";
+            return Err(UsageError::at("--probability", why, expected).into());
+        };
+        Self::new(stated, folder, &problem.variables)
     }
 
-    fn new(stated: &Stated, folder: &Path, variables: &[Variable]) -> Result<Self, ModelError> {
-        let known = || variables.iter().map(|variable| variable.name.clone()).collect();
-        let place = |table, name: &String| {
-            let place = variables.iter().position(|variable| variable.name == *name);
-            place.ok_or_else(|| ModelError::Unknown { table, name: name.clone(), known: known() })
+    fn new(stated: &Stated, folder: &Path, variables: &[Variable]) -> Result<Self, SearchError> {
+        let place = |table: &str, name: &String| {
+            let names = || variables.iter().map(|variable| variable.name.as_str());
+            let unknown = || {
+                let why = format_args!("no variable `{name}`");
+                UsageError::at(table, why, scenario::accepted(name, names()))
+            };
+            names().position(|known| known == name).ok_or_else(unknown)
         };
         for name in stated.distributions.keys() {
-            place("distributions", name)?;
+            place("probability.distributions", name)?;
         }
         let distributions = variables.iter().map(|variable| {
             let name = &variable.name;
-            if matches!(variable.domain, Domain::Words(_)) {
-                return Err(ModelError::Words(name.clone()));
+            let at = format!("probability.distributions.{name}");
+            if variable.domain.is_of_words() {
+                let why = "the variable's values are words";
+                return Err(UsageError::at(at, why, "numbers; fix it by --set").into());
             }
-            let text = stated.distributions.get(name);
-            read(name, text.ok_or_else(|| ModelError::Missing(name.clone()))?, folder)
+            match stated.distributions.get(name) {
+                Some(text) => read(&at, text, folder),
+                None => {
+                    let why = format_args!("`{name}` has no distribution");
+                    Err(UsageError::at("probability.distributions", why, "one for each variable")
+                        .into())
+                }
+            }
         });
         let distributions = distributions.collect::<Result<Vec<Distribution>, _>>()?;
         let mut pairs: Vec<(usize, usize, f64)> = Vec::new();
         for correlation in &stated.correlations {
             let [a, b] = &correlation.variables;
-            let (i, j) = (place("correlations", a)?, place("correlations", b)?);
+            let (i, j) =
+                (place("probability.correlations", a)?, place("probability.correlations", b)?);
             let is_there = pairs.iter().any(|&(k, l, _)| (k, l) == (i, j) || (k, l) == (j, i));
             if i == j || is_there {
-                return Err(ModelError::Pair(a.clone(), b.clone()));
+                let why = format_args!("{a} and {b}");
+                let expected = "each pair of two variables once";
+                return Err(UsageError::at("probability.correlations", why, expected).into());
             }
             pairs.push((i, j, correlation.rank));
         }
-        if let Some(exposure) = &stated.exposure
-            && !(exposure.events > 0.0 && exposure.events.is_finite())
+        if let Some(Exposure { events, .. }) = stated.exposure
+            && !(events > 0.0 && events.is_finite())
         {
-            return Err(ModelError::Exposure(exposure.events));
+            let place = format_args!("probability.exposure.events = {events}");
+            return Err(UsageError::at(place, "no rate", "a number above 0").into());
         }
+        let words = distributions.iter().map(ToString::to_string).collect();
+        let wrong = |reason| SearchError::part("probability.correlations", reason);
         Ok(Self {
-            distributions: distributions.iter().map(ToString::to_string).collect(),
-            copula: Copula::new(distributions, &pairs)?,
+            distributions: words,
+            copula: Copula::new(distributions, &pairs).map_err(wrong)?,
             rows: stated.indices.into(),
             monte_carlo: stated.monte_carlo.map(NonZeroUsize::get),
             exposure: stated.exposure.clone(),
@@ -139,16 +118,17 @@ impl Model {
     }
 }
 
-fn read(name: &str, text: &str, folder: &Path) -> Result<Distribution, ModelError> {
-    let wrong = |reason| ModelError::Distribution { name: name.to_owned(), reason };
+fn read(place: &str, text: &str, folder: &Path) -> Result<Distribution, SearchError> {
+    let wrong = |reason| SearchError::part(place, reason);
     let measured = text.trim().strip_prefix("csv(").and_then(|rest| rest.strip_suffix(')'));
     let Some((file, column)) = measured.and_then(|rest| rest.rsplit_once(',')) else {
         return text.parse().map_err(wrong);
     };
     let path = folder.join(file.trim());
-    let of_file = |reason| ModelError::Csv { name: name.to_owned(), path: path.clone(), reason };
-    let values = column_of(&path, column.trim()).map_err(of_file)?;
-    Distribution::empirical(values).map_err(wrong)
+    let values = column_of(&path, column.trim());
+    let place = format!("{place}: {}", path.display());
+    Distribution::empirical(values.map_err(|reason| SearchError::part(&place, reason))?)
+        .map_err(wrong)
 }
 
 /// The numbers of a column; empty fields are left out.
@@ -211,7 +191,10 @@ mod tests {
                 "[[correlations]]\nvariables = [\"v0\", \"thw\"]\nrank = 2",
                 "a rank correlation of 2",
             ),
-            ("[exposure]\nper = \"hour\"\nevents = 0\nsource = \"x\"", "events = 0, expected"),
+            (
+                "[exposure]\nper = \"hour\"\nevents = 0\nsource = \"x\"",
+                "events = 0: no rate, expected",
+            ),
             ("[exposure]\nper = \"hour\"\nevents = 1", "missing field `source`"),
             ("[[correlations]]\nvariables = [\"v0\", \"thw\"]\nrank = \"much\"", "expected f"),
         ] {

@@ -1,49 +1,17 @@
-//! Search files: a problem that is written down.
-//!
-//! ```toml
-//! schema_version = 1
-//! name = "cut-in-5"
-//! scenario = "./cut-in-base.toml"        # a built-in name, or a file beside this one
-//! reference = "regulation"               # or "careful", "none"
-//!
-//! [vary]                                 # names, or keys of the scenario
-//! v0 = "12..36"                          # a range, evenly or with :log
-//! thw = { values = "0.8..2", nominal = 1.5 }
-//! law = "acc-mpc,cacc-mpc"               # a list
-//! begin = "2..8"
-//!
-//! [set]                                  # keys of the scenario: arithmetic on the variables
-//! "plant.initial_speed_mps" = "v0"
-//! "actors.0.gap_m" = "max(5, thw*v0)"
-//! "controller.name" = "law"
-//!
-//! [[faults]]                             # at most one of them acts: the variable `fault`
-//! name = "late-tracks"
-//! kind = "delay"                         # keys as in a scenario, with arithmetic where numbers stand
-//! topic = "radar/tracks"
-//! at_s = "begin"
-//! for_s = 0.5
-//! delay_ms = "100 + 20*begin"
-//!
-//! [require]
-//! formulas = ["min-gap:1"]
-//! ```
-//!
-//! A name of `[vary]` that no term reads is a key of the scenario itself.
+//! Search files: a problem that is written down. docs/search.md has the format.
 
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-use group::{Error, Failure};
+use group::{Error, ScenarioOptions, UsageError};
 use scenario::name::{Line, Name};
 use serde::Deserialize;
-use thiserror::Error;
 use toml::{Table, Value as Toml};
 
-use super::arithmetic::{Arithmetic, ArithmeticError};
-use super::setting::{FaultChoice, Setting, Term};
-use super::stated::Stated;
-use super::variable::{Domain, DomainError, Value};
-use super::{Draft, FAULT, NO_FAULT};
+use super::term::{FaultChoice, Setting, Term};
+use super::variable::{Domain, Value};
+use super::{FAULT, NO_FAULT, Problem, SearchError};
 use crate::reference::{Reference, ReferenceName};
 
 /// Longest search file, bytes.
@@ -52,52 +20,12 @@ const MAX_BYTES: u64 = 1 << 20;
 /// Keys of a fault that are words.
 const WORDS: [&str; 6] = ["kind", "topic", "service", "field", "helper", "name"];
 
-/// A file that is not a problem.
-#[derive(Debug, Error)]
-#[error("{}: {fault}", path.display())]
-pub struct FileError {
-    path: PathBuf,
-    fault: Fault,
-}
-
-impl Failure for FileError {}
-
-/// The fault of a search file.
-#[derive(Debug, Error)]
-enum Fault {
-    #[error("more than {MAX_BYTES} bytes, expected a search file")]
-    Long,
-    #[error("{0}")]
-    Toml(#[from] toml::de::Error),
-    #[error("version {0} of the schema is not known, expected 1")]
-    Version(u32),
-    #[error(
-        "vary.{name}: {reason}, expected \"A..B\", \"A..B:log\", \"a,b,c\", a list, or {{ values, nominal }}"
-    )]
-    Vary { name: String, reason: VaryFault },
-    #[error("{key}: {reason}")]
-    Set { key: String, reason: Box<ArithmeticError> },
-    #[error("{key}: {found}, expected a number or arithmetic in a text")]
-    Term { key: String, found: String },
-    #[error("faults: {0}")]
-    Name(String),
-}
-
-#[derive(Debug, Error)]
-enum VaryFault {
-    #[error(transparent)]
-    Domain(#[from] DomainError),
-    #[error("{0} is not a domain")]
-    Form(String),
-    #[error("the name is kept for the choice among [[faults]]")]
-    Kept,
-    #[error("the nominal value {nominal} is not one of {domain}")]
-    Nominal { nominal: Value, domain: Domain },
-}
+/// Forms of a variable's values.
+const DOMAINS: &str = "\"A..B\", \"A..B:log\", \"a,b,c\", a list, or { values, nominal }";
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
+pub(super) struct File {
     schema_version: u32,
     name: Name,
     #[serde(default)]
@@ -124,25 +52,51 @@ struct Require {
     formulas: Vec<String>,
 }
 
-/// A search file that was read.
-pub(crate) struct Read {
-    path: PathBuf,
-    file: File,
+/// `[probability]`, as it is written.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Stated {
+    #[serde(default)]
+    pub distributions: BTreeMap<String, String>,
+    #[serde(default)]
+    pub correlations: Vec<Correlation>,
+    pub exposure: Option<Exposure>,
+    /// Rows for Sobol's indices.
+    #[serde(default)]
+    pub indices: u16,
+    /// Points of Monte Carlo, all of which are done; none: half of the budget, until enough failures are there.
+    pub monte_carlo: Option<NonZeroUsize>,
+}
+
+/// A correlation of two variables.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Correlation {
+    pub variables: [String; 2],
+    /// Spearman's correlation of their ranks.
+    pub rank: f64,
+}
+
+/// Rate at which scenes of the problem are met, by the user's account.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Exposure {
+    /// The unit: hour, km, year.
+    pub per: String,
+    pub events: f64,
+    pub source: String,
 }
 
 /// Reads a search file; none if the argument is a scenario. A search file is TOML with `scenario` or `[vary]`.
-///
-/// # Errors
-/// [`FileError`], or the file cannot be read.
-pub(crate) fn read(argument: &str) -> Result<Option<Read>, Error> {
+pub(super) fn read(argument: &str) -> Result<Option<File>, Error> {
     let path = Path::new(argument);
     if !argument.ends_with(".toml") || !path.exists() {
         return Ok(None);
     }
     let failed = |reason| Error::Path { action: "read", path: path.to_owned(), reason };
-    let refuse = |fault| FileError { path: path.to_owned(), fault };
     if std::fs::metadata(path).map_err(failed)?.len() > MAX_BYTES {
-        return Err(refuse(Fault::Long).into());
+        let most = format_args!("a search file of at most {MAX_BYTES}");
+        return Err(UsageError::at(argument, "too many bytes", most).into());
     }
     let text = std::fs::read_to_string(path).map_err(failed)?;
     // A scenario has its own reader, which shows the places of its mistakes.
@@ -150,80 +104,65 @@ pub(crate) fn read(argument: &str) -> Result<Option<Read>, Error> {
         Ok(table) if table.contains_key("scenario") || table.contains_key("vary") => {}
         _ => return Ok(None),
     }
-    let file: File = toml::from_str(&text).map_err(|error| refuse(error.into()))?;
+    let wrong = |reason: toml::de::Error| SearchError::part(argument, reason);
+    let file: File = toml::from_str(&text).map_err(wrong)?;
     if file.schema_version != 1 {
-        return Err(refuse(Fault::Version(file.schema_version)).into());
+        let place = format_args!("{argument}: schema_version {}", file.schema_version);
+        return Err(UsageError::at(place, "an unknown version", 1).into());
     }
-    Ok(Some(Read { path: path.to_owned(), file }))
+    Ok(Some(file))
 }
 
-impl Read {
-    /// The problem of the file.
-    ///
-    /// # Errors
-    /// [`FileError`].
-    pub fn draft(self) -> Result<Draft, FileError> {
-        let Self { path, file } = self;
-        draft(&path, file).map_err(|fault| FileError { path, fault })
+impl File {
+    /// The scenario with the file's variables, keys and faults.
+    pub(super) fn problem(self, path: &Path, options: &ScenarioOptions) -> Result<Problem, Error> {
+        let mut options = options.clone();
+        options.require.extend(self.require.formulas.iter().cloned());
+        let mut problem = Problem::new(&beside(path, &self.scenario), &options)?;
+        self.lay_over(&mut problem).map_err(|error| {
+            let place = format!("{}: {}", path.display(), error.place);
+            UsageError { place, ..error }
+        })?;
+        self.name.as_str().clone_into(&mut problem.name);
+        problem.reference = Reference::named(self.reference);
+        let folder = path.parent().map_or_else(PathBuf::new, Path::to_owned);
+        problem.stated = self.probability.map(|stated| (stated, folder));
+        Ok(problem)
     }
-}
 
-fn draft(path: &Path, file: File) -> Result<Draft, Fault> {
-    let folder = path.parent().map(Path::to_owned).unwrap_or_default();
-    let mut variables = Vec::with_capacity(file.vary.len());
-    for (name, value) in &file.vary {
-        let refuse = |reason| Fault::Vary { name: name.clone(), reason };
-        if name == FAULT && !file.faults.is_empty() {
-            return Err(refuse(VaryFault::Kept));
+    fn lay_over(&self, problem: &mut Problem) -> Result<(), UsageError> {
+        for (name, value) in &self.vary {
+            let refuse = |why| UsageError::at(format_args!("vary.{name}"), why, DOMAINS);
+            if name == FAULT && !self.faults.is_empty() {
+                let why = "the name is kept for the choice among [[faults]]";
+                return Err(refuse(why.to_owned()));
+            }
+            let (domain, nominal) = varied(value).map_err(refuse)?;
+            problem.add(name, domain, nominal);
         }
-        let (domain, nominal) = varied(value).map_err(refuse)?;
-        variables.push((name.clone(), domain, nominal));
-    }
-    let of_number = |(name, domain, _): &(String, Domain, Option<Value>)| {
-        (!domain.is_of_words()).then(|| name.clone())
-    };
-    let numbers: Vec<Option<String>> = variables.iter().map(of_number).collect();
-    let names: Vec<&str> = variables.iter().map(|(name, ..)| name.as_str()).collect();
-    let reader = Terms { names: &names, numbers: &numbers };
-    let mut settings = Vec::new();
-    for (key, value) in &file.set {
-        let term = reader.term(&format!("set.\"{key}\""), value)?;
-        settings.push(Setting::new(key, term));
-    }
-    let mut faults: Vec<FaultChoice> = Vec::new();
-    for table in &file.faults {
-        let fault = fault(table, &reader)?;
-        if fault.name == NO_FAULT || faults.iter().any(|known| known.name == fault.name) {
-            return Err(Fault::Name(format!(
-                "the name `{}` is taken, expected a name for each fault",
-                fault.name
-            )));
+        for (key, value) in &self.set {
+            let term = term(&format!("set.\"{key}\""), value, problem)?;
+            problem.settings.push(Setting::new(key, term));
         }
-        faults.push(fault);
+        for table in &self.faults {
+            let fault = fault(table, problem)?;
+            let is_taken = problem.faults.iter().any(|known| known.name == fault.name);
+            if is_taken || fault.name == NO_FAULT {
+                let why = format_args!("the name `{}` is taken", fault.name);
+                return Err(UsageError::at("faults", why, "a name for each fault"));
+            }
+            problem.faults.push(fault);
+        }
+        // A variable that no term reads is a key itself.
+        for (place, variable) in problem.variables.iter().enumerate() {
+            let in_faults = problem.faults.iter().flat_map(|fault| &fault.keys);
+            if !problem.settings.iter().chain(in_faults).any(|one| one.term.reads(place)) {
+                let setting = Setting::new(&variable.name, Term::Variable(place));
+                problem.settings.push(setting);
+            }
+        }
+        Ok(())
     }
-    let in_faults = faults.iter().flat_map(|fault| &fault.keys);
-    let terms: Vec<&Setting> = settings.iter().chain(in_faults).collect();
-    let is_read = |place: usize| {
-        terms.iter().any(|setting| match &setting.term {
-            Term::Constant(_) => false,
-            Term::Variable(one) => *one == place,
-            Term::Formula(formula) => formula.reads(place),
-        })
-    };
-    let keys = (0..names.len()).filter(|place| !is_read(*place));
-    let keys: Vec<_> =
-        keys.map(|place| Setting::new(names[place], Term::Variable(place))).collect();
-    settings.extend(keys);
-    Ok(Draft {
-        name: file.name.as_str().to_owned(),
-        scenario: beside(path, &file.scenario),
-        variables,
-        settings,
-        faults,
-        require: file.require.formulas,
-        reference: Some(Reference::named(file.reference)),
-        stated: file.probability.map(|stated| (stated, folder)),
-    })
 }
 
 /// A file beside the search file; a built-in name stays.
@@ -233,39 +172,39 @@ fn beside(path: &Path, scenario: &str) -> String {
     folder.map_or_else(|| scenario.to_owned(), |f| f.join(scenario).to_string_lossy().into_owned())
 }
 
-fn varied(value: &Toml) -> Result<(Domain, Option<Value>), VaryFault> {
-    let word = |value: &Toml| match value {
-        Toml::String(word) => Some(word.clone()),
-        Toml::Integer(number) => Some(number.to_string()),
-        Toml::Float(number) => Some(number.to_string()),
-        Toml::Boolean(flag) => Some(flag.to_string()),
-        _ => None,
-    };
-    let form = || VaryFault::Form(value.to_string());
+/// The word that stands for a value on a command line.
+fn word(value: &Toml) -> Option<String> {
     match value {
-        Toml::String(text) => Ok((Domain::parse(text)?, None)),
+        Toml::String(word) => Some(word.clone()),
+        Toml::Integer(_) | Toml::Float(_) | Toml::Boolean(_) => Some(value.to_string()),
+        _ => None,
+    }
+}
+
+/// A domain and its nominal value, or the reason why the value of `[vary]` is neither.
+fn varied(value: &Toml) -> Result<(Domain, Option<Value>), String> {
+    let form = || format!("{value} is not a domain");
+    let parse = |text: &str| Domain::parse(text).map_err(|error| error.to_string());
+    match value {
+        Toml::String(text) => Ok((parse(text)?, None)),
         Toml::Array(list) => {
             let words: Option<Vec<String>> = list.iter().map(word).collect();
-            Ok((Domain::list(words.ok_or_else(form)?)?, None))
+            Ok((parse(&words.ok_or_else(form)?.join(","))?, None))
         }
         Toml::Table(table) if table.keys().all(|key| key == "values" || key == "nominal") => {
             let (domain, _) = varied(table.get("values").ok_or_else(form)?)?;
-            let nominal = match table.get("nominal") {
-                Some(Toml::Integer(number)) => Some(Value::Number(*number as f64)),
-                Some(Toml::Float(number)) => Some(Value::Number(*number)),
-                Some(other) => Some(Value::Word(word(other).ok_or_else(form)?)),
-                None => None,
-            };
-            if let Some(nominal) = nominal.clone().filter(|value| domain.nearest(value) != *value) {
-                return Err(VaryFault::Nominal { nominal, domain });
+            let Some(nominal) = table.get("nominal") else { return Ok((domain, None)) };
+            let nominal = Value::of_toml(nominal).ok_or_else(form)?;
+            if domain.nearest(&nominal) != nominal {
+                return Err(format!("the nominal value {nominal} is not one of {domain}"));
             }
-            Ok((domain, nominal))
+            Ok((domain, Some(nominal)))
         }
         _ => Err(form()),
     }
 }
 
-fn fault(table: &Table, terms: &Terms<'_>) -> Result<FaultChoice, Fault> {
+fn fault(table: &Table, problem: &Problem) -> Result<FaultChoice, UsageError> {
     let word = |key: &str| table.get(key).and_then(Toml::as_str);
     let default = || {
         let parts = ["kind", "service", "topic", "field"].into_iter().filter_map(word);
@@ -277,41 +216,20 @@ fn fault(table: &Table, terms: &Terms<'_>) -> Result<FaultChoice, Fault> {
         let term = match value {
             Toml::Table(_) => Term::Constant(value.to_string()),
             Toml::String(_) if WORDS.contains(&key.as_str()) => Term::Constant(value.to_string()),
-            value => terms.term(&format!("faults.{key}"), value)?,
+            value => term(&format!("faults.{key}"), value, problem)?,
         };
         keys.push(Setting::of_fault(key, term));
     }
     Ok(FaultChoice { name, keys })
 }
 
-/// Reads terms over the variables.
-struct Terms<'a> {
-    names: &'a [&'a str],
-    /// The same where the variable is a number.
-    numbers: &'a [Option<String>],
-}
-
-impl Terms<'_> {
-    fn term(&self, key: &str, value: &Toml) -> Result<Term, Fault> {
-        match value {
-            Toml::Integer(_) | Toml::Float(_) | Toml::Boolean(_) => {
-                Ok(Term::Constant(value.to_string()))
-            }
-            Toml::String(text) => {
-                if let Some(place) = self.names.iter().position(|name| *name == text.trim()) {
-                    return Ok(Term::Variable(place));
-                }
-                let numbers: Vec<Option<&str>> =
-                    self.numbers.iter().map(Option::as_deref).collect();
-                let formula = Arithmetic::parse(text, &numbers);
-                let formula = formula.map_err(|reason| Fault::Set {
-                    key: key.to_owned(),
-                    reason: Box::new(reason),
-                })?;
-                Ok(Term::Formula(formula))
-            }
-            other => Err(Fault::Term { key: key.to_owned(), found: other.to_string() }),
+fn term(key: &str, value: &Toml, problem: &Problem) -> Result<Term, UsageError> {
+    match value {
+        Toml::Integer(_) | Toml::Float(_) | Toml::Boolean(_) => {
+            Ok(Term::Constant(value.to_string()))
         }
+        Toml::String(text) => Term::parse(key, text, &problem.variables),
+        other => Err(UsageError::at(key, other, "a number or arithmetic in a text")),
     }
 }
 
@@ -319,12 +237,13 @@ impl Terms<'_> {
 mod tests {
     use super::*;
 
-    fn of(text: &str) -> Result<Draft, String> {
+    fn of(text: &str) -> Result<Problem, String> {
         let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
-        draft(Path::new("x/search.toml"), file).map_err(|fault| fault.to_string())
+        let problem = file.problem(Path::new("x/search.toml"), &ScenarioOptions::default());
+        problem.map_err(|error| error.to_string())
     }
 
-    const HEAD: &str = "schema_version = 1\nname = \"x\"\nscenario = \"./y.toml\"\n";
+    const HEAD: &str = "schema_version = 1\nname = \"x\"\nscenario = \"tight-brake\"\n";
 
     #[test]
     fn a_variable_that_no_term_reads_is_a_key() {
@@ -332,12 +251,12 @@ mod tests {
             "{HEAD}[vary]\nv = \"1..2\"\n\"plant.mass_factor\" = [0.8, 1.2]\n\
              slow = {{ values = \"0..1\", nominal = 0.25 }}\n[set]\nset_speed_mps = \"v*slow\"\n"
         );
-        let draft = of(&text).expect("a good file");
-        let keys: Vec<&str> = draft.settings.iter().map(|setting| setting.key.as_str()).collect();
+        let problem = of(&text).expect("a good file");
+        let keys: Vec<&str> = problem.settings.iter().map(|setting| setting.key.as_str()).collect();
         assert_eq!(keys, ["set_speed_mps", "plant.mass_factor"]);
-        let nominal = draft.variables.iter().map(|(_, _, nominal)| nominal.clone());
-        assert!(nominal.into_iter().flatten().eq([Value::Number(0.25)]));
-        assert_eq!(draft.scenario, "x/./y.toml");
+        let nominal: Vec<&Value> = problem.variables.iter().map(|one| &one.nominal).collect();
+        assert_eq!(nominal, [&Value::Number(1.5), &Value::Number(1.0), &Value::Number(0.25)]);
+        assert_eq!(beside(Path::new("x/search.toml"), "./y.toml"), "x/./y.toml");
     }
 
     #[test]
@@ -346,9 +265,9 @@ mod tests {
             "{HEAD}[vary]\nbegin = \"1..2\"\n[[faults]]\nkind = \"delay\"\ntopic = \"radar/tracks\"\n\
              at_s = \"begin + 1\"\ndelay_ms = 100\n"
         );
-        let draft = of(&text).expect("a good file");
-        assert_eq!(draft.faults[0].name, "delay radar/tracks");
-        assert!(draft.settings.is_empty(), "a fault reads the variable");
+        let problem = of(&text).expect("a good file");
+        assert_eq!(problem.faults[0].name, "delay radar/tracks");
+        assert!(problem.settings.is_empty(), "a fault reads the variable");
         let twice = format!("{text}[[faults]]\nkind = \"delay\"\ntopic = \"radar/tracks\"\n");
         assert!(of(&twice).expect_err("one name").contains("is taken"));
     }
@@ -356,7 +275,7 @@ mod tests {
     #[test]
     fn mistakes_name_their_key_and_column() {
         for (rest, what) in [
-            ("[vary]\nv = \"2..1\"", "vary.v: the range is empty"),
+            ("[vary]\nv = \"2..1\"", "vary.v: the range begins at 2, after its end 1"),
             ("[vary]\nv = 3", "vary.v: 3 is not a domain"),
             (
                 "[vary]\nv = { values = \"1..2\", nominal = 3 }",

@@ -6,33 +6,29 @@
 //!
 //! A *point* is a place in the unit cube, one coordinate a variable.
 
-mod arithmetic;
 mod file;
 mod keys;
-mod setting;
-mod stated;
+mod term;
 mod variable;
 
-pub use arithmetic::{Arithmetic, ArithmeticError};
-pub use file::FileError;
-pub(crate) use file::read;
+pub(crate) use file::{Exposure, Stated};
 pub use keys::is_whole;
-pub use setting::{Setting, Term};
+pub(crate) use term::FaultChoice;
+pub use term::{Setting, Term};
 pub use variable::{Domain, DomainError, Value, Variable, rounded};
 
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
 use gaussian_process::Kind;
-use group::{Error, Failure, GroupOptions, Opening, ScenarioOptions};
+use group::{Error, Failure, GroupOptions, Opening, ScenarioOptions, UsageError};
 use runtime::Mode;
 use scenario::Scenario;
 use thiserror::Error;
 
-use crate::reference::Reference;
-pub(crate) use setting::FaultChoice;
-pub(crate) use stated::{Exposure, Stated};
-use std::path::{Path, PathBuf};
-
-/// Most variables: the dimensions of the Sobol sequence.
-pub const MOST_VARIABLES: usize = 21;
+use crate::arguments::SearchArguments;
+use crate::method::MOST_VARIABLES;
+use crate::reference::{MOST, Reference};
 
 /// Name of the variable that chooses a fault.
 pub const FAULT: &str = "fault";
@@ -52,65 +48,129 @@ pub struct Problem {
     /// The scenario with every variable at its nominal value, without a fault of `[[faults]]`.
     pub nominal: Scenario,
     opening: Opening,
-    settings: Vec<Setting>,
-    faults: Vec<FaultChoice>,
+    /// The nominal scenario as it is written.
+    written: toml::Table,
+    pub(crate) settings: Vec<Setting>,
+    pub(crate) faults: Vec<FaultChoice>,
     /// `[probability]` of the file, and the file's folder.
-    stated: Option<(Stated, PathBuf)>,
+    pub(crate) stated: Option<(Stated, PathBuf)>,
 }
 
-/// Reason why there is no problem.
+/// A mistake in a search.
 #[derive(Debug, Error)]
-pub enum ProblemError {
-    /// Nothing is varied.
-    #[error("nothing varies, expected --vary KEY=A..B, --faults all, or a file with [vary]")]
-    NoVariable,
-    /// More variables than the Sobol sequence has dimensions.
-    #[error("{0} variables, expected at most {MOST_VARIABLES}")]
-    TooMany(usize),
-    #[error("--vary {argument}: {reason}, expected KEY=A..B, KEY=A..B:log or KEY=a,b,c")]
-    Vary { argument: String, reason: VaryError },
-    /// A point that the scenario refuses.
-    #[error("the scenario refuses {point}: {reason}")]
-    Refused {
-        point: String,
-        /// The scenario's words.
-        reason: String,
-    },
-    /// A formula without a value.
-    #[error("{key} = \"{formula}\" has no value at {point}")]
-    NoValue { key: String, formula: String, point: String },
-}
-
-/// Reason why an argument of `--vary` names no variable.
-#[derive(Debug, Error)]
-pub enum VaryError {
-    /// Values without a key.
-    #[error("no `=`")]
-    NoKey,
-    /// Another argument has the same key.
-    #[error("the key varies already")]
-    Twice,
+pub enum SearchError {
     #[error(transparent)]
-    Domain(#[from] DomainError),
+    Usage(#[from] UsageError),
+    /// A mistake whose reason says what was expected.
+    #[error("{place}: {reason}")]
+    Part { place: String, reason: String },
+    /// A point that the scenario refuses, or where a formula has no value.
+    #[error("the scenario refuses {point}: {reason}")]
+    Refused { point: String, reason: String },
 }
 
-impl Failure for ProblemError {}
+impl SearchError {
+    pub(crate) fn part(place: &str, reason: impl ToString) -> Self {
+        Self::Part { place: place.to_owned(), reason: reason.to_string() }
+    }
+}
+
+impl Failure for SearchError {}
 
 /// True if the scenario refuses the values of a point, or a formula has no value there.
 #[must_use]
 pub fn is_refusal(error: &Error) -> bool {
     let Error::Operation(failure) = error else { return false };
     let failure: &(dyn std::error::Error + 'static) = failure.as_ref();
-    matches!(
-        failure.downcast_ref(),
-        Some(ProblemError::Refused { .. } | ProblemError::NoValue { .. })
-    )
+    matches!(failure.downcast_ref(), Some(SearchError::Refused { .. }))
 }
 
 impl Problem {
-    /// `[probability]` of the search file, and the file's folder.
-    pub(crate) fn stated(&self) -> Option<(&Stated, &Path)> {
-        self.stated.as_ref().map(|(stated, folder)| (stated, folder.as_path()))
+    /// The problem of a command: a search file, or a scenario with `--vary`.
+    ///
+    /// # Errors
+    /// Mistakes in the arguments, the file, or the scenario.
+    pub fn open(arguments: &SearchArguments, group: &GroupOptions) -> Result<Self, Error> {
+        let (name, options) = (arguments.scenario.as_str(), &arguments.scenario_options);
+        let mut problem = match file::read(name)? {
+            Some(file) => file.problem(Path::new(name), options)?,
+            None => Self::new(name, options)?,
+        };
+        for argument in &arguments.vary {
+            problem.vary(argument)?;
+        }
+        if let Some(reference) = arguments.reference {
+            problem.reference = Reference::named(reference);
+        }
+        let problem = problem.with_choice_of_fault();
+        let count = problem.dimensions();
+        if !(1..=MOST_VARIABLES).contains(&count) {
+            let most = format!("1 to {MOST_VARIABLES}, by --vary KEY=A..B or a file with [vary]");
+            let why =
+                if count == 0 { "nothing varies".to_owned() } else { format!("{count} variables") };
+            return Err(UsageError::at(name, why, most).into());
+        }
+        let laws = problem.check(group)?;
+        options.laws.expect_all_in(&Vec::from_iter(laws))?;
+        Ok(problem)
+    }
+
+    /// A scenario of which nothing varies yet.
+    ///
+    /// # Errors
+    /// Mistakes in the scenario.
+    pub(crate) fn new(scenario: &str, options: &ScenarioOptions) -> Result<Self, Error> {
+        let mut options = options.clone();
+        if group::open(scenario, &options)?.require.formulas.is_empty() {
+            options.require.push("no-collision".to_owned());
+        }
+        let opening = Opening::of(scenario, &options)?;
+        let nominal = opening.with("--set", &[])?;
+        let stem = Path::new(scenario).file_stem().unwrap_or(scenario.as_ref());
+        Ok(Self {
+            name: stem.to_string_lossy().into_owned(),
+            variables: Vec::new(),
+            reference: Some(Reference::REGULATION),
+            written: nominal.to_toml().parse().unwrap_or_default(),
+            nominal,
+            opening,
+            settings: Vec::new(),
+            faults: Vec::new(),
+            stated: None,
+        })
+    }
+
+    /// Adds a variable. Without a nominal value a key keeps the value that the scenario has.
+    pub(crate) fn add(&mut self, name: &str, domain: Domain, nominal: Option<Value>) -> Term {
+        let nominal = nominal.or_else(|| written(&self.written, name));
+        let nominal = nominal.map_or_else(|| domain.middle(), |value| domain.nearest(&value));
+        self.variables.push(Variable { name: name.to_owned(), domain, nominal });
+        Term::Variable(self.variables.len() - 1)
+    }
+
+    fn vary(&mut self, argument: &str) -> Result<(), UsageError> {
+        let refuse = |why: &dyn std::fmt::Display| {
+            UsageError::option("--vary", argument, why, "KEY=A..B, KEY=A..B:log or KEY=a,b,c")
+        };
+        let (key, list) = argument.split_once('=').ok_or_else(|| refuse(&"no `=`"))?;
+        let key = key.trim();
+        if self.variables.iter().any(|known| known.name == key) {
+            return Err(refuse(&"the key varies already"));
+        }
+        let term = self.add(key, Domain::parse(list).map_err(|error| refuse(&error))?, None);
+        self.settings.push(Setting::new(key, term));
+        Ok(())
+    }
+
+    /// The same with a variable that chooses among the faults, if there are any.
+    pub(crate) fn with_choice_of_fault(mut self) -> Self {
+        let none = NO_FAULT.to_owned();
+        if !self.faults.is_empty() {
+            let names = self.faults.iter().map(|fault| fault.name.clone());
+            let names = std::iter::once(none.clone()).chain(names).collect();
+            self.add(FAULT, Domain::Words(names), Some(Value::Word(none)));
+        }
+        self
     }
 
     /// Number of variables.
@@ -155,66 +215,63 @@ impl Problem {
         self.variables.iter().zip(values).map(place).collect()
     }
 
-    /// The keys of the scenario with these values, as for `--set`.
-    ///
-    /// # Errors
-    /// [`ProblemError::NoValue`].
-    pub fn keys(&self, values: &[Value]) -> Result<Vec<String>, ProblemError> {
-        let mut keys = Vec::with_capacity(self.settings.len() + 1);
-        for setting in &self.settings {
-            let value = self.text(setting, values)?;
-            keys.push(format!("{}={value}", setting.key));
-        }
-        if let Some(fault) = self.fault(values) {
-            let mut all = setting::faults_of(&self.nominal);
-            let mut pairs = Vec::with_capacity(fault.keys.len());
-            for setting in &fault.keys {
-                let value = self.text(setting, values)?;
-                pairs.push(format!("{} = {value}", setting.key));
-            }
-            all.push(format!("{{ {} }}", pairs.join(", ")));
-            keys.push(format!("faults=[{}]", all.join(", ")));
-        }
-        Ok(keys)
-    }
-
-    fn text(&self, setting: &Setting, values: &[Value]) -> Result<String, ProblemError> {
-        setting.text(values).ok_or_else(|| ProblemError::NoValue {
-            key: setting.key.clone(),
-            formula: setting.term.formula().to_owned(),
-            point: self.words(values),
-        })
-    }
-
     fn fault(&self, values: &[Value]) -> Option<&FaultChoice> {
         let place = self.variables.iter().position(|variable| variable.name == FAULT)?;
         self.faults.iter().find(|fault| values[place] == Value::Word(fault.name.clone()))
     }
 
+    /// The keys of the scenario with these values, as for `--set`.
+    fn keys(&self, values: &[Value]) -> Result<Vec<String>, UsageError> {
+        let mut keys = Vec::with_capacity(self.settings.len() + 2);
+        for setting in &self.settings {
+            keys.push(format!("{}={}", setting.key, setting.text(values)?));
+        }
+        if let Some(fault) = self.fault(values) {
+            let all = self.written.get("faults").and_then(toml::Value::as_array);
+            let mut all: Vec<String> =
+                all.into_iter().flatten().map(|one| one.to_string()).collect();
+            let pair = |one: &Setting| Ok(format!("{} = {}", one.key, one.text(values)?));
+            let pairs: Result<Vec<String>, UsageError> = fault.keys.iter().map(pair).collect();
+            all.push(format!("{{ {} }}", pairs?.join(", ")));
+            keys.push(format!("faults=[{}]", all.join(", ")));
+        }
+        Ok(keys)
+    }
+
     /// The scenario with these values and this seed.
     ///
     /// # Errors
-    /// [`ProblemError::Refused`], [`ProblemError::NoValue`].
+    /// [`SearchError::Refused`].
     pub fn scenario(&self, values: &[Value], seed: u64) -> Result<Scenario, Error> {
-        let mut keys = self.keys(values)?;
+        let refused = |reason: &str| {
+            let pairs =
+                self.named(values).into_iter().map(|(name, value)| format!("{name} = {value}"));
+            let point = pairs.collect::<Vec<_>>().join(", ");
+            let reason = reason.strip_prefix("error: ").unwrap_or(reason).to_owned();
+            Error::from(SearchError::Refused { point, reason })
+        };
+        let mut keys = self.keys(values).map_err(|error| refused(&error.to_string()))?;
         keys.push(format!("seed={seed}"));
-        self.opening.with("--set", &keys).map_err(|error| {
-            let said = error.to_string();
-            let reason = said.strip_prefix("error: ").unwrap_or(&said).to_owned();
-            ProblemError::Refused { point: self.words(values), reason }.into()
-        })
+        self.opening.with("--set", &keys).map_err(|error| refused(&error.to_string()))
+    }
+
+    /// Value of a scene by the reference alone, tolerances. It is above 0 where the driver does not avoid the scene.
+    #[must_use]
+    pub fn by_reference(&self, scenario: &Scenario) -> f64 {
+        self.reference.map_or(-MOST, |driver| driver.drive(scenario, false).value())
+    }
+
+    /// The same at a point. Below 0 the point is admissible.
+    ///
+    /// # Errors
+    /// [`SearchError::Refused`].
+    pub fn admit(&self, point: &[f64]) -> Result<f64, Error> {
+        Ok(self.by_reference(&self.scenario(&self.values(point), 1)?))
     }
 
     #[must_use]
     pub fn nominal_values(&self) -> Vec<Value> {
         self.variables.iter().map(|variable| variable.nominal.clone()).collect()
-    }
-
-    /// Values with the names of their variables.
-    #[must_use]
-    pub fn words(&self, values: &[Value]) -> String {
-        let pair = |(variable, value): (&Variable, &Value)| format!("{} = {value}", variable.name);
-        self.variables.iter().zip(values).map(pair).collect::<Vec<_>>().join(", ")
     }
 
     /// Values by the names of their variables, for tables.
@@ -244,102 +301,55 @@ impl Problem {
         )
     }
 
-    /// Tries the nominal values, and each variable at its ends.
-    pub(crate) fn check(&self, group: &GroupOptions) -> Result<(), Error> {
+    /// Tries the nominal values, and each variable at its ends. Gives the laws that drive.
+    fn check(&self, group: &GroupOptions) -> Result<BTreeSet<String>, Error> {
         let nominal = self.nominal_values();
-        frame::batch::check(&self.scenario(&nominal, 1)?, Mode::Lockstep, group)?;
+        let mut all = vec![nominal.clone()];
         for (place, variable) in self.variables.iter().enumerate() {
-            let all: Vec<f64> = match variable.domain.count() {
+            let places: Vec<f64> = match variable.domain.count() {
                 None => vec![0.0, 1.0],
                 Some(count) => (0..count).map(|k| (k as f64 + 0.5) / count as f64).collect(),
             };
-            for at in all {
+            all.extend(places.into_iter().map(|at| {
                 let mut values = nominal.clone();
                 values[place] = variable.domain.at(at);
-                let scenario = self.scenario(&values, 1)?;
-                frame::batch::check(&scenario, Mode::Lockstep, group)?;
-            }
+                values
+            }));
         }
-        Ok(())
+        let mut laws = BTreeSet::new();
+        for values in all {
+            let scenario = self.scenario(&values, 1)?;
+            frame::batch::check(&scenario, Mode::Lockstep, group)?;
+            laws.insert(scenario.controller.name.as_str().to_owned());
+        }
+        Ok(laws)
     }
 }
 
-/// A problem before its scenario is opened.
-#[derive(Debug, Default)]
-pub(crate) struct Draft {
-    pub name: String,
-    pub scenario: String,
-    /// Name, values, and the nominal value where it is given.
-    pub variables: Vec<(String, Domain, Option<Value>)>,
-    /// Key and term; the variables that no term reads are keys themselves.
-    pub settings: Vec<Setting>,
-    pub faults: Vec<FaultChoice>,
-    pub require: Vec<String>,
-    /// The driver; none: the default one, `Some(None)`: no driver.
-    pub reference: Option<Option<Reference>>,
-    pub stated: Option<(Stated, PathBuf)>,
+/// The number or word that a scenario has at a dotted path.
+fn written(table: &toml::Table, path: &str) -> Option<Value> {
+    let mut segments = path.split(['.', '[']).map(|part| part.trim_end_matches(']'));
+    let mut value = table.get(segments.next()?)?;
+    for segment in segments {
+        value = match value {
+            toml::Value::Array(list) => list.get(segment.parse::<usize>().ok()?)?,
+            value => value.get(segment)?,
+        };
+    }
+    Value::of_toml(value)
 }
 
-impl Draft {
-    pub(crate) fn vary(&mut self, argument: &str) -> Result<(), ProblemError> {
-        let refuse = |reason| ProblemError::Vary { argument: argument.to_owned(), reason };
-        let (key, list) = argument.split_once('=').ok_or_else(|| refuse(VaryError::NoKey))?;
-        let key = key.trim();
-        if self.variables.iter().any(|(known, ..)| known == key) {
-            return Err(refuse(VaryError::Twice));
-        }
-        let domain = Domain::parse(list).map_err(|error| refuse(error.into()))?;
-        let place = self.variables.len();
-        self.variables.push((key.to_owned(), domain, None));
-        self.settings.push(Setting::new(key, Term::Variable(place)));
-        Ok(())
-    }
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-    /// Opens the scenario. The ends of the variables are not tried.
-    pub(crate) fn finish(self, mut options: ScenarioOptions) -> Result<Problem, Error> {
-        let Self { name, scenario, mut variables, settings, faults, require, reference, stated } =
-            self;
-        if !faults.is_empty() {
-            let none = std::iter::once(NO_FAULT.to_owned());
-            let names = none.chain(faults.iter().map(|fault| fault.name.clone())).collect();
-            let none = Value::Word(NO_FAULT.to_owned());
-            variables.push((FAULT.to_owned(), Domain::Words(names), Some(none)));
-        }
-        options.require.extend(require);
-        // First the scenario: a file that is neither is shown with its mistake.
-        let base = group::open(&scenario, &options)?;
-        match variables.len() {
-            0 => return Err(ProblemError::NoVariable.into()),
-            1..=MOST_VARIABLES => {}
-            many => return Err(ProblemError::TooMany(many).into()),
-        }
-        if base.require.formulas.is_empty() {
-            options.require.push(crate::value::DEFAULT_REQUIREMENT.to_owned());
-        }
-        let opening = Opening::of(&scenario, &options)?;
-        let base = opening.with("--set", &[])?;
-        let written: toml::Table = base.to_toml().parse().unwrap_or_default();
-        let variables = variables.into_iter().map(|(name, domain, nominal)| {
-            let written = || setting::written(&written, &name);
-            let nominal = nominal.or_else(written).map(|value| domain.nearest(&value));
-            let nominal = nominal.unwrap_or_else(|| domain.middle());
-            Variable { name, domain, nominal }
-        });
-        Ok(Problem {
-            name,
-            variables: variables.collect(),
-            reference: reference.unwrap_or(Some(Reference::REGULATION)),
-            nominal: base,
-            opening,
-            settings,
-            faults,
-            stated,
-        })
+    #[test]
+    fn a_written_value_is_found_by_its_path() {
+        let table: toml::Table =
+            "a = 3\n[[actors]]\ngap_m = 2.5\nname = \"x\"".parse().expect("TOML");
+        assert_eq!(written(&table, "a"), Some(Value::Number(3.0)));
+        assert_eq!(written(&table, "actors.0.gap_m"), Some(Value::Number(2.5)));
+        assert_eq!(written(&table, "actors[0].name"), Some(Value::Word("x".into())));
+        assert_eq!(written(&table, "actors.1.name"), None);
     }
-}
-
-/// A scenario's name for titles: that of a file without its folder and ending.
-pub(crate) fn scenario_name(argument: &str) -> String {
-    let path = std::path::Path::new(argument);
-    path.file_stem().map_or_else(|| argument.to_owned(), |name| name.to_string_lossy().into_owned())
 }

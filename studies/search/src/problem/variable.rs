@@ -1,5 +1,6 @@
 //! Variables: what a search may choose, and the unit interval that stands for it.
 
+use frame::param::{ValuesError, values};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -18,9 +19,7 @@ pub struct Variable {
 pub enum Domain {
     /// The numbers between two ends.
     Range {
-        /// Smallest value.
         from: f64,
-        /// Largest value.
         to: f64,
         /// Its logarithm is spread evenly.
         is_log: bool,
@@ -41,85 +40,40 @@ pub enum Value {
 /// A text that is not a domain.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum DomainError {
-    /// A part of a range is not a number.
-    #[error("`{0}` is not a number")]
-    NotANumber(String),
-    /// The range holds no more than one value.
-    #[error("the range is empty: its start {from} is not below its end {to}")]
-    Empty { from: f64, to: f64 },
-    /// The logarithm of an end does not exist.
-    #[error("a logarithmic range begins above 0, not at {0}")]
-    NoLogarithm(f64),
-    /// A word behind the range.
-    #[error("`:{0}` is unknown")]
-    Scale(String),
-    /// There is nothing between two commas.
-    #[error("a value is missing")]
-    Missing,
-    /// There is nothing to choose.
+    #[error(transparent)]
+    Values(#[from] ValuesError),
     #[error("one value leaves nothing to choose")]
     Single,
-    /// A list names a value again.
-    #[error("{0} is there twice")]
-    Twice(String),
 }
 
 impl Domain {
-    /// Reads `A..B`, `A..B:log` or `a,b,c`.
+    /// Reads `A..B`, `A..B:log`, or the values of a list as [`frame::param::values`] does.
     ///
     /// # Errors
     /// [`DomainError`].
     pub fn parse(text: &str) -> Result<Self, DomainError> {
-        // A path may have two dots as well; a range begins with a number.
-        if let Some((from, rest)) = text.split_once("..")
-            && from.trim().parse::<f64>().is_ok()
-        {
-            let (to, is_log) = match rest.split_once(':') {
-                None => (rest, false),
-                Some((to, scale)) if scale.trim() == "log" => (to, true),
-                Some((_, scale)) => return Err(DomainError::Scale(scale.trim().to_owned())),
-            };
-            return Self::range(number(from)?, number(to)?, is_log);
-        }
-        Self::list(text.split(',').map(|value| value.trim().to_owned()).collect())
-    }
-
-    /// The numbers between two ends.
-    ///
-    /// # Errors
-    /// [`DomainError::Empty`], [`DomainError::NoLogarithm`].
-    pub fn range(from: f64, to: f64, is_log: bool) -> Result<Self, DomainError> {
-        if !(from < to && (to - from).is_finite()) {
-            return Err(DomainError::Empty { from, to });
-        }
-        if is_log && from <= 0.0 {
-            return Err(DomainError::NoLogarithm(from));
-        }
-        Ok(Self::Range { from, to, is_log })
-    }
-
-    /// A list: of numbers, if all values are numbers.
-    ///
-    /// # Errors
-    /// [`DomainError::Missing`], [`DomainError::Single`], [`DomainError::Twice`].
-    pub fn list(values: Vec<String>) -> Result<Self, DomainError> {
-        if values.iter().any(String::is_empty) {
-            return Err(DomainError::Missing);
-        }
-        if values.len() < 2 {
+        let range = |is_log| {
+            // The ends are the range's only values.
+            let ends = values(&format!("{}:2", text.trim()), None)?;
+            let ends = ends.iter().map(|end| end.parse().expect("the end of a range"));
+            let ends: Vec<f64> = ends.collect();
+            Ok(Self::Range { from: ends[0], to: ends[1], is_log })
+        };
+        let all = match values(text, None) {
+            Err(ValuesError::NoStep) => return range(false),
+            Err(ValuesError::Points(scale)) if scale == "log" => return range(true),
+            all => all?,
+        };
+        if all.len() < 2 {
             return Err(DomainError::Single);
         }
-        if let Some((_, twice)) = values.iter().enumerate().find(|(i, v)| values[..*i].contains(v))
-        {
-            return Err(DomainError::Twice(twice.clone()));
-        }
-        let numbers: Result<Vec<f64>, _> = values.iter().map(|value| number(value)).collect();
-        Ok(match numbers {
-            Ok(mut numbers) => {
+        let number = |value: &String| value.parse().ok().filter(|number: &f64| number.is_finite());
+        Ok(match all.iter().map(number).collect::<Option<Vec<f64>>>() {
+            Some(mut numbers) => {
                 numbers.sort_by(f64::total_cmp);
                 Self::Numbers(numbers)
             }
-            Err(_) => Self::Words(values),
+            None => Self::Words(all),
         })
     }
 
@@ -154,15 +108,24 @@ impl Domain {
         let place = place.clamp(0.0, 1.0);
         let index = |count: usize| ((place * count as f64) as usize).min(count - 1);
         match self {
-            Self::Range { from, to, is_log: false } => {
-                Value::Number(rounded(from + place * (to - from), 7).clamp(*from, *to))
-            }
-            Self::Range { from, to, is_log: true } => {
-                let log = libm::log(*from) + place * (libm::log(*to) - libm::log(*from));
-                Value::Number(rounded(libm::exp(log), 7).clamp(*from, *to))
+            Self::Range { from, to, .. } => {
+                Value::Number(rounded(self.drawn_at(place), 7).clamp(*from, *to))
             }
             Self::Numbers(numbers) => Value::Number(numbers[index(numbers.len())]),
             Self::Words(words) => Value::Word(words[index(words.len())].clone()),
+        }
+    }
+
+    /// The place of a point on an axis of the values. The point may lie a little outside of the unit interval.
+    #[must_use]
+    pub fn drawn_at(&self, point: f64) -> f64 {
+        match self {
+            Self::Range { from, to, is_log: false } => from + point * (to - from),
+            Self::Range { from, to, is_log: true } => {
+                libm::exp(libm::log(*from) + point * (libm::log(*to) - libm::log(*from)))
+            }
+            Self::Numbers(numbers) => point * numbers.len() as f64,
+            Self::Words(words) => point * words.len() as f64,
         }
     }
 
@@ -216,12 +179,18 @@ pub fn rounded(number: f64, digits: usize) -> f64 {
     format!("{number:.*e}", digits - 1).parse().unwrap_or(number)
 }
 
-fn number(text: &str) -> Result<f64, DomainError> {
-    let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
-    number.ok_or_else(|| DomainError::NotANumber(text.trim().to_owned()))
-}
-
 impl Value {
+    /// The value of a TOML number, word or truth value.
+    pub(super) fn of_toml(value: &toml::Value) -> Option<Self> {
+        match value {
+            toml::Value::Integer(number) => Some(Self::Number(*number as f64)),
+            toml::Value::Float(number) => Some(Self::Number(*number)),
+            toml::Value::String(word) => Some(Self::Word(word.clone())),
+            toml::Value::Boolean(flag) => Some(Self::Word(flag.to_string())),
+            _ => None,
+        }
+    }
+
     #[must_use]
     pub fn number(&self) -> Option<f64> {
         match self {
@@ -276,6 +245,8 @@ mod tests {
 
     #[test]
     fn a_list_of_numbers_is_ordered() {
+        let steps = Domain::parse("10..30/10").expect("a range with steps");
+        assert_eq!(steps, Domain::Numbers(vec![10.0, 20.0, 30.0]));
         let list = Domain::parse("5, 1, 2").expect("a list");
         assert_eq!(list, Domain::Numbers(vec![1.0, 2.0, 5.0]));
         assert_eq!((list.at(0.0), list.at(0.9)), (Value::Number(1.0), Value::Number(5.0)));
@@ -284,10 +255,10 @@ mod tests {
     #[test]
     fn bad_domains_are_refused() {
         for (text, what) in [
-            ("5..5", "the range is empty"),
-            ("9..2", "its start 9 is not below its end 2"),
+            ("5..5", "begins at 5, after its end 5"),
+            ("9..2", "begins at 9, after its end 2"),
             ("0..2:log", "begins above 0, not at 0"),
-            ("0..2:lin", "`:lin` is unknown"),
+            ("0..2:lin", "`lin` is not a number of values"),
             ("0..x", "`x` is not a number"),
             ("0..inf", "`inf` is not a number"),
             ("a", "leaves nothing to choose"),
