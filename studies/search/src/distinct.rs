@@ -6,8 +6,8 @@ use crate::record::Record;
 /// Failures nearer than this belong together, in diagonals of the cube.
 const RADIUS: f64 = 0.15;
 
-/// The places of the failures among `records`, in groups around the worst of each, the worst group first. Runs with different words are
-/// in different groups.
+/// The places of the failures among `records`, in groups around the worst of each, the worst group first. Runs with
+/// different words are in different groups.
 #[must_use]
 pub fn groups(variables: &[Variable], records: &[(usize, Record)]) -> Vec<Vec<usize>> {
     let mut failures: Vec<usize> =

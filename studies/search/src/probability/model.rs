@@ -185,7 +185,7 @@ mod tests {
             ("x = \"uniform(0, 1)\"", "probability.distributions: "),
             (
                 "[[correlations]]\nvariables = [\"v0\", \"v0\"]\nrank = 0.1",
-                "v0 and v0: expected each pair",
+                "v0 and v0, expected each pair",
             ),
             (
                 "[[correlations]]\nvariables = [\"v0\", \"thw\"]\nrank = 2",
