@@ -18,12 +18,14 @@ create_exception!(
 );
 
 /// An error of timegap's: of the scenario, or of the run.
-pub fn raise(error: &group::Error) -> PyErr {
+pub fn raise(error: &supervise::Error) -> PyErr {
     // The exception's name says that it is an error.
     let words = error.to_string();
     let words = words.strip_prefix("error: ").unwrap_or(&words).to_owned();
     match error {
-        group::Error::Scenario(_) | group::Error::OpenScenario(_) => ScenarioError::new_err(words),
+        supervise::Error::Scenario(_) | supervise::Error::OpenScenario(_) => {
+            ScenarioError::new_err(words)
+        }
         _ => RunError::new_err(words),
     }
 }

@@ -5,8 +5,6 @@ use crate::law::{Law, Raised};
 use crate::scenario::Scenario;
 use controller::law::Formulation;
 use controller::laws::external::Questions;
-use group::GroupOutcome;
-use group::in_process::{Advance, SteppedRun};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -16,6 +14,8 @@ use runtime::{Mode, Sealing};
 use std::cell::Cell;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
+use supervise::GroupOutcome;
+use supervise::in_process::{Advance, SteppedRun};
 
 /// Turns of the services between two looks for signals.
 const TURNS: u32 = 512;
@@ -51,7 +51,7 @@ pub fn work_since(interrupts: u64) {
 #[pyclass(frozen, module = "timegap._timegap")]
 pub struct Driven {
     pub summary: Summary,
-    pub drive: group::Drive,
+    pub drive: supervise::Drive,
     figures: Vec<&'static str>,
     modes: Vec<&'static str>,
     exception: Option<Py<PyAny>>,
@@ -170,7 +170,7 @@ fn to_its_end(scenario: &scenario::Scenario, law: Option<&Law>, sealing: Sealing
         None => {
             let outcome = run.finish().map_err(|error| raise(&error))?;
             match outcome.ended {
-                group::Ended::Interrupted => Err(PyKeyboardInterrupt::new_err(())),
+                supervise::Ended::Interrupted => Err(PyKeyboardInterrupt::new_err(())),
                 _ => Ok(End { outcome, failed }),
             }
         }

@@ -1,9 +1,9 @@
 //! A scenario with its keys set.
 
 use crate::errors::{ScenarioError, raise};
-use group::{LawOptions, LawSource, NamedLaw, OptionNames, ScenarioOptions};
 use pyo3::prelude::*;
 use scenario::quantity::Seed;
+use supervise::{LawOptions, LawSource, NamedLaw, OptionNames, ScenarioOptions};
 
 /// A scenario, read and checked.
 #[pyclass(frozen, module = "timegap._timegap")]
@@ -38,7 +38,7 @@ impl Scenario {
             },
             ..ScenarioOptions::default()
         };
-        group::open(name, &options).map(Self).map_err(|error| raise(&error))
+        supervise::open(name, &options).map(Self).map_err(|error| raise(&error))
     }
 
     /// Its name.

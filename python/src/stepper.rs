@@ -6,10 +6,10 @@ use crate::question::Question;
 use crate::run::Driven;
 use crate::scenario::Scenario;
 use controller::laws::external::Questions;
-use group::in_process::{Advance, SteppedRun};
 use pyo3::prelude::*;
 use runtime::Sealing;
 use std::time::Instant;
+use supervise::in_process::{Advance, SteppedRun};
 
 /// A run in progress.
 #[pyclass(unsendable, module = "timegap._timegap")]

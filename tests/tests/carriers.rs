@@ -1,7 +1,6 @@
 //! Frames from outside the run: a played capture, a roadside unit of another process, and unavailable
 //! carriers.
 
-use group::in_process;
 use its::geonetworking::{Headers, Source, StationType};
 use its::pcap::Writer;
 use radio::{Carrier, Role};
@@ -14,6 +13,7 @@ use std::fs::File;
 use std::io::Write;
 use std::path::Path;
 use std::time::Duration;
+use supervise::in_process;
 use system_tests::{Corner, text, wait_for};
 use v2x_sim::frames::Frames;
 

@@ -2,12 +2,12 @@
 
 use std::time::Duration;
 
-use group::in_process;
 use messages::MAX_TRACKS;
 use report::summary::Summary;
 use runtime::Mode;
 use scenario::actor::MAX_ACTORS;
 use scenario::{Overrides, Scenario};
+use supervise::in_process;
 
 const CURVES: &str = "[road.plan]\npieces = [{ line_m = 100 }, { spiral_m = 60 }, { arc_m = 300, radius_m = 400, \
     turn = \"left\" }, { spiral_m = 60 }, { line_m = 500 }]\n";

@@ -1,4 +1,4 @@
-//! Every end of a process of the group has one outcome (the table of `group::exits`).
+//! Every end of a process of the group has one outcome (the table of `supervise::exits`).
 
 use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;

@@ -206,9 +206,8 @@ fn a_message_is_two_edits_and_a_service_a_folder_a_row_and_a_line() {
         "[dependencies]\n",
         "probe = { path = \"../../services/probe\" }\n",
     );
-    copy.cargo(&[
-        "test", "-p", "messages", "-p", "scenario", "-p", "runtime", "-p", "group", "--lib",
-    ]);
+    let of_libraries = "test -p messages -p scenario -p runtime -p supervise --lib";
+    copy.cargo(&of_libraries.split(' ').collect::<Vec<_>>());
     let run =
         ["run", "following", "--mode", "lockstep", "--duration", "2", "--no-record", "--json"];
     for carrier in [&[][..], &["--in-process"]] {

@@ -1,11 +1,11 @@
 //! Signals by frames: roadside units, air, on-board unit and controller in whole runs.
 
-use group::in_process;
-use group::report::Outcome;
 use report::summary::Summary;
 use runtime::Mode;
 use scenario::{Overrides, Scenario};
 use std::time::Duration;
+use supervise::in_process;
+use supervise::report::Outcome;
 use system_tests::{Corner, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");

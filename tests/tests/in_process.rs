@@ -1,6 +1,5 @@
 //! Lockstep runs in one process give the same bytes as process groups.
 
-use group::{Error, GroupOutcome, in_process};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
 use report::summary::Summary;
@@ -8,6 +7,7 @@ use runtime::Mode;
 use scenario::{Overrides, Scenario};
 use serde_json::Value;
 use std::time::Duration;
+use supervise::{Error, GroupOutcome, in_process};
 use system_tests::{Corner, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_timegap-under-test");

@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use group::in_process;
 use report::summary::Summary;
 use runtime::Mode;
 use scenario::{Overrides, Scenario};
 use serde_json::{Value, json};
+use supervise::in_process;
 
 /// Topics that exist on a road with a plan alone.
 const OF_THE_PLANE: [&str; 5] =

@@ -3,9 +3,9 @@
 use crate::reference;
 use clap::{Command, Subcommand, ValueEnum};
 use clap_complete::Shell;
-use group::Error;
 use report::print;
 use std::process::ExitCode;
+use supervise::Error;
 
 #[derive(Debug, Subcommand)]
 pub enum Generated {

@@ -4,7 +4,6 @@ mod options;
 
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use group::{Error, Status, UsageError, control};
 use messages::{Service, Topic};
 use options::FaultOptions;
 use report::print;
@@ -13,6 +12,7 @@ use scenario::Problem;
 use scenario::faults::{self, Fault, Helper, Kind};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use supervise::{Error, Status, UsageError, control};
 
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES, allow_negative_numbers = true)]

@@ -1,7 +1,6 @@
 //! `timegap recording lead`: a recorded motion as a scenario reads it.
 
 use clap::Args;
-use group::{Error, UsageError};
 use report::chart::{Curve, Plot, Stroke, Tone};
 use report::html::figure;
 use report::print;
@@ -12,6 +11,7 @@ use scenario::{Problem, Refusal, ScenarioError, accepted};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use supervise::{Error, UsageError};
 
 #[derive(Debug, Args)]
 #[command(

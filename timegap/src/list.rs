@@ -3,12 +3,12 @@
 use clap::{Args, ValueEnum};
 use controller::law::{Descriptor, Formulation};
 use controller::laws;
-use group::{Error, ScenarioOptions, UsageError};
 use report::print;
 use report::results::schema_document;
 use scenario::builtin;
 use scenario::schema::Key;
 use std::process::ExitCode;
+use supervise::{Error, ScenarioOptions, UsageError};
 
 #[derive(Debug, Args)]
 pub struct ListArguments {
@@ -68,11 +68,11 @@ pub fn print_schema(arguments: &SchemaArguments) -> Result<ExitCode, Error> {
 }
 
 pub fn run(arguments: &ListArguments) -> Result<ExitCode, Error> {
-    if let Some(name) = arguments.show.as_deref().filter(|name| group::is_openscenario(name)) {
+    if let Some(name) = arguments.show.as_deref().filter(|name| supervise::is_openscenario(name)) {
         let parameters = arguments.parameters.clone();
         let ego = arguments.ego.clone();
         let options = ScenarioOptions { parameters, ego, ..ScenarioOptions::default() };
-        print::out(&group::open(name, &options)?.to_toml())?;
+        print::out(&supervise::open(name, &options)?.to_toml())?;
         return Ok(ExitCode::SUCCESS);
     }
     let parameter = arguments.parameters.first().map(|it| ("--param", "parameters", it));

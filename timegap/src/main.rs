@@ -9,7 +9,7 @@
 //! | replace a service with your own program | [`runtime`], with an example; `examples/my_controller.rs` |
 //! | know the messages | [`messages`], `docs/reference-messages.md` |
 //! | know the scenario keys | [`scenario`], `docs/reference-scenario.md` |
-//! | run a group from a program | [`group::in_process`], [`group`] |
+//! | run a group from a program | [`supervise::in_process`], [`supervise`] |
 //! | solve the problem of a predictive law | `mpc_solver`, with examples |
 //! | change timegap | `ARCHITECTURE.md`, `CONTRIBUTING.md` |
 
@@ -30,11 +30,11 @@ mod trace;
 
 use clap::CommandFactory;
 use cli::{Cli, Command, PrintCommand, RecordingCommand, TestCommand};
-use group::{Error, Status};
 use report::print::note;
 use runtime::log_warnings;
 use rustix::process::{Resource, getrlimit};
 use std::process::ExitCode;
+use supervise::{Error, Status};
 
 /// Least stack, bytes. The system's limit applies to the first thread only.
 const STACK: u64 = 1 << 20;

@@ -1,7 +1,6 @@
 //! `timegap rsu`: the roadside units of a scenario alone, for vehicles on other hosts.
 
 use clap::Args;
-use group::{Error, ScenarioOptions, SignalsError, UsageError, open};
 use its::geodesy::Plane;
 use its::{EncodeError, Message, MessageKind};
 use radio::{Carrier, Role, StationReport, wall_clock_ns};
@@ -15,6 +14,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+use supervise::{Error, ScenarioOptions, SignalsError, UsageError, open};
 use v2x_sim::frames::{Frames, road_plane};
 
 /// Longest delay of an end by signal.
@@ -91,7 +91,7 @@ pub fn run(arguments: &RsuArguments) -> Result<ExitCode, Error> {
     }
     let mut unit = RoadsideUnit::open(&scenario, address)?;
     let stop = Arc::new(AtomicBool::new(false));
-    for signal in group::end_signals() {
+    for signal in supervise::end_signals() {
         signal_hook::flag::register(signal, Arc::clone(&stop)).map_err(SignalsError::from)?;
     }
     print::note(&format!("{} on {address}", scenario.name.as_str()));

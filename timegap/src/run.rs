@@ -4,11 +4,6 @@ use crate::live::{Live, LiveOptions};
 use clap::Args;
 use controller::law::Formulation;
 use controller::laws;
-use group::report::Outcome;
-use group::{
-    Ended, Error, GroupOptions, Keep, ModeName, Moment, ScenarioOptions, UsageError, check_targets,
-    drive, open,
-};
 use indicatif::{ProgressBar, ProgressStyle};
 use messages::Service;
 use report::output::{HISTOGRAMS, OutputDirectory, histogram_log};
@@ -19,6 +14,11 @@ use runtime::{Mode, Sealing};
 use scenario::Scenario;
 use std::process::ExitCode;
 use std::time::Instant;
+use supervise::report::Outcome;
+use supervise::{
+    Ended, Error, GroupOptions, Keep, ModeName, Moment, ScenarioOptions, UsageError, check_targets,
+    drive, open,
+};
 
 /// Simulated time between two positions of the progress bar, ms: a call costs as much as a message.
 const SHOWN_EACH_MS: u64 = 100;
@@ -85,7 +85,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     if arguments.in_process {
         refuse_what_needs_processes(arguments)?;
     }
-    group::hold_signals()?;
+    supervise::hold_signals()?;
     let output = OutputDirectory::create(&arguments.results.output, scenario.name.as_str())?;
     output.write_input("scenario.toml", scenario.to_toml().as_bytes())?;
 
@@ -104,7 +104,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
     let result = if arguments.in_process {
         // Until a signal, which is blocked since before the run.
         let sealing = if arguments.digests { Sealing::Sealed } else { Sealing::Unsealed };
-        group::in_process::run_watched(&scenario, sealing, &group::is_signalled, &mut watch)
+        supervise::in_process::run_watched(&scenario, sealing, &supervise::is_signalled, &mut watch)
     } else {
         let keep = Keep {
             live_file: Some(output.path().join("live.json")),

@@ -1,12 +1,12 @@
 //! `timegap service`: runs one of the group's processes.
 
 use clap::Args;
-use group::{Error, UsageError};
 use messages::Service;
 use runtime::run_service;
 use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
+use supervise::{Error, UsageError};
 
 #[derive(Debug, Args)]
 pub struct ServiceArguments {
@@ -31,17 +31,17 @@ pub fn run(arguments: &ServiceArguments) -> Result<ExitCode, Error> {
     };
     let texts = arguments.arguments.iter().map(text).collect::<Result<Vec<_>, _>>()?;
     let expected = match (arguments.name.as_str(), texts.as_slice()) {
-        ("janitor", [root]) => return Ok(group::run_janitor(Path::new(root))),
+        ("janitor", [root]) => return Ok(supervise::run_janitor(Path::new(root))),
         ("bench", [root, job]) => return bench::run_peer(Path::new(root), job),
         ("hog", [_, what, number]) if number.parse::<usize>().is_ok() => {
-            return Ok(group::run_hog(what, number.parse().expect("checked")));
+            return Ok(supervise::run_hog(what, number.parse().expect("checked")));
         }
         ("janitor", _) => "the root of a run",
         ("bench", _) => "its root and job",
         ("hog", _) => "the root of a run, a resource and an amount",
         (name, _) => {
             let service: Service = name.parse()?;
-            return Ok(run_service(service, &texts, group::entry(service)));
+            return Ok(run_service(service, &texts, supervise::entry(service)));
         }
     };
     Err(UsageError::at(&arguments.name, "other arguments", expected).into())

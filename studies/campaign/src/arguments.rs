@@ -1,9 +1,9 @@
 //! The arguments of `campaign`.
 
 use clap::Args;
-use group::LawOptions;
 use serde::{Deserialize, Serialize};
 use std::num::{NonZeroU32, NonZeroUsize};
+use supervise::LawOptions;
 
 /// Arguments of `campaign`.
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]

@@ -1,9 +1,9 @@
 //! The counts over some runs. Each has one row: its field, its name in results, its column, and a run's part.
 
-use group::report::Outcome;
 use report::results::{Column, count};
 use schemars::JsonSchema;
 use serde::Serialize;
+use supervise::report::Outcome;
 
 use super::record::Record;
 

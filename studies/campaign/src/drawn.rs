@@ -2,8 +2,8 @@
 //!
 //! `[0.0, 0.0, [0.0, 0.5]]` is 0 in two runs of three, and in the third a number up to 0.5.
 
-use group::Failure;
 use rand_pcg::Pcg64;
+use supervise::Failure;
 use toml::Value;
 
 /// A value from which nothing can be drawn.

@@ -2,13 +2,13 @@
 //!
 //! A campaign whose faults strike where nothing happens shows nothing.
 
-use group::{DriveStep, FaultRecord};
 use messages::PhaseState;
 use scenario::Scenario;
 use scenario::faults::STANDSTILL_MPS;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use supervise::{DriveStep, FaultRecord};
 
 /// Time to collision below which a phase is critical, s.
 pub const CRITICAL_TTC_S: f64 = 4.0;

@@ -42,7 +42,6 @@
 //! ```
 
 use super::figure::{Figure, Limit, figures};
-use group::{Error, Failure};
 use runtime::Mode;
 use scenario::Problem;
 use scenario::name::{Line, Name};
@@ -50,6 +49,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::{Path, PathBuf};
+use supervise::{Error, Failure};
 
 /// Longest campaign file, bytes.
 const MAX_BYTES: u64 = 1 << 20;

@@ -5,12 +5,12 @@ use super::file::Campaign;
 use super::plan::Plan;
 use super::planned::Planned;
 use frame::batch::{self, Job};
-use group::{Error, Failure, GroupOptions, ScenarioOptions};
 use runtime::Mode;
 use scenario::Scenario;
 use scenario::faults::Kind;
 use scenario::supervision::Standbys;
 use std::time::Duration;
+use supervise::{Error, Failure, GroupOptions, ScenarioOptions};
 
 /// A fault of processes in a campaign in simulated time, where a process's death ends the run.
 #[derive(Debug, thiserror::Error)]
@@ -28,7 +28,7 @@ pub fn job(campaign: &Campaign, planned: &Planned) -> Result<Job, Error> {
         require: planned.formulas.clone(),
         ..ScenarioOptions::default()
     };
-    let scenario = group::open_with(&planned.scenario, &options, "set", &planned.keys)?;
+    let scenario = supervise::open_with(&planned.scenario, &options, "set", &planned.keys)?;
     let of_processes = scenario.faults.iter().find(|fault| fault.effect.of_processes().is_some());
     if let Some(fault) = of_processes.filter(|_| campaign.mode == Mode::Lockstep) {
         return Err(FaultOfProcesses(fault.effect.kind()).into());
@@ -62,7 +62,7 @@ pub fn fault_free(campaign: &Campaign, plan: &Plan) -> Result<Vec<(String, Scena
         scenario.faults.clear();
         // In simulated time no process ends, and a standby is refused.
         scenario.supervision.standby = Standbys::default();
-        group::check_in_process(&scenario)?;
+        supervise::check_in_process(&scenario)?;
         Ok((planned.scenario, scenario))
     };
     planned.into_iter().map(drive).collect()

@@ -6,8 +6,6 @@
 use super::planned::Planned;
 use super::record::{Measured, Record};
 use frame::batch::{PrepareError, Scratch, leftovers};
-use group::report::Outcome;
-use group::{Error, this_program};
 use runtime::{Group, Mode};
 use scenario::Scenario;
 use scenario::faults::{Helper, Kind, Target};
@@ -15,6 +13,8 @@ use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::{Child, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
+use supervise::report::Outcome;
+use supervise::{Error, this_program};
 use toml::{Table, Value};
 
 /// Time within which the whole group must be gone.

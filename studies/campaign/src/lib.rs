@@ -10,7 +10,7 @@
 //! ```
 //!
 //! A collision counts as avoidable if braking with 6 m/s², 0.35 s after the need, avoids it
-//! ([`group::is_avoidable_collision`]). A campaign fails when its faults meet nothing (`exposure`), and is refused when
+//! ([`supervise::is_avoidable_collision`]). A campaign fails when its faults meet nothing (`exposure`), and is refused when
 //! its faults have no receiver (`targets`).
 //!
 //! ```toml

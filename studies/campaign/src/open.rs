@@ -4,9 +4,9 @@
 use super::builtin::BUILTIN;
 use super::file::Campaign;
 use super::variation::Variants;
-use group::{Error, Failure};
 use scenario::name::{Line, Name, NotALine, NotAName};
 use std::path::{Path, PathBuf};
+use supervise::{Error, Failure};
 
 /// Longest description that is taken from a variation file, characters.
 const MAX_LINE: usize = 500;
@@ -51,7 +51,7 @@ pub fn open(argument: &str) -> Result<Campaign, Error> {
     if !path.exists() {
         return Err(UnknownCampaign { argument: argument.to_owned() }.into());
     }
-    if group::is_openscenario(argument) {
+    if supervise::is_openscenario(argument) {
         return of_variation(path);
     }
     let mut campaign = Campaign::read(path)?;

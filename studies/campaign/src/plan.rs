@@ -6,9 +6,9 @@ use super::file::Campaign;
 use super::planned::Planned;
 use super::template::Drawing;
 use super::variation::Variants;
-use group::{Error, Failure};
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
+use supervise::{Error, Failure};
 
 /// Largest number of runs of a campaign.
 const MAX_RUNS: usize = 1_000_000;

@@ -3,13 +3,15 @@
 use super::exposure::Struck;
 use super::planned::Planned;
 use frame::batch::{Done, Growth};
-use group::report::Outcome;
-use group::{Error, Evidence, FaultRecord, Recovery, RequirementVerdict, is_avoidable_collision};
 use messages::level::{Level, LevelChange};
 use scenario::Scenario;
 use scenario::faults::{Helper, Kind};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use supervise::report::Outcome;
+use supervise::{
+    Error, Evidence, FaultRecord, Recovery, RequirementVerdict, is_avoidable_collision,
+};
 
 /// Two kills within this time are a double kill, s.
 const DOUBLE_S: f64 = 0.005;

@@ -16,11 +16,11 @@ use super::targets::Targets;
 use super::verdict::{Scope, Verdict};
 use frame::batch::{Done, Job};
 use frame::{Command, Crew, Entry, Found, RunOptions, RunResult, Study, parts};
-use group::{Error, GroupOptions};
 use report::results::{Column, Document};
 use runtime::Mode;
 use std::collections::BTreeSet;
 use std::process::ExitCode;
+use supervise::{Error, GroupOptions};
 
 /// Largest number of scenarios that are read before anything runs.
 const MAX_CHECKED: usize = 1_000;

@@ -3,9 +3,9 @@
 //! Faults are drawn for scenarios of all kinds, and a fault may have no receiver in some of them. A fault without a
 //! receiver in any scenario shows nothing: a campaign refuses it, as `timegap run` does.
 
-use group::{Absent, Failure, absent};
 use scenario::Scenario;
 use scenario::faults::Target;
+use supervise::{Absent, Failure, absent};
 
 /// A fault of the campaign has no receiver.
 #[derive(Debug, thiserror::Error)]

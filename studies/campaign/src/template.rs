@@ -1,9 +1,9 @@
 //! The faults of a run, drawn from the tables of the campaign's file.
 
 use super::drawn::{NotDrawable, check, drawn};
-use group::Failure;
 use rand_core::Rng;
 use rand_pcg::Pcg64;
+use supervise::Failure;
 use toml::{Table, Value};
 
 /// Reason why no fault can be drawn from a table.

@@ -1,9 +1,9 @@
 //! Parameter variation files of OpenSCENARIO.
 
-use group::{Error, Failure};
 use openscenario::variation::Variation;
 use openscenario::{Disk, ReadError, read};
 use std::path::{Path, PathBuf};
+use supervise::{Error, Failure};
 
 /// All combinations of values break a constraint of the scenario.
 #[derive(Debug, thiserror::Error)]

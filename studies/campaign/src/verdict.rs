@@ -128,7 +128,7 @@ pub mod tests {
     use super::super::planned::Planned;
     use super::super::record::{Measured, Record};
     use super::*;
-    use group::report::Outcome;
+    use supervise::report::Outcome;
 
     const FILE: &str = "schema_version = 1\nname = \"x\"\nscenarios = [\"cacc-a\", \"cut-in\"]\n";
 

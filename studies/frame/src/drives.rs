@@ -10,8 +10,6 @@
 //! 0,cut-in,acc-mpc,1,0,completed,40,12.3,...
 //! ```
 
-use group::Error;
-use group::report::Outcome;
 use report::figures::{self, Values};
 use report::output::OutputDirectory;
 use report::results::{Column, csv_fields, csv_names, field};
@@ -19,6 +17,8 @@ use report::table::csv_row;
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use supervise::Error;
+use supervise::report::Outcome;
 
 use crate::keep::Key;
 use report::summary::Summary;

@@ -32,7 +32,7 @@
 //! use clap::Args;
 //! use frame::batch::{Done, Job};
 //! use frame::{Found, RunOptions, Study};
-//! use group::{Error, ScenarioOptions};
+//! use supervise::{Error, ScenarioOptions};
 //! use report::results::{Column, Document, Table, count, number};
 //! use serde::{Deserialize, Serialize};
 //!
@@ -67,7 +67,7 @@
 //!     fn job(&self, run: usize) -> Result<Job, Error> {
 //!         let seed = Some((run + 1).to_string());
 //!         let options = ScenarioOptions { seed, ..ScenarioOptions::default() };
-//!         Ok(Job::lockstep(group::open("following", &options)?))
+//!         Ok(Job::lockstep(supervise::open("following", &options)?))
 //!     }
 //!     fn record(&self, run: usize, _: &Job, result: Result<Done, Error>) -> Result<(Record, ()), Error> {
 //!         let min_gap_m = result?.summary.control.figures.min_gap_m;

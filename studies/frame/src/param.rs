@@ -9,7 +9,7 @@
 //! assert_eq!(grid(&[delay, law]).len(), 6);
 //! ```
 
-use group::{ScenarioOptions, UsageError};
+use supervise::{ScenarioOptions, UsageError};
 
 /// Most values of one key.
 const MAX_VALUES: usize = 10_000;

@@ -12,8 +12,8 @@
 
 use std::fmt::Display;
 
-use group::UsageError;
 use scenario::quantity::Seed;
+use supervise::UsageError;
 
 use crate::param;
 

@@ -1,13 +1,13 @@
 //! The engine: cells of a grid, each driven with every seed.
 
 use frame::batch::{self, Job};
-use group::report::Outcome;
-use group::{Error, GroupOptions, Opening};
 use report::figures::Values;
 use report::summary::Summary;
 use runtime::Mode;
 use scenario::Scenario;
 use scenario::quantity::Seed;
+use supervise::report::Outcome;
+use supervise::{Error, GroupOptions, Opening};
 
 use crate::row::Row;
 

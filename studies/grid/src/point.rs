@@ -1,10 +1,10 @@
 //! Rows of several seeds as one point.
 
-use group::RequirementVerdict;
-use group::report::Outcome;
 use report::figures::{Fold, Folded, compared};
 use report::{print, verdicts};
 use serde_json::{Map, Value, json};
+use supervise::RequirementVerdict;
+use supervise::report::Outcome;
 
 use crate::row::Row;
 

@@ -1,12 +1,12 @@
 //! A run of a grid: its record, and a row of the results.
 
-use group::RequirementVerdict;
-use group::report::Outcome;
 use report::figures::{Measured, Values};
 use report::results::Object;
 use report::summary::{Aebs, Control, LawAccount, Summary, Timing};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use supervise::RequirementVerdict;
+use supervise::report::Outcome;
 
 /// A run.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -124,11 +124,11 @@ pub fn interventions(rows: &[Row]) -> u64 {
 #[cfg(test)]
 pub mod tests {
     use super::*;
-    use group::report::ControlFigures;
     use report::figures::{
         INTERVENTIONS, MEDIAN_TIME_GAP_S, MIN_GAP_M, MIN_TIME_GAP_S, RMS_GAP_ERROR_M,
     };
     use report::{Following, Trip};
+    use supervise::report::ControlFigures;
 
     /// A row of a car: without fuel, and without deadlines, since it was driven in lockstep.
     pub fn row(controller: &str, seed: u64, min_gap_m: f64) -> Row {

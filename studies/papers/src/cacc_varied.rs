@@ -16,9 +16,9 @@
 
 use super::row::{EXACT, Kind, Row, requirement};
 use super::runner::{Driven, Part, Piece, Runner};
-use group::{DriveStep, Error};
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
+use supervise::{DriveStep, Error};
 
 const SET: &str = "default law, varied";
 /// Sentence of the paper behind the rows.

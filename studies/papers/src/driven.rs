@@ -1,10 +1,10 @@
 //! A scenario that was driven, for the figures of a paper.
 
 use frame::batch::{self, Done};
-use group::{Drive, DriveStep, Error, GroupOptions, ScenarioOptions};
 use report::RunPicture;
 use report::summary::Summary;
 use scenario::Scenario;
+use supervise::{Drive, DriveStep, Error, GroupOptions, ScenarioOptions};
 
 /// A scenario that was driven in lockstep.
 pub struct Driven {
@@ -53,5 +53,5 @@ impl Driven {
 
 pub(crate) fn open(name: &str, keys: &[&str]) -> Result<Scenario, Error> {
     let set = keys.iter().map(ToString::to_string).collect();
-    group::open(name, &ScenarioOptions { set, ..ScenarioOptions::default() })
+    supervise::open(name, &ScenarioOptions { set, ..ScenarioOptions::default() })
 }

@@ -29,13 +29,13 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use frame::{Command, Entry};
-use group::Error;
 use pictures::Pictures;
 use row::Row;
 use runner::Piece;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use study::Papers;
+use supervise::Error;
 use tally::Tally;
 
 /// The papers, in the order of their results.

@@ -1,9 +1,9 @@
 //! Pictures of a paper, for its page.
 
 use crate::driven::Driven;
-use group::DriveStep;
 use report::RunPicture;
 use report::chart::{Axis, Curve, Plot, Stroke, Tone};
+use supervise::DriveStep;
 
 /// Pictures of a paper, for its page.
 #[derive(Debug, Default)]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use frame::Crew;
 use frame::batch::{self, Job};
-use group::Error;
+use supervise::Error;
 
 use super::Pictures;
 pub use super::driven::Driven;

@@ -1,8 +1,8 @@
 //! The papers as a study: each piece of a paper is a run.
 
 use frame::{Crew, Found, Needs, RunOptions, RunResult, Study};
-use group::Error;
 use report::results::Document;
+use supervise::Error;
 
 use super::row::{Row, Verdict};
 use super::runner::{self, Part, Piece, Runner};

@@ -1,9 +1,9 @@
 //! A drive of a population.
 
-use group::RequirementVerdict;
-use group::report::Outcome;
 use report::figures::{self, Values};
 use serde::{Deserialize, Serialize};
+use supervise::RequirementVerdict;
+use supervise::report::Outcome;
 
 /// A drive of a population, before it is driven.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -7,11 +7,11 @@ use controller::following::parameters::FOLLOWING;
 use controller::laws;
 use controller::plausibility::radar::LIMITS;
 use frame::batch;
-use group::{Error, GroupOptions, UsageError};
 use parameters::effect::{Change, Figure, line, print_by_processes};
 use report::figures::compared;
 use scenario::schema::{Key, Shape};
 use serde_json::{Map, Value};
+use supervise::{Error, GroupOptions, UsageError};
 use v2x_sim::numbers::NUMBERS;
 
 use crate::figures::{Drives, values};

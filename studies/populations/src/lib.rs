@@ -39,8 +39,8 @@ use std::process::ExitCode;
 
 use clap::Subcommand;
 use frame::{Command, Entry};
-use group::Error;
 use report::results::Schema;
+use supervise::Error;
 
 use curves::Curves;
 use everyday::Everyday;

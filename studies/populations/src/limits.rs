@@ -1,6 +1,6 @@
 //! The limits of all populations, in one table. A changed limit is an entry of its own in CHANGELOG.md.
 
-use group::ReferenceDriver;
+use supervise::ReferenceDriver;
 
 /// The largest accepted value of a figure.
 #[derive(Clone, Copy, Debug)]

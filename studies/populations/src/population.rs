@@ -4,10 +4,10 @@ use std::ops::Range;
 
 use controller::laws;
 use frame::batch::Done;
-use group::{Error, LawOptions, UsageError};
 use scenario::{Overrides, Scenario};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use supervise::{Error, LawOptions, UsageError};
 
 pub use crate::drive::{Drive, Planned};
 use crate::figures::{Figure, Group};
@@ -36,7 +36,7 @@ impl DriveOptions {
         self.set.iter().try_for_each(|key| overrides.set(key))?;
         let mut scenario = Scenario::parse_with("scene", text, &overrides, &laws::check)?;
         scenario.require.formulas.extend_from_slice(&self.require);
-        group::requirements(&scenario)?;
+        supervise::requirements(&scenario)?;
         Ok(scenario)
     }
 }

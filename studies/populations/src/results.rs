@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use group::Error;
 use report::results::{
     Column, Document, Format, Kind, Schema, Table, column, count, flag, nested, number, word,
 };
@@ -10,6 +9,7 @@ use report::verdicts::{LEAST, Least, least};
 use scenario::Scenario;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
+use supervise::Error;
 
 use crate::figures::{Drives, values};
 use crate::limits;

@@ -6,11 +6,11 @@ use std::num::NonZeroUsize;
 use clap::Args;
 use frame::batch::{Done, Job};
 use frame::{Found, RunOptions, Study};
-use group::{Error, LawOptions, UsageError};
 use report::figures::Values;
 use report::results::Document;
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
+use supervise::{Error, LawOptions, UsageError};
 
 use crate::population::{Drive, DriveOptions, Planned, Population};
 use crate::results;

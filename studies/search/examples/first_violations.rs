@@ -9,11 +9,11 @@ use std::time::Instant;
 
 use frame::Command;
 use frame::batch::share;
-use group::Error;
 use indicatif::ProgressBar;
 use search::method::MethodName;
 use search::problem::Problem;
 use search::{SearchArguments, first_violation};
+use supervise::Error;
 
 const METHODS: [MethodName; 3] = [MethodName::Random, MethodName::Sobol, MethodName::Gp];
 

@@ -3,8 +3,8 @@
 use std::num::NonZeroUsize;
 
 use clap::Args;
-use group::{ScenarioOptions, UsageError};
 use serde::{Deserialize, Serialize};
+use supervise::{ScenarioOptions, UsageError};
 
 use crate::method::MethodName;
 use crate::reference::ReferenceName;

@@ -72,7 +72,7 @@ mod tests {
     use crate::method::Proposal;
     use crate::problem::Value;
     use crate::record::Judged;
-    use group::report::Outcome;
+    use supervise::report::Outcome;
 
     #[test]
     fn neighbours_belong_together_and_words_set_apart() {

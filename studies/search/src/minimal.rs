@@ -11,10 +11,10 @@ use std::num::NonZeroUsize;
 use std::sync::Mutex;
 
 use frame::batch::{self, Done};
-use group::{Error, GroupOptions};
 use indicatif::ProgressBar;
 use runtime::Mode;
 use scenario::Scenario;
+use supervise::{Error, GroupOptions};
 
 use crate::method::seed_of;
 use crate::problem::{Problem, Value, is_refusal, rounded};
@@ -159,7 +159,7 @@ pub struct Seeds<'a> {
 /// it, so the file leaves it out.
 pub fn repeatable(scenario: &Scenario) -> String {
     let mut repeatable = scenario.clone();
-    repeatable.faults.retain(|fault| group::absent(fault, scenario).is_none());
+    repeatable.faults.retain(|fault| supervise::absent(fault, scenario).is_none());
     repeatable.to_toml()
 }
 

@@ -1,10 +1,10 @@
 //! Pictures of a search: all runs at once, the best so far, and the two variables that matter most. The failing drives
 //! stand beside the reference's.
 
-use group::DriveStep;
 use report::chart::{
     Axis, Curve, Dot, Edges, Mark, Parallel, Picture, Plot, Polyline, Scatter, Stroke, Tone,
 };
+use supervise::DriveStep;
 
 use crate::distinct::effects;
 use crate::problem::{Domain, Problem, Variable};

@@ -7,11 +7,11 @@
 //!
 //! Tolerances are those of the requirement's unit ([`temporal_logic::Unit::tolerance`]).
 
-use group::RequirementVerdict;
-use group::report::Outcome;
 use report::summary::Summary;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use supervise::RequirementVerdict;
+use supervise::report::Outcome;
 use temporal_logic::Unit;
 
 use crate::method::Proposal;

@@ -12,13 +12,13 @@
 //! [`ReferenceDriver`].
 
 use clap::ValueEnum;
-use group::ReferenceDriver;
 use perception_sim::radar::scene::Ego;
 use perception_sim::traffic::Traffic;
 use perception_sim::vehicle::Vehicle;
 use plant::ahead::{Ahead, required_deceleration};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
+use supervise::ReferenceDriver;
 
 const STEP_NS: u64 = 10_000_000;
 const STEP_S: f64 = 0.01;

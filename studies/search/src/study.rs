@@ -9,10 +9,10 @@ use std::time::Duration;
 use frame::batch::{self, Done, Job};
 use frame::parts::ShardChoice;
 use frame::{Command, Crew, Entry, Found, Needs, RunOptions, RunResult, Study};
-use group::{Error, GroupOptions, UsageError};
 use indicatif::ProgressBar;
 use report::results::{Column, Document, fact, number, word};
 use serde_json::json;
+use supervise::{Error, GroupOptions, UsageError};
 
 use crate::arguments::SearchArguments;
 use crate::distinct;

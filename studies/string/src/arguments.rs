@@ -4,9 +4,9 @@ use std::fmt::Display;
 use std::num::NonZeroUsize;
 
 use clap::Args;
-use group::{Error, GroupOptions, ScenarioOptions, UsageError};
 use runtime::Mode;
 use serde::{Deserialize, Serialize};
+use supervise::{Error, GroupOptions, ScenarioOptions, UsageError};
 
 use super::results::STABILITY;
 use super::scene::Plan;
@@ -104,7 +104,7 @@ impl Task {
         let requires_stability = shared.require.len() < arguments.scenario_options.require.len();
         let open = |law: &Option<String>, keys: &[String]| {
             let options = ScenarioOptions { controller: law.clone(), ..shared.clone() };
-            let scenario = group::open_with(&arguments.scenario, &options, "--param", keys)?;
+            let scenario = supervise::open_with(&arguments.scenario, &options, "--param", keys)?;
             batch::check(&scenario, Mode::Lockstep, group)?;
             Ok::<_, Error>(scenario)
         };

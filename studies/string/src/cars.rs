@@ -1,9 +1,9 @@
 //! The cars of a string, driven one after another: by the study, or by a caller with laws of its own.
 
-use group::Drive;
 use report::summary::Summary;
 use scenario::Scenario;
 use serde_json::Value;
+use supervise::Drive;
 
 use super::driven::Driven;
 use super::measure::measure;
@@ -18,11 +18,11 @@ const TRACE_POINTS: usize = 400;
 /// ```
 /// use string::CarByCar;
 ///
-/// let options = group::ScenarioOptions { duration: Some("3".into()), ..Default::default() };
-/// let laws = vec![group::open("following", &options).expect("built in")];
+/// let options = supervise::ScenarioOptions { duration: Some("3".into()), ..Default::default() };
+/// let laws = vec![supervise::open("following", &options).expect("built in")];
 /// let mut string = CarByCar::new(laws, 2);
 /// while let Some(scenario) = string.next().expect("a short string") {
-///     let outcome = group::in_process::run_unsealed(&scenario, &|| false).expect("it drives");
+///     let outcome = supervise::in_process::run_unsealed(&scenario, &|| false).expect("it drives");
 ///     let wall = std::time::Duration::from_millis(1);
 ///     let summary = report::summary::Summary::new(&scenario, runtime::Mode::Lockstep, &outcome, wall);
 ///     string.drove(&scenario, &summary, &outcome.drive);

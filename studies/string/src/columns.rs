@@ -1,10 +1,10 @@
 //! The columns of a string's results.
 
-use group::report::Outcome;
 use report::figures::{MAX_ABS_JERK_MPS3, MIN_GAP_M};
 use report::print::outcome_word;
 use report::results::{Column, Schema, Table, count, flag, judged, number, value, word};
 use serde_json::json;
+use supervise::report::Outcome;
 
 use super::STABLE_GAIN;
 use super::limits::{Limits, Point};

@@ -2,8 +2,8 @@
 
 use frame::batch::{self, Job};
 use frame::{Crew, Found, Needs, RunOptions, RunResult, Study};
-use group::Error;
 use report::results::Document;
+use supervise::Error;
 
 use super::arguments::{StringArguments, Task};
 use super::cars::CarByCar;

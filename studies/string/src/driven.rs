@@ -1,8 +1,8 @@
 //! The drive of one car, reduced to figures and a trace.
 
-use group::RequirementVerdict;
-use group::report::{ControlFigures, Outcome};
 use serde::{Deserialize, Serialize};
+use supervise::RequirementVerdict;
+use supervise::report::{ControlFigures, Outcome};
 
 use super::measure::Measured;
 use super::wave::Amplitudes;

@@ -34,7 +34,7 @@ pub use scene::SceneError;
 use std::process::ExitCode;
 
 use frame::{Command, Entry};
-use group::Error;
+use supervise::Error;
 
 /// Above this a gain counts as amplification. The margin is for what a measurement over a finite time leaves.
 pub const STABLE_GAIN: f64 = 1.005;

@@ -8,9 +8,9 @@
 //! ```
 
 use controller::laws;
-use group::Drive;
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
+use supervise::Drive;
 
 /// Largest deviation, m/s or m, below which a signal is not a disturbance. Its gain would be noise over noise. Cars
 /// behind a constant speed deviate by 0.1 m/s by their radars' noise.
@@ -111,7 +111,7 @@ fn gap_errors<'a>(
 
 #[cfg(test)]
 mod tests {
-    use group::DriveStep;
+    use supervise::DriveStep;
 
     use super::*;
 

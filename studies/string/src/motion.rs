@@ -1,11 +1,11 @@
 //! Motion of a car, as the lead of the car behind it.
 
-use group::report::Outcome;
-use group::{Drive, DriveStep};
 use scenario::Scenario;
 use scenario::actor::MAX_PROFILE_POINTS;
 use scenario::quantity::{Speed, Time};
 use scenario::speeds::SpeedPoint;
+use supervise::report::Outcome;
+use supervise::{Drive, DriveStep};
 
 /// Points that a motion may have beside those of a stop after a collision.
 const MAX_POINTS: usize = MAX_PROFILE_POINTS - 1_000;

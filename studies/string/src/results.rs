@@ -1,10 +1,10 @@
 //! The result of a string of cars.
 
-use group::RequirementVerdict;
-use group::report::{ControlFigures, Outcome};
 use report::results::Object;
 use schemars::JsonSchema;
 use serde::Serialize;
+use supervise::RequirementVerdict;
+use supervise::report::{ControlFigures, Outcome};
 
 use super::STABLE_GAIN;
 use super::driven::Driven;

@@ -1,7 +1,6 @@
 //! The scenarios of a string: the first car's, and that of a car behind another.
 
 use controller::laws;
-use group::Failure;
 use scenario::actor::{Actor, Profile, Sine};
 use scenario::event::VEHICLE_WIDTH_M;
 use scenario::name::Name;
@@ -10,6 +9,7 @@ use scenario::quantity::{
 };
 use scenario::road::{Heights, Road, RoadPoint};
 use scenario::{Problem, Scenario};
+use supervise::Failure;
 
 use super::motion::Motion;
 use super::wave::{TooSlow, Wave};
@@ -195,7 +195,7 @@ fn moved(road: &Road, behind_m: f64) -> Result<Road, SceneError> {
 
 #[cfg(test)]
 mod tests {
-    use group::ScenarioOptions;
+    use supervise::ScenarioOptions;
 
     use super::*;
 
@@ -203,7 +203,7 @@ mod tests {
         let open = |law: &&str| {
             let options =
                 ScenarioOptions { controller: Some((*law).into()), ..ScenarioOptions::default() };
-            group::open(name, &options).unwrap_or_else(|error| panic!("{error}"))
+            supervise::open(name, &options).unwrap_or_else(|error| panic!("{error}"))
         };
         Plan { laws: laws.iter().map(open).collect(), vehicles: 5, wave: None }
     }

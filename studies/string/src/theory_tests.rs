@@ -19,8 +19,8 @@ use std::f64::consts::TAU;
 
 use controller::law::{Ego, Input, Law, Output, Target};
 use controller::laws;
-use group::ScenarioOptions;
 use scenario::Scenario;
+use supervise::ScenarioOptions;
 
 use super::scene::Plan;
 use super::wave::Wave;
@@ -138,7 +138,7 @@ fn the_measured_gain_is_that_of_the_closed_loop() {
         set: vec!["perception.ideal=true".into()],
         ..ScenarioOptions::default()
     };
-    let scenario = group::open("following", &options).expect("a built-in scenario");
+    let scenario = supervise::open("following", &options).expect("a built-in scenario");
     let tau_s = scenario.plant.actuator_time_constant_s.value();
     let period_s = f64::from(scenario.controller.period_ms.value()) / 1e3;
     let gains = gains(&scenario, 22.0);
@@ -147,7 +147,7 @@ fn the_measured_gain_is_that_of_the_closed_loop() {
     for period in [60.0, 30.0, 20.0, 12.0, 8.0, 4.0] {
         let hz = 1.0 / period;
         let behind = plan.behind_wave(hz).expect("a wave");
-        let driven = group::in_process::run(&behind.laws[0]).expect("it drives");
+        let driven = supervise::in_process::run(&behind.laws[0]).expect("it drives");
         let wave = Wave::of(&plan.laws[0], plan.vehicles, hz).expect("a wave");
         let found = wave.amplitudes(&driven.drive).expect("to the end");
         let (measured, theory) =

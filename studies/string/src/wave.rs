@@ -12,9 +12,9 @@
 
 use std::f64::consts::TAU;
 
-use group::Drive;
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
+use supervise::Drive;
 
 use super::measure::{Sample, samples};
 
@@ -187,7 +187,7 @@ fn fit(hz: f64, signal: impl Iterator<Item = (f64, f64)>) -> Option<Sine> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use group::DriveStep;
+    use supervise::DriveStep;
 
     #[test]
     fn amplitudes_are_found_beside_an_offset_and_out_of_step_with_the_samples() {

@@ -1,6 +1,5 @@
 //! From the moments of a run to frames, at most ten a second.
 
-use group::{FaultRecord, Moment};
 use messages::Diagnostics;
 use messages::level::Level;
 use report::fault;
@@ -8,6 +7,7 @@ use runtime::statistics::{Latencies, Percentiles};
 use std::collections::VecDeque;
 use std::sync::mpsc::SyncSender;
 use std::time::{Duration, Instant};
+use supervise::{FaultRecord, Moment};
 
 const PERIOD: Duration = Duration::from_millis(100);
 /// Most points of the drive in one frame.

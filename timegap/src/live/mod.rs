@@ -13,11 +13,11 @@ mod terminal;
 
 use clap::Args;
 use feed::LiveFeed;
-use group::Error;
 use scenario::Scenario;
 use std::sync::mpsc::sync_channel;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+use supervise::Error;
 
 /// Most frames that wait for the view.
 const BACKLOG: usize = 64;
@@ -48,7 +48,7 @@ impl Live {
         Ok(Self(Some((feed, terminal))))
     }
 
-    pub fn look(&mut self, moment: &group::Moment<'_>) {
+    pub fn look(&mut self, moment: &supervise::Moment<'_>) {
         if let Some((feed, _)) = &mut self.0 {
             feed.look(moment);
         }

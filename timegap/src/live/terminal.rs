@@ -2,7 +2,6 @@
 
 use super::feed::{Frame, Point};
 use super::history::History;
-use group::{Error, Failure, Status, UsageError};
 use ratatui::Frame as Screen;
 use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;
@@ -26,6 +25,7 @@ use std::os::fd::{AsFd, OwnedFd};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::thread::JoinHandle;
 use std::time::Duration;
+use supervise::{Error, Failure, Status, UsageError};
 
 /// Longest time until a key is read.
 const PATIENCE: Duration = Duration::from_millis(50);

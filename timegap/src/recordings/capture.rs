@@ -1,6 +1,5 @@
 //! `timegap recording export --pcap`: the frames of a recording as a capture for Wireshark.
 
-use group::Error;
 use its::geonetworking::Headers;
 use its::pcap::Writer;
 use messages::{RadioFrames, RadioSent};
@@ -8,6 +7,7 @@ use recorder::Record;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
+use supervise::Error;
 
 const FILE: &str = "radio.pcap";
 

@@ -2,7 +2,6 @@
 
 use super::{open, print_damage};
 use clap::Args;
-use group::{Error, UsageError};
 use messages::{Place, Service, Topic};
 use recorder::{Damage, Record, Recording};
 use report::print;
@@ -11,6 +10,7 @@ use serde::Serialize;
 use std::collections::{BTreeMap, VecDeque};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use supervise::{Error, UsageError};
 
 #[derive(Debug, Args)]
 pub struct DiffArguments {

@@ -4,7 +4,6 @@ use super::capture::Capture;
 use super::sheet::{Form, Item, Sheet};
 use super::{count, open, print_damage};
 use clap::{ArgGroup, Args};
-use group::Error;
 use messages::names::{self, Enumeration};
 use messages::{Element, Place, TOPICS, Topic, Value};
 use recorder::{LawNames, Record};
@@ -13,6 +12,7 @@ use report::results::Document;
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use supervise::Error;
 
 #[derive(Debug, Args)]
 #[command(after_long_help = PANDAS)]

@@ -2,7 +2,6 @@
 
 use super::{count, in_words, lines, open};
 use clap::Args;
-use group::Error;
 use messages::TOPICS;
 use recorder::{Damage, Recording, Survey};
 use report::print;
@@ -11,6 +10,7 @@ use runtime::Mode;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use supervise::Error;
 
 #[derive(Debug, Args)]
 pub struct InfoArguments {

@@ -3,7 +3,6 @@
 use clap::Args;
 use controller::law::Descriptor;
 use controller::laws;
-use group::Error;
 use messages::names::{self, ENUMERATIONS};
 use messages::{Field, LAYOUT_VERSION, Layout, TOPICS};
 use recorder::schema;
@@ -11,6 +10,7 @@ use report::print;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use supervise::Error;
 
 #[derive(Debug, Args)]
 #[command(after_long_help = SUBSCRIBE)]

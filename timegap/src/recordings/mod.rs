@@ -9,10 +9,10 @@ pub mod recover;
 pub mod replay;
 mod sheet;
 
-use group::{Error, UsageError, is_alive};
 use recorder::{Damage, Recording};
 use runtime::Group;
 use std::path::Path;
+use supervise::{Error, UsageError, is_alive};
 
 fn open(path: &Path) -> Result<Recording, Error> {
     Ok(Recording::open(path)?)

@@ -2,7 +2,6 @@
 
 use super::{count, expect_another_file, is_being_recorded, open};
 use clap::Args;
-use group::{Error, UsageError};
 use recorder::{Recording, Recovered};
 use report::print;
 use report::results::Document;
@@ -10,6 +9,7 @@ use serde_json::json;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use supervise::{Error, UsageError};
 
 #[derive(Debug, Args)]
 pub struct RecoverArguments {

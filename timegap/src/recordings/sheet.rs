@@ -1,11 +1,11 @@
 //! A table of an export while it is written, as CSV or as Parquet.
 
-use group::Error;
 use messages::Value;
 use parquet_writer::{Cells, Writer};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use supervise::Error;
 
 /// Rows of a row group.
 const GROUP: usize = 10_000;

@@ -14,7 +14,6 @@ mod timeline;
 use crate::recordings::{expect_another_file, print_damage};
 use clap::Args;
 use encode::{Frame, begin, events};
-use group::Error;
 use messages::Service;
 use recorder::{Damage, Record, Recording};
 use report::print;
@@ -27,6 +26,7 @@ use std::io::{self, BufWriter, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use supervise::Error;
 use timeline::{Cycle, Incident, Timeline};
 
 #[derive(Debug, Args)]

@@ -1,9 +1,9 @@
 //! Comparison with an earlier benchmark, on this or another machine, by ratios to the floor.
 
 use super::results::{Change, Report, TransportRow};
-use group::{Error, UsageError};
 use runtime::statistics::Percentiles;
 use std::path::Path;
+use supervise::{Error, UsageError};
 
 /// Fewest samples for a meaningful 99th percentile.
 const ENOUGH: u64 = 1000;

@@ -9,10 +9,10 @@ use super::progress::millis;
 use super::results::PairedRow;
 use super::setup::{Conditions, Mechanism};
 use super::statistics::Events;
-use group::Error;
 use indicatif::ProgressBar;
 use rand_core::Rng;
 use rand_pcg::Pcg64;
+use supervise::Error;
 
 /// One block of a chain: its software overhead beside its floors, µs.
 struct ChainBlock {

@@ -4,11 +4,11 @@ use super::peer::Outcome;
 use super::plan::Cell;
 use super::stage::Stage;
 use super::statistics::Events;
-use group::{Ended, Error, GroupOptions, ScenarioOptions};
 use report::summary::{self, Summary, Timing};
 use runtime::Mode;
 use runtime::statistics::Latencies;
 use std::time::{Duration, Instant};
+use supervise::{Ended, Error, GroupOptions, ScenarioOptions};
 
 /// The CACC paper's scenario A: the signal is ahead during its first four seconds.
 const SCENARIO: &str = "cacc-a";
@@ -43,13 +43,13 @@ impl Chain {
 /// Runs the group for `seconds` under the cell's conditions.
 pub fn run(stage: &Stage, cell: &Cell, seconds: f64) -> Result<Chain, Error> {
     let begun = Instant::now();
-    let scenario = group::open(SCENARIO, &options(stage, cell, seconds))?;
+    let scenario = supervise::open(SCENARIO, &options(stage, cell, seconds))?;
     let group =
         GroupOptions { programs: Vec::new(), ready_timeout: READY_TIMEOUT_S, processes: true };
     let metronome = stage.metronome(cell.conditions, cell.period_us)?;
     let length_ns = Duration::from_secs_f64(seconds).as_nanos();
     // From the start to the scheduled end, the metronome counts the same conditions as the group.
-    let result = group::drive(&scenario, Mode::Realtime, &group, None, &mut |moment| {
+    let result = supervise::drive(&scenario, Mode::Realtime, &group, None, &mut |moment| {
         let time_ns = moment.time_ns;
         metronome.count(time_ns > 0 && u128::from(time_ns.unsigned_abs()) < length_ns);
     });

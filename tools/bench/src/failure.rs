@@ -1,7 +1,7 @@
 //! The error of a measurement.
 
-use group::{Failure, Status};
 use std::error::Error;
+use supervise::{Failure, Status};
 
 /// A step that the machine did not allow, with its reason.
 #[derive(Debug, thiserror::Error)]

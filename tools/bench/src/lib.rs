@@ -54,7 +54,6 @@ use self::setup::Mechanism;
 use self::stage::Stage;
 use self::statistics::Events;
 use clap::Args;
-use group::{Error, SignalsError};
 use messages::Topic;
 use report::output::OutputDirectory;
 use report::results::{ResultOptions, Schema};
@@ -66,6 +65,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
+use supervise::{Error, SignalsError};
 
 /// Length of each measurement, s.
 const FULL_S: f64 = 2.0;

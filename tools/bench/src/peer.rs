@@ -5,7 +5,6 @@ use super::paired::UNCOUNTED;
 use super::setup::{Load, Mechanism};
 use super::wake::{Sink, Source};
 use super::words;
-use group::{Error, UsageError};
 use runtime::scheduling::{Granted, Policy, Request, apply};
 use runtime::statistics::Latencies;
 use runtime::{SharedWords, monotonic_ns, sleep_until};
@@ -15,6 +14,7 @@ use std::hint::black_box;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
+use supervise::{Error, UsageError};
 
 pub mod metronome {
     /// Ticks without counting.

@@ -5,13 +5,13 @@ use super::paired::{Compared, Comparison};
 use super::setup::{Conditions, Load, Placement, Scheduling};
 use super::statistics;
 use doctor::wake_ups::WakeUps;
-use group::report::Hops;
 use report::results::Object;
 use report::summary::Host;
 use runtime::statistics::Percentiles;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
+use supervise::report::Hops;
 
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Report {

@@ -5,7 +5,6 @@ use super::paired::{Compared, Comparison, PAIRS_IN_SESSION, WAKES, histogram, or
 use super::peer::{self, BLOCKS_FILE, Job, Outcome, Task, Turns, metronome};
 use super::setup::{Conditions, Load, Mechanism, Placement, Scheduling};
 use super::words;
-use group::{Error, Janitor, RunRoot, check_room, this_program};
 use runtime::scheduling::usable_cores;
 use runtime::{Group, Mode, SharedWords, Timetable};
 use rustix::event::{EventfdFlags, eventfd};
@@ -16,6 +15,7 @@ use std::process::{Child, Stdio};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
+use supervise::{Error, Janitor, RunRoot, check_room, this_program};
 
 /// Priorities as of a group's services: the source runs before the sink.
 const SOURCE_PRIORITY: u8 = 81;

@@ -7,7 +7,6 @@ use super::failure::{BenchError, failed};
 use super::payload::{PayloadReceiver, PayloadSender};
 use super::setup::Mechanism;
 use super::words::{COUNT, RING, STAMPS};
-use group::Error;
 use iceoryx2::port::{listener::Listener, notifier::Notifier};
 use iceoryx2::service::port_factory::event::PortFactory;
 use messages::{Header, MAX_DETECTIONS, Origins, RadarDetections, RadarTracks, Service};
@@ -17,6 +16,7 @@ use rustix::thread::futex;
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
+use supervise::Error;
 
 /// Longest wait before the sink checks whether the source has ended.
 const LOOK: Duration = Duration::from_millis(50);

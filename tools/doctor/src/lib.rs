@@ -24,7 +24,6 @@ pub mod wake_ups;
 
 use clap::Args;
 use finding::{Finding, Verdict};
-use group::Error;
 use report::print;
 use report::results::Document;
 use report::summary::Host;
@@ -34,6 +33,7 @@ use scenario::{Scenario, builtin};
 use serde::Serialize;
 use std::path::PathBuf;
 use std::process::ExitCode;
+use supervise::Error;
 use wake_ups::{LoopOptions, WakeUps};
 
 /// Memory of a run's processes without its shared memory, bytes: five of up to 12 MiB.
@@ -122,7 +122,7 @@ fn examine(host: &Host, arguments: &DoctorArguments) -> (Vec<Finding>, WakeUps) 
     let mut findings = vec![
         storage::shared_memory(machine::shared_memory(), needed, memory),
         storage::run_directory(base.as_deref(), runtime.as_deref()),
-        storage::leftovers(&group::dead_runs()),
+        storage::leftovers(&supervise::dead_runs()),
         processor::affinity(&cores, &online),
         scheduling::policy(&granted, root, &program),
         scheduling::throttling(

@@ -3,9 +3,9 @@
 use super::cgroup::{self, Limit, Limits};
 use super::processor::IdleState;
 use super::storage::Room;
-use group::{RoomError, RootError};
 use runtime::scheduling::{self, Granted, Policy, Request};
 use std::path::{Path, PathBuf};
+use supervise::{RoomError, RootError};
 
 /// A file's contents; `None` if it cannot be read.
 pub fn read(path: impl AsRef<Path>) -> Option<String> {
@@ -67,12 +67,12 @@ pub fn stat() -> String {
 }
 
 pub fn shared_memory() -> Result<Room, RoomError> {
-    group::shared_memory_room().map(|(size, free)| Room { size, free })
+    supervise::shared_memory_room().map(|(size, free)| Room { size, free })
 }
 
 /// Directory for the sockets of all runs. It is created, and removed again unless it holds runs.
 pub fn base() -> Result<PathBuf, RootError> {
-    let base = group::base()?;
+    let base = supervise::base()?;
     let _ = std::fs::remove_dir(&base);
     Ok(base)
 }

@@ -1,8 +1,8 @@
 //! Storage of a run: shared memory and sockets.
 
 use super::finding::Finding;
-use group::{DeadRun, RoomError, RootError};
 use std::path::Path;
+use supervise::{DeadRun, RoomError, RootError};
 
 /// Room in the file system of the shared memory, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

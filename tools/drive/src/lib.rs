@@ -5,7 +5,7 @@
 //! services' reports ─► GroupOutcome ───┴─► Summary: the figures of `summary.json`
 //! ```
 //!
-//! Nothing here starts a process. The crate `group` fills the log while it supervises a run, and `report` shows it.
+//! Nothing here starts a process. The crate `supervise` fills the log while it supervises a run, and `report` shows it.
 //!
 //! ```
 //! use drive::ReferenceDriver;

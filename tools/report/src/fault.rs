@@ -1,9 +1,9 @@
 //! Faults in words, the same on the console, the page and the live views.
 
 use crate::duration::duration;
-use group::FaultRecord;
 use messages::Service;
 use scenario::faults::Helper;
+use supervise::FaultRecord;
 
 /// Kind and target of a fault: `kill controller`.
 pub fn name(record: &FaultRecord) -> String {

@@ -1,6 +1,6 @@
 //! Motion across a road with a plan, as series over run time.
 
-use group::{EgoPlace, PlaneScene};
+use supervise::{EgoPlace, PlaneScene};
 
 /// Time over which the lateral jerk is a mean, s (UN R79, 5.6.2.1.3).
 pub const JERK_S: f64 = 0.5;

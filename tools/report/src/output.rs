@@ -11,7 +11,6 @@ pub use error::OutputError;
 pub use result_file::ResultFile;
 
 use clap::Args;
-use group::Error;
 use runtime::histogram_log;
 use runtime::statistics::Latencies;
 use rustix::fs::{FlockOperation, flock};
@@ -19,6 +18,7 @@ use std::cell::Cell;
 use std::fs::File;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use supervise::Error;
 
 /// Files that commands write into their directory; a name without a dot is a directory.
 const RESULTS: [&str; 37] = [

@@ -4,8 +4,6 @@ use crate::fault;
 use crate::lateral::LateralSeries;
 use crate::plane::PlaneView;
 use controller::laws;
-use group::report::{Details, WorstChain};
-use group::{Drive, DriveStep, FaultRecord, GroupOutcome, RequirementVerdict};
 use messages::AllVehicles;
 use messages::level::{Level, Levels};
 use runtime::statistics::QuantileCurve;
@@ -13,6 +11,8 @@ use scenario::Scenario;
 use scenario::grade::GradeProfile;
 use scenario::v2x::Phase;
 use std::collections::BTreeMap;
+use supervise::report::{Details, WorstChain};
+use supervise::{Drive, DriveStep, FaultRecord, GroupOutcome, RequirementVerdict};
 use v2x_sim::program::Program;
 
 /// Run time in s and value. A value that is not finite begins a gap.

@@ -4,9 +4,9 @@
 //! a lost lead or a false target. The first instant is the worst one. It is the collision, else the least time to
 //! collision, else the least gap.
 
-use group::{Drive, DriveStep, PlaneScene};
 use scenario::Scenario;
 use serde::Serialize;
+use supervise::{Drive, DriveStep, PlaneScene};
 
 use crate::chart::{escape, script_json};
 use crate::html::{Column, table};

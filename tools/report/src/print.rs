@@ -3,9 +3,9 @@
 pub use crate::duration::{carries, duration, p99};
 
 use crate::results::{Document, width};
-use group::report::Outcome;
-use group::{Error, RequirementVerdict};
 use std::io::{ErrorKind, Write as _};
+use supervise::report::Outcome;
+use supervise::{Error, RequirementVerdict};
 
 /// Writes text on standard output. A closed pipe is not an error: its reader needs no more.
 ///
@@ -63,7 +63,7 @@ pub fn outcome_word(outcome: Outcome) -> &'static str {
 /// Ends of several runs: `completed`, or the number of each outcome.
 ///
 /// ```
-/// use group::report::Outcome::{Collision, Completed};
+/// use supervise::report::Outcome::{Collision, Completed};
 ///
 /// assert_eq!(report::print::outcomes([Completed, Collision, Completed]), "2 completed, 1 COLLISION");
 /// assert_eq!(report::print::outcomes([Completed]), "completed");

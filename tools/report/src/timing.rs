@@ -3,8 +3,8 @@
 use super::chart::{Axis, Bands, Curve, Plot, Row, Span, Stroke, Tone};
 use super::picture::RunPicture;
 use crate::duration::duration;
-use group::report::{HopTimes, WorstChain};
 use runtime::statistics::{Latencies, QuantileCurve};
+use supervise::report::{HopTimes, WorstChain};
 
 /// Chains drawn as timelines; the table has all.
 const DRAWN_CHAINS: usize = 5;

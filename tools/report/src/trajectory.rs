@@ -1,7 +1,7 @@
 //! `trajectory.csv`: the drive, one row per sample of the vehicle's motion.
 
 use crate::table;
-use group::{Drive, DriveStep, PowertrainStep};
+use supervise::{Drive, DriveStep, PowertrainStep};
 
 /// Columns before the law's own figures.
 const COLUMNS: [&str; 11] = [

@@ -2,8 +2,8 @@
 
 use super::results::{Column, count, flag, number, word};
 use crate::print;
-use group::RequirementVerdict;
 use serde::Serialize;
+use supervise::RequirementVerdict;
 
 /// Columns of a run's verdicts on its requirements.
 #[must_use]

@@ -40,7 +40,7 @@ impl<E: Failure> From<E> for Error {
 /// A value of the user's that a command cannot use: an option's, or the content of a file.
 ///
 /// ```
-/// use group::UsageError;
+/// use supervise::UsageError;
 ///
 /// let error = UsageError::option("--seeds", "0", "no seeds", "a number of 1 or more");
 /// assert_eq!(error.to_string(), "--seeds 0: no seeds, expected a number of 1 or more");

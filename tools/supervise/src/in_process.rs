@@ -94,7 +94,7 @@ pub enum Advance {
 ///
 /// ```
 /// use controller::laws::external::Questions;
-/// use group::in_process::{Advance, SteppedRun};
+/// use supervise::in_process::{Advance, SteppedRun};
 /// use messages::{LawAnswer, LawInput};
 /// use runtime::Sealing;
 ///
@@ -105,8 +105,8 @@ pub enum Advance {
 ///     if q.has_target == 1 { free.min(follow) } else { free }
 /// }
 ///
-/// let options = group::ScenarioOptions { duration: Some("5".into()), ..Default::default() };
-/// let scenario = group::open("following", &options).expect("built in");
+/// let options = supervise::ScenarioOptions { duration: Some("5".into()), ..Default::default() };
+/// let scenario = supervise::open("following", &options).expect("built in");
 /// let questions = Questions::default();
 /// let mut run = SteppedRun::begin(&scenario, Sealing::Unsealed, Some(questions.clone()))?;
 /// let mut asked = 0;
@@ -121,8 +121,8 @@ pub enum Advance {
 ///         Advance::Over => break,
 ///     }
 /// }
-/// assert_eq!((asked, run.finish()?.ended), (51, group::Ended::Orderly), "each 100 ms, both ends included");
-/// # Ok::<(), group::Error>(())
+/// assert_eq!((asked, run.finish()?.ended), (51, supervise::Ended::Orderly), "each 100 ms, both ends included");
+/// # Ok::<(), supervise::Error>(())
 /// ```
 #[derive(Debug)]
 pub struct SteppedRun {

@@ -2,12 +2,12 @@
 
 use super::usage::Sample;
 use super::{Done, Job, Scratch, carrier, leftovers};
-use group::report::Outcome;
-use group::{Ended, Error, Failure, GroupOptions, Keep, Status};
 use report::summary::Summary;
 use runtime::{Carrier, Sealing};
 use scenario::Scenario;
 use std::time::{Duration, Instant};
+use supervise::report::Outcome;
+use supervise::{Ended, Error, Failure, GroupOptions, Keep, Status};
 
 /// The machine cannot give what a run needs.
 #[derive(Debug, thiserror::Error)]
@@ -107,7 +107,7 @@ pub(crate) fn drive_on(
     let stop = || !going_on();
     let outcome = match carrier {
         Carrier::Memory => {
-            group::in_process::run_watched(&job.scenario, sealing, &stop, &mut |_| {})?
+            supervise::in_process::run_watched(&job.scenario, sealing, &stop, &mut |_| {})?
         }
         Carrier::SharedMemory => {
             let directory = job.record.then(Scratch::new).transpose();
@@ -116,7 +116,7 @@ pub(crate) fn drive_on(
                 recording: Some(directory.path().join("topics.mcap")),
                 ..Keep::default()
             });
-            group::drive(&job.scenario, job.mode, group, keep, &mut |moment| {
+            supervise::drive(&job.scenario, job.mode, group, keep, &mut |moment| {
                 let time = Duration::from_nanos(moment.time_ns.max(0).unsigned_abs());
                 if let Some(every) = job.sample_every.filter(|_| time >= next) {
                     samples.push(Sample::take());

@@ -1,8 +1,8 @@
 //! Signals that ask for an end.
 
-use group::SignalsError;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use supervise::SignalsError;
 
 /// Notices the signals that ask for an end, also between two groups, when no group listens.
 pub struct Interrupt {
@@ -17,7 +17,7 @@ impl Interrupt {
     /// If the signals cannot be handled.
     pub fn watch() -> Result<Self, SignalsError> {
         let came = Arc::new(AtomicBool::new(false));
-        let registered = group::end_signals()
+        let registered = supervise::end_signals()
             .into_iter()
             .map(|signal| signal_hook::flag::register(signal, Arc::clone(&came)))
             .collect::<Result<_, _>>()?;

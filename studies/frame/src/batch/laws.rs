@@ -1,7 +1,7 @@
 //! The laws that an option names.
 
 use controller::laws;
-use group::UsageError;
+use supervise::UsageError;
 
 /// Each law of `option` once; where the option is empty all of timegap's own that drive such a vehicle, and the user's,
 /// which are `own`.

@@ -11,7 +11,7 @@
 //! use frame::batch::{Job, at_once};
 //! use runtime::Mode;
 //!
-//! let scenario = group::open("following", &group::ScenarioOptions::default()).unwrap();
+//! let scenario = supervise::open("following", &supervise::ScenarioOptions::default()).unwrap();
 //! assert_eq!(Job::lockstep(scenario).mode, Mode::Lockstep);
 //! assert_eq!(at_once(None, Mode::Realtime), 1, "realtime runs would measure each other");
 //! ```
@@ -32,12 +32,12 @@ pub use scratch::Scratch;
 pub use usage::Growth;
 pub use workers::share;
 
-use group::{Drive, Error, GroupOptions};
 use report::summary::Summary;
 use runtime::{Carrier, Mode};
 use scenario::Scenario;
 use std::num::NonZeroUsize;
 use std::time::Duration;
+use supervise::{Drive, Error, GroupOptions};
 use usage::Sample;
 
 /// A run to be done.
@@ -88,7 +88,7 @@ pub fn at_once(chosen: Option<NonZeroUsize>, mode: Mode) -> usize {
 pub fn check(scenario: &Scenario, mode: Mode, group: &GroupOptions) -> Result<(), Error> {
     group.programs()?;
     match carrier(group, mode) {
-        Carrier::Memory => Ok(group::check_in_process(scenario)?),
+        Carrier::Memory => Ok(supervise::check_in_process(scenario)?),
         Carrier::SharedMemory => Ok(()),
     }
 }

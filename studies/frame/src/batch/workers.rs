@@ -1,10 +1,10 @@
 //! Workers that share numbered pieces of work: each takes the next one when it is done with one.
 
 use super::Interrupt;
-use group::Error;
 use indicatif::ProgressBar;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::sync_channel;
+use supervise::Error;
 
 /// The work on a piece by its number. The function is false once the work is to end.
 pub type Work<'a, T> = dyn Fn(usize, &dyn Fn() -> bool) -> T + Sync + 'a;

@@ -1,8 +1,8 @@
 //! The columns of a trajectory.
 
-use group::{Drive, DriveStep};
 use parquet_writer::Cells;
 use scenario::Scenario;
+use supervise::{Drive, DriveStep};
 
 /// Names of the columns before and behind the study's keys.
 pub(super) const NAMES: [&[&str]; 2] = [

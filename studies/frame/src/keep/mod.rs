@@ -18,12 +18,12 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Mutex;
 
-use group::report::Outcome;
-use group::{Drive, Error};
 use parquet_writer::{Cells, Writer};
 use report::output::OutputDirectory;
 use report::summary::Summary;
 use scenario::Scenario;
+use supervise::report::Outcome;
+use supervise::{Drive, Error};
 
 pub use columns::{Key, keys};
 use columns::{NAMES, cells};

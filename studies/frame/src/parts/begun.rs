@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
-use group::Error;
 use serde::{Deserialize, Serialize};
+use supervise::Error;
 
 use super::journal::Journal;
 use crate::drives::{Drive, ExactDrive};

@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use group::{Error, GroupOptions, UsageError};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
+use supervise::{Error, GroupOptions, UsageError};
 
 use super::{FILE, Shard};
 

@@ -4,13 +4,13 @@
 //! few times a second. A line that a crash cut off is dropped; its run is done again. The last key of a line is a
 //! checksum of the rest. Otherwise a flipped digit would pass as a result.
 
-use group::{Error, UsageError};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fs::{File, OpenOptions};
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
+use supervise::{Error, UsageError};
 use xxhash_rust::xxh3::xxh3_64;
 
 /// Name of the journal in a directory of results.

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use group::{Error, UsageError};
 use serde::de::DeserializeOwned;
+use supervise::{Error, UsageError};
 
 use super::file::resume_command;
 use super::{FILE, Line, PartFile, Records, Shard, holds, journal};

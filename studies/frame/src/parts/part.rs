@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use group::{Error, UsageError};
 use report::output::OutputDirectory;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use supervise::{Error, UsageError};
 
 use super::begun::{self, Begun, SoFar};
 use super::file::resume_command;

@@ -7,8 +7,8 @@ use std::marker::PhantomData;
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
-use group::{Error, UsageError};
 use serde::de::DeserializeOwned;
+use supervise::{Error, UsageError};
 
 use super::Line;
 use super::journal::Place;

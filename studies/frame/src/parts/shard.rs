@@ -4,8 +4,8 @@ use std::fmt::Display;
 use std::num::NonZeroU32;
 use std::str::FromStr;
 
-use group::UsageError;
 use serde::{Deserialize, Serialize};
+use supervise::UsageError;
 
 /// A part of a study's runs: those whose number leaves `index - 1` when divided by `count`.
 ///

@@ -4,8 +4,8 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
 use clap::{Args, FromArgMatches};
-use group::GroupOptions;
 use report::results::ResultOptions;
+use supervise::GroupOptions;
 
 use crate::keep::Keep;
 use crate::parts::{Shard, ShardChoice};

@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, MutexGuard};
 
-use group::{Error, GroupOptions};
 use indicatif::ProgressBar;
 use scenario::Scenario;
+use supervise::{Error, GroupOptions};
 
 use super::verify::{self, Verify};
 use super::{RunResult, Study};

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::ExitCode;
 
-use group::{Error, UsageError};
+use supervise::{Error, UsageError};
 
 use super::command::{MergeArguments, ResumeArguments};
 use super::{Study, run};

@@ -15,11 +15,11 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
-use group::Error;
 use report::results::{Column, Document, flag};
 use runtime::Mode;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use supervise::Error;
 
 use crate::batch::{Done, Job};
 use crate::parts::{Records, Shard};

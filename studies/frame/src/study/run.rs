@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::process::ExitCode;
 
-use group::{Error, GroupOptions};
 use indicatif::ProgressBar;
 use report::output::OutputDirectory;
 use report::results::ResultOptions;
+use supervise::{Error, GroupOptions};
 
 use super::command::{Command, MergeArguments, ResumeArguments, RunOptions};
 use super::crew::{Crew, Observed};

@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use group::{Error, Failure, GroupOptions, Status};
 use report::summary::Summary;
 use runtime::{Carrier, Sealing};
+use supervise::{Error, Failure, GroupOptions, Status};
 
 use crate::batch::{self, Done, Job};
 
@@ -109,9 +109,9 @@ mod tests {
     #[test]
     fn a_difference_is_named() {
         let scenario =
-            group::open("following", &group::ScenarioOptions::default()).expect("built in");
+            supervise::open("following", &supervise::ScenarioOptions::default()).expect("built in");
         let outcome =
-            group::in_process::run_unsealed(&scenario, &|| true).expect("it ends at once");
+            supervise::in_process::run_unsealed(&scenario, &|| true).expect("it ends at once");
         let summary = || {
             let wall = std::time::Duration::ZERO;
             Summary::new(&scenario, runtime::Mode::Lockstep, &outcome, wall)

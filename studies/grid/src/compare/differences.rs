@@ -5,13 +5,13 @@
 //! together, so each interval is widened until all of a scenario hold together (Bonferroni). A drive that ended early
 //! has other figures. So pairs of completed runs alone count, and the share of completed runs is a figure of its own.
 
-use group::report::Outcome;
 use report::figures::compared;
 use report::results::Good;
 use schemars::JsonSchema;
 use serde::Serialize;
 use statistics::{Interval, interval, least_pairs};
 use std::collections::BTreeMap;
+use supervise::report::Outcome;
 
 use crate::row::Row;
 

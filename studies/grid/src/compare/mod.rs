@@ -17,7 +17,6 @@ use clap::Args;
 use frame::batch::{self, Done, Job};
 use frame::param;
 use frame::{Command, Entry, Found, Needs, RunOptions, Study, seeds};
-use group::{Error, Failure, LawOptions, ModeName, Opening, ScenarioOptions};
 use messages::Service;
 use report::RunPicture;
 use report::results::Document;
@@ -26,6 +25,7 @@ use runtime::Mode;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::process::ExitCode;
+use supervise::{Error, Failure, LawOptions, ModeName, Opening, ScenarioOptions};
 
 use crate::cells::{Cell, Grid};
 use crate::row::Row;
@@ -124,7 +124,7 @@ fn own_laws(arguments: &CompareArguments) -> Result<(Vec<String>, bool), Error> 
     let mut declared: Option<Vec<String>> = None;
     let mut all_trucks = true;
     for argument in &arguments.scenarios {
-        let scenario = group::open(argument, &options)?;
+        let scenario = supervise::open(argument, &options)?;
         all_trucks &= scenario.plant.vehicle.is_truck();
         let laws = scenario.laws;
         match &mut declared {

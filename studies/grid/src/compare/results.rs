@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use group::report::Outcome;
 use report::results::{Document, Schema};
 use report::summary::braked;
 use report::{RunPicture, overlay};
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
+use supervise::report::Outcome;
 
 use super::columns;
 use super::differences::{Difference, differences, rule};

@@ -19,11 +19,11 @@ use serde::{Deserialize, Serialize};
 use frame::batch::{Done, Job};
 use frame::param::{self, Param};
 use frame::{Command, Entry, Found, Needs, RunOptions, Study, seeds};
-use group::{Error, Failure, ModeName, Opening, ScenarioOptions};
 use report::results::Document;
 use results::Sweep;
 use runtime::Mode;
 use std::process::ExitCode;
+use supervise::{Error, Failure, ModeName, Opening, ScenarioOptions};
 
 use crate::cells::{Cell, Grid};
 use crate::row::Row;

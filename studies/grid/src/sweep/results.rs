@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use group::RequirementVerdict;
-use group::report::Outcome;
 use report::figures::{Figure, compared};
 use report::results::{Column, Object, Schema, Table, count, judged, value, word};
 use runtime::Mode;
 use schemars::JsonSchema;
 use serde::Serialize;
 use serde_json::{Map, Value, json};
+use supervise::RequirementVerdict;
+use supervise::report::Outcome;
 
 use crate::point::{Point, points};
 use crate::row::Row;

@@ -17,8 +17,8 @@ use super::pictures::{Gallery, Pictures, over_time};
 use super::row::Row;
 use super::runner::{Driven, Part, Piece, Runner};
 use controller::laws::cacc::weights::{Weights, set};
-use group::Error;
 use report::chart::{Strip, Tone};
+use supervise::Error;
 
 /// A scene of the paper: name in the figures, scenario, stop line and switch.
 #[derive(Debug, PartialEq)]

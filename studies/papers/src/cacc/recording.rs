@@ -2,7 +2,7 @@
 
 use super::Scene;
 use crate::runner::Driven;
-use group::DriveStep;
+use supervise::DriveStep;
 
 /// A drive at its control cycles, column by column.
 #[derive(Clone, Debug, Default, PartialEq)]

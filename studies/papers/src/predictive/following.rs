@@ -8,8 +8,8 @@ use crate::row::{EXACT, Kind, Row, Tolerance, paper, requirement, within};
 use crate::runner::{Driven, Part, Piece, Runner};
 use crate::trips::Trip;
 use controller::laws::truck::Prices;
-use group::report::Outcome;
-use group::{DriveStep, Error};
+use supervise::report::Outcome;
+use supervise::{DriveStep, Error};
 use truck_model::{Preset, Truck};
 
 const FIGURE_M: f64 = 3500.0;

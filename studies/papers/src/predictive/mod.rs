@@ -13,7 +13,7 @@
 use super::runner::Piece;
 use super::trips::Trip;
 use controller::laws::truck::Prices;
-use group::DriveStep;
+use supervise::DriveStep;
 use truck_model::{Preset, Truck};
 
 mod computed;
@@ -62,7 +62,7 @@ fn slower_percent(trip: &Trip, baseline: &Trip) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use group::PowertrainStep;
+    use supervise::PowertrainStep;
     use truck_model::FUEL_DENSITY_GPL;
 
     #[test]

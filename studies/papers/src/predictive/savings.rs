@@ -7,7 +7,7 @@ use crate::pictures::{Gallery, Pictures, over_road};
 use crate::row::{EXACT, Kind, Row, Tolerance, paper, reconstruction, requirement, within};
 use crate::runner::{Driven, Part, Piece, Runner};
 use crate::trips::Trip;
-use group::Error;
+use supervise::Error;
 use truck_model::Preset;
 
 /// Drives of one planner until it takes the baseline's trip time.
@@ -135,7 +135,7 @@ fn preset(runner: &Runner<'_>, expected: &Reconstructed) -> Result<Part, Error> 
     }
     let mut trips = vec![("constant speed", &constant)];
     trips.extend(driven.iter().map(|(planner, _, (_, driven), _)| (*planner, driven)));
-    let plot = |title, unit, value: &dyn Fn(&Driven, &group::DriveStep) -> Option<f64>| {
+    let plot = |title, unit, value: &dyn Fn(&Driven, &supervise::DriveStep) -> Option<f64>| {
         over_road(title, unit, ROAD_M, &trips, value)
     };
     let gallery = Gallery {

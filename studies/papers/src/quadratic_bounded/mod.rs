@@ -11,7 +11,7 @@ use super::pictures::{Gallery, over_time};
 use super::row::{EXACT, Kind, Row, Tolerance, paper, requirement, within};
 use super::runner::{Driven, Part, Piece, Runner};
 use actuators::{Pedals, pedals};
-use group::{DriveStep, Error};
+use supervise::{DriveStep, Error};
 
 /// The sets, with the key that chooses the gains.
 const SETS: [(&str, &str); 2] = [

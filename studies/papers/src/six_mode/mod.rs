@@ -13,8 +13,8 @@ use super::row::{EXACT, Kind, Row, Tolerance, paper, requirement, within};
 use super::runner::{Driven, Part, Piece, Runner};
 use controller::laws::six_mode::deceleration::LEVELS_MPS2;
 use controller::laws::six_mode::{Mode, Parameters};
-use group::Error;
-use group::report::Outcome;
+use supervise::Error;
+use supervise::report::Outcome;
 
 /// Switches are printed in whole seconds; this is less than rounding alone would excuse.
 const PRINTED_S: Tolerance = within(0.3, "printed in whole seconds");

@@ -8,12 +8,12 @@
 //! The queue is in sight if the radar's range and field of view contain the middle of its last vehicle's rear.
 
 use frame::batch::Done;
-use group::PlaneScene;
-use group::report::Outcome;
 use report::targets::{JudgedScan, Owner, Sums, by_place, judge};
 use scenario::Scenario;
 use scenario::perception::Radar;
 use serde::{Deserialize, Serialize};
+use supervise::PlaneScene;
+use supervise::report::Outcome;
 
 use crate::limits::{BRAKED_MPS2, FROM_SIGHT_MPS2, SEEN_WITHIN_S};
 use crate::population::Drive;
@@ -123,8 +123,8 @@ fn sight(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use group::{Body, EgoPlace, Seen};
     use report::targets::{Lead, Place};
+    use supervise::{Body, EgoPlace, Seen};
 
     #[test]
     fn sight_begins_in_range_and_view_and_ends_with_the_target() {

@@ -9,12 +9,12 @@ mod judge;
 pub mod scenes;
 
 use frame::batch::Done;
-use group::Error;
-use group::report::Outcome;
 use report::results::{Column, count, number, word};
 use report::targets::{Place, Sums};
 use scenario::Scenario;
 use serde_json::{Value, json};
+use supervise::Error;
+use supervise::report::Outcome;
 
 use crate::figures::{Drives, Figure, Group, figures};
 use crate::population::{Drive, DriveOptions, Finding, Planned, Population, only_law};

@@ -7,12 +7,12 @@ mod oracle;
 
 use controller::laws;
 use frame::batch::Done;
-use group::Error;
-use group::report::Outcome;
 use report::results::{count, number, word};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
+use supervise::Error;
+use supervise::report::Outcome;
 
 use crate::curves::scenes::queue;
 use crate::draws::Draws;
@@ -198,8 +198,8 @@ fn brakes(scenario: &Scenario) -> Brakes {
 mod tests {
     use super::*;
     use crate::scene::Actor;
-    use group::{Drive as Driven, in_process};
     use report::summary::Summary;
+    use supervise::{Drive as Driven, in_process};
 
     fn planned(kind: &str, number: usize, law: &str, brake: &str) -> Planned {
         Planned { number, law: law.to_owned(), keys: vec![kind.to_owned(), brake.to_owned()] }

@@ -2,7 +2,7 @@
 //!
 //! The oracle uses the motion of all vehicles ([`crate::scene`]) and of the ego. It uses nothing of radar, laws and
 //! emergency brake. It moves bodies by code of its own. Otherwise a fault of the plant's contact or of its required
-//! deceleration would judge itself. The driver's numbers alone are shared ([`group::ReferenceDriver`]).
+//! deceleration would judge itself. The driver's numbers alone are shared ([`supervise::ReferenceDriver`]).
 //!
 //! | question | answer |
 //! |---|---|
@@ -16,7 +16,7 @@
 //!
 //! Chosen: 1.5 m/s², braking that passengers hardly notice.
 
-use group::DriveStep;
+use supervise::DriveStep;
 
 use crate::limits::{GENTLE_MPS2, NEED_MPS2, REACTION_S, REFERENCE_MPS2};
 use crate::scene::{Actor, CAR_LENGTH_M, Place};

@@ -12,13 +12,13 @@ mod drives;
 use std::ops::Range;
 
 use frame::batch::Done;
-use group::report::CheckReport;
-use group::{Error, ScenarioOptions};
 use report::results::{count, number, word};
 use scenario::Scenario;
 use scenario::plant::Vehicle;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
+use supervise::report::CheckReport;
+use supervise::{Error, ScenarioOptions};
 
 use crate::figures::{Drives, Figure, Group, figures};
 use crate::population::{Drive, DriveOptions, Finding, Planned, Population, only_law};
@@ -158,10 +158,10 @@ impl Population for Plausibility {
                     require,
                     ..ScenarioOptions::default()
                 };
-                group::open_with(sender.scenario, &options, "set", &set)
+                supervise::open_with(sender.scenario, &options, "set", &set)
             }
         };
-        let own = DriveOptions { laws: group::LawOptions::default(), ..options.clone() };
+        let own = DriveOptions { laws: supervise::LawOptions::default(), ..options.clone() };
         let scenario = open(&own)?;
         if law.is_empty() || scenario.plant.vehicle != Vehicle::Car {
             return Ok(scenario);
@@ -366,7 +366,7 @@ mod tests {
     #[test]
     fn every_drive_is_a_scenario_and_a_law_of_the_users_own_drives_every_car() {
         let own = Plausibility::new(vec!["mine".to_owned()]).expect("one law");
-        let laws = group::LawOptions { laws: vec!["mine=cat".parse().expect("a law")] };
+        let laws = supervise::LawOptions { laws: vec!["mine=cat".parse().expect("a law")] };
         let options = DriveOptions { laws, ..DriveOptions::default() };
         let mut trucks = 0;
         for planned in own.plan(0..52) {

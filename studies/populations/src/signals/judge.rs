@@ -6,11 +6,11 @@
 //! drive had at the line before, and when the drive crosses it. So it counts once, and not at the lines behind it.
 
 use frame::batch::Done;
-use group::DriveStep;
 use report::Passing;
 use scenario::Scenario;
 use scenario::v2x::{Phase, Signal};
 use serde::{Deserialize, Serialize};
+use supervise::DriveStep;
 use v2x_sim::program::Program;
 
 use super::bound;

@@ -11,12 +11,12 @@ mod lead;
 mod signal;
 
 use frame::batch::Done;
-use group::Error;
-use group::report::Outcome;
 use report::figures::{MAX_ABS_JERK_MPS3, RMS_JERK_MPS3, STOPS, WHEEL_ENERGY_KWH_PER_100KM};
 use report::results::{Column, count, number, word};
 use scenario::Scenario;
 use serde_json::{Value, json};
+use supervise::Error;
+use supervise::report::Outcome;
 
 use crate::figures::{Drives, Figure, Group, figures};
 use crate::population::{Drive, DriveOptions, Finding, Planned, Population};
@@ -346,7 +346,7 @@ mod tests {
         let scenario = Scenario::parse_with("corridor", &text, &Default::default(), check);
         let scenario = scenario.expect("the keys are right");
         let group =
-            group::GroupOptions { programs: Vec::new(), ready_timeout: 1.0, processes: false };
+            supervise::GroupOptions { programs: Vec::new(), ready_timeout: 1.0, processes: false };
         let done = frame::batch::lockstep(&scenario, &group, &|| true);
         let summary = done.expect("it runs").summary;
         assert_eq!(summary.outcome, Outcome::Completed, "{keys}");

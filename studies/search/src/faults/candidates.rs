@@ -3,9 +3,9 @@
 //! A fault begins within the first 80 % of the drive, and lasts from 0.1 s to the drive's length. One of timing lasts
 //! from start to end. Chosen: the largest sizes are beyond what a system in order could show.
 
-use group::{Error, absent};
 use messages::Service;
 use scenario::faults::TopicName;
+use supervise::{Error, absent};
 
 use crate::problem::{
     Domain, FAULT, FaultChoice, Problem, Setting, Term, Value, Variable, is_refusal,

@@ -14,10 +14,10 @@ use std::num::NonZeroUsize;
 
 use frame::batch::{Done, Job};
 use frame::{Found, Needs, RunOptions, Study};
-use group::report::Outcome;
-use group::{Error, GroupOptions, UsageError};
 use report::results::Document;
 use serde::{Deserialize, Serialize};
+use supervise::report::Outcome;
+use supervise::{Error, GroupOptions, UsageError};
 
 use crate::arguments::SearchArguments;
 use crate::method::{Sobol, seed_of};

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use gaussian_process::Kind;
-use group::Error;
+use supervise::Error;
 
 use super::gaussian::{Datum, Model};
 use super::scan::{Admit, Proposal, Scan, random};

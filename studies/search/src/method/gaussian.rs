@@ -10,9 +10,9 @@
 //! admissible is hardly tried: its score counts a twentieth.
 
 use gaussian_process::{Hyperparameters, Kind, Process, Watched, expected_improvement, fit};
-use group::Error;
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
+use supervise::Error;
 
 use super::scan::{Admit, Proposal};
 use super::{Sobol, seed_of};

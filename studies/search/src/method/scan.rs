@@ -1,9 +1,9 @@
 //! The admissible points of a sequence, one after the other.
 
-use group::{Error, UsageError};
 use rand_core::SeedableRng;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
+use supervise::{Error, UsageError};
 
 use super::{Sobol, seed_of};
 

@@ -23,9 +23,9 @@ use std::sync::Mutex;
 use frame::batch::Job;
 use frame::keep::Keep;
 use frame::{Crew, Found, Needs, RunOptions, RunResult, Study};
-use group::{Error, UsageError};
 use rare_events::{Budget, REPLICAS, replica, sobol};
 use report::results::Document;
+use supervise::{Error, UsageError};
 
 use crate::arguments::SearchArguments;
 use crate::method::seed_of;

@@ -1,9 +1,9 @@
 //! The variables' joint distribution.
 
-use group::UsageError;
 use rare_events::{Copula, Distribution};
 use std::num::NonZeroUsize;
 use std::path::Path;
+use supervise::UsageError;
 
 use crate::problem::{Domain, Exposure, Problem, SearchError, Stated, Value, Variable};
 

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-use group::{Error, ScenarioOptions, UsageError};
 use scenario::name::{Line, Name};
 use serde::Deserialize;
+use supervise::{Error, ScenarioOptions, UsageError};
 use toml::{Table, Value as Toml};
 
 use super::term::{FaultChoice, Setting, Term};

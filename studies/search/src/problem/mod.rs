@@ -21,9 +21,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use gaussian_process::Kind;
-use group::{Error, Failure, GroupOptions, Opening, ScenarioOptions, UsageError};
 use runtime::Mode;
 use scenario::Scenario;
+use supervise::{Error, Failure, GroupOptions, Opening, ScenarioOptions, UsageError};
 use thiserror::Error;
 
 use crate::arguments::SearchArguments;
@@ -121,7 +121,7 @@ impl Problem {
     /// Mistakes in the scenario.
     pub(crate) fn new(scenario: &str, options: &ScenarioOptions) -> Result<Self, Error> {
         let mut options = options.clone();
-        if group::open(scenario, &options)?.require.formulas.is_empty() {
+        if supervise::open(scenario, &options)?.require.formulas.is_empty() {
             options.require.push("no-collision".to_owned());
         }
         let opening = Opening::of(scenario, &options)?;

@@ -1,7 +1,7 @@
 //! Terms: what becomes of the variables' values in the scenario.
 
-use group::UsageError;
 use openscenario::expression::{self, Fault, evaluate};
+use supervise::UsageError;
 
 use super::keys::is_whole;
 use super::variable::{Value, Variable, rounded};

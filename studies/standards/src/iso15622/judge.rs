@@ -1,10 +1,10 @@
 //! Figures of a test's drive, each with its limit.
 
-use group::{Drive, DriveStep};
 use report::targets::{self, JudgedScan};
 use scenario::Scenario;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use supervise::{Drive, DriveStep};
 
 use super::limits::{
     ACCELERATION, BEGINS_TO_SLOW_MPS2, CREEP_MPS, CURVE_LATERAL_MARGIN_MPS2, DECELERATION, HOLD_S,
@@ -179,7 +179,7 @@ impl Sheet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use group::LawOptions;
+    use supervise::LawOptions;
 
     fn scenario() -> Scenario {
         let scenario = Test::StopAndGo.scenario("acc-mpc", &LawOptions::default(), 1);

@@ -4,7 +4,7 @@
 //! All stand since 2026-11-21 unless they say another date. Source: ISO 15622:2018, as secondary sources give it.
 //! "Chosen" marks a value without that source.
 
-use group::DriveStep;
+use supervise::DriveStep;
 
 /// Time gap at which a target must be acquired at the latest, s.
 pub const LONGEST_TIME_GAP_S: f64 = 2.2;

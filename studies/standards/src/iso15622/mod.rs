@@ -16,12 +16,12 @@ use std::process::ExitCode;
 use clap::Args;
 use frame::batch::{self, Done, Job};
 use frame::{Command, Entry, Found, RunOptions, Study};
-use group::{Error, LawOptions};
 use judge::Row;
 use report::results::{Broken, Column, Document, Schema, Table, flag, number, word};
 use scenes::Test;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use supervise::{Error, LawOptions};
 
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub struct Iso15622Arguments {

@@ -13,8 +13,8 @@
 //! it. The neighbour in the outer lane keeps its speed: an ego that follows it does not slow down.
 
 use controller::laws;
-use group::{Error, LawOptions};
 use scenario::{Overrides, Scenario};
+use supervise::{Error, LawOptions};
 
 use super::limits::{Class, STEADY_S};
 

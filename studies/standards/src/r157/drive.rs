@@ -4,9 +4,9 @@
 //! bytes as the drive without it, so it counts for both.
 
 use frame::batch::Done;
-use group::{Drive, Error};
 use messages::AllVehicles;
 use serde::{Deserialize, Serialize};
+use supervise::{Drive, Error};
 
 use super::results::End;
 use crate::{VEHICLE_WIDTH_M, Verdict, contact};
@@ -79,8 +79,8 @@ pub fn verdict(drive: &Drive) -> Verdict {
 mod tests {
     use crate::Outcome;
     use bytemuck::Zeroable;
-    use group::DriveStep;
     use messages::VehicleTruthItem;
+    use supervise::DriveStep;
 
     use super::*;
 

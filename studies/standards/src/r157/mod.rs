@@ -28,10 +28,10 @@ use controller::laws;
 use drive::Ends;
 use frame::batch::{self, Job};
 use frame::{Command, Crew, Entry, Found, Needs, RunOptions, RunResult, Study};
-use group::{Error, LawOptions, UsageError};
 use report::results::{Document, Schema};
 use results::{Driven, Judged, MatrixResult, Results};
 use serde::{Deserialize, Serialize};
+use supervise::{Error, LawOptions, UsageError};
 
 use crate::{Model, Verdict};
 
@@ -252,9 +252,9 @@ mod tests {
     use std::collections::BTreeMap;
 
     use clap::FromArgMatches;
-    use group::GroupOptions;
-    use group::in_process;
-    use group::report::Details;
+    use supervise::GroupOptions;
+    use supervise::in_process;
+    use supervise::report::Details;
     use messages::Service;
 
     use super::*;

@@ -10,8 +10,8 @@ use std::sync::Mutex;
 
 use controller::laws;
 use frame::batch;
-use group::{Error, GroupOptions, LawOptions};
 use scenario::{Overrides, Scenario};
+use supervise::{Error, GroupOptions, LawOptions};
 
 use super::matrix::Case;
 use crate::cut_in::{CLEARANCE_M, LATERAL_ACCELERATION_MPS2};
@@ -118,7 +118,7 @@ impl Scenes {
         let name = "a case of UN R157";
         let mut scenario = Scenario::parse_with(name, &text, &overrides, &laws::check)?;
         scenario.require.formulas.clone_from(&self.formulas);
-        group::requirements(&scenario)?;
+        supervise::requirements(&scenario)?;
         Ok(scenario)
     }
 }
@@ -268,7 +268,7 @@ mod tests {
 
     /// Gap, m, speed, m/s, and acceleration, m/s², when the lead has driven evenly for `time_s`.
     fn state_at(scenario: &Scenario, time_s: f64) -> [f64; 3] {
-        let group = group::in_process::run_unsealed(scenario, &|| false).expect("it runs");
+        let group = supervise::in_process::run_unsealed(scenario, &|| false).expect("it runs");
         let steps = group.drive.steps.iter().take_while(|step| step.time_s <= time_s + 1e-9);
         let last = steps.filter(|step| step.gap_m.is_some()).last().expect("it has begun");
         [last.gap_m.expect("there is a lead"), last.speed_mps, last.acceleration_mps2]

@@ -2,13 +2,13 @@
 
 use super::difference::{Difference, not_compared, places};
 use super::{Programs, Table};
-use group::Replayed;
 use messages::{Command, Diagnostics, Header, Message, Place};
 use recorder::{Cycle, Recording, Take};
 use runtime::Program;
 use scenario::Scenario;
 use serde::Serialize;
 use std::collections::VecDeque;
+use supervise::Replayed;
 
 #[derive(Debug, Default, Serialize)]
 pub(super) struct Comparison {

@@ -17,7 +17,6 @@ use super::{count, expect_another_file, open, print_damage};
 use clap::Args;
 use comparison::{Comparison, Pairs};
 use controller::laws;
-use group::{Error, UsageError, replay, service_program};
 use messages::Service;
 use recorder::Recording;
 use report::print;
@@ -29,6 +28,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use supervise::{Error, UsageError, replay, service_program};
 
 #[derive(Debug, Args)]
 pub struct ReplayArguments {
@@ -120,7 +120,7 @@ fn programs(
     let replayed = match &arguments.service {
         Some((Service::Controller, path)) => {
             let here = std::env::current_dir().unwrap_or_default();
-            Some(group::of_service(Service::Controller, path, &here)?)
+            Some(supervise::of_service(Service::Controller, path, &here)?)
         }
         Some((other, _)) => {
             let why = "a replay has the controller alone";

@@ -1,7 +1,7 @@
 //! Why a directory takes no results.
 
-use group::Failure;
 use std::path::PathBuf;
+use supervise::Failure;
 
 /// Reason why a directory is not used for results.
 #[derive(Debug, thiserror::Error)]

@@ -1,9 +1,9 @@
 //! A result that is written whole or not at all.
 
-use group::Error;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use supervise::Error;
 
 /// A result that is being written.
 pub struct ResultFile {

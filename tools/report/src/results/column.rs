@@ -167,7 +167,7 @@ pub const fn nested<R>(name: &'static str, kind: Kind, meaning: &'static str) ->
 }
 
 fn outcome_words(name: &str) -> (&'static str, bool) {
-    use group::report::Outcome;
+    use supervise::report::Outcome;
     let outcome = serde_json::from_value::<Outcome>(Value::String(name.to_owned()));
     let outcome = outcome.unwrap_or(Outcome::Aborted);
     (crate::print::outcome_word(outcome), outcome == Outcome::Completed)

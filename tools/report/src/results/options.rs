@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::Args;
-use group::{Error, Failure, Status};
+use supervise::{Error, Failure, Status};
 
 use super::console::width;
 use super::document::Document;

@@ -3,12 +3,12 @@
 use crate::duration::duration;
 use crate::results::Fact;
 use crate::summary::{Summary, Timing, TopicCounts};
-use group::RecordingSummary;
-use group::report::{ProgramReport, StationReport};
 use messages::Service;
 use messages::level::Level;
 use runtime::scheduling::Asked;
 use std::collections::BTreeMap;
+use supervise::RecordingSummary;
+use supervise::report::{ProgramReport, StationReport};
 
 /// Most changes of mode that are listed.
 const MOST_CHANGES: usize = 8;

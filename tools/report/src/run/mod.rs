@@ -13,9 +13,9 @@ use crate::picture::{RunPicture, letter};
 use crate::results::{Broken, Column, Document, Format, Table, column, count, word};
 use crate::summary::Summary;
 use crate::{curve_plots, fault, over_time, print, verdicts};
-use group::report::Outcome;
-use group::{FaultRecord, RequirementVerdict};
 use scenario::Scenario;
+use supervise::report::Outcome;
+use supervise::{FaultRecord, RequirementVerdict};
 
 /// Longest scenario that is printed in full, bytes.
 const MAX_SCENARIO: usize = 100_000;
@@ -179,9 +179,9 @@ fn repeat(scenario: &Scenario, summary: &Summary) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use group::ScenarioOptions;
     use runtime::Mode;
     use std::time::Duration;
+    use supervise::ScenarioOptions;
 
     /// A short drive behind another vehicle, which breaks its requirement.
     fn driven() -> (Summary, Document) {
@@ -190,8 +190,8 @@ mod tests {
             require: vec!["gap_m > 1000".to_owned()],
             ..ScenarioOptions::default()
         };
-        let scenario = group::open("following", &options).expect("built in");
-        let outcome = group::in_process::run(&scenario).expect("it runs");
+        let scenario = supervise::open("following", &options).expect("built in");
+        let outcome = supervise::in_process::run(&scenario).expect("it runs");
         let summary = Summary::new(&scenario, Mode::Lockstep, &outcome, Duration::from_secs(1));
         let picture = RunPicture::of(&scenario, &outcome).judged(&summary.requirements);
         let document = document(&scenario, &summary, &picture);

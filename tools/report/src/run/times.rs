@@ -6,9 +6,9 @@ use crate::picture::RunPicture;
 use crate::results::{Column, Document, Table, count, flag, micros, word};
 use crate::summary::Summary;
 use crate::timing;
-use group::report::WorstChain;
 use runtime::statistics::Percentiles;
 use serde_json::{Value, json};
+use supervise::report::WorstChain;
 
 /// Percentiles of all timed quantities. In lockstep the law alone is timed by the wall clock.
 pub fn table(summary: &Summary) -> Table {

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Laws of the user's own, by the option `--law`.
 ///
 /// ```
-/// use group::LawOptions;
+/// use supervise::LawOptions;
 ///
 /// let law = "gentle=python3 law.py --gain 0.3".parse().unwrap();
 /// let laws = LawOptions { laws: vec![law] };
@@ -132,7 +132,7 @@ impl LawOptions {
     /// The options as words of a command line.
     ///
     /// ```
-    /// # use group::LawOptions;
+    /// # use supervise::LawOptions;
     /// let laws = LawOptions { laws: vec!["a=python3 'my law.py'".parse().unwrap()] };
     /// assert_eq!(laws.words(), ["--law", "a=python3 'my law.py'"]);
     /// ```
