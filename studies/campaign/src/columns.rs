@@ -103,7 +103,6 @@ fn leaks(record: &Record) -> Value {
 }
 
 /// Contents of the JSON.
-#[must_use]
 pub fn schema() -> Schema {
     Schema::of::<Verdict>("campaign")
 }

@@ -52,9 +52,6 @@ pub fn exposure(
 }
 
 /// The drives without faults, each with the name of its scenario; none in a campaign without faults.
-///
-/// # Errors
-/// If a scenario cannot be driven in simulated time.
 pub fn fault_free(campaign: &Campaign, plan: &Plan) -> Result<Vec<(String, Scenario)>, Error> {
     let planned = if campaign.faults.is_empty() { Vec::new() } else { plan.without_faults() };
     let drive = |planned: Planned| {

@@ -34,9 +34,6 @@ pub fn is_planned(scenario: &Scenario) -> bool {
 }
 
 /// Does the run and waits until nothing of it is left.
-///
-/// # Errors
-/// [`Error::Interrupted`], or what keeps the command from starting.
 pub fn run(
     planned: &Planned,
     scenario: &Scenario,

@@ -37,9 +37,6 @@ impl Targets {
     }
 
     /// Refuses a target that was absent in every run.
-    ///
-    /// # Errors
-    /// [`NothingToFault`].
     pub fn check(self) -> Result<(), NothingToFault> {
         let Self { present, absent } = self;
         match absent.into_iter().find(|(target, _)| !present.contains(target)) {

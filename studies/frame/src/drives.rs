@@ -107,9 +107,6 @@ fn head(keys: &[Key], own: Vec<&str>) -> Vec<u8> {
 type Take<'a, R> = &'a mut dyn FnMut(usize, &R, &Drive) -> Result<(), Error>;
 
 /// Writes the table of all drives, which `each` hands over; no file without any.
-///
-/// # Errors
-/// If a journal cannot be read, or the file cannot be written.
 pub(crate) fn write<R: Serialize>(
     each: &dyn Fn(Take<'_, R>) -> Result<(), Error>,
     keys: &[Key],

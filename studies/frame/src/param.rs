@@ -79,9 +79,6 @@ impl Param {
 }
 
 /// Refuses an option that sets a key which the option `by` sweeps.
-///
-/// # Errors
-/// An option that says what the key is.
 pub fn refuse_if_set(by: &str, key: &str, options: &ScenarioOptions) -> Result<(), UsageError> {
     let by_name = [
         ("controller.name", "--controller", options.controller.as_ref()),

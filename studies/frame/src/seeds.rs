@@ -18,9 +18,6 @@ use supervise::UsageError;
 use crate::param;
 
 /// Reads the argument: a number N of seeds means 1 to N.
-///
-/// # Errors
-/// A text that names no seeds.
 pub fn read(text: &str) -> Result<Vec<Seed>, UsageError> {
     let refuse = |why: &dyn Display| {
         UsageError::option("--seeds", text, why, "a number of seeds of 1 or more, A..B or a,b,c")

@@ -121,9 +121,6 @@ impl PaperName {
 pub const ENTRY: Entry = Entry::of::<Papers>();
 
 /// Runs the command.
-///
-/// # Errors
-/// As [`frame::run`].
 pub fn run(command: &Command<ReproduceArguments>) -> Result<ExitCode, Error> {
     frame::run::<Papers>(command)
 }

@@ -70,9 +70,6 @@ pub enum PopulationCommand {
 }
 
 /// Drives a population.
-///
-/// # Errors
-/// As [`frame::run`].
 pub fn run(command: &PopulationCommand) -> Result<ExitCode, Error> {
     match command {
         PopulationCommand::Signals(command) => drive_all::<Signals>(command),
@@ -91,7 +88,6 @@ fn drive_all<P: population::Population>(
 }
 
 /// The populations with their purpose in one line.
-#[must_use]
 pub fn summaries() -> Vec<(String, String)> {
     let command = PopulationCommand::augment_subcommands(clap::Command::new("test"));
     let summary = |command: &clap::Command| {
@@ -102,7 +98,6 @@ pub fn summaries() -> Vec<(String, String)> {
 }
 
 /// Contents of the JSON of all populations.
-#[must_use]
 pub fn schemas() -> [Schema; 4] {
     [
         results::schema::<Signals>(),

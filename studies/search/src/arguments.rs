@@ -49,9 +49,6 @@ pub struct SearchArguments {
 
 impl SearchArguments {
     /// Seed of the study: the seeds of its runs come from it.
-    ///
-    /// # Errors
-    /// A text that is not a whole number.
     pub fn seed(&self) -> Result<u64, UsageError> {
         match &self.scenario_options.seed {
             Some(seed) => {

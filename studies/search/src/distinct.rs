@@ -8,7 +8,6 @@ const RADIUS: f64 = 0.15;
 
 /// The places of the failures among `records`, in groups around the worst of each, the worst group first. Runs with
 /// different words are in different groups.
-#[must_use]
 pub fn groups(variables: &[Variable], records: &[(usize, Record)]) -> Vec<Vec<usize>> {
     let mut failures: Vec<usize> =
         (0..records.len()).filter(|place| records[*place].1.is_failure()).collect();
@@ -46,7 +45,6 @@ const PARTS: usize = 6;
 ///
 /// The correlation ratio (Pearson 1903): the variance of the means over the whole variance. The means are those in six
 /// equal parts of the variable's interval, or of each word. Values enter as `asinh`.
-#[must_use]
 pub fn effects(variables: &[Variable], records: &[(usize, Record)]) -> Vec<Option<f64>> {
     let values: Vec<f64> = records.iter().map(|(_, one)| libm::asinh(one.value())).collect();
     let mean = values.iter().sum::<f64>() / values.len() as f64;

@@ -44,9 +44,6 @@ pub trait Trial {
 
     /// Drives the values on the seeds, until their share of failures is clear, or on all of them. A scene that the
     /// reference does not avoid fails on none.
-    ///
-    /// # Errors
-    /// An interrupt, or a run that cannot be done.
     fn drive(&self, values: &[Value], all: bool) -> Result<Held, Error>;
 
     /// Number of failures that are enough.
@@ -55,9 +52,6 @@ pub trait Trial {
     }
 
     /// The failure holds with these values. Values that the scenario refuses hold nothing.
-    ///
-    /// # Errors
-    /// As [`Trial::drive`], without a refusal of the scenario.
     fn holds(&self, values: &[Value]) -> Result<bool, Error> {
         match self.drive(values, false) {
             Ok(held) => Ok(held.failed >= self.enough()),
@@ -69,9 +63,6 @@ pub trait Trial {
 }
 
 /// Reduces values that fail on enough seeds.
-///
-/// # Errors
-/// As [`Trial::holds`].
 pub fn reduce(problem: &Problem, from: &[Value], trial: &dyn Trial) -> Result<Vec<Value>, Error> {
     let mut values = from.to_vec();
     for _ in 0..PASSES {
@@ -170,9 +161,6 @@ impl Seeds<'_> {
     }
 
     /// The drive with a seed.
-    ///
-    /// # Errors
-    /// If it cannot be done.
     pub fn repeat(&self, values: &[Value], seed: u64) -> Result<Done, Error> {
         self.run(values, seed, &|| true)
     }

@@ -34,12 +34,10 @@ pub struct Record {
 impl Record {
     /// The value that the search makes small. Below 0 the run is a failure, as the reference avoids each point that is
     /// driven.
-    #[must_use]
     pub fn value(&self) -> f64 {
         self.judged.robustness
     }
 
-    #[must_use]
     pub fn is_failure(&self) -> bool {
         self.value() < 0.0
     }
@@ -76,7 +74,6 @@ pub struct Judged {
 }
 
 /// The requirement of a run with the least margin in tolerances; a run without requirements holds.
-#[must_use]
 pub fn judge(summary: &Summary) -> Judged {
     let worst = summary.requirements.iter().map(|verdict| (in_tolerances(verdict), verdict));
     let worst = worst.min_by(|a, b| a.0.total_cmp(&b.0));
@@ -90,7 +87,6 @@ pub fn judge(summary: &Summary) -> Judged {
 }
 
 /// A margin in tolerances of its unit.
-#[must_use]
 pub fn in_tolerances(verdict: &RequirementVerdict) -> f64 {
     let Some(margin) = verdict.margin else { return if verdict.met { MOST } else { -MOST } };
     let unit = UNITS.into_iter().find(|known| known.to_string() == verdict.unit);

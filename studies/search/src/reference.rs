@@ -80,14 +80,12 @@ pub struct Sample {
 
 impl Driven {
     /// The driver avoids the scene.
-    #[must_use]
     pub fn avoids(&self) -> bool {
         self.clearance_m > CLEARANCE_M
     }
 
     /// Value of the scene by the driver alone, in tolerances of 0.5 m. It is above 0 where the driver does not avoid
     /// it.
-    #[must_use]
     pub fn value(&self) -> f64 {
         ((CLEARANCE_M - self.clearance_m) / 0.5).clamp(-MOST, MOST)
     }
@@ -100,7 +98,6 @@ impl Reference {
     pub const CAREFUL: Self = Self(ReferenceDriver::CAREFUL);
 
     /// The driver of that name.
-    #[must_use]
     pub fn named(name: ReferenceName) -> Option<Self> {
         match name {
             ReferenceName::Regulation => Some(Self::REGULATION),
@@ -110,7 +107,6 @@ impl Reference {
     }
 
     /// Drives a scenario, until its end or a contact. `keep` keeps the samples.
-    #[must_use]
     pub fn drive(&self, scenario: &Scenario, keep: bool) -> Driven {
         let mut traffic = Traffic::new(scenario);
         let mut ego = Ego { speed_mps: scenario.plant.initial_speed_mps.value(), ..Ego::default() };

@@ -87,7 +87,6 @@ pub fn repeated(directory: &Path, place: usize) -> (String, String) {
 }
 
 /// The schema of the command's JSON.
-#[must_use]
 pub fn schema() -> Schema {
     Schema::of::<Search>("search")
 }

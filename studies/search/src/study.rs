@@ -30,9 +30,6 @@ use crate::rows::FailureRow;
 const LOOK: Duration = Duration::from_millis(50);
 
 /// Runs the command.
-///
-/// # Errors
-/// Mistakes in the arguments or the file, else as [`frame::run`].
 pub fn run(command: &Command<SearchArguments>) -> Result<ExitCode, Error> {
     match &command.study {
         arguments if arguments.probability => frame::run::<Probability>(command),
@@ -293,9 +290,6 @@ impl Runs {
 }
 
 /// Number of the first failing run of a search in the caller's thread, from 1; none within the budget.
-///
-/// # Errors
-/// An interrupt, or a run that cannot be done.
 pub fn first_violation(
     problem: &Problem,
     (method, seed): (MethodName, u64),

@@ -39,7 +39,6 @@ pub struct CarByCar {
 
 impl CarByCar {
     /// A string of `vehicles` cars; the scenarios, one a law, are repeated along it. There must be one.
-    #[must_use]
     pub fn new(laws: Vec<Scenario>, vehicles: usize) -> Self {
         assert!(!laws.is_empty(), "a string has a law");
         Self::of(Plan { laws, vehicles, wave: None })
@@ -50,9 +49,6 @@ impl CarByCar {
     }
 
     /// The scenario of the next car; `None` when all were driven.
-    ///
-    /// # Errors
-    /// If the string is too long for its road.
     pub fn next(&self) -> Result<Option<Scenario>, SceneError> {
         match (self.places.get(self.cars.len()), &self.last) {
             (None, _) => Ok(None),
@@ -82,10 +78,6 @@ impl CarByCar {
     }
 
     /// The results of the cars that were driven, as the command's JSON.
-    ///
-    /// # Panics
-    /// Never: results are plain data.
-    #[must_use]
     pub fn results(&self) -> Value {
         let results = Results::new(&self.plan, &self.cars, Vec::new(), Vec::new());
         serde_json::to_value(&results).expect("results are plain data")

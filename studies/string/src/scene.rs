@@ -91,9 +91,6 @@ impl Plan {
     }
 
     /// The scenario of a car at `place` behind one that moved like `motion`.
-    ///
-    /// # Errors
-    /// [`SceneError::TooLong`], [`SceneError::Road`], [`SceneError::Plan`].
     pub fn behind(&self, place: Place, motion: &Motion) -> Result<Scenario, SceneError> {
         let Place { index, behind_first_m } = place;
         let before = self.law(index - 1);
@@ -122,9 +119,6 @@ impl Plan {
     }
 
     /// The same string behind a lead whose speed is a sine.
-    ///
-    /// # Errors
-    /// [`SceneError::Wave`], or a figure of it is out of range.
     pub fn behind_wave(&self, hz: f64) -> Result<Self, SceneError> {
         let wave = Wave::of(&self.laws[0], self.vehicles, hz)?;
         let laws = self.laws.iter().map(|scenario| {

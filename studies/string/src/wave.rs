@@ -52,9 +52,6 @@ pub struct Wave {
 impl Wave {
     /// Around the scenario's speed, as far as the set speed leaves room on both sides. It goes before a string of this
     /// many vehicles.
-    ///
-    /// # Errors
-    /// [`TooSlow`].
     pub fn of(scenario: &Scenario, vehicles: usize, hz: f64) -> Result<Self, TooSlow> {
         let set_mps = scenario.set_speed_mps.value();
         let top_mps = scenario.speed_limit_mps.map_or(set_mps, |limit| set_mps.min(limit.value()));

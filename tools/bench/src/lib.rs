@@ -185,7 +185,6 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
 }
 
 /// Contents of the JSON.
-#[must_use]
 pub fn schema() -> Schema {
     Schema::of::<Report>("bench")
 }

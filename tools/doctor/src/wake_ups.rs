@@ -73,7 +73,6 @@ fn milliseconds(argument: &str) -> Result<f64, &'static str> {
 }
 
 impl LoopOptions {
-    #[must_use]
     pub fn loops(&self) -> Vec<Loop> {
         let us = |ms: f64| (1e3 * ms).round() as u32;
         let Some(period_ms) = self.period_ms else { return USUAL.to_vec() };
@@ -124,13 +123,11 @@ pub struct WakeUps {
 
 impl LoopFigures {
     /// True if no wake-up was later than the budget.
-    #[must_use]
     pub fn holds(&self) -> bool {
         self.wakes > 0 && self.late == 0
     }
 
     /// The answer for this loop, in words.
-    #[must_use]
     pub fn answer(&self) -> String {
         let Self { wakes, late, .. } = self;
         let verb = if self.holds() { "holds" } else { "does not hold" };
@@ -149,7 +146,6 @@ fn whole(us: u32) -> String {
 
 /// Measures each loop for `seconds`, with the scheduling of a service on the last usable core. Returns the
 /// lateness of the last loop too.
-#[must_use]
 pub fn measure(loops: &[Loop], seconds: f64) -> (WakeUps, Latencies) {
     let request = Request {
         policy: Policy::Fifo(80),
@@ -212,13 +208,11 @@ fn histogram(latencies: &Latencies) -> Vec<Bin> {
 
 impl WakeUps {
     /// The answer to the engineer's question, in a sentence.
-    #[must_use]
     pub fn answer(&self) -> String {
         let loops: Vec<_> = self.loops.iter().map(LoopFigures::answer).collect();
         format!("on this machine, now: {}", loops.join("; "))
     }
 
-    #[must_use]
     pub fn histogram_table(&self) -> Table {
         let most = self.histogram.iter().map(|bin| bin.count).max().unwrap_or(0).max(1);
         let last = self.histogram.iter().rposition(|bin| bin.count > 0).unwrap_or(0);
@@ -240,7 +234,6 @@ impl WakeUps {
     }
 
     /// The wake-ups as a finding. `fix` is the first change that helps a loop on this machine.
-    #[must_use]
     pub fn finding(&self, fix: Option<String>) -> Finding {
         const CHECK: &str = "wake-ups";
         let worst = self.loops.iter().map(|figures| figures.worst_us).fold(0.0, f64::max);

@@ -53,7 +53,6 @@ pub enum Exit {
 
 impl Exit {
     /// Meaning of an exit status by itself, for a process that was to end.
-    #[must_use]
     pub fn of(status: ExitStatus) -> Self {
         match (status.code(), status.signal()) {
             (Some(0), _) => Self::Ok,
@@ -63,7 +62,6 @@ impl Exit {
     }
 
     /// True if it is a failure, for which `restart = "on-failure"` starts the next process.
-    #[must_use]
     pub fn is_failure(self) -> bool {
         !matches!(self, Self::Ok | Self::Early)
     }

@@ -64,7 +64,6 @@ pub struct GroupOutcome {
 
 impl GroupOutcome {
     /// Meaning of the numbers in the diagnostics; empty if a program in the controller's place sends its own.
-    #[must_use]
     pub fn formulation(&self, scenario: &Scenario) -> Option<&'static Formulation> {
         let hosted = laws::program(scenario).is_ok_and(|program| program.is_some());
         let replaced = self.programs.contains_key(&Service::Controller) && !hosted;
@@ -168,7 +167,6 @@ pub enum Recovery {
 }
 
 impl Recovery {
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Restart => "restart",

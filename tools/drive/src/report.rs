@@ -51,7 +51,6 @@ const READERS: [(Service, Reader); 6] = [
 
 impl Details {
     /// The figures that `service` sent; none from a program in its place that sends others.
-    #[must_use]
     pub fn of(service: Service, payload: &Payload) -> Self {
         let reader = READERS.into_iter().find(|(of, _)| *of == service);
         reader.and_then(|(_, read)| read(payload)).unwrap_or(Self::None)

@@ -66,7 +66,6 @@ pub struct DriveStep {
 
 impl DriveStep {
     /// The step of a ground truth message, without values of other topics.
-    #[must_use]
     pub fn of(ego: &EgoTruth) -> Self {
         Self {
             step: ego.header.step,
@@ -84,7 +83,6 @@ impl DriveStep {
     }
 
     /// Time gap to the vehicle ahead, s. It is 0 in a contact, and `None` below 1 m/s or without a gap in this step.
-    #[must_use]
     pub fn time_gap_s(&self) -> Option<f64> {
         let moves = self.speed_mps >= SLOWEST_MPS;
         self.gap_m.filter(|_| moves).map(|gap_m| gap_m.max(0.0) / self.speed_mps)
@@ -92,7 +90,6 @@ impl DriveStep {
 
     /// Jerk since the step `before`, m/s³: the difference of two accelerations over their time. As for the referee, the
     /// step to standstill is not a jerk of the drive: `None` there.
-    #[must_use]
     pub fn jerk_since(&self, before: &Self) -> Option<f64> {
         let felt = |step: &Self| match step.speed_mps <= 0.0 {
             true => step.acceleration_mps2.max(0.0),

@@ -9,14 +9,12 @@ use runtime::statistics::Percentiles;
 ///
 /// assert!(carries(100, 0.99) && !carries(99, 0.99));
 /// ```
-#[must_use]
 pub fn carries(count: u64, share: f64) -> bool {
     // Rounded: 100 * (1 - 0.99) is a little more than 1 in binary.
     (count as f64 * (1.0 - share) * 1e6).round() >= 1e6
 }
 
 /// The 99th percentile where the samples carry it, in µs.
-#[must_use]
 pub fn p99(p: &Percentiles) -> Option<f64> {
     carries(p.count, 0.99).then_some(p.p99)
 }

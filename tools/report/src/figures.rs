@@ -130,7 +130,6 @@ impl Figure {
     }
 
     /// Laws and keys are compared by it.
-    #[must_use]
     pub fn is_compared(&self) -> bool {
         !self.panel.is_empty()
     }
@@ -140,7 +139,6 @@ impl Figure {
     /// ```
     /// assert_eq!(report::figures::MIN_GAP_M.text(8.249), "8.25 m");
     /// ```
-    #[must_use]
     pub fn text(&self, value: f64) -> String {
         format!("{} {}", crate::chart::number(value, self.decimals), self.unit)
             .trim_end()
@@ -149,7 +147,6 @@ impl Figure {
 }
 
 /// The figure of this name.
-#[must_use]
 pub fn named(name: &str) -> Option<&'static Figure> {
     ALL.iter().find(|figure| figure.name == name)
 }
@@ -161,6 +158,7 @@ pub fn compared() -> impl Iterator<Item = &'static Figure> {
 
 /// The figures of one drive, in JSON an object of all names.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[must_use]
 pub struct Values(pub [Option<f64>; COUNT]);
 
 impl Default for Values {
@@ -177,13 +175,11 @@ impl Values {
     }
 
     /// The value of a figure.
-    #[must_use]
     pub fn get(&self, figure: &Figure) -> Option<f64> {
         self.iter().find(|(one, _)| one.name == figure.name)?.1
     }
 
     /// The same with a value of a figure.
-    #[must_use]
     pub fn with(mut self, figure: &Figure, value: f64) -> Self {
         for (one, kept) in ALL.iter().zip(&mut self.0) {
             if one.name == figure.name {

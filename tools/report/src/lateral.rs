@@ -21,7 +21,6 @@ pub struct LateralSeries {
 
 impl LateralSeries {
     /// The series of a drive.
-    #[must_use]
     pub fn of(scenes: &[PlaneScene]) -> Self {
         let series = |value: fn(&EgoPlace) -> f64| {
             scenes.iter().map(|scene| (scene.time_s, value(&scene.ego))).collect::<Points>()

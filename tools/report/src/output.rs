@@ -64,10 +64,6 @@ const RESULTS: [&str; 37] = [
 pub const HISTOGRAMS: &str = "histograms.hlog";
 
 /// Tagged histograms as [`HISTOGRAMS`], which the tools of the HdrHistogram family read.
-///
-/// # Panics
-/// Never: memory takes all.
-#[must_use]
 pub fn histogram_log(histograms: &[(String, Latencies)]) -> Vec<u8> {
     let mut log = Vec::new();
     let tagged = histograms.iter().map(|(tag, histogram)| (tag.as_str(), histogram));
@@ -206,13 +202,11 @@ impl OutputDirectory {
         remove(&aside)
     }
 
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
     /// Two lines that say where the results and their page are, for the end of a command's output.
-    #[must_use]
     pub fn places(&self) -> String {
         let page = self.path.join(crate::FILE);
         let report = match page.exists() {
@@ -232,9 +226,6 @@ impl OutputDirectory {
     }
 
     /// Writes a result, whole or not at all.
-    ///
-    /// # Errors
-    /// [`Error::Path`].
     pub fn write(&self, name: &str, contents: &[u8]) -> Result<(), Error> {
         self.keep();
         self.write_file(name, contents)
@@ -242,17 +233,11 @@ impl OutputDirectory {
 
     /// Writes what a command is about to run. A command that fails before its first result takes it
     /// away again.
-    ///
-    /// # Errors
-    /// [`Error::Path`].
     pub fn write_input(&self, name: &str, contents: &[u8]) -> Result<(), Error> {
         self.write_file(name, contents)
     }
 
     /// Writes a result bit by bit, whole or not at all. It serves results that are too long for memory.
-    ///
-    /// # Errors
-    /// [`Error::Path`], or that of `fill`.
     pub fn write_by(
         &self,
         name: &str,

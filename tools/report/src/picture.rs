@@ -133,7 +133,6 @@ pub fn letter(place: usize) -> char {
 
 impl RunPicture {
     /// This picture with the instants that decide requirements.
-    #[must_use]
     pub fn judged(self, verdicts: &[RequirementVerdict]) -> Self {
         let decided = verdicts.iter().enumerate().filter(|(_, verdict)| verdict.margin.is_some());
         let decided = decided.map(|(place, verdict)| Decided {

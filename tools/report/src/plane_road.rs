@@ -26,7 +26,6 @@ struct Line {
 
 impl RoadView {
     /// The lanes between two positions, m.
-    #[must_use]
     pub fn of(plan: &Plan, from_to_m: (f64, f64)) -> Self {
         let (axis, start, lanes) = (plan.axis(), plan.start.pose(), &plan.lanes);
         let between = lanes.lines(from_to_m.0, from_to_m.1);

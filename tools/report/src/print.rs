@@ -8,9 +8,6 @@ use supervise::report::Outcome;
 use supervise::{Error, RequirementVerdict};
 
 /// Writes text on standard output. A closed pipe is not an error: its reader needs no more.
-///
-/// # Errors
-/// [`Error::Path`] if standard output cannot be written.
 pub fn out(text: &str) -> Result<(), Error> {
     let mut output = std::io::stdout().lock();
     match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
@@ -24,9 +21,6 @@ pub fn out(text: &str) -> Result<(), Error> {
 }
 
 /// Prints a result without files of its own: as JSON, or as text.
-///
-/// # Errors
-/// As [`out`].
 pub fn show(json: bool, document: &Document) -> Result<(), Error> {
     out(&if json { document.json().to_owned() } else { document.console(width()) })
 }

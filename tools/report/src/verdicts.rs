@@ -6,7 +6,6 @@ use serde::Serialize;
 use supervise::RequirementVerdict;
 
 /// Columns of a run's verdicts on its requirements.
-#[must_use]
 pub fn columns<R>() -> [Column<R>; 6] {
     [
         word("requirement", "requirement", "The requirement as it was given"),

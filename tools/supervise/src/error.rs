@@ -155,7 +155,6 @@ fn is_the_machines(reason: &std::io::Error) -> bool {
 
 impl Error {
     /// Exit status as `--help` states it.
-    #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {
             Self::Operation(failure) => failure.status() as u8,

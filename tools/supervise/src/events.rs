@@ -127,7 +127,6 @@ fn kept(line: &[u8]) -> String {
 
 /// The signals that ask this process for an end: SIGINT, SIGQUIT (`Ctrl-\`), SIGTERM and SIGHUP. SIGHUP does not count if
 /// this process was started to ignore it (`nohup`).
-#[must_use]
 pub fn end_signals() -> Vec<i32> {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     // Shells start background jobs with SIGINT and SIGQUIT ignored; they count all the same.
@@ -143,9 +142,6 @@ static HELD: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
 /// From now on a signal that asks for an end waits for the group that is about to start. It does not end this process
 /// at once: files that it has made would stay.
-///
-/// # Errors
-/// If the signals cannot be handled.
 pub fn hold_signals() -> Result<(), SignalsError> {
     let held = HELD.get_or_init(Arc::default);
     for signal in end_signals() {
@@ -155,7 +151,6 @@ pub fn hold_signals() -> Result<(), SignalsError> {
 }
 
 /// True if a signal that asks for an end came since [`hold_signals`].
-#[must_use]
 pub fn is_signalled() -> bool {
     HELD.get().is_some_and(|held| held.load(Ordering::Relaxed))
 }

@@ -21,7 +21,6 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 /// Work of `service` in its process, or in its turns.
-#[must_use]
 pub fn entry(service: Service) -> Entry {
     macro_rules! run_of {
         ($([$service:ident $krate:ident $about:literal])+) => {
@@ -43,9 +42,6 @@ pub fn run(scenario: &Scenario) -> Result<GroupOutcome, Error> {
 
 /// The same for a run whose messages are not compared with another run's. CRCs and digests are not computed, and the
 /// summary has no digests. All else is the same.
-///
-/// # Errors
-/// As [`run`].
 pub fn run_unsealed(
     scenario: &Scenario,
     interrupted: &dyn Fn() -> bool,
@@ -140,9 +136,6 @@ pub struct SteppedRun {
 
 impl SteppedRun {
     /// Brings the services up to the common start. With `questions` the caller is the law.
-    ///
-    /// # Errors
-    /// As [`run`].
     pub fn begin(
         scenario: &Scenario,
         sealing: Sealing,
@@ -191,9 +184,6 @@ impl SteppedRun {
     }
 
     /// Gives every service a turn.
-    ///
-    /// # Errors
-    /// If the drive cannot be read.
     pub fn advance(&mut self) -> Result<Advance, Error> {
         let course = &mut self.course;
         let alive = self.run.take_turns(&mut |service, said| course.receive(service, said));
@@ -214,7 +204,6 @@ impl SteppedRun {
     }
 
     /// The run as it is now.
-    #[must_use]
     pub fn moment(&self) -> Moment<'_> {
         let reached = i64::try_from(self.log.reached()).expect("runs are finite");
         Moment {
@@ -236,9 +225,6 @@ impl SteppedRun {
     }
 
     /// The results of a run that is over.
-    ///
-    /// # Errors
-    /// If the drive cannot be read.
     pub fn finish(self) -> Result<GroupOutcome, Error> {
         let Self { services, programs, log, mut faults, course, ready_after, started, .. } = self;
         let ran_for = started.elapsed();

@@ -17,7 +17,6 @@ use std::time::Duration;
 const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Meaning of the numbers of the scenario's law.
-#[must_use]
 pub fn law_names(scenario: &Scenario) -> LawNames {
     let Some(formulation) = controller::laws::formulation(scenario) else {
         return LawNames::default();

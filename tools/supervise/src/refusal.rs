@@ -110,9 +110,6 @@ pub fn absent(fault: &Fault, scenario: &Scenario) -> Option<Absent> {
 
 /// Checks that each fault of a single run has something to act on. The faults of a campaign are drawn for
 /// scenarios of all kinds, and need not.
-///
-/// # Errors
-/// [`Refusal::NothingToFault`].
 pub fn check_targets(scenario: &Scenario) -> Result<(), Refusal> {
     let mut absent = scenario.faults.iter().map(|fault| absent(fault, scenario)).enumerate();
     match absent.find_map(|(index, absent)| Some((index, absent?))) {

@@ -61,9 +61,6 @@ enum File {
 
 impl Opening {
     /// Reads the file and the options.
-    ///
-    /// # Errors
-    /// Mistakes in the options, a file that cannot be read.
     pub fn of(name: &str, options: &ScenarioOptions) -> Result<Self, Error> {
         let overrides = Overrides::new();
         let mut overrides = if options.is_for_one_law { overrides } else { overrides.shared() };
@@ -110,9 +107,6 @@ impl Opening {
     }
 
     /// The scenario with more keys set, on behalf of the option that errors name.
-    ///
-    /// # Errors
-    /// Mistakes in the file, the options or the keys.
     pub fn with(&self, option: &str, keys: &[String]) -> Result<Scenario, Error> {
         let Self { file, options, overrides } = self;
         let mut overrides = overrides.clone();
@@ -152,7 +146,6 @@ fn from_here(radio: &str) -> String {
 }
 
 /// True if a scenario's name is the path of an OpenSCENARIO file.
-#[must_use]
 pub fn is_openscenario(name: &str) -> bool {
     Path::new(name).extension().is_some_and(|extension| extension == "xosc")
 }

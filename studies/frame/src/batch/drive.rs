@@ -47,9 +47,6 @@ impl Failure for Aborted {
 }
 
 /// Refuses a run that did not reach its end: it has no figures.
-///
-/// # Errors
-/// [`Aborted`].
 pub fn whole(summary: &Summary) -> Result<(), Aborted> {
     match (&summary.outcome, &summary.aborted_because) {
         (Outcome::Aborted, why) => Err(Aborted {
@@ -62,9 +59,6 @@ pub fn whole(summary: &Summary) -> Result<(), Aborted> {
 }
 
 /// Does one lockstep run.
-///
-/// # Errors
-/// As [`drive`].
 pub fn lockstep(
     scenario: &Scenario,
     group: &GroupOptions,
@@ -74,9 +68,6 @@ pub fn lockstep(
 }
 
 /// Does one run.
-///
-/// # Errors
-/// Reasons why the run does not start, or [`Error::Interrupted`].
 pub fn drive(job: &Job, group: &GroupOptions, going_on: &dyn Fn() -> bool) -> Result<Done, Error> {
     let carrier = match is_in_memory(job, group) {
         true => Carrier::Memory,
@@ -91,9 +82,6 @@ pub(crate) fn is_in_memory(job: &Job, group: &GroupOptions) -> bool {
 }
 
 /// Does one run, its messages in memory or between processes, with digests or without.
-///
-/// # Errors
-/// As [`drive`].
 pub(crate) fn drive_on(
     job: &Job,
     carrier: Carrier,

@@ -12,9 +12,6 @@ pub struct Interrupt {
 
 impl Interrupt {
     /// Begins to listen.
-    ///
-    /// # Errors
-    /// If the signals cannot be handled.
     pub fn watch() -> Result<Self, SignalsError> {
         let came = Arc::new(AtomicBool::new(false));
         let registered = supervise::end_signals()

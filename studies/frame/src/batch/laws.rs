@@ -15,9 +15,6 @@ use supervise::UsageError;
 /// assert!(laws::named(&chosen, &[], false).is_err(), "no law has this name");
 /// assert!(laws::named(&[], &own, false).unwrap().len() > 3, "timegap's own, and gentle");
 /// ```
-///
-/// # Errors
-/// A name that is missing, unknown or there twice.
 pub fn named(option: &[String], own: &[String], is_truck: bool) -> Result<Vec<String>, UsageError> {
     if option.is_empty() {
         let ours = laws::driving(is_truck).map(|law| law.name.to_owned());
@@ -41,9 +38,6 @@ pub fn named(option: &[String], own: &[String], is_truck: bool) -> Result<Vec<St
 }
 
 /// The same for a command that makes its scenarios, all with cars. The law `external` has no program in them.
-///
-/// # Errors
-/// As [`named`].
 pub fn own_named(option: &[String], own: &[String]) -> Result<Vec<String>, UsageError> {
     let named = named(option, own, false)?;
     let ours = laws::own().map(|law| law.name.to_owned());

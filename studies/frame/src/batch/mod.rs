@@ -82,9 +82,6 @@ pub fn at_once(chosen: Option<NonZeroUsize>, mode: Mode) -> usize {
 }
 
 /// Refuses a scenario that its run would refuse, before any run begins.
-///
-/// # Errors
-/// The reason for the refusal.
 pub fn check(scenario: &Scenario, mode: Mode, group: &GroupOptions) -> Result<(), Error> {
     group.programs()?;
     match carrier(group, mode) {

@@ -11,9 +11,6 @@ pub struct Scratch {
 
 impl Scratch {
     /// Makes one among the temporary files.
-    ///
-    /// # Errors
-    /// If it cannot be made.
     pub fn new() -> std::io::Result<Self> {
         static NUMBER: AtomicU32 = AtomicU32::new(0);
         let number = NUMBER.fetch_add(1, Ordering::Relaxed);
@@ -23,7 +20,6 @@ impl Scratch {
         Ok(Self { path })
     }
 
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }

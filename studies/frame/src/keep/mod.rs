@@ -149,9 +149,6 @@ impl Keeper {
     }
 
     /// Decides on a run that ended.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
     pub(crate) fn settle(&self, run: usize) -> Result<(), Error> {
         let offered = self.offered.lock().expect("no worker panics here").remove(&run);
         let mut book = self.book.lock().expect("one thread settles");
@@ -185,9 +182,6 @@ impl Keeper {
     }
 
     /// Writes what is left, also of a study that was interrupted. Returns the number of trajectories.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
     pub(crate) fn finish(&self) -> Result<usize, Error> {
         let mut book = std::mem::take(&mut *self.book.lock().expect("one thread settles"));
         for (_, kept) in std::mem::take(&mut book.waiting) {

@@ -42,9 +42,6 @@ pub(crate) struct Begun {
 
 impl Begun {
     /// Opens the file of a part, with what it holds.
-    ///
-    /// # Errors
-    /// If it cannot be read or written.
     pub fn open(directory: &Path) -> Result<(Self, BTreeMap<usize, SoFar>), Error> {
         let mut runs: BTreeMap<usize, SoFar> = BTreeMap::new();
         let own = Self { directory: Some(directory.to_owned()), journal: Mutex::default() };
@@ -61,9 +58,6 @@ impl Begun {
     }
 
     /// Keeps further values of a run.
-    ///
-    /// # Errors
-    /// If they cannot be written.
     pub fn keep(&self, run: usize, values: &[f64], drives: &[Drive]) -> Result<(), Error> {
         let Some(directory) = &self.directory else { return Ok(()) };
         let values = values.iter().map(|value| value.to_bits()).collect();

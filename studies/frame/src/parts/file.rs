@@ -53,9 +53,6 @@ impl PartFile {
     }
 
     /// Reads the file in a part's directory.
-    ///
-    /// # Errors
-    /// If it cannot be read, or is not the description of a part.
     pub fn read(directory: &Path) -> Result<Self, Error> {
         let path = directory.join(FILE);
         let error = |reason| Error::Path { action: "read", path: path.clone(), reason };
@@ -70,9 +67,6 @@ impl PartFile {
     }
 
     /// The arguments of its study.
-    ///
-    /// # Errors
-    /// If another version of the command wrote it.
     pub fn arguments<A: DeserializeOwned>(&self, directory: &Path) -> Result<A, UsageError> {
         let arguments = A::deserialize(&self.arguments);
         let place = || directory.join(FILE);

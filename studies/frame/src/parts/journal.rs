@@ -40,9 +40,6 @@ pub struct Journal {
 
 impl Journal {
     /// Opens the journal `name` in `directory`, or begins one, and hands over its records.
-    ///
-    /// # Errors
-    /// As [`read`]; [`Error::Path`] if the journal cannot be written.
     pub fn open<T: DeserializeOwned>(
         directory: &Path,
         name: &str,
@@ -57,9 +54,6 @@ impl Journal {
     }
 
     /// Adds a record and returns its place.
-    ///
-    /// # Errors
-    /// [`Error::Path`] if it cannot be written.
     pub fn add(&mut self, record: &impl Serialize) -> Result<Place, Error> {
         let line = sealed(serde_json::to_string(record).expect("records are plain data")) + "\n";
         let mut written = self.file.write_all(line.as_bytes());
@@ -110,9 +104,6 @@ fn unsealed(line: &[u8]) -> serde_json::Result<&[u8]> {
 }
 
 /// Hands over the records of a journal, line by line; returns the length of its whole lines, bytes.
-///
-/// # Errors
-/// A line that is no record, what `each` refuses, or the journal cannot be read.
 pub fn read<T: DeserializeOwned>(
     path: &Path,
     each: &mut dyn FnMut(Place, T) -> Result<(), Error>,

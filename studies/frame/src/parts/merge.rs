@@ -31,9 +31,6 @@ pub struct Incomplete {
 
 impl<T: DeserializeOwned> Merged<T> {
     /// Reads the parts of one study, whose result goes to `out`.
-    ///
-    /// # Errors
-    /// Parts that do not belong together, or a file that cannot be read.
     pub fn read(directories: &[PathBuf], out: Option<&Path>) -> Result<Self, Error> {
         refuse_into_part(directories, out)?;
         let mut parts: Vec<(PartFile, &Path)> = Vec::new();
@@ -67,9 +64,6 @@ impl<T: DeserializeOwned> Merged<T> {
     }
 
     /// Checks that the arguments still mean the same as when the parts were done.
-    ///
-    /// # Errors
-    /// If a file that they name has changed.
     pub fn check(&self, now: &PartFile) -> Result<(), UsageError> {
         let why = "the scenario is another one now than when the parts were done";
         let same = *now == self.first;

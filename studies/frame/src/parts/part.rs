@@ -24,9 +24,6 @@ pub struct Part<T> {
 
 impl<T: Serialize + DeserializeOwned> Part<T> {
     /// Begins a part in its directory, or continues the one that is there.
-    ///
-    /// # Errors
-    /// If the directory holds another study, or a file cannot be read or written.
     pub fn open(file: PartFile, directory: &OutputDirectory) -> Result<Self, Error> {
         let place = directory.path();
         if !place.join(FILE).exists() {
@@ -80,9 +77,6 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
     }
 
     /// Keeps the record of a run with the figures of its drives.
-    ///
-    /// # Errors
-    /// If the journal cannot be written.
     pub(crate) fn keep(&mut self, run: usize, result: T, drives: Vec<Drive>) -> Result<(), Error> {
         let place = self.journal.add(&Line { run, drives, result })?;
         self.records.add(run, place, true)

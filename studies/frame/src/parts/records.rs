@@ -26,25 +26,21 @@ pub struct Records<T> {
 
 impl<T> Records<T> {
     /// No record yet of `runs` runs.
-    #[must_use]
     pub fn new(runs: usize) -> Self {
         Self { runs: vec![None; runs], journals: Vec::new(), count: 0, records: PhantomData }
     }
 
     /// Number of records.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.count
     }
 
     /// True if there is none.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.count == 0
     }
 
     /// True if the run has one.
-    #[must_use]
     pub fn has(&self, run: usize) -> bool {
         self.runs.get(run).is_some_and(Option::is_some)
     }
@@ -56,9 +52,6 @@ impl<T> Records<T> {
 
     /// Keeps the place of a record in the present journal. `is_mine` says whether the run is of the part that the
     /// journal belongs to.
-    ///
-    /// # Errors
-    /// If the run belongs to another part, or is there twice.
     pub(crate) fn add(&mut self, run: usize, place: Place, is_mine: bool) -> Result<(), Error> {
         let journal = self.journals.len() - 1;
         let why = match self.runs.get(run) {
@@ -78,17 +71,11 @@ impl<T> Records<T> {
 
 impl<T: DeserializeOwned> Records<T> {
     /// Hands over all records in the order of the runs, as often as it is called.
-    ///
-    /// # Errors
-    /// If a journal cannot be read, or what `take` returns.
     pub fn each(&self, take: &mut dyn FnMut(usize, &T) -> Result<(), Error>) -> Result<(), Error> {
         self.lines(&mut |run, line| take(run, &line.result))
     }
 
     /// Hands over all drives in the order of the runs, each with the record of its run.
-    ///
-    /// # Errors
-    /// If a journal cannot be read, or what `take` returns.
     pub(crate) fn each_drive(
         &self,
         take: &mut dyn FnMut(usize, &T, &Drive) -> Result<(), Error>,
@@ -99,9 +86,6 @@ impl<T: DeserializeOwned> Records<T> {
     }
 
     /// All records with the numbers of their runs, in memory.
-    ///
-    /// # Errors
-    /// If a journal cannot be read.
     pub fn all(self) -> Result<Vec<(usize, T)>, Error> {
         let mut all = Vec::with_capacity(self.count);
         self.lines(&mut |run, line| {

@@ -96,9 +96,6 @@ fn refuse(why: impl Display, expected: &str) -> UsageError {
 
 impl ShardChoice {
     /// The shard, by this process's environment where it is asked for.
-    ///
-    /// # Errors
-    /// An environment that names no part.
     pub fn resolve(self) -> Result<Shard, UsageError> {
         self.resolve_in(&|name| std::env::var(name).ok())
     }

@@ -23,9 +23,6 @@ pub struct Command<A: Args> {
 
 impl<A: Args> Command<A> {
     /// Reads the words of a command line, without those of its name.
-    ///
-    /// # Errors
-    /// Words that are no such command line.
     pub fn read(words: &[&str]) -> Result<Self, clap::Error> {
         let command = Self::augment_args(clap::Command::new("study").no_binary_name(true));
         Self::from_arg_matches(&command.try_get_matches_from(words)?)

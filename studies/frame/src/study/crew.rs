@@ -86,7 +86,6 @@ impl<'a> Crew<'a> {
     }
 
     /// Start of processes.
-    #[must_use]
     pub fn group(&self) -> &GroupOptions {
         self.group
     }
@@ -125,9 +124,6 @@ impl<'a> Crew<'a> {
 
     /// Keeps further values of run `run`, which goes on, and the figures of its drives. An interrupted study gives the
     /// values back by [`Crew::recalled`].
-    ///
-    /// # Errors
-    /// If they cannot be written.
     pub fn keep(&self, run: usize, values: &[f64]) -> Result<(), Error> {
         let mut unsettled = self.observed.unsettled();
         let one = unsettled.entry(run).or_default();
@@ -137,16 +133,12 @@ impl<'a> Crew<'a> {
     }
 
     /// Values that an interrupted command kept of run `run`, once.
-    #[must_use]
     pub fn recalled(&self, run: usize) -> Vec<f64> {
         let mut unsettled = self.observed.unsettled();
         unsettled.get_mut(&run).map(|one| std::mem::take(&mut one.recalled)).unwrap_or_default()
     }
 
     /// Does a drive of run `run`. With `--verify-processes` it may be repeated in a process group.
-    ///
-    /// # Errors
-    /// Reasons why the run does not start, [`Error::Interrupted`], or [`verify::OtherBytes`].
     pub fn drive(&self, run: usize, job: &Job) -> Result<Done, Error> {
         if self.observed.verify.takes(run) && batch::is_in_memory(job, self.group) {
             return verify::twice(run, job, self.group, self.going_on);
@@ -155,9 +147,6 @@ impl<'a> Crew<'a> {
     }
 
     /// Drives, and lets the study record the run. A failure of this run alone is its result.
-    ///
-    /// # Errors
-    /// As [`Crew::drive`], or that of [`Study::record`].
     pub fn drive_and_record<S: Study>(
         &self,
         study: &S,

@@ -19,25 +19,18 @@ pub struct Entry {
 
 impl Entry {
     /// The entry of a study.
-    #[must_use]
     pub const fn of<S: Study>() -> Self {
         Self { name: S::NAME, merge: run::merge::<S>, resume: run::resume::<S> }
     }
 }
 
 /// Joins the parts of one of the `studies`.
-///
-/// # Errors
-/// Parts that do not belong together, or a file that cannot be read or written.
 pub fn merge(arguments: &MergeArguments, studies: &[Entry]) -> Result<ExitCode, Error> {
     let (entry, part) = find(&arguments.parts[0], studies)?;
     (entry.merge)(arguments, part)
 }
 
 /// Goes on with one of the `studies` in its directory.
-///
-/// # Errors
-/// A directory that holds no part, else as [`run`](fn@crate::run).
 pub fn resume(arguments: &ResumeArguments, studies: &[Entry]) -> Result<ExitCode, Error> {
     let (entry, part) = find(&arguments.directory, studies)?;
     (entry.resume)(arguments, part)

@@ -77,9 +77,6 @@ pub trait Study: Sized + Sync {
     const OWN_COLUMNS: &'static [Column<Self::Record>] = &[];
 
     /// Reads and checks all that the arguments name. Nothing is written before.
-    ///
-    /// # Errors
-    /// Mistakes in the arguments.
     fn plan(arguments: &Self::Arguments, options: &RunOptions) -> Result<Self, Error>;
 
     fn runs(&self) -> usize;
@@ -96,9 +93,6 @@ pub trait Study: Sized + Sync {
 
     /// A run by its number. It is made when its turn comes, in the thread that does it.
     ///
-    /// # Errors
-    /// Mistakes in its scenario.
-    ///
     /// # Panics
     /// This holds in a study that has a [`Study::drive`] of its own, unless it makes jobs too.
     fn job(&self, run: usize) -> Result<Job, Error> {
@@ -106,17 +100,11 @@ pub trait Study: Sized + Sync {
     }
 
     /// Content of the files that the arguments name. Parts of other contents are not joined.
-    ///
-    /// # Errors
-    /// As [`Study::job`].
     fn subject(&self) -> Result<String, Error> {
         Ok(self.job(0)?.scenario.to_toml())
     }
 
     /// Makes the record of a run that ended, or that could not be started.
-    ///
-    /// # Errors
-    /// Errors that end the study.
     ///
     /// # Panics
     /// In a study that has a [`Study::drive`] of its own.
@@ -131,9 +119,6 @@ pub trait Study: Sized + Sync {
     }
 
     /// Does a run. A study whose run is not one drive has its own, and its own [`Study::subject`].
-    ///
-    /// # Errors
-    /// Errors that end the study.
     fn drive(
         &self,
         run: usize,
@@ -143,9 +128,6 @@ pub trait Study: Sized + Sync {
     }
 
     /// True if no other run may go on beside this one. Such runs come last.
-    ///
-    /// # Errors
-    /// As [`Study::job`].
     fn is_alone(&self, run: usize) -> Result<bool, Error> {
         let _ = run;
         Ok(false)
@@ -166,14 +148,10 @@ pub trait Study: Sized + Sync {
     }
 
     /// Judges the records.
-    ///
-    /// # Errors
-    /// If a journal cannot be read.
     fn judge(&self, found: Found<Self>) -> Result<Document, Error>;
 }
 
 /// The field `ok` of a result: the verdict over all runs. `meaning` says when it is true.
-#[must_use]
 pub const fn ok<R>(meaning: &'static str) -> Column<R> {
     flag("ok", "", ("ok", "BROKEN"), meaning)
 }

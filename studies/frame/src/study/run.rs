@@ -18,9 +18,6 @@ use crate::keep::{self, Keeper, Key};
 use crate::parts::{Begun, Merged, Part, PartFile, Shard, ShardChoice, SoFar, name_incomplete};
 
 /// Runs the command of a study.
-///
-/// # Errors
-/// Mistakes in the arguments, reasons why the runs do not start, an interrupt, or a file that cannot be written.
 pub fn run<S: Study>(command: &Command<S::Arguments>) -> Result<ExitCode, Error> {
     let Command { study: arguments, options } = command;
     let study = S::plan(arguments, options)?;

@@ -56,9 +56,6 @@ impl Verify {
 }
 
 /// Drives in memory and in a process group, and compares bytes and figures.
-///
-/// # Errors
-/// [`OtherBytes`], or reasons why one of the runs does not start.
 pub(crate) fn twice(
     run: usize,
     job: &Job,

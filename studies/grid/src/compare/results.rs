@@ -64,12 +64,6 @@ fn means(rows: &[Row]) -> Vec<Means> {
 /// `means`, `differences` and `rule` of the JSON, of runs that the caller drove. `rows` is the list of the same name.
 /// The runs of a scenario stand together, and so do those of a law in it. All have the same seeds in the same order.
 ///
-/// # Errors
-/// If a row lacks a figure.
-///
-/// # Panics
-/// Never: figures are plain data.
-///
 /// ```
 /// let of_nothing = grid::compare::over_seeds("[]").expect("an empty list");
 /// assert_eq!(of_nothing["means"], serde_json::json!([]));

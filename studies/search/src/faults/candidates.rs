@@ -31,9 +31,6 @@ pub struct Candidate {
 type Size = (&'static str, f64, f64);
 
 /// The faults that have something to act on in the scenario of `base`.
-///
-/// # Errors
-/// Mistakes in the scenario.
 pub fn candidates(base: &Problem) -> Result<Vec<Candidate>, Error> {
     let mut found = of_messages(base);
     found.extend(of_timing(base));
@@ -138,7 +135,6 @@ impl Candidate {
 
     /// The values of a point of the unit cube. The begin is as drawn; duration and size come from the upper half of
     /// their ranges. Smaller faults hardly break anything if these break nothing.
-    #[must_use]
     pub fn severe(&self, point: &[f64]) -> Vec<Value> {
         let place = |(k, variable): (usize, &Variable)| {
             let at = point[k % point.len()];
@@ -155,7 +151,6 @@ impl Candidate {
     }
 
     /// Place of a value between the smallest and the largest, from 0 to 1.
-    #[must_use]
     pub fn severity(&self, name: &str, values: &[Value]) -> f64 {
         let mut named = self.problem.variables.iter().zip(values);
         let Some((variable, value)) = named.find(|(one, _)| one.name == name) else {
@@ -167,7 +162,6 @@ impl Candidate {
     }
 
     /// The value of a variable by its name.
-    #[must_use]
     pub fn value(&self, name: &str, values: &[Value]) -> Option<f64> {
         let found = self.problem.variables.iter().zip(values).find(|(one, _)| one.name == name);
         found?.1.number()

@@ -64,7 +64,6 @@ struct Replica {
 
 impl Chooser {
     /// Chooses by a method, for variables of these kinds. Replicas are of use to a Gaussian process alone.
-    #[must_use]
     pub fn new(method: MethodName, kinds: &[Kind], seed: u64, replicas: usize) -> Self {
         let dimensions = kinds.len();
         let start = (START * (dimensions + 2)).next_multiple_of(HALF).max(2 * HALF);
@@ -85,16 +84,12 @@ impl Chooser {
     }
 
     /// True once the results that the choice of this run needs are there.
-    #[must_use]
     pub fn is_ready(&self, run: usize) -> bool {
         let (replica, place) = self.place(run);
         self.method != MethodName::Gp || replica.follows(replica.needs(place))
     }
 
     /// Chooses the point of a run. `admit` judges points without a run.
-    ///
-    /// # Errors
-    /// No admissible point, or an error of `admit`.
     ///
     /// # Panics
     /// If the run is not ready.

@@ -39,7 +39,6 @@ pub enum MethodName {
 
 impl MethodName {
     /// The name on the command line.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Gp => "gp",
@@ -51,7 +50,6 @@ impl MethodName {
 
 /// A seed for one of many uses, by splitmix64's finaliser (Steele, Lea, Flood 2014). At most 2⁶³ − 1, the largest seed
 /// of a scenario.
-#[must_use]
 pub fn seed_of(seed: u64, usage: u64, index: u64) -> u64 {
     let mut z = seed
         ^ usage.wrapping_mul(0x9e37_79b9_7f4a_7c15)

@@ -61,7 +61,6 @@ impl Sobol {
     ///
     /// # Panics
     /// In more than [`MOST_VARIABLES`] dimensions.
-    #[must_use]
     pub fn new(dimensions: usize, seed: Option<u64>) -> Self {
         let mut random = Pcg64::seed_from_u64(seed.unwrap_or_default());
         let shift = |_| seed.map_or(0, |_| (random.next_u64() >> 32) as u32);
@@ -70,7 +69,6 @@ impl Sobol {
     }
 
     /// The point of an index: without a shift, that of index 0 is the corner.
-    #[must_use]
     pub fn point(&self, index: u64) -> Vec<f64> {
         let gray = index ^ (index >> 1);
         let coordinate = |(directions, shift): (&[u32; BITS], &u32)| {

@@ -27,9 +27,6 @@ pub struct Model {
 
 impl Model {
     /// The model of a problem.
-    ///
-    /// # Errors
-    /// A problem without distributions, or a mistake in its file.
     pub fn of(problem: &Problem) -> Result<Self, SearchError> {
         let Some((stated, folder)) = &problem.stated else {
             let why = "nothing says how the variables are distributed";

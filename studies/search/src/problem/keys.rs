@@ -8,7 +8,6 @@ use scenario::schema::{Key, Shape};
 /// assert!(search::problem::is_whole("runtime.extra_delay_ms"));
 /// assert!(!search::problem::is_whole("actors.0.gap_m"));
 /// ```
-#[must_use]
 pub fn is_whole(path: &str) -> bool {
     let segments: Vec<&str> =
         path.split(['.', '[']).map(|part| part.trim_end_matches(']')).collect();

@@ -78,7 +78,6 @@ impl SearchError {
 impl Failure for SearchError {}
 
 /// True if the scenario refuses the values of a point, or a formula has no value there.
-#[must_use]
 pub fn is_refusal(error: &Error) -> bool {
     let Error::Operation(failure) = error else { return false };
     let failure: &(dyn std::error::Error + 'static) = failure.as_ref();
@@ -87,9 +86,6 @@ pub fn is_refusal(error: &Error) -> bool {
 
 impl Problem {
     /// The problem of a command: a search file, or a scenario with `--vary`.
-    ///
-    /// # Errors
-    /// Mistakes in the arguments, the file, or the scenario.
     pub fn open(arguments: &SearchArguments, group: &GroupOptions) -> Result<Self, Error> {
         let (name, options) = (arguments.scenario.as_str(), &arguments.scenario_options);
         let mut problem = match file::read(name)? {
@@ -116,9 +112,6 @@ impl Problem {
     }
 
     /// A scenario of which nothing varies yet.
-    ///
-    /// # Errors
-    /// Mistakes in the scenario.
     pub(crate) fn new(scenario: &str, options: &ScenarioOptions) -> Result<Self, Error> {
         let mut options = options.clone();
         if supervise::open(scenario, &options)?.require.formulas.is_empty() {
@@ -174,13 +167,11 @@ impl Problem {
     }
 
     /// Number of variables.
-    #[must_use]
     pub fn dimensions(&self) -> usize {
         self.variables.len()
     }
 
     /// The variables as a Gaussian process sees them: a number that only faults read matters where a fault acts.
-    #[must_use]
     pub fn kinds(&self) -> Vec<Kind> {
         let kind = |(place, variable): (usize, &Variable)| match &variable.domain {
             Domain::Words(words) if variable.name == FAULT => Kind::Branch(words.len()),
@@ -203,13 +194,11 @@ impl Problem {
         }
     }
 
-    #[must_use]
     pub fn values(&self, point: &[f64]) -> Vec<Value> {
         self.variables.iter().zip(point).map(|(variable, at)| variable.domain.at(*at)).collect()
     }
 
     /// The point of some values.
-    #[must_use]
     pub fn point(&self, values: &[Value]) -> Vec<f64> {
         let place = |(variable, value): (&Variable, &Value)| variable.domain.place(value);
         self.variables.iter().zip(values).map(place).collect()
@@ -239,9 +228,6 @@ impl Problem {
     }
 
     /// The scenario with these values and this seed.
-    ///
-    /// # Errors
-    /// [`SearchError::Refused`].
     pub fn scenario(&self, values: &[Value], seed: u64) -> Result<Scenario, Error> {
         let refused = |reason: &str| {
             let pairs =
@@ -256,26 +242,20 @@ impl Problem {
     }
 
     /// Value of a scene by the reference alone, tolerances. It is above 0 where the driver does not avoid the scene.
-    #[must_use]
     pub fn by_reference(&self, scenario: &Scenario) -> f64 {
         self.reference.map_or(-MOST, |driver| driver.drive(scenario, false).value())
     }
 
     /// The same at a point. Below 0 the point is admissible.
-    ///
-    /// # Errors
-    /// [`SearchError::Refused`].
     pub fn admit(&self, point: &[f64]) -> Result<f64, Error> {
         Ok(self.by_reference(&self.scenario(&self.values(point), 1)?))
     }
 
-    #[must_use]
     pub fn nominal_values(&self) -> Vec<Value> {
         self.variables.iter().map(|variable| variable.nominal.clone()).collect()
     }
 
     /// Values by the names of their variables, for tables.
-    #[must_use]
     pub fn named(&self, values: &[Value]) -> Vec<(String, String)> {
         let pair =
             |(variable, value): (&Variable, &Value)| (variable.name.clone(), value.to_string());
@@ -283,13 +263,11 @@ impl Problem {
     }
 
     /// Values in the middle of the variables' domains.
-    #[must_use]
     pub fn middle(&self) -> Vec<Value> {
         self.values(&vec![0.5; self.dimensions()])
     }
 
     /// Text that distinguishes this problem from others.
-    #[must_use]
     pub fn subject(&self) -> String {
         format!(
             "{}\n{:?}\n{:?}\n{:?}\n{:?}",

@@ -49,9 +49,6 @@ impl Setting {
     }
 
     /// TOML text of the value.
-    ///
-    /// # Errors
-    /// A formula without a finite value.
     pub(crate) fn text(&self, values: &[Value]) -> Result<String, UsageError> {
         let number = |number: f64| {
             let number = if self.is_whole { number.round() } else { rounded(number, 9) };

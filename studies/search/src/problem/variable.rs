@@ -48,9 +48,6 @@ pub enum DomainError {
 
 impl Domain {
     /// Reads `A..B`, `A..B:log`, or the values of a list as [`frame::param::values`] does.
-    ///
-    /// # Errors
-    /// [`DomainError`].
     pub fn parse(text: &str) -> Result<Self, DomainError> {
         let range = |is_log| {
             // The ends are the range's only values.
@@ -78,13 +75,11 @@ impl Domain {
     }
 
     /// True if its values are words.
-    #[must_use]
     pub fn is_of_words(&self) -> bool {
         matches!(self, Self::Words(_))
     }
 
     /// Number of values of a list.
-    #[must_use]
     pub fn count(&self) -> Option<usize> {
         match self {
             Self::Range { .. } => None,
@@ -103,7 +98,6 @@ impl Domain {
     /// let law = Domain::parse("acc-mpc,six-mode").unwrap();
     /// assert_eq!(law.at(0.7), Value::Word("six-mode".into()));
     /// ```
-    #[must_use]
     pub fn at(&self, place: f64) -> Value {
         let place = place.clamp(0.0, 1.0);
         let index = |count: usize| ((place * count as f64) as usize).min(count - 1);
@@ -117,7 +111,6 @@ impl Domain {
     }
 
     /// The place of a point on an axis of the values. The point may lie a little outside of the unit interval.
-    #[must_use]
     pub fn drawn_at(&self, point: f64) -> f64 {
         match self {
             Self::Range { from, to, is_log: false } => from + point * (to - from),
@@ -130,7 +123,6 @@ impl Domain {
     }
 
     /// The place of a value; a value of a list is in the middle of its share. A value outside stands for the nearest.
-    #[must_use]
     pub fn place(&self, value: &Value) -> f64 {
         let middle = |index: usize, count: usize| (index as f64 + 0.5) / count as f64;
         match (self, value) {
@@ -156,7 +148,6 @@ impl Domain {
     }
 
     /// The value of the domain that is nearest to `value`.
-    #[must_use]
     pub fn nearest(&self, value: &Value) -> Value {
         match (self, value) {
             (Self::Range { from, to, .. }, Value::Number(number)) => {
@@ -167,14 +158,12 @@ impl Domain {
     }
 
     /// The middle of a range, the first value of a list.
-    #[must_use]
     pub fn middle(&self) -> Value {
         self.at(if self.count().is_some() { 0.0 } else { 0.5 })
     }
 }
 
 /// A number rounded to this number of significant digits.
-#[must_use]
 pub fn rounded(number: f64, digits: usize) -> f64 {
     format!("{number:.*e}", digits - 1).parse().unwrap_or(number)
 }
@@ -191,7 +180,6 @@ impl Value {
         }
     }
 
-    #[must_use]
     pub fn number(&self) -> Option<f64> {
         match self {
             Self::Number(number) => Some(*number),

@@ -331,7 +331,6 @@ impl DriveLog {
     }
 
     /// Times that the emergency brake has begun to brake.
-    #[must_use]
     pub fn interventions(&self) -> usize {
         self.interventions_s.len()
     }

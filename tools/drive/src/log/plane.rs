@@ -110,7 +110,6 @@ impl Body {
     }
 
     /// Distance of a place from the body, m; 0 inside.
-    #[must_use]
     pub fn distance_m(&self, x_m: f64, y_m: f64) -> f64 {
         let (sine, cosine) = libm::sincos(self.heading_rad);
         let (x, y) = (x_m - self.x_m, y_m - self.y_m);
@@ -120,7 +119,6 @@ impl Body {
     }
 
     /// Middle of the rear bumper, m.
-    #[must_use]
     pub fn rear_m(&self) -> (f64, f64) {
         let (sine, cosine) = libm::sincos(self.heading_rad);
         (self.x_m - 0.5 * self.length_m * cosine, self.y_m - 0.5 * self.length_m * sine)

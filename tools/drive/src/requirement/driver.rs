@@ -25,7 +25,6 @@ impl ReferenceDriver {
     pub const NEED_MPS2: f64 = 2.5;
 
     /// The driver of a vehicle whose brakes give at most this much.
-    #[must_use]
     pub fn with_brakes(self, hardest_mps2: f64) -> Self {
         Self { deceleration_mps2: self.deceleration_mps2.min(hardest_mps2), ..self }
     }
@@ -39,7 +38,6 @@ impl ReferenceDriver {
     /// assert_eq!(ReferenceDriver::REGULATION.braking_mps2(0.35), Some(6.0));
     /// assert_eq!(ReferenceDriver::CAREFUL.braking_mps2(1.5), Some(7.59));
     /// ```
-    #[must_use]
     pub fn braking_mps2(&self, since_need_s: f64) -> Option<f64> {
         // The rounding of a sum of steps is not a delay.
         let braked_s = since_need_s - self.reaction_s;

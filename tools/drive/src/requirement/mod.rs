@@ -93,9 +93,6 @@ pub struct RequirementVerdict {
 
 /// The requirements of a scenario: its formulas, and on a road with a plan its limit of the lateral acceleration.
 ///
-/// # Errors
-/// [`RequirementError`] at the first one that is not a formula or a known name.
-///
 /// ```
 /// # use scenario::Scenario;
 /// let text = "schema_version = 1\nname = \"a\"\n[require]\nformulas = [\"always gap_m > 2\", \"min-gap:2\"]";
@@ -137,7 +134,6 @@ pub fn requirements(scenario: &Scenario) -> Result<Vec<Requirement>, Requirement
 
 impl Requirement {
     /// The formula, or the rule in words.
-    #[must_use]
     pub fn formula(&self) -> &str {
         match &self.judge {
             Judge::Formula(formula) => formula.text(),
@@ -146,7 +142,6 @@ impl Requirement {
     }
 
     /// Judges a drive. A drive without a sample meets nothing.
-    #[must_use]
     pub fn judge(&self, evidence: &Evidence<'_>) -> RequirementVerdict {
         let found = match &self.judge {
             _ if evidence.drive.steps.is_empty() => {

@@ -27,7 +27,6 @@ use temporal_logic::Unit;
 const STEP_S: f64 = 0.01;
 
 /// True if the drive ended in a collision that the reference driver avoids.
-#[must_use]
 pub fn is_avoidable_collision(evidence: &Evidence<'_>) -> bool {
     !no_avoidable_collision(evidence).met
 }

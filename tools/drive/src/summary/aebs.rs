@@ -30,7 +30,6 @@ pub struct Aebs {
 }
 
 /// Number of interventions, in words.
-#[must_use]
 pub fn braked(interventions: u64) -> String {
     match interventions {
         0 => "the emergency brake never braked".into(),

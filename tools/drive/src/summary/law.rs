@@ -40,7 +40,6 @@ impl LawAccount {
     }
 
     /// Share of the cycles that the backup commanded.
-    #[must_use]
     pub fn backup_share(&self) -> f64 {
         if self.cycles == 0 { 0.0 } else { self.backup as f64 / self.cycles as f64 }
     }

@@ -329,7 +329,6 @@ fn law_that_drove(
 
 impl Summary {
     /// The law that drove, with its caution or the command of the user's program.
-    #[must_use]
     pub fn driver(&self) -> String {
         match (self.program(), self.caution) {
             (Some(program), _) => format!("{} ({})", self.controller, program.command),
@@ -339,7 +338,6 @@ impl Summary {
     }
 
     /// The user's program that drove.
-    #[must_use]
     pub fn program(&self) -> Option<&Program> {
         let name = Service::Controller.name();
         self.services.iter().find(|service| service.name == name)?.program.as_ref()

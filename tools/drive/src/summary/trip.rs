@@ -42,7 +42,6 @@ fn is_comparable(steps: &[DriveStep]) -> Option<bool> {
 
 impl Trip {
     /// Trip time beyond the fastest legal trip, s; none without both.
-    #[must_use]
     pub fn over_fastest_s(&self) -> Option<f64> {
         Some(self.trip_time_s? - self.fastest_legal_trip_s?)
     }
@@ -86,14 +85,12 @@ pub struct Passing {
 }
 
 impl Passing {
-    #[must_use]
     pub fn start(scenario: &Scenario) -> Self {
         let speed_mps = scenario.plant.initial_speed_mps.value();
         Self { time_s: 0.0, place_m: 0.0, speed_mps }
     }
 
     /// The earliest passing of a stop line. `None` for trucks, and if the signal stays red.
-    #[must_use]
     pub fn past(self, scenario: &Scenario, signal: &Signal) -> Option<Self> {
         let program = Program::new(signal);
         let at = self.along(scenario, signal.stop_line_m.value())?;
@@ -102,7 +99,6 @@ impl Passing {
     }
 
     /// The earliest passing of a place without signals. `None` for trucks, and if it cannot be reached.
-    #[must_use]
     pub fn along(self, scenario: &Scenario, to_m: f64) -> Option<Self> {
         let plant = &scenario.plant;
         if plant.vehicle.is_truck() {

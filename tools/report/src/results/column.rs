@@ -30,6 +30,7 @@ const MEAN_DECIMALS: usize = 2;
 /// assert_eq!(COLUMNS[1].head.title(), "min gap, m");
 /// ```
 #[derive(Debug)]
+#[must_use]
 pub struct Column<R> {
     pub head: Head,
     cell: Cell<R>,
@@ -175,42 +176,36 @@ fn outcome_words(name: &str) -> (&'static str, bool) {
 
 impl<R> Column<R> {
     /// The same with the least value as the best.
-    #[must_use]
     pub const fn less(mut self) -> Self {
         self.head.good = Good::Less;
         self
     }
 
     /// The same with the largest value as the best.
-    #[must_use]
     pub const fn more(mut self) -> Self {
         self.head.good = Good::More;
         self
     }
 
     /// The same with numbers beyond `limit` marked as bad.
-    #[must_use]
     pub const fn limit(mut self, limit: f64) -> Self {
         self.head.limit = Some(limit);
         self
     }
 
     /// The same with another weight.
-    #[must_use]
     pub const fn weight(mut self, weight: u8) -> Self {
         self.head.weight = weight;
         self
     }
 
     /// The same in JSON and CSV alone.
-    #[must_use]
     pub const fn hidden(mut self) -> Self {
         self.head.is_hidden = true;
         self
     }
 
     /// The same with a cell that is computed from the row.
-    #[must_use]
     pub const fn of(mut self, value: fn(&R) -> Value) -> Self {
         self.cell = Cell::Of(value);
         self
@@ -223,7 +218,6 @@ impl<R> Column<R> {
     }
 
     /// The same under a name and a heading that are known only when the program runs.
-    #[must_use]
     pub fn named(mut self, name: String, heading: String) -> Self {
         (self.head.name, self.head.heading) = (name.into(), heading.into());
         self
@@ -241,7 +235,6 @@ pub(super) fn cells<R: Serialize>(columns: &[Column<R>], row: &R) -> Vec<Value> 
 }
 
 /// The value at a dotted path; a number is a place in a list.
-#[must_use]
 pub fn at<'a>(json: &'a Value, path: &str) -> Option<&'a Value> {
     path.split('.').try_fold(json, |json, part| match json {
         Value::Array(list) => list.get(part.parse::<usize>().ok()?),
@@ -251,7 +244,6 @@ pub fn at<'a>(json: &'a Value, path: &str) -> Option<&'a Value> {
 
 impl Figure {
     /// A column whose rows have the figure at its name in their JSON.
-    #[must_use]
     pub const fn column<R>(&self) -> Column<R> {
         let format = match self.decimals {
             0 => Format::Count,
@@ -261,13 +253,11 @@ impl Figure {
     }
 
     /// A column of rows that keep the figures of their drive.
-    #[must_use]
     pub const fn of<R>(&self, values: fn(&R) -> &Values) -> Column<R> {
         self.column().figure(*self, values)
     }
 
     /// A column of rows that fold several runs: a number, or an object `{mean, deviation, n}`.
-    #[must_use]
     pub fn folded<R>(&self) -> Column<R> {
         match (self.fold, self.decimals) {
             (Fold::Mean, 0) => self.formatted(Format::Mean(MEAN_DECIMALS)),

@@ -26,7 +26,6 @@ const MOST_BLOCKS: usize = 20;
 const BEST: &str = "*";
 
 /// Width of the terminal; 80 columns for a pipe.
-#[must_use]
 pub fn width() -> usize {
     let size = console::Term::stdout().size_checked();
     size.map_or(USUAL_WIDTH, |(_, columns)| usize::from(columns).max(40))
@@ -37,7 +36,6 @@ pub fn width() -> usize {
 /// ```
 /// assert_eq!(report::results::folded("a verdict in words", 2, 14), "  a verdict in\n    words\n");
 /// ```
-#[must_use]
 pub fn folded(words: &str, indent: usize, width: usize) -> String {
     let mut lines = vec![" ".repeat(indent)];
     for word in words.split(' ') {
@@ -90,7 +88,6 @@ fn widest(text: &str) -> usize {
 
 impl Table {
     /// The table as text in at most `width` columns. Long tables are cut.
-    #[must_use]
     pub fn console(&self, width: usize) -> String {
         let blocks = self.row_blocks();
         let shown = blocks.iter().take(MOST_BLOCKS);

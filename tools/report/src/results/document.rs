@@ -63,6 +63,7 @@ impl Broken {
 /// assert!(document.markdown().contains("| acc-mpc | 8.2 |"));
 /// ```
 #[derive(Clone, Debug)]
+#[must_use]
 pub struct Document {
     pub(super) command: &'static str,
     /// Name of the file with the JSON, where it is not the command's.
@@ -100,7 +101,6 @@ impl Document {
     }
 
     /// The same with a verdict: whether all is well, and the sentence that answers the command's question.
-    #[must_use]
     pub fn verdict(mut self, ok: bool, sentence: impl Into<String>) -> Self {
         (self.ok, self.verdict) = (ok, sentence.into());
         self
@@ -118,41 +118,35 @@ impl Document {
     ///     "1 of 9 runs\n  cut-in with acc-mpc, seed 3: COLLISION: timegap run cut-in --seed 3\n"
     /// );
     /// ```
-    #[must_use]
     pub fn broken(mut self, broken: impl IntoIterator<Item = Broken>) -> Self {
         self.broken.extend(broken);
         self
     }
 
     /// The same for a question whose answer may be no: `succeeds` alone decides the exit status.
-    #[must_use]
     pub fn succeeds(mut self, succeeds: bool) -> Self {
         self.succeeds = Some(succeeds);
         self
     }
 
-    #[must_use]
     pub fn json_file(mut self, name: &'static str) -> Self {
         self.json_file = Some(name);
         self
     }
 
     /// The same with a line about what was driven.
-    #[must_use]
     pub fn about(mut self, about: impl Into<String>) -> Self {
         self.about = about.into();
         self
     }
 
     /// The same with a table more. One without rows is not shown.
-    #[must_use]
     pub fn table(mut self, table: Table) -> Self {
         self.parts.push(Part::Table(table));
         self
     }
 
     /// The same with pictures on the page; an empty string adds nothing.
-    #[must_use]
     pub fn figures(mut self, heading: &str, html: String) -> Self {
         if !html.is_empty() {
             self.parts.push(Part::Figures(heading.to_owned(), html));
@@ -161,7 +155,6 @@ impl Document {
     }
 
     /// The same with a paragraph; an empty one adds nothing.
-    #[must_use]
     pub fn text(mut self, text: impl Into<String>) -> Self {
         let text = text.into();
         if !text.is_empty() {
@@ -171,7 +164,6 @@ impl Document {
     }
 
     /// The same with named values, a line each; none add nothing.
-    #[must_use]
     pub fn facts(mut self, heading: &str, facts: Vec<Fact>) -> Self {
         if !facts.is_empty() {
             self.parts.push(Part::Facts(heading.to_owned(), facts));
@@ -180,40 +172,31 @@ impl Document {
     }
 
     /// The same with figures that the page shows at a glance.
-    #[must_use]
     pub fn tiles(mut self, tiles: Vec<Tile>) -> Self {
         self.parts.push(Part::Tiles(tiles));
         self
     }
 
     /// The same with a file more in its directory.
-    #[must_use]
     pub fn file(mut self, name: &str, contents: impl Into<Vec<u8>>) -> Self {
         self.files.push((name.to_owned(), contents.into()));
         self
     }
 
-    #[must_use]
     pub fn is_ok(&self) -> bool {
         self.ok
     }
 
-    #[must_use]
     pub fn json(&self) -> &str {
         &self.json
     }
 
     /// The JSON as a value.
-    ///
-    /// # Panics
-    /// Never: the text was made of one.
-    #[must_use]
     pub fn value(&self) -> Value {
         serde_json::from_str(&self.json).expect("it was written as JSON")
     }
 
     /// The text for a terminal of this width. It ends with the verdict and what broke.
-    #[must_use]
     pub fn console(&self, width: usize) -> String {
         let mut text = String::new();
         if !self.about.is_empty() {

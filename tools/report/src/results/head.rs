@@ -78,7 +78,6 @@ pub struct Head {
 
 impl Head {
     /// Heading with the unit: `min gap, m`.
-    #[must_use]
     pub fn title(&self) -> String {
         match (self.heading.as_ref(), self.unit) {
             (heading, "") => heading.to_owned(),
@@ -88,7 +87,6 @@ impl Head {
     }
 
     /// Name in a table of CSV: the last part of the path.
-    #[must_use]
     pub fn field(&self) -> &str {
         match self.name.rsplit('.').next() {
             Some(last) if last.bytes().all(|byte| byte.is_ascii_digit()) => &self.heading,
@@ -114,7 +112,6 @@ impl Head {
     }
 
     /// A cell's text for people.
-    #[must_use]
     pub fn text(&self, value: &Value) -> String {
         let none = || NONE.to_owned();
         let decimal = |decimals| value.as_f64().map_or_else(none, |v| decimals_of(v, decimals));

@@ -8,10 +8,6 @@ use super::table::Table;
 
 impl Document {
     /// JUnit XML.
-    ///
-    /// # Panics
-    /// Never: memory takes all.
-    #[must_use]
     pub fn junit(&self) -> String {
         let mut report = Report::new(format!("timegap {}", self.command));
         let mut whole = TestSuite::new(self.title.as_str());

@@ -6,7 +6,6 @@ use super::table::Table;
 const MOST_ROWS: usize = 200;
 
 impl Document {
-    #[must_use]
     pub fn markdown(&self) -> String {
         text(self)
     }

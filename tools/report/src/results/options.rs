@@ -60,9 +60,6 @@ impl ResultOptions {
     }
 
     /// The same for runs that were interrupted: JSON is for whole results.
-    ///
-    /// # Errors
-    /// As [`ResultOptions::deliver`].
     pub fn deliver_interrupted(
         &self,
         document: &Document,
@@ -76,9 +73,6 @@ impl ResultOptions {
     }
 
     /// Writes the forms for a continuous integration job alone, for commands with a page of their own.
-    ///
-    /// # Errors
-    /// [`ExportError`].
     pub fn export(&self, document: &Document) -> Result<(), Error> {
         let write = |option, path: &Option<PathBuf>, text: &dyn Fn() -> String| {
             let Some(path) = path else { return Ok(()) };
@@ -93,9 +87,6 @@ impl ResultOptions {
 }
 
 /// Writes all files of a result.
-///
-/// # Errors
-/// [`Error::Path`].
 fn write(document: &Document, output: &OutputDirectory) -> Result<(), Error> {
     document.files.iter().try_for_each(|(name, contents)| output.write(name, contents))?;
     output.write(&document.json_name(), document.json.as_bytes())?;
@@ -104,7 +95,6 @@ fn write(document: &Document, output: &OutputDirectory) -> Result<(), Error> {
 
 impl Document {
     /// Exit status: 0 when all is well, else 1.
-    #[must_use]
     pub fn exit_code(&self) -> ExitCode {
         if self.succeeds.unwrap_or(self.ok) { ExitCode::SUCCESS } else { ExitCode::FAILURE }
     }

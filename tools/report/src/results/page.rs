@@ -8,7 +8,6 @@ use crate::html::{Cell, Column, document, section, stacked_table, table, tiles};
 const MOST_ROWS: usize = 1_000;
 
 impl Document {
-    #[must_use]
     pub fn page(&self) -> String {
         text(self)
     }

@@ -28,6 +28,7 @@ pub type Object = Map<String, Value>;
 /// assert_eq!(check(&schema, &wrong), ["rows.0.law: 7 is not of type string"]);
 /// ```
 #[derive(Clone, Debug)]
+#[must_use]
 pub struct Schema {
     command: &'static str,
     root: Value,
@@ -35,7 +36,6 @@ pub struct Schema {
 
 impl Schema {
     /// The schema of a command's result, which has its version so far.
-    #[must_use]
     pub fn new(command: &'static str, meaning: &str) -> Self {
         let version = json!({"const": 1, "description": "Version of these names"});
         let root = json!({
@@ -78,7 +78,6 @@ impl Schema {
     /// assert_eq!(row["gap_m"]["type"], serde_json::json!(["number", "null"]));
     /// assert_eq!(row["timing"]["type"], "object");
     /// ```
-    #[must_use]
     pub fn of<T: JsonSchema>(command: &'static str) -> Self {
         let settings = SchemaSettings::draft2020_12()
             .for_serialize()
@@ -91,20 +90,17 @@ impl Schema {
         Self { command, root }
     }
 
-    #[must_use]
     pub fn command(&self) -> &'static str {
         self.command
     }
 
     /// Adds fields beside the version.
-    #[must_use]
     pub fn fields<R>(mut self, columns: &[Column<R>]) -> Self {
         columns.iter().for_each(|column| insert(&mut self.root, &column.head));
         self
     }
 
     /// Adds a list of objects at a dotted path. A list on the way is passed through, and `*` is every key.
-    #[must_use]
     pub fn rows<R>(mut self, path: &str, meaning: &str, columns: &[Column<R>]) -> Self {
         let node = descend(&mut self.root, path);
         let mut items = json!({"type": "object"});
@@ -113,14 +109,12 @@ impl Schema {
         self
     }
 
-    #[must_use]
     pub fn json(&self) -> Value {
         self.root.clone()
     }
 }
 
 /// One document with a definition for each command.
-#[must_use]
 pub fn document(schemas: &[Schema]) -> Value {
     let definitions = schemas.iter().map(|schema| (schema.command.to_owned(), schema.json()));
     let references =
@@ -190,7 +184,6 @@ fn insert(object: &mut Value, head: &Head) {
 
 /// Deviations of `value` from the schema, each with its place. They are values of another type, missing keys, and
 /// undeclared keys. It supports the part of JSON Schema that [`Schema`] writes.
-#[must_use]
 pub fn check(schema: &Value, value: &Value) -> Vec<String> {
     let mut wrong = Vec::new();
     walk(schema, value, "", &mut wrong);

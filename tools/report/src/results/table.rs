@@ -12,6 +12,7 @@ pub type Fact = (String, String);
 
 /// A table of a result. It does not depend on the type of its rows any more.
 #[derive(Clone, Debug)]
+#[must_use]
 pub struct Table {
     pub(super) heading: String,
     pub(super) columns: Vec<Head>,
@@ -79,7 +80,6 @@ impl Table {
     ///
     /// # Panics
     /// If there is no such column.
-    #[must_use]
     pub fn blocks(mut self, name: &str) -> Self {
         let place = self.columns.iter().position(|column| column.name == name);
         self.block = Some(place.expect("blocks are by a column of the table"));
@@ -87,21 +87,18 @@ impl Table {
     }
 
     /// The same with at most this number of rows on a terminal: the first ones, and the last.
-    #[must_use]
     pub fn most_rows(mut self, rows: usize) -> Self {
         self.most_rows = rows;
         self
     }
 
     /// The same on the page and in Markdown alone.
-    #[must_use]
     pub fn for_pages(mut self) -> Self {
         self.place = Place::Pages;
         self
     }
 
     /// The same on a terminal alone.
-    #[must_use]
     pub fn for_terminals(mut self) -> Self {
         self.place = Place::Terminals;
         self
@@ -117,21 +114,18 @@ impl Table {
     }
 
     /// The same whose rows are not cases of a job.
-    #[must_use]
     pub fn without_cases(mut self) -> Self {
         self.has_cases = false;
         self
     }
 
     /// Adds HTML that the page shows behind the block of this name (behind the table: an empty name).
-    #[must_use]
     pub fn figures(mut self, block: &str, html: String) -> Self {
         self.figures.push((block.to_owned(), html));
         self
     }
 
     /// One line for each row, under the names of the columns; empty where a figure does not apply.
-    #[must_use]
     pub fn csv(&self) -> String {
         let named: Vec<usize> = self.csv_columns().collect();
         let mut text = csv_row(named.iter().map(|&place| self.columns[place].field()));
@@ -211,7 +205,6 @@ fn in_csv(head: &Head) -> bool {
 }
 
 /// A field of CSV: all digits of a number; nothing where nothing applies.
-#[must_use]
 pub fn field(value: &Value) -> String {
     match value {
         Value::Null => String::new(),

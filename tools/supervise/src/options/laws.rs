@@ -89,13 +89,11 @@ impl std::str::FromStr for NamedLaw {
 
 impl LawOptions {
     /// The names, in the order of the options.
-    #[must_use]
     pub fn names(&self) -> Vec<String> {
         self.laws.iter().map(|law| law.name.clone()).collect()
     }
 
     /// The only law, if there is one.
-    #[must_use]
     pub fn only(&self) -> Option<&str> {
         match self.laws.as_slice() {
             [law] => Some(&law.name),
@@ -104,9 +102,6 @@ impl LawOptions {
     }
 
     /// Refuses a name that two laws have.
-    ///
-    /// # Errors
-    /// [`TwoLaws`].
     pub fn check(&self) -> Result<(), TwoLaws> {
         let twice = |(place, law): &(usize, &NamedLaw)| {
             self.laws[..*place].iter().any(|known| known.name == law.name)
@@ -118,9 +113,6 @@ impl LawOptions {
     }
 
     /// Refuses a law that is not among those that drive.
-    ///
-    /// # Errors
-    /// [`UnusedLaw`].
     pub fn expect_all_in(&self, driving: &[impl AsRef<str>]) -> Result<(), UnusedLaw> {
         let driving: Vec<&str> = driving.iter().map(AsRef::as_ref).collect();
         match self.laws.iter().find(|law| !driving.contains(&law.name.as_str())) {
@@ -136,7 +128,6 @@ impl LawOptions {
     /// let laws = LawOptions { laws: vec!["a=python3 'my law.py'".parse().unwrap()] };
     /// assert_eq!(laws.words(), ["--law", "a=python3 'my law.py'"]);
     /// ```
-    #[must_use]
     pub fn words(&self) -> Vec<String> {
         let words = self.laws.iter().filter_map(|NamedLaw { name, source }| {
             let source = match source {
@@ -149,7 +140,6 @@ impl LawOptions {
     }
 
     /// The keys that declare the laws, as arguments of `--set`. Their programs run in the present directory.
-    #[must_use]
     pub fn keys(&self) -> Vec<String> {
         let here = std::env::current_dir().unwrap_or_default();
         let text = |text: &str| toml::Value::from(text).to_string();
@@ -170,9 +160,6 @@ impl LawOptions {
     }
 
     /// Declares the laws in a scenario.
-    ///
-    /// # Errors
-    /// If a name cannot be a key.
     pub fn lay_over(&self, overrides: &mut Overrides) -> Result<(), ScenarioError> {
         self.keys().iter().try_for_each(|key| overrides.set_by("--law", key))
     }

@@ -128,9 +128,6 @@ impl Failure for TwoPrograms {}
 
 impl GroupOptions {
     /// Each service with the program in its place.
-    ///
-    /// # Errors
-    /// [`TwoPrograms`].
     pub fn programs(&self) -> Result<BTreeMap<Service, PathBuf>, TwoPrograms> {
         let mut programs = BTreeMap::new();
         for (service, program) in &self.programs {
@@ -171,9 +168,6 @@ pub enum ServiceProgramError {
 }
 
 /// A service and the program in its place: `NAME=PROGRAM`.
-///
-/// # Errors
-/// [`ServiceProgramError`].
 pub fn service_program(argument: &str) -> Result<(Service, PathBuf), ServiceProgramError> {
     let (name, program) = argument.split_once('=').ok_or(ServiceProgramError::NoProgram)?;
     Ok((name.parse()?, PathBuf::from(program)))

@@ -22,7 +22,6 @@ pub struct DeadRun {
 }
 
 /// All dead runs of this user.
-#[must_use]
 pub fn dead_runs() -> Vec<DeadRun> {
     let Ok(base) = base() else { return Vec::new() };
     let found = below(&base, Path::new(SHARED_MEMORY));

@@ -65,9 +65,6 @@ pub struct RunRoot {
 
 impl RunRoot {
     /// Makes a new root for this process, after removing what dead runs of this user left.
-    ///
-    /// # Errors
-    /// If the directory cannot be made.
     pub fn create() -> Result<Self, RootError> {
         sweep(&base()?);
         // The number separates runs that threads of one launcher start at the same instant. The time separates
@@ -153,9 +150,6 @@ fn create(id: &str) -> Result<PathBuf, RootError> {
 }
 
 /// The user's own directory for all runs.
-///
-/// # Errors
-/// If it cannot be made or is not the user's own.
 pub fn base() -> Result<PathBuf, RootError> {
     let uid = rustix::process::geteuid().as_raw();
     let runtime = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);

@@ -90,9 +90,6 @@ pub fn check_room(needed: u64) -> Result<(), RoomError> {
 }
 
 /// Size of the file system of the shared memory and what is free of it, bytes.
-///
-/// # Errors
-/// [`RoomError::NoSharedMemory`].
 pub fn shared_memory_room() -> Result<(u64, u64), RoomError> {
     let found = rustix::fs::statvfs(SHARED_MEMORY)
         .map_err(|error| RoomError::NoSharedMemory(error.into()))?;

@@ -26,9 +26,6 @@ pub enum NoProgram {
 impl Failure for NoProgram {}
 
 /// Programs that replace services, or compute for them.
-///
-/// # Errors
-/// [`NoProgram`] if one of them is not a program.
 pub fn programs(
     services: &BTreeMap<Service, PathBuf>,
     scenario: &Scenario,
@@ -47,9 +44,6 @@ pub fn programs(
 }
 
 /// The program that replaces `service`.
-///
-/// # Errors
-/// [`NoProgram::OfService`].
 pub fn of_service(service: Service, path: &Path, here: &Path) -> Result<Program, NoProgram> {
     let command = [path.to_string_lossy().into_owned()];
     Program::of(&command, here).map_err(|reason| NoProgram::OfService {

@@ -63,7 +63,6 @@ impl Place {
     /// assert_eq!(Place::between(0.002, -0.002), Place::Entry, "the next curve of an S");
     /// assert_eq!(Place::between(0.002, 0.0), Place::Exit);
     /// ```
-    #[must_use]
     pub fn between(ego_perm: f64, ahead_perm: f64) -> Self {
         let (ego, ahead) = (ego_perm.abs(), ahead_perm.abs());
         let changes_side = ego_perm * ahead_perm < 0.0 && ahead >= STRAIGHT_PERM;
@@ -112,33 +111,28 @@ pub struct JudgedScan {
 }
 
 impl JudgedScan {
-    #[must_use]
     pub fn lead_within(&self, reach_m: f64) -> Option<Lead> {
         self.lead.filter(|lead| lead.gap_m <= reach_m)
     }
 
     /// The lead is within reach, and the target is not the lead.
-    #[must_use]
     pub fn is_lead_lost(&self) -> bool {
         let owner = self.owner;
         self.lead_within(REACH_M).is_some_and(|lead| owner != Some(Owner::Vehicle(lead.vehicle)))
     }
 
     /// The target is a vehicle beside the ego's lane.
-    #[must_use]
     pub fn is_neighbour_taken(&self) -> bool {
         self.is_beside
     }
 
     /// The target is not a vehicle.
-    #[must_use]
     pub fn is_nothing_taken(&self) -> bool {
         self.owner == Some(Owner::Nothing)
     }
 }
 
 /// Judges all scans of a drive whose result is known. `curvature` is that of the axis at a position, 1/m.
-#[must_use]
 pub fn judge(drive: &Drive, curvature: &dyn Fn(f64) -> f64) -> Vec<JudgedScan> {
     let mut steps = drive.steps.iter().peekable();
     let scenes: Vec<_> = drive.plane.iter().filter(|scene| scene.seen.is_some()).collect();
@@ -209,7 +203,6 @@ fn judge_scene(
 }
 
 /// Spans of consecutive scans with a finding: times of the first scan and of the one behind the last, s.
-#[must_use]
 pub fn spans(scans: &[JudgedScan], finding: impl Fn(&JudgedScan) -> bool) -> Vec<(f64, f64)> {
     let mut spans = Vec::new();
     let mut from_s = None;

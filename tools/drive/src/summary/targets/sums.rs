@@ -50,7 +50,6 @@ pub struct PlaceSums {
 
 impl PlaceSums {
     /// The sums of a drive; none where the road has no plan.
-    #[must_use]
     pub fn of(scenario: &Scenario, drive: &Drive) -> Option<Vec<Self>> {
         let axis = scenario.road.plan()?.axis();
         let scans = judge(drive, &|p_m| axis.curvature_perm(p_m));
@@ -60,7 +59,6 @@ impl PlaceSums {
 }
 
 /// Sums of the scans by part of a curve, in the order of [`Place::ALL`]. A loss counts in the part in which it begins.
-#[must_use]
 pub fn by_place(scans: &[JudgedScan]) -> [Sums; 4] {
     Place::ALL.map(|place| {
         let mut sums = Sums::default();
