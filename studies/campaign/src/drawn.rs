@@ -3,24 +3,11 @@
 //! `[0.0, 0.0, [0.0, 0.5]]` is 0 in two runs of three, and in the third a number up to 0.5.
 
 use rand_pcg::Pcg64;
-use supervise::Failure;
+use supervise::UsageError;
 use toml::Value;
 
-/// A value from which nothing can be drawn.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "{key} = {value} cannot be drawn from, expected two numbers, the smaller first, or a list of words, of tables or \
-     with ranges"
-)]
-pub struct NotDrawable {
-    key: String,
-    value: Value,
-}
-
-impl Failure for NotDrawable {}
-
 /// Checks that a value, or each value of a table, can be drawn from.
-pub fn check(key: &str, value: &Value) -> Result<(), NotDrawable> {
+pub fn check(key: &str, value: &Value) -> Result<(), UsageError> {
     match value {
         Value::Table(table) => table.iter().try_for_each(|(key, value)| check(key, value)),
         Value::Array(values) if is_choice(values) => {
@@ -28,7 +15,10 @@ pub fn check(key: &str, value: &Value) -> Result<(), NotDrawable> {
             parts.try_for_each(|part| check(key, part))
         }
         Value::Array(values) if range(values).is_none() => {
-            Err(NotDrawable { key: key.to_owned(), value: value.clone() })
+            let place = format_args!("{key} = {value}");
+            let expected =
+                "two numbers, the smaller first, or a list of words, of tables or with ranges";
+            Err(UsageError::at(place, "it cannot be drawn from", expected))
         }
         _ => Ok(()),
     }

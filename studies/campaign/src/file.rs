@@ -129,13 +129,6 @@ pub struct Case {
     pub from: Line,
 }
 
-/// A path is not a file, or the file is too long for a campaign.
-#[derive(Debug, thiserror::Error)]
-#[error("{}: expected a file of at most {MAX_BYTES} bytes", .0.display())]
-pub struct NoCampaign(PathBuf);
-
-impl Failure for NoCampaign {}
-
 fn lockstep() -> Mode {
     Mode::Lockstep
 }
@@ -175,7 +168,8 @@ impl Campaign {
         let error = |reason| Error::Path { action: "read", path: path.to_owned(), reason };
         let metadata = std::fs::metadata(path).map_err(error)?;
         if !metadata.is_file() || metadata.len() > MAX_BYTES {
-            return Err(NoCampaign(path.to_owned()).into());
+            let expected = format_args!("a file of at most {MAX_BYTES} bytes");
+            return Err(UsageError::at(path.display(), "no campaign", expected).into());
         }
         let text = std::fs::read_to_string(path).map_err(error)?;
         Self::parse(&path.display().to_string(), &text)

@@ -7,17 +7,9 @@ use super::planned::Planned;
 use frame::batch::{self, Job};
 use runtime::Mode;
 use scenario::Scenario;
-use scenario::faults::Kind;
 use scenario::supervision::Standbys;
 use std::time::Duration;
-use supervise::{Error, Failure, GroupOptions, ScenarioOptions};
-
-/// A fault of processes in a campaign in simulated time, where a process's death ends the run.
-#[derive(Debug, thiserror::Error)]
-#[error("a fault of kind `{0}` acts on processes, expected mode = \"realtime\" in the campaign")]
-pub struct FaultOfProcesses(Kind);
-
-impl Failure for FaultOfProcesses {}
+use supervise::{Error, GroupOptions, ScenarioOptions, UsageError};
 
 /// A planned run as a job, checked.
 pub fn job(campaign: &Campaign, planned: &Planned) -> Result<Job, Error> {
@@ -31,7 +23,9 @@ pub fn job(campaign: &Campaign, planned: &Planned) -> Result<Job, Error> {
     let scenario = supervise::open_with(&planned.scenario, &options, "set", &planned.keys)?;
     let of_processes = scenario.faults.iter().find(|fault| fault.effect.of_processes().is_some());
     if let Some(fault) = of_processes.filter(|_| campaign.mode == Mode::Lockstep) {
-        return Err(FaultOfProcesses(fault.effect.kind()).into());
+        let place = format_args!("a fault of kind `{}`", fault.effect.kind());
+        let expected = "mode = \"realtime\" in the campaign";
+        return Err(UsageError::at(place, "it acts on processes", expected).into());
     }
     let sample_every = campaign.sample_every_s.map(Duration::from_secs_f64);
     Ok(Job { scenario, mode: campaign.mode, sample_every, record: campaign.record })

@@ -4,9 +4,10 @@
 use super::builtin::BUILTIN;
 use super::file::Campaign;
 use super::variation::Variants;
-use scenario::name::{Line, Name, NotALine, NotAName};
+use scenario::name::{Line, Name};
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
-use supervise::{Error, Failure};
+use supervise::{Error, UsageError};
 
 /// Longest description that is taken from a variation file, characters.
 const MAX_LINE: usize = 500;
@@ -17,31 +18,6 @@ const MAX_NAME: usize = 64;
 const REQUIRED: &str = "require = { max_avoidable_collisions = 0, max_aborted = 0, max_driven_by_backup = 0, \
                         max_requirements_broken = 0 }";
 
-/// A variation file gives its campaign no name or no description.
-#[derive(Debug, thiserror::Error)]
-pub enum VariationNameError {
-    /// The file's name has no letters that a name may have.
-    #[error(transparent)]
-    Name(NotAName),
-    /// It has no description.
-    #[error(transparent)]
-    Description(NotALine),
-}
-
-impl Failure for VariationNameError {}
-
-/// The argument is neither a built-in campaign nor a file.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "{argument}: no built-in campaign and no file of this name, expected a path or {}",
-    scenario::accepted(argument, BUILTIN.iter().map(|builtin| builtin.name))
-)]
-pub struct UnknownCampaign {
-    argument: String,
-}
-
-impl Failure for UnknownCampaign {}
-
 /// The built-in campaign of that name, or the file at that path.
 pub fn open(argument: &str) -> Result<Campaign, Error> {
     if let Some(builtin) = BUILTIN.iter().find(|builtin| builtin.name == argument) {
@@ -49,7 +25,9 @@ pub fn open(argument: &str) -> Result<Campaign, Error> {
     }
     let path = Path::new(argument);
     if !path.exists() {
-        return Err(UnknownCampaign { argument: argument.to_owned() }.into());
+        let why = "no built-in campaign and no file of this name";
+        let names = scenario::accepted(argument, BUILTIN.iter().map(|builtin| builtin.name));
+        return Err(UsageError::at(argument, why, format_args!("a path or {names}")).into());
     }
     if supervise::is_openscenario(argument) {
         return of_variation(path);
@@ -100,9 +78,12 @@ pub fn of_variation(path: &Path) -> Result<Campaign, Error> {
     let description = printable.take(MAX_LINE).collect::<String>();
     // The defaults of all other keys are those of a file.
     let least = format!("schema_version = 1\nname = \"x\"\n{REQUIRED}\n");
+    let unnamed = |what: &dyn Display| {
+        UsageError::at(path.display(), what, "a file with a name and a description")
+    };
     Ok(Campaign {
-        name: Name::try_from(name).map_err(VariationNameError::Name)?,
-        description: Line::try_from(description).map_err(VariationNameError::Description)?,
+        name: Name::try_from(name).map_err(|error| unnamed(&error))?,
+        description: Line::try_from(description).map_err(|error| unnamed(&error))?,
         scenarios: vec![variants.scenario],
         variation: Some(file),
         ..toml::from_str(&least).expect("it has all keys that a campaign needs")

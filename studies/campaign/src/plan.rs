@@ -28,16 +28,6 @@ pub struct Plan {
     sampled: Option<Vec<usize>>,
 }
 
-/// A campaign has too many runs.
-#[derive(Debug, thiserror::Error)]
-#[error("{combinations} combinations with {seeds} seeds each are more than {MAX_RUNS} runs")]
-pub struct TooManyRuns {
-    combinations: usize,
-    seeds: u32,
-}
-
-impl Failure for TooManyRuns {}
-
 /// All runs of a campaign. Neighbours belong to different combinations, so that a part of the campaign covers each
 /// combination.
 pub fn plan(campaign: &Campaign) -> Result<Plan, Error> {
@@ -55,7 +45,9 @@ pub fn plan(campaign: &Campaign) -> Result<Plan, Error> {
     let fixed = fixed.saturating_mul(controllers.len());
     let drawn = combinations.checked_mul(seeds as usize).filter(|runs| *runs <= MAX_RUNS);
     let Some((drawn, all)) = drawn.map(|drawn| (drawn, drawn.saturating_add(fixed))) else {
-        return Err(TooManyRuns { combinations, seeds }.into());
+        let why = format_args!("{combinations} combinations with {seeds} seeds each");
+        let expected = format_args!("at most {MAX_RUNS} runs");
+        return Err(UsageError::at("the campaign", why, expected).into());
     };
     let sampled = campaign.sample.map(|sample| draw_runs(all, sample.get(), campaign.first_seed));
     Ok(Plan { campaign: campaign.clone(), controllers, faults, variants, all, drawn, sampled })

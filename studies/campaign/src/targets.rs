@@ -5,20 +5,13 @@
 
 use scenario::Scenario;
 use scenario::faults::Target;
-use supervise::{Absent, Failure, absent};
-
-/// A fault of the campaign has no receiver.
-#[derive(Debug, thiserror::Error)]
-#[error("faults: {0}; this holds in every scenario of the campaign")]
-pub struct NothingToFault(Absent);
-
-impl Failure for NothingToFault {}
+use supervise::{UsageError, absent};
 
 /// The targets of the faults, and those without a receiver.
 #[derive(Debug, Default)]
 pub struct Targets {
     present: Vec<Target>,
-    absent: Vec<(Target, Absent)>,
+    absent: Vec<(Target, UsageError)>,
 }
 
 impl Targets {
@@ -37,10 +30,13 @@ impl Targets {
     }
 
     /// Refuses a target that was absent in every run.
-    pub fn check(self) -> Result<(), NothingToFault> {
+    pub fn check(self) -> Result<(), UsageError> {
         let Self { present, absent } = self;
         match absent.into_iter().find(|(target, _)| !present.contains(target)) {
-            Some((_, what)) => Err(NothingToFault(what)),
+            Some((_, what)) => {
+                let place = "faults, in every scenario of the campaign".to_owned();
+                Err(UsageError { place, ..what })
+            }
             None => Ok(()),
         }
     }

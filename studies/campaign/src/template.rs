@@ -1,31 +1,10 @@
 //! The faults of a run, drawn from the tables of the campaign's file.
 
-use super::drawn::{NotDrawable, check, drawn};
+use super::drawn::{check, drawn};
 use rand_core::Rng;
 use rand_pcg::Pcg64;
-use supervise::Failure;
+use supervise::UsageError;
 use toml::{Table, Value};
-
-/// Reason why no fault can be drawn from a table.
-#[derive(Debug, thiserror::Error)]
-pub enum TemplateError {
-    /// A number of faults.
-    #[error("faults: {key} = {value}, expected a whole number from 1 to 64")]
-    Count { key: String, value: Value },
-    /// True if a fault has runs of its own.
-    #[error("faults: alone = {0}, expected true or false")]
-    Alone(Value),
-    /// Too few services to strike together.
-    #[error(
-        "faults: together needs `service` to be a list of as many or more, and no `count` beside it"
-    )]
-    Together,
-    /// A key's value cannot be drawn.
-    #[error(transparent)]
-    NotDrawable(#[from] NotDrawable),
-}
-
-impl Failure for TemplateError {}
 
 /// Draw of a run's faults.
 #[derive(Debug)]
@@ -46,7 +25,7 @@ pub enum Drawing {
 
 impl Drawing {
     /// The ways in which the runs of a campaign draw their faults. With `per_run`, all tables but those `alone` are mixed.
-    pub fn all(tables: &[Table], per_run: Option<[u32; 2]>) -> Result<Vec<Self>, TemplateError> {
+    pub fn all(tables: &[Table], per_run: Option<[u32; 2]>) -> Result<Vec<Self>, UsageError> {
         let templates = tables.iter().map(Template::of).collect::<Result<Vec<_>, _>>()?;
         if templates.is_empty() {
             return Ok(vec![Self::None]);
@@ -103,22 +82,30 @@ pub struct Template {
 }
 
 impl Template {
-    fn of(table: &Table) -> Result<Self, TemplateError> {
+    fn of(table: &Table) -> Result<Self, UsageError> {
         let mut keys = table.clone();
         let mut whole = |key: &str| match keys.remove(key) {
             None => Ok(None),
             Some(Value::Integer(count @ 1..=64)) => Ok(Some(count as usize)),
-            Some(value) => Err(TemplateError::Count { key: key.to_owned(), value }),
+            Some(value) => {
+                let why = format_args!("{key} = {value}");
+                Err(UsageError::at("faults", why, "a whole number from 1 to 64"))
+            }
         };
         let (count, together) = (whole("count")?, whole("together")?);
         let is_alone = match keys.remove("alone") {
             None => false,
             Some(Value::Boolean(alone)) => alone,
-            Some(other) => return Err(TemplateError::Alone(other)),
+            Some(other) => {
+                let why = format_args!("alone = {other}");
+                return Err(UsageError::at("faults", why, "true or false"));
+            }
         };
         let services = keys.get("service").and_then(Value::as_array).map_or(0, Vec::len);
         if together.is_some_and(|together| together > services || count.is_some()) {
-            return Err(TemplateError::Together);
+            let why = "together strikes more services than are listed, or stands beside count";
+            let expected = "`service` as a list of as many or more, and no `count`";
+            return Err(UsageError::at("faults", why, expected));
         }
         for (key, value) in &keys {
             check(key, value)?;

@@ -3,21 +3,7 @@
 use openscenario::variation::Variation;
 use openscenario::{Disk, ReadError, read};
 use std::path::{Path, PathBuf};
-use supervise::{Error, Failure};
-
-/// All combinations of values break a constraint of the scenario.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "{}: all {left_out} combinations break a constraint of {scenario}, expected one that does not",
-    path.display()
-)]
-pub struct NoneAdmitted {
-    path: PathBuf,
-    left_out: usize,
-    scenario: String,
-}
-
-impl Failure for NoneAdmitted {}
+use supervise::{Error, UsageError};
 
 /// The values that a variation file gives to its scenario's parameters.
 #[derive(Debug)]
@@ -47,7 +33,8 @@ impl Variants {
         let scenario = normal(&variation.scenario).to_string_lossy().into_owned();
         let left_out = variation.len() - admitted.len();
         if admitted.is_empty() {
-            return Err(NoneAdmitted { path: path.to_owned(), left_out, scenario }.into());
+            let why = format_args!("all {left_out} combinations break a constraint of {scenario}");
+            return Err(UsageError::at(path.display(), why, "one that does not").into());
         }
         let description = variation.description.clone();
         Ok(Self { scenario, description, left_out, variation, admitted })

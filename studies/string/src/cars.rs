@@ -3,13 +3,13 @@
 use report::summary::Summary;
 use scenario::Scenario;
 use serde_json::Value;
-use supervise::Drive;
+use supervise::{Drive, UsageError};
 
 use super::driven::Driven;
 use super::measure::measure;
 use super::motion::Motion;
 use super::results::Results;
-use super::scene::{Place, Plan, SceneError};
+use super::scene::{Place, Plan};
 
 const TRACE_POINTS: usize = 400;
 
@@ -49,7 +49,7 @@ impl CarByCar {
     }
 
     /// The scenario of the next car; `None` when all were driven.
-    pub fn next(&self) -> Result<Option<Scenario>, SceneError> {
+    pub fn next(&self) -> Result<Option<Scenario>, UsageError> {
         match (self.places.get(self.cars.len()), &self.last) {
             (None, _) => Ok(None),
             (Some(_), None) => Ok(Some(self.plan.first())),

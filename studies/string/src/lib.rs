@@ -29,7 +29,6 @@ mod wave;
 pub use arguments::StringArguments;
 pub use cars::CarByCar;
 pub use columns::schema;
-pub use scene::SceneError;
 
 use std::process::ExitCode;
 

@@ -1,6 +1,7 @@
 //! The scenarios of a string: the first car's, and that of a car behind another.
 
 use controller::laws;
+use scenario::Scenario;
 use scenario::actor::{Actor, Profile, Sine};
 use scenario::event::VEHICLE_WIDTH_M;
 use scenario::name::Name;
@@ -8,40 +9,14 @@ use scenario::quantity::{
     Acceleration, Distance, Duration, Height, Lateral, Length, OutOfRange, Seed, Speed, Time,
 };
 use scenario::road::{Heights, Road, RoadPoint};
-use scenario::{Problem, Scenario};
-use supervise::Failure;
+use supervise::UsageError;
 
 use super::motion::Motion;
-use super::wave::{TooSlow, Wave};
+use super::wave::Wave;
 
 /// Time gap of a first distance that neither law nor scenario gives, s.
 const FIRST_TIME_GAP_S: f64 = 2.0;
 const FIRST_DISTANCE_M: f64 = 5.0;
-
-/// Reason why a car of a string has no scenario.
-#[derive(Debug, thiserror::Error)]
-pub enum SceneError {
-    /// The string is longer than any road.
-    #[error("car {car}: the string is too long")]
-    TooLong {
-        /// Number of the car, from 1.
-        car: usize,
-    },
-    /// A figure that no scenario takes.
-    #[error(transparent)]
-    OutOfRange(#[from] OutOfRange<f64>),
-    /// The road cannot be used.
-    #[error("{}", .0.message)]
-    Road(#[source] Problem),
-    /// The road has a plan.
-    #[error("a string drives on a straight road, and this scenario has `road.plan`")]
-    Plan,
-    /// No wave can be driven.
-    #[error(transparent)]
-    Wave(#[from] TooSlow),
-}
-
-impl Failure for SceneError {}
 
 /// A string to be driven.
 #[derive(Clone, Debug)]
@@ -91,12 +66,15 @@ impl Plan {
     }
 
     /// The scenario of a car at `place` behind one that moved like `motion`.
-    pub fn behind(&self, place: Place, motion: &Motion) -> Result<Scenario, SceneError> {
+    pub fn behind(&self, place: Place, motion: &Motion) -> Result<Scenario, UsageError> {
         let Place { index, behind_first_m } = place;
         let before = self.law(index - 1);
         let mut scenario = self.law(index).clone();
         let gap_m = first_gap(&scenario);
-        let too_long = |_| SceneError::TooLong { car: index + 1 };
+        let too_long = |_| {
+            let place = format_args!("car {}", index + 1);
+            UsageError::at(place, "the string is too long", "fewer cars, or shorter gaps")
+        };
         scenario.actors = vec![Actor {
             profile: Profile::Speeds(motion.points().to_vec()),
             ..actor("ahead", Distance::try_from(gap_m).map_err(too_long)?, before.plant.length_m)
@@ -110,7 +88,8 @@ impl Plan {
             signal.stop_line_m = Distance::try_from(line_m).map_err(too_long)?;
         }
         if scenario.road.plan().is_some() {
-            return Err(SceneError::Plan);
+            let why = "a string drives on a straight road";
+            return Err(UsageError::at("road.plan", why, "a scenario without it"));
         }
         if !scenario.road.is_level() {
             scenario.road = moved(&scenario.road, behind_first_m)?;
@@ -119,7 +98,7 @@ impl Plan {
     }
 
     /// The same string behind a lead whose speed is a sine.
-    pub fn behind_wave(&self, hz: f64) -> Result<Self, SceneError> {
+    pub fn behind_wave(&self, hz: f64) -> Result<Self, UsageError> {
         let wave = Wave::of(&self.laws[0], self.vehicles, hz)?;
         let laws = self.laws.iter().map(|scenario| {
             let mut scenario = scenario.clone();
@@ -143,7 +122,7 @@ impl Plan {
             Ok(scenario)
         });
         Ok(Self {
-            laws: laws.collect::<Result<_, SceneError>>()?,
+            laws: laws.collect::<Result<_, OutOfRange<f64>>>().map_err(out_of_range)?,
             vehicles: self.vehicles,
             wave: Some(wave),
         })
@@ -176,14 +155,22 @@ fn first_gap(scenario: &Scenario) -> f64 {
     desired.or_else(own).unwrap_or(FIRST_TIME_GAP_S * speed_mps + FIRST_DISTANCE_M)
 }
 
+/// A figure of the string that no scenario takes.
+fn out_of_range(error: OutOfRange<f64>) -> UsageError {
+    let OutOfRange { value, range } = error;
+    UsageError::at("the string", format_args!("{value} is out of range"), range)
+}
+
 /// The road of a car that begins `behind_m` farther back; before its first point it is level.
-fn moved(road: &Road, behind_m: f64) -> Result<Road, SceneError> {
-    let profile = road.profile().map_err(SceneError::Road)?;
+fn moved(road: &Road, behind_m: f64) -> Result<Road, UsageError> {
+    let profile = road.profile();
+    let profile =
+        profile.map_err(|problem| UsageError::at("road", problem.message, problem.expected))?;
     let points = profile.points().iter().map(|point| {
         let distance_m = Distance::try_from(point.distance_m + behind_m)?;
         Ok(RoadPoint(distance_m, Height::try_from(point.height_m)?))
     });
-    let points = points.collect::<Result<Vec<_>, OutOfRange<f64>>>()?;
+    let points = points.collect::<Result<Vec<_>, _>>().map_err(out_of_range)?;
     Ok(Road::of_heights(Heights::Points(points)))
 }
 

@@ -14,7 +14,7 @@ use std::f64::consts::TAU;
 
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
-use supervise::Drive;
+use supervise::{Drive, UsageError};
 
 use super::measure::{Sample, samples};
 
@@ -31,16 +31,6 @@ const LEAST_MEASURED_S: f64 = 40.0;
 /// Slowest set speed at which a wave can be driven, m/s.
 const SLOWEST_MPS: f64 = 5.0;
 
-/// The set speed or the limit leaves no room for a wave.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "a lead that swings needs room below the set speed of {top_mps} m/s, expected at least \
-     {SLOWEST_MPS} m/s"
-)]
-pub struct TooSlow {
-    top_mps: f64,
-}
-
 /// A sine of the lead's speed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wave {
@@ -52,11 +42,13 @@ pub struct Wave {
 impl Wave {
     /// Around the scenario's speed, as far as the set speed leaves room on both sides. It goes before a string of this
     /// many vehicles.
-    pub fn of(scenario: &Scenario, vehicles: usize, hz: f64) -> Result<Self, TooSlow> {
+    pub fn of(scenario: &Scenario, vehicles: usize, hz: f64) -> Result<Self, UsageError> {
         let set_mps = scenario.set_speed_mps.value();
         let top_mps = scenario.speed_limit_mps.map_or(set_mps, |limit| set_mps.min(limit.value()));
         if top_mps < SLOWEST_MPS {
-            return Err(TooSlow { top_mps });
+            let why = format_args!("a lead that swings needs room below {top_mps} m/s");
+            let expected = format_args!("at least {SLOWEST_MPS} m/s");
+            return Err(UsageError::at("the set speed", why, expected));
         }
         let initial_mps = scenario.plant.initial_speed_mps.value();
         let centre_mps = initial_mps.clamp(0.4 * top_mps, 0.8 * top_mps);

@@ -4,21 +4,15 @@
 //! directory that holds results is refused and not changed. `--force` replaces all earlier results. They are put aside
 //! until the first new result is written, and put back if no result is written. Other files are left alone.
 
-mod error;
-mod result_file;
-
-pub use error::OutputError;
-pub use result_file::ResultFile;
-
 use clap::Args;
 use runtime::histogram_log;
 use runtime::statistics::Latencies;
 use rustix::fs::{FlockOperation, flock};
 use std::cell::Cell;
 use std::fs::File;
-use std::io::ErrorKind;
+use std::io::{BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
-use supervise::Error;
+use supervise::{Error, UsageError};
 
 /// Files that commands write into their directory; a name without a dot is a directory.
 const RESULTS: [&str; 37] = [
@@ -113,7 +107,9 @@ impl OutputDirectory {
             None => {}
             Some(_) if options.force => output.put_aside(&found)?,
             Some(first) => {
-                return Err(OutputError::HoldsResults { path: path.clone(), first }.into());
+                let why = format_args!("it holds results ({first})");
+                let expected = "another directory, or --force to replace them";
+                return Err(UsageError::at(path.display(), why, expected).into());
             }
         }
         output.is_cleared = true;
@@ -127,9 +123,9 @@ impl OutputDirectory {
     pub fn resume(path: &Path, begun: &'static str) -> Result<Self, Error> {
         let output = Self::take(path)?;
         if let Some(first) = results_in(path).next().filter(|_| !path.join(begun).exists()) {
-            return Err(
-                OutputError::NotBegun { path: path.to_owned(), first, expected: begun }.into()
-            );
+            let why = format_args!("it holds results ({first}) without {begun}");
+            let expected = "another directory: nothing in it can be gone on with";
+            return Err(UsageError::at(path.display(), why, expected).into());
         }
         output.is_used.set(true);
         Ok(output)
@@ -170,7 +166,10 @@ impl OutputDirectory {
     fn lock(path: PathBuf, made: Vec<PathBuf>) -> Result<Self, Error> {
         let directory = File::open(&path).map_err(error(&path))?;
         match flock(&directory, FlockOperation::NonBlockingLockExclusive) {
-            Err(rustix::io::Errno::WOULDBLOCK) => Err(OutputError::InUse { path }.into()),
+            Err(rustix::io::Errno::WOULDBLOCK) => {
+                let why = "it belongs to a command that is still running";
+                Err(UsageError::at(path.display(), why, "another directory").into())
+            }
             // A file system without locks has directories all the same.
             _ => Ok(Self {
                 path,
@@ -285,6 +284,38 @@ impl Drop for OutputDirectory {
             // A directory that holds another file stays.
             let _ = std::fs::remove_dir(directory);
         }
+    }
+}
+
+/// A result that is being written.
+pub struct ResultFile {
+    /// Its path when it is whole.
+    path: PathBuf,
+    file: BufWriter<File>,
+}
+
+impl ResultFile {
+    fn create(temporary: &Path, path: &Path) -> Result<Self, Error> {
+        let path = path.to_owned();
+        match File::create(temporary) {
+            Ok(file) => Ok(Self { path, file: BufWriter::new(file) }),
+            Err(reason) => Err(Error::Path { action: "write", path, reason }),
+        }
+    }
+
+    /// Adds some bytes.
+    pub fn add(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        let path = || self.path.clone();
+        let written = self.file.write_all(bytes);
+        written.map_err(|reason| Error::Path { action: "write", path: path(), reason })
+    }
+
+    fn finish(mut self, temporary: &Path) -> Result<(), Error> {
+        let path = &self.path;
+        let written = (self.file.flush())
+            .and_then(|()| self.file.get_ref().sync_all())
+            .and_then(|()| std::fs::rename(temporary, path));
+        written.map_err(|reason| Error::Path { action: "write", path: path.clone(), reason })
     }
 }
 

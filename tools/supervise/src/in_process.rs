@@ -35,7 +35,7 @@ pub fn entry(service: Service) -> Entry {
 /// Runs `scenario` in simulated time, in this thread.
 ///
 /// # Errors
-/// A [`Refusal`](crate::Refusal) of faults of processes, [`Error::NotReady`] if a service cannot begin.
+/// [`UsageError`](crate::UsageError) for faults of processes, [`Error::NotReady`] if a service cannot begin.
 pub fn run(scenario: &Scenario) -> Result<GroupOutcome, Error> {
     run_watched(scenario, Sealing::Sealed, &|| false, &mut |_| {})
 }

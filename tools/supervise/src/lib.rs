@@ -41,16 +41,16 @@ pub use error::{Error, Failure, SignalsError, Status, UsageError};
 pub use events::{end_signals, hold_signals, is_signalled};
 pub use faults::disturbance::run as run_hog;
 pub use in_process::entry;
-pub use options::laws::{LawError, LawOptions, LawSource, NamedLaw, TwoLaws, UnusedLaw};
+pub use options::laws::{LawError, LawOptions, LawSource, NamedLaw};
 pub use options::{
     GroupOptions, ModeName, OptionNames, ScenarioOptions, ServiceProgramError, service_program,
 };
-pub use refusal::{Absent, Refusal, absent, check_in_process, check_targets};
+pub use refusal::{absent, check_in_process, check_targets};
 pub use replay::{Replayed, ReplayerError, replay};
 pub use root::dead_runs::{DeadRun, dead_runs};
 pub use root::room::{RoomError, check_room, shared_memory_room};
 pub use root::{RootError, RunRoot, base, is_alive};
-pub use run::{Keep, Opening, ParameterError, drive, is_openscenario, open, open_with};
+pub use run::{Keep, Opening, drive, is_openscenario, open, open_with};
 pub use start::janitor::run as run_janitor;
 pub use start::launch::Launch;
 pub use start::processes::{Janitor, SpawnError, this_program};

@@ -1,7 +1,9 @@
 //! One scenario: opened with the options laid over it, and driven through a process group.
 
 use crate::refusal::check_faults_in_lockstep;
-use crate::{Error, Failure, GroupOptions, GroupOutcome, Launch, Moment, ScenarioOptions, launch};
+use crate::{
+    Error, GroupOptions, GroupOutcome, Launch, Moment, ScenarioOptions, UsageError, launch,
+};
 use controller::laws;
 use openscenario::{Assignment, Choices, LaneHeadings};
 use runtime::Mode;
@@ -9,25 +11,6 @@ use scenario::radio::Radio;
 use scenario::{Overrides, Scenario, Source};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-
-/// Reason why a value is given to no parameter.
-#[derive(Debug, thiserror::Error)]
-pub enum ParameterError {
-    /// The argument has no value.
-    #[error("--param {argument}: no value, expected NAME=VALUE")]
-    NoValue { argument: String },
-    /// Other scenarios have no parameters.
-    #[error("--param {argument}: {name} is not an OpenSCENARIO file, expected --set KEY=VALUE")]
-    NoOpenScenario { argument: String, name: String },
-    /// Other scenarios have one ego, without a name.
-    #[error("--ego {ego}: {name} is no OpenSCENARIO file, expected one (.xosc)")]
-    NoEntities { ego: String, name: String },
-    /// Other scenarios have no lane positions.
-    #[error("--lane-headings traffic: {name} is not an OpenSCENARIO file, expected one (.xosc)")]
-    NoLanePositions { name: String },
-}
-
-impl Failure for ParameterError {}
 
 /// Opens a scenario and lays the options over it.
 pub fn open(name: &str, options: &ScenarioOptions) -> Result<Scenario, Error> {
@@ -93,14 +76,20 @@ impl Opening {
         let choices = Choices { assigned, headings, ego };
         let file = if is_openscenario(name) {
             File::OpenScenario(name.into(), choices)
-        } else if let Some(argument) = options.parameters.first() {
-            let (argument, name) = (argument.clone(), name.to_owned());
-            return Err(ParameterError::NoOpenScenario { argument, name }.into());
-        } else if let Some(ego) = choices.ego {
-            return Err(ParameterError::NoEntities { ego, name: name.to_owned() }.into());
-        } else if choices.headings != LaneHeadings::Road {
-            return Err(ParameterError::NoLanePositions { name: name.to_owned() }.into());
         } else {
+            let is_none = format_args!("{name} is not an OpenSCENARIO file");
+            let refuse = |option, value, expected| {
+                Err(UsageError::option(option, value, is_none, expected).into())
+            };
+            if let Some(argument) = options.parameters.first() {
+                return refuse("--param", argument.as_str(), "--set KEY=VALUE");
+            }
+            if let Some(ego) = &choices.ego {
+                return refuse("--ego", ego.as_str(), "one (.xosc)");
+            }
+            if choices.headings != LaneHeadings::Road {
+                return refuse("--lane-headings", "traffic", "one (.xosc)");
+            }
             File::Own(Box::new(Source::read(name)?))
         };
         Ok(Self { file, options: options.clone(), overrides })
@@ -151,8 +140,8 @@ pub fn is_openscenario(name: &str) -> bool {
 }
 
 /// A value for a parameter of an OpenSCENARIO file.
-fn assignment(argument: &str) -> Result<Assignment, ParameterError> {
-    let no_value = || ParameterError::NoValue { argument: argument.to_owned() };
+fn assignment(argument: &str) -> Result<Assignment, UsageError> {
+    let no_value = || UsageError::option("--param", argument, "no value", "NAME=VALUE");
     let (name, value) = argument.split_once('=').ok_or_else(no_value)?;
     Ok(Assignment { name: name.trim_start_matches('$').to_owned(), value: value.to_owned() })
 }

@@ -25,7 +25,7 @@ use runtime::Mode;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::process::ExitCode;
-use supervise::{Error, Failure, LawOptions, ModeName, Opening, ScenarioOptions};
+use supervise::{Error, LawOptions, ModeName, Opening, ScenarioOptions, UsageError};
 
 use crate::cells::{Cell, Grid};
 use crate::row::Row;
@@ -63,27 +63,6 @@ pub struct CompareArguments {
 pub fn run(command: &Command<CompareArguments>) -> Result<ExitCode, Error> {
     frame::run::<Laws>(command)
 }
-
-/// A scenario would be driven twice, in rows that look the same.
-#[derive(Debug, thiserror::Error)]
-#[error("{name} is there twice, expected each scenario once")]
-pub struct RepeatedScenario {
-    name: String,
-}
-
-impl Failure for RepeatedScenario {}
-
-/// Every row would be of the same program.
-#[derive(Debug, thiserror::Error)]
-#[error(
-    "--service controller=PROGRAM: the program would replace each of {laws} laws, and all rows would be the same; \
-     expected one law by --controllers"
-)]
-pub struct OneProgram {
-    laws: usize,
-}
-
-impl Failure for OneProgram {}
 
 /// The study, for `merge` and `resume`.
 pub const ENTRY: Entry = Entry::of::<Laws>();
@@ -153,11 +132,14 @@ impl Study for Laws {
         arguments.laws.expect_all_in(&laws)?;
         let mut programs = run.group.programs.iter();
         if laws.len() > 1 && programs.any(|(service, _)| *service == Service::Controller) {
-            return Err(OneProgram { laws: laws.len() }.into());
+            let why = format_args!("the program would replace each of {} laws", laws.len());
+            let expected = "one law by --controllers";
+            return Err(UsageError::at("--service controller=PROGRAM", why, expected).into());
         }
         let twice = |(place, name): &(usize, &String)| arguments.scenarios[..*place].contains(name);
         if let Some((_, name)) = arguments.scenarios.iter().enumerate().find(twice) {
-            return Err(RepeatedScenario { name: name.clone() }.into());
+            let why = format_args!("{name} is there twice");
+            return Err(UsageError::at("the scenarios", why, "each of them once").into());
         }
         let seeds = arguments.seeds.as_deref().map(seeds::read).transpose()?.unwrap_or_default();
         let mut grid =

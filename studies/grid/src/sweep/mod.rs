@@ -23,7 +23,7 @@ use report::results::Document;
 use results::Sweep;
 use runtime::Mode;
 use std::process::ExitCode;
-use supervise::{Error, Failure, ModeName, Opening, ScenarioOptions};
+use supervise::{Error, ModeName, Opening, ScenarioOptions, UsageError};
 
 use crate::cells::{Cell, Grid};
 use crate::row::Row;
@@ -87,7 +87,8 @@ impl Study for Points {
         let values = params.iter().map(|param| param.values.len());
         let runs = values.chain([seeds.len().max(1)]).try_fold(1, usize::checked_mul);
         if runs.is_none_or(|runs| runs > MAX_RUNS) {
-            return Err(SweepError::TooManyRuns.into());
+            let expected = format_args!("at most {MAX_RUNS} runs");
+            return Err(UsageError::at("the grid", "it has more runs", expected).into());
         }
         let label = scenario.clone();
         let cell = |keys| Cell { label: label.clone(), opening: 0, keys };
@@ -143,32 +144,18 @@ impl Study for Points {
     }
 }
 
-/// Reason why a grid is not swept.
-#[derive(Debug, thiserror::Error)]
-pub enum SweepError {
-    /// Seeds have an option of their own.
-    #[error("--param {argument}: points are run with several seeds by --seeds N")]
-    Seed { argument: String },
-    /// Two axes of the same key.
-    #[error("--param {key}: the key is given twice")]
-    Twice { key: String },
-    /// The grid is too large.
-    #[error("the grid has more than {MAX_RUNS} runs")]
-    TooManyRuns,
-}
-
-impl Failure for SweepError {}
-
 /// The keys with their values.
 fn params(arguments: &SweepArguments) -> Result<Vec<Param>, Error> {
     let mut params: Vec<Param> = Vec::new();
     for argument in &arguments.params {
         let param = Param::parse(argument)?;
         if param.key == "seed" {
-            return Err(SweepError::Seed { argument: argument.clone() }.into());
+            let why = "seeds have an option of their own";
+            return Err(UsageError::option("--param", argument, why, "--seeds").into());
         }
         if params.iter().any(|known| known.key == param.key) {
-            return Err(SweepError::Twice { key: param.key }.into());
+            let why = "the key is given twice";
+            return Err(UsageError::option("--param", param.key, why, "each key once").into());
         }
         let by = format!("--param {}", param.key);
         param::refuse_if_set(&by, &param.key, &arguments.scenario_options)?;

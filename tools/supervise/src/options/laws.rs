@@ -1,6 +1,6 @@
 //! Laws of the user's own on the command line.
 
-use crate::Failure;
+use crate::UsageError;
 use clap::Args;
 use scenario::name::Name;
 use scenario::{Overrides, ScenarioError};
@@ -56,20 +56,6 @@ pub enum LawError {
     Command(String),
 }
 
-/// Two laws have one name.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("--law {0}: the name is given twice, expected a name for each law")]
-pub struct TwoLaws(String);
-
-impl Failure for TwoLaws {}
-
-/// No run is driven by a law that was given.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("--law {0}: no run is driven by it, expected `{0}` among the controllers, which are {1}")]
-pub struct UnusedLaw(String, String);
-
-impl Failure for UnusedLaw {}
-
 impl std::str::FromStr for NamedLaw {
     type Err = LawError;
 
@@ -102,21 +88,28 @@ impl LawOptions {
     }
 
     /// Refuses a name that two laws have.
-    pub fn check(&self) -> Result<(), TwoLaws> {
+    pub fn check(&self) -> Result<(), UsageError> {
         let twice = |(place, law): &(usize, &NamedLaw)| {
             self.laws[..*place].iter().any(|known| known.name == law.name)
         };
         match self.laws.iter().enumerate().find(twice) {
-            Some((_, law)) => Err(TwoLaws(law.name.clone())),
+            Some((_, law)) => {
+                let why = "the name is given twice";
+                Err(UsageError::option("--law", &law.name, why, "a name for each law"))
+            }
             None => Ok(()),
         }
     }
 
     /// Refuses a law that is not among those that drive.
-    pub fn expect_all_in(&self, driving: &[impl AsRef<str>]) -> Result<(), UnusedLaw> {
+    pub fn expect_all_in(&self, driving: &[impl AsRef<str>]) -> Result<(), UsageError> {
         let driving: Vec<&str> = driving.iter().map(AsRef::as_ref).collect();
         match self.laws.iter().find(|law| !driving.contains(&law.name.as_str())) {
-            Some(law) => Err(UnusedLaw(law.name.clone(), driving.join(", "))),
+            Some(NamedLaw { name, .. }) => {
+                let driving = driving.join(", ");
+                let expected = format_args!("`{name}` among the controllers, which are {driving}");
+                Err(UsageError::option("--law", name, "no run is driven by it", expected))
+            }
             None => Ok(()),
         }
     }

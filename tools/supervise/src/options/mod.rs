@@ -120,19 +120,14 @@ pub struct GroupOptions {
     pub processes: bool,
 }
 
-#[derive(Debug, PartialEq, Eq, thiserror::Error)]
-#[error("--service {0}: a program is given twice, expected one in its place")]
-pub struct TwoPrograms(Service);
-
-impl Failure for TwoPrograms {}
-
 impl GroupOptions {
     /// Each service with the program in its place.
-    pub fn programs(&self) -> Result<BTreeMap<Service, PathBuf>, TwoPrograms> {
+    pub fn programs(&self) -> Result<BTreeMap<Service, PathBuf>, UsageError> {
         let mut programs = BTreeMap::new();
         for (service, program) in &self.programs {
             if programs.insert(*service, program.clone()).is_some() {
-                return Err(TwoPrograms(*service));
+                let why = "a program is given twice";
+                return Err(UsageError::option("--service", service, why, "one in its place"));
             }
         }
         Ok(programs)
