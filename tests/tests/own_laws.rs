@@ -73,7 +73,7 @@ fn a_file_declares_laws_and_a_sweep_turns_their_knobs() {
     assert_eq!(values(&compared, "rows", "controller"), ["gentle", "acc-mpc"]);
     let jerks = |key: &str| -> Vec<f64> {
         let param = format!("laws.gentle.{key}=0.2,0.4,0.8");
-        let swept = corner.json(&["sweep", "mine.toml", "--param", &param]);
+        let swept = corner.json(&["sweep", "mine.toml", "--vary", &param]);
         let points = swept["points"].as_array().unwrap_or_else(|| panic!("{swept}"));
         let figure = |point: &Value| point["figures"]["rms_jerk_mps3"].as_f64();
         points.iter().map(|point| figure(point).unwrap_or_else(|| panic!("{point}"))).collect()
@@ -93,7 +93,7 @@ fn a_law_that_does_not_forget_is_found() {
             "following",
             "--duration",
             "3",
-            "--param",
+            "--vary",
             "set_speed_mps=20,21,22",
             "--verify-processes",
         ];

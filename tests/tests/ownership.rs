@@ -35,7 +35,7 @@ fn results_are_never_mixed() {
     let lockstep = ["run", "cacc-a", "--mode", "lockstep"];
     refused(&lockstep, "still running");
     refused(&["run", "cacc-a", "--mode", "lockstep", "--force"], "still running");
-    refused(&["sweep", "cacc-a", "--param", "set_speed_mps=10..12/2"], "still running");
+    refused(&["sweep", "cacc-a", "--vary", "set_speed_mps=10..12/2"], "still running");
     assert_eq!(files(&out), before);
     let pid = Pid::from_raw(i32::try_from(running.id()).expect("fits")).expect("not zero");
     kill_process(pid, Signal::INT).expect("our own process, not yet waited for");
@@ -44,7 +44,7 @@ fn results_are_never_mixed() {
 
     let before = contents(&out);
     refused(&lockstep, "--force");
-    refused(&["sweep", "cacc-a", "--param", "set_speed_mps=10..12/2"], "--force");
+    refused(&["sweep", "cacc-a", "--vary", "set_speed_mps=10..12/2"], "--force");
     let output =
         corner.run(&["run", "--service", "controller=/bin/false", "--out", "out", "--force"]);
     assert_eq!(output.status.code(), Some(2), "{}", text(&output));

@@ -86,7 +86,7 @@ fn studies_judge_by_requirements() {
     };
     let following = ["compare", "following", "--controllers", "acc-mpc", "--set", "duration_s=5"];
     judged(&following, "/rows/0/requirements/0/met", false.into());
-    let sweep = ["sweep", "following", "--param", "set_speed_mps=25", "--duration", "5"];
+    let sweep = ["sweep", "following", "--vary", "set_speed_mps=25", "--duration", "5"];
     judged(&sweep, "/runs/0/requirements/0/met", false.into());
     let cases =
         ["test", "r157", "--matrix", "following", "--sample", "1", "--controllers", "six-mode"];

@@ -26,9 +26,9 @@ macro_rules! studies {
 
 studies! {
     compare: "compare following cut-in --controllers acc-mpc,six-mode --set duration_s=5";
-    sweep: "sweep cut-in --duration 5 --param runtime.extra_delay_ms=0,100 --seeds 1..2";
+    sweep: "sweep cut-in --duration 5 --vary runtime.extra_delay_ms=0,100 --seeds 1..2";
     search: "search tight-brake --vary actors.0.gap_m=24..34 --budget 8 --cases 1";
-    string: "string following --vehicles 2 --frequencies 0.05,0.1 --param controller.time_headway_s=1,2";
+    string: "string following --vehicles 2 --frequencies 0.05,0.1 --vary controller.time_headway_s=1,2";
     r157: "test r157 --controllers acc-mpc --sample 1";
     iso15622: "test iso15622 --controllers acc-mpc";
     reproduce: "papers six-mode";
@@ -68,7 +68,7 @@ fn a_renamed_key_is_found_in_both_directions() {
     points["properties"]["count"] = seeds.expect("it is declared");
     let required = points["required"].as_array_mut().expect("a list");
     required.iter_mut().filter(|key| **key == "seeds").for_each(|key| *key = "count".into());
-    let words = ["sweep", "cut-in", "--duration", "1", "--param", "runtime.extra_delay_ms=0"];
+    let words = ["sweep", "cut-in", "--duration", "1", "--vary", "runtime.extra_delay_ms=0"];
     let result = corner.json(&words);
     let wrong = check(&schema, &result);
     assert_eq!(wrong, ["points.0.count: missing", "points.0.seeds: not declared"]);

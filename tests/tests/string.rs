@@ -47,7 +47,7 @@ fn every_car_follows_the_true_motion_of_the_one_before() {
 fn a_sine_is_swept_and_a_limit_is_found() {
     let corner = Corner::new(PROGRAM);
     let own = ["string", "following", "--vehicles", "2", "--frequencies", "0.02..0.2:log:3"];
-    let limit = ["--param", "runtime.extra_delay_ms=0,1500", "--out", "a"];
+    let limit = ["--vary", "runtime.extra_delay_ms=0,1500", "--out", "a"];
     let string = corner.json(&[&own[..], &IDEAL, &limit].concat());
     let frequencies = string["frequencies"].as_array().expect("a curve");
     assert_eq!(frequencies.len(), 3);
@@ -119,8 +119,8 @@ fn what_does_not_fit_is_refused_before_anything_runs() {
         (vec!["--vehicles", "1001"], "at most 1000 cars"),
         (vec!["--vehicles", "2", "--controllers", "acc-mpc,none"], "unknown value `none`"),
         (vec!["--vehicles", "2", "--frequencies", "1..0.1/4"], "expected A..B:log:N"),
-        (vec!["--vehicles", "2", "--param", "runtime.extra_delay_ms=9..1/1"], "after its end"),
-        (vec!["--vehicles", "2", "--param", "runtime.delay_ms=0,1"], "extra_delay_ms"),
+        (vec!["--vehicles", "2", "--vary", "runtime.extra_delay_ms=9..1/1"], "after its end"),
+        (vec!["--vehicles", "2", "--vary", "runtime.delay_ms=0,1"], "extra_delay_ms"),
         (vec!["--vehicles", "2", "--frequencies", "--set", "set_speed_mps=2"], "set speed of 2"),
         (vec!["--vehicles", "2", "--set", KILL], "leave out the fault (--set faults=[])"),
     ] {
@@ -129,7 +129,7 @@ fn what_does_not_fit_is_refused_before_anything_runs() {
         assert!(text(&output).contains(words), "{arguments:?}: {}", text(&output));
     }
     for command in
-        [&["sweep", "following", "--param", "set_speed_mps=20"][..], &["compare", "following"]]
+        [&["sweep", "following", "--vary", "set_speed_mps=20"][..], &["compare", "following"]]
     {
         let output = corner.run(&[command, &["--set", KILL, "--out", "none"]].concat());
         assert_eq!(output.status.code(), Some(2), "{command:?}: {}", text(&output));

@@ -11,9 +11,9 @@ const GRID: [&str; 13] = [
     "cut-in",
     "--duration",
     "12",
-    "--param",
+    "--vary",
     "runtime.extra_delay_ms=0..300/150",
-    "--param",
+    "--vary",
     "runtime.miss_probability=0,0.3",
     "--seeds",
     "1,2",
@@ -68,12 +68,12 @@ fn bad_keys_are_refused_before_anything_runs() {
     let corner = Corner::new(PROGRAM);
     for (param, words) in [
         ("runtime.extra_delay_ms=0..200", ["no step", "KEY=A..B/STEP"]),
-        ("seed=1..3/1", ["--param seed=1..3/1", "--seeds"]),
+        ("seed=1..3/1", ["--vary seed=1..3/1", "--seeds"]),
         ("runtime.extra_delay=0..200/20", ["extra_delay", "^"]),
-        ("controller.period_ms=100..125/25", ["--param controller.period_ms=125", "multiple"]),
+        ("controller.period_ms=100..125/25", ["--vary controller.period_ms=125", "multiple"]),
         ("plant.period_ms=10..-10/5", ["after its end", "KEY=A..B/STEP"]),
     ] {
-        let output = corner.run(&["sweep", "cacc-a", "--param", param]);
+        let output = corner.run(&["sweep", "cacc-a", "--vary", param]);
         assert_eq!(output.status.code(), Some(2), "{param}: {}", text(&output));
         let said = text(&output);
         assert!(words.iter().all(|word| said.contains(word)), "{param}: {said}");
@@ -84,7 +84,7 @@ fn bad_keys_are_refused_before_anything_runs() {
 #[test]
 fn an_interrupted_sweep_keeps_what_it_has() {
     let corner = Corner::new(PROGRAM);
-    let grid = ["--param", "runtime.extra_delay_ms=0", "--seeds", "1..2000"];
+    let grid = ["--vary", "runtime.extra_delay_ms=0", "--seeds", "1..2000"];
     let arguments = ["sweep", "cacc-a", "--jobs", "1", "--out", "out"];
     let arguments: Vec<_> = arguments.into_iter().chain(grid).collect();
     let child = corner.start(&arguments);

@@ -166,7 +166,7 @@ fn main() {
     let runs = |duration: &str, count: usize| {
         let set = format!("duration_s={duration}");
         let seeds = format!("1..{count}");
-        let sweep = ["sweep", "cacc-a", "--param", "controller.name=acc-mpc", "--set", &set];
+        let sweep = ["sweep", "cacc-a", "--vary", "controller.name=acc-mpc", "--set", &set];
         timegap(&[&sweep[..], &["--seeds", &seeds, "--jobs", "1"]].concat()).1.processor_s
     };
     let [few, many] = SEEDS;

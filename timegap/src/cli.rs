@@ -140,6 +140,29 @@ const RENAMED: [(&[&str], &[&str]); 17] = [
     (&["list", "--schema"], &["print", "schema"]),
 ];
 
+/// Options of version 0.2 with their commands and the present names.
+const RENAMED_OPTIONS: [(&str, &str, &str); 2] =
+    [("sweep", "--param", "--vary"), ("string", "--param", "--vary")];
+
+/// Replaces old names of the command's options.
+fn with_new_options(mut words: Vec<OsString>) -> (Vec<OsString>, Option<String>) {
+    let mut note = None;
+    for (command, old, new) in RENAMED_OPTIONS {
+        if words.get(1).is_none_or(|word| word != command) {
+            continue;
+        }
+        for word in &mut words {
+            let rest = word.to_str().and_then(|word| word.strip_prefix(old));
+            let Some(rest) = rest.filter(|rest| rest.is_empty() || rest.starts_with('=')) else {
+                continue;
+            };
+            *word = format!("{new}{rest}").into();
+            note = Some(format!("note: `{old}` of `timegap {command}` is `{new}` now"));
+        }
+    }
+    (words, note)
+}
+
 /// Replaces an old name at the start of the words.
 fn renamed(words: Vec<OsString>) -> (Vec<OsString>, Option<String>) {
     let begins =
@@ -169,9 +192,8 @@ impl Cli {
     /// Reads the command line. Help and errors end the process, in clap's words.
     pub fn read() -> Self {
         let (words, note) = renamed(std::env::args_os().collect());
-        if let Some(note) = note {
-            eprintln!("{note}");
-        }
+        let (words, of_option) = with_new_options(words);
+        note.iter().chain(&of_option).for_each(|note| eprintln!("{note}"));
         Self::of(words).unwrap_or_else(|error| explain(error).exit())
     }
 
@@ -290,11 +312,7 @@ mod tests {
     fn words_that_would_be_ignored_are_refused() {
         for (line, one, other) in [
             ("timegap print layouts --law --msg x", "--law", "--msg <DIR>"),
-            (
-                "timegap sweep cacc-a --param a=1 --resume x --out y",
-                "--resume <DIR>",
-                "--out <DIR>",
-            ),
+            ("timegap sweep cacc-a --vary a=1 --resume x --out y", "--resume <DIR>", "--out <DIR>"),
             ("timegap compare cacc-a --resume x --keep all", "--keep <WHICH>", "--resume <DIR>"),
             ("timegap test r157 --models-only --processes", "--models-only", "--processes"),
         ] {

@@ -67,10 +67,10 @@ pub struct Param {
 }
 
 impl Param {
-    /// Reads `KEY=A..B/STEP` or `KEY=a,b,c`, the argument of `--param`.
+    /// Reads `KEY=A..B/STEP` or `KEY=a,b,c`, the argument of `--vary`.
     pub fn parse(argument: &str) -> Result<Self, UsageError> {
         let refuse = |why: ValuesError| {
-            UsageError::option("--param", argument, why, "KEY=A..B/STEP, KEY=A..B:N or KEY=a,b,c")
+            UsageError::option("--vary", argument, why, "KEY=A..B/STEP, KEY=A..B:N or KEY=a,b,c")
         };
         let (key, list) = argument.split_once('=').ok_or_else(|| refuse(ValuesError::NoKey))?;
         let values = values(list, None).map_err(refuse)?;
@@ -280,11 +280,11 @@ mod tests {
         };
         for (key, option) in [("controller.name", "--controller acc-mpc"), ("a.b", "--set a.b = 3")]
         {
-            let said = refuse_if_set("--param x", key, &options).expect_err(key).to_string();
-            assert!(said.contains(&format!("--param x: {option} says")), "{said}");
+            let said = refuse_if_set("--vary x", key, &options).expect_err(key).to_string();
+            assert!(said.contains(&format!("--vary x: {option} says")), "{said}");
         }
-        assert!(refuse_if_set("--param a.c", "a.c", &options).is_ok());
-        assert!(refuse_if_set("--param x", "duration_s", &options).is_ok());
+        assert!(refuse_if_set("--vary a.c", "a.c", &options).is_ok());
+        assert!(refuse_if_set("--vary x", "duration_s", &options).is_ok());
     }
 
     #[test]

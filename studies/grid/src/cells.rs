@@ -49,7 +49,7 @@ impl Grid {
 
     pub fn scenario(&self, run: usize) -> Result<Scenario, Error> {
         let cell = self.cell(run);
-        let scenario = self.openings[cell.opening].with("--param", &cell.keys)?;
+        let scenario = self.openings[cell.opening].with("--vary", &cell.keys)?;
         let seed = self.seeds.get(run % self.seeds()).copied().unwrap_or(scenario.seed);
         Ok(Scenario { seed, ..scenario })
     }

@@ -48,7 +48,7 @@ pub struct StringArguments {
     pub frequencies: Option<String>,
     /// Find the value of a key at which each law stops to be string stable: `KEY=A..B/STEP` or
     /// `KEY=a,b,c`
-    #[arg(long = "param", value_name = "KEY=VALUES")]
+    #[arg(long = "vary", value_name = "KEY=VALUES")]
     pub param: Option<String>,
     /// Options of all cars.
     #[command(flatten)]
@@ -104,7 +104,7 @@ impl Task {
         let requires_stability = shared.require.len() < arguments.scenario_options.require.len();
         let open = |law: &Option<String>, keys: &[String]| {
             let options = ScenarioOptions { controller: law.clone(), ..shared.clone() };
-            let scenario = supervise::open_with(&arguments.scenario, &options, "--param", keys)?;
+            let scenario = supervise::open_with(&arguments.scenario, &options, "--vary", keys)?;
             batch::check(&scenario, Mode::Lockstep, group)?;
             Ok::<_, Error>(scenario)
         };
@@ -128,10 +128,10 @@ impl Task {
                 if param.key == "controller.name" {
                     let why = "each law has a limit of its own";
                     let expected = "laws by --controllers";
-                    return Err(UsageError::option("--param", param.key, why, expected).into());
+                    return Err(UsageError::option("--vary", param.key, why, expected).into());
                 }
                 param::refuse_if_set(
-                    &format!("--param {}", param.key),
+                    &format!("--vary {}", param.key),
                     &param.key,
                     &arguments.scenario_options,
                 )?;
@@ -157,7 +157,7 @@ impl Task {
         let task = Self { plan, frequencies, sweep, sweep_frequencies, requires_stability };
         if task.runs() > MAX_RUNS {
             let why = format_args!("the sweeps have {} runs", task.runs());
-            return Err(UsageError::at("--param", why, format_args!("at most {MAX_RUNS}")).into());
+            return Err(UsageError::at("--vary", why, format_args!("at most {MAX_RUNS}")).into());
         }
         Ok(task)
     }

@@ -104,7 +104,7 @@ fn driver_assistance() {
     refused(&["list", "--show", "cacc-a", "--param", "A=1"], 2, &["A=1", "--show FILE.xosc"]);
     refused(&["compare", "cacc-a", "cacc-a"], 2, &["cacc-a is there twice"]);
     refused(
-        &["string", "cacc-a", "--vehicles", "2", "--param", "controller.name=acc-mpc,six-mode"],
+        &["string", "cacc-a", "--vehicles", "2", "--vary", "controller.name=acc-mpc,six-mode"],
         2,
         &["controller.name", "--controllers"],
     );

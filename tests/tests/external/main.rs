@@ -296,7 +296,7 @@ fn it_compares_and_sweeps_and_runs_at_one_kilohertz() {
         [&["compare", "following", "--controllers", "acc-mpc,external"], &short[..]].concat();
     let rows = corner.json(&compared);
     assert_eq!(rows["rows"].as_array().map(Vec::len), Some(2), "{rows}");
-    let sweep = ["sweep", "following", "--controller", "external", "--param"];
+    let sweep = ["sweep", "following", "--controller", "external", "--vary"];
     let swept = corner.json(&[&sweep[..], &["set_speed_mps=20..24/2"], &short].concat());
     assert!(swept["ok"] != false, "{swept}");
     let command = by(&[&law]);

@@ -27,8 +27,7 @@ pub fn kept_trajectories_are_those_of_the_runs() {
     let python = interpreter().expect("looked for before");
     let corner = Corner::new(PROGRAM);
     for (keep, runs) in [("all", "4"), ("worst:1", "1")] {
-        let keys =
-            ["--param", "runtime.extra_delay_ms=0,100", "--seeds", "1,2", "--duration", "12"];
+        let keys = ["--vary", "runtime.extra_delay_ms=0,100", "--seeds", "1,2", "--duration", "12"];
         let sweep = [&["sweep", "cut-in", "--keep", keep, "--out", keep], &keys[..]].concat();
         printed(&corner, &sweep);
         let script = Path::new(SCRIPTS).join("trajectories.py");

@@ -42,7 +42,7 @@ const SWEEP: [&str; 8] = [
     "cut-in",
     "--duration",
     "5",
-    "--param",
+    "--vary",
     "runtime.extra_delay_ms=0..200/100",
     "--seeds",
     "1..3",
@@ -231,7 +231,7 @@ fn a_killed_part_goes_on_with_what_it_kept() {
 fn nothing_is_gone_on_with_that_was_not_begun() {
     let corner = Corner::new(PROGRAM);
     let sweep = |name: &'static str| {
-        ["sweep", name, "--param", "runtime.extra_delay_ms=0..100/50", "--duration", "1"]
+        ["sweep", name, "--vary", "runtime.extra_delay_ms=0..100/50", "--duration", "1"]
     };
     succeed(
         &corner,

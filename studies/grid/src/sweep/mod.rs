@@ -37,7 +37,7 @@ pub struct SweepArguments {
     /// Name of a built-in scenario (see `timegap list`), or a TOML file
     pub scenario: String,
     /// A key and its values: `KEY=A..B/STEP` or `KEY=a,b,c`; given again: their grid
-    #[arg(long = "param", value_name = "KEY=VALUES", required = true)]
+    #[arg(long = "vary", value_name = "KEY=VALUES", required = true)]
     pub params: Vec<String>,
     /// Seeds of every point: a number N for 1 to N, A..B or a,b,c
     #[arg(long, value_name = "SEEDS", conflicts_with = "seed")]
@@ -151,13 +151,13 @@ fn params(arguments: &SweepArguments) -> Result<Vec<Param>, Error> {
         let param = Param::parse(argument)?;
         if param.key == "seed" {
             let why = "seeds have an option of their own";
-            return Err(UsageError::option("--param", argument, why, "--seeds").into());
+            return Err(UsageError::option("--vary", argument, why, "--seeds").into());
         }
         if params.iter().any(|known| known.key == param.key) {
             let why = "the key is given twice";
-            return Err(UsageError::option("--param", param.key, why, "each key once").into());
+            return Err(UsageError::option("--vary", param.key, why, "each key once").into());
         }
-        let by = format!("--param {}", param.key);
+        let by = format!("--vary {}", param.key);
         param::refuse_if_set(&by, &param.key, &arguments.scenario_options)?;
         params.push(param);
     }

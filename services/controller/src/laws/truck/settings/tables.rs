@@ -11,7 +11,7 @@
 //!
 //! ```sh
 //! timegap test plausibility --effects predictive --seeds 104 --only truck
-//! timegap sweep truck-hills --param controller.predictive.KEY=A,B
+//! timegap sweep truck-hills --vary controller.predictive.KEY=A,B
 //! ```
 //!
 //! The base: least gap 28.3 m, hardest braking 1.08 m/s², rms jerk 0.174 m/s³, fuel 37.6 L/100 km, service brakes for
