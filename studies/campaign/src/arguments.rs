@@ -1,9 +1,9 @@
 //! The arguments of `campaign`.
 
 use clap::Args;
+use frame::DriveOptions;
 use serde::{Deserialize, Serialize};
 use std::num::{NonZeroU32, NonZeroUsize};
-use supervise::LawOptions;
 
 /// Arguments of `campaign`.
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
@@ -23,10 +23,7 @@ pub struct CampaignArguments {
     /// Runs of every combination, each with a seed of its own [default: as in the file]
     #[arg(long, value_name = "N")]
     pub seeds: Option<NonZeroU32>,
-    /// Judge every run by a requirement as well: a formula or a name (repeatable; docs/search.md)
-    #[arg(long = "require", value_name = "FORMULA")]
-    pub require: Vec<String>,
-    /// Laws of the user's own. They drive if the campaign names no controllers.
+    /// Laws that drive in place of the file's, and keys and requirements of all runs.
     #[command(flatten)]
-    pub laws: LawOptions,
+    pub drives: DriveOptions,
 }

@@ -14,8 +14,8 @@ use super::record::Record;
 use super::sums::Sums;
 use super::targets::Targets;
 use super::verdict::{Scope, Verdict};
-use frame::batch::{Done, Job};
-use frame::{Command, Crew, Entry, Found, RunOptions, RunResult, Study, parts};
+use frame::batch::{self, Done, Job};
+use frame::{Command, Crew, DriveOptions, Entry, Found, RunOptions, RunResult, Study, parts};
 use report::results::{Column, Document};
 use runtime::Mode;
 use std::collections::BTreeSet;
@@ -45,13 +45,16 @@ fn effective(arguments: &CampaignArguments) -> Result<Campaign, Error> {
     }
     campaign.first_seed = arguments.first.unwrap_or(campaign.first_seed);
     campaign.sample = arguments.sample.or(campaign.sample);
-    campaign.judge_by(&arguments.require);
-    arguments.laws.check()?;
-    campaign.set.extend(arguments.laws.keys());
-    if campaign.controllers.is_empty() {
-        campaign.controllers = arguments.laws.names();
+    let DriveOptions { controllers, laws, set, require } = &arguments.drives;
+    campaign.judge_by(require);
+    laws.check()?;
+    campaign.set.extend(laws.keys().iter().chain(set).cloned());
+    if !controllers.is_empty() {
+        campaign.controllers = batch::laws::named(controllers, &laws.names())?;
+    } else if campaign.controllers.is_empty() {
+        campaign.controllers = laws.names();
     }
-    arguments.laws.expect_all_in(&campaign.controllers)?;
+    laws.expect_all_in(&campaign.controllers)?;
     Ok(campaign)
 }
 

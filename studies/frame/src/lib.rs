@@ -92,6 +92,7 @@ pub mod parts;
 pub mod seeds;
 mod study;
 
+pub use batch::laws::DriveOptions;
 pub use study::{
     Command, Crew, Entry, Found, MergeArguments, Needs, ResumeArguments, RunOptions, RunResult,
     Study, merge, ok, resume, run,

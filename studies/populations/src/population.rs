@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use controller::laws;
+pub use frame::DriveOptions;
 use frame::batch::Done;
-use scenario::{Overrides, Scenario};
+use scenario::Scenario;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
-use supervise::{Error, LawOptions, UsageError};
+use supervise::{Error, UsageError};
 
 pub use crate::drive::{Drive, Planned};
 use crate::figures::{Figure, Group};
@@ -18,27 +18,6 @@ pub enum Finding {
     Breaks(String),
     /// A limit of a figure decides how many drives may have it.
     Counts(String),
-}
-
-/// Options that hold for all drives.
-#[derive(Clone, Debug, Default)]
-pub struct DriveOptions {
-    pub laws: LawOptions,
-    pub set: Vec<String>,
-    pub require: Vec<String>,
-}
-
-impl DriveOptions {
-    /// The scenario of a text.
-    pub fn parse(&self, text: &str) -> Result<Scenario, Error> {
-        let mut overrides = Overrides::new().shared();
-        self.laws.lay_over(&mut overrides)?;
-        self.set.iter().try_for_each(|key| overrides.set(key))?;
-        let mut scenario = Scenario::parse_with("scene", text, &overrides, &laws::check)?;
-        scenario.require.formulas.extend_from_slice(&self.require);
-        supervise::requirements(&scenario)?;
-        Ok(scenario)
-    }
 }
 
 /// Random drives by their numbers, and a judge.

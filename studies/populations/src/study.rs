@@ -10,7 +10,7 @@ use report::figures::Values;
 use report::results::Document;
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
-use supervise::{Error, LawOptions, UsageError};
+use supervise::{Error, UsageError};
 
 use crate::population::{Drive, DriveOptions, Planned, Population};
 use crate::results;
@@ -27,18 +27,9 @@ pub struct PopulationArguments {
     /// Do only the drives with one of these kinds, laws or other words (repeatable: one of each list)
     #[arg(long, value_name = "WORD,...")]
     pub only: Vec<String>,
-    /// Laws that drive, by commas [default: the population's, or those of --law]
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
-    pub controllers: Vec<String>,
-    /// Laws of the user's own.
+    /// Laws, keys and requirements of all drives.
     #[command(flatten)]
-    pub laws: LawOptions,
-    /// Change a key of every scenario, by its dotted path (repeatable)
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
-    /// Judge every drive by a requirement as well: a formula or a name (repeatable; docs/search.md)
-    #[arg(long = "require", value_name = "FORMULA")]
-    pub require: Vec<String>,
+    pub drives: DriveOptions,
     /// Print the effect of each number of a table instead: of a law's, `following`, `plausibility` or `v2x-sim`
     #[arg(long, value_name = "TABLE")]
     pub effects: Option<String>,
@@ -49,20 +40,16 @@ pub struct Test<P> {
     population: P,
     pub drives: Vec<Planned>,
     pub options: DriveOptions,
-    /// Laws by name, for the command that repeats a drive.
-    controllers: Vec<String>,
 }
 
 impl<P: Population> Test<P> {
     /// The drives that the arguments mean.
     pub fn of(arguments: &PopulationArguments) -> Result<Self, Error> {
-        let PopulationArguments { first, laws, controllers, .. } = arguments;
-        laws.check()?;
-        let named = match controllers.as_slice() {
-            [] => laws.names(),
-            _ => frame::batch::laws::named(controllers, &laws.names(), false)?,
+        let PopulationArguments { first, drives: options, .. } = arguments;
+        let named = match options.controllers.as_slice() {
+            [] => options.laws.names(),
+            _ => options.own_named()?,
         };
-        laws.expect_all_in(&named)?;
         let population = P::new(named)?;
         let count = arguments.seeds.map_or(P::NUMBERS, NonZeroUsize::get);
         let mut drives = population.plan(*first..*first + count);
@@ -79,9 +66,7 @@ impl<P: Population> Test<P> {
             }
             drives.retain(has);
         }
-        let (set, require) = (arguments.set.clone(), arguments.require.clone());
-        let options = DriveOptions { laws: laws.clone(), set, require };
-        Ok(Self { population, drives, options, controllers: controllers.clone() })
+        Ok(Self { population, drives, options: options.clone() })
     }
 
     pub fn scenario(&self, planned: &Planned) -> Result<Scenario, Error> {
@@ -96,14 +81,12 @@ impl<P: Population> Test<P> {
         words.extend(
             keys.iter().chain([law]).filter(|key| !key.is_empty()).flat_map(|key| ["--only", key]),
         );
-        let controllers = self.controllers.join(",");
+        let controllers = self.options.controllers.join(",");
         if !controllers.is_empty() {
             words.extend(["--controllers", &controllers]);
         }
-        let laws = self.options.laws.words();
-        words.extend(laws.iter().map(String::as_str));
-        words.extend(self.options.set.iter().flat_map(|key| ["--set", key]));
-        words.extend(self.options.require.iter().flat_map(|formula| ["--require", formula]));
+        let options = self.options.words();
+        words.extend(options.iter().map(String::as_str));
         runtime::command_line(&words)
     }
 

@@ -123,11 +123,11 @@ impl OutputDirectory {
     pub fn resume(path: &Path, begun: &'static str) -> Result<Self, Error> {
         let output = Self::take(path)?;
         if let Some(first) = results_in(path).next().filter(|_| !path.join(begun).exists()) {
-            let why = format_args!("it holds results ({first}) without {begun}");
+            let why = format_args!("it holds results ({first}) but no {begun}");
             let expected = "another directory: nothing in it can be gone on with";
             return Err(UsageError::at(path.display(), why, expected).into());
         }
-        output.is_used.set(true);
+        output.keep();
         Ok(output)
     }
 

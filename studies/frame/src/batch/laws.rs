@@ -1,7 +1,58 @@
-//! The laws that an option names.
+//! The laws that drive a study, with the keys and requirements of all its drives.
 
+use clap::Args;
 use controller::laws;
-use supervise::UsageError;
+use scenario::{Overrides, Scenario};
+use serde::{Deserialize, Serialize};
+use supervise::{Error, LawOptions, UsageError};
+
+/// Options of a study of several laws, for all its drives.
+#[derive(Clone, Debug, Default, Args, Serialize, Deserialize)]
+pub struct DriveOptions {
+    /// Laws that drive, by commas [default: those of --law, or the study's]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
+    pub controllers: Vec<String>,
+    /// Laws of the user's own.
+    #[command(flatten)]
+    pub laws: LawOptions,
+    /// Change a key of every scenario, by its dotted path (repeatable)
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
+    /// Judge every drive by a requirement as well: a formula or a name (repeatable; docs/search.md)
+    #[arg(long = "require", value_name = "FORMULA")]
+    pub require: Vec<String>,
+}
+
+impl DriveOptions {
+    /// The laws of a study that makes its scenarios: the named ones, else all of timegap's and the user's.
+    pub fn own_named(&self) -> Result<Vec<String>, UsageError> {
+        self.laws.check()?;
+        let named = own_named(&self.controllers, &self.laws.names())?;
+        self.laws.expect_all_in(&named)?;
+        Ok(named)
+    }
+
+    /// The scenario of a text with these options.
+    pub fn parse(&self, name: &str, text: &str) -> Result<Scenario, Error> {
+        let mut overrides = Overrides::new().shared();
+        self.laws.lay_over(&mut overrides)?;
+        self.set.iter().try_for_each(|key| overrides.set(key))?;
+        let mut scenario = Scenario::parse_with(name, text, &overrides, &laws::check)?;
+        scenario.require.formulas.extend_from_slice(&self.require);
+        supervise::requirements(&scenario)?;
+        Ok(scenario)
+    }
+
+    /// The options as words of a command line, without the laws that drive.
+    pub fn words(&self) -> Vec<String> {
+        let option = |name: &'static str, values: &[String]| {
+            values.iter().flat_map(|value| [name.to_owned(), value.clone()]).collect()
+        };
+        let (set, require): (Vec<_>, Vec<_>) =
+            (option("--set", &self.set), option("--require", &self.require));
+        [self.laws.words(), set, require].concat()
+    }
+}
 
 /// Each law of `option` once; where the option is empty all of timegap's own that drive such a vehicle, and the user's,
 /// which are `own`.
@@ -38,7 +89,7 @@ pub fn named(option: &[String], own: &[String], is_truck: bool) -> Result<Vec<St
 }
 
 /// The same for a command that makes its scenarios, all with cars. The law `external` has no program in them.
-pub fn own_named(option: &[String], own: &[String]) -> Result<Vec<String>, UsageError> {
+fn own_named(option: &[String], own: &[String]) -> Result<Vec<String>, UsageError> {
     let named = named(option, own, false)?;
     let ours = laws::own().map(|law| law.name.to_owned());
     let names: Vec<String> = ours.chain(own.iter().cloned()).collect();

@@ -15,7 +15,7 @@ use super::journal::Journal;
 use crate::drives::{Drive, ExactDrive};
 
 /// Name of the file in a part's directory.
-const FILE: &str = "begun.jsonl";
+pub(super) const FILE: &str = "begun.jsonl";
 
 /// A line: values of a run, and the figures of the drives since the line before.
 #[derive(Serialize, Deserialize)]

@@ -27,7 +27,7 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
     pub fn open(file: PartFile, directory: &OutputDirectory) -> Result<Self, Error> {
         let place = directory.path();
         if !place.join(FILE).exists() {
-            directory.write(FILE, file.text().as_bytes())?;
+            directory.write_input(FILE, file.text().as_bytes())?;
         } else if PartFile::read(place)? != file {
             let why = "it holds another study, or another part of it";
             return Err(UsageError::at(place.display(), why, "the one that it began with").into());
@@ -55,6 +55,11 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
     /// All runs have ended: what they had computed before is of no more use.
     pub(crate) fn end(&self, directory: &OutputDirectory) {
         begun::remove(directory.path());
+    }
+
+    /// A run that has not ended has kept values.
+    pub(crate) fn has_begun(&self, directory: &OutputDirectory) -> bool {
+        directory.path().join(begun::FILE).exists()
     }
 
     /// The runs of this part that are left to do.

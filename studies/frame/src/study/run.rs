@@ -40,8 +40,14 @@ pub fn run<S: Study>(command: &Command<S::Arguments>) -> Result<ExitCode, Error>
     let keeper = options.keep.map(|keep| Keeper::new(keep, &output, &left, columns(&study, &left)));
     let mut seen = BTreeMap::new();
     let begun = part.take_begun();
-    let end = all(&study, options, &mut part, &mut seen, keeper.as_ref(), (&bar, begun));
+    let end = all(&study, options, &mut part, &mut seen, keeper.as_ref(), (&bar, begun, &output));
     bar.finish_and_clear();
+    let end = match end {
+        // Nothing is left of a study without a result: what the directory held before comes back.
+        Err(error) if part.records().is_empty() && !part.has_begun(&output) => return Err(error),
+        end => end,
+    };
+    output.keep();
     if let Some(keeper) = keeper {
         let kept = keeper.finish()?;
         let place = output.path().join(keep::FILE);
@@ -49,8 +55,6 @@ pub fn run<S: Study>(command: &Command<S::Arguments>) -> Result<ExitCode, Error>
     }
     match end {
         Ok(()) => part.end(&output),
-        Err(Error::Interrupted) => part.print_how_to_continue(&output),
-        Err(_) if part.records().is_empty() => {}
         Err(_) => part.print_how_to_continue(&output),
     }
     // Without a run there is nothing to judge.
@@ -138,7 +142,7 @@ fn all<S: Study>(
     part: &mut Part<S::Record>,
     seen: &mut BTreeMap<usize, S::Seen>,
     keeper: Option<&Keeper>,
-    (bar, begun): (&ProgressBar, (Begun, BTreeMap<usize, SoFar>)),
+    (bar, begun, output): (&ProgressBar, (Begun, BTreeMap<usize, SoFar>), &OutputDirectory),
 ) -> Result<(), Error> {
     let (mut together, mut alone) = (Vec::new(), Vec::new());
     for run in part.left() {
@@ -155,6 +159,7 @@ fn all<S: Study>(
             keeper.settle(run)?;
         }
         seen.insert(run, picture);
+        output.keep();
         part.keep(run, record, observed.end(run))
     };
     let at_once = batch::at_once(options.jobs, study.mode());

@@ -16,7 +16,7 @@ pub use results::schema;
 use clap::Args;
 use frame::batch::{self, Done, Job};
 use frame::param;
-use frame::{Command, Entry, Found, Needs, RunOptions, Study, seeds};
+use frame::{Command, DriveOptions, Entry, Found, Needs, RunOptions, Study, seeds};
 use messages::Service;
 use report::RunPicture;
 use report::results::Document;
@@ -25,7 +25,7 @@ use runtime::Mode;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::process::ExitCode;
-use supervise::{Error, LawOptions, ModeName, Opening, ScenarioOptions, UsageError};
+use supervise::{Error, ModeName, Opening, ScenarioOptions, UsageError};
 
 use crate::cells::{Cell, Grid};
 use crate::row::Row;
@@ -36,24 +36,15 @@ pub struct CompareArguments {
     /// Names of built-in scenarios, or TOML files
     #[arg(required = true)]
     pub scenarios: Vec<String>,
-    /// Controllers, by commas [default: all]
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
-    pub controllers: Vec<String>,
-    /// Laws of the user's own.
+    /// Laws, keys and requirements of all drives.
     #[command(flatten)]
-    pub laws: LawOptions,
+    pub drives: DriveOptions,
     /// Seeds of every scenario: a number N for 1 to N, A..B or a,b,c; figures are means, differences are judged
     #[arg(long, value_name = "SEEDS")]
     pub seeds: Option<String>,
     /// Clock: figures of the drive repeat exactly in `lockstep`; `realtime` also measures deadlines
     #[arg(long, value_enum, default_value_t = ModeName::Lockstep)]
     pub mode: ModeName,
-    /// Change any key of every scenario, by its dotted path (repeatable)
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub set: Vec<String>,
-    /// Judge every drive by a requirement as well: a formula or a name (repeatable; docs/search.md)
-    #[arg(long = "require", value_name = "FORMULA")]
-    pub require: Vec<String>,
 }
 
 /// Runs the command.
@@ -92,10 +83,10 @@ fn label(argument: &str, all: &[(String, String)]) -> String {
 /// The laws of the user's own: of the options, then those that every scenario declares. Returns also whether all
 /// scenarios are of trucks.
 fn own_laws(arguments: &CompareArguments) -> Result<(Vec<String>, bool), Error> {
-    let mut own = arguments.laws.names();
+    let mut own = arguments.drives.laws.names();
     let options = ScenarioOptions {
-        set: arguments.set.clone(),
-        laws: arguments.laws.clone(),
+        set: arguments.drives.set.clone(),
+        laws: arguments.drives.laws.clone(),
         // Any law will do to read what the file declares.
         controller: Some("acc-mpc".to_owned()),
         ..ScenarioOptions::default()
@@ -112,7 +103,7 @@ fn own_laws(arguments: &CompareArguments) -> Result<(Vec<String>, bool), Error> 
         }
     }
     own.extend(
-        declared.into_iter().flatten().filter(|name| !arguments.laws.names().contains(name)),
+        declared.into_iter().flatten().filter(|name| !arguments.drives.laws.names().contains(name)),
     );
     Ok((own, all_trucks))
 }
@@ -128,8 +119,8 @@ impl Study for Laws {
 
     fn plan(arguments: &CompareArguments, run: &RunOptions) -> Result<Self, Error> {
         let (own, all_trucks) = own_laws(arguments)?;
-        let laws = batch::laws::named(&arguments.controllers, &own, all_trucks)?;
-        arguments.laws.expect_all_in(&laws)?;
+        let laws = batch::laws::named(&arguments.drives.controllers, &own, all_trucks)?;
+        arguments.drives.laws.expect_all_in(&laws)?;
         let mut programs = run.group.programs.iter();
         if laws.len() > 1 && programs.any(|(service, _)| *service == Service::Controller) {
             let why = format_args!("the program would replace each of {} laws", laws.len());
@@ -148,9 +139,9 @@ impl Study for Laws {
             for law in &laws {
                 let options = ScenarioOptions {
                     controller: Some(law.clone()),
-                    set: arguments.set.clone(),
-                    laws: arguments.laws.clone(),
-                    require: arguments.require.clone(),
+                    set: arguments.drives.set.clone(),
+                    laws: arguments.drives.laws.clone(),
+                    require: arguments.drives.require.clone(),
                     ..ScenarioOptions::default()
                 };
                 if arguments.seeds.is_some() {

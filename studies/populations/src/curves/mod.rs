@@ -73,7 +73,7 @@ impl Population for Curves {
         let sources = sources.map_or("", |(_, sources)| sources);
         scene.tables += &format!("[perception.course]\nsources = [{sources}]\n");
         scene.law.clone_from(&planned.law);
-        options.parse(&scene.text(&format!("curves-{kind}-{number}"), number))
+        options.parse("scene", &scene.text(&format!("curves-{kind}-{number}"), number))
     }
 
     fn judge(&self, planned: &Planned, scenario: &Scenario, done: &Done) -> Facts {

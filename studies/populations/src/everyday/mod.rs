@@ -112,7 +112,7 @@ impl Population for Everyday {
         let mut scene = scene(&keys[0], *number);
         scene.tables += &format!("[aebs]\nenabled = {}\n", keys[1] == BRAKED);
         scene.law.clone_from(law);
-        options.parse(&scene.text(Self::NAME, *number as u64))
+        options.parse("scene", &scene.text(Self::NAME, *number as u64))
     }
 
     fn judge(&self, planned: &Planned, scenario: &Scenario, done: &Done) -> Facts {
@@ -286,7 +286,7 @@ mod tests {
         }
         let false_targets = |seed| {
             let text = scene.text("abreast", seed);
-            let scenario = DriveOptions::default().parse(&text).expect("a scenario");
+            let scenario = DriveOptions::default().parse("scene", &text).expect("a scenario");
             drive(&scenario).1.perception.map_or(0, |perception| perception.false_targets)
         };
         assert!((1..5).map(false_targets).sum::<u64>() < 4, "not one in each drive");

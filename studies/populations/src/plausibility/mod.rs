@@ -145,11 +145,11 @@ impl Population for Plausibility {
     fn scenario(&self, planned: &Planned, options: &DriveOptions) -> Result<Scenario, Error> {
         let Planned { number, law, keys } = planned;
         let open = |options: &DriveOptions| match Sender::find(keys) {
-            None => options.parse(&drives::text(*number)),
+            None => options.parse("scene", &drives::text(*number)),
             Some(sender) => {
                 let at_s = sender.begins_s(*number);
                 let set = [format!("duration_s={:.2}", at_s + 12.0), sender.fault(at_s)];
-                let DriveOptions { laws, set: also, require } = options.clone();
+                let DriveOptions { laws, set: also, require, .. } = options.clone();
                 let seed = Some(number.to_string());
                 let options = ScenarioOptions {
                     seed,

@@ -96,7 +96,7 @@ impl Population for Signals {
         let number = planned.number as u64;
         let mut scene = scene(number, &planned.law);
         scene.tables += &wrong(&planned.keys[0], 0.0);
-        options.parse(&scene.text(&format!("signals-{number}"), number))
+        options.parse("scene", &scene.text(&format!("signals-{number}"), number))
     }
 
     fn judge(&self, planned: &Planned, scenario: &Scenario, done: &Done) -> Facts {

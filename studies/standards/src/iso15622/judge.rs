@@ -179,10 +179,10 @@ impl Sheet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use supervise::LawOptions;
+    use frame::DriveOptions;
 
     fn scenario() -> Scenario {
-        let scenario = Test::StopAndGo.scenario("acc-mpc", &LawOptions::default(), 1);
+        let scenario = Test::StopAndGo.scenario("acc-mpc", &DriveOptions::default(), 1);
         scenario.expect("it is a scenario")
     }
 

@@ -15,22 +15,19 @@ use std::process::ExitCode;
 
 use clap::Args;
 use frame::batch::{self, Done, Job};
-use frame::{Command, Entry, Found, RunOptions, Study};
+use frame::{Command, DriveOptions, Entry, Found, RunOptions, Study};
 use judge::Row;
 use report::results::{Broken, Column, Document, Schema, Table, flag, number, word};
 use scenes::Test;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use supervise::{Error, LawOptions};
+use supervise::Error;
 
 #[derive(Clone, Debug, Args, Serialize, Deserialize)]
 pub struct Iso15622Arguments {
-    /// Controllers, by commas [default: all]
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
-    pub controllers: Vec<String>,
-    /// Laws of the user's own.
+    /// Laws, keys and requirements of all drives.
     #[command(flatten)]
-    pub laws: LawOptions,
+    pub drives: DriveOptions,
     /// Seed of the sensors' noise
     #[arg(long, value_name = "N", default_value_t = 1)]
     pub seed: u32,
@@ -81,8 +78,7 @@ impl Study for Tests {
     const NAME: &'static str = "iso15622";
 
     fn plan(arguments: &Iso15622Arguments, _: &RunOptions) -> Result<Self, Error> {
-        let laws = batch::laws::own_named(&arguments.controllers, &arguments.laws.names())?;
-        arguments.laws.expect_all_in(&laws)?;
+        let laws = arguments.drives.own_named()?;
         let tests = laws.iter().flat_map(|law| Test::all().map(|test| (law.clone(), test)));
         Ok(Self { tests: tests.collect(), arguments: arguments.clone() })
     }
@@ -92,9 +88,9 @@ impl Study for Tests {
     }
 
     fn job(&self, run: usize) -> Result<Job, Error> {
-        let ((law, test), Iso15622Arguments { laws, seed, .. }) =
+        let ((law, test), Iso15622Arguments { drives, seed, .. }) =
             (&self.tests[run], &self.arguments);
-        test.scenario(law, laws, *seed).map(Job::lockstep)
+        test.scenario(law, drives, *seed).map(Job::lockstep)
     }
 
     fn record(
@@ -106,7 +102,18 @@ impl Study for Tests {
         let done = result?;
         batch::whole(&done.summary)?;
         let (law, test) = &self.tests[run];
-        Ok((judge::rows(*test, law, &job.scenario, &done.drive), ()))
+        let mut rows = judge::rows(*test, law, &job.scenario, &done.drive);
+        rows.extend(done.summary.requirements.iter().map(|verdict| Row {
+            law: law.clone(),
+            test: test.name(),
+            figure: verdict.requirement.clone(),
+            unit: verdict.unit.clone(),
+            value: verdict.margin,
+            least: Some(0.0),
+            most: None,
+            ok: verdict.met,
+        }));
+        Ok((rows, ()))
     }
 
     fn keys(&self, run: usize) -> Vec<(String, String)> {
@@ -138,7 +145,7 @@ fn broken(row: &Row, arguments: &Iso15622Arguments) -> Broken {
     let value = row.value.map_or_else(|| "never".to_owned(), |value| format!("{value:.2} {unit}"));
     let (limit, seed) = (row.least.or(row.most).unwrap_or_default(), arguments.seed.to_string());
     let words = ["timegap", "test", "iso15622", "--controllers", law, "--seed", &seed];
-    let words = [words.map(str::to_owned).to_vec(), arguments.laws.words()].concat();
+    let words = [words.map(str::to_owned).to_vec(), arguments.drives.words()].concat();
     let what = format!("{law}, {test}: {figure} {value}, limit {limit:.2}");
     Broken::new(what, runtime::command_line(&words))
 }
@@ -159,8 +166,7 @@ mod tests {
             ok,
             ..Row::default()
         };
-        let arguments =
-            Iso15622Arguments { controllers: Vec::new(), laws: LawOptions::default(), seed: 7 };
+        let arguments = Iso15622Arguments { drives: DriveOptions::default(), seed: 7 };
         let document = document(vec![row("a", true), row("b", false)], &arguments);
         assert!(!document.is_ok());
         let console = document.console(120);
@@ -187,8 +193,7 @@ mod tests {
             ok: index != 100,
             ..Row::default()
         });
-        let arguments =
-            Iso15622Arguments { controllers: Vec::new(), laws: LawOptions::default(), seed: 1 };
+        let arguments = Iso15622Arguments { drives: DriveOptions::default(), seed: 1 };
         let console = document(rows.collect(), &arguments).console(80);
         assert!(console.lines().count() < 250, "{}", console.lines().count());
         assert!(console.lines().last().is_some_and(|line| line.contains("law-2")), "{console}");

@@ -12,9 +12,9 @@
 //! that and a speed within 1 m/s. The target drives 1 m/s slower than √(a R) here, so the cap of the curve speed is above
 //! it. The neighbour in the outer lane keeps its speed: an ego that follows it does not slow down.
 
-use controller::laws;
-use scenario::{Overrides, Scenario};
-use supervise::{Error, LawOptions};
+use frame::DriveOptions;
+use scenario::Scenario;
+use supervise::Error;
 
 use super::limits::{Class, STEADY_S};
 
@@ -80,8 +80,8 @@ impl Test {
         }
     }
 
-    /// Its scenario for `law`, which may be one of the user's `own`.
-    pub fn scenario(self, law: &str, own: &LawOptions, seed: u32) -> Result<Scenario, Error> {
+    /// Its scenario for `law`, with the options of all drives.
+    pub fn scenario(self, law: &str, drives: &DriveOptions, seed: u32) -> Result<Scenario, Error> {
         let (duration_s, set_mps, initial_mps, keys) = match self {
             Self::Acquisition => (60.0, APPROACH_MPS, APPROACH_MPS, ACQUISITION.to_owned()),
             Self::Discrimination => {
@@ -102,9 +102,7 @@ impl Test {
              [aebs]\nenabled = false\n\
              [controller]\nname = \"{law}\"\n"
         );
-        let mut overrides = Overrides::new();
-        own.lay_over(&mut overrides)?;
-        Ok(Scenario::parse_with("a test of ISO 15622", &text, &overrides, &laws::check)?)
+        drives.parse("a test of ISO 15622", &text)
     }
 }
 
@@ -180,11 +178,11 @@ mod tests {
     #[test]
     fn every_test_is_a_scenario_and_its_times_are_those_named() {
         for test in Test::all() {
-            test.scenario("acc-mpc", &LawOptions::default(), 1)
+            test.scenario("acc-mpc", &DriveOptions::default(), 1)
                 .unwrap_or_else(|error| panic!("{error}"));
         }
         let scenario =
-            Test::StopAndGo.scenario("acc-mpc", &LawOptions::default(), 1).expect("it is right");
+            Test::StopAndGo.scenario("acc-mpc", &DriveOptions::default(), 1).expect("it is right");
         let Profile::Steps(steps) = &scenario.actors[0].profile else { panic!("it has steps") };
         let times: Vec<f64> = steps.iter().map(|step| step.time_s.value()).collect();
         assert_eq!(times, [BRAKES_AT_S, MOVES_OFF_AT_S]);

@@ -27,11 +27,11 @@ use clap::{Args, ValueEnum};
 use controller::laws;
 use drive::Ends;
 use frame::batch::{self, Job};
-use frame::{Command, Crew, Entry, Found, Needs, RunOptions, RunResult, Study};
+use frame::{Command, Crew, DriveOptions, Entry, Found, Needs, RunOptions, RunResult, Study};
 use report::results::{Document, Schema};
 use results::{Driven, Judged, MatrixResult, Results};
 use serde::{Deserialize, Serialize};
-use supervise::{Error, LawOptions, UsageError};
+use supervise::{Error, UsageError};
 
 use crate::{Model, Verdict};
 
@@ -40,14 +40,11 @@ pub struct R157Arguments {
     /// Matrices, by commas [default: all]
     #[arg(long, value_enum, value_name = "NAME,...", value_delimiter = ',')]
     pub matrix: Vec<Matrix>,
-    /// Controllers, by commas [default: all]
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',', conflicts_with = "models_only")]
-    pub controllers: Vec<String>,
-    /// Laws of the user's own.
+    /// Laws, keys and requirements of all drives.
     #[command(flatten)]
-    pub laws: LawOptions,
+    pub drives: DriveOptions,
     /// Drive the regulation's models alone, without controllers and processes
-    #[arg(long, conflicts_with_all = ["laws", "require", "processes", "programs", "ready_timeout", "shard", "resume"])]
+    #[arg(long, conflicts_with_all = ["controllers", "laws", "set", "require", "processes", "programs", "ready_timeout", "shard", "resume"])]
     pub models_only: bool,
     /// Draw this many cases of each matrix [default: all]
     #[arg(long, value_name = "N")]
@@ -55,9 +52,6 @@ pub struct R157Arguments {
     /// Seed of the drawn cases and of the sensors' noise
     #[arg(long, value_name = "S", default_value_t = 1)]
     pub seed: u32,
-    /// Judge every drive by a requirement as well: a formula or a name (repeatable; docs/search.md)
-    #[arg(long = "require", value_name = "FORMULA")]
-    pub require: Vec<String>,
     /// Write the models' outcomes of the cut-ins as a table
     #[arg(long, value_name = "FILE")]
     #[serde(skip)]
@@ -95,17 +89,16 @@ impl Study for Plan {
     const NEEDS: Needs = Needs::All;
 
     fn plan(arguments: &R157Arguments, _: &RunOptions) -> Result<Self, Error> {
-        let R157Arguments { controllers, laws, require, models_only, .. } = arguments;
+        let R157Arguments { drives, models_only, .. } = arguments;
         let plan = Self {
             arguments: arguments.clone(),
-            scenes: Scenes::new(arguments.seed.into(), laws.clone(), require.clone()),
+            scenes: Scenes::new(arguments.seed.into(), drives.clone()),
             matrices: arguments.matrices(),
             laws: match models_only {
                 true => Vec::new(),
-                false => batch::laws::own_named(controllers, &laws.names())?,
+                false => drives.own_named()?,
             },
         };
-        laws.expect_all_in(&plan.laws)?;
         plan.subject()?;
         Ok(plan)
     }
@@ -223,10 +216,9 @@ impl R157Arguments {
         let seed = self.seed.to_string();
         let words =
             ["timegap", "test", "r157", "--matrix", matrix, "--controllers", law, "--seed", &seed];
-        let mut words = [words.map(str::to_owned).to_vec(), self.laws.words()].concat();
+        let mut words = [words.map(str::to_owned).to_vec(), self.drives.words()].concat();
         let sample = self.sample.map(|count| ["--sample".to_owned(), count.to_string()]);
         words.extend(sample.into_iter().flatten());
-        words.extend(self.require.iter().flat_map(|f| ["--require".to_owned(), f.clone()]));
         runtime::command_line(&words)
     }
 
@@ -267,7 +259,7 @@ mod tests {
 
     /// Digests of all messages except the brake's own, and the count of its interventions.
     fn drive(case: &Case, law: &str, aebs: bool) -> (BTreeMap<String, String>, u64) {
-        let scenes = Scenes::new(1, LawOptions::default(), Vec::new());
+        let scenes = Scenes::new(1, DriveOptions::default());
         let scenario = scenes.scenario(case, law, aebs).expect("a law");
         let group = in_process::run(&scenario).expect("it runs");
         let Details::Plant(plant) = &group.reports[&Service::Plant].details else {

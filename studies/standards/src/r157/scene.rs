@@ -8,10 +8,9 @@
 use std::collections::BTreeMap;
 use std::sync::Mutex;
 
-use controller::laws;
-use frame::batch;
-use scenario::{Overrides, Scenario};
-use supervise::{Error, GroupOptions, LawOptions};
+use frame::{DriveOptions, batch};
+use scenario::Scenario;
+use supervise::{Error, GroupOptions};
 
 use super::matrix::Case;
 use crate::cut_in::{CLEARANCE_M, LATERAL_ACCELERATION_MPS2};
@@ -39,9 +38,7 @@ const FIRST_DISTANCE_M: f64 = 5.0;
 #[derive(Debug, Default)]
 pub struct Scenes {
     pub seed: u64,
-    pub laws: LawOptions,
-    /// Requirements that every drive is judged by.
-    pub formulas: Vec<String>,
+    pub drives: DriveOptions,
     /// By law and speed, km/h.
     gaps_m: Mutex<BTreeMap<(String, u32), f64>>,
 }
@@ -55,8 +52,8 @@ struct Traffic {
 }
 
 impl Scenes {
-    pub fn new(seed: u64, laws: LawOptions, formulas: Vec<String>) -> Self {
-        Self { seed, laws, formulas, ..Self::default() }
+    pub fn new(seed: u64, drives: DriveOptions) -> Self {
+        Self { seed, drives, gaps_m: Mutex::default() }
     }
 
     /// The scenario of `case` for a law, with the emergency brake or without it.
@@ -113,13 +110,7 @@ impl Scenes {
              [referee]\nends_when_clear = {{ after_s = {scripted_s}, for_s = {CLEAR_S} }}\n\
              [controller]\nname = \"{law}\"\n"
         );
-        let mut overrides = Overrides::new();
-        self.laws.lay_over(&mut overrides)?;
-        let name = "a case of UN R157";
-        let mut scenario = Scenario::parse_with(name, &text, &overrides, &laws::check)?;
-        scenario.require.formulas.clone_from(&self.formulas);
-        supervise::requirements(&scenario)?;
-        Ok(scenario)
+        self.drives.parse("a case of UN R157", &text)
     }
 }
 
@@ -206,7 +197,7 @@ mod tests {
     use super::*;
 
     fn scenes() -> Scenes {
-        Scenes::new(1, LawOptions::default(), Vec::new())
+        Scenes::new(1, DriveOptions::default())
     }
 
     #[test]
