@@ -48,6 +48,10 @@ fn results_are_never_mixed() {
     let output =
         corner.run(&["run", "--service", "controller=/bin/false", "--out", "out", "--force"]);
     assert_eq!(output.status.code(), Some(2), "{}", text(&output));
+    let study = ["search", "tight-brake", "--vary", "actors.0.gap_m=1..2", "--budget", "2"];
+    let none = ["--set", "actors.0.initial_speed_mps=0", "--out", "out", "--force"];
+    let output = corner.run(&[&study[..], &none].concat());
+    assert_eq!(output.status.code(), Some(2), "no scene can be avoided: {}", text(&output));
     assert!(contents(&out) == before, "what was refused, or did not start, left all as it was");
     for old in ["trace.pftrace", "notes.txt"] {
         std::fs::write(out.join(old), "old").expect("our own directory");

@@ -360,6 +360,11 @@ mod tests {
             let help = Cli::of(words).expect_err("help ends the reading");
             assert_eq!(help.kind(), ErrorKind::DisplayHelp, "{new:?}");
         }
+        let words = ["timegap", "sweep", "a", "--param=x=1", "--param", "y=2"].map(OsString::from);
+        let (words, note) = with_new_options(words.to_vec());
+        assert!(words[3] == "--vary=x=1" && words[4] == "--vary" && note.is_some(), "{words:?}");
+        let words = ["timegap", "run", "a.xosc", "--param", "y=2"].map(OsString::from).to_vec();
+        assert_eq!(with_new_options(words.clone()), (words, None));
     }
 
     #[test]
