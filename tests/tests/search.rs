@@ -117,7 +117,7 @@ fn a_search_without_a_run_has_an_error_and_no_result() {
     assert!(output.stdout.is_empty(), "{}", system_tests::text(&output));
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(said.contains("none of 10000 points"), "{said}");
-    assert!(!corner.path().join("a/search.json").exists());
+    assert!(!corner.path().join("a").exists());
 }
 
 #[test]

@@ -1,70 +1,51 @@
 //! `trajectory.csv`: the drive, one row per sample of the vehicle's motion.
 
 use crate::table;
-use supervise::{Drive, DriveStep, PowertrainStep};
+use supervise::{Drive, DriveStep};
+
+/// A column of a trajectory: its name, whether its values are whole, and its value in a step; none without a message.
+pub type StepColumn = (&'static str, bool, fn(&DriveStep) -> Option<f64>);
 
 /// Columns before the law's own figures.
-const COLUMNS: [&str; 11] = [
-    "time_s",
-    "position_m",
-    "speed_mps",
-    "acceleration_mps2",
-    "request_mps2",
-    "gap_m",
-    "lead_speed_mps",
-    "mode",
-    "gear",
-    "engine_torque_nm",
-    "fuel_g",
+pub const COLUMNS: [StepColumn; 11] = [
+    ("time_s", false, |step| Some(step.time_s)),
+    ("position_m", false, |step| Some(step.position_m)),
+    ("speed_mps", false, |step| Some(step.speed_mps)),
+    ("acceleration_mps2", false, |step| Some(step.acceleration_mps2)),
+    ("request_mps2", false, |step| step.request_mps2),
+    ("gap_m", false, |step| step.gap_m),
+    ("lead_speed_mps", false, |step| step.lead_speed_mps),
+    ("mode", true, |step| step.mode.map(f64::from)),
+    ("gear", true, |step| step.powertrain.map(|powertrain| f64::from(powertrain.gear))),
+    ("engine_torque_nm", false, |step| {
+        step.powertrain.map(|powertrain| powertrain.engine_torque_nm)
+    }),
+    ("fuel_g", false, |step| step.powertrain.map(|powertrain| powertrain.fuel_g)),
 ];
 
 /// Columns behind the law's own figures: later ones stand at the end, so that readers by place keep working.
-const LATER: [&str; 7] = [
-    "applied_mps2",
-    "ttc_s",
-    "stop_line_m",
-    "signal",
-    "brake_state",
-    "lead",
-    "lead_acceleration_mps2",
+pub const LATER: [StepColumn; 8] = [
+    ("applied_mps2", false, |step| Some(step.applied_mps2)),
+    ("ttc_s", false, |step| Some(step.time_to_collision_s).filter(|time_s| time_s.is_finite())),
+    ("stop_line_m", false, |step| Some(step.stop_line_m).filter(|way_m| way_m.is_finite())),
+    ("signal", true, |step| step.signal.map(|phase| f64::from(phase.to_wire()))),
+    ("brake_state", true, |step| step.brake.map(|state| f64::from(state as u32))),
+    ("lead", true, |step| step.lead.map(f64::from)),
+    ("lead_acceleration_mps2", false, |step| step.lead_acceleration_mps2),
+    ("quality", true, |step| step.quality.map(f64::from)),
 ];
 
-/// The drive as columns, each with a value for every step; none where a step has no message. `figure_names` name the
-/// columns of the law's own figures; `law_` precedes a name that another column has.
+/// The drive as columns, each with a value for every step. `figure_names` name the columns of the law's own figures;
+/// `law_` precedes a name that another column has.
 pub fn columns(drive: &Drive, figure_names: &[&str]) -> Vec<(String, Vec<Option<f64>>)> {
     let of = |value: &dyn Fn(&DriveStep) -> Option<f64>| drive.steps.iter().map(value).collect();
-    let powertrain = |value: fn(&PowertrainStep) -> f64| {
-        of(&|step: &DriveStep| step.powertrain.as_ref().map(value))
-    };
-    let own: [Vec<Option<f64>>; COLUMNS.len()] = [
-        of(&|step| Some(step.time_s)),
-        of(&|step| Some(step.position_m)),
-        of(&|step| Some(step.speed_mps)),
-        of(&|step| Some(step.acceleration_mps2)),
-        of(&|step| step.request_mps2),
-        of(&|step| step.gap_m),
-        of(&|step| step.lead_speed_mps),
-        of(&|step| step.mode.map(f64::from)),
-        powertrain(|powertrain| f64::from(powertrain.gear)),
-        powertrain(|powertrain| powertrain.engine_torque_nm),
-        powertrain(|powertrain| powertrain.fuel_g),
-    ];
+    let named = |(name, _, value): StepColumn| (name.to_owned(), of(&value));
     let figures = figure_names.iter().enumerate().map(|(index, name)| {
-        let is_taken = COLUMNS.contains(name) || LATER.contains(name);
+        let is_taken = COLUMNS.iter().chain(&LATER).any(|(known, ..)| known == name);
         let name = if is_taken { format!("law_{name}") } else { (*name).to_owned() };
         (name, of(&|step| Some(step.figures?[index])))
     });
-    let later: [Vec<Option<f64>>; LATER.len()] = [
-        of(&|step| Some(step.applied_mps2)),
-        of(&|step| Some(step.time_to_collision_s).filter(|time_s| time_s.is_finite())),
-        of(&|step| Some(step.stop_line_m).filter(|way_m| way_m.is_finite())),
-        of(&|step| step.signal.map(|phase| f64::from(phase.to_wire()))),
-        of(&|step| step.brake.map(|state| f64::from(state as u32))),
-        of(&|step| step.lead.map(f64::from)),
-        of(&|step| step.lead_acceleration_mps2),
-    ];
-    let own = COLUMNS.map(str::to_owned).into_iter().zip(own);
-    own.chain(figures).chain(LATER.map(str::to_owned).into_iter().zip(later)).collect()
+    COLUMNS.into_iter().map(named).chain(figures).chain(LATER.into_iter().map(named)).collect()
 }
 
 /// The drive as CSV. Fields without a message in a step are empty.
@@ -97,6 +78,6 @@ mod tests {
         let mut lines = text.lines();
         let head = lines.next().expect("a head");
         assert!(head.contains(",fuel_g,e_m,law_gap_m,applied_mps2,ttc_s,"), "{head}");
-        assert_eq!(lines.next(), Some("0.1,1.5,0,0,,49.5,,,,,,,,-1,,80,3,2,2,"));
+        assert_eq!(lines.next(), Some("0.1,1.5,0,0,,49.5,,,,,,,,-1,,80,3,2,2,,"));
     }
 }

@@ -1,42 +1,23 @@
 //! The columns of a trajectory.
 
 use parquet_writer::Cells;
+use report::trajectory::{COLUMNS, LATER, StepColumn};
 use scenario::Scenario;
 use supervise::{Drive, DriveStep};
 
-/// Names of the columns before and behind the study's keys.
-pub(super) const NAMES: [&[&str]; 2] = [
-    &["run", "scenario", "law", "seed"],
-    &[
-        "time_s",
-        "position_m",
-        "speed_mps",
-        "acceleration_mps2",
-        "applied_mps2",
-        "request_mps2",
-        "gap_m",
-        "lead_speed_mps",
-        "mode",
-        "quality",
-        "gear",
-        "engine_torque_nm",
-        "fuel_g",
-        "figure_0",
-        "figure_1",
-        "figure_2",
-        "figure_3",
-        "figure_4",
-        "figure_5",
-        "figure_6",
-        "figure_7",
-        "ttc_s",
-        "stop_line_m",
-        "signal",
-        "brake_state",
-        "lead",
-        "lead_acceleration_mps2",
-    ],
-];
+/// Figures of the law that a step has room for.
+const FIGURES: usize = 8;
+
+/// Names of the columns: of the run with the study's keys, then of a step.
+pub(super) fn names(keys: &[Key]) -> Vec<String> {
+    let of_run = ["run", "scenario", "law", "seed"].into_iter().map(str::to_owned);
+    let of_step = |columns: &[StepColumn]| -> Vec<String> {
+        columns.iter().map(|(name, ..)| (*name).to_owned()).collect()
+    };
+    let figures = (0..FIGURES).map(|place| format!("figure_{place}"));
+    let keys = keys.iter().map(|key| key.name.clone());
+    of_run.chain(keys).chain(of_step(&COLUMNS)).chain(figures).chain(of_step(&LATER)).collect()
+}
 
 /// A key that the study varies.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -104,31 +85,12 @@ pub(super) fn cells(
         false if value.is_empty() => Cells::Text(vec![None; steps.len()]),
         false => text(value),
     }));
-    cells.extend([
-        number(&|step| Some(step.time_s)),
-        number(&|step| Some(step.position_m)),
-        number(&|step| Some(step.speed_mps)),
-        number(&|step| Some(step.acceleration_mps2)),
-        number(&|step| Some(step.applied_mps2)),
-        number(&|step| step.request_mps2),
-        number(&|step| step.gap_m),
-        number(&|step| step.lead_speed_mps),
-        whole(&|step| step.mode.map(i64::from)),
-        whole(&|step| step.quality.map(i64::from)),
-        whole(&|step| step.powertrain.map(|powertrain| i64::from(powertrain.gear))),
-        number(&|step| step.powertrain.map(|powertrain| powertrain.engine_torque_nm)),
-        number(&|step| step.powertrain.map(|powertrain| powertrain.fuel_g)),
-    ]);
-    let figures = NAMES[1].iter().filter(|name| name.starts_with("figure_")).enumerate();
-    let figures = figures.map(|(index, _)| number(&|step| step.figures?.get(index).copied()));
-    cells.extend(figures);
-    cells.extend([
-        number(&|step| Some(step.time_to_collision_s).filter(|time_s| time_s.is_finite())),
-        number(&|step| Some(step.stop_line_m).filter(|way_m| way_m.is_finite())),
-        whole(&|step| step.signal.map(|phase| i64::from(phase.to_wire()))),
-        whole(&|step| step.brake.map(|state| i64::from(state as u32))),
-        whole(&|step| step.lead.map(i64::from)),
-        number(&|step| step.lead_acceleration_mps2),
-    ]);
+    let of_step = |(_, is_whole, value): &StepColumn| match is_whole {
+        true => whole(&|step| value(step).map(|value| value as i64)),
+        false => number(value),
+    };
+    cells.extend(COLUMNS.iter().map(of_step));
+    cells.extend((0..FIGURES).map(|place| number(&|step| step.figures?.get(place).copied())));
+    cells.extend(LATER.iter().map(of_step));
     cells
 }

@@ -26,7 +26,7 @@ use supervise::report::Outcome;
 use supervise::{Drive, Error};
 
 pub use columns::{Key, keys};
-use columns::{NAMES, cells};
+use columns::{cells, names};
 
 pub const FILE: &str = "trajectories.parquet";
 
@@ -196,10 +196,8 @@ impl Keeper {
     fn write(&self, book: &mut Book, kept: &Kept) -> Result<(), Error> {
         let mut write = || -> io::Result<()> {
             if book.writer.is_none() {
-                let keys = self.keys.iter().map(|key| key.name.as_str());
-                let [head, rest] = NAMES;
-                let names = head.iter().copied().chain(keys).chain(rest.iter().copied());
-                let names: Vec<&str> = names.collect();
+                let names = names(&self.keys);
+                let names: Vec<&str> = names.iter().map(String::as_str).collect();
                 let file = BufWriter::new(File::create(&self.path)?);
                 book.writer = Some(Writer::new(file, &names, &[])?);
             }
