@@ -1,8 +1,8 @@
 //! The runs to blame for broken requirements.
 
-use super::figure::Limit;
 use super::plan::Plan;
 use super::record::Record;
+use super::verdict::Limit;
 use runtime::Mode;
 use schemars::JsonSchema;
 use serde::Serialize;

@@ -5,7 +5,7 @@ use super::counts;
 use super::exposure::Exposure;
 use super::measured::{self, LEFT_OUT};
 use super::record::Record;
-use super::tally::Tally;
+use super::sums::Tally;
 use super::verdict::{Requirement, Verdict};
 use report::results::{Column, Format, Schema, column, count, fact, flag, micros, number, word};
 use serde::Serialize;

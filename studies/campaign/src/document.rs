@@ -3,7 +3,7 @@
 use super::blame::Failure;
 use super::columns::{BROKEN, EXPOSURE, Line, REQUIREMENTS, lines, sums};
 use super::measured::LEFT_OUT;
-use super::tally::{Sum, Tally};
+use super::sums::{Sum, Tally};
 use super::verdict::Verdict;
 use report::chart::{Stroke, Tone, number};
 use report::html::{Tile, figure};

@@ -3,7 +3,7 @@
 //! Three things must hold. The group ends with its launcher, nothing of the group is left, and its results show that
 //! the run did not reach its end.
 
-use super::planned::Planned;
+use super::plan::Planned;
 use super::record::{Measured, Record};
 use frame::batch::{PrepareError, Scratch, leftovers};
 use runtime::{Group, Mode};

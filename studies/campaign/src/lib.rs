@@ -30,32 +30,25 @@
 //! max_avoidable_collisions = 0
 //! ```
 
-mod arguments;
 mod blame;
-mod builtin;
 mod columns;
 mod counts;
 mod document;
-mod drawn;
 mod exposure;
-mod figure;
 mod file;
 mod jobs;
 mod launcher_death;
 mod measured;
 mod open;
 mod plan;
-mod planned;
 mod record;
 mod study;
 mod sums;
-mod tally;
-mod targets;
 mod template;
 mod variation;
 mod verdict;
 
-pub use arguments::CampaignArguments;
-pub use builtin::BUILTIN;
 pub use columns::schema;
+pub use open::BUILTIN;
+pub use study::CampaignArguments;
 pub use study::{ENTRY, run};

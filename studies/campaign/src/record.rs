@@ -1,7 +1,7 @@
 //! The record of a run: the figures that the verdict needs.
 
 use super::exposure::Struck;
-use super::planned::Planned;
+use super::plan::Planned;
 use frame::batch::{Done, Growth};
 use messages::level::{Level, LevelChange};
 use scenario::Scenario;

@@ -1,24 +1,26 @@
 //! The study of a campaign file: its runs, their records, and the verdict.
 
-use super::arguments::CampaignArguments;
 use super::blame::Blame;
 use super::columns::RUNS;
 use super::document::document;
 use super::file::Campaign;
-use super::jobs::{self, job};
-use super::launcher_death;
+use super::jobs::{Targets, job};
 use super::open::open;
-use super::plan::{Plan, plan};
-use super::planned::Planned;
+use super::plan::{Plan, Planned, plan};
 use super::record::Record;
 use super::sums::Sums;
-use super::targets::Targets;
 use super::verdict::{Scope, Verdict};
-use frame::batch::{self, Done, Job};
-use frame::{Command, Crew, DriveOptions, Entry, Found, RunOptions, RunResult, Study, parts};
+use super::{jobs, launcher_death};
+use clap::Args;
+use frame::batch::{Done, Job};
+use frame::{
+    Command, Crew, DriveOptions, Entry, Found, RunOptions, RunResult, Study, batch, parts,
+};
 use report::results::{Column, Document};
 use runtime::Mode;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
+use std::num::{NonZeroU32, NonZeroUsize};
 use std::process::ExitCode;
 use supervise::{Error, GroupOptions};
 
@@ -181,4 +183,27 @@ impl Study for FileCampaign {
         }
         Ok(document(&verdict, &sums.all))
     }
+}
+
+/// Arguments of `campaign`.
+#[derive(Clone, Debug, Args, Serialize, Deserialize)]
+#[command(after_help = "`timegap list` describes the built-in campaigns.")]
+pub struct CampaignArguments {
+    /// A campaign file, an OpenSCENARIO parameter variation (.xosc), or the name of a built-in campaign
+    pub campaign: String,
+    /// Content of the campaign as it takes effect: a part then needs no other file.
+    #[arg(skip)]
+    pub effective: Option<String>,
+    /// Do only N of the runs, drawn by the first seed
+    #[arg(long, value_name = "N")]
+    pub sample: Option<NonZeroUsize>,
+    /// The first seed [default: as in the file]
+    #[arg(long, value_name = "N")]
+    pub first: Option<u32>,
+    /// Runs of every combination, each with a seed of its own [default: as in the file]
+    #[arg(long, value_name = "N")]
+    pub seeds: Option<NonZeroU32>,
+    /// Laws that drive in place of the file's, and keys and requirements of all runs.
+    #[command(flatten)]
+    pub drives: DriveOptions,
 }

@@ -15,6 +15,5 @@
 
 mod cells;
 pub mod compare;
-mod point;
 mod row;
 pub mod sweep;

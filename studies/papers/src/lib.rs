@@ -11,9 +11,7 @@
 pub mod cacc;
 mod cacc_varied;
 mod columns;
-mod driven;
 mod page;
-mod pictures;
 mod predictive;
 mod quadratic_bounded;
 pub mod row;
@@ -29,7 +27,7 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use frame::{Command, Entry};
-use pictures::Pictures;
+use page::Pictures;
 use row::Row;
 use runner::Piece;
 use schemars::JsonSchema;

@@ -3,7 +3,7 @@
 use report::results::Column;
 use serde_json::{Map, Value};
 
-use crate::drive::Drive;
+use crate::population::Drive;
 
 /// Drives with something in common.
 #[derive(Debug)]

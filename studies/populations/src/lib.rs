@@ -22,8 +22,6 @@
 //! ```
 
 mod curves;
-mod draws;
-mod drive;
 mod effects;
 mod everyday;
 mod figures;

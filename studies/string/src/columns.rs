@@ -8,8 +8,8 @@ use supervise::report::Outcome;
 
 use super::STABLE_GAIN;
 use super::limits::{Limits, Point};
-use super::response::Response;
 use super::results::{Results, Vehicle};
+use super::wave::Response;
 
 /// Most cars that a terminal shows.
 const MOST_CARS: usize = 16;

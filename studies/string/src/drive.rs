@@ -1,17 +1,19 @@
 //! Strings as a study: a run is a string, driven car after car.
 
-use frame::batch::{self, Job};
-use frame::{Crew, Found, Needs, RunOptions, RunResult, Study};
-use report::results::Document;
-use supervise::Error;
-
 use super::arguments::{StringArguments, Task};
 use super::cars::CarByCar;
-use super::driven::Driven;
 use super::limits::{Limits, Point};
+use super::measure::Measured;
 use super::results::Results;
 use super::scene::Plan;
-use super::{page, response};
+use super::wave::Amplitudes;
+use super::{page, wave};
+use frame::batch::Job;
+use frame::{Crew, Found, Needs, RunOptions, RunResult, Study, batch};
+use report::results::Document;
+use serde::{Deserialize, Serialize};
+use supervise::report::{ControlFigures, Outcome};
+use supervise::{Error, RequirementVerdict};
 
 /// The study. The first string is the one of the command. Further strings drive behind a sine of each frequency. With
 /// a swept key, each law alone drives behind each sine at each value.
@@ -93,14 +95,14 @@ impl Study for Strings {
         let mut strings = found.records.all()?.into_iter().map(|(_, cars)| cars);
         let mut next = || strings.next().expect("the frame judges whole studies alone");
         let cars = next();
-        let own = task.frequencies.iter().map(|&hz| response::response(hz, &next())).collect();
+        let own = task.frequencies.iter().map(|&hz| wave::response(hz, &next())).collect();
         let mut limits = Vec::new();
         if let Some((param, laws)) = &task.sweep {
             for law in laws {
                 let mut points = Vec::new();
                 for value in &param.values {
                     let curve = task.sweep_frequencies.iter();
-                    let curve = curve.map(|&hz| response::response(hz, &next())).collect();
+                    let curve = curve.map(|&hz| wave::response(hz, &next())).collect();
                     points.push(Point::new(value, curve));
                 }
                 limits.push(Limits::new(&law.controller, &param.key, points));
@@ -110,4 +112,23 @@ impl Study for Strings {
         let results = if task.requires_stability { results.judged_by_stability() } else { results };
         Ok(page::document(&results, &cars))
     }
+}
+
+/// The drive of one car, reduced to figures and a trace.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Driven {
+    /// Place of the car in the string, from 1.
+    pub index: usize,
+    pub controller: String,
+    /// End of its drive.
+    pub outcome: Outcome,
+    pub requirements: Vec<RequirementVerdict>,
+    pub figures: ControlFigures,
+    /// Norms of its speeds and gaps.
+    pub measured: Measured,
+    /// Amplitudes behind a sine.
+    pub amplitudes: Option<Amplitudes>,
+    /// Time, s, position of its front bumper from the first car's start, m, and speed, m/s; empty
+    /// behind a sine.
+    pub trace: Vec<[f64; 3]>,
 }

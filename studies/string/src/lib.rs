@@ -14,12 +14,9 @@ mod arguments;
 mod cars;
 mod columns;
 mod drive;
-mod driven;
 mod limits;
 mod measure;
-mod motion;
 mod page;
-mod response;
 mod results;
 mod scene;
 #[cfg(test)]

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Serialize, Serializer};
 
 use super::STABLE_GAIN;
-use super::response::{Response, peak};
+use super::wave::{Response, peak};
 
 /// A law over the values of a key.
 #[derive(Clone, Debug, Serialize, JsonSchema)]

@@ -6,7 +6,7 @@ use report::results::Document;
 use report::table::NONE;
 
 use super::columns;
-use super::driven::Driven;
+use super::drive::Driven;
 use super::limits::Limits;
 use super::results::{Results, cars_in_words};
 

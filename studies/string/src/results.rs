@@ -7,10 +7,10 @@ use supervise::RequirementVerdict;
 use supervise::report::{ControlFigures, Outcome};
 
 use super::STABLE_GAIN;
-use super::driven::Driven;
+use super::drive::Driven;
 use super::limits::Limits;
-use super::response::{Response, peak};
 use super::scene::Plan;
+use super::wave::{Response, peak};
 
 /// Name of the requirement that the string as a whole is judged by.
 pub const STABILITY: &str = "string-stable";

@@ -8,7 +8,6 @@
 //! keep up misses them.
 
 mod feed;
-mod history;
 mod terminal;
 
 use clap::Args;

@@ -1,7 +1,6 @@
 //! `--watch`: the run in the terminal.
 
-use super::feed::{Frame, Point};
-use super::history::History;
+use super::feed::{Frame, History, Point};
 use ratatui::Frame as Screen;
 use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;

@@ -1,7 +1,6 @@
 //! `timegap recording export`: a recording as tables, its frames as a capture.
 
-use super::capture::Capture;
-use super::sheet::{Form, Item, Sheet};
+use super::sheet::{Capture, Form, Item, Sheet};
 use super::{count, open, print_damage};
 use clap::{ArgGroup, Args};
 use messages::names::{self, Enumeration};

@@ -1,6 +1,5 @@
 //! Commands on recordings and layouts.
 
-mod capture;
 pub mod diff;
 pub mod export;
 pub mod info;

@@ -25,28 +25,23 @@
 mod baseline;
 mod blocks;
 mod chain;
-mod conditions;
 mod document;
-mod failure;
 mod goals;
 mod limits;
 mod paired;
 mod payload;
 mod peer;
 mod plan;
-mod progress;
 mod results;
 mod setup;
 mod stage;
 mod statistics;
 mod wake;
-mod words;
 
 pub use peer::run as run_peer;
 
 use self::peer::Outcome;
-use self::plan::{Cell, Measure};
-use self::progress::{millis, progress_bar};
+use self::plan::{Cell, Measure, millis, progress_bar};
 use self::results::{
     ChainRow, DeadlineRow, Floor, FloorMeasure, FloorRow, Passing, Report, TransportRow,
 };
@@ -146,7 +141,7 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
         deadlines: Vec::new(),
         paired: Vec::new(),
         goals: Vec::new(),
-        caveats: conditions::caveats(cores, reference, conditions::quota()),
+        caveats: setup::caveats(cores, reference, setup::quota()),
         against: None,
     };
     let mut bench =

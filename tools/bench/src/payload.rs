@@ -3,7 +3,7 @@
 //! They take the same steps through the same node, iceoryx2 variant and wake-up. Payloads are loaned, sent where they
 //! are, and borrowed by the reader. They are bare, or written, protected and checked in place.
 
-use super::failure::{BenchError, failed};
+use super::setup::{BenchError, failed};
 use iceoryx2::port::{publisher::Publisher, subscriber::Subscriber};
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;

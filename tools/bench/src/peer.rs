@@ -1,10 +1,8 @@
 //! The measured processes: this program again, with one job.
 
-use super::failure::{BenchError, failed};
 use super::paired::UNCOUNTED;
-use super::setup::{Load, Mechanism};
+use super::setup::{BenchError, Load, Mechanism, failed};
 use super::wake::{Sink, Source};
-use super::words;
 use runtime::scheduling::{Granted, Policy, Request, apply};
 use runtime::statistics::Latencies;
 use runtime::{SharedWords, monotonic_ns, sleep_until};
@@ -123,9 +121,9 @@ pub fn page(name: &str) -> Result<SharedWords, BenchError> {
 fn metronome_job(job: &Job) -> Result<Outcome, Error> {
     let page = page(&job.page)?;
     let granted = schedule(job);
-    let state = page.word(words::METRONOME);
+    let state = page.word(METRONOME);
     let mut latencies = Latencies::default();
-    page.word(words::READY).store(1, Ordering::Release);
+    page.word(READY).store(1, Ordering::Release);
     let mut scheduled = monotonic_ns() + job.period_ns;
     loop {
         while monotonic_ns() < scheduled {
@@ -159,7 +157,7 @@ fn source(job: &Job, root: &Path, turns: &Turns) -> Result<Outcome, Error> {
     let mut source = Source::open(&turns.ways, root, &page)?;
     let mut cycles = 0;
     for (number, &way) in (1_u32..).zip(&turns.order) {
-        while page.word(words::READY).load(Ordering::Acquire) < number {
+        while page.word(READY).load(Ordering::Acquire) < number {
             std::thread::sleep(std::time::Duration::from_micros(200));
         }
         let mut next = monotonic_ns() + job.period_ns;
@@ -171,7 +169,7 @@ fn source(job: &Job, root: &Path, turns: &Turns) -> Result<Outcome, Error> {
             cycles += 1;
             next = following(next, job.period_ns);
         }
-        page.word(words::DONE).store(number, Ordering::Release);
+        page.word(DONE).store(number, Ordering::Release);
         source.ring(way)?;
     }
     Ok(Outcome::of_cycles(granted, cycles))
@@ -188,10 +186,10 @@ fn sink(job: &Job, root: &Path, turns: &Turns) -> Result<Outcome, Error> {
         let mut came = 0;
         // Leftovers of an earlier block in a buffer are older than this.
         let begun = monotonic_ns();
-        page.word(words::READY).store(number, Ordering::Release);
+        page.word(READY).store(number, Ordering::Release);
         loop {
             let before = came;
-            let was_done = page.word(words::DONE).load(Ordering::Acquire) >= number;
+            let was_done = page.word(DONE).load(Ordering::Acquire) >= number;
             sink.wait(way, |sent_ns| {
                 if sent_ns >= begun {
                     came += 1;
@@ -242,3 +240,15 @@ fn busy(load: Load) -> ! {
         }
     }
 }
+
+/// Wake-ups so far; the futex.
+pub const COUNT: usize = 0;
+/// Number of the block that the sink waits for, from 1; 1 for a metronome that ticks.
+pub const READY: usize = 16;
+/// Number of the block that the source has ended, from 1.
+pub const DONE: usize = 32;
+/// State of the metronome, [`super::peer::metronome`].
+pub const METRONOME: usize = 48;
+/// First word of the ring of stamps, two words each.
+pub const STAMPS: usize = 64;
+pub const RING: usize = 256;

@@ -2,6 +2,7 @@
 
 use super::paired::{Comparison, PAIRS, PAIRS_IN_SESSION, UNCOUNTED, WAKES, sessions};
 use super::setup::{Conditions, FLAT_FROM, LARGEST, Load, Mechanism, Placement, Scheduling};
+use indicatif::{ProgressBar, ProgressStyle};
 use std::time::Duration;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -159,6 +160,23 @@ fn conditions(cores: usize) -> impl Iterator<Item = Conditions> {
             placements.iter().map(of)
         })
     })
+}
+
+/// A bar over the estimated time on a terminal; hidden elsewhere.
+pub fn progress_bar(whole: Duration, quiet: bool) -> ProgressBar {
+    use std::io::IsTerminal;
+    if quiet || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    eprintln!("about {} s", whole.as_secs());
+    let style = ProgressStyle::with_template("{msg:44} {wide_bar} {eta} to go")
+        .expect("the template is valid");
+    ProgressBar::new(millis(whole)).with_style(style)
+}
+
+/// Length in whole milliseconds, as the bar counts.
+pub fn millis(duration: Duration) -> u64 {
+    u64::try_from(duration.as_millis()).unwrap_or(u64::MAX)
 }
 
 #[cfg(test)]

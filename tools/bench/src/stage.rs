@@ -1,10 +1,8 @@
 //! The stage of measurements: a run's root of their own, with the processes on it.
 
-use super::failure::failed;
 use super::paired::{Compared, Comparison, PAIRS_IN_SESSION, WAKES, histogram, order, paired};
 use super::peer::{self, BLOCKS_FILE, Job, Outcome, Task, Turns, metronome};
-use super::setup::{Conditions, Load, Mechanism, Placement, Scheduling};
-use super::words;
+use super::setup::{Conditions, Load, Mechanism, Placement, Scheduling, failed};
 use runtime::scheduling::usable_cores;
 use runtime::{Group, Mode, SharedWords, Timetable};
 use rustix::event::{EventfdFlags, eventfd};
@@ -215,7 +213,7 @@ impl Stage {
         let priority = fifo.then_some(METRONOME_PRIORITY);
         let peer = self.spawn(Task::Metronome, priority, core, period_us, None)?;
         let begun = Instant::now();
-        while self.page.word(words::READY).load(Ordering::Acquire) == 0 {
+        while self.page.word(peer::READY).load(Ordering::Acquire) == 0 {
             if begun.elapsed() > PATIENCE {
                 return Err(failed("start the metronome")("it does not tick in time").into());
             }
@@ -234,7 +232,7 @@ impl Stage {
     }
 
     fn clear(&self) {
-        for word in [words::COUNT, words::READY, words::DONE, words::METRONOME] {
+        for word in [peer::COUNT, peer::READY, peer::DONE, peer::METRONOME] {
             self.page.word(word).store(0, Ordering::Release);
         }
     }
@@ -292,11 +290,11 @@ impl Metronome<'_> {
     /// Starts or stops counting.
     pub fn count(&self, counts: bool) {
         let state = if counts { metronome::COUNT } else { metronome::WARM };
-        self.stage.page.word(words::METRONOME).store(state, Ordering::Relaxed);
+        self.stage.page.word(peer::METRONOME).store(state, Ordering::Relaxed);
     }
 
     pub fn finish(self) -> Result<Outcome, Error> {
-        self.stage.page.word(words::METRONOME).store(metronome::STOP, Ordering::Relaxed);
+        self.stage.page.word(peer::METRONOME).store(metronome::STOP, Ordering::Relaxed);
         self.peer.finish()
     }
 }

@@ -3,10 +3,9 @@
 //! Every wake-up carries the instant before the sender's first action. So a stalled sink is charged for each late
 //! wake-up. An end holds all its ways open and uses them in turn.
 
-use super::failure::{BenchError, failed};
 use super::payload::{PayloadReceiver, PayloadSender};
-use super::setup::Mechanism;
-use super::words::{COUNT, RING, STAMPS};
+use super::peer::{COUNT, RING, STAMPS};
+use super::setup::{BenchError, Mechanism, failed};
 use iceoryx2::port::{listener::Listener, notifier::Notifier};
 use iceoryx2::service::port_factory::event::PortFactory;
 use messages::{Header, MAX_DETECTIONS, Origins, RadarDetections, RadarTracks, Service};

@@ -1,6 +1,6 @@
 //! Faults in words, the same on the console, the page and the live views.
 
-use crate::duration::duration;
+use crate::print::duration;
 use messages::Service;
 use scenario::faults::Helper;
 use supervise::FaultRecord;

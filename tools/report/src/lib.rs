@@ -22,8 +22,6 @@
 
 pub mod chart;
 mod compare;
-mod curve_plots;
-mod duration;
 pub mod fault;
 pub mod figures;
 pub mod html;

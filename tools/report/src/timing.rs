@@ -2,7 +2,7 @@
 
 use super::chart::{Axis, Bands, Curve, Plot, Row, Span, Stroke, Tone};
 use super::picture::RunPicture;
-use crate::duration::duration;
+use crate::print::duration;
 use runtime::statistics::{Latencies, QuantileCurve};
 use supervise::report::{HopTimes, WorstChain};
 

@@ -1,10 +1,12 @@
-//! One run, driven.
+//! One run, driven, with a directory for files that are not kept.
 
 use super::usage::Sample;
-use super::{Done, Job, Scratch, carrier, leftovers};
+use super::{Done, Job, carrier, leftovers};
 use report::summary::Summary;
 use runtime::{Carrier, Sealing};
 use scenario::Scenario;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 use supervise::report::Outcome;
 use supervise::{Ended, Error, Failure, GroupOptions, Keep, Status};
@@ -123,4 +125,32 @@ pub(crate) fn drive_on(
         Carrier::SharedMemory => leftovers(&outcome.root),
     };
     Ok(Done { summary, drive: outcome.drive, leftovers, samples })
+}
+
+/// A directory that is removed with its handle.
+#[derive(Debug)]
+pub struct Scratch {
+    path: PathBuf,
+}
+
+impl Scratch {
+    /// Makes one among the temporary files.
+    pub fn new() -> std::io::Result<Self> {
+        static NUMBER: AtomicU32 = AtomicU32::new(0);
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let name = format!("timegap-campaign-{}-{number}", std::process::id());
+        let path = std::env::temp_dir().join(name);
+        std::fs::create_dir(&path)?;
+        Ok(Self { path })
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.path);
+    }
 }

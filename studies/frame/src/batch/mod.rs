@@ -17,19 +17,16 @@
 //! ```
 
 mod drive;
-mod interrupt;
 pub mod laws;
-mod leftovers;
-mod scratch;
 mod usage;
 mod workers;
 
+pub use drive::Scratch;
 pub use drive::{Aborted, PrepareError, drive, lockstep, whole};
 pub(crate) use drive::{drive_on, is_in_memory};
-pub use interrupt::Interrupt;
-pub use leftovers::leftovers;
-pub use scratch::Scratch;
 pub use usage::Growth;
+pub use usage::leftovers;
+pub use workers::Interrupt;
 pub use workers::share;
 
 use report::summary::Summary;

@@ -1,10 +1,11 @@
-//! Workers that share numbered pieces of work: each takes the next one when it is done with one.
+//! Workers that share numbered pieces of work, and the signals that end it.
 
 use super::Interrupt;
 use indicatif::ProgressBar;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::sync_channel;
-use supervise::Error;
+use supervise::{Error, SignalsError};
 
 /// The work on a piece by its number. The function is false once the work is to end.
 pub type Work<'a, T> = dyn Fn(usize, &dyn Fn() -> bool) -> T + Sync + 'a;
@@ -55,6 +56,37 @@ pub fn share<T: Send>(
         }
     });
     if interrupt.came() { Err(Error::Interrupted) } else { end }
+}
+
+/// Notices the signals that ask for an end, also between two groups, when no group listens.
+pub struct Interrupt {
+    came: Arc<AtomicBool>,
+    registered: Vec<signal_hook::SigId>,
+}
+
+impl Interrupt {
+    /// Begins to listen.
+    pub fn watch() -> Result<Self, SignalsError> {
+        let came = Arc::new(AtomicBool::new(false));
+        let registered = supervise::end_signals()
+            .into_iter()
+            .map(|signal| signal_hook::flag::register(signal, Arc::clone(&came)))
+            .collect::<Result<_, _>>()?;
+        Ok(Self { came, registered })
+    }
+
+    /// True once such a signal came.
+    pub fn came(&self) -> bool {
+        self.came.load(Ordering::Relaxed)
+    }
+}
+
+impl Drop for Interrupt {
+    fn drop(&mut self) {
+        for &id in &self.registered {
+            signal_hook::low_level::unregister(id);
+        }
+    }
 }
 
 #[cfg(test)]

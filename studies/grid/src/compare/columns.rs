@@ -8,8 +8,7 @@ use report::verdicts;
 use serde_json::{Value, json};
 
 use super::differences::Difference;
-use crate::point::Point;
-use crate::row::Row;
+use crate::row::{Point, Row};
 
 /// Figures of a run beside the compared ones.
 const ALSO: [Figure; 3] = [FINAL_GAP_ERROR_M, MAX_ACCEL_MPS2, CYCLES_BY_BACKUP];

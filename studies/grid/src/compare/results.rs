@@ -12,8 +12,7 @@ use supervise::report::Outcome;
 
 use super::columns;
 use super::differences::{Difference, differences, rule};
-use crate::point::{Point, points};
-use crate::row::{Row, interventions};
+use crate::row::{Point, Row, interventions, points};
 
 /// Laws side by side on the same scenarios.
 #[derive(Debug, Serialize, JsonSchema)]

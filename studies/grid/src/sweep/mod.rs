@@ -10,7 +10,6 @@
 
 mod page;
 mod results;
-mod words;
 
 use clap::Args;
 pub use results::schema;

@@ -11,8 +11,7 @@ use serde_json::{Map, Value, json};
 use supervise::RequirementVerdict;
 use supervise::report::Outcome;
 
-use crate::point::{Point, points};
-use crate::row::Row;
+use crate::row::{Point, Row, points};
 
 /// Figures as functions of keys.
 #[derive(Debug, Serialize, JsonSchema)]

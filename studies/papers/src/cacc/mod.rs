@@ -13,7 +13,7 @@ mod recording;
 pub use figures::{CLAIMS, Calibration, Figure, PRINTED};
 pub use recording::{Recording, Runs, Seen};
 
-use super::pictures::{Gallery, Pictures, over_time};
+use super::page::{Gallery, Pictures, over_time};
 use super::row::Row;
 use super::runner::{Driven, Part, Piece, Runner};
 use controller::laws::cacc::weights::{Weights, set};

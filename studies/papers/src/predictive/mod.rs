@@ -17,7 +17,6 @@ use supervise::DriveStep;
 use truck_model::{Preset, Truck};
 
 mod computed;
-mod expected;
 mod following;
 mod savings;
 

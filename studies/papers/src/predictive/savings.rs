@@ -1,9 +1,9 @@
 //! The saving table: fuel on the given road at equal trip time. Its headline is fuel and saving against a skilled
 //! driver, for each truck and planner, with all brakes and with none.
 
-use super::expected::{PLAN_POINTS, RECONSTRUCTED, Reconstructed, SKILLED, TEST};
+use super::computed::{PLAN_POINTS, RECONSTRUCTED, Reconstructed, SKILLED, TEST};
 use super::{ROAD_M, computed, litres, slower_percent, trip};
-use crate::pictures::{Gallery, Pictures, over_road};
+use crate::page::{Gallery, Pictures, over_road};
 use crate::row::{EXACT, Kind, Row, Tolerance, paper, reconstruction, requirement, within};
 use crate::runner::{Driven, Part, Piece, Runner};
 use crate::trips::Trip;

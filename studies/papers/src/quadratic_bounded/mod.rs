@@ -7,7 +7,7 @@
 mod actuators;
 mod indices;
 
-use super::pictures::{Gallery, over_time};
+use super::page::{Gallery, over_time};
 use super::row::{EXACT, Kind, Row, Tolerance, paper, requirement, within};
 use super::runner::{Driven, Part, Piece, Runner};
 use actuators::{Pedals, pedals};

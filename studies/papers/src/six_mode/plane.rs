@@ -1,6 +1,6 @@
 //! Figures 1 and 3 of the paper: the plane of modes, with the drive in it.
 
-use super::super::pictures::Gallery;
+use super::super::page::Gallery;
 use super::super::runner::Driven;
 use controller::laws::six_mode::deceleration::{PARTS, border_m};
 use controller::laws::six_mode::{Boundaries, Mode, Parameters, Variant};

@@ -1,13 +1,13 @@
 //! The bound: a dynamic program over the whole route, driven.
 
-use super::{Driver, Road, Seen};
-use controller::laws::truck::BoundKeys;
+use super::{CONTROL_PERIOD_S, Driver, Road, Seen};
 use controller::laws::truck::energy_grid::{
     Costs, EnergyGrid, LOWEST, PLANNED_GEARS, SLOWNESS_GPM, Values,
 };
-use controller::laws::truck::limiter;
 use controller::laws::truck::prices::Prices;
 use controller::laws::truck::speed_band::min_speed_mps;
+use controller::laws::truck::speed_keeper::SpeedKeeper;
+use controller::laws::truck::{BoundKeys, limiter};
 use truck_model::{Demand, Truck};
 
 /// Lowest speed of the grid, as a share of the set speed.
@@ -118,5 +118,32 @@ impl Driver for Bound {
             seen.grade,
             self.limit_mps,
         )
+    }
+}
+
+/// PI cruise at constant speed; it brakes above its limit only.
+#[derive(Clone, Debug)]
+pub struct Cruise {
+    truck: Truck,
+    set_speed_mps: f64,
+    limit_mps: f64,
+    keeper: SpeedKeeper,
+}
+
+impl Cruise {
+    /// A cruise control with a set speed and a limit.
+    pub fn new(truck: &Truck, set_speed_mps: f64, limit_mps: f64) -> Self {
+        Self { truck: *truck, set_speed_mps, limit_mps, keeper: SpeedKeeper::default() }
+    }
+}
+
+impl Driver for Cruise {
+    fn demand(&mut self, seen: &Seen<'_>) -> Demand {
+        let (speed_mps, gear) = (seen.motion.speed_mps, seen.motion.gear);
+        let speeds_mps = (self.set_speed_mps, speed_mps);
+        let torque_nm =
+            self.keeper.torque_nm(&self.truck, speeds_mps, gear, seen.grade, CONTROL_PERIOD_S);
+        let demand = Demand::torque(torque_nm);
+        limiter::limited(&self.truck, demand, speed_mps, gear, seen.grade, self.limit_mps)
     }
 }

@@ -23,7 +23,6 @@
 mod assisted;
 mod bound;
 mod comparison;
-mod cruise;
 mod equal_time;
 mod human;
 mod road;
@@ -31,8 +30,8 @@ mod trip;
 
 pub use assisted::{Assisted, Map};
 pub use bound::Bound;
+pub use bound::Cruise;
 pub use comparison::Comparison;
-pub use cruise::Cruise;
 pub use equal_time::{EQUAL_TIME, at_equal_time};
 pub use human::Human;
 pub use road::{Road, generated};

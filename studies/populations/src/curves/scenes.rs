@@ -28,8 +28,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::draws::Draws;
-use crate::scene::{Actor, LANE_M, LateralChange, Scene, fixed};
+use crate::scene::{Actor, Draws, LANE_M, LateralChange, Scene, fixed};
 
 /// Select the draws.
 const ROADS: u64 = 0xc04e_5ead_0000_5e1d;

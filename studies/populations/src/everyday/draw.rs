@@ -2,8 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::draws::Draws;
-use crate::scene::{Actor, CAR_LENGTH_M, LANE_M, LateralChange, Scene, SpeedChange};
+use crate::scene::{Actor, CAR_LENGTH_M, Draws, LANE_M, LateralChange, Scene, SpeedChange};
 
 /// Time before something happens behind a lead, in which the law settles, s.
 const SETTLE_S: f64 = 10.0;

@@ -15,10 +15,9 @@ use supervise::Error;
 use supervise::report::Outcome;
 
 use crate::curves::scenes::queue;
-use crate::draws::Draws;
 use crate::figures::{Figure, Group, figures};
 use crate::population::{Drive, DriveOptions, Finding, Planned, Population};
-use crate::scene::{CAR_LENGTH_M, ENGINE, Scene};
+use crate::scene::{CAR_LENGTH_M, Draws, ENGINE, Scene};
 use oracle::{Brakes, Oracle};
 
 /// Selects the draws; each kind has the stream of its place behind it.

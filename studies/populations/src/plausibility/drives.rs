@@ -3,9 +3,8 @@
 //! A drive is a function of its number alone; the kinds take turns. The ranges are chosen: as wide as public roads and
 //! sold radars are, not fitted to what the checks find.
 
-use crate::draws::Draws;
 use crate::everyday::{self, Kind};
-use crate::scene::{Actor, Scene, SpeedChange, fixed};
+use crate::scene::{Actor, Draws, Scene, SpeedChange, fixed};
 use crate::signals;
 
 /// Laws that drive a car without signals.

@@ -1,7 +1,7 @@
 //! The lead of a corridor: a driver with free road ahead. He obeys the signals by the rules and values of
 //! `acc-signal-stop`.
 
-use super::signal::Signal;
+use super::corridor::Signal;
 use controller::following::driver::{Driver, Obstacle};
 use controller::laws::signal_stop::SignalStop;
 use std::f64::consts::TAU;

@@ -8,7 +8,6 @@ mod bound;
 pub mod corridor;
 mod judge;
 mod lead;
-mod signal;
 
 use frame::batch::Done;
 use report::figures::{MAX_ABS_JERK_MPS3, RMS_JERK_MPS3, STOPS, WHEEL_ENERGY_KWH_PER_100KM};

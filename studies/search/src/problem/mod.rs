@@ -7,13 +7,12 @@
 //! A *point* is a place in the unit cube, one coordinate a variable.
 
 mod file;
-mod keys;
 mod term;
 mod variable;
 
 pub(crate) use file::{Exposure, Stated};
-pub use keys::is_whole;
 pub(crate) use term::FaultChoice;
+pub use term::is_whole;
 pub use term::{Setting, Term};
 pub use variable::{Domain, DomainError, Value, Variable, rounded};
 

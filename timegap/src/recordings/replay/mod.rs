@@ -11,7 +11,6 @@
 //! loop. In a replay every plan is in time, so that a realtime run with late plans may differ.
 
 mod comparison;
-mod difference;
 
 use super::{count, expect_another_file, open, print_damage};
 use clap::Args;

@@ -1,7 +1,7 @@
 //! Ground truth of the other vehicles, step by step. A second message has those for which the first has no room.
 
-use crate::log::by_step::join;
 use crate::log::kept_steps::KeptSteps;
+use crate::log::present::join;
 use crate::report::ReceivedTopic;
 use messages::{AllVehicles, MAX_TRACKS, MoreVehicles, VehicleTruth};
 use runtime::{Observed, Observer, RuntimeError};

@@ -1,6 +1,5 @@
 //! The drive as the launcher receives it on the topics.
 
-mod by_step;
 mod cycles;
 mod further;
 mod headers;
@@ -14,7 +13,6 @@ pub(crate) use present::Present;
 
 use crate::report::ControlFigures;
 use crate::steps::{Drive, DriveStep, PowertrainStep};
-use by_step::take_step;
 use bytemuck::Zeroable;
 use further::{Further, Truths};
 use headers::{Headers, listen_to};
@@ -24,7 +22,7 @@ use messages::{
     Powertrain, RadarTracks, Service, ServiceState, Topic, VehicleTruth,
 };
 use plane::PlaneTopics;
-use present::place_at;
+use present::{place_at, take_step};
 use runtime::statistics::Latencies;
 use runtime::{Group, InProcess, Mode, Observed, Observer, RuntimeError, Timetable};
 use scenario::Scenario;

@@ -16,7 +16,7 @@ use messages::{
 };
 use runtime::{Observed, Observer, RuntimeError};
 
-use crate::log::by_step::{join, take_step};
+use crate::log::present::{join, take_step};
 use crate::report::ReceivedTopic;
 
 /// Ego, vehicles and target at a scan of the radar.

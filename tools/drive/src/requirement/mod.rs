@@ -6,7 +6,6 @@
 #[cfg(test)]
 mod by_hand_tests;
 mod contact;
-mod driver;
 mod evidence;
 mod lateral;
 mod names;
@@ -15,7 +14,7 @@ mod red_light;
 mod reference;
 mod signals;
 
-pub use driver::ReferenceDriver;
+pub use contact::ReferenceDriver;
 pub use evidence::Evidence;
 pub use reference::is_avoidable_collision;
 

@@ -15,8 +15,7 @@
 //!
 //! The driver is [`ReferenceDriver::REGULATION`]. Brakes that give less than 6 m/s², as a truck's, limit it too.
 
-use super::contact::{Closest, finding};
-use super::driver::ReferenceDriver;
+use super::contact::{Closest, ReferenceDriver, finding};
 use super::evidence::{Evidence, Finding};
 use super::others::Others;
 use crate::DriveStep;

@@ -2,7 +2,6 @@
 
 mod aebs;
 mod following;
-mod host;
 mod law;
 mod radio;
 pub mod targets;
@@ -11,8 +10,8 @@ mod trip;
 
 pub use aebs::{Aebs, braked};
 pub use following::Following;
-pub use host::Host;
 pub use law::LawAccount;
+pub use topics::Host;
 pub use topics::TopicCounts;
 pub use trip::{Passing, Trip};
 

@@ -4,8 +4,9 @@ use crate::Drive;
 use crate::report::{ReceivedTopic, ServiceReport};
 use messages::Service;
 use messages::e2e::Outcomes;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::sync::OnceLock;
 
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct TopicCounts {
@@ -56,4 +57,30 @@ pub(super) fn of(
         counts.e2e_errors = Some(counts.e2e.refused());
     }
     topics
+}
+
+/// The machine that ran the processes.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Host {
+    /// Processors that this process may use.
+    pub cpus: usize,
+    pub kernel: String,
+    /// True if the kernel is built with PREEMPT_RT.
+    pub realtime_kernel: bool,
+}
+
+impl Host {
+    pub fn this() -> Self {
+        static THIS: OnceLock<Host> = OnceLock::new();
+        THIS.get_or_init(Self::read).clone()
+    }
+
+    fn read() -> Self {
+        let read = |path| std::fs::read_to_string(path).unwrap_or_default().trim().to_owned();
+        Self {
+            cpus: std::thread::available_parallelism().map_or(1, usize::from),
+            kernel: read("/proc/sys/kernel/osrelease"),
+            realtime_kernel: read("/sys/kernel/realtime") == "1",
+        }
+    }
 }

@@ -4,7 +4,7 @@ use serde_json::Value;
 use std::borrow::Cow;
 
 use crate::chart::number as decimals_of;
-use crate::duration::duration;
+use crate::print::duration;
 use crate::table::NONE;
 
 /// Form of a column's cells for people.

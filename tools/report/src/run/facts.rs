@@ -1,6 +1,6 @@
 //! A run in lines of a name and a value.
 
-use crate::duration::duration;
+use crate::print::duration;
 use crate::results::Fact;
 use crate::summary::{Summary, Timing, TopicCounts};
 use messages::Service;

@@ -1,8 +1,8 @@
 //! The timed quantities of a run as a table, and their charts.
 
-use crate::duration::carries;
 use crate::html::figure;
 use crate::picture::RunPicture;
+use crate::print::carries;
 use crate::results::{Column, Document, Table, count, flag, micros, word};
 use crate::summary::Summary;
 use crate::timing;

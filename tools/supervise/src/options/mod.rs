@@ -2,7 +2,7 @@
 
 pub mod laws;
 
-use crate::{Failure, LawOptions};
+use crate::{LawOptions, UsageError};
 use clap::{Args, ValueEnum};
 use messages::{Service, UnknownService};
 use openscenario::LaneHeadings;
@@ -196,6 +196,7 @@ mod tests {
         };
         assert_eq!(programs(&["controller=a", "plant=b"]).map(|all| all.len()), Ok(2));
         let refused = programs(&["controller=a", "controller=b"]);
-        assert_eq!(refused, Err(TwoPrograms(Service::Controller)));
+        let said = refused.expect_err("two").to_string();
+        assert!(said.starts_with("--service controller: a program is given twice"), "{said}");
     }
 }

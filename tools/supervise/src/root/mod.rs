@@ -5,7 +5,6 @@
 
 pub mod dead_runs;
 pub mod room;
-pub mod unfinished;
 
 use crate::root::room::SHARED_MEMORY;
 use rustix::fs::{FlockOperation, flock};

@@ -1,15 +1,18 @@
 //! A process of the group beside the services: the recorder, the replayer.
 
 use crate::Error;
-use crate::root::RunRoot;
+use crate::root::{RunRoot, open_lock, wipe};
 use crate::start::processes::{SpawnError, end_within, this_program};
 use runtime::{enroll_listener, inherit_only};
+use rustix::fs::{FlockOperation, flock};
+use rustix::process::{Pid, Signal, kill_process_group};
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::ffi::OsStr;
 use std::io::{BufRead, BufReader, Write};
 use std::os::unix::process::CommandExt;
-use std::process::{Child, ChildStdin, ExitStatus, Stdio};
+use std::path::Path;
+use std::process::{Child, ChildStdin, ExitCode, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
@@ -103,4 +106,36 @@ impl Drop for Attendant {
     fn drop(&mut self) {
         self.end(Duration::ZERO);
     }
+}
+
+/// Time that services get to end by themselves once the launcher is gone.
+const GRACE: Duration = Duration::from_secs(2);
+
+/// Word of a launcher that has already cleaned up.
+pub const DONE: &str = "done";
+
+/// Runs the janitor of the run at `root`. It reads lines from the launcher until [`DONE`] or the launcher's death. The
+/// first line is the number of the services' process group.
+pub fn run(root: &Path) -> ExitCode {
+    // Opened while the run certainly exists.
+    let Ok(lock) = open_lock(root) else { return ExitCode::FAILURE };
+    let mut group = None;
+    for line in std::io::stdin().lock().lines().map_while(Result::ok) {
+        if line == DONE {
+            return ExitCode::SUCCESS;
+        }
+        group = line.parse().ok().and_then(Pid::from_raw);
+    }
+    let died = Instant::now();
+    while flock(&lock, FlockOperation::NonBlockingLockExclusive).is_err() {
+        if died.elapsed() > GRACE
+            && let Some(group) = group.take()
+        {
+            // A stopped or hung service: it cannot end itself.
+            let _ = kill_process_group(group, Signal::KILL);
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    wipe(root);
+    ExitCode::SUCCESS
 }

@@ -2,8 +2,8 @@
 
 use crate::events::{Event, ServiceProcess, follow};
 use crate::root::RunRoot;
-use crate::root::unfinished::remove_unfinished;
-use crate::start::janitor::DONE;
+use crate::root::dead_runs::remove_unfinished;
+use crate::start::attendant::DONE;
 use crate::{Error, Failure, Status};
 use messages::Service;
 use runtime::scheduling::set_fifo_of;
