@@ -176,7 +176,6 @@ fn renamed(words: Vec<OsString>) -> (Vec<OsString>, Option<String>) {
     (words.collect(), Some(note))
 }
 
-/// The commands of each group with their purpose.
 fn groups(command: &clap::Command) -> String {
     let line = |name: &&str| {
         let about = command.find_subcommand(name).and_then(clap::Command::get_about);

@@ -62,7 +62,6 @@ pub struct Line<'a> {
     pub tally: &'a Tally,
 }
 
-/// Columns of these lines.
 pub fn lines<'a>() -> Vec<Column<Line<'a>>> {
     let names = [word("by", "", ""), word("of", "runs of", "Scenario, controller and fault")];
     let p99 = micros("", "recovery p99", "").weight(LEFT_OUT).of(|line: &Line<'_>| {

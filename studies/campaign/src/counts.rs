@@ -39,7 +39,6 @@ macro_rules! counts {
             }
         }
 
-        /// The counts by their fields.
         const NAMED: &[(&str, fn(&Counts) -> u64)] =
             &[$((stringify!($field), |counts| counts.$field)),+];
 

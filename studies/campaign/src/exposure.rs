@@ -71,7 +71,6 @@ pub struct Struck {
 }
 
 impl Struck {
-    /// The faults of a drive, by its steps.
     pub fn of(scenario: &Scenario, faults: &[FaultRecord], steps: &[DriveStep]) -> Self {
         let mut struck = Self::default();
         for record in faults {

@@ -62,7 +62,6 @@ const MAX_FAULTS_PER_RUN: u32 = 16;
 pub struct Campaign {
     pub schema_version: u32,
     pub name: Name,
-    /// Subject, in one line.
     #[serde(default)]
     pub description: Line,
     #[serde(default = "lockstep")]

@@ -107,7 +107,6 @@ impl Plan {
         self.campaign.set.iter().cloned().chain(settings).collect()
     }
 
-    /// The first run of each case.
     pub fn first_of_cases(&self) -> impl Iterator<Item = Planned> + '_ {
         let seeds = self.campaign.cases.iter().map(|case| case.seeds.get() as usize);
         let before = seeds.scan(self.drawn, |run, seeds| {
@@ -143,7 +142,6 @@ impl Plan {
         None
     }
 
-    /// The run of a number, of all runs.
     pub fn get(&self, run: usize) -> Planned {
         let place = run.checked_sub(self.drawn);
         if let Some(fixed) = place.and_then(|place| self.fixed(run, place)) {

@@ -30,7 +30,6 @@ const MAX_CHECKED: usize = 1_000;
 /// The study, for `merge` and `resume`.
 pub const ENTRY: Entry = Entry::of::<FileCampaign>();
 
-/// Runs a campaign file.
 pub fn run(command: &Command<CampaignArguments>) -> Result<ExitCode, Error> {
     let mut command = command.clone();
     let campaign = effective(&command.study)?;

@@ -312,7 +312,6 @@ pub struct Figure {
 enum Kind {
     /// A number of runs or events. Each run that has one is to blame.
     Count(fn(&Counts) -> u64),
-    /// A measured value.
     Measure(MeasuredFigure),
 }
 
@@ -324,7 +323,6 @@ pub fn figures() -> impl Iterator<Item = Figure> {
 }
 
 impl Figure {
-    /// The figure of that name.
     pub fn named(name: &str) -> Option<Self> {
         figures().find(|figure| figure.name == name)
     }

@@ -72,7 +72,6 @@ impl Grid {
         Ok(Job { mode: self.mode, ..Job::lockstep(self.scenario(run)?) })
     }
 
-    /// Keys of a run with their values.
     pub fn keys(&self, run: usize) -> Vec<(String, String)> {
         let pair = |setting: &String| {
             let (key, value) = setting.split_once('=').unwrap_or((setting, ""));
@@ -97,7 +96,6 @@ impl Grid {
         }
     }
 
-    /// The row of a run that ended.
     pub fn row(&self, run: usize, summary: Summary, keeps_parts: bool) -> Row {
         let values = self.keys(run).into_iter().map(|(_, value)| value).collect();
         Row::of(&self.cell(run).label, values, summary, keeps_parts)

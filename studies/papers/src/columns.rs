@@ -7,7 +7,6 @@ use serde_json::{Value, json};
 use super::row::{self, Row, Verdict};
 use super::{Paper, Reproduction};
 
-/// Columns of the figures.
 const ROWS: &[Column<Row>] = &[
     word("set", "set", "Variant of law, scene and weights").of(|row| json!(row.set)),
     word("id", "figure", "Scenario and figure; the same in all sets"),
@@ -44,7 +43,6 @@ struct Line {
     outside: Option<Value>,
 }
 
-/// Columns of these lines.
 const LINES: &[Column<Line>] = &[
     word("paper", "paper", "Name of the paper's controller"),
     word("set", "set", "Variant of law, scene and weights"),

@@ -79,7 +79,6 @@ fn spread(text: &str) -> Result<f64, NoSpread> {
     text.parse().ok().filter(|value| (0.0..=15.0).contains(value)).ok_or(NoSpread)
 }
 
-/// A spread that no driver has.
 #[derive(Clone, Copy, Debug, thiserror::Error)]
 #[error("expected a number from 0 to 15, in km/h")]
 struct NoSpread;
@@ -118,7 +117,6 @@ impl PaperName {
 /// The study, for `merge` and `resume`.
 pub const ENTRY: Entry = Entry::of::<Papers>();
 
-/// Runs the command.
 pub fn run(command: &Command<ReproduceArguments>) -> Result<ExitCode, Error> {
     frame::run::<Papers>(command)
 }

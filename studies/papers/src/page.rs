@@ -59,7 +59,6 @@ fn drives(pictures: &Pictures) -> String {
 /// Pictures of a paper, for its page.
 #[derive(Debug, Default)]
 pub struct Pictures {
-    /// Drives, by their names.
     pub drives: Vec<(String, RunPicture)>,
     /// The paper's own figures.
     pub galleries: Vec<Gallery>,

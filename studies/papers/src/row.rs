@@ -51,7 +51,6 @@ pub struct Expected {
     value: f64,
 }
 
-/// A value that the paper prints.
 pub const fn paper(value: f64) -> Expected {
     Expected { kind: Kind::Paper, value }
 }
@@ -60,7 +59,6 @@ pub const fn reconstruction(value: f64) -> Expected {
     Expected { kind: Kind::Reconstruction, value }
 }
 
-/// A value that is demanded.
 pub const fn requirement(value: f64) -> Expected {
     Expected { kind: Kind::Requirement, value }
 }
@@ -72,7 +70,6 @@ pub struct Tolerance {
     reason: &'static str,
 }
 
-/// A tolerance with its reason.
 pub const fn within(value: f64, reason: &'static str) -> Tolerance {
     Tolerance { value, reason }
 }

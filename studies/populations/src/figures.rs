@@ -33,7 +33,6 @@ impl<F> Drives<'_, F> {
         self.count(|drive| those(drive) && these(drive)) as f64 / self.count(those).max(1) as f64
     }
 
-    /// Sum over the drives.
     pub fn sum(&self, of: impl Fn(&Drive<F>) -> f64) -> f64 {
         self.all.iter().map(|drive| of(drive)).sum()
     }

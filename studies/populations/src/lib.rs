@@ -67,7 +67,6 @@ pub enum PopulationCommand {
     Plausibility(Command<PopulationArguments>),
 }
 
-/// Drives a population.
 pub fn run(command: &PopulationCommand) -> Result<ExitCode, Error> {
     match command {
         PopulationCommand::Signals(command) => drive_all::<Signals>(command),

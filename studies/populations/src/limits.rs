@@ -43,7 +43,6 @@ limits! {
     "plausibility" "alarmed": 0.0, "", "2026-11-25", CHOSEN;
 }
 
-/// The limits of a population.
 pub fn of(population: &str) -> impl Iterator<Item = &'static Limit> {
     ALL.iter().filter(move |limit| limit.population == population)
 }

@@ -235,7 +235,6 @@ impl Draws {
         libm::exp(self.between(libm::log(low), libm::log(high)))
     }
 
-    /// True with a probability.
     pub fn chance(&mut self, probability: f64) -> bool {
         self.between(0.0, 1.0) < probability
     }

@@ -30,7 +30,6 @@ const PASSES: usize = 2;
 /// Verdict on some values over the seeds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Held {
-    /// Seeds on which it failed.
     pub failed: usize,
     /// Seeds that were tried. Fewer than all where the verdict was clear before.
     pub tried: usize,
@@ -160,7 +159,6 @@ impl Seeds<'_> {
         batch::lockstep(&scenario, self.group, going_on)
     }
 
-    /// The drive with a seed.
     pub fn repeat(&self, values: &[Value], seed: u64) -> Result<Done, Error> {
         self.run(values, seed, &|| true)
     }

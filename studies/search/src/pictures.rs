@@ -39,7 +39,6 @@ pub struct Drives {
 }
 
 impl Drives {
-    /// The drives of a case.
     pub fn new(steps: &[DriveStep], reference: Vec<Sample>, decided_s: Option<f64>) -> Self {
         let sample = |step: &DriveStep| Sample {
             time_s: step.time_s,

@@ -97,7 +97,6 @@ impl Reference {
     /// The careful driver: 0.774 g after 0.75 s, reached in 0.6 s.
     pub const CAREFUL: Self = Self(ReferenceDriver::CAREFUL);
 
-    /// The driver of that name.
     pub fn named(name: ReferenceName) -> Option<Self> {
         match name {
             ReferenceName::Regulation => Some(Self::REGULATION),

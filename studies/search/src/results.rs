@@ -106,7 +106,6 @@ impl Search {
         }
     }
 
-    /// Counts runs with their values.
     fn count(&mut self, runs: &[(usize, f64)]) {
         let values = || runs.iter().map(|(_, value)| *value);
         self.runs = runs.len();

@@ -29,7 +29,6 @@ use crate::rows::FailureRow;
 /// Longest wait for a result before an interrupt is looked for.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Runs the command.
 pub fn run(command: &Command<SearchArguments>) -> Result<ExitCode, Error> {
     match &command.study {
         arguments if arguments.probability => frame::run::<Probability>(command),
@@ -56,7 +55,6 @@ struct Runs {
     chooser: Mutex<Chooser>,
     /// A run ended: others may have waited for it.
     ended: Condvar,
-    /// Proposals whose runs are under way.
     under_way: Mutex<BTreeMap<usize, Proposal>>,
 }
 

@@ -9,7 +9,6 @@ const LONGEST_S: f64 = 120.0;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Case {
     pub speed_kmh: u32,
-    /// Deceleration of the lead in hundredths of g.
     pub lead_hundredths_g: u32,
 }
 

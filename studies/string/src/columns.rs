@@ -45,7 +45,6 @@ const CARS: &[Column<Vehicle>] = &[
         .of(|car| json!(report::verdicts::words(&car.requirements))),
 ];
 
-/// Columns of the gain curve.
 const CURVE: &[Column<Response>] = &[
     number("hz", "frequency", "Hz", 4, "Frequency of the lead's sine"),
     number("gain", "gain", "", 3, "Largest gain from one car to the next").limit(STABLE_GAIN),

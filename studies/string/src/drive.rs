@@ -25,7 +25,6 @@ pub struct Strings {
 }
 
 impl Strings {
-    /// The keys of a car of a string.
     fn keys_of(&self, string: usize, car: usize) -> Vec<(String, String)> {
         let [hz, value] = self.labels[string].clone();
         let keys = [("vehicle".to_owned(), car.to_string()), ("frequency_hz".to_owned(), hz)];

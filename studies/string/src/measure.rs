@@ -77,7 +77,6 @@ pub struct Measured {
     pub gap_error: Option<Norms>,
 }
 
-/// Measures a drive.
 pub fn measure(scenario: &Scenario, drive: &Drive) -> Measured {
     let first = samples(drive).next();
     let deviation = |speed: fn(&Sample) -> f64| {

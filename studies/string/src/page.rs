@@ -79,7 +79,6 @@ fn tone(laws: &[&str], law: &str) -> Tone {
     Tone::Series(laws.iter().position(|known| *known == law).unwrap_or(0))
 }
 
-/// The laws of a string, each once.
 fn laws(cars: &[Driven]) -> Vec<&str> {
     let mut laws: Vec<&str> = Vec::new();
     for car in cars {

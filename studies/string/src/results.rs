@@ -170,7 +170,6 @@ impl Results {
         self.vehicles.iter().all(Vehicle::reached_the_end)
     }
 
-    /// The string in a sentence.
     pub fn verdict(&self) -> String {
         let mut measured = self.vehicles.iter().filter(|car| car.speed_gain_l2.is_some());
         let is_measured = self.peak.is_some() || measured.next().is_some();

@@ -38,7 +38,6 @@ pub struct Place {
 }
 
 impl Plan {
-    /// The scenario with the law of a car.
     pub fn law(&self, index: usize) -> &Scenario {
         &self.laws[index % self.laws.len()]
     }

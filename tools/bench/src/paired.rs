@@ -82,7 +82,6 @@ pub fn order(pairs: u32, seed: u64) -> Vec<usize> {
     (0..pairs).flat_map(pair).collect()
 }
 
-/// The samples of blocks in this order, as pairs.
 pub fn paired(blocks: Vec<Vec<u32>>, order: &[usize]) -> Vec<Pair> {
     let mut blocks = blocks.into_iter().zip(order);
     let mut pairs = Vec::new();
@@ -93,7 +92,6 @@ pub fn paired(blocks: Vec<Vec<u32>>, order: &[usize]) -> Vec<Pair> {
     pairs
 }
 
-/// Samples, ns, as a histogram.
 pub fn histogram<'a>(samples: impl Iterator<Item = &'a u32>) -> Latencies {
     let mut latencies = Latencies::default();
     samples.for_each(|ns| latencies.record_ns(i64::from(*ns)));

@@ -91,7 +91,6 @@ pub struct LoopFigures {
     pub period_us: u32,
     /// Largest accepted lateness, µs.
     pub budget_us: u32,
-    /// Wake-ups.
     pub wakes: u64,
     /// Wake-ups that came later than the budget.
     pub late: u64,
@@ -108,7 +107,6 @@ pub struct Bin {
     pub count: u64,
 }
 
-/// Wake-ups of this machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WakeUps {
     /// Length of the measurement of each loop, s.

@@ -94,7 +94,6 @@ pub struct StandbyCost {
 /// Signs of life of a service.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Heartbeats {
-    /// Their number.
     pub count: u64,
     /// Number of these in which the service reported a missing or stale input.
     pub degraded: u64,

@@ -54,7 +54,6 @@ pub struct DriveStep {
     pub lead_acceleration_mps2: Option<f64>,
     /// Place of that vehicle in the scenario's list of actors, from 0.
     pub lead: Option<u32>,
-    /// State of the emergency brake.
     pub brake: Option<BrakeState>,
     pub mode: Option<u32>,
     /// Quality of the command: 0 full, 1 relaxed, 2 backup.
@@ -107,7 +106,6 @@ pub struct PowertrainStep {
     pub gear: u32,
     /// Torque at the crankshaft, N m.
     pub engine_torque_nm: f64,
-    /// Force of the service brakes, N.
     pub service_brake_n: f64,
     /// Fuel burnt since the start, g.
     pub fuel_g: f64,

@@ -105,7 +105,6 @@ pub struct Measured<'a> {
     /// Warnings of the emergency brake; none without it.
     pub warnings: Option<u64>,
     pub interventions: Option<u64>,
-    /// Time for which it braked, s.
     pub braking_s: Option<f64>,
 }
 
@@ -146,7 +145,6 @@ impl Figure {
     }
 }
 
-/// The figure of this name.
 pub fn named(name: &str) -> Option<&'static Figure> {
     ALL.iter().find(|figure| figure.name == name)
 }
@@ -168,18 +166,15 @@ impl Default for Values {
 }
 
 impl Values {
-    /// The figures of a run.
     pub fn of<'a>(run: impl Into<Measured<'a>>) -> Self {
         let run = run.into();
         Self(std::array::from_fn(|place| (ALL[place].of)(&run)))
     }
 
-    /// The value of a figure.
     pub fn get(&self, figure: &Figure) -> Option<f64> {
         self.iter().find(|(one, _)| one.name == figure.name)?.1
     }
 
-    /// The same with a value of a figure.
     pub fn with(mut self, figure: &Figure, value: f64) -> Self {
         for (one, kept) in ALL.iter().zip(&mut self.0) {
             if one.name == figure.name {
@@ -189,7 +184,6 @@ impl Values {
         self
     }
 
-    /// The figures with their values.
     pub fn iter(&self) -> impl Iterator<Item = (&'static Figure, Option<f64>)> {
         ALL.iter().zip(self.0)
     }

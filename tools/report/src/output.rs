@@ -303,7 +303,6 @@ impl ResultFile {
         }
     }
 
-    /// Adds some bytes.
     pub fn add(&mut self, bytes: &[u8]) -> Result<(), Error> {
         let path = || self.path.clone();
         let written = self.file.write_all(bytes);

@@ -60,7 +60,6 @@ pub struct RunPicture {
     pub gear: Points,
     /// Torque of its engine at the crankshaft, kN m.
     pub engine_torque_knm: Points,
-    /// Force of its service brakes, kN.
     pub service_brake_kn: Points,
     /// The other vehicles.
     pub actors: Vec<ActorPath>,

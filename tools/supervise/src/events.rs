@@ -33,7 +33,6 @@ pub struct Answer {
     pub message: String,
 }
 
-/// A process of the group: its service, and which process of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ServiceProcess {
     pub service: Service,

@@ -38,14 +38,12 @@ pub struct Growth {
     pub memory_of: String,
     /// Descriptors of the service that gained most.
     pub descriptors: f64,
-    /// Shared memory, KiB.
     pub shared_memory_kib: f64,
     pub shared_memory_objects: f64,
     /// Median of the last quarter: resident sets of all services, KiB.
     pub all_memory_kib: f64,
     /// The same of all services' descriptors.
     pub all_descriptors: f64,
-    /// The same of the shared memory, KiB.
     pub all_shared_memory_kib: f64,
 }
 

@@ -28,7 +28,6 @@ struct Line {
 /// Results of an interrupted run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct SoFar {
-    /// Its values, in their order.
     pub values: Vec<f64>,
     pub drives: Vec<Drive>,
 }
@@ -57,7 +56,6 @@ impl Begun {
         Ok((Self { journal: Mutex::new(Some(journal)), ..own }, runs))
     }
 
-    /// Keeps further values of a run.
     pub fn keep(&self, run: usize, values: &[f64], drives: &[Drive]) -> Result<(), Error> {
         let Some(directory) = &self.directory else { return Ok(()) };
         let values = values.iter().map(|value| value.to_bits()).collect();

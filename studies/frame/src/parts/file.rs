@@ -66,7 +66,6 @@ impl PartFile {
         serde_json::to_string_pretty(self).expect("plain data") + "\n"
     }
 
-    /// The arguments of its study.
     pub fn arguments<A: DeserializeOwned>(&self, directory: &Path) -> Result<A, UsageError> {
         let arguments = A::deserialize(&self.arguments);
         let place = || directory.join(FILE);

@@ -53,7 +53,6 @@ impl Journal {
         Ok(Self { path, file, length, synced: Instant::now() })
     }
 
-    /// Adds a record and returns its place.
     pub fn add(&mut self, record: &impl Serialize) -> Result<Place, Error> {
         let line = sealed(serde_json::to_string(record).expect("records are plain data")) + "\n";
         let mut written = self.file.write_all(line.as_bytes());

@@ -76,7 +76,6 @@ impl<T: Serialize + DeserializeOwned> Part<T> {
         self.file.shard
     }
 
-    /// Runs of this part.
     pub fn runs(&self) -> usize {
         self.mine().count()
     }

@@ -135,7 +135,6 @@ struct Task {
 
 type Variables<'a> = &'a dyn Fn(&str) -> Option<String>;
 
-/// A variable's number.
 fn number(variable: Variables<'_>, name: &'static str) -> Option<Result<u64, UsageError>> {
     let text = variable(name)?;
     let number = text.trim().parse::<u64>();

@@ -18,7 +18,6 @@ pub struct Entry {
 }
 
 impl Entry {
-    /// The entry of a study.
     pub const fn of<S: Study>() -> Self {
         Self { name: S::NAME, merge: run::merge::<S>, resume: run::resume::<S> }
     }

@@ -17,7 +17,6 @@ use crate::drives;
 use crate::keep::{self, Keeper, Key};
 use crate::parts::{Begun, Merged, Part, PartFile, Shard, ShardChoice, SoFar, name_incomplete};
 
-/// Runs the command of a study.
 pub fn run<S: Study>(command: &Command<S::Arguments>) -> Result<ExitCode, Error> {
     let Command { study: arguments, options } = command;
     let study = S::plan(arguments, options)?;

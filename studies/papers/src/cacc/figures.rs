@@ -123,7 +123,6 @@ const SATURATED_MPS2: f64 = 4.7;
 const BOUND_MPS2: f64 = 4.9;
 /// Buffer `d_b`, m.
 const BUFFER_M: f64 = 12.0;
-/// Share of what a plot must span.
 const SPAN: &str = "no number is printed: 2 % of what the plot must span";
 /// Spacing error in A and B: -15 to 10 m.
 const GAP_A: Tolerance = within(0.5, SPAN);

@@ -176,7 +176,6 @@ pub fn both_laws(
     Ok([of("acc-mpc")?, of("cacc-mpc")?])
 }
 
-/// A piece for each set.
 pub(super) fn pieces() -> Vec<Piece> {
     let piece = |set: Set| Piece::new(set.name(), move |runner| reproduce(runner, set));
     Set::ALL.map(piece).into()

@@ -44,7 +44,6 @@ pub fn coasting_mps2(speed_mps: f64) -> f64 {
     (closed_nm * RATIO / RADIUS_M - resistance_n(speed_mps)) / MASS_KG
 }
 
-/// The pedals that give an acceleration at a speed.
 pub fn pedals(speed_mps: f64, acceleration_mps2: f64) -> Pedals {
     let beyond_mps2 = acceleration_mps2 - coasting_mps2(speed_mps);
     if beyond_mps2 > BAND_MPS2 {

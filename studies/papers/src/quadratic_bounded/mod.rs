@@ -38,7 +38,6 @@ const SET_SPEED_MPS: f64 = 110.0 / 3.6;
 /// The scenarios, in the order of the figures from 3 on.
 const SCENARIOS: [&str; 3] = ["follow", "depart", "cut-in"];
 
-/// A piece for each set.
 pub fn pieces() -> Vec<Piece> {
     SETS.map(|(set, key)| Piece::new(set, move |runner| reproduce(runner, set, key))).into()
 }

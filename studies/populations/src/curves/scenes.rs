@@ -67,7 +67,6 @@ fn on(plan: &str, speed_mps: f64, duration_s: f64) -> Scene {
     scene
 }
 
-/// Random road `number`.
 pub fn road(number: u64) -> Scene {
     let mut draws = Draws::new(number, ROADS);
     let speed_mps = draws.between(16.0, 22.4);

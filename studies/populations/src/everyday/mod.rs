@@ -25,7 +25,6 @@ const STREAM: u128 = 0x1501;
 const BRAKED: &str = "braked";
 const ALONE: &str = "alone";
 
-/// A kind of scene with its name.
 pub type Kind = (&'static str, fn(&mut Draws) -> Scene);
 
 /// The kinds; a new one comes last.
@@ -54,7 +53,6 @@ pub const KINDS: [Kind; 22] = [
     ("brakes-beside", draw::brakes_beside),
 ];
 
-/// Scene `number` of a kind.
 fn scene(kind: &str, number: usize) -> Scene {
     let place = KINDS.iter().position(|(name, _)| *name == kind).unwrap_or_default();
     let mut draws = Draws::of(number as u64, number as u128, STREAM + place as u128);

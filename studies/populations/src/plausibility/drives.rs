@@ -33,7 +33,6 @@ fn kinds() -> impl Iterator<Item = Kind> {
     KINDS.into_iter().chain(everyday.filter(move |(_, draw)| draw(&mut draws()).tables.is_empty()))
 }
 
-/// The kind of drive `number`.
 pub fn kind(number: usize) -> &'static str {
     kind_of(number).0
 }

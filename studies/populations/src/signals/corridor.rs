@@ -42,7 +42,6 @@ pub struct Corridor {
 }
 
 impl Corridor {
-    /// Corridor `number`.
     pub fn new(number: u64) -> Self {
         let mut draws = Draws::new(number, STREAM);
         let mut between = |low: f64, high: f64| draws.between(low, high);

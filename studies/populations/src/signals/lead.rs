@@ -54,7 +54,6 @@ struct Heed {
 }
 
 impl Lead {
-    /// Drives through the signals.
     pub fn drive(traits: &Traits, signals: &[Signal]) -> Self {
         let rules = SignalStop::default();
         let last_m = signals.last().map_or(0.0, |signal| signal.line_m) + BEYOND_M;

@@ -28,7 +28,6 @@ const OURS: &str = "cacc-mpc";
 /// The law that it is judged by.
 const RIVAL: &str = "acc-signal-stop";
 
-/// Corridor `number` for a law.
 pub fn scene(number: u64, law: &str) -> Scene {
     Corridor::new(number).scene(law, law == RIVAL)
 }
@@ -187,7 +186,6 @@ impl Population for Signals {
     }
 }
 
-/// Figures of the drives of a law.
 fn of_laws() -> Vec<Figure<Facts>> {
     figures! {
         count("corridors", "corridors", "Corridors") => |all| json!(all.all.len());

@@ -161,7 +161,6 @@ impl Candidate {
         (place(value) - place(&variable.nominal)).abs()
     }
 
-    /// The value of a variable by its name.
     pub fn value(&self, name: &str, values: &[Value]) -> Option<f64> {
         let found = self.problem.variables.iter().zip(values).find(|(one, _)| one.name == name);
         found?.1.number()

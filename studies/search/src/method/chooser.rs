@@ -104,7 +104,6 @@ impl Chooser {
         }
     }
 
-    /// Takes the value of a run.
     pub fn tell(&mut self, run: usize, driven: &Proposal, value: f64) {
         let count = self.replicas.len();
         self.replicas[run % count].tell(run / count, (driven.clone(), value));

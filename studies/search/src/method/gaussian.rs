@@ -100,7 +100,6 @@ impl Model {
         self.seen = data.len();
     }
 
-    /// Hyperparameters of the data.
     fn fit(&self, data: &[Datum]) -> Fitted {
         let squashed: Vec<f64> = data.iter().map(|one| libm::asinh(one.value)).collect();
         let count = squashed.len() as f64;

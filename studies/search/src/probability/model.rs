@@ -26,7 +26,6 @@ pub struct Model {
 }
 
 impl Model {
-    /// The model of a problem.
     pub fn of(problem: &Problem) -> Result<Self, SearchError> {
         let Some((stated, folder)) = &problem.stated else {
             let why = "nothing says how the variables are distributed";

@@ -62,7 +62,6 @@ const VARIABLES: &[Column<VariableLine>] = &[
 ];
 
 impl Answer {
-    /// The answer of all units.
     pub(super) fn of(units: &Units, model: &Model, all: &[Unit]) -> Self {
         let replicas: Vec<Replica> = all.iter().filter_map(Unit::replica).collect();
         let mut events: Vec<Vec<f64>> = Vec::new();

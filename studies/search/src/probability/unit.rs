@@ -58,7 +58,6 @@ impl Units {
         }
     }
 
-    /// The unit of a number.
     pub(super) fn kind(&self, unit: usize) -> Kind {
         let Some(after) = unit.checked_sub(REPLICAS) else {
             return Kind::Replica { number: unit, runs: self.replica };
@@ -82,7 +81,6 @@ pub struct Unit {
     pub clipped: usize,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub events: Vec<Vec<f64>>,
-    /// Their weights in a replica.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub weights: Vec<f64>,
     /// Estimate of a replica.
@@ -96,7 +94,6 @@ pub struct Unit {
 }
 
 impl Unit {
-    /// Keeps a replica.
     pub(super) fn take(&mut self, found: Replica) {
         self.probability = Some(found.probability);
         self.is_settled = found.is_settled;

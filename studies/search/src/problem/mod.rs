@@ -55,7 +55,6 @@ pub struct Problem {
     pub(crate) stated: Option<(Stated, PathBuf)>,
 }
 
-/// A mistake in a search.
 #[derive(Debug, Error)]
 pub enum SearchError {
     #[error(transparent)]
@@ -197,7 +196,6 @@ impl Problem {
         self.variables.iter().zip(point).map(|(variable, at)| variable.domain.at(*at)).collect()
     }
 
-    /// The point of some values.
     pub fn point(&self, values: &[Value]) -> Vec<f64> {
         let place = |(variable, value): (&Variable, &Value)| variable.domain.place(value);
         self.variables.iter().zip(values).map(place).collect()
@@ -226,7 +224,6 @@ impl Problem {
         Ok(keys)
     }
 
-    /// The scenario with these values and this seed.
     pub fn scenario(&self, values: &[Value], seed: u64) -> Result<Scenario, Error> {
         let refused = |reason: &str| {
             let pairs =

@@ -48,7 +48,6 @@ impl Setting {
         Self { key: key.to_owned(), term, is_whole: is_whole(&format!("faults.0.{key}")) }
     }
 
-    /// TOML text of the value.
     pub(crate) fn text(&self, values: &[Value]) -> Result<String, UsageError> {
         let number = |number: f64| {
             let number = if self.is_whole { number.round() } else { rounded(number, 9) };

@@ -31,7 +31,6 @@ pub struct Row {
     pub ok: bool,
 }
 
-/// The rows of one test with one law, by the drive in its scenario.
 pub fn rows(test: Test, law: &str, scenario: &Scenario, drive: &Drive) -> Vec<Row> {
     let mut sheet = Sheet { law: law.to_owned(), test: String::new(), rows: Vec::new() };
     match test {

@@ -202,7 +202,6 @@ impl Plan {
 }
 
 impl R157Arguments {
-    /// The matrices that are named, with their cases.
     fn matrices(&self) -> Vec<(Matrix, Vec<Case>)> {
         let all = Matrix::value_variants();
         let named = |matrix: &&Matrix| self.matrix.is_empty() || self.matrix.contains(matrix);

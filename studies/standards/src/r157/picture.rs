@@ -91,7 +91,6 @@ fn regions((ego_kmh, other_kmh): (u32, u32)) -> Cells {
     }
 }
 
-/// The cell around a case.
 fn cell(case: &cut_in::Case, outcome: Outcome) -> FilledCell {
     let half_m = cut_in::distances_m(case.ego_kmh).1 as f64 / 2.0;
     let (distance_m, lateral_mps) = (f64::from(case.distance_m), case.lateral_mps());

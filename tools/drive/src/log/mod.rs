@@ -271,7 +271,6 @@ impl DriveLog {
         })
     }
 
-    /// Takes the signs of life.
     pub fn take_signs(&mut self) -> Vec<Sign> {
         std::mem::take(&mut self.signs)
     }
@@ -281,7 +280,6 @@ impl DriveLog {
         std::mem::take(&mut self.first_messages)
     }
 
-    /// State of the drive.
     pub fn ego(&self) -> Option<messages::Drive> {
         self.meets
     }

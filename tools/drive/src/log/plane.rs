@@ -195,7 +195,6 @@ pub struct PlaneLog {
 }
 
 impl PlaneLog {
-    /// Takes a pose of the ego.
     pub(crate) fn pose(&mut self, pose: &EgoPose) {
         let Header { step, acquisition_ns, .. } = pose.header;
         self.egos.push((step, acquisition_ns, EgoPlace::of(pose)));

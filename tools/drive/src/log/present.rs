@@ -20,7 +20,6 @@ struct Actor {
 }
 
 impl Present {
-    /// The actors of a scenario.
     pub(crate) fn of(scenario: &Scenario) -> Self {
         let actors = scenario.actors.iter().map(|actor| Actor {
             appears_ns: actor.appears_at_s.nanoseconds(),

@@ -39,7 +39,6 @@ pub(super) fn no_collision(evidence: &Evidence<'_>) -> Finding {
     finding(evidence, closest.as_ref())
 }
 
-/// The finding at the closest instant.
 pub(super) fn finding(evidence: &Evidence<'_>, closest: Option<&Closest>) -> Finding {
     let steps = &evidence.drive.steps;
     let time_s = |step: Option<&DriveStep>| step.map_or(0.0, |step| step.time_s);

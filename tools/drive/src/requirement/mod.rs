@@ -39,7 +39,6 @@ enum Judge {
     Rule(Rule),
 }
 
-/// A requirement that cannot.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum RequirementError {
     /// A formula with a fault, of the scenario's requirement `index`.
@@ -47,7 +46,6 @@ pub enum RequirementError {
     Formula {
         /// Name of the requirement.
         index: usize,
-        /// Its fault.
         error: Box<FormulaError>,
     },
     /// A known name with another number of values than it takes.
@@ -55,7 +53,6 @@ pub enum RequirementError {
     Name {
         /// Name of the requirement.
         index: usize,
-        /// The requirement.
         text: String,
         /// The form of the name.
         expected: &'static str,
@@ -68,7 +65,6 @@ pub enum RequirementError {
     Unknown {
         /// Name of the requirement.
         index: usize,
-        /// The word.
         name: String,
     },
 }

@@ -33,7 +33,6 @@ pub(super) const NAMES: [&str; 11] = [
 /// Time gap above which a vehicle ahead is not followed, s.
 const FOLLOWED_S: f64 = 6.0;
 
-/// The meaning of a name.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Named {
     /// A formula over the signals.

@@ -42,7 +42,6 @@ pub struct GapErrors {
 }
 
 impl GapErrors {
-    /// Evaluates a drive.
     pub fn of(scenario: &Scenario, steps: &[DriveStep]) -> Self {
         let desired = scenario.referee.desired_gap.unwrap_or(STATED_GAP);
         let mut errors = Self::default();

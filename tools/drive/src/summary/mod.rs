@@ -70,7 +70,6 @@ pub struct Summary {
     pub requirements: Vec<RequirementVerdict>,
     /// Latencies, jitter and deadlines.
     pub timing: Timing,
-    /// Counts of each topic, by its name.
     pub messages: BTreeMap<String, TopicCounts>,
     /// Figures of the emergency brake.
     pub aebs: Aebs,

@@ -191,7 +191,6 @@ impl Document {
         &self.json
     }
 
-    /// The JSON as a value.
     pub fn value(&self) -> Value {
         serde_json::from_str(&self.json).expect("it was written as JSON")
     }

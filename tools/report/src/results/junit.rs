@@ -7,7 +7,6 @@ use super::head::{Format, Head};
 use super::table::Table;
 
 impl Document {
-    /// JUnit XML.
     pub fn junit(&self) -> String {
         let mut report = Report::new(format!("timegap {}", self.command));
         let mut whole = TestSuite::new(self.title.as_str());

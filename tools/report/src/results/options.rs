@@ -86,7 +86,6 @@ impl ResultOptions {
     }
 }
 
-/// Writes all files of a result.
 fn write(document: &Document, output: &OutputDirectory) -> Result<(), Error> {
     document.files.iter().try_for_each(|(name, contents)| output.write(name, contents))?;
     output.write(&document.json_name(), document.json.as_bytes())?;

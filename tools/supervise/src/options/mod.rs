@@ -121,7 +121,6 @@ pub struct GroupOptions {
 }
 
 impl GroupOptions {
-    /// Each service with the program in its place.
     pub fn programs(&self) -> Result<BTreeMap<Service, PathBuf>, UsageError> {
         let mut programs = BTreeMap::new();
         for (service, program) in &self.programs {

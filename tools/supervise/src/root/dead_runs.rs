@@ -22,7 +22,6 @@ pub struct DeadRun {
     pub processes: Vec<u32>,
 }
 
-/// All dead runs of this user.
 pub fn dead_runs() -> Vec<DeadRun> {
     let Ok(base) = base() else { return Vec::new() };
     let found = below(&base, Path::new(SHARED_MEMORY));

@@ -245,7 +245,6 @@ impl Janitor {
         let _ = self.child.kill();
     }
 
-    /// True once it is gone.
     pub fn is_gone(&mut self) -> bool {
         self.child.try_wait().is_ok_and(|status| status.is_some())
     }

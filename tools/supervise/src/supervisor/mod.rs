@@ -101,7 +101,6 @@ struct Journal {
 }
 
 impl Journal {
-    /// Last lines of a service, each on a line of its own.
     fn last_lines(&self, service: Service) -> String {
         let lines: Vec<_> = self.wrote.iter().filter(|(who, _)| *who == service).collect();
         lines.iter().rev().take(3).rev().map(|(_, line)| format!("\n  {line}")).collect()

@@ -88,7 +88,6 @@ impl<'a> Roster<'a> {
         }
     }
 
-    /// The member of a service.
     pub(super) fn of(&mut self, service: Service) -> &mut Member {
         let member = self.members.iter_mut().find(|member| member.service() == service);
         member.expect("all services have been started")

@@ -26,7 +26,6 @@ pub struct Sums {
 }
 
 impl Sums {
-    /// Adds other sums.
     pub fn add(&mut self, other: &Self) {
         self.time_s += other.time_s;
         self.km += other.km;
