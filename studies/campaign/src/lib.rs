@@ -32,7 +32,6 @@
 
 mod blame;
 mod columns;
-mod counts;
 mod document;
 mod exposure;
 mod file;

@@ -1,12 +1,12 @@
 //! Whether the runs of a campaign keep its limits.
 
 use super::blame::{Broken, Failure};
-use super::counts::Counts;
 use super::exposure::Exposure;
 use super::file::Campaign;
 use super::measured::MeasuredFigure;
 use super::plan::Plan;
 use super::record::Record;
+use super::sums::Counts;
 use super::sums::{Combination, Shared, Sum, Sums, Tally};
 use super::{counts, measured};
 use runtime::Mode;

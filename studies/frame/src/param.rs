@@ -17,39 +17,18 @@ const MAX_VALUES: usize = 10_000;
 /// Reason why a list of values cannot be read.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ValuesError {
-    /// Values without a key.
-    #[error("no `=`")]
-    NoKey,
     /// `A..B` without `/STEP`.
     #[error("the range has no step")]
     NoStep,
-    /// There is nothing between two commas.
-    #[error("a value is missing")]
-    Missing,
-    /// A list names a value again.
-    #[error("{0} is there twice")]
-    Twice(String),
-    /// A part of a range is not a number.
-    #[error("`{0}` is not a number")]
-    NotANumber(String),
-    /// A range that would not move on.
-    #[error("the step {0} is not above 0")]
-    Step(String),
-    /// A step beyond the end, such as a number of values behind the wrong sign.
-    #[error("the step {0} is longer than the range")]
-    LongStep(String),
     /// A number of values that no range has.
     #[error("`{0}` is not a number of values from 2 to {MAX_VALUES}")]
     Points(String),
-    /// The logarithm of an end does not exist.
-    #[error("a logarithmic range begins above 0, not at {0}")]
-    NoLogarithm(String),
-    /// A range that runs backwards.
-    #[error("the range begins at {from}, after its end {to}")]
-    Backwards { from: String, to: String },
-    /// A range of more values than a key may have.
-    #[error("{} values, more than {MAX_VALUES}", count(*.0))]
-    TooMany(f64),
+    #[error("{0}")]
+    Other(String),
+}
+
+fn backwards(from: &str, to: &str) -> ValuesError {
+    ValuesError::Other(format!("the range begins at {from}, after its end {to}"))
 }
 
 /// A number of values, short where it has many digits.
@@ -72,7 +51,9 @@ impl Param {
         let refuse = |why: ValuesError| {
             UsageError::option("--vary", argument, why, "KEY=A..B/STEP, KEY=A..B:N or KEY=a,b,c")
         };
-        let (key, list) = argument.split_once('=').ok_or_else(|| refuse(ValuesError::NoKey))?;
+        let (key, list) = argument
+            .split_once('=')
+            .ok_or_else(|| refuse(ValuesError::Other("no `=`".to_owned())))?;
         let values = values(list, None).map_err(refuse)?;
         Ok(Self { key: key.trim().into(), values })
     }
@@ -122,10 +103,10 @@ pub fn values(list: &str, usual_step: Option<&str>) -> Result<Vec<String>, Value
     }
     let values: Vec<String> = list.split(',').map(|value| value.trim().to_owned()).collect();
     if values.iter().any(String::is_empty) {
-        return Err(ValuesError::Missing);
+        return Err(ValuesError::Other("a value is missing".to_owned()));
     }
     if let Some(twice) = values.iter().enumerate().find(|(i, v)| values[..*i].contains(v)) {
-        return Err(ValuesError::Twice(twice.1.clone()));
+        return Err(ValuesError::Other(format!("{} is there twice", twice.1)));
     }
     Ok(values)
 }
@@ -135,7 +116,7 @@ fn number(text: &str) -> Result<f64, ValuesError> {
     let digits = text.trim_start_matches(['-', '+']).starts_with(|c: char| c.is_ascii_digit());
     match text.parse::<f64>() {
         Ok(number) if number.is_finite() && digits => Ok(number),
-        _ => Err(ValuesError::NotANumber(text.to_owned())),
+        _ => Err(ValuesError::Other(format!("`{text}` is not a number"))),
     }
 }
 
@@ -147,10 +128,11 @@ fn evenly(from: &str, to: &str, points: &str) -> Result<Vec<String>, ValuesError
     let count = points.parse::<usize>().ok().filter(|count| (2..=MAX_VALUES).contains(count));
     let count = count.ok_or_else(|| ValuesError::Points(points.to_owned()))?;
     if first >= last {
-        return Err(ValuesError::Backwards { from: from.to_owned(), to: to.to_owned() });
+        return Err(backwards(from, to));
     }
     if is_log && first <= 0.0 {
-        return Err(ValuesError::NoLogarithm(from.to_owned()));
+        let why = format!("a logarithmic range begins above 0, not at {from}");
+        return Err(ValuesError::Other(why));
     }
     let steps = (count - 1) as f64;
     let at = |place: usize| match is_log {
@@ -164,18 +146,19 @@ fn evenly(from: &str, to: &str, points: &str) -> Result<Vec<String>, ValuesError
 fn range(from: &str, to: &str, step: &str) -> Result<Vec<String>, ValuesError> {
     let [first, last, width] = [number(from)?, number(to)?, number(step)?];
     if width <= 0.0 {
-        return Err(ValuesError::Step(step.to_owned()));
+        return Err(ValuesError::Other(format!("the step {step} is not above 0")));
     }
     if first > last {
-        return Err(ValuesError::Backwards { from: from.to_owned(), to: to.to_owned() });
+        return Err(backwards(from, to));
     }
     if first < last && width > last - first {
-        return Err(ValuesError::LongStep(step.to_owned()));
+        return Err(ValuesError::Other(format!("the step {step} is longer than the range")));
     }
     // The last value may miss the end by rounding alone.
     let count = ((last - first) / width + 1e-9).floor() + 1.0;
     if count > MAX_VALUES as f64 {
-        return Err(ValuesError::TooMany(count));
+        let values = self::count(count);
+        return Err(ValuesError::Other(format!("{values} values, more than {MAX_VALUES}")));
     }
     let decimals = decimals(from).zip(decimals(step)).map(|(from, step)| from.max(step));
     Ok((0..count as usize)

@@ -10,7 +10,6 @@
 
 pub mod cacc;
 mod cacc_varied;
-mod columns;
 mod page;
 mod predictive;
 mod quadratic_bounded;
@@ -21,7 +20,7 @@ mod study;
 mod tally;
 pub mod trips;
 
-pub use columns::schema;
+pub use page::schema;
 
 use std::process::ExitCode;
 

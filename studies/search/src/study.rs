@@ -192,7 +192,7 @@ impl Study for Runs {
         if shard.is_some() || !is_whole {
             return Ok(search.document(&self.problem, &records));
         }
-        let bar = report::progress::count_bar(0, self.is_quiet);
+        let bar = report::print::count_bar(0, self.is_quiet);
         bar.set_message("minimal cases");
         let cases = self.reduce(&groups, &records, &bar);
         let reducing_runs = bar.position();

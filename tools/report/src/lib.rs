@@ -32,7 +32,6 @@ mod picture;
 mod plane;
 mod plane_road;
 pub mod print;
-pub mod progress;
 pub mod results;
 mod run;
 pub mod table;

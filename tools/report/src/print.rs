@@ -1,6 +1,7 @@
 //! Standard output, and the words that all results share.
 
 use crate::results::{Document, width};
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use runtime::statistics::Percentiles;
 use std::io::{ErrorKind, Write as _};
 use supervise::report::Outcome;
@@ -106,6 +107,25 @@ pub fn duration(us: f64) -> String {
     } else {
         format!("{:.2} s", us / 1e6)
     }
+}
+
+/// A bar over `runs` on a terminal; hidden elsewhere.
+pub fn count_bar(runs: usize, quiet: bool) -> ProgressBar {
+    use std::io::IsTerminal;
+    if quiet || !std::io::stderr().is_terminal() {
+        return ProgressBar::hidden();
+    }
+    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {left} to go")
+        .expect("the template is valid")
+        .with_key("left", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+            // The remaining time is unknown until the first run has ended.
+            let written = match state.pos() {
+                0 => text.write_str("–"),
+                _ => write!(text, "{:#}", HumanDuration(state.eta())),
+            };
+            written.expect("a line takes all");
+        });
+    ProgressBar::new(runs as u64).with_style(style)
 }
 
 #[cfg(test)]

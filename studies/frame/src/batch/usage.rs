@@ -83,14 +83,15 @@ impl Sample {
     }
 }
 
+/// The first word behind `name` in the status of a process.
+fn field<'a>(status: &'a str, name: &str) -> Option<&'a str> {
+    status.lines().find_map(|line| line.strip_prefix(name))?.split_whitespace().next()
+}
+
 /// Name and usage of the process at `path` if it is a service that `parent` started.
 fn service(path: &Path, parent: &str) -> Option<(String, Usage)> {
     let status = std::fs::read_to_string(path.join("status")).ok()?;
-    let field = |name: &str| {
-        let line = status.lines().find_map(|line| line.strip_prefix(name))?;
-        line.split_whitespace().next()
-    };
-    if field("PPid:")? != parent {
+    if field(&status, "PPid:")? != parent {
         return None;
     }
     let line = std::fs::read(path.join("cmdline")).ok()?;
@@ -101,10 +102,7 @@ fn service(path: &Path, parent: &str) -> Option<(String, Usage)> {
 /// Resources of the process at `path`.
 fn usage(path: &Path) -> Option<Usage> {
     let status = std::fs::read_to_string(path.join("status")).ok()?;
-    let kib = |name: &str| {
-        let line = status.lines().find_map(|line| line.strip_prefix(name))?;
-        line.split_whitespace().next()?.parse::<u64>().ok()
-    };
+    let kib = |name| field(&status, name)?.parse::<u64>().ok();
     let own_kib = kib("RssAnon:")? + kib("RssShmem:")?;
     let descriptors = std::fs::read_dir(path.join("fd")).ok()?.count() as u64;
     Some(Usage { memory_kib: kib("VmRSS:")?, own_kib, descriptors })

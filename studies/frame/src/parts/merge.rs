@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 use supervise::{Error, UsageError};
 
-use super::file::resume_command;
+use super::part::resume_command;
 use super::{FILE, Line, PartFile, Records, Shard, holds, journal};
 use runtime::command_line;
 

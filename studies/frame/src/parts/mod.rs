@@ -10,7 +10,6 @@
 //! completes them, and refuses parts of different studies.
 
 mod begun;
-mod file;
 mod journal;
 mod merge;
 mod part;
@@ -18,9 +17,9 @@ mod records;
 mod shard;
 
 pub(crate) use begun::{Begun, SoFar};
-pub(crate) use file::PartFile;
 pub(crate) use merge::{Merged, name_incomplete};
 pub(crate) use part::Part;
+pub(crate) use part::PartFile;
 pub use records::Records;
 pub(crate) use shard::holds;
 pub use shard::{Shard, ShardChoice};

@@ -32,7 +32,7 @@ pub fn run<S: Study>(command: &Command<S::Arguments>) -> Result<ExitCode, Error>
         Ok(())
     })?;
     let left = part.left();
-    let bar = report::progress::count_bar(part.runs(), options.results.json);
+    let bar = report::print::count_bar(part.runs(), options.results.json);
     bar.set_message(study.label());
     bar.set_position((part.runs() - left.len()) as u64);
     bar.reset_eta();

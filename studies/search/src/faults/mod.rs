@@ -152,7 +152,7 @@ impl Study for Faults {
             rows.push((candidate, worst, row));
         }
         rows.sort_by(|a, b| a.1.judged.robustness.total_cmp(&b.1.judged.robustness));
-        let bar = report::progress::count_bar(0, self.is_quiet);
+        let bar = report::print::count_bar(0, self.is_quiet);
         bar.set_message("smallest faults");
         if shard.is_none() && is_whole {
             let broken = rows.iter_mut().filter(|(_, record, _)| record.judged.robustness < 0.0);

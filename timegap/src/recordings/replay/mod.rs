@@ -19,7 +19,7 @@ use controller::laws;
 use messages::Service;
 use recorder::Recording;
 use report::print;
-use report::progress::count_bar;
+use report::print::count_bar;
 use report::results::Document;
 use runtime::Program;
 use scenario::{Overrides, Scenario};

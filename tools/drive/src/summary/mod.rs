@@ -3,7 +3,6 @@
 mod aebs;
 mod following;
 mod law;
-mod radio;
 pub mod targets;
 mod topics;
 mod trip;
@@ -273,8 +272,8 @@ impl Summary {
             aebs: Aebs::of(scenario, plant, report(Service::Aebs)),
             perception,
             targets: PlaceSums::of(scenario, &group.drive),
-            radio: radio::unit(group),
-            link: radio::link(group),
+            radio: topics::unit(group),
+            link: topics::link(group),
             messages: topics::of(&group.reports, &group.drive),
             recording: group.recording.clone(),
             faults: group.faults.clone(),

@@ -1,7 +1,7 @@
 //! Counts of the messages of a run.
 
-use crate::Drive;
-use crate::report::{ReceivedTopic, ServiceReport};
+use crate::report::{Details, LinkReport, ObuReport, ReceivedTopic, ServiceReport};
+use crate::{Drive, GroupOutcome};
 use messages::Service;
 use messages::e2e::Outcomes;
 use serde::{Deserialize, Serialize};
@@ -82,5 +82,21 @@ impl Host {
             kernel: read("/proc/sys/kernel/osrelease"),
             realtime_kernel: read("/sys/kernel/realtime") == "1",
         }
+    }
+}
+
+/// The on-board unit's report; `None` without one.
+pub(super) fn unit(group: &GroupOutcome) -> Option<ObuReport> {
+    match &group.reports.get(&Service::Obu)?.details {
+        Details::Obu(report) => Some((**report).clone()),
+        _ => None,
+    }
+}
+
+/// The carrier's report from v2x-sim; `None` without one.
+pub(super) fn link(group: &GroupOutcome) -> Option<LinkReport> {
+    match &group.reports.get(&Service::V2xSim)?.details {
+        Details::Link(report) => Some((**report).clone()),
+        _ => None,
     }
 }

@@ -27,19 +27,15 @@ mod bands;
 mod cells;
 mod data;
 mod decimate;
-mod parallel;
 mod plot;
 mod ribbons;
-mod scatter;
 
 pub use axis::{Axis, number};
-pub use bands::{Bands, Row, Span};
-pub use cells::{Cells, Edges, FilledCell};
+pub use bands::{Bands, Parallel, Polyline, Row, Span};
+pub use cells::{Cells, Dot, Edges, FilledCell, Scatter};
 pub use data::{Chart, Point, escape, script_json};
-pub use parallel::{Parallel, Polyline};
 pub use plot::{Curve, Plot, Strip};
 pub use ribbons::{Ribbon, Ribbons};
-pub use scatter::{Dot, Scatter};
 
 /// A colour by its meaning; the style sheet defines how it looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -5,13 +5,17 @@ use crate::root::RunRoot;
 use crate::root::dead_runs::remove_unfinished;
 use crate::start::attendant::DONE;
 use crate::{Error, Failure, Status};
+use controller::laws;
 use messages::Service;
 use runtime::scheduling::set_fifo_of;
 use runtime::{
-    NAME_PREFIX, PEER_JOINED, PREPARED, PREPARED_PREFIX, ToService, enroll, inherit_only,
+    Mode, NAME_PREFIX, PEER_JOINED, PREPARED, PREPARED_PREFIX, ToService, enroll, inherit_only,
 };
 use rustix::process::{Pid, Signal, kill_process};
-use std::io::{self, Write};
+use scenario::Scenario;
+use std::collections::BTreeMap;
+use std::io;
+use std::io::Write;
 use std::os::unix::process::CommandExt;
 use std::path::PathBuf;
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
@@ -273,6 +277,32 @@ pub fn this_program(arguments: &[&str]) -> Result<Command, SpawnError> {
     let mut command = Command::new(program);
     command.args(arguments);
     Ok(command)
+}
+
+#[derive(Debug)]
+pub struct Launch {
+    pub mode: Mode,
+    pub scenario: Scenario,
+    /// Programs that take the place of built-in services.
+    pub programs: BTreeMap<Service, PathBuf>,
+    /// Time until all services must be ready.
+    pub ready_timeout: Duration,
+    /// Time between readiness and the common start instant.
+    pub start_delay: Duration,
+    /// File that describes to others how to join the group; present while it drives.
+    pub live_file: Option<PathBuf>,
+    /// File of the run's recording.
+    pub recording: Option<PathBuf>,
+}
+
+/// The scenario as the services read it. It has the gap at which the law aims. So the referee can measure against it
+/// without any law. The aim of a program in the controller's place is known only from the scenario.
+pub(crate) fn for_services(scenario: &Scenario, is_replaced: bool) -> Scenario {
+    let mut scenario = scenario.clone();
+    if !is_replaced {
+        scenario.referee.desired_gap = laws::desired_gap(&scenario);
+    }
+    scenario
 }
 
 #[cfg(test)]
