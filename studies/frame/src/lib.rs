@@ -89,7 +89,6 @@ pub mod drives;
 pub mod keep;
 pub mod param;
 pub mod parts;
-pub mod seeds;
 mod study;
 
 pub use batch::laws::DriveOptions;

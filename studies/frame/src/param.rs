@@ -9,6 +9,8 @@
 //! assert_eq!(grid(&[delay, law]).len(), 6);
 //! ```
 
+use scenario::quantity::Seed;
+use std::fmt::Display;
 use supervise::{ScenarioOptions, UsageError};
 
 /// Most values of one key.
@@ -176,6 +178,33 @@ fn decimals(number: &str) -> Option<usize> {
     plain.then(|| number.split_once('.').map_or(0, |(_, digits)| digits.len()))
 }
 
+/// The seeds that an argument of `--seeds` names. A number N of seeds means 1 to N.
+///
+/// ```
+/// let seeds = |text| -> Vec<u64> {
+///     frame::param::seeds(text).unwrap().into_iter().map(|seed| seed.value()).collect()
+/// };
+/// assert_eq!(seeds("3"), [1, 2, 3], "a number of seeds");
+/// assert_eq!((seeds("5..7"), seeds("4,2")), (vec![5, 6, 7], vec![4, 2]));
+/// assert!(frame::param::seeds("0").is_err());
+/// ```
+pub fn seeds(text: &str) -> Result<Vec<Seed>, UsageError> {
+    let refuse = |why: &dyn Display| {
+        UsageError::option("--seeds", text, why, "a number of seeds of 1 or more, A..B or a,b,c")
+    };
+    let list = match text.trim().parse::<u64>() {
+        Ok(0) => return Err(refuse(&"no seeds")),
+        Ok(count) => &format!("1..{count}"),
+        Err(_) => text,
+    };
+    let values = self::values(list, Some("1")).map_err(|why| refuse(&why))?;
+    let seed = |value: String| {
+        let seed = value.parse::<i64>().ok().and_then(|seed| Seed::try_from(seed).ok());
+        seed.ok_or_else(|| refuse(&format_args!("`{value}` is not a seed")))
+    };
+    values.into_iter().map(seed).collect()
+}
+
 /// All combinations of the values, the last key's varying fastest, as arguments of `--set`.
 pub fn grid(params: &[Param]) -> Vec<Vec<String>> {
     params.iter().fold(vec![Vec::new()], |points, param| {
@@ -275,5 +304,22 @@ mod tests {
         let params = [Param::parse("a=1,2").expect("good"), Param::parse("b=x,y").expect("good")];
         let grid = grid(&params);
         assert_eq!(grid, [["a=1", "b=x"], ["a=1", "b=y"], ["a=2", "b=x"], ["a=2", "b=y"]]);
+    }
+
+    #[test]
+    fn bad_seeds_are_refused_with_what_was_expected() {
+        for (text, words) in [
+            ("0", "no seeds"),
+            ("1..x", "`x` is not a number"),
+            ("1,,2", "a value is missing"),
+            ("3..1", "after its end"),
+            ("1,1", "1 is there twice"),
+            ("1.5,2", "`1.5` is not a seed"),
+            ("-1,2", "`-1` is not a seed"),
+            ("1000000", "1000000 values, more than 10000"),
+        ] {
+            let said = seeds(text).expect_err(text).to_string();
+            assert!(said.contains(words) && said.contains("expected"), "{said}");
+        }
     }
 }

@@ -28,12 +28,6 @@ impl TextTable {
         Self { head, rows: Vec::new() }
     }
 
-    /// The usual table: words in the first column, numbers in the others.
-    pub fn of_figures<'a>(head: impl IntoIterator<Item = &'a str>) -> Self {
-        let aligns = std::iter::once(Align::Left).chain(std::iter::repeat(Align::Right));
-        Self::new(head.into_iter().zip(aligns))
-    }
-
     /// Adds a row; missing cells are empty.
     pub fn row(&mut self, cells: impl IntoIterator<Item = String>) {
         let mut row: Vec<String> = cells.into_iter().collect();
@@ -106,7 +100,12 @@ mod tests {
 
     #[test]
     fn columns_without_a_figure_are_left_out_and_the_others_line_up() {
-        let mut table = TextTable::of_figures(["", "gap, m", "fuel", "jerk"]);
+        let mut table = TextTable::new([
+            ("", Align::Left),
+            ("gap, m", Align::Right),
+            ("fuel", Align::Right),
+            ("jerk", Align::Right),
+        ]);
         table.row(["acc-mpc", "10.5", NONE, "1.0"].map(String::from));
         table.row(["six-mode", "9.0", NONE, "250.0"].map(String::from));
         assert_eq!(

@@ -29,34 +29,20 @@ pub struct Key {
 
 /// The keys of a study by those of its runs. A key need not apply in every run.
 pub fn keys(runs: impl Iterator<Item = Vec<(String, String)>>) -> Vec<Key> {
-    /// A key with the kinds of values that it was seen with.
-    struct Seen {
-        name: String,
-        number: bool,
-        word: bool,
-    }
-
-    let mut keys: Vec<Seen> = Vec::new();
+    // Each key, and whether numbers and words were seen as its values.
+    let mut seen: Vec<(String, bool, bool)> = Vec::new();
     for run in runs {
-        if keys.is_empty() {
-            let key = |(name, _): &(String, String)| Seen {
-                name: name.clone(),
-                number: false,
-                word: false,
-            };
-            keys = run.iter().map(key).collect();
+        if seen.is_empty() {
+            seen = run.iter().map(|(name, _)| (name.clone(), false, false)).collect();
         }
-        for (key, (_, value)) in
-            keys.iter_mut().zip(&run).filter(|(_, (_, value))| !value.is_empty())
-        {
+        for ((_, number, word), (_, value)) in seen.iter_mut().zip(&run) {
             let is_number = value.parse::<f64>().is_ok();
-            key.number |= is_number;
-            key.word |= !is_number;
+            *number |= is_number;
+            *word |= !is_number && !value.is_empty();
         }
     }
-    keys.into_iter()
-        .map(|Seen { name, number, word }| Key { name, is_number: number && !word })
-        .collect()
+    let key = |(name, number, word)| Key { name, is_number: number && !word };
+    seen.into_iter().map(key).collect()
 }
 
 /// The cells of a run, in the order of the columns.

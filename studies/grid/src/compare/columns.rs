@@ -95,7 +95,7 @@ pub fn differences(all: &[Difference]) -> Vec<Table> {
         return Vec::new();
     };
     let real: Vec<&Difference> = all.iter().filter(|difference| difference.is_real()).collect();
-    let real = Table::of(&format!("Real differences from {reference}"), DIFFERENCES, real);
+    let real = Table::new(&format!("Real differences from {reference}"), DIFFERENCES, real);
     let all = Table::new(&format!("All differences from {reference}"), DIFFERENCES, all);
     vec![real.for_terminals().without_cases(), all.for_pages().without_cases()]
 }

@@ -16,7 +16,7 @@ pub use results::schema;
 use clap::Args;
 use frame::batch::{self, Done, Job};
 use frame::param;
-use frame::{Command, DriveOptions, Entry, Found, Needs, RunOptions, Study, seeds};
+use frame::{Command, DriveOptions, Entry, Found, Needs, RunOptions, Study};
 use messages::Service;
 use report::RunPicture;
 use report::results::Document;
@@ -132,7 +132,7 @@ impl Study for Laws {
             let why = format_args!("{name} is there twice");
             return Err(UsageError::at("the scenarios", why, "each of them once").into());
         }
-        let seeds = arguments.seeds.as_deref().map(seeds::read).transpose()?.unwrap_or_default();
+        let seeds = arguments.seeds.as_deref().map(param::seeds).transpose()?.unwrap_or_default();
         let mut grid =
             Grid { openings: Vec::new(), cells: Vec::new(), seeds, mode: arguments.mode.into() };
         for argument in &arguments.scenarios {

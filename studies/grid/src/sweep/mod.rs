@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use frame::batch::{Done, Job};
 use frame::param::{self, Param};
-use frame::{Command, Entry, Found, Needs, RunOptions, Study, seeds};
+use frame::{Command, Entry, Found, Needs, RunOptions, Study};
 use report::results::Document;
 use results::Sweep;
 use runtime::Mode;
@@ -82,7 +82,7 @@ impl Study for Points {
     fn plan(arguments: &SweepArguments, run: &RunOptions) -> Result<Self, Error> {
         let scenario = arguments.scenario.clone();
         let params = params(arguments)?;
-        let seeds = arguments.seeds.as_deref().map(seeds::read).transpose()?.unwrap_or_default();
+        let seeds = arguments.seeds.as_deref().map(param::seeds).transpose()?.unwrap_or_default();
         let values = params.iter().map(|param| param.values.len());
         let runs = values.chain([seeds.len().max(1)]).try_fold(1, usize::checked_mul);
         if runs.is_none_or(|runs| runs > MAX_RUNS) {

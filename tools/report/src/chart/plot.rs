@@ -117,13 +117,6 @@ impl Plot {
     pub fn marked(self, marks: &[Mark]) -> Self {
         Self { marks: marks.to_vec(), ..self }
     }
-
-    /// This plot with labelled points; the vertical axis holds them too.
-    pub fn with_points(self, points: Vec<Point>) -> Self {
-        let curves = self.curves.iter().flat_map(|curve| &curve.points).map(|point| point.1);
-        let y = Axis::holding(&self.y.label, curves.chain(points.iter().map(|point| point.y)));
-        Self { y, points, ..self }
-    }
 }
 
 impl Picture for Plot {

@@ -7,37 +7,32 @@ const MOST_ROWS: usize = 200;
 
 impl Document {
     pub fn markdown(&self) -> String {
-        text(self)
-    }
-}
-
-fn text(document: &Document) -> String {
-    let mark = if document.ok { "✅" } else { "❌" };
-    let mut text =
-        format!("## {}\n\n{mark} {}\n", escape(&document.title), escape(&document.verdict));
-    if !document.about.is_empty() {
-        text += &format!("\n{}\n", escape(&document.about));
-    }
-    if !document.broken.is_empty() {
-        text.push('\n');
-    }
-    for broken in document.broken.iter().take(MOST_ROWS) {
-        text += &format!("- {}\n", escape(&broken.line()));
-    }
-    for part in &document.parts {
-        match part {
-            Part::Table(table) if table.is_on_pages() => text += &self::table(table),
-            Part::Facts(heading, facts) => {
-                text += &format!("\n### {}\n\n| | |\n| --- | --- |\n", escape(heading));
-                for (name, value) in facts {
-                    text += &format!("| {} | {} |\n", escape(name), escape(value));
-                }
-            }
-            Part::Text(words) => text += &format!("\n{}\n", escape(words)),
-            _ => {}
+        let mark = if self.ok { "✅" } else { "❌" };
+        let mut text = format!("## {}\n\n{mark} {}\n", escape(&self.title), escape(&self.verdict));
+        if !self.about.is_empty() {
+            text += &format!("\n{}\n", escape(&self.about));
         }
+        if !self.broken.is_empty() {
+            text.push('\n');
+        }
+        for broken in self.broken.iter().take(MOST_ROWS) {
+            text += &format!("- {}\n", escape(&broken.line()));
+        }
+        for part in &self.parts {
+            match part {
+                Part::Table(table) if table.is_on_pages() => text += &self::table(table),
+                Part::Facts(heading, facts) => {
+                    text += &format!("\n### {}\n\n| | |\n| --- | --- |\n", escape(heading));
+                    for (name, value) in facts {
+                        text += &format!("| {} | {} |\n", escape(name), escape(value));
+                    }
+                }
+                Part::Text(words) => text += &format!("\n{}\n", escape(words)),
+                _ => {}
+            }
+        }
+        text
     }
-    text
 }
 
 fn table(table: &Table) -> String {

@@ -9,14 +9,10 @@ const MOST_ROWS: usize = 1_000;
 
 impl Document {
     pub fn page(&self) -> String {
-        text(self)
+        let parts: String = self.parts.iter().map(part).collect();
+        let body = broken(&self.broken) + &parts;
+        document(&self.title, &self.about, self.ok, &self.verdict, &body)
     }
-}
-
-fn text(result: &Document) -> String {
-    let parts: String = result.parts.iter().map(part).collect();
-    let body = broken(&result.broken) + &parts;
-    document(&result.title, &result.about, result.ok, &result.verdict, &body)
 }
 
 /// What broke; empty without a finding.

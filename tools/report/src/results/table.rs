@@ -54,12 +54,7 @@ impl Table {
     /// assert_eq!(table.console(80), "  law  jerk, m/s³\n  a           2.0\n  b           1.0*\n");
     /// assert_eq!(table.csv(), "law,jerk_mps3\na,2\nb,1\n");
     /// ```
-    pub fn new<R: Serialize>(heading: &str, columns: &[Column<R>], rows: &[R]) -> Self {
-        Self::of(heading, columns, rows)
-    }
-
-    /// A table of rows that are chosen from others.
-    pub fn of<'a, R: Serialize + 'a>(
+    pub fn new<'a, R: Serialize + 'a>(
         heading: &str,
         columns: &[Column<R>],
         rows: impl IntoIterator<Item = &'a R>,

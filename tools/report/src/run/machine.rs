@@ -58,5 +58,5 @@ pub fn services(summary: &Summary) -> Table {
     ];
     // In lockstep in one process there are no processes to show.
     let rows = summary.services.iter().filter(|service| service.scheduling.is_some());
-    Table::of("Processes", &columns, rows).without_cases()
+    Table::new("Processes", &columns, rows).without_cases()
 }
