@@ -1,10 +1,10 @@
 //! The columns of a campaign's results: each figure is declared once.
 
 use super::blame::Broken;
-use super::counts;
 use super::exposure::Exposure;
 use super::measured::{self, LEFT_OUT};
 use super::record::Record;
+use super::sums;
 use super::sums::Tally;
 use super::verdict::{Requirement, Verdict};
 use report::results::{Column, Format, Schema, column, count, fact, flag, micros, number, word};
@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 pub fn sums<R>() -> Vec<Column<R>> {
     let named = [word("memory_growth_of", "memory grew in", "The service that grew most").hidden()];
     let measured = measured::extreme_columns().into_iter().chain(measured::time_columns());
-    counts::columns().into_iter().chain(measured).chain(named).collect()
+    sums::columns().into_iter().chain(measured).chain(named).collect()
 }
 
 pub const REQUIREMENTS: &[Column<Requirement>] = &[

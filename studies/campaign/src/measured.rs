@@ -1,5 +1,5 @@
 //! The measured figures over some runs. Each has one row: its field, the name of its limits, its columns, and a run's
-//! share. The counts stand in [`counts`](super::counts).
+//! share. The counts stand in [`sums`](super::sums).
 
 use super::record::Record;
 use report::results::{Column, Object, count, micros, number};

@@ -8,7 +8,7 @@ use super::plan::Plan;
 use super::record::Record;
 use super::sums::Counts;
 use super::sums::{Combination, Shared, Sum, Sums, Tally};
-use super::{counts, measured};
+use super::{measured, sums};
 use runtime::Mode;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -316,7 +316,7 @@ enum Kind {
 }
 
 pub fn figures() -> impl Iterator<Item = Figure> {
-    let counts = counts::limited().map(|(name, of)| Figure { name, of: Kind::Count(of) });
+    let counts = sums::limited().map(|(name, of)| Figure { name, of: Kind::Count(of) });
     let measured =
         measured::limited().map(|figure| Figure { name: figure.name, of: Kind::Measure(figure) });
     counts.chain(measured)

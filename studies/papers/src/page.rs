@@ -2,7 +2,7 @@
 
 use super::row::{Row, Verdict};
 use super::tally::in_words;
-use super::{Paper, Pictures, Reproduction, row};
+use super::{Paper, Reproduction, row};
 use crate::runner::Driven;
 use report::chart::{Axis, Curve, Plot, Stroke, Tone, escape};
 use report::html::figure;
@@ -25,12 +25,12 @@ pub fn document(reproduction: &Reproduction) -> Document {
     let document = Document::new("reproduce", "Reproduction of the papers", reproduction)
         .about("every run in lockstep")
         .verdict(reproduction.ok, verdict)
-        .table(columns::overview(papers))
+        .table(overview(papers))
         .figures("", KINDS.to_owned());
     papers.iter().fold(document, |document, paper| {
         document
             .figures(&in_short(paper), galleries(&paper.pictures))
-            .table(columns::rows(paper))
+            .table(rows(paper))
             .figures("", drives(&paper.pictures))
     })
 }
@@ -242,7 +242,7 @@ mod tests {
         assert!(text.contains("0 of 1") && text.contains("OUTSIDE"), "{text}");
         assert!(document.junit().contains("<failure"), "{}", document.junit());
         assert!(document.markdown().contains("OUTSIDE"), "{}", document.markdown());
-        assert_eq!(report::results::check(&columns::schema().json(), &document.value()), [""; 0]);
+        assert_eq!(report::results::check(&schema().json(), &document.value()), [""; 0]);
     }
 
     #[test]
@@ -261,6 +261,6 @@ mod tests {
         assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
         assert!(text.contains("joint weights") && text.contains("≤ −123.00"), "{text}");
         assert!(document.page().contains("34.5 m"), "the page names the inferred value");
-        assert_eq!(report::results::check(&columns::schema().json(), &document.value()), [""; 0]);
+        assert_eq!(report::results::check(&schema().json(), &document.value()), [""; 0]);
     }
 }

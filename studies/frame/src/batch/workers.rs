@@ -1,6 +1,5 @@
 //! Workers that share numbered pieces of work, and the signals that end it.
 
-use super::Interrupt;
 use indicatif::ProgressBar;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

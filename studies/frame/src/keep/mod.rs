@@ -229,7 +229,7 @@ mod tests {
             Keeper { keep, path: path.clone(), keys: Vec::new(), offered: Mutex::default(), book };
         for (run, gap_m) in [(0, 5.0), (1, 1.0), (2, 9.0), (3, 2.0)] {
             let one = || Cells::Number(vec![Some(gap_m)]);
-            let names = NAMES.concat();
+            let names = names(&[]);
             let cells = names.iter().map(|_| one()).collect();
             let kept = Kept { cells, failed: gap_m < 3.0, gap_m, figures: None };
             keeper.offered.lock().expect("alone").insert(run, vec![kept]);

@@ -2,7 +2,7 @@
 
 use super::begun::{Begun, SoFar};
 use super::journal::Journal;
-use super::{FILE, Line, PartFile, Records, Shard, begun, holds, journal};
+use super::{FILE, Line, Records, Shard, begun, holds, journal};
 use crate::drives::Drive;
 use report::output::OutputDirectory;
 use serde::de::DeserializeOwned;

@@ -50,7 +50,7 @@ pub fn plots(sweep: &Sweep) -> Vec<Plot> {
     for (point, x) in sweep.points.iter().zip(values) {
         let others = sweep.params.iter().zip(&point.values).enumerate();
         let others = others.filter(|(index, _)| *index != place);
-        let name: Vec<_> = others.map(|(_, (key, value))| words::value(key, value)).collect();
+        let name: Vec<_> = others.map(|(_, (key, value))| in_words(key, value)).collect();
         let name = name.join(", ");
         match series.iter_mut().find(|(known, _)| *known == name) {
             Some((_, points)) => points.push((x, point)),
@@ -79,7 +79,7 @@ pub fn plots(sweep: &Sweep) -> Vec<Plot> {
         }
         let (title, unit) = (panel[0].panel, panel[0].unit);
         if !curves.is_empty() {
-            let x = Axis::linear(&words::axis(&sweep.params[place]), low, high);
+            let x = Axis::linear(&axis(&sweep.params[place]), low, high);
             let plot = Plot::over(title, x, unit, curves);
             let values = plot.curves.iter().flat_map(|curve| &curve.points).map(|point| point.1);
             let y = if unit.is_empty() { Axis::counts("number", values) } else { plot.y.clone() };
@@ -108,7 +108,7 @@ const UNITS: [(&str, &str); 14] = [
 ];
 
 /// The name of a key in words, and its unit if the key has one.
-pub fn name(key: &str) -> (String, Option<&'static str>) {
+fn name(key: &str) -> (String, Option<&'static str>) {
     let last = key.rsplit('.').next().unwrap_or(key);
     let unit = UNITS.iter().find_map(|(suffix, unit)| Some((last.strip_suffix(suffix)?, *unit)));
     let (words, unit) = unit.map_or((last, None), |(words, unit)| (words, Some(unit)));
@@ -123,7 +123,7 @@ pub fn name(key: &str) -> (String, Option<&'static str>) {
 }
 
 /// A key at an axis: its name and unit, then the key itself.
-pub fn axis(key: &str) -> String {
+fn axis(key: &str) -> String {
     match name(key) {
         (words, Some(unit)) => format!("{words}, {unit} ({key})"),
         (words, None) => format!("{words} ({key})"),
@@ -131,7 +131,7 @@ pub fn axis(key: &str) -> String {
 }
 
 /// A key's value in a legend.
-pub fn value(key: &str, value: &str) -> String {
+fn in_words(key: &str, value: &str) -> String {
     match name(key) {
         (words, Some(unit)) => format!("{words} {value} {unit}"),
         // The value of a name is a name.
@@ -147,10 +147,10 @@ mod tests {
     #[test]
     fn keys_become_words_with_units() {
         assert_eq!(axis("runtime.extra_delay_ms"), "extra delay, ms (runtime.extra_delay_ms)");
-        assert_eq!(value("plant.mass_factor", "1.15"), "mass factor 1.15");
-        assert_eq!(value("set_speed_mps", "25"), "set speed 25 m/s");
-        assert_eq!(value("v2x.preview.noise_percent", "0.25"), "noise 0.25 %");
-        assert_eq!(value("controller.name", "acc-mpc"), "acc-mpc");
+        assert_eq!(in_words("plant.mass_factor", "1.15"), "mass factor 1.15");
+        assert_eq!(in_words("set_speed_mps", "25"), "set speed 25 m/s");
+        assert_eq!(in_words("v2x.preview.noise_percent", "0.25"), "noise 0.25 %");
+        assert_eq!(in_words("controller.name", "acc-mpc"), "acc-mpc");
         assert_eq!(axis("controller.weights.q1"), "q1 (controller.weights.q1)");
     }
 }
