@@ -13,9 +13,7 @@ use super::verdict::{Scope, Verdict};
 use super::{jobs, launcher_death};
 use clap::Args;
 use frame::batch::{Done, Job};
-use frame::{
-    Command, Crew, DriveOptions, Entry, Found, RunOptions, RunResult, Study, batch, parts,
-};
+use frame::{Command, Crew, DriveOptions, Entry, Found, Recorded, RunOptions, Study, batch, parts};
 use report::results::{Column, Document};
 use runtime::Mode;
 use serde::{Deserialize, Serialize};
@@ -136,14 +134,14 @@ impl Study for FileCampaign {
         Ok(self.may_kill_launcher && launcher_death::is_planned(&self.job(run)?.scenario))
     }
 
-    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<RunResult<Record, ()>, Error> {
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Recorded<Self> {
         let job = self.job(run)?;
         if !launcher_death::is_planned(&job.scenario) {
             return crew.drive_and_record(self, run, &job);
         }
         let (planned, mode) = (self.plan.at(run), self.campaign.mode);
         let record = launcher_death::run(&planned, &job.scenario, mode, crew.going_on())?;
-        Ok(RunResult { record, seen: () })
+        Ok((record, ()))
     }
 
     fn keys(&self, run: usize) -> Vec<(String, String)> {
@@ -151,12 +149,7 @@ impl Study for FileCampaign {
         vec![("fault".to_owned(), fault), ("parameters".to_owned(), parameters.join(" "))]
     }
 
-    fn record(
-        &self,
-        run: usize,
-        job: &Job,
-        result: Result<Done, Error>,
-    ) -> Result<(Record, ()), Error> {
+    fn record(&self, run: usize, job: &Job, result: Result<Done, Error>) -> Recorded<Self> {
         Ok((Record::new(&self.plan.at(run), &job.scenario, &result), ()))
     }
 

@@ -31,7 +31,7 @@
 //! ```
 //! use clap::Args;
 //! use frame::batch::{Done, Job};
-//! use frame::{Found, RunOptions, Study};
+//! use frame::{Found, Recorded, RunOptions, Study};
 //! use supervise::{Error, ScenarioOptions};
 //! use report::results::{Column, Document, Table, count, number};
 //! use serde::{Deserialize, Serialize};
@@ -69,7 +69,7 @@
 //!         let options = ScenarioOptions { seed, ..ScenarioOptions::default() };
 //!         Ok(Job::lockstep(supervise::open("following", &options)?))
 //!     }
-//!     fn record(&self, run: usize, _: &Job, result: Result<Done, Error>) -> Result<(Record, ()), Error> {
+//!     fn record(&self, run: usize, _: &Job, result: Result<Done, Error>) -> Recorded<Self> {
 //!         let min_gap_m = result?.summary.control.figures.min_gap_m;
 //!         Ok((Record { seed: run + 1, min_gap_m }, ()))
 //!     }
@@ -93,6 +93,6 @@ mod study;
 
 pub use batch::laws::DriveOptions;
 pub use study::{
-    Command, Crew, Entry, Found, MergeArguments, Needs, ResumeArguments, RunOptions, RunResult,
+    Command, Crew, Entry, Found, MergeArguments, Needs, Recorded, ResumeArguments, RunOptions,
     Study, merge, ok, resume, run,
 };

@@ -1,6 +1,6 @@
 //! The papers as a study: each piece of a paper is a run.
 
-use frame::{Crew, Found, Needs, RunOptions, RunResult, Study};
+use frame::{Crew, Found, Needs, Recorded, RunOptions, Study};
 use report::results::Document;
 use supervise::Error;
 
@@ -49,12 +49,12 @@ impl Study for Papers {
         Ok(String::new())
     }
 
-    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<RunResult<Vec<Row>, Pictures>, Error> {
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Recorded<Self> {
         let (paper, piece) = &self.pieces[run];
         let names = (paper.as_str(), piece.name.as_str());
         let runner = Runner::new(crew, run, names, self.driver_spread_mps);
         let Part { rows, pictures } = piece.reproduce(&runner)?;
-        Ok(RunResult { record: rows, seen: pictures })
+        Ok((rows, pictures))
     }
 
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {

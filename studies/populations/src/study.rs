@@ -5,7 +5,7 @@ use std::num::NonZeroUsize;
 
 use clap::Args;
 use frame::batch::{Done, Job};
-use frame::{Found, RunOptions, Study};
+use frame::{Found, Recorded, RunOptions, Study};
 use report::figures::Values;
 use report::results::Document;
 use scenario::Scenario;
@@ -124,12 +124,7 @@ impl<P: Population> Study for Test<P> {
         Ok(Job::lockstep(self.scenario(&self.drives[run])?))
     }
 
-    fn record(
-        &self,
-        run: usize,
-        job: &Job,
-        result: Result<Done, Error>,
-    ) -> Result<(Drive<P::Facts>, ()), Error> {
+    fn record(&self, run: usize, job: &Job, result: Result<Done, Error>) -> Recorded<Self> {
         Ok((self.judged(&self.drives[run], &job.scenario, &result?), ()))
     }
 

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use frame::batch::{self, Done, Job};
 use frame::parts::ShardChoice;
-use frame::{Command, Crew, Entry, Found, Needs, RunOptions, RunResult, Study};
+use frame::{Command, Crew, Entry, Found, Needs, Recorded, RunOptions, Study};
 use indicatif::ProgressBar;
 use report::results::{Column, Document, fact, number, word};
 use serde_json::json;
@@ -154,7 +154,7 @@ impl Study for Runs {
         self.problem.named(&values.unwrap_or_else(|| self.problem.middle()))
     }
 
-    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<RunResult<Record, ()>, Error> {
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Recorded<Self> {
         let proposal = self.proposal(run, crew.going_on())?;
         let values = self.problem.values(&proposal.point);
         let scenario = self.problem.scenario(&values, seed_of(self.seed, 6, run as u64))?;
@@ -162,12 +162,7 @@ impl Study for Runs {
         crew.drive_and_record(self, run, &Job::lockstep(scenario))
     }
 
-    fn record(
-        &self,
-        run: usize,
-        job: &Job,
-        result: Result<Done, Error>,
-    ) -> Result<(Record, ()), Error> {
+    fn record(&self, run: usize, job: &Job, result: Result<Done, Error>) -> Recorded<Self> {
         let summary = result?.summary;
         let proposal = self.under_way.lock().expect("no worker panics here").remove(&run);
         let driven = proposal.expect("the run was proposed");

@@ -9,7 +9,7 @@ use super::scene::Plan;
 use super::wave::Amplitudes;
 use super::{page, wave};
 use frame::batch::Job;
-use frame::{Crew, Found, Needs, RunOptions, RunResult, Study, batch};
+use frame::{Crew, Found, Needs, Recorded, RunOptions, Study, batch};
 use report::results::Document;
 use serde::{Deserialize, Serialize};
 use supervise::report::{ControlFigures, Outcome};
@@ -73,7 +73,7 @@ impl Study for Strings {
         Ok(self.task.plan.first().to_toml())
     }
 
-    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<RunResult<Vec<Driven>, ()>, Error> {
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Recorded<Self> {
         let plan = &self.strings[run];
         crew.steps(run, plan.vehicles);
         let mut string = CarByCar::of(plan.clone());
@@ -86,7 +86,7 @@ impl Study for Strings {
             string.drove(&job.scenario, &done.summary, &done.drive);
             crew.step(run);
         }
-        Ok(RunResult { record: string.into_cars(), seen: () })
+        Ok((string.into_cars(), ()))
     }
 
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {

@@ -40,9 +40,6 @@
       const index = row && row.x.findLastIndex((from) => from <= x);
       if (row && index >= 0) parts.push([0, `${chart.y.label} ${Math.round(y)}: ${row.y[index]} ${chart.map.unit}`]);
     }
-    for (const point of chart.points)
-      if (Math.hypot(u.valToPos(point.x, "x") - u.cursor.left, u.valToPos(point.y, "y") - u.cursor.top) < 12)
-        parts.push([0, point.label]);
     return parts.sort((a, b) => b[0] - a[0]).map((part) => part[1]);
   };
 
@@ -58,7 +55,7 @@
     });
   };
 
-  // Texts, marks and points on top of the series.
+  // Texts and marks on top of the series.
   const over = (u, chart) => {
     const { ctx, bbox } = u, ratio = uPlot.pxRatio;
     const write = (text, x, y, align, tone, halo) => {
@@ -104,15 +101,6 @@
       if (u.series[index + 1].show && ctx.measureText(series.label).width + 8 * ratio <= end - begin)
         write(series.label, begin + 5 * ratio, bottom - 6 * ratio, "left", "text", true);
     });
-    for (const { x, y, label } of chart.points) {
-      const [across, up] = place(u, x, y);
-      ctx.beginPath();
-      ctx.arc(across, up, 4 * ratio, 0, 7);
-      ctx.fillStyle = colour("card"); ctx.fill();
-      ctx.strokeStyle = colour("text"); ctx.lineWidth = 2 * ratio; ctx.stroke();
-      const left = across > bbox.left + bbox.width * 0.7;
-      if (chart.points.length <= 12) write(label, across + (left ? -8 : 8) * ratio, up + 4 * ratio, left ? "right" : "left", "text", true);
-    }
     ctx.restore();
   };
 

@@ -41,7 +41,7 @@ pub fn keys(runs: impl Iterator<Item = Vec<(String, String)>>) -> Vec<Key> {
             *word |= !is_number && !value.is_empty();
         }
     }
-    let key = |(name, number, word)| Key { name, is_number: number && !word };
+    let key = |(name, number, word): (String, bool, bool)| Key { name, is_number: number && !word };
     seen.into_iter().map(key).collect()
 }
 

@@ -8,7 +8,7 @@ use scenario::Scenario;
 use supervise::{Error, GroupOptions};
 
 use super::verify::{self, Verify};
-use super::{RunResult, Study};
+use super::{Recorded, Study};
 use crate::batch::{self, Done, Job};
 use crate::drives::Drive;
 use crate::keep::Keeper;
@@ -147,12 +147,7 @@ impl<'a> Crew<'a> {
     }
 
     /// Drives, and lets the study record the run. A failure of this run alone is its result.
-    pub fn drive_and_record<S: Study>(
-        &self,
-        study: &S,
-        run: usize,
-        job: &Job,
-    ) -> Result<RunResult<S::Record, S::Seen>, Error> {
+    pub fn drive_and_record<S: Study>(&self, study: &S, run: usize, job: &Job) -> Recorded<S> {
         let result = match self.drive(run, job) {
             result @ (Ok(_) | Err(Error::NotReady { .. } | Error::Runtime(_))) => result,
             Err(error) => return Err(error),
@@ -160,8 +155,7 @@ impl<'a> Crew<'a> {
         if let Ok(done) = &result {
             self.observe(run, &study.keys(run), &job.scenario, done);
         }
-        let (record, seen) = study.record(run, job, result)?;
-        Ok(RunResult { record, seen })
+        study.record(run, job, result)
     }
 }
 

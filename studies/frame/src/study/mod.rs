@@ -23,13 +23,8 @@ use supervise::Error;
 use crate::batch::{Done, Job};
 use crate::parts::{Records, Shard};
 
-#[derive(Debug)]
-pub struct RunResult<R, S> {
-    /// Its record, which goes into the journal.
-    pub record: R,
-    /// Data for pictures, which stays in memory alone.
-    pub seen: S,
-}
+/// What a run gives: its record, which goes into the journal, and data for pictures, which stays in memory alone.
+pub type Recorded<S> = Result<(<S as Study>::Record, <S as Study>::Seen), Error>;
 
 /// Condition for a result of some of the runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,22 +102,13 @@ pub trait Study: Sized + Sync {
     ///
     /// # Panics
     /// In a study that has a [`Study::drive`] of its own.
-    fn record(
-        &self,
-        run: usize,
-        job: &Job,
-        result: Result<Done, Error>,
-    ) -> Result<(Self::Record, Self::Seen), Error> {
+    fn record(&self, run: usize, job: &Job, result: Result<Done, Error>) -> Recorded<Self> {
         let _ = (job, result.is_ok());
         unreachable!("run {run} of {} is not one job", Self::NAME)
     }
 
     /// Does a run. A study whose run is not one drive has its own, and its own [`Study::subject`].
-    fn drive(
-        &self,
-        run: usize,
-        crew: &Crew<'_>,
-    ) -> Result<RunResult<Self::Record, Self::Seen>, Error> {
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Recorded<Self> {
         crew.drive_and_record(self, run, &self.job(run)?)
     }
 

@@ -11,7 +11,7 @@ use supervise::{Error, GroupOptions};
 use super::command::{Command, MergeArguments, ResumeArguments, RunOptions};
 use super::crew::{Crew, Observed};
 use super::verify::Verify;
-use super::{Found, Needs, RunResult, Study};
+use super::{Found, Needs, Recorded, Study};
 use crate::batch;
 use crate::drives;
 use crate::keep::{self, Keeper, Key};
@@ -152,8 +152,8 @@ fn all<S: Study>(
         false => Verify::default(),
     };
     let observed = Observed::new(keeper, verify, bar, begun);
-    let mut keep = |run: usize, gave: Result<RunResult<S::Record, S::Seen>, Error>| {
-        let RunResult { record, seen: picture } = gave?;
+    let mut keep = |run: usize, gave: Recorded<S>| {
+        let (record, picture) = gave?;
         if let Some(keeper) = keeper {
             keeper.settle(run)?;
         }

@@ -16,7 +16,7 @@ pub use results::schema;
 use clap::Args;
 use frame::batch::{self, Done, Job};
 use frame::param;
-use frame::{Command, DriveOptions, Entry, Found, Needs, RunOptions, Study};
+use frame::{Command, DriveOptions, Entry, Found, Needs, Recorded, RunOptions, Study};
 use messages::Service;
 use report::RunPicture;
 use report::results::Document;
@@ -180,12 +180,7 @@ impl Study for Laws {
         self.0.job(run)
     }
 
-    fn record(
-        &self,
-        run: usize,
-        job: &Job,
-        result: Result<Done, Error>,
-    ) -> Result<(Row, Option<RunPicture>), Error> {
+    fn record(&self, run: usize, job: &Job, result: Result<Done, Error>) -> Recorded<Self> {
         let Done { summary, drive, .. } = result?;
         let is_drawn = run.is_multiple_of(self.0.seeds());
         let picture = is_drawn.then(|| RunPicture::of_drive(&job.scenario, &drive));

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use frame::batch::{Done, Job};
 use frame::param::{self, Param};
-use frame::{Command, Entry, Found, Needs, RunOptions, Study};
+use frame::{Command, Entry, Found, Needs, Recorded, RunOptions, Study};
 use report::results::Document;
 use results::Sweep;
 use runtime::Mode;
@@ -117,12 +117,7 @@ impl Study for Points {
         self.grid.job(run)
     }
 
-    fn record(
-        &self,
-        run: usize,
-        job: &Job,
-        result: Result<Done, Error>,
-    ) -> Result<(Row, ()), Error> {
+    fn record(&self, run: usize, job: &Job, result: Result<Done, Error>) -> Recorded<Self> {
         match result {
             Ok(done) => Ok((self.grid.row(run, done.summary, false), ())),
             // A program that cannot start is not a result of a point.

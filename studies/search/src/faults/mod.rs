@@ -13,7 +13,7 @@ mod candidates;
 use std::num::NonZeroUsize;
 
 use frame::batch::{Done, Job};
-use frame::{Found, Needs, RunOptions, Study};
+use frame::{Found, Needs, Recorded, RunOptions, Study};
 use report::results::Document;
 use serde::{Deserialize, Serialize};
 use supervise::report::Outcome;
@@ -117,12 +117,7 @@ impl Study for Faults {
         Ok(Job::lockstep(scenario))
     }
 
-    fn record(
-        &self,
-        run: usize,
-        _: &Job,
-        result: Result<Done, Error>,
-    ) -> Result<(FaultRecord, ()), Error> {
+    fn record(&self, run: usize, _: &Job, result: Result<Done, Error>) -> Recorded<Self> {
         let summary = result?.summary;
         let judged = judge(&summary);
         let outcome = summary.outcome;

@@ -22,7 +22,7 @@ use std::sync::Mutex;
 
 use frame::batch::Job;
 use frame::keep::Keep;
-use frame::{Crew, Found, Needs, RunOptions, RunResult, Study};
+use frame::{Crew, Found, Needs, Recorded, RunOptions, Study};
 use rare_events::{Budget, REPLICAS, replica, sobol};
 use report::results::Document;
 use supervise::{Error, UsageError};
@@ -86,7 +86,7 @@ impl Study for Probability {
         self.problem.named(&self.problem.middle())
     }
 
-    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<RunResult<Unit, ()>, Error> {
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Recorded<Self> {
         crew.steps(run, self.units.points(run, self.problem.dimensions()));
         let mut points = Points {
             study: self,
@@ -125,7 +125,7 @@ impl Study for Probability {
         }
         let unit = points.unit;
         self.tell(run, &unit);
-        Ok(RunResult { record: unit, seen: () })
+        Ok((unit, ()))
     }
 
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {

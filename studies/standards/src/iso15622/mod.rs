@@ -15,7 +15,7 @@ use std::process::ExitCode;
 
 use clap::Args;
 use frame::batch::{self, Done, Job};
-use frame::{Command, DriveOptions, Entry, Found, RunOptions, Study};
+use frame::{Command, DriveOptions, Entry, Found, Recorded, RunOptions, Study};
 use judge::Row;
 use report::results::{Broken, Column, Document, Schema, Table, flag, number, word};
 use scenes::Test;
@@ -93,12 +93,7 @@ impl Study for Tests {
         test.scenario(law, drives, *seed).map(Job::lockstep)
     }
 
-    fn record(
-        &self,
-        run: usize,
-        job: &Job,
-        result: Result<Done, Error>,
-    ) -> Result<(Vec<Row>, ()), Error> {
+    fn record(&self, run: usize, job: &Job, result: Result<Done, Error>) -> Recorded<Self> {
         let done = result?;
         batch::whole(&done.summary)?;
         let (law, test) = &self.tests[run];

@@ -27,7 +27,7 @@ use clap::{Args, ValueEnum};
 use controller::laws;
 use drive::Ends;
 use frame::batch::{self, Job};
-use frame::{Command, Crew, DriveOptions, Entry, Found, Needs, RunOptions, RunResult, Study};
+use frame::{Command, Crew, DriveOptions, Entry, Found, Needs, Recorded, RunOptions, Study};
 use report::results::{Document, Schema};
 use results::{Driven, Judged, MatrixResult, Results};
 use serde::{Deserialize, Serialize};
@@ -113,7 +113,7 @@ impl Study for Plan {
         Ok(self.scenes.scenario(&Matrix::CutIn.cases()[0], law, false)?.to_toml())
     }
 
-    fn drive(&self, run: usize, crew: &Crew<'_>) -> Result<RunResult<Ends, ()>, Error> {
+    fn drive(&self, run: usize, crew: &Crew<'_>) -> Recorded<Self> {
         let (_, (_, case), law) = self.place(run);
         let record = Ends::of(|aebs| {
             let job = Job::lockstep(self.scenes.scenario(case, law, aebs)?);
@@ -122,7 +122,7 @@ impl Study for Plan {
             crew.observe(run, &self.keys_of(run, aebs), &job.scenario, &done);
             Ok(done)
         })?;
-        Ok(RunResult { record, seen: () })
+        Ok((record, ()))
     }
 
     fn keys(&self, run: usize) -> Vec<(String, String)> {

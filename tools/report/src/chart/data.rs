@@ -5,17 +5,6 @@ use super::decimate::kept;
 use super::{Mark, Stroke, Tone};
 use serde::Serialize;
 
-/// A labelled point, such as a value that a paper prints.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Point {
-    /// Value on the horizontal axis.
-    pub x: f64,
-    /// Value on the vertical axis.
-    pub y: f64,
-    /// Name and value as text.
-    pub label: String,
-}
-
 /// Columns into which points fall along the horizontal axis. They are more than a screen shows, so that
 /// zooming shows more.
 const COLUMNS: f64 = 4_000.0;
@@ -37,7 +26,6 @@ pub struct Chart {
     pub map: Option<Map>,
     /// Places on the horizontal axis, their labels and colours.
     pub marks: Vec<(f64, String, &'static str)>,
-    pub points: Vec<Point>,
     /// Texts at values of the vertical axis.
     pub texts: Vec<Text>,
 }
@@ -45,9 +33,9 @@ pub struct Chart {
 impl Chart {
     /// A chart without series.
     pub fn new(x: &Axis, y: &Axis, height: f64) -> Self {
-        let (marks, points, texts) = (Vec::new(), Vec::new(), Vec::new());
+        let (marks, texts) = (Vec::new(), Vec::new());
         let (x, y) = (AxisData::from(x), AxisData::from(y));
-        Self { x, y, height, series: Vec::new(), map: None, marks, points, texts }
+        Self { x, y, height, series: Vec::new(), map: None, marks, texts }
     }
 
     pub fn marked(self, marks: &[Mark]) -> Self {

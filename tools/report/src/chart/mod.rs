@@ -1,7 +1,6 @@
 //! Pictures as data, which the page's script draws (`assets/charts.js` with `assets/shapes.js`).
 //!
-//! * [`Plot`]: curves over two axes (linear, logarithmic or by percentiles). It has labelled points, marks by numbers or
-//!   letters, and strips, such as a signal's phases at its stop line. A curve need not be a function of the horizontal
+//! * [`Plot`]: curves over two axes (linear, logarithmic or by percentiles). It has marks by numbers or letters, and strips, such as a signal's phases at its stop line. A curve need not be a function of the horizontal
 //!   value.
 //! * [`Cells`]: filled cells of a grid over two axes, with edges.
 //! * [`Scatter`]: points of some kinds over two axes.
@@ -33,7 +32,7 @@ mod ribbons;
 pub use axis::{Axis, number};
 pub use bands::{Bands, Parallel, Polyline, Row, Span};
 pub use cells::{Cells, Dot, Edges, FilledCell, Scatter};
-pub use data::{Chart, Point, escape, script_json};
+pub use data::{Chart, escape, script_json};
 pub use plot::{Curve, Plot, Strip};
 pub use ribbons::{Ribbon, Ribbons};
 

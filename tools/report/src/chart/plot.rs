@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::data::{Chart, Column, Series, Text};
-use super::{Mark, Picture, Point, Stroke, Tone};
+use super::{Mark, Picture, Stroke, Tone};
 
 /// Width of a curve, px.
 const LINE_PX: f64 = 2.0;
@@ -80,8 +80,6 @@ pub struct Plot {
     pub strips: Vec<Strip>,
     /// The curves; among curves of one stroke the first is on top.
     pub curves: Vec<Curve>,
-    /// Labelled points, on top of the curves.
-    pub points: Vec<Point>,
     /// Marked places on the horizontal axis.
     pub marks: Vec<Mark>,
     /// Names of the colours of the strips, for the legend.
@@ -107,7 +105,6 @@ impl Plot {
             height: 180.0,
             strips: Vec::new(),
             curves,
-            points: Vec::new(),
             marks: Vec::new(),
             strip_keys: Vec::new(),
         }
@@ -137,7 +134,6 @@ impl Picture for Plot {
         let texts = texts.map(|strip| Text { y: strip.y, label: strip.label.clone() });
         Chart {
             series: lines.chain(bars).collect(),
-            points: self.points.clone(),
             texts: texts.collect(),
             ..Chart::new(&self.x, &self.y, self.height).marked(&self.marks)
         }
@@ -196,13 +192,5 @@ mod tests {
         let text = super::super::script_json(&plot(Vec::new()).chart());
         assert!(text.contains("m/s") && text.contains("time, s"), "{text}");
         assert!(plot(Vec::new()).chart().series.is_empty(), "an empty curve has no legend");
-    }
-
-    #[test]
-    fn a_point_widens_the_axis() {
-        let points = vec![Point { x: 5.0, y: 30.0, label: "printed: 30".into() }];
-        let plot = plot(vec![(0.0, 1.0), (10.0, 2.0)]).with_points(points);
-        assert!(plot.y.share(30.0) <= 1.0, "{:?}", plot.y);
-        assert_eq!(plot.chart().points.len(), 1);
     }
 }
