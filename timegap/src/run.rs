@@ -16,8 +16,8 @@ use std::process::ExitCode;
 use std::time::Instant;
 use supervise::report::Outcome;
 use supervise::{
-    Ended, Error, GroupOptions, Keep, ModeName, Moment, ScenarioOptions, UsageError, check_targets,
-    drive, open,
+    Ended, Error, GroupOptions, Keep, Moment, ScenarioOptions, UsageError, check_targets, drive,
+    open,
 };
 
 /// Simulated time between two positions of the progress bar, ms: a call costs as much as a message.
@@ -40,8 +40,8 @@ pub struct RunArguments {
     #[command(flatten)]
     pub group: GroupOptions,
     /// Clock: `realtime`, or `lockstep` with simulated time and repeatable bytes
-    #[arg(long, value_enum, default_value_t = ModeName::Realtime)]
-    pub mode: ModeName,
+    #[arg(long, value_parser = supervise::mode(), default_value = "realtime")]
+    pub mode: Mode,
     /// Run all services in one process: lockstep only, same bytes, no recording
     #[arg(long)]
     pub in_process: bool,
@@ -66,7 +66,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         parameters: arguments.parameters.clone(),
         radio: arguments.radio.clone(),
         is_for_one_law: true,
-        is_in_lockstep: arguments.in_process || Mode::from(arguments.mode) == Mode::Lockstep,
+        is_in_lockstep: arguments.in_process || arguments.mode == Mode::Lockstep,
         ..arguments.scenario_options.clone()
     };
     let scenario = open(&arguments.scenario, &options)?;
@@ -81,7 +81,7 @@ pub fn run(arguments: &RunArguments) -> Result<ExitCode, Error> {
         return Ok(ExitCode::FAILURE);
     }
     check_targets(&scenario)?;
-    let mode = arguments.mode.into();
+    let mode = arguments.mode;
     if arguments.in_process {
         refuse_what_needs_processes(arguments)?;
     }
@@ -155,7 +155,7 @@ fn driver(scenario: &Scenario, arguments: &RunArguments) -> String {
 
 /// Refuses options that exclude `--in-process`.
 fn refuse_what_needs_processes(arguments: &RunArguments) -> Result<(), UsageError> {
-    let (why, expected) = if matches!(arguments.mode, ModeName::Realtime) {
+    let (why, expected) = if arguments.mode == Mode::Realtime {
         ("in realtime every service is a process", "to add --mode lockstep")
     } else if !arguments.group.programs.is_empty() {
         ("your program is a process of its own", "to omit --service or --in-process")

@@ -49,7 +49,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::{Path, PathBuf};
-use supervise::{Error, Failure};
+use supervise::{Error, UsageError};
 
 /// Longest campaign file, bytes.
 const MAX_BYTES: u64 = 1 << 20;

@@ -6,7 +6,7 @@ use super::template::{Drawing, check, drawn};
 use super::variation::Variants;
 use rand_core::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use supervise::{Error, Failure};
+use supervise::{Error, UsageError};
 
 /// Largest number of runs of a campaign.
 const MAX_RUNS: usize = 1_000_000;

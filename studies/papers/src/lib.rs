@@ -74,13 +74,10 @@ pub struct ReproduceArguments {
 }
 
 /// A spread of a driver's speed, km/h.
-fn spread(text: &str) -> Result<f64, NoSpread> {
-    text.parse().ok().filter(|value| (0.0..=15.0).contains(value)).ok_or(NoSpread)
+fn spread(text: &str) -> Result<f64, &'static str> {
+    let number = text.parse().ok().filter(|value| (0.0..=15.0).contains(value));
+    number.ok_or("expected a number from 0 to 15, in km/h")
 }
-
-#[derive(Clone, Copy, Debug, thiserror::Error)]
-#[error("expected a number from 0 to 15, in km/h")]
-struct NoSpread;
 
 /// A paper by the name of its controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]

@@ -11,8 +11,6 @@ use std::cell::Cell;
 use std::sync::Arc;
 use supervise::{Drive, DriveStep, Error, GroupOptions, ScenarioOptions};
 
-pub use super::runner::Driven;
-
 /// Result of a piece.
 #[derive(Default)]
 pub struct Part {

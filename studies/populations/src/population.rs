@@ -12,8 +12,6 @@ use supervise::{Error, RequirementVerdict, UsageError};
 
 pub use frame::DriveOptions;
 
-pub use crate::population::{Drive, Planned};
-
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Finding {
     /// No drive may have it.

@@ -2,7 +2,7 @@
 
 use messages::Diagnostics;
 use messages::level::Level;
-use report::fault;
+use report::print;
 use runtime::statistics::{Latencies, Percentiles};
 use std::collections::VecDeque;
 use std::sync::mpsc::SyncSender;
@@ -192,7 +192,7 @@ impl LiveFeed {
     fn events(&self, faults: &[FaultRecord]) -> Vec<LiveEvent> {
         let newest = &faults[faults.len().saturating_sub(EVENTS)..];
         let faults = newest.iter().map(|record| {
-            let (name, outcome) = (fault::name(record), fault::outcome(record));
+            let (name, outcome) = (print::fault_name(record), print::fault_outcome(record));
             let end = if outcome.is_empty() { outcome } else { format!(": {outcome}") };
             LiveEvent { t_s: record.t_s, what: name + &end }
         });

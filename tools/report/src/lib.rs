@@ -22,7 +22,6 @@
 
 pub mod chart;
 mod compare;
-pub mod fault;
 pub mod figures;
 pub mod html;
 mod lateral;

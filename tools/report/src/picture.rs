@@ -1,8 +1,8 @@
 //! Series over run time, from which the pictures of a run are drawn.
 
-use crate::fault;
 use crate::lateral::LateralSeries;
 use crate::plane::PlaneView;
+use crate::print;
 use controller::laws;
 use messages::AllVehicles;
 use messages::level::{Level, Levels};
@@ -148,8 +148,8 @@ impl RunPicture {
         let mut run = Self::of_modes(scenario, &group.drive, modes);
         let mark = |record: &FaultRecord| FaultMark {
             t_s: record.t_s,
-            label: fault::name(record),
-            outcome: fault::outcome(record),
+            label: print::fault_name(record),
+            outcome: print::fault_outcome(record),
         };
         run.faults = group.faults.iter().map(mark).collect();
         run.faults.sort_by(|a, b| a.t_s.total_cmp(&b.t_s));

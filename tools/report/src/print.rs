@@ -2,10 +2,12 @@
 
 use crate::results::{Document, width};
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
+use messages::Service;
 use runtime::statistics::Percentiles;
+use scenario::faults::Helper;
 use std::io::{ErrorKind, Write as _};
 use supervise::report::Outcome;
-use supervise::{Error, RequirementVerdict};
+use supervise::{Error, FaultRecord, RequirementVerdict};
 
 /// Writes text on standard output. A closed pipe is not an error: its reader needs no more.
 pub fn out(text: &str) -> Result<(), Error> {
@@ -126,6 +128,25 @@ pub fn count_bar(runs: usize, quiet: bool) -> ProgressBar {
             written.expect("a line takes all");
         });
     ProgressBar::new(runs as u64).with_style(style)
+}
+
+/// Kind and target of a fault: `kill controller`.
+pub fn fault_name(record: &FaultRecord) -> String {
+    let target = record.service.map(Service::name).or(record.topic);
+    let target = target.or(record.helper.map(Helper::name)).unwrap_or_default();
+    format!("{} {target}", record.kind).trim_end().to_owned()
+}
+
+/// Effect and end of a fault, as far as they are known: `detected after 1.20 ms, back after 9.80 ms by restart`.
+pub fn fault_outcome(record: &FaultRecord) -> String {
+    let after = |us: Option<f64>, what: &str| us.map(|us| format!("{what} after {}", duration(us)));
+    let by = record.recovered_by.map_or_else(String::new, |by| format!(" by {}", by.name()));
+    let parts = [
+        after(record.detected_after_us, "detected"),
+        after(record.recovered_after_us, "back").map(|back| back + &by),
+        record.messages.map(|messages| format!("{messages} messages")),
+    ];
+    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 #[cfg(test)]

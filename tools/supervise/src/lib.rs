@@ -43,7 +43,7 @@ pub use faults::disturbance::run as run_hog;
 pub use in_process::entry;
 pub use options::laws::{LawError, LawOptions, LawSource, NamedLaw};
 pub use options::{
-    GroupOptions, ModeName, OptionNames, ScenarioOptions, ServiceProgramError, service_program,
+    GroupOptions, OptionNames, ScenarioOptions, ServiceProgramError, mode, service_program,
 };
 pub use refusal::{absent, check_in_process, check_targets};
 pub use replay::{Replayed, ReplayerError, replay};

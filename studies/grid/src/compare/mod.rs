@@ -6,7 +6,6 @@
 //!                                        └─► of several seeds: mean ± spread, and A - B seed by seed
 //! ```
 
-mod columns;
 mod differences;
 mod results;
 
@@ -25,7 +24,7 @@ use runtime::Mode;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::process::ExitCode;
-use supervise::{Error, ModeName, Opening, ScenarioOptions, UsageError};
+use supervise::{Error, Opening, ScenarioOptions, UsageError};
 
 use crate::cells::{Cell, Grid};
 use crate::row::Row;
@@ -43,8 +42,8 @@ pub struct CompareArguments {
     #[arg(long, value_name = "SEEDS")]
     pub seeds: Option<String>,
     /// Clock: figures of the drive repeat exactly in `lockstep`; `realtime` also measures deadlines
-    #[arg(long, value_enum, default_value_t = ModeName::Lockstep)]
-    pub mode: ModeName,
+    #[arg(long, value_parser = supervise::mode(), default_value = "lockstep")]
+    pub mode: Mode,
 }
 
 /// Runs the command.
@@ -134,7 +133,7 @@ impl Study for Laws {
         }
         let seeds = arguments.seeds.as_deref().map(param::seeds).transpose()?.unwrap_or_default();
         let mut grid =
-            Grid { openings: Vec::new(), cells: Vec::new(), seeds, mode: arguments.mode.into() };
+            Grid { openings: Vec::new(), cells: Vec::new(), seeds, mode: arguments.mode };
         for argument in &arguments.scenarios {
             for law in &laws {
                 let options = ScenarioOptions {

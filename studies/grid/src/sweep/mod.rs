@@ -22,7 +22,7 @@ use report::results::Document;
 use results::Sweep;
 use runtime::Mode;
 use std::process::ExitCode;
-use supervise::{Error, ModeName, Opening, ScenarioOptions, UsageError};
+use supervise::{Error, Opening, ScenarioOptions, UsageError};
 
 use crate::cells::{Cell, Grid};
 use crate::row::Row;
@@ -45,8 +45,8 @@ pub struct SweepArguments {
     #[command(flatten)]
     pub scenario_options: ScenarioOptions,
     /// Clock: curves repeat exactly in `lockstep`; `realtime` also measures deadlines
-    #[arg(long, value_enum, default_value_t = ModeName::Lockstep)]
-    pub mode: ModeName,
+    #[arg(long, value_parser = supervise::mode(), default_value = "lockstep")]
+    pub mode: Mode,
 }
 
 /// Runs the command.
@@ -93,7 +93,7 @@ impl Study for Points {
         let cell = |keys| Cell { label: label.clone(), opening: 0, keys };
         let cells = param::grid(&params).into_iter().map(cell).collect();
         let openings = vec![Opening::of(&scenario, &arguments.scenario_options)?];
-        let grid = Grid { openings, cells, seeds, mode: arguments.mode.into() };
+        let grid = Grid { openings, cells, seeds, mode: arguments.mode };
         let mut controllers: Vec<String> = Vec::new();
         grid.check(&run.group, &mut |scenario| {
             let name = scenario.controller.name.as_str();

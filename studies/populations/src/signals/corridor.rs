@@ -18,8 +18,6 @@ use super::lead;
 use crate::scene::{Draws, Scene, fixed};
 use std::fmt::Write;
 
-pub use super::corridor::Signal;
-
 /// Selects the draws of this study.
 const STREAM: u64 = 0x5e1e_c7ed_c0aa_1d05;
 /// Reaction time in the least range of the radio, s.

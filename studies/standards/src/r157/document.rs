@@ -126,6 +126,7 @@ mod tests {
     use super::super::results::{Driven, End};
     use super::*;
     use crate::{Outcome, Verdict};
+    use frame::DriveOptions;
 
     /// The document of a law that collides in `hits` cases of a matrix alone, and in `braked` of them with the brake.
     fn following(hits: usize, braked: usize) -> Document {
@@ -142,12 +143,10 @@ mod tests {
         let ok = matrices.iter().all(MatrixResult::holds);
         let arguments = R157Arguments {
             matrix: Vec::new(),
-            controllers: Vec::new(),
-            laws: Default::default(),
+            drives: DriveOptions::default(),
             models_only: false,
             sample: None,
             seed: 1,
-            require: Vec::new(),
             csv: None,
         };
         document(&Results { schema_version: 1, ok, matrices }, &[judged], &arguments)

@@ -190,6 +190,7 @@ fn cut_out(case: &cut_out::Case, gap_m: f64) -> Traffic {
 #[cfg(test)]
 mod tests {
     use clap::ValueEnum;
+    use controller::laws;
     use perception_sim::radar::scene::Ego;
     use perception_sim::traffic::Traffic;
 

@@ -12,7 +12,7 @@ use crate::html::{Tile, figure};
 use crate::picture::{RunPicture, letter};
 use crate::results::{Broken, Column, Document, Format, Table, column, count, word};
 use crate::summary::Summary;
-use crate::{fault, lateral, over_time, print, verdicts};
+use crate::{lateral, over_time, print, verdicts};
 use scenario::Scenario;
 use supervise::report::Outcome;
 use supervise::{FaultRecord, RequirementVerdict};
@@ -136,7 +136,7 @@ fn faults(records: &[FaultRecord]) -> Table {
         word("result", "result", "Its effect, as far as it is known"),
     ];
     let row = |(place, record): (usize, &&FaultRecord)| {
-        let (fault, result) = (fault::name(record), fault::outcome(record));
+        let (fault, result) = (print::fault_name(record), print::fault_outcome(record));
         json!({"no": place + 1, "t_s": record.t_s, "fault": fault, "result": result})
     };
     let rows: Vec<_> = records.iter().enumerate().map(row).collect();

@@ -3,9 +3,11 @@
 pub mod laws;
 
 use crate::{LawOptions, UsageError};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use messages::{Service, UnknownService};
 use openscenario::LaneHeadings;
+use runtime::Mode;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -133,23 +135,13 @@ impl GroupOptions {
     }
 }
 
-/// Clock by name.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ModeName {
-    /// Wall-clock time.
-    Realtime,
-    /// Simulated time.
-    Lockstep,
-}
-
-impl From<ModeName> for runtime::Mode {
-    fn from(name: ModeName) -> Self {
-        match name {
-            ModeName::Realtime => Self::Realtime,
-            ModeName::Lockstep => Self::Lockstep,
-        }
-    }
+/// A parser of a clock's name.
+pub fn mode() -> impl TypedValueParser<Value = Mode> {
+    let name = |mode: Mode, help: &'static str| PossibleValue::new(mode.name()).help(help);
+    let names = [name(Mode::Realtime, "Wall-clock time"), name(Mode::Lockstep, "Simulated time")];
+    let is_lockstep = |name: String| name == Mode::Lockstep.name();
+    PossibleValuesParser::new(names)
+        .map(move |name| if is_lockstep(name) { Mode::Lockstep } else { Mode::Realtime })
 }
 
 /// An argument names no service's program.
