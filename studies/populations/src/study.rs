@@ -46,6 +46,7 @@ impl<P: Population> Test<P> {
     /// The drives that the arguments mean.
     pub fn of(arguments: &PopulationArguments) -> Result<Self, Error> {
         let PopulationArguments { first, drives: options, .. } = arguments;
+        options.laws.check()?;
         let named = match options.controllers.as_slice() {
             [] => options.laws.names(),
             _ => options.own_named()?,
