@@ -49,7 +49,7 @@ fn effective(arguments: &CampaignArguments) -> Result<Campaign, Error> {
     laws.check()?;
     campaign.set.extend(laws.keys().iter().chain(set).cloned());
     if !controllers.is_empty() {
-        campaign.controllers = batch::laws::named(controllers, &laws.names())?;
+        campaign.controllers = batch::laws::named(controllers, &laws.names(), false)?;
     } else if campaign.controllers.is_empty() {
         campaign.controllers = laws.names();
     }
