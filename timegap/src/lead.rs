@@ -100,8 +100,7 @@ fn after_end(text: &str) -> Result<AfterEnd, String> {
 }
 
 fn write(path: &Path, text: &str) -> Result<(), Error> {
-    let failed = |reason| Error::Path { action: "write", path: path.to_owned(), reason };
-    std::fs::write(path, text).map_err(failed)
+    std::fs::write(path, text).map_err(Error::path("write", path))
 }
 
 fn list(path: &Path, is_json: bool) -> Result<ExitCode, Error> {

@@ -14,7 +14,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use supervise::{Error, ScenarioOptions, SignalsError, UsageError, open};
+use supervise::{Error, ScenarioOptions, UsageError, open};
 use v2x_sim::frames::{Frames, road_plane};
 
 /// Longest delay of an end by signal.
@@ -91,9 +91,7 @@ pub fn run(arguments: &RsuArguments) -> Result<ExitCode, Error> {
     }
     let mut unit = RoadsideUnit::open(&scenario, address)?;
     let stop = Arc::new(AtomicBool::new(false));
-    for signal in supervise::end_signals() {
-        signal_hook::flag::register(signal, Arc::clone(&stop)).map_err(SignalsError::from)?;
-    }
+    supervise::flag_end(&stop)?;
     print::note(&format!("{} on {address}", scenario.name.as_str()));
     unit.send_until(arguments.duration.map(Duration::from_secs_f64), &stop)?;
     let summary = unit.summary(&scenario);

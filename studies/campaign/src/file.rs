@@ -164,7 +164,7 @@ impl Campaign {
 
     /// Reads a campaign file as it is.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let error = |reason| Error::Path { action: "read", path: path.to_owned(), reason };
+        let error = Error::path("read", path);
         let metadata = std::fs::metadata(path).map_err(error)?;
         if !metadata.is_file() || metadata.len() > MAX_BYTES {
             let expected = format_args!("a file of at most {MAX_BYTES} bytes");

@@ -5,7 +5,7 @@
 
 use super::plan::Planned;
 use super::record::{Measured, Record};
-use frame::batch::{PrepareError, Scratch, leftovers};
+use frame::batch::{Scratch, leftovers};
 use runtime::{Group, Mode};
 use scenario::Scenario;
 use scenario::faults::{Helper, Kind, Target};
@@ -14,7 +14,7 @@ use std::path::Path;
 use std::process::{Child, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 use supervise::report::Outcome;
-use supervise::{Error, this_program};
+use supervise::{Error, MachineError, this_program};
 use toml::{Table, Value};
 
 /// Time within which the whole group must be gone.
@@ -40,13 +40,13 @@ pub fn run(
     mode: Mode,
     going_on: &dyn Fn() -> bool,
 ) -> Result<Record, Error> {
-    let scratch = Scratch::new().map_err(PrepareError::of("make a directory"))?;
+    let scratch = Scratch::new().map_err(MachineError::cannot("make a directory"))?;
     let (file, out) = (scratch.path().join("run.toml"), scratch.path().join("out"));
-    std::fs::write(&file, scenario.to_toml()).map_err(PrepareError::of("write a scenario"))?;
+    std::fs::write(&file, scenario.to_toml()).map_err(MachineError::cannot("write a scenario"))?;
     let mut command = this_program(&["run", "--no-record", "--mode", mode.name()])?;
     command.arg(&file).arg("--out").arg(&out);
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-    let mut launcher = command.spawn().map_err(PrepareError::of("start a run"))?;
+    let mut launcher = command.spawn().map_err(MachineError::cannot("start a run"))?;
     let status = wait(&mut launcher, going_on)?;
     let aborted = Record::aborted(planned, scenario);
     if status.signal().is_none() {
@@ -86,7 +86,7 @@ fn wait(launcher: &mut Child, going_on: &dyn Fn() -> bool) -> Result<ExitStatus,
                 return Err(Error::Interrupted);
             }
             Ok(None) => std::thread::sleep(CHECK),
-            Err(e) => return Err(PrepareError::of("wait for a run")(e).into()),
+            Err(e) => return Err(MachineError::cannot("wait for a run")(e).into()),
         }
     }
 }

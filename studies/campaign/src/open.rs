@@ -59,11 +59,7 @@ pub fn open(argument: &str) -> Result<Campaign, Error> {
 }
 
 fn absolute(file: &Path) -> Result<PathBuf, Error> {
-    std::fs::canonicalize(file).map_err(|reason| Error::Path {
-        action: "read",
-        path: file.to_owned(),
-        reason,
-    })
+    std::fs::canonicalize(file).map_err(Error::path("read", file))
 }
 
 /// The campaign that runs a variation file.

@@ -24,7 +24,7 @@ use std::os::fd::{AsFd, OwnedFd};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use supervise::{Error, Failure, Status, UsageError};
+use supervise::{Error, MachineError, UsageError};
 
 /// Longest time until a key is read.
 const PATIENCE: Duration = Duration::from_millis(50);
@@ -32,17 +32,6 @@ const PATIENCE: Duration = Duration::from_millis(50);
 const CONTROL_C: u8 = 3;
 /// First byte of a key's escape sequence.
 const ESCAPE: u8 = 0x1b;
-
-/// A terminal that the run cannot use.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot use the terminal: {0}")]
-struct TerminalError(#[from] std::io::Error);
-
-impl Failure for TerminalError {
-    fn status(&self) -> Status {
-        Status::Machine
-    }
-}
 
 /// Starts the view, which ends with its channel or with the terminal. It draws on standard error:
 /// standard output belongs to the results.
@@ -56,7 +45,7 @@ pub fn watch(title: String, frames: Receiver<Frame>) -> Result<JoinHandle<()>, E
         let thread = std::thread::Builder::new().name("watch".into());
         thread.spawn(move || terminal.follow(&title, &frames, &keys))
     };
-    Ok(start().map_err(TerminalError)?)
+    Ok(start().map_err(MachineError::cannot("use the terminal"))?)
 }
 
 /// Request from the terminal's keyboard.

@@ -90,8 +90,7 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
     if !damage.is_empty() {
         // An empty table of a damaged recording would pass for a topic without messages.
         for (path, _) in tables.extract_if(.., |(_, rows)| *rows == 0) {
-            let failed = |reason| Error::Path { action: "remove", path: path.clone(), reason };
-            std::fs::remove_file(&path).map_err(failed)?;
+            std::fs::remove_file(&path).map_err(Error::path("remove", &path))?;
         }
     }
     let files = tables.iter().chain(&captured);
@@ -115,8 +114,7 @@ pub fn run(arguments: &ExportArguments) -> Result<ExitCode, Error> {
 }
 
 fn make(directory: &Path) -> Result<(), Error> {
-    let failed = |reason| Error::Path { action: "create", path: directory.to_owned(), reason };
-    std::fs::create_dir_all(directory).map_err(failed)
+    std::fs::create_dir_all(directory).map_err(Error::path("create", directory))
 }
 
 struct Table {

@@ -116,7 +116,7 @@ fn messages_as_json() -> Value {
 }
 
 fn write(path: &Path, text: &str) -> Result<(), Error> {
-    let error = |reason| Error::Path { action: "write", path: path.to_owned(), reason };
+    let error = Error::path("write", path);
     std::fs::create_dir_all(path.parent().expect("it has a name in a folder")).map_err(error)?;
     std::fs::write(path, text).map_err(error)
 }

@@ -74,21 +74,17 @@ pub fn run(arguments: &RecoverArguments) -> Result<ExitCode, Error> {
 /// Writes the repaired file beside the broken one, then moves it to its place.
 fn rewrite(broken: &Recording, out: Option<&Path>) -> Result<(PathBuf, recorder::Tally), Error> {
     let place = out.unwrap_or_else(|| broken.path());
-    let error = |action, path: &Path| {
-        let path = path.to_owned();
-        move |reason| Error::Path { action, path, reason }
-    };
     let part = with_suffix(place, "part");
     let written = write(broken, &part).inspect_err(|_| {
         // A partial file is useless.
         let _ = std::fs::remove_file(&part);
     });
-    let recovered = written.map_err(error("write", &part))?;
+    let recovered = written.map_err(Error::path("write", &part))?;
     if out.is_none() {
         let kept = with_suffix(place, "broken");
-        std::fs::rename(place, &kept).map_err(error("rename", place))?;
+        std::fs::rename(place, &kept).map_err(Error::path("rename", place))?;
     }
-    std::fs::rename(&part, place).map_err(error("rename", &part))?;
+    std::fs::rename(&part, place).map_err(Error::path("rename", &part))?;
     recorder::bag::write_beside(place)?;
     Ok((place.to_owned(), recovered.tally))
 }

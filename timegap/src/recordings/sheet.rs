@@ -67,7 +67,7 @@ impl Sheet {
                 }
             })
         };
-        let file = begin().map_err(failed(&path))?;
+        let file = begin().map_err(Error::path("write", &path))?;
         Ok(Self { path, rows: 0, file })
     }
 
@@ -87,7 +87,7 @@ impl Sheet {
                 }
             }
         };
-        written.map_err(failed(&self.path))
+        written.map_err(Error::path("write", &self.path))
     }
 
     /// Ends the table; returns its path and number of rows.
@@ -99,7 +99,7 @@ impl Sheet {
             }
             Inner::Parquet { writer, .. } => writer.finish().map(drop),
         };
-        ended.map_err(failed(&self.path))?;
+        ended.map_err(Error::path("write", &self.path))?;
         Ok((self.path, self.rows))
     }
 }
@@ -157,11 +157,6 @@ fn push(cells: &mut Cells, item: &Item<'_>) {
     }
 }
 
-fn failed(path: &Path) -> impl FnOnce(io::Error) -> Error {
-    let path = path.to_owned();
-    move |reason| Error::Path { action: "write", path, reason }
-}
-
 const FILE: &str = "radio.pcap";
 
 /// The frames at the vehicle: received and sent ones.
@@ -196,9 +191,7 @@ impl Capture {
             }
             writer.finish()
         };
-        match write() {
-            Ok(()) => Ok((path, self.frames.len() as u64)),
-            Err(reason) => Err(Error::Path { action: "write", path, reason }),
-        }
+        write().map_err(Error::path("write", &path))?;
+        Ok((path, self.frames.len() as u64))
     }
 }

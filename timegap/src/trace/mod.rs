@@ -61,11 +61,8 @@ pub fn run(arguments: &TraceArguments) -> Result<ExitCode, Error> {
         None => recording.path().with_file_name("trace.pftrace"),
     };
     expect_another_file(&recording, &file)?;
-    let (written, damage) = write(&recording, &scenario, &file).map_err(|reason| Error::Path {
-        action: "write",
-        path: file.clone(),
-        reason,
-    })?;
+    let written = write(&recording, &scenario, &file);
+    let (written, damage) = written.map_err(Error::path("write", &file))?;
     let damage = [recording.damage(), &damage].concat();
     print_damage(&recording, &damage);
     let Written { cycles, chains, deadline_misses, incidents, .. } = written;

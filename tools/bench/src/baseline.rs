@@ -11,8 +11,7 @@ const ENOUGH: u64 = 1000;
 const CHANCE: f64 = 5.0;
 
 pub fn read(path: &Path) -> Result<Report, Error> {
-    let error = |reason| Error::Path { action: "read", path: path.to_owned(), reason };
-    let text = std::fs::read_to_string(path).map_err(error)?;
+    let text = std::fs::read_to_string(path).map_err(Error::path("read", path))?;
     let mistake = |reason: serde_json::Error| {
         let place = format!("{}:{}:{}", path.display(), reason.line(), reason.column());
         UsageError::at(place, reason, "a file of `timegap bench --save`")

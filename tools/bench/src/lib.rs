@@ -60,7 +60,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use supervise::{Error, SignalsError};
+use supervise::Error;
 
 /// Length of each measurement, s.
 const FULL_S: f64 = 2.0;
@@ -110,10 +110,7 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
     let before = arguments.against.as_deref().map(baseline::read).transpose()?;
     let output = OutputDirectory::create(&arguments.results.output, "bench")?;
     let interrupted = Arc::new(AtomicBool::new(false));
-    for signal in [signal_hook::consts::SIGINT, signal_hook::consts::SIGTERM] {
-        signal_hook::flag::register(signal, Arc::clone(&interrupted))
-            .map_err(SignalsError::from)?;
-    }
+    supervise::flag_end(&interrupted)?;
     let stage = Stage::create(Arc::clone(&interrupted))?;
     let (quick, cores, reference) = (arguments.quick, stage.cores().len(), stage.reference()?);
     let cells = plan::cells(quick, cores, reference);
@@ -167,11 +164,7 @@ pub fn run(arguments: &BenchArguments) -> Result<ExitCode, Error> {
     let Bench { mut report, histograms, .. } = bench;
     if let Some(path) = &arguments.save {
         let json = serde_json::to_string_pretty(&report).expect("plain data") + "\n";
-        std::fs::write(path, json).map_err(|reason| Error::Path {
-            action: "write",
-            path: path.clone(),
-            reason,
-        })?;
+        std::fs::write(path, json).map_err(Error::path("write", path))?;
     }
     report.against = before.map(|before| baseline::compare(&before, &report, arguments.factor));
     let document = document::of(&report, &histograms);

@@ -3,7 +3,7 @@
 //! They take the same steps through the same node, iceoryx2 variant and wake-up. Payloads are loaned, sent where they
 //! are, and borrowed by the reader. They are bare, or written, protected and checked in place.
 
-use super::setup::{BenchError, failed};
+use super::setup::failed;
 use iceoryx2::port::{publisher::Publisher, subscriber::Subscriber};
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::publish_subscribe::PortFactory;
@@ -11,6 +11,7 @@ use messages::e2e::profile7;
 use messages::{Service as Member, Topic};
 use runtime::{Guest, Ipc, Waiter, Waker, monotonic_ns};
 use std::time::Duration;
+use supervise::MachineError;
 
 /// Topic whose wake-up word the payloads use.
 const PAYLOAD_TOPIC: Topic = Topic::RadarTracks;
@@ -26,7 +27,7 @@ struct Stamp {
 type Payload = [u8];
 
 /// The iceoryx2 service of payloads of `bytes`, beside the one of the topic.
-fn topic(guest: &Guest, bytes: usize) -> Result<PortFactory<Ipc, Payload, Stamp>, BenchError> {
+fn topic(guest: &Guest, bytes: usize) -> Result<PortFactory<Ipc, Payload, Stamp>, MachineError> {
     let name = format!("bench/payload/{bytes}");
     (guest.service(&name.as_str().try_into().expect("a valid service name")))
         .publish_subscribe::<Payload>()
@@ -54,7 +55,7 @@ pub struct PayloadSender {
 }
 
 impl PayloadSender {
-    pub fn open(guest: &Guest, bytes: usize, is_protected: bool) -> Result<Self, BenchError> {
+    pub fn open(guest: &Guest, bytes: usize, is_protected: bool) -> Result<Self, MachineError> {
         let port = (topic(guest, bytes)?.publisher_builder())
             .initial_max_slice_len(bytes)
             .create()
@@ -64,7 +65,7 @@ impl PayloadSender {
 
     /// Loans a payload, stamps it with the time before the loan, sends it and wakes who waits.
     #[expect(unsafe_code, reason = "a payload is not written to please the type")]
-    pub fn send(&mut self) -> Result<(), BenchError> {
+    pub fn send(&mut self) -> Result<(), MachineError> {
         let sent_ns = monotonic_ns();
         let sample = self.port.loan_slice_uninit(self.bytes);
         let mut sample = sample.map_err(failed("loan a payload"))?;
@@ -92,7 +93,7 @@ pub struct PayloadReceiver {
 }
 
 impl PayloadReceiver {
-    pub fn open(guest: &Guest, bytes: usize, is_protected: bool) -> Result<Self, BenchError> {
+    pub fn open(guest: &Guest, bytes: usize, is_protected: bool) -> Result<Self, MachineError> {
         let port = (topic(guest, bytes)?.subscriber_builder())
             .create()
             .map_err(failed("make a receiver of payloads"))?;
@@ -101,7 +102,7 @@ impl PayloadReceiver {
 
     /// Waits for payloads, at most for `timeout`. Hands the stamp of each one to `each`, after its check if it is
     /// protected.
-    pub fn next(&self, timeout: Duration, mut each: impl FnMut(i64)) -> Result<(), BenchError> {
+    pub fn next(&self, timeout: Duration, mut each: impl FnMut(i64)) -> Result<(), MachineError> {
         let ticket = self.waiter.ticket();
         if self.take(&mut each)? {
             return Ok(());
@@ -110,7 +111,7 @@ impl PayloadReceiver {
         self.take(&mut each).map(|_| ())
     }
 
-    fn take(&self, each: &mut impl FnMut(i64)) -> Result<bool, BenchError> {
+    fn take(&self, each: &mut impl FnMut(i64)) -> Result<bool, MachineError> {
         let mut found = false;
         while let Some(sample) = self.port.receive().map_err(failed("receive a payload"))? {
             found = true;

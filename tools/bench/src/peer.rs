@@ -1,7 +1,7 @@
 //! The measured processes: this program again, with one job.
 
 use super::paired::UNCOUNTED;
-use super::setup::{BenchError, Load, Mechanism, failed};
+use super::setup::{Load, Mechanism, failed};
 use super::wake::{Sink, Source};
 use runtime::scheduling::{Granted, Policy, Request, apply};
 use runtime::statistics::Latencies;
@@ -12,7 +12,7 @@ use std::hint::black_box;
 use std::path::Path;
 use std::process::ExitCode;
 use std::sync::atomic::Ordering;
-use supervise::{Error, UsageError};
+use supervise::{Error, MachineError, UsageError};
 
 pub mod metronome {
     /// Ticks without counting.
@@ -112,7 +112,7 @@ fn schedule(job: &Job) -> Granted {
     })
 }
 
-pub fn page(name: &str) -> Result<SharedWords, BenchError> {
+pub fn page(name: &str) -> Result<SharedWords, MachineError> {
     SharedWords::map(name).map_err(failed("share memory"))
 }
 
@@ -210,7 +210,7 @@ fn sink(job: &Job, root: &Path, turns: &Turns) -> Result<Outcome, Error> {
     }
     let path = root.join(BLOCKS_FILE);
     let text = serde_json::to_string(&all).expect("plain data");
-    std::fs::write(&path, text).map_err(|reason| Error::Path { action: "write", path, reason })?;
+    std::fs::write(&path, text).map_err(Error::path("write", &path))?;
     let copied_bytes = sink.copied_bytes();
     Ok(Outcome { misses, copied_bytes, ..Outcome::of_cycles(granted, cycles) })
 }

@@ -2,8 +2,8 @@
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::error::Error;
-use supervise::{Failure, Status};
+use std::fmt::Display;
+use supervise::MachineError;
 
 /// Scheduling of the measured processes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -151,25 +151,9 @@ fn quota_in(text: &str) -> Option<f64> {
     (period > 0.0).then(|| quota / period)
 }
 
-/// A step that the machine did not allow, with its reason.
-#[derive(Debug, thiserror::Error)]
-#[error("the benchmark cannot {what}: {reason}")]
-pub struct BenchError {
-    what: &'static str,
-    reason: Box<dyn Error + Send + Sync>,
-}
-
-impl Failure for BenchError {
-    fn status(&self) -> Status {
-        Status::Machine
-    }
-}
-
 /// The error of the step `what`, from its reason.
-pub fn failed<E: Into<Box<dyn Error + Send + Sync>>>(
-    what: &'static str,
-) -> impl Fn(E) -> BenchError {
-    move |reason| BenchError { what, reason: reason.into() }
+pub fn failed<E: Display>(what: &'static str) -> impl Fn(E) -> MachineError {
+    move |reason| MachineError(format!("the benchmark cannot {what}: {reason}"))
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 
 use super::payload::{PayloadReceiver, PayloadSender};
 use super::peer::{COUNT, RING, STAMPS};
-use super::setup::{BenchError, Mechanism, failed};
+use super::setup::{Mechanism, failed};
 use iceoryx2::port::{listener::Listener, notifier::Notifier};
 use iceoryx2::service::port_factory::event::PortFactory;
 use messages::{Header, MAX_DETECTIONS, Origins, RadarDetections, RadarTracks, Service};
@@ -15,13 +15,13 @@ use rustix::thread::futex;
 use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::Duration;
-use supervise::Error;
+use supervise::{Error, MachineError};
 
 /// Longest wait before the sink checks whether the source has ended.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// iceoryx2's own event service, of the topics' own node and variant.
-fn event(guest: &Guest) -> Result<PortFactory<Ipc>, BenchError> {
+fn event(guest: &Guest) -> Result<PortFactory<Ipc>, MachineError> {
     let name = "bench/event".try_into().expect("a valid service name");
     guest.service(&name).event().open_or_create().map_err(failed("open an event service"))
 }
@@ -114,7 +114,7 @@ impl<'a> Source<'a> {
     }
 
     /// Wakes a sink that waits without a stamp, also so that it checks for the end.
-    pub fn ring(&self, way: usize) -> Result<(), BenchError> {
+    pub fn ring(&self, way: usize) -> Result<(), MachineError> {
         match &self.ways[way] {
             SourceWay::Futex => {
                 let woken = futex::wake(self.page.word(COUNT), futex::Flags::empty(), 1);

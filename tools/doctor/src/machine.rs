@@ -5,7 +5,7 @@ use super::processor::IdleState;
 use super::storage::Room;
 use runtime::scheduling::{self, Granted, Policy, Request};
 use std::path::{Path, PathBuf};
-use supervise::{RoomError, RootError};
+use supervise::MachineError;
 
 /// A file's contents; `None` if it cannot be read.
 pub fn read(path: impl AsRef<Path>) -> Option<String> {
@@ -66,12 +66,12 @@ pub fn stat() -> String {
     read("/proc/stat").unwrap_or_default()
 }
 
-pub fn shared_memory() -> Result<Room, RoomError> {
+pub fn shared_memory() -> Result<Room, MachineError> {
     supervise::shared_memory_room().map(|(size, free)| Room { size, free })
 }
 
 /// Directory for the sockets of all runs. It is created, and removed again unless it holds runs.
-pub fn base() -> Result<PathBuf, RootError> {
+pub fn base() -> Result<PathBuf, MachineError> {
     let base = supervise::base()?;
     let _ = std::fs::remove_dir(&base);
     Ok(base)

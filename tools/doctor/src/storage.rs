@@ -2,7 +2,7 @@
 
 use super::finding::Finding;
 use std::path::Path;
-use supervise::{DeadRun, RoomError, RootError};
+use supervise::{DeadRun, MachineError};
 
 /// Room in the file system of the shared memory, bytes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,7 +12,11 @@ pub struct Room {
 }
 
 /// Room for a run of `needed` bytes on a machine with `memory` bytes of available memory.
-pub fn shared_memory(room: Result<Room, RoomError>, needed: u64, memory: Option<u64>) -> Finding {
+pub fn shared_memory(
+    room: Result<Room, MachineError>,
+    needed: u64,
+    memory: Option<u64>,
+) -> Finding {
     const CHECK: &str = "shared memory";
     let room = match room {
         Ok(room) => room,
@@ -42,7 +46,7 @@ pub fn shared_memory(room: Result<Room, RoomError>, needed: u64, memory: Option<
 }
 
 /// The directory for the runs' small files: the one in use, and the one that XDG_RUNTIME_DIR requests.
-pub fn run_directory(base: Result<&Path, &RootError>, asked: Option<&Path>) -> Finding {
+pub fn run_directory(base: Result<&Path, &MachineError>, asked: Option<&Path>) -> Finding {
     const CHECK: &str = "run directory";
     match base {
         Err(error) => Finding::fatal(CHECK, error.to_string(), "unset XDG_RUNTIME_DIR"),
@@ -104,8 +108,8 @@ mod tests {
         let full = shared_memory(room(64, 3), 4 * MIB, None);
         assert!(full.prevents_runs);
         assert_eq!(full.fix.as_deref(), Some("sudo mount -o remount,size=77m /dev/shm"));
-        let missing = std::io::ErrorKind::NotFound.into();
-        let none = shared_memory(Err(RoomError::NoSharedMemory(missing)), MIB, None);
+        let missing = MachineError("/dev/shm is needed for shared memory".into());
+        let none = shared_memory(Err(missing), MIB, None);
         assert!(none.prevents_runs && none.found.contains("/dev/shm is needed"));
         assert_eq!(shared_memory(room(64, 60), 4 * MIB, Some(MIB)).verdict, Verdict::Warn);
     }
@@ -117,7 +121,7 @@ mod tests {
         assert_eq!(run_directory(Ok(used), Some(Path::new("/run/user/7"))).verdict, Verdict::Ok);
         let long = Path::new("/var/lib/users/with/a/long/name");
         assert_eq!(run_directory(Ok(used), Some(long)).verdict, Verdict::Warn);
-        let refused = RootError::Vanishes { path: used.into() };
+        let refused = MachineError("it is removed as often as it is made".into());
         assert!(run_directory(Err(&refused), None).prevents_runs);
     }
 

@@ -296,17 +296,12 @@ pub struct ResultFile {
 
 impl ResultFile {
     fn create(temporary: &Path, path: &Path) -> Result<Self, Error> {
-        let path = path.to_owned();
-        match File::create(temporary) {
-            Ok(file) => Ok(Self { path, file: BufWriter::new(file) }),
-            Err(reason) => Err(Error::Path { action: "write", path, reason }),
-        }
+        let file = BufWriter::new(File::create(temporary).map_err(Error::path("write", path))?);
+        Ok(Self { path: path.to_owned(), file })
     }
 
     pub fn add(&mut self, bytes: &[u8]) -> Result<(), Error> {
-        let path = || self.path.clone();
-        let written = self.file.write_all(bytes);
-        written.map_err(|reason| Error::Path { action: "write", path: path(), reason })
+        self.file.write_all(bytes).map_err(Error::path("write", &self.path))
     }
 
     fn finish(mut self, temporary: &Path) -> Result<(), Error> {
@@ -314,12 +309,12 @@ impl ResultFile {
         let written = (self.file.flush())
             .and_then(|()| self.file.get_ref().sync_all())
             .and_then(|()| std::fs::rename(temporary, path));
-        written.map_err(|reason| Error::Path { action: "write", path: path.clone(), reason })
+        written.map_err(Error::path("write", path))
     }
 }
 
-fn error(path: &Path) -> impl Fn(std::io::Error) -> Error + Copy + '_ {
-    move |reason| Error::Path { action: "write results to", path: path.to_owned(), reason }
+fn error(path: &Path) -> impl Fn(std::io::Error) -> Error + Copy {
+    Error::path("write results to", path)
 }
 
 fn results_in(directory: &Path) -> impl Iterator<Item = &'static str> {
@@ -340,11 +335,7 @@ fn remove(path: &Path) -> Result<(), Error> {
     };
     match removed {
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(()),
-        removed => removed.map_err(|reason| Error::Path {
-            action: "remove",
-            path: path.to_owned(),
-            reason,
-        }),
+        removed => removed.map_err(Error::path("remove", path)),
     }
 }
 

@@ -14,11 +14,7 @@ pub fn out(text: &str) -> Result<(), Error> {
     let mut output = std::io::stdout().lock();
     match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
         Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
-        written => written.map_err(|reason| Error::Path {
-            action: "write",
-            path: "standard output".into(),
-            reason,
-        }),
+        written => written.map_err(Error::path("write", "standard output".as_ref())),
     }
 }
 

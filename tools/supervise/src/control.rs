@@ -2,8 +2,8 @@
 
 pub use crate::events::Answer;
 
+use crate::MachineError;
 use crate::events::Event;
-use crate::{Failure, Status};
 use scenario::faults::Fault;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::net::{UnixListener, UnixStream};
@@ -18,29 +18,19 @@ const LONGEST: u64 = 64 * 1024;
 /// Silence after which a client is dropped.
 const PATIENCE: Duration = Duration::from_secs(1);
 
-/// The socket for faults cannot be opened.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot open the run's control socket: {0}")]
-pub struct ListenError(#[from] std::io::Error);
-
-impl Failure for ListenError {
-    fn status(&self) -> Status {
-        Status::Machine
-    }
-}
-
 /// Accepts faults until the run's root is gone.
-pub fn listen(root: &Path, events: Sender<Event>) -> Result<(), ListenError> {
-    let listener = UnixListener::bind(root.join(SOCKET))?;
-    std::thread::Builder::new().name("control".into()).spawn(move || {
+pub fn listen(root: &Path, events: Sender<Event>) -> Result<(), MachineError> {
+    let error = MachineError::cannot("open the run's control socket");
+    let listener = UnixListener::bind(root.join(SOCKET)).map_err(&error)?;
+    let accepts = std::thread::Builder::new().name("control".into()).spawn(move || {
         for client in listener.incoming() {
             let Ok(client) = client else { continue };
             let Some(asked) = ask(client, &events) else { return };
             // A client that went away does not need an answer.
             let _ = asked;
         }
-    })?;
-    Ok(())
+    });
+    accepts.map(drop).map_err(error)
 }
 
 /// Hands one client's request to the supervisor; `None` once the supervisor is gone.

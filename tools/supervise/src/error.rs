@@ -1,7 +1,5 @@
 //! Why a command failed, and the exit status that says so.
 
-use crate::root::RootError;
-use crate::root::room::RoomError;
 use messages::UnknownService;
 use recorder::ReadError;
 use runtime::RuntimeError;
@@ -9,7 +7,7 @@ use scenario::translation::OpenError;
 use scenario::{Problem, ScenarioError};
 use std::fmt::Display;
 use std::io::ErrorKind;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -75,24 +73,19 @@ impl UsageError {
 
 impl Failure for UsageError {}
 
-/// The signals that end a command cannot be handled.
+/// A step that the machine does not allow.
 #[derive(Debug, thiserror::Error)]
-#[error("cannot handle signals: {0}")]
-pub struct SignalsError(#[from] std::io::Error);
+#[error("{0}")]
+pub struct MachineError(pub String);
 
-impl Failure for SignalsError {
-    fn status(&self) -> Status {
-        Status::Machine
+impl MachineError {
+    /// The error of a step, from its reason.
+    pub fn cannot<E: Display>(step: impl Display) -> impl Fn(E) -> Self {
+        move |reason| Self(format!("cannot {step}: {reason}"))
     }
 }
 
-impl Failure for RoomError {
-    fn status(&self) -> Status {
-        Status::Machine
-    }
-}
-
-impl Failure for RootError {
+impl Failure for MachineError {
     fn status(&self) -> Status {
         Status::Machine
     }
@@ -154,6 +147,11 @@ fn is_the_machines(reason: &std::io::Error) -> bool {
 }
 
 impl Error {
+    /// The error of an action with a file or directory of the user's.
+    pub fn path(action: &'static str, path: &Path) -> impl Fn(std::io::Error) -> Self + Copy {
+        move |reason| Self::Path { action, path: path.to_owned(), reason }
+    }
+
     /// Exit status as `--help` states it.
     pub fn exit_code(&self) -> ExitCode {
         ExitCode::from(match self {

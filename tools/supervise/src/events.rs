@@ -3,11 +3,12 @@
 //! A service's output is bounded: a line by [`LONGEST_LINE`], other text by [`CHATTER`] in all. [`KEPT_LINES`] lines of
 //! that text are handed on. A service that says more than that is broken ([`Event::Flooded`]), whatever it says.
 
-use crate::SignalsError;
+use crate::MachineError;
 use messages::Service;
 use runtime::FromService;
 use scenario::faults::Fault;
 use serde::{Deserialize, Serialize};
+use signal_hook::SigId;
 use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
 use signal_hook::iterator::Handle;
 use std::io::{BufRead, BufReader, Read};
@@ -126,7 +127,7 @@ fn kept(line: &[u8]) -> String {
 
 /// The signals that ask this process for an end: SIGINT, SIGQUIT (`Ctrl-\`), SIGTERM and SIGHUP. SIGHUP does not count if
 /// this process was started to ignore it (`nohup`).
-pub fn end_signals() -> Vec<i32> {
+fn end_signals() -> Vec<i32> {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     // Shells start background jobs with SIGINT and SIGQUIT ignored; they count all the same.
     let mut signals = vec![SIGINT, SIGQUIT, SIGTERM];
@@ -141,12 +142,15 @@ static HELD: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
 /// From now on a signal that asks for an end waits for the group that is about to start. It does not end this process
 /// at once: files that it has made would stay.
-pub fn hold_signals() -> Result<(), SignalsError> {
-    let held = HELD.get_or_init(Arc::default);
-    for signal in end_signals() {
-        signal_hook::flag::register(signal, Arc::clone(held))?;
-    }
-    Ok(())
+pub fn hold_signals() -> Result<(), MachineError> {
+    flag_end(HELD.get_or_init(Arc::default)).map(drop)
+}
+
+/// From now on a signal that asks for an end sets `flag`.
+pub fn flag_end(flag: &Arc<AtomicBool>) -> Result<Vec<SigId>, MachineError> {
+    let register = |signal| signal_hook::flag::register(signal, Arc::clone(flag));
+    let registered = end_signals().into_iter().map(register).collect::<Result<_, _>>();
+    registered.map_err(MachineError::cannot("handle signals"))
 }
 
 /// True if a signal that asks for an end came since [`hold_signals`].
@@ -155,21 +159,22 @@ pub fn is_signalled() -> bool {
 }
 
 /// Turns the signals that ask for an end into events, until the handle is closed.
-pub fn follow_signals(events: Sender<Event>) -> Result<Handle, SignalsError> {
-    let mut signals = signal_hook::iterator::Signals::new(end_signals())?;
+pub fn follow_signals(events: Sender<Event>) -> Result<Handle, MachineError> {
+    let error = MachineError::cannot("handle signals");
+    let mut signals = signal_hook::iterator::Signals::new(end_signals()).map_err(&error)?;
     let handle = signals.handle();
     if is_signalled() {
         // The receiver is the caller's.
         let _ = events.send(Event::Signal);
     }
-    std::thread::Builder::new().name("signals".into()).spawn(move || {
+    let follows = std::thread::Builder::new().name("signals".into()).spawn(move || {
         for _ in signals.forever() {
             if events.send(Event::Signal).is_err() {
                 return;
             }
         }
-    })?;
-    Ok(handle)
+    });
+    follows.map(|_| handle).map_err(error)
 }
 
 /// True if the process with this `/proc/<pid>/status` ignores `signal`.

@@ -37,8 +37,8 @@ pub use drive::{
     Requirement, RequirementError, RequirementVerdict, Seen, StandbyCost, TargetPlace,
     is_avoidable_collision, requirements,
 };
-pub use error::{Error, Failure, SignalsError, Status, UsageError};
-pub use events::{end_signals, hold_signals, is_signalled};
+pub use error::{Error, Failure, MachineError, Status, UsageError};
+pub use events::{flag_end, hold_signals, is_signalled};
 pub use faults::disturbance::run as run_hog;
 pub use in_process::entry;
 pub use options::laws::{LawError, LawOptions, LawSource, NamedLaw};
@@ -46,13 +46,13 @@ pub use options::{
     GroupOptions, OptionNames, ScenarioOptions, ServiceProgramError, mode, service_program,
 };
 pub use refusal::{absent, check_in_process, check_targets};
-pub use replay::{Replayed, ReplayerError, replay};
+pub use replay::{Replayed, replay};
 pub use root::dead_runs::{DeadRun, dead_runs};
-pub use root::room::{RoomError, check_room, shared_memory_room};
-pub use root::{RootError, RunRoot, base, is_alive};
+pub use root::room::{check_room, shared_memory_room};
+pub use root::{RunRoot, base, is_alive};
 pub use run::{Keep, Opening, drive, is_openscenario, open, open_with};
 pub use start::attendant::run as run_janitor;
 pub use start::processes::Launch;
-pub use start::processes::{Janitor, SpawnError, this_program};
+pub use start::processes::{Janitor, this_program};
 pub use start::programs::{NoProgram, of_service};
 pub use supervisor::launch;

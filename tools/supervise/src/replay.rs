@@ -5,7 +5,7 @@ use crate::root::RunRoot;
 use crate::root::room::check_room;
 use crate::start::attendant::Attendant;
 use crate::start::processes::{Janitor, Process};
-use crate::{Error, Failure, Status};
+use crate::{Error, MachineError};
 use controller::laws;
 use drive::Exit;
 use messages::Service;
@@ -28,24 +28,9 @@ const EXIT_GRACE: Duration = Duration::from_secs(2);
 /// Time between two looks at the topics, whose senders wait for room.
 const POLL: Duration = Duration::from_millis(1);
 
-/// Reason for which the replayer cannot give the recorded samples.
-#[derive(Debug, thiserror::Error)]
-pub enum ReplayerError {
-    /// It did not begin in time.
-    #[error("the replayer did not get ready")]
-    NotReady,
-    /// It says in its own words why it cannot go on.
-    #[error("the replayer: {0}")]
-    Failed(String),
-    /// It ended, and said nothing.
-    #[error("the replayer: it ended before its time")]
-    Ended,
-}
-
-impl Failure for ReplayerError {
-    fn status(&self) -> Status {
-        Status::Machine
-    }
+/// The replayer cannot give the recorded samples.
+fn replayer(why: &str) -> Error {
+    MachineError(format!("the replayer: {why}")).into()
 }
 
 /// Messages of the controller in a replay.
@@ -163,10 +148,10 @@ impl Cast {
                 break;
             }
             if self.replayer.is_gone() {
-                return Err(match self.replayer.receive(Duration::ZERO) {
-                    Some(FromReplayer::Failed(why)) => ReplayerError::Failed(why).into(),
-                    _ => ReplayerError::Ended.into(),
-                });
+                return Err(replayer(match self.replayer.receive(Duration::ZERO) {
+                    Some(FromReplayer::Failed(why)) => &why,
+                    _ => "it ended before its time",
+                }));
             }
         }
         listener.listen()?;
@@ -187,8 +172,8 @@ impl Cast {
         }
         match self.replayer.receive(READY) {
             Some(FromReplayer::Ready) => Ok(()),
-            Some(FromReplayer::Failed(why)) => Err(ReplayerError::Failed(why).into()),
-            None => Err(ReplayerError::NotReady.into()),
+            Some(FromReplayer::Failed(why)) => Err(replayer(&why)),
+            None => Err(replayer("it did not get ready")),
         }
     }
 

@@ -9,55 +9,15 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 use supervise::report::Outcome;
-use supervise::{Ended, Error, Failure, GroupOptions, Keep, Status};
-
-/// The machine cannot give what a run needs.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot {what}: {cause}")]
-pub struct PrepareError {
-    what: &'static str,
-    cause: std::io::Error,
-}
-
-impl PrepareError {
-    /// An error from the system's.
-    pub fn of(what: &'static str) -> impl Fn(std::io::Error) -> Self + Copy {
-        move |cause| Self { what, cause }
-    }
-}
-
-impl Failure for PrepareError {
-    fn status(&self) -> Status {
-        Status::Machine
-    }
-}
-
-/// A run did not reach its end.
-#[derive(Debug, thiserror::Error)]
-#[error("{scenario} with {controller}: {}", why.as_deref().unwrap_or("aborted"))]
-pub struct Aborted {
-    scenario: String,
-    controller: String,
-    /// The reason in its summary.
-    why: Option<String>,
-}
-
-impl Failure for Aborted {
-    fn status(&self) -> Status {
-        Status::Machine
-    }
-}
+use supervise::{Ended, Error, GroupOptions, Keep, MachineError};
 
 /// Refuses a run that did not reach its end: it has no figures.
-pub fn whole(summary: &Summary) -> Result<(), Aborted> {
-    match (&summary.outcome, &summary.aborted_because) {
-        (Outcome::Aborted, why) => Err(Aborted {
-            scenario: summary.scenario.clone(),
-            controller: summary.controller.clone(),
-            why: why.clone(),
-        }),
-        _ => Ok(()),
+pub fn whole(summary: &Summary) -> Result<(), MachineError> {
+    if summary.outcome != Outcome::Aborted {
+        return Ok(());
     }
+    let why = summary.aborted_because.as_deref().unwrap_or("aborted");
+    Err(MachineError(format!("{} with {}: {why}", summary.scenario, summary.controller)))
 }
 
 /// Does one lockstep run.
@@ -101,7 +61,7 @@ pub(crate) fn drive_on(
         }
         Carrier::SharedMemory => {
             let directory = job.record.then(Scratch::new).transpose();
-            let directory = directory.map_err(PrepareError::of("make a directory"))?;
+            let directory = directory.map_err(MachineError::cannot("make a directory"))?;
             let keep = directory.as_ref().map(|directory| Keep {
                 recording: Some(directory.path().join("topics.mcap")),
                 ..Keep::default()

@@ -22,7 +22,7 @@ mod usage;
 mod workers;
 
 pub use drive::Scratch;
-pub use drive::{Aborted, PrepareError, drive, lockstep, whole};
+pub use drive::{drive, lockstep, whole};
 pub(crate) use drive::{drive_on, is_in_memory};
 pub use usage::Growth;
 pub use usage::leftovers;

@@ -4,7 +4,7 @@ use indicatif::ProgressBar;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::sync_channel;
-use supervise::{Error, SignalsError};
+use supervise::{Error, MachineError};
 
 /// The work on a piece by its number. The function is false once the work is to end.
 pub type Work<'a, T> = dyn Fn(usize, &dyn Fn() -> bool) -> T + Sync + 'a;
@@ -65,13 +65,9 @@ pub struct Interrupt {
 
 impl Interrupt {
     /// Begins to listen.
-    pub fn watch() -> Result<Self, SignalsError> {
+    pub fn watch() -> Result<Self, MachineError> {
         let came = Arc::new(AtomicBool::new(false));
-        let registered = supervise::end_signals()
-            .into_iter()
-            .map(|signal| signal_hook::flag::register(signal, Arc::clone(&came)))
-            .collect::<Result<_, _>>()?;
-        Ok(Self { came, registered })
+        Ok(Self { registered: supervise::flag_end(&came)?, came })
     }
 
     /// True once such a signal came.

@@ -188,7 +188,7 @@ impl Keeper {
             self.write(&mut book, &kept)?;
         }
         if let Some(writer) = book.writer {
-            writer.finish().map_err(self.failed())?;
+            writer.finish().map_err(Error::path("write", &self.path))?;
         }
         Ok(book.written)
     }
@@ -207,14 +207,9 @@ impl Keeper {
             }
             writer.group(&kept.cells)
         };
-        write().map_err(self.failed())?;
+        write().map_err(Error::path("write", &self.path))?;
         book.written += 1;
         Ok(())
-    }
-
-    fn failed(&self) -> impl FnOnce(io::Error) -> Error + use<> {
-        let path = self.path.clone();
-        move |reason| Error::Path { action: "write", path, reason }
     }
 }
 

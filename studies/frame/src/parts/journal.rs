@@ -46,7 +46,7 @@ impl Journal {
         each: &mut dyn FnMut(Place, T) -> Result<(), Error>,
     ) -> Result<Self, Error> {
         let path = directory.join(name);
-        let error = |reason| Error::Path { action: "write", path: path.clone(), reason };
+        let error = Error::path("write", &path);
         let length = if path.exists() { read(&path, each)? } else { 0 };
         let file = OpenOptions::new().create(true).append(true).open(&path).map_err(error)?;
         file.set_len(length).map_err(error)?;
@@ -60,8 +60,7 @@ impl Journal {
             written = written.and_then(|()| self.file.sync_data());
             self.synced = Instant::now();
         }
-        let path = || self.path.clone();
-        written.map_err(|reason| Error::Path { action: "write", path: path(), reason })?;
+        written.map_err(Error::path("write", &self.path))?;
         let place = Place { offset: self.length, length: line.len() };
         self.length += line.len() as u64;
         Ok(place)
@@ -107,7 +106,7 @@ pub fn read<T: DeserializeOwned>(
     path: &Path,
     each: &mut dyn FnMut(Place, T) -> Result<(), Error>,
 ) -> Result<u64, Error> {
-    let error = |reason| Error::Path { action: "read", path: path.to_owned(), reason };
+    let error = Error::path("read", path);
     let mut lines = BufReader::new(File::open(path).map_err(error)?);
     let (mut offset, mut line) = (0, Vec::new());
     for number in 1.. {

@@ -143,8 +143,7 @@ impl PartFile {
     /// Reads the file in a part's directory.
     pub fn read(directory: &Path) -> Result<Self, Error> {
         let path = directory.join(FILE);
-        let error = |reason| Error::Path { action: "read", path: path.clone(), reason };
-        let text = std::fs::read_to_string(&path).map_err(error)?;
+        let text = std::fs::read_to_string(&path).map_err(Error::path("read", &path))?;
         let part = serde_json::from_str(&text);
         Ok(part.map_err(|reason| UsageError::at(path.display(), reason, EXPECTED))?)
     }

@@ -106,7 +106,7 @@ impl<T: DeserializeOwned> Records<T> {
         for (run, entry) in self.runs.iter().enumerate() {
             let Some((journal, place)) = *entry else { continue };
             let path = &self.journals[journal as usize];
-            let error = |reason| Error::Path { action: "read", path: path.clone(), reason };
+            let error = Error::path("read", path);
             let (_, file) = match opened.take().filter(|(of, _)| *of == journal) {
                 Some(same) => opened.insert(same),
                 None => opened.insert((journal, File::open(path).map_err(error)?)),

@@ -93,7 +93,7 @@ pub(super) fn read(argument: &str) -> Result<Option<File>, Error> {
     if !argument.ends_with(".toml") || !path.exists() {
         return Ok(None);
     }
-    let failed = |reason| Error::Path { action: "read", path: path.to_owned(), reason };
+    let failed = Error::path("read", path);
     if std::fs::metadata(path).map_err(failed)?.len() > MAX_BYTES {
         let most = format_args!("a search file of at most {MAX_BYTES}");
         return Err(UsageError::at(argument, "too many bytes", most).into());

@@ -230,11 +230,7 @@ impl R157Arguments {
             let why = "the table has the cut-ins, and there are none";
             return Err(UsageError::option("--csv", path.display(), why, "--matrix cut-in").into());
         }
-        std::fs::write(path, matrix::csv(cut_ins)).map_err(|reason| Error::Path {
-            action: "write",
-            path: path.to_owned(),
-            reason,
-        })
+        std::fs::write(path, matrix::csv(cut_ins)).map_err(Error::path("write", path))
     }
 }
 

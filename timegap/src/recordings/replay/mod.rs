@@ -174,9 +174,8 @@ impl Table {
 
     fn finish(self) -> (PathBuf, Result<(), Error>) {
         let written = self.file.and_then(|mut file| file.flush());
-        let path = self.path.clone();
-        let error = |reason| Error::Path { action: "write", path, reason };
-        (self.path, written.map_err(error))
+        let written = written.map_err(Error::path("write", &self.path));
+        (self.path, written)
     }
 }
 

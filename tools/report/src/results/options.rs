@@ -1,10 +1,10 @@
 //! The options for the outputs of a result, and their delivery.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Args;
-use supervise::{Error, Failure, Status};
+use supervise::{Error, MachineError};
 
 use super::console::width;
 use super::document::Document;
@@ -26,21 +26,6 @@ pub struct ResultOptions {
     /// Write the verdict and the tables as Markdown too
     #[arg(long, value_name = "FILE")]
     pub markdown: Option<PathBuf>,
-}
-
-/// A file that an option names cannot be written.
-#[derive(Debug, thiserror::Error)]
-#[error("cannot write {option} {}: {reason}; expected a path in a directory that can be written", path.display())]
-pub struct ExportError {
-    option: &'static str,
-    path: PathBuf,
-    reason: std::io::Error,
-}
-
-impl Failure for ExportError {
-    fn status(&self) -> Status {
-        Status::Machine
-    }
 }
 
 impl ResultOptions {
@@ -77,8 +62,11 @@ impl ResultOptions {
         let write = |option, path: &Option<PathBuf>, text: &dyn Fn() -> String| {
             let Some(path) = path else { return Ok(()) };
             std::fs::write(path, text()).map_err(|reason| {
-                let path = Path::to_owned(path);
-                Error::from(ExportError { option, path, reason })
+                let expected = "expected a path in a directory that can be written";
+                Error::from(MachineError(format!(
+                    "cannot write {option} {}: {reason}; {expected}",
+                    path.display()
+                )))
             })
         };
         let junit = write("--junit", &self.junit, &|| document.junit());

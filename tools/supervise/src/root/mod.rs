@@ -6,6 +6,7 @@
 pub mod dead_runs;
 pub mod room;
 
+use crate::MachineError;
 use crate::root::room::SHARED_MEMORY;
 use rustix::fs::{FlockOperation, flock};
 use std::fs::{DirBuilder, File};
@@ -26,32 +27,9 @@ const ATTEMPTS: usize = 100;
 /// Time for which a root without a lock is left alone: its owner may be about to lock it.
 const GRACE: Duration = Duration::from_secs(60);
 
-/// Reason why a run's directory cannot be made.
-#[derive(Debug, thiserror::Error)]
-pub enum RootError {
-    /// A directory or file cannot be made or looked at.
-    #[error("cannot {action} {}: {reason}", path.display())]
-    Path {
-        action: &'static str,
-        path: PathBuf,
-        /// Cause by the system.
-        reason: io::Error,
-    },
-    /// The directory of the user's runs is another user's, or open to others.
-    #[error(
-        "{} is not a directory that belongs to this user alone: remove it, or set XDG_RUNTIME_DIR",
-        path.display()
-    )]
-    NotOwn { path: PathBuf },
-    /// Other runs removed it again and again.
-    #[error("{} is removed as often as it is made", path.display())]
-    Vanishes { path: PathBuf },
-}
-
-/// An error of an operation on `path`.
-fn failed(action: &'static str, path: &Path) -> impl FnOnce(io::Error) -> RootError {
-    let path = path.to_owned();
-    move |reason| RootError::Path { action, path, reason }
+/// An error of an action with `path`.
+fn failed(action: &str, path: &Path) -> impl Fn(io::Error) -> MachineError + use<> {
+    MachineError::cannot(format!("{action} {}", path.display()))
 }
 
 /// A run's root, locked by this process.
@@ -64,7 +42,7 @@ pub struct RunRoot {
 
 impl RunRoot {
     /// Makes a new root for this process, after removing what dead runs of this user left.
-    pub fn create() -> Result<Self, RootError> {
+    pub fn create() -> Result<Self, MachineError> {
         sweep(&base()?);
         // The number separates runs that threads of one launcher start at the same instant. The time separates
         // launchers with the same id in containers that share a directory.
@@ -136,7 +114,7 @@ pub fn prefix_of(id: &str) -> String {
 }
 
 /// Makes the root of this id. A run that ends removes the base when it is empty: then it is made again.
-fn create(id: &str) -> Result<PathBuf, RootError> {
+fn create(id: &str) -> Result<PathBuf, MachineError> {
     for _ in 0..ATTEMPTS {
         let path = base()?.join(id);
         match DirBuilder::new().mode(0o700).create(&path) {
@@ -145,11 +123,12 @@ fn create(id: &str) -> Result<PathBuf, RootError> {
             Err(reason) => return Err(failed("create", &path)(reason)),
         }
     }
-    Err(RootError::Vanishes { path: base()? })
+    let base = base()?;
+    Err(MachineError(format!("{} is removed as often as it is made", base.display())))
 }
 
 /// The user's own directory for all runs.
-pub fn base() -> Result<PathBuf, RootError> {
+pub fn base() -> Result<PathBuf, MachineError> {
     let uid = rustix::process::geteuid().as_raw();
     let runtime = std::env::var_os("XDG_RUNTIME_DIR").map(PathBuf::from);
     let parent = runtime.filter(|path| is_usable(path, uid));
@@ -166,7 +145,9 @@ pub fn base() -> Result<PathBuf, RootError> {
         found => found.map_err(failed("examine", &base))?,
     };
     let own = found.is_dir() && found.uid() == uid && found.permissions().mode() & 0o077 == 0;
-    if own { Ok(base) } else { Err(RootError::NotOwn { path: base }) }
+    let expected =
+        "is not a directory that belongs to this user alone: remove it, or set XDG_RUNTIME_DIR";
+    if own { Ok(base) } else { Err(MachineError(format!("{} {expected}", base.display()))) }
 }
 
 /// True if `path` is a directory of this user. It must be short enough for the names of sockets below it. Its

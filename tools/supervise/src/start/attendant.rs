@@ -1,8 +1,8 @@
 //! A process of the group beside the services: the recorder, the replayer.
 
-use crate::Error;
 use crate::root::{RunRoot, open_lock, wipe};
-use crate::start::processes::{SpawnError, end_within, this_program};
+use crate::start::processes::{end_within, this_program};
+use crate::{Error, MachineError};
 use runtime::{enroll_listener, inherit_only};
 use rustix::fs::{FlockOperation, flock};
 use rustix::process::{Pid, Signal, kill_process_group};
@@ -42,8 +42,8 @@ impl Attendant {
             .stdout(Stdio::piped())
             .process_group(group);
         inherit_only(&mut command, Some(root.lock()));
-        let error = |e| SpawnError::Attendant(name, e);
-        let mut child = command.spawn().map_err(error)?;
+        let error = MachineError::cannot(format!("start the {name}"));
+        let mut child = command.spawn().map_err(&error)?;
         enroll_listener(root.path(), child.id())?;
         let input = child.stdin.take();
         let out = child.stdout.take().expect("piped");

@@ -4,7 +4,7 @@ use crate::events::{Event, ServiceProcess, follow};
 use crate::root::RunRoot;
 use crate::root::dead_runs::remove_unfinished;
 use crate::start::attendant::DONE;
-use crate::{Error, Failure, Status};
+use crate::{Error, MachineError};
 use controller::laws;
 use messages::Service;
 use runtime::scheduling::set_fifo_of;
@@ -14,7 +14,6 @@ use runtime::{
 use rustix::process::{Pid, Signal, kill_process};
 use scenario::Scenario;
 use std::collections::BTreeMap;
-use std::io;
 use std::io::Write;
 use std::os::unix::process::CommandExt;
 use std::path::PathBuf;
@@ -23,28 +22,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
-
-/// Reason why a process of timegap's own does not start.
-#[derive(Debug, thiserror::Error)]
-pub enum SpawnError {
-    /// The file that it would run.
-    #[error("cannot find this program's own file: {0}")]
-    NoFile(#[source] io::Error),
-    #[error("cannot start {0}: {1}")]
-    Service(Service, #[source] io::Error),
-    /// A process other than a service.
-    #[error("cannot start the {0}: {1}")]
-    Attendant(&'static str, #[source] io::Error),
-    /// The thread that reads a process's output.
-    #[error("cannot start a thread: {0}")]
-    Thread(#[source] io::Error),
-}
-
-impl Failure for SpawnError {
-    fn status(&self) -> Status {
-        Status::Machine
-    }
-}
 
 /// One service's process.
 #[derive(Debug)]
@@ -84,8 +61,8 @@ impl Process {
             .process_group(group);
         inherit_only(&mut command, Some(root.lock()));
         let mut child = command.spawn().map_err(|e| match program {
-            Some(program) => Error::Path { action: "start", path: program.clone(), reason: e },
-            None => SpawnError::Service(service, e).into(),
+            Some(program) => Error::path("start", program)(e),
+            None => MachineError::cannot(format_args!("start {service}"))(e).into(),
         })?;
         if !waits {
             enroll(root.path(), service, incarnation, child.id())?;
@@ -96,7 +73,7 @@ impl Process {
         let (prefix, id) = (root.prefix().to_owned(), child.id());
         let on_end = move || remove_unfinished(&prefix, id);
         let follower = follow(ServiceProcess { service, incarnation }, on_end, out, err, events)
-            .map_err(SpawnError::Thread)?;
+            .map_err(MachineError::cannot("start a thread"))?;
         let group = if group == 0 { pid(&child) } else { group };
         Ok(Self { child, group, orders, status: None, follower })
     }
@@ -223,7 +200,7 @@ pub struct Janitor {
 
 impl Janitor {
     /// Starts the janitor of the run at `root`, outside the services' process group.
-    pub fn spawn(root: &RunRoot) -> Result<Self, SpawnError> {
+    pub fn spawn(root: &RunRoot) -> Result<Self, MachineError> {
         let mut command = this_program(&["service", "janitor"])?;
         command
             .arg0("timegap-janitor")
@@ -234,7 +211,7 @@ impl Janitor {
             .process_group(0);
         // Not even another run's descriptors, which threads beside this one have open.
         inherit_only(&mut command, None);
-        let mut child = command.spawn().map_err(|e| SpawnError::Attendant("janitor", e))?;
+        let mut child = command.spawn().map_err(MachineError::cannot("start the janitor"))?;
         let lines = child.stdin.take();
         Ok(Self { child, lines })
     }
@@ -270,8 +247,9 @@ impl Janitor {
 }
 
 /// This program again, with other arguments.
-pub fn this_program(arguments: &[&str]) -> Result<Command, SpawnError> {
-    let program = std::env::current_exe().map_err(SpawnError::NoFile)?;
+pub fn this_program(arguments: &[&str]) -> Result<Command, MachineError> {
+    let error = MachineError::cannot("find this program's own file");
+    let program = std::env::current_exe().map_err(error)?;
     // A new build may have replaced the file meanwhile.
     let program = if program.exists() { program } else { PathBuf::from("/proc/self/exe") };
     let mut command = Command::new(program);
