@@ -17,6 +17,7 @@ use runtime::{
 };
 use scenario::Scenario;
 use std::ffi::OsStr;
+use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::Duration;
@@ -29,7 +30,7 @@ const EXIT_GRACE: Duration = Duration::from_secs(2);
 const POLL: Duration = Duration::from_millis(1);
 
 /// The replayer cannot give the recorded samples.
-fn replayer(why: &str) -> Error {
+fn replayer(why: impl Display) -> Error {
     MachineError(format!("the replayer: {why}")).into()
 }
 
@@ -149,8 +150,8 @@ impl Cast {
             }
             if self.replayer.is_gone() {
                 return Err(replayer(match self.replayer.receive(Duration::ZERO) {
-                    Some(FromReplayer::Failed(why)) => &why,
-                    _ => "it ended before its time",
+                    Some(FromReplayer::Failed(why)) => why,
+                    _ => "it ended before its time".to_owned(),
                 }));
             }
         }
@@ -172,7 +173,7 @@ impl Cast {
         }
         match self.replayer.receive(READY) {
             Some(FromReplayer::Ready) => Ok(()),
-            Some(FromReplayer::Failed(why)) => Err(replayer(&why)),
+            Some(FromReplayer::Failed(why)) => Err(replayer(why)),
             None => Err(replayer("it did not get ready")),
         }
     }
