@@ -2,7 +2,7 @@
 
 use super::plan::Plan;
 use super::record::Record;
-use super::verdict::Limit;
+use super::sums::Limit;
 use runtime::Mode;
 use schemars::JsonSchema;
 use serde::Serialize;

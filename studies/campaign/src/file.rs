@@ -41,7 +41,7 @@
 //! min_gap_m = 1.0
 //! ```
 
-use super::verdict::{Figure, Limit, figures};
+use super::sums::{Figure, Limit, figures};
 use runtime::Mode;
 use scenario::Problem;
 use scenario::name::{Line, Name};

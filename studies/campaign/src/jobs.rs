@@ -2,7 +2,8 @@
 
 use super::exposure::Exposure;
 use super::file::Campaign;
-use super::plan::{Plan, Planned};
+use super::plan::Plan;
+use super::record::Planned;
 use frame::batch::{self, Job};
 use runtime::Mode;
 use scenario::Scenario;

@@ -3,8 +3,7 @@
 //! Three things must hold. The group ends with its launcher, nothing of the group is left, and its results show that
 //! the run did not reach its end.
 
-use super::plan::Planned;
-use super::record::{Measured, Record};
+use super::record::{Measured, Planned, Record};
 use frame::batch::{Scratch, leftovers};
 use runtime::{Group, Mode};
 use scenario::Scenario;

@@ -26,9 +26,8 @@ use std::process::ExitCode;
 
 use clap::{Args, ValueEnum};
 use frame::{Command, Entry};
-use page::Pictures;
 use row::Row;
-use runner::Piece;
+use runner::{Pictures, Piece};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use study::Papers;

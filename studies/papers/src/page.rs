@@ -3,7 +3,7 @@
 use super::row::{Row, Verdict};
 use super::tally::in_words;
 use super::{Paper, Reproduction, row};
-use crate::runner::Driven;
+use crate::runner::{Driven, Gallery, Pictures};
 use report::chart::{Axis, Curve, Plot, Stroke, Tone, escape};
 use report::html::figure;
 use report::results::{Column, Document, Format, Schema, Table, column, number, word};
@@ -57,29 +57,6 @@ fn drives(pictures: &Pictures) -> String {
         format!("<details class=\"drive\"{open}><summary>{name}</summary>\n{run}</details>\n")
     };
     pictures.drives.iter().map(drive).collect()
-}
-
-/// Pictures of a paper, for its page.
-#[derive(Debug, Default)]
-pub struct Pictures {
-    pub drives: Vec<(String, RunPicture)>,
-    /// The paper's own figures.
-    pub galleries: Vec<Gallery>,
-}
-
-impl Pictures {
-    /// Adds those of another piece.
-    pub fn extend(&mut self, other: Self) {
-        self.drives.extend(other.drives);
-        self.galleries.extend(other.galleries);
-    }
-}
-
-/// Plots below one heading.
-#[derive(Debug)]
-pub struct Gallery {
-    pub heading: String,
-    pub plots: Vec<Plot>,
 }
 
 /// One value of some drives over time.

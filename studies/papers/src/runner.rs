@@ -1,10 +1,10 @@
 //! Pieces of a paper, and the runner that drives their scenarios.
 
-use super::Pictures;
 use super::row::Row;
 use frame::batch::{Done, Job};
 use frame::{Crew, batch};
 use report::RunPicture;
+use report::chart::Plot;
 use report::summary::Summary;
 use scenario::Scenario;
 use std::cell::Cell;
@@ -145,4 +145,27 @@ impl Driven {
 pub(crate) fn open(name: &str, keys: &[&str]) -> Result<Scenario, Error> {
     let set = keys.iter().map(ToString::to_string).collect();
     supervise::open(name, &ScenarioOptions { set, ..ScenarioOptions::default() })
+}
+
+/// Pictures of a paper, for its page.
+#[derive(Debug, Default)]
+pub struct Pictures {
+    pub drives: Vec<(String, RunPicture)>,
+    /// The paper's own figures.
+    pub galleries: Vec<Gallery>,
+}
+
+impl Pictures {
+    /// Adds those of another piece.
+    pub fn extend(&mut self, other: Self) {
+        self.drives.extend(other.drives);
+        self.galleries.extend(other.galleries);
+    }
+}
+
+/// Plots below one heading.
+#[derive(Debug)]
+pub struct Gallery {
+    pub heading: String,
+    pub plots: Vec<Plot>,
 }

@@ -211,7 +211,7 @@ impl Trial for Seeds<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::arguments::SearchArguments;
+    use crate::SearchArguments;
     use frame::Command;
 
     /// Fails if the gap is below 30 and the set speed above 20, on nine of ten seeds. The mass does not matter.

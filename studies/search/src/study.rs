@@ -14,7 +14,7 @@ use report::results::{Column, Document, fact, number, word};
 use serde_json::json;
 use supervise::{Error, GroupOptions, UsageError};
 
-use crate::arguments::SearchArguments;
+use crate::SearchArguments;
 use crate::distinct;
 use crate::faults::Faults;
 use crate::method::{Chooser, MethodName, Proposal, independent, seed_of};

@@ -3,17 +3,14 @@
 use super::arguments::{StringArguments, Task};
 use super::cars::CarByCar;
 use super::limits::{Limits, Point};
-use super::measure::Measured;
 use super::results::Results;
 use super::scene::Plan;
-use super::wave::Amplitudes;
+use super::wave::Driven;
 use super::{page, wave};
 use frame::batch::Job;
 use frame::{Crew, Found, Needs, Recorded, RunOptions, Study, batch};
 use report::results::Document;
-use serde::{Deserialize, Serialize};
-use supervise::report::{ControlFigures, Outcome};
-use supervise::{Error, RequirementVerdict};
+use supervise::Error;
 
 /// The study. The first string is the one of the command. Further strings drive behind a sine of each frequency. With
 /// a swept key, each law alone drives behind each sine at each value.
@@ -111,23 +108,4 @@ impl Study for Strings {
         let results = if task.requires_stability { results.judged_by_stability() } else { results };
         Ok(page::document(&results, &cars))
     }
-}
-
-/// The drive of one car, reduced to figures and a trace.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Driven {
-    /// Place of the car in the string, from 1.
-    pub index: usize,
-    pub controller: String,
-    /// End of its drive.
-    pub outcome: Outcome,
-    pub requirements: Vec<RequirementVerdict>,
-    pub figures: ControlFigures,
-    /// Norms of its speeds and gaps.
-    pub measured: Measured,
-    /// Amplitudes behind a sine.
-    pub amplitudes: Option<Amplitudes>,
-    /// Time, s, position of its front bumper from the first car's start, m, and speed, m/s; empty
-    /// behind a sine.
-    pub trace: Vec<[f64; 3]>,
 }

@@ -16,6 +16,7 @@ mod columns;
 mod drive;
 mod limits;
 mod measure;
+mod motion;
 mod page;
 mod results;
 mod scene;

@@ -6,9 +6,9 @@ use report::results::Document;
 use report::table::NONE;
 
 use super::columns;
-use super::drive::Driven;
 use super::limits::Limits;
 use super::results::{Results, cars_in_words};
+use super::wave::Driven;
 
 /// Height of the time-space diagram, px.
 const SPACE_HEIGHT: f64 = 360.0;

@@ -7,10 +7,9 @@ use supervise::RequirementVerdict;
 use supervise::report::{ControlFigures, Outcome};
 
 use super::STABLE_GAIN;
-use super::drive::Driven;
 use super::limits::Limits;
 use super::scene::Plan;
-use super::wave::{Response, peak};
+use super::wave::{Driven, Response, peak};
 
 /// Name of the requirement that the string as a whole is judged by.
 pub const STABILITY: &str = "string-stable";

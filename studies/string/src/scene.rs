@@ -11,7 +11,7 @@ use scenario::quantity::{
 use scenario::road::{Heights, Road, RoadPoint};
 use supervise::UsageError;
 
-use super::cars::Motion;
+use super::motion::Motion;
 use super::wave::Wave;
 
 /// Time gap of a first distance that neither law nor scenario gives, s.

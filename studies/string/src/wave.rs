@@ -10,13 +10,13 @@
 //! over whole periods. The samples need not be in step with the sine. The car's other motion comes from its radar's
 //! noise. It is fitted in the same way at the neighbouring frequencies of the same window.
 
-use super::drive::Driven;
-use super::measure::{Sample, samples};
+use super::measure::{Measured, Sample, samples};
 use scenario::Scenario;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
-use supervise::{Drive, UsageError};
+use supervise::report::{ControlFigures, Outcome};
+use supervise::{Drive, RequirementVerdict, UsageError};
 
 /// Largest amplitude of the speed, m/s.
 const MAX_AMPLITUDE_MPS: f64 = 1.0;
@@ -218,6 +218,25 @@ pub fn peak(curve: &[Response]) -> Option<(f64, f64)> {
     let points = curve.iter().map(|response| Some((response.hz, response.gain?)));
     let points = points.collect::<Option<Vec<_>>>()?;
     points.into_iter().reduce(|peak, point| if point.1 > peak.1 { point } else { peak })
+}
+
+/// The drive of one car, reduced to figures and a trace.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Driven {
+    /// Place of the car in the string, from 1.
+    pub index: usize,
+    pub controller: String,
+    /// End of its drive.
+    pub outcome: Outcome,
+    pub requirements: Vec<RequirementVerdict>,
+    pub figures: ControlFigures,
+    /// Norms of its speeds and gaps.
+    pub measured: Measured,
+    /// Amplitudes behind a sine.
+    pub amplitudes: Option<Amplitudes>,
+    /// Time, s, position of its front bumper from the first car's start, m, and speed, m/s; empty
+    /// behind a sine.
+    pub trace: Vec<[f64; 3]>,
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::paired::UNCOUNTED;
 use super::setup::{Load, Mechanism, failed};
-use super::wake::{Sink, Source};
+use super::wake::{DONE, METRONOME, READY, Sink, Source};
 use runtime::scheduling::{Granted, Policy, Request, apply};
 use runtime::statistics::Latencies;
 use runtime::{SharedWords, monotonic_ns, sleep_until};
@@ -240,15 +240,3 @@ fn busy(load: Load) -> ! {
         }
     }
 }
-
-/// Wake-ups so far; the futex.
-pub const COUNT: usize = 0;
-/// Number of the block that the sink waits for, from 1; 1 for a metronome that ticks.
-pub const READY: usize = 16;
-/// Number of the block that the source has ended, from 1.
-pub const DONE: usize = 32;
-/// State of the metronome, [`super::peer::metronome`].
-pub const METRONOME: usize = 48;
-/// First word of the ring of stamps, two words each.
-pub const STAMPS: usize = 64;
-pub const RING: usize = 256;

@@ -3,6 +3,7 @@
 use super::paired::{Compared, Comparison, PAIRS_IN_SESSION, WAKES, histogram, order, paired};
 use super::peer::{self, BLOCKS_FILE, Job, Outcome, Task, Turns, metronome};
 use super::setup::{Conditions, Load, Mechanism, Placement, Scheduling, failed};
+use super::wake;
 use runtime::scheduling::usable_cores;
 use runtime::{Group, Mode, SharedWords, Timetable};
 use rustix::event::{EventfdFlags, eventfd};
@@ -213,7 +214,7 @@ impl Stage {
         let priority = fifo.then_some(METRONOME_PRIORITY);
         let peer = self.spawn(Task::Metronome, priority, core, period_us, None)?;
         let begun = Instant::now();
-        while self.page.word(peer::READY).load(Ordering::Acquire) == 0 {
+        while self.page.word(wake::READY).load(Ordering::Acquire) == 0 {
             if begun.elapsed() > PATIENCE {
                 return Err(failed("start the metronome")("it does not tick in time").into());
             }
@@ -232,7 +233,7 @@ impl Stage {
     }
 
     fn clear(&self) {
-        for word in [peer::COUNT, peer::READY, peer::DONE, peer::METRONOME] {
+        for word in [wake::COUNT, wake::READY, wake::DONE, wake::METRONOME] {
             self.page.word(word).store(0, Ordering::Release);
         }
     }
@@ -290,11 +291,11 @@ impl Metronome<'_> {
     /// Starts or stops counting.
     pub fn count(&self, counts: bool) {
         let state = if counts { metronome::COUNT } else { metronome::WARM };
-        self.stage.page.word(peer::METRONOME).store(state, Ordering::Relaxed);
+        self.stage.page.word(wake::METRONOME).store(state, Ordering::Relaxed);
     }
 
     pub fn finish(self) -> Result<Outcome, Error> {
-        self.stage.page.word(peer::METRONOME).store(metronome::STOP, Ordering::Relaxed);
+        self.stage.page.word(wake::METRONOME).store(metronome::STOP, Ordering::Relaxed);
         self.peer.finish()
     }
 }

@@ -280,10 +280,33 @@ pub fn marks(run: &RunPicture) -> Vec<Mark> {
     faults.chain(decided).collect()
 }
 
+/// Height of a chart, px.
+const LATERAL_HEIGHT: f64 = 120.0;
+
+/// Curvature of the road, lateral acceleration and lateral jerk; empty where the road has no plan.
+pub fn lateral(run: &RunPicture) -> Vec<Plot> {
+    let lateral = &run.lateral;
+    if lateral.curvature_perkm.is_empty() {
+        return Vec::new();
+    }
+    let plot = |title: &str, unit: &str, tone: Tone, points: &[(f64, f64)]| {
+        let curve = Curve::new(title, tone, points.to_vec());
+        let plot = Plot::over_time(title, run.duration_s, unit, vec![curve]);
+        Plot { height: LATERAL_HEIGHT, ..plot }.marked(&marks(run))
+    };
+    let ego = Tone::Series(0);
+    vec![
+        plot("Curvature of the road, left positive", "1/km", Tone::Muted, &lateral.curvature_perkm),
+        plot("Lateral acceleration", "m/s²", ego, &lateral.acceleration_mps2),
+        plot("Lateral jerk, mean over 0.5 s", "m/s³", ego, &lateral.jerk_mps3),
+    ]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::chart::{Picture, script_json};
+    use crate::lateral::LateralSeries;
     use crate::picture::{ActorPath, Decided, FaultMark, SignalPhases};
 
     /// A run with a fault, a cut-in, a signal and a bounded request.
@@ -390,5 +413,16 @@ mod tests {
         assert!(bounded(&run));
         run.applied_mps2.clone_from(&run.request_mps2);
         assert!(!bounded(&run));
+    }
+
+    #[test]
+    fn a_road_with_a_plan_shows_its_curves() {
+        assert!(lateral(&RunPicture::default()).is_empty());
+        let curvature_perkm = vec![(0.0, 0.0), (5.0, -2.0)];
+        let series = LateralSeries { curvature_perkm, ..LateralSeries::default() };
+        let run = RunPicture { duration_s: 5.0, lateral: series, ..RunPicture::default() };
+        let titles: Vec<_> = lateral(&run).into_iter().map(|plot| plot.title).collect();
+        assert_eq!(titles.len(), 3);
+        assert!(titles[2].contains("0.5 s"), "{titles:?}");
     }
 }

@@ -1,5 +1,6 @@
 //! Standard output, and the words that all results share.
 
+pub use crate::results::duration;
 use crate::results::{Document, width};
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use messages::Service;
@@ -90,21 +91,6 @@ pub fn carries(count: u64, share: f64) -> bool {
 /// The 99th percentile where the samples carry it, in µs.
 pub fn p99(p: &Percentiles) -> Option<f64> {
     carries(p.count, 0.99).then_some(p.p99)
-}
-
-/// A duration in µs with the unit that reads best.
-///
-/// ```
-/// assert_eq!(report::print::duration(1_234.0), "1.23 ms");
-/// ```
-pub fn duration(us: f64) -> String {
-    if us < 1e3 {
-        format!("{us:.1} µs")
-    } else if us < 1e6 {
-        format!("{:.2} ms", us / 1e3)
-    } else {
-        format!("{:.2} s", us / 1e6)
-    }
 }
 
 /// A bar over `runs` on a terminal; hidden elsewhere.

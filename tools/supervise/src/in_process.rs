@@ -7,7 +7,7 @@ use crate::Error;
 use crate::faults::Faults;
 use crate::refusal::check_in_process;
 use crate::start::processes::for_services;
-use crate::start::programs::{is_foreign, programs};
+use crate::start::{is_foreign, programs};
 use controller::laws::external::Questions;
 use drive::Exit;
 use drive::log::DriveLog;

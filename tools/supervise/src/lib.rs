@@ -41,10 +41,8 @@ pub use error::{Error, Failure, MachineError, Status, UsageError};
 pub use events::{flag_end, hold_signals, is_signalled};
 pub use faults::disturbance::run as run_hog;
 pub use in_process::entry;
-pub use options::laws::{LawError, LawOptions, LawSource, NamedLaw};
-pub use options::{
-    GroupOptions, OptionNames, ScenarioOptions, ServiceProgramError, mode, service_program,
-};
+pub use options::laws::{LawOptions, LawSource, NamedLaw};
+pub use options::{GroupOptions, OptionNames, ScenarioOptions, mode, service_program};
 pub use refusal::{absent, check_in_process, check_targets};
 pub use replay::{Replayed, replay};
 pub use root::dead_runs::{DeadRun, dead_runs};
@@ -52,7 +50,7 @@ pub use root::room::{check_room, shared_memory_room};
 pub use root::{RunRoot, base, is_alive};
 pub use run::{Keep, Opening, drive, is_openscenario, open, open_with};
 pub use start::attendant::run as run_janitor;
+pub use start::of_service;
 pub use start::processes::Launch;
 pub use start::processes::{Janitor, this_program};
-pub use start::programs::{NoProgram, of_service};
 pub use supervisor::launch;

@@ -2,12 +2,13 @@
 
 mod command;
 mod crew;
+mod entry;
 mod run;
 mod verify;
 
 pub use command::{Command, MergeArguments, ResumeArguments, RunOptions};
-pub use command::{Entry, merge, resume};
 pub use crew::Crew;
+pub use entry::{Entry, merge, resume};
 pub use run::run;
 
 use std::collections::BTreeMap;

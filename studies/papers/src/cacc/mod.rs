@@ -13,9 +13,9 @@ mod recording;
 pub use figures::{CLAIMS, Calibration, Figure, PRINTED};
 pub use recording::{Recording, Runs, Seen};
 
-use super::page::{Gallery, Pictures, over_time};
+use super::page::over_time;
 use super::row::Row;
-use super::runner::{Driven, Part, Piece, Runner};
+use super::runner::{Driven, Gallery, Part, Pictures, Piece, Runner};
 use controller::laws::cacc::weights::{Weights, set};
 use report::chart::{Strip, Tone};
 use supervise::Error;

@@ -3,9 +3,8 @@
 //! The paper describes four points of its figure in words; the scenario's road and lead are laid out
 //! after them. Each point is one or two rows.
 
-use crate::page::Pictures;
 use crate::row::{EXACT, Kind, Row, Tolerance, paper, requirement, within};
-use crate::runner::{Driven, Part, Piece, Runner};
+use crate::runner::{Driven, Part, Pictures, Piece, Runner};
 use crate::trips::Trip;
 use controller::laws::truck::Prices;
 use supervise::report::Outcome;

@@ -3,9 +3,9 @@
 
 use super::computed::{PLAN_POINTS, RECONSTRUCTED, Reconstructed, SKILLED, TEST};
 use super::{ROAD_M, computed, litres, slower_percent, trip};
-use crate::page::{Gallery, Pictures, over_road};
+use crate::page::over_road;
 use crate::row::{EXACT, Kind, Row, Tolerance, paper, reconstruction, requirement, within};
-use crate::runner::{Driven, Part, Piece, Runner};
+use crate::runner::{Driven, Gallery, Part, Pictures, Piece, Runner};
 use crate::trips::Trip;
 use supervise::Error;
 use truck_model::Preset;

@@ -12,7 +12,8 @@
 //! The reachable states of an instant are one bit each, a row for each speed. A step from one speed to another moves a
 //! row by a whole number of places.
 
-use super::corridor::{Corridor, Signal};
+use super::corridor::Corridor;
+use super::lead::Signal;
 
 const STEP_S: f64 = 0.5;
 /// Step of the speed, m/s.

@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use supervise::report::Outcome;
 use supervise::{Error, GroupOptions, UsageError};
 
-use crate::arguments::SearchArguments;
+use crate::SearchArguments;
 use crate::method::{Sobol, seed_of};
 use crate::minimal::{self, Held, Seeds, Trial};
 use crate::problem::{Problem, Value};

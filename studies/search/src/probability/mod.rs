@@ -27,7 +27,7 @@ use rare_events::{Budget, REPLICAS, replica, sobol};
 use report::results::Document;
 use supervise::{Error, UsageError};
 
-use crate::arguments::SearchArguments;
+use crate::SearchArguments;
 use crate::method::seed_of;
 use crate::problem::{Problem, Value};
 use crate::record::judge;

@@ -25,7 +25,7 @@ use scenario::Scenario;
 use supervise::{Error, Failure, GroupOptions, Opening, ScenarioOptions, UsageError};
 use thiserror::Error;
 
-use crate::arguments::SearchArguments;
+use crate::SearchArguments;
 use crate::method::MOST_VARIABLES;
 use crate::reference::{MOST, Reference};
 

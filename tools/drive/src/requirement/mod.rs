@@ -7,7 +7,6 @@
 mod by_hand_tests;
 mod contact;
 mod evidence;
-mod lateral;
 mod names;
 mod others;
 mod red_light;
@@ -146,7 +145,7 @@ impl Requirement {
             Judge::Rule(Rule::Collision) => contact::no_collision(evidence),
             Judge::Rule(Rule::AvoidableCollision) => reference::no_avoidable_collision(evidence),
             Judge::Rule(Rule::RedLight) => red_light::no_red_light(evidence),
-            Judge::Rule(Rule::Lateral(limit_mps2)) => lateral::within(*limit_mps2, evidence),
+            Judge::Rule(Rule::Lateral(limit_mps2)) => evidence::lateral(*limit_mps2, evidence),
         };
         RequirementVerdict {
             requirement: self.text.clone(),

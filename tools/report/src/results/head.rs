@@ -4,7 +4,6 @@ use serde_json::Value;
 use std::borrow::Cow;
 
 use crate::chart::number as decimals_of;
-use crate::print::duration;
 use crate::table::NONE;
 
 /// Form of a column's cells for people.
@@ -182,5 +181,20 @@ impl Head {
             Value::Object(parts) => parts.get("mean").and_then(Value::as_f64),
             value => value.as_f64(),
         }
+    }
+}
+
+/// A duration in µs with the unit that reads best.
+///
+/// ```
+/// assert_eq!(report::print::duration(1_234.0), "1.23 ms");
+/// ```
+pub fn duration(us: f64) -> String {
+    if us < 1e3 {
+        format!("{us:.1} µs")
+    } else if us < 1e6 {
+        format!("{:.2} ms", us / 1e3)
+    } else {
+        format!("{:.2} s", us / 1e6)
     }
 }

@@ -29,7 +29,7 @@ pub use column::{
 };
 pub use console::{folded, width};
 pub use document::{Broken, Document, Part};
-pub use head::{Format, Good, Head, Kind};
+pub use head::{Format, Good, Head, Kind, duration};
 pub use options::ResultOptions;
 pub use schema::{Object, Schema, check, document as schema_document};
 pub use table::{Fact, Table, csv_fields, csv_names, field};

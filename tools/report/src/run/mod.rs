@@ -12,7 +12,7 @@ use crate::html::{Tile, figure};
 use crate::picture::{RunPicture, letter};
 use crate::results::{Broken, Column, Document, Format, Table, column, count, word};
 use crate::summary::Summary;
-use crate::{lateral, over_time, print, verdicts};
+use crate::{over_time, print, verdicts};
 use scenario::Scenario;
 use supervise::report::Outcome;
 use supervise::{FaultRecord, RequirementVerdict};
@@ -150,7 +150,7 @@ pub fn pictures(run: &RunPicture) -> String {
     let plots = [over_time::speed(run)].into_iter().chain(following.into_iter().flatten());
     let motion =
         plots.chain([over_time::acceleration(run), over_time::jerk(run), over_time::road(run)]);
-    let below = lateral::plots(run).into_iter().chain(over_time::profile(run));
+    let below = over_time::lateral(run).into_iter().chain(over_time::profile(run));
     let below = below.chain(over_time::powertrain(run));
     let drawn: String = motion.map(|plot| figure(&plot)).collect();
     let modes = over_time::modes(run).map_or_else(String::new, |modes| figure(&modes));

@@ -40,36 +40,22 @@ pub enum LawSource {
     Caller,
 }
 
-/// Reason why an argument names no law.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum LawError {
-    #[error("no `=`, expected NAME=COMMAND")]
-    NoCommand,
-    /// The name is not a valid one.
-    #[error("`{0}` is not a name, expected 1 to 64 letters, digits, `-` or `_`")]
-    Name(String),
-    /// The name is of a law of timegap's own.
-    #[error("`{0}` is a law of timegap's own, expected another name")]
-    Taken(String),
-    /// The command is empty, or its quotes do not close.
-    #[error("`{0}` is not a command, expected words as in a shell")]
-    Command(String),
-}
-
 impl std::str::FromStr for NamedLaw {
-    type Err = LawError;
+    type Err = UsageError;
 
-    fn from_str(argument: &str) -> Result<Self, LawError> {
-        let (name, command) = argument.split_once('=').ok_or(LawError::NoCommand)?;
-        let name = String::from(
-            Name::try_from(name.to_owned()).map_err(|_| LawError::Name(name.to_owned()))?,
-        );
-        if controller::laws::find(&name).is_some() {
-            return Err(LawError::Taken(name));
+    fn from_str(argument: &str) -> Result<Self, UsageError> {
+        let error =
+            |what: &str, why, expected| UsageError::at(format_args!("`{what}`"), why, expected);
+        let (name, command) =
+            argument.split_once('=').ok_or_else(|| error(argument, "no `=`", "NAME=COMMAND"))?;
+        let no_name = |_| error(name, "not a name", "1 to 64 letters, digits, `-` or `_`");
+        let of_law = String::from(Name::try_from(name.to_owned()).map_err(no_name)?);
+        if controller::laws::find(name).is_some() {
+            return Err(error(name, "a law of timegap's own", "another name"));
         }
-        let no_command = || LawError::Command(command.to_owned());
         let words = shlex::split(command).filter(|words| !words.is_empty());
-        Ok(Self { name, source: LawSource::Program(words.ok_or_else(no_command)?) })
+        let words = words.ok_or_else(|| error(command, "not a command", "words as in a shell"))?;
+        Ok(Self { name: of_law, source: LawSource::Program(words) })
     }
 }
 
@@ -179,11 +165,11 @@ mod tests {
     fn an_argument_that_is_not_a_law_is_refused_with_what_was_expected() {
         for (argument, what) in [
             ("gentle", "expected NAME=COMMAND"),
-            ("a b=./law", "is not a name"),
-            ("=./law", "is not a name"),
+            ("a b=./law", "not a name"),
+            ("=./law", "not a name"),
             ("six-mode=./law", "a law of timegap's own"),
-            ("a=", "is not a command"),
-            ("a='./law", "is not a command"),
+            ("a=", "not a command"),
+            ("a='./law", "not a command"),
         ] {
             let said = law(argument).expect_err(argument).to_string();
             assert!(said.contains(what) && said.contains("expected"), "{said}");

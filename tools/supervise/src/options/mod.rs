@@ -2,10 +2,10 @@
 
 pub mod laws;
 
-use crate::{LawOptions, UsageError};
+use crate::{Error, LawOptions, UsageError};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use messages::{Service, UnknownService};
+use messages::Service;
 use openscenario::LaneHeadings;
 use runtime::Mode;
 use serde::{Deserialize, Serialize};
@@ -144,18 +144,11 @@ pub fn mode() -> impl TypedValueParser<Value = Mode> {
         .map(move |name| if is_lockstep(name) { Mode::Lockstep } else { Mode::Realtime })
 }
 
-/// An argument names no service's program.
-#[derive(Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ServiceProgramError {
-    #[error("expected NAME=PROGRAM")]
-    NoProgram,
-    #[error(transparent)]
-    Service(#[from] UnknownService),
-}
-
 /// A service and the program in its place: `NAME=PROGRAM`.
-pub fn service_program(argument: &str) -> Result<(Service, PathBuf), ServiceProgramError> {
-    let (name, program) = argument.split_once('=').ok_or(ServiceProgramError::NoProgram)?;
+pub fn service_program(argument: &str) -> Result<(Service, PathBuf), Error> {
+    let (name, program) = argument
+        .split_once('=')
+        .ok_or_else(|| UsageError::at(format_args!("`{argument}`"), "no `=`", "NAME=PROGRAM"))?;
     Ok((name.parse()?, PathBuf::from(program)))
 }
 

@@ -1,7 +1,7 @@
 //! A process of the group beside the services: the recorder, the replayer.
 
 use crate::root::{RunRoot, open_lock, wipe};
-use crate::start::processes::{end_within, this_program};
+use crate::start::processes::{DONE, end_within, this_program};
 use crate::{Error, MachineError};
 use runtime::{enroll_listener, inherit_only};
 use rustix::fs::{FlockOperation, flock};
@@ -110,9 +110,6 @@ impl Drop for Attendant {
 
 /// Time that services get to end by themselves once the launcher is gone.
 const GRACE: Duration = Duration::from_secs(2);
-
-/// Word of a launcher that has already cleaned up.
-pub const DONE: &str = "done";
 
 /// Runs the janitor of the run at `root`. It reads lines from the launcher until [`DONE`] or the launcher's death. The
 /// first line is the number of the services' process group.

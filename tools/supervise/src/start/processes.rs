@@ -3,7 +3,6 @@
 use crate::events::{Event, ServiceProcess, follow};
 use crate::root::RunRoot;
 use crate::root::dead_runs::remove_unfinished;
-use crate::start::attendant::DONE;
 use crate::{Error, MachineError};
 use controller::laws;
 use messages::Service;
@@ -22,6 +21,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicI32, Ordering};
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
+
+/// Word of a launcher that has already cleaned up, for the janitor.
+pub const DONE: &str = "done";
 
 /// One service's process.
 #[derive(Debug)]

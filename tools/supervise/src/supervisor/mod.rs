@@ -19,7 +19,7 @@ use crate::root::room::check_room;
 use crate::start::live_file::LiveFile;
 use crate::start::processes::Janitor;
 use crate::start::processes::{Launch, for_services};
-use crate::start::programs::programs;
+use crate::start::programs;
 use drive::log::DriveLog;
 use drive::report::ServiceReport;
 use drive::{GroupOutcome, Moment};

@@ -4,7 +4,7 @@ use super::{EXIT_GRACE, Supervisor};
 use crate::Error;
 use crate::control;
 use crate::events::{Event, ServiceProcess};
-use crate::start::programs::is_foreign;
+use crate::start::is_foreign;
 use crate::succession::{self, Step};
 use drive::Exit;
 use messages::Service;
