@@ -107,7 +107,7 @@ pub enum PrintCommand {
     /// The messages' layouts for Python or C
     Layouts(LayoutsArguments),
     #[command(flatten)]
-    Generated(crate::generate::Generated),
+    Generated(crate::list::Generated),
 }
 
 /// Commands by what they are for, as `--help` shows them.

@@ -1,6 +1,8 @@
-//! `timegap list`: scenarios, controllers and campaigns.
+//! `timegap list`: scenarios, controllers and campaigns; `timegap print`: what accompanies the command.
 
-use clap::{Args, ValueEnum};
+use crate::reference;
+use clap::{Args, Command, Subcommand, ValueEnum};
+use clap_complete::Shell;
 use controller::law::{Descriptor, Formulation};
 use controller::laws;
 use report::print;
@@ -59,7 +61,7 @@ fn results() -> serde_json::Value {
 
 pub fn print_schema(arguments: &SchemaArguments) -> Result<ExitCode, Error> {
     let schema = match arguments.of {
-        SchemaOf::Scenario => crate::reference::json_schema(),
+        SchemaOf::Scenario => reference::json_schema(),
         SchemaOf::Results => results(),
     };
     let schema = serde_json::to_string_pretty(&schema).expect("plain data");
@@ -146,4 +148,54 @@ fn controller(law: &Descriptor) -> serde_json::Value {
         "defaults": law.table.map(|table| defaults(&(table.keys)())),
         "formulations": law.formulations.iter().map(formulation).collect::<Vec<_>>(),
     })
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Generated {
+    /// Completions for a shell
+    Completions {
+        /// The shell
+        #[arg(value_enum)]
+        shell: Shell,
+    },
+    /// The man page, in troff
+    Man,
+    /// A reference page of `docs`, in Markdown
+    Reference {
+        /// Its subject
+        #[arg(value_enum)]
+        page: Page,
+    },
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Page {
+    /// All messages
+    Messages,
+    /// All keys of a scenario
+    Scenario,
+}
+
+/// `program` is the whole command line.
+pub fn generate(what: &Generated, program: Command) -> Result<ExitCode, Error> {
+    let text = match what {
+        Generated::Man => man(program),
+        Generated::Reference { page: Page::Messages } => reference::messages_page(),
+        Generated::Reference { page: Page::Scenario } => reference::scenario_page(),
+        Generated::Completions { shell } => completions(*shell, program),
+    };
+    print::out(&text)?;
+    Ok(ExitCode::SUCCESS)
+}
+
+fn completions(shell: Shell, mut program: Command) -> String {
+    let mut text = Vec::new();
+    clap_complete::generate(shell, &mut program, "timegap", &mut text);
+    String::from_utf8(text).expect("our names are text")
+}
+
+fn man(program: Command) -> String {
+    let mut text = Vec::new();
+    clap_mangen::Man::new(program).render(&mut text).expect("memory takes all");
+    String::from_utf8(text).expect("our names are text")
 }

@@ -16,7 +16,6 @@
 #[cfg(feature = "count-allocations")]
 mod allocations;
 mod cli;
-mod generate;
 mod inject;
 mod lead;
 mod list;
@@ -84,7 +83,7 @@ fn run_command() -> ExitCode {
         Command::List(arguments) => list::run(&arguments),
         Command::Print(PrintCommand::Schema(arguments)) => list::print_schema(&arguments),
         Command::Print(PrintCommand::Layouts(arguments)) => recordings::layouts::run(&arguments),
-        Command::Print(PrintCommand::Generated(what)) => generate::run(&what, Cli::command()),
+        Command::Print(PrintCommand::Generated(what)) => list::generate(&what, Cli::command()),
         Command::Service(arguments) => service::run(&arguments),
     };
     result.unwrap_or_else(|error| {

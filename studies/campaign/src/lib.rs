@@ -49,5 +49,4 @@ mod verdict;
 
 pub use columns::schema;
 pub use open::BUILTIN;
-pub use study::CampaignArguments;
-pub use study::{ENTRY, run};
+pub use study::{CampaignArguments, ENTRY, run};

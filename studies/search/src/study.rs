@@ -14,8 +14,6 @@ use report::results::{Column, Document, fact, number, word};
 use serde_json::json;
 use supervise::{Error, GroupOptions, UsageError};
 
-use crate::SearchArguments;
-use crate::distinct;
 use crate::faults::Faults;
 use crate::method::{Chooser, MethodName, Proposal, independent, seed_of};
 use crate::minimal::{self, Held, Seeds, Trial, repeatable};
@@ -25,6 +23,7 @@ use crate::problem::{Problem, Value};
 use crate::record::{Judged, Record, judge};
 use crate::results::Search;
 use crate::rows::FailureRow;
+use crate::{SearchArguments, distinct};
 
 /// Longest wait for a result before an interrupt is looked for.
 const LOOK: Duration = Duration::from_millis(50);

@@ -30,12 +30,11 @@ mod start;
 mod succession;
 mod supervisor;
 
-pub use drive::report;
 pub use drive::{
     Body, Drive, DriveStep, EgoPlace, Ended, Evidence, Exit, FaultRecord, GroupOutcome, Heartbeats,
     Moment, PlaneLog, PlaneScene, PowertrainStep, RecordingSummary, Recovery, ReferenceDriver,
     Requirement, RequirementError, RequirementVerdict, Seen, StandbyCost, TargetPlace,
-    is_avoidable_collision, requirements,
+    is_avoidable_collision, report, requirements,
 };
 pub use error::{Error, Failure, MachineError, Status, UsageError};
 pub use events::{flag_end, hold_signals, is_signalled};
@@ -51,6 +50,5 @@ pub use root::{RunRoot, base, is_alive};
 pub use run::{Keep, Opening, drive, is_openscenario, open, open_with};
 pub use start::attendant::run as run_janitor;
 pub use start::of_service;
-pub use start::processes::Launch;
-pub use start::processes::{Janitor, this_program};
+pub use start::processes::{Janitor, Launch, this_program};
 pub use supervisor::launch;

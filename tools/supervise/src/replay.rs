@@ -8,8 +8,7 @@ use crate::start::processes::{Janitor, Process};
 use crate::{Error, MachineError};
 use controller::laws;
 use drive::Exit;
-use messages::Service;
-use messages::{Command, Diagnostics};
+use messages::{Command, Diagnostics, Service};
 use recorder::{FromReplayer, Recording, Take, ToReplayer};
 use runtime::{
     FromService, Group, Mode, Schedule, StartOrder, Tap, Tapped, Timetable, ToService,

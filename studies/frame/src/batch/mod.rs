@@ -21,13 +21,10 @@ pub mod laws;
 mod usage;
 mod workers;
 
-pub use drive::Scratch;
-pub use drive::{drive, lockstep, whole};
+pub use drive::{Scratch, drive, lockstep, whole};
 pub(crate) use drive::{drive_on, is_in_memory};
-pub use usage::Growth;
-pub use usage::leftovers;
-pub use workers::Interrupt;
-pub use workers::share;
+pub use usage::{Growth, leftovers};
+pub use workers::{Interrupt, share};
 
 use report::summary::Summary;
 use runtime::{Carrier, Mode};

@@ -47,21 +47,18 @@ pub enum Keep {
     Worst(NonZeroUsize),
 }
 
-/// A word that names no choice of runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("expected all, failures or worst:N with N of 1 or more")]
-pub struct KeepError;
-
 impl FromStr for Keep {
-    type Err = KeepError;
+    type Err = &'static str;
 
-    fn from_str(text: &str) -> Result<Self, KeepError> {
+    fn from_str(text: &str) -> Result<Self, &'static str> {
         match text {
             "all" => Ok(Self::All),
             "failures" => Ok(Self::Failures),
             _ => {
                 let count = text.strip_prefix("worst:").and_then(|count| count.parse().ok());
-                count.map(Self::Worst).ok_or(KeepError)
+                count
+                    .map(Self::Worst)
+                    .ok_or("expected all, failures or worst:N with N of 1 or more")
             }
         }
     }

@@ -34,28 +34,27 @@ pub(crate) fn holds(shard: Option<Shard>, run: usize) -> bool {
     shard.is_none_or(|shard| shard.holds(run))
 }
 
-/// A shard that is not one of `I/N`.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("`{0}` is not a shard, expected I/N with I from 1 to N, auto or auto/N")]
-pub struct ShardError(String);
+/// The refusal of a text that is no shard.
+fn no_shard(text: &str) -> UsageError {
+    let expected = "I/N with I from 1 to N, auto or auto/N";
+    UsageError::at(format_args!("`{text}`"), "not a shard", expected)
+}
 
 impl FromStr for Shard {
-    type Err = ShardError;
+    type Err = UsageError;
 
-    fn from_str(text: &str) -> Result<Self, ShardError> {
+    fn from_str(text: &str) -> Result<Self, UsageError> {
         let parts = text.split_once('/').and_then(|(index, count)| {
             Some(Self { index: index.parse().ok()?, count: count.parse().ok()? })
         });
-        parts
-            .filter(|shard| (1..=shard.count).contains(&shard.index))
-            .ok_or_else(|| ShardError(text.to_owned()))
+        parts.filter(|shard| (1..=shard.count).contains(&shard.index)).ok_or_else(|| no_shard(text))
     }
 }
 
 impl TryFrom<String> for Shard {
-    type Error = ShardError;
+    type Error = UsageError;
 
-    fn try_from(text: String) -> Result<Self, ShardError> {
+    fn try_from(text: String) -> Result<Self, UsageError> {
         text.parse()
     }
 }
@@ -75,14 +74,14 @@ pub enum ShardChoice {
 }
 
 impl FromStr for ShardChoice {
-    type Err = ShardError;
+    type Err = UsageError;
 
-    fn from_str(text: &str) -> Result<Self, ShardError> {
+    fn from_str(text: &str) -> Result<Self, UsageError> {
         match text.strip_prefix("auto") {
             Some("") => Ok(Self::Auto(None)),
             Some(count) => {
                 let count = count.strip_prefix('/').and_then(|count| count.parse().ok());
-                count.map(|count| Self::Auto(Some(count))).ok_or_else(|| ShardError(text.into()))
+                count.map(|count| Self::Auto(Some(count))).ok_or_else(|| no_shard(text))
             }
             None => text.parse().map(Self::Given),
         }

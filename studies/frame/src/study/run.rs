@@ -12,10 +12,9 @@ use super::command::{Command, MergeArguments, ResumeArguments, RunOptions};
 use super::crew::{Crew, Observed};
 use super::verify::Verify;
 use super::{Found, Needs, Recorded, Study};
-use crate::batch;
-use crate::drives;
 use crate::keep::{self, Keeper, Key};
 use crate::parts::{Begun, Merged, Part, PartFile, Shard, ShardChoice, SoFar, name_incomplete};
+use crate::{batch, drives};
 
 pub fn run<S: Study>(command: &Command<S::Arguments>) -> Result<ExitCode, Error> {
     let Command { study: arguments, options } = command;

@@ -9,13 +9,11 @@
 mod differences;
 mod results;
 
-pub use results::over_seeds;
-pub use results::schema;
+pub use results::{over_seeds, schema};
 
 use clap::Args;
 use frame::batch::{self, Done, Job};
-use frame::param;
-use frame::{Command, DriveOptions, Entry, Found, Needs, Recorded, RunOptions, Study};
+use frame::{Command, DriveOptions, Entry, Found, Needs, Recorded, RunOptions, Study, param};
 use messages::Service;
 use report::RunPicture;
 use report::results::Document;

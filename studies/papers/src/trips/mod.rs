@@ -29,8 +29,7 @@ mod road;
 mod trip;
 
 pub use assisted::{Assisted, Map};
-pub use bound::Bound;
-pub use bound::Cruise;
+pub use bound::{Bound, Cruise};
 pub use comparison::Comparison;
 pub use equal_time::{EQUAL_TIME, at_equal_time};
 pub use human::Human;

@@ -12,8 +12,7 @@ mod variable;
 
 pub(crate) use file::{Exposure, Stated};
 pub(crate) use term::FaultChoice;
-pub use term::is_whole;
-pub use term::{Setting, Term};
+pub use term::{Setting, Term, is_whole};
 pub use variable::{Domain, DomainError, Value, Variable, rounded};
 
 use std::collections::BTreeSet;

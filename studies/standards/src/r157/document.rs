@@ -5,10 +5,9 @@ use std::collections::BTreeSet;
 use report::results::{Broken, Column, Document, Format, Table, column, count, number, word};
 use serde_json::{Value, json};
 
-use super::R157Arguments;
 use super::limits::Position;
-use super::picture;
 use super::results::{Figures, Judged, LawResult, MatrixResult, Results};
+use super::{R157Arguments, picture};
 
 /// Columns of the drivers: models, and laws with and without the emergency brake.
 const DRIVERS: &[Column<Value>] = &[

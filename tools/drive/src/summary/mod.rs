@@ -10,8 +10,7 @@ mod trip;
 pub use aebs::{Aebs, braked};
 pub use following::Following;
 pub use law::LawAccount;
-pub use topics::Host;
-pub use topics::TopicCounts;
+pub use topics::{Host, TopicCounts};
 pub use trip::{Passing, Trip};
 
 use crate::report::{

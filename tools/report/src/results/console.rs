@@ -9,8 +9,7 @@ use serde_json::Value;
 use std::ops::Range;
 
 use super::head::Format;
-use super::table::Fact;
-use super::table::Table;
+use super::table::{Fact, Table};
 use crate::table::{Align, TextTable};
 
 /// Width if standard output is not a terminal.

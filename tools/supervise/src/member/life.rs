@@ -4,8 +4,7 @@
 //! processes of a service ([`ServiceCounts::figures`]). The launcher has received its messages on the topics.
 
 use controller::laws;
-use drive::log::CycleHistory;
-use drive::log::DriveLog;
+use drive::log::{CycleHistory, DriveLog};
 use drive::report::{
     ControllerReport, Details, ModeChange, Outcome, PlantReport, ReceivedTopic, SentTopic,
     ServiceReport,

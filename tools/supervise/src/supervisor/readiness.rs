@@ -1,11 +1,10 @@
 //! From the first spawn to the common start.
 
 use super::{EXIT_GRACE, Supervisor};
-use crate::Error;
-use crate::control;
 use crate::events::{Event, ServiceProcess};
 use crate::start::is_foreign;
 use crate::succession::{self, Step};
+use crate::{Error, control};
 use drive::Exit;
 use messages::Service;
 use runtime::FromService;

@@ -4,9 +4,8 @@ use super::Supervisor;
 use super::watch::{Course, LAST_MOMENT};
 use crate::events::ServiceProcess;
 use crate::succession::{self, Phase, Standby, Step};
-use drive::Ended;
-use drive::Exit;
 use drive::log::DriveLog;
+use drive::{Ended, Exit};
 use messages::Service;
 use runtime::{ActiveProcess, Cause, Mode, StartOrder, TakeOver, ToService};
 
