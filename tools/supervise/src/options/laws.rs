@@ -148,7 +148,7 @@ impl LawOptions {
 mod tests {
     use super::*;
 
-    fn law(argument: &str) -> Result<NamedLaw, LawError> {
+    fn law(argument: &str) -> Result<NamedLaw, UsageError> {
         argument.parse()
     }
 
