@@ -4,7 +4,6 @@ use super::blame::{Broken, Failure};
 use super::exposure::Exposure;
 use super::file::Campaign;
 use super::plan::Plan;
-use super::record::Record;
 use super::sums::{Combination, Limit, Shared, Sums, Tally};
 use runtime::Mode;
 use schemars::JsonSchema;

@@ -7,7 +7,7 @@ use crate::runner::{Driven, Gallery, Pictures};
 use report::chart::{Axis, Curve, Plot, Stroke, Tone, escape};
 use report::html::figure;
 use report::results::{Column, Document, Format, Schema, Table, column, number, word};
-use report::{RunPicture, run_pictures};
+use report::run_pictures;
 use serde::Serialize;
 use serde_json::{Value, json};
 use supervise::DriveStep;

@@ -1,6 +1,6 @@
 //! Figures over drives, declared once each: a column and its value over some drives.
 
-use report::figures::{self, Values};
+use report::figures::{INTERVENTIONS, Values};
 use report::results::Column;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
@@ -177,7 +177,7 @@ pub struct Drive<F> {
 impl<F> Drive<F> {
     /// Interventions of the emergency brake.
     pub fn interventions(&self) -> u64 {
-        self.figures.get(&figures::INTERVENTIONS).map_or(0, |times| times as u64)
+        self.figures.get(&INTERVENTIONS).map_or(0, |times| times as u64)
     }
 
     /// How the run ended, in words.

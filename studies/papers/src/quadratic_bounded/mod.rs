@@ -6,9 +6,9 @@
 
 mod actuators;
 
-use super::page::{Gallery, over_time};
+use super::page::over_time;
 use super::row::{EXACT, Kind, Row, Tolerance, paper, reconstruction, requirement, within};
-use super::runner::{Driven, Part, Piece, Runner};
+use super::runner::{Driven, Gallery, Part, Piece, Runner};
 use actuators::{Pedals, pedals};
 use controller::laws::quadratic_bounded::Parameters;
 use supervise::{DriveStep, Error};

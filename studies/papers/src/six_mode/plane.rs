@@ -1,7 +1,6 @@
 //! Figures 1 and 3 of the paper: the plane of modes, with the drive in it.
 
-use super::super::page::Gallery;
-use super::super::runner::Driven;
+use super::super::runner::{Driven, Gallery};
 use controller::laws::six_mode::deceleration::{PARTS, border_m};
 use controller::laws::six_mode::{Boundaries, Mode, Parameters, Variant};
 use report::chart::{Axis, Curve, Plot, Stroke, Tone};
