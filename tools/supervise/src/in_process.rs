@@ -49,9 +49,6 @@ pub fn run_unsealed(
 }
 
 /// The same with digests or without, while `watch` sees it go, until `interrupted` says that it is to end.
-///
-/// # Errors
-/// As [`run`].
 pub fn run_watched(
     scenario: &Scenario,
     sealing: Sealing,

@@ -239,10 +239,10 @@ mod tests {
     use std::collections::BTreeMap;
 
     use clap::FromArgMatches;
+    use messages::Service;
     use supervise::GroupOptions;
     use supervise::in_process;
     use supervise::report::Details;
-    use messages::Service;
 
     use super::*;
 
