@@ -3,7 +3,6 @@
 use super::variable::{Value, Variable, rounded};
 use openscenario::expression::{self, Fault, evaluate};
 use scenario::schema::{Key, Shape};
-use std::sync::OnceLock;
 use supervise::UsageError;
 
 /// A key of the scenario and its value.
@@ -131,9 +130,7 @@ impl Term {
 pub fn is_whole(path: &str) -> bool {
     let segments: Vec<&str> =
         path.split(['.', '[']).map(|part| part.trim_end_matches(']')).collect();
-    // The schema is made anew at each call, which costs a millisecond.
-    static KEYS: OnceLock<Vec<Key>> = OnceLock::new();
-    below(KEYS.get_or_init(scenario::schema::keys), &segments)
+    below(scenario::keys(), &segments)
 }
 
 fn below(keys: &[Key], path: &[&str]) -> bool {
@@ -145,7 +142,7 @@ fn of_shape(shape: &Shape, path: &[&str]) -> bool {
     match (shape, path.split_first()) {
         (Shape::Number { is_whole, .. }, None) => *is_whole,
         (Shape::List(element), Some((_, rest))) => of_shape(element, rest),
-        (Shape::Tuple(elements), Some((place, rest))) => {
+        (Shape::Tuple(elements, _), Some((place, rest))) => {
             let element = place.parse().ok().and_then(|place: usize| elements.get(place));
             element.is_some_and(|element| of_shape(element, rest))
         }
