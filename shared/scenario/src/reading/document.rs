@@ -11,6 +11,7 @@ use toml::{Spanned, Table, Value};
 
 use super::error::ScenarioError;
 use super::foreign::Foreign;
+use super::form::{below, child};
 use super::overrides::{Override, Overrides};
 use super::problem::Problem;
 use super::typed;
@@ -220,15 +221,6 @@ impl<'a> Document<'a> {
     }
 }
 
-/// The value of a key of a table, or of an index of a list.
-pub(super) fn child<'v>(value: &'v Value, step: &str) -> Option<&'v Value> {
-    match value {
-        Value::Table(table) => table.get(step),
-        Value::Array(list) => list.get(step.parse::<usize>().ok()?),
-        _ => None,
-    }
-}
-
 /// Follows a path as far as it leads: the number of steps, and the places of the last key and its value.
 fn follow(
     value: &Spanned<DeValue<'_>>,
@@ -257,7 +249,7 @@ fn follow(
 
 fn collect_paths(table: &Table, above: &str, into: &mut Vec<String>) {
     for (key, value) in table {
-        let path = super::form::below(above, key);
+        let path = below(above, key);
         match value {
             Value::Table(table) => collect_paths(table, &path, into),
             _ => into.push(path),

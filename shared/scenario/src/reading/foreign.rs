@@ -3,8 +3,8 @@
 use serde::Serialize;
 use toml::{Table, Value};
 
-use super::document::child;
 use super::error::ScenarioError;
+use super::form::child;
 
 /// Keys of a scenario as a value, with the places in a file that they come from. All other keys have their defaults.
 #[derive(Clone, Debug)]

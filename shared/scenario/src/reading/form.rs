@@ -160,6 +160,15 @@ pub(super) fn below(path: &str, key: impl std::fmt::Display) -> String {
     if path.is_empty() { key.to_string() } else { format!("{path}.{key}") }
 }
 
+/// The value of a key of a table, or of an index of a list.
+pub(super) fn child<'v>(value: &'v Value, step: &str) -> Option<&'v Value> {
+    match value {
+        Value::Table(table) => table.get(step),
+        Value::Array(list) => list.get(step.parse::<usize>().ok()?),
+        _ => None,
+    }
+}
+
 /// A value in words.
 fn found(value: &Value) -> String {
     match value {
