@@ -51,7 +51,7 @@ pub(super) fn check(shape: &Shape, value: &Value, path: &str) -> Result<(), Prob
         (Shape::Number { is_whole: true, .. }, _) => wrong("a whole number"),
         (Shape::Number { is_whole: false, .. }, _) => wrong("a number"),
         (Shape::List(of), _) if matches!(**of, Shape::Text { .. }) => {
-            wrong("a list of words, such as [\"a\", \"b\"]")
+            wrong("a list of words, such as [\"python3\", \"law.py\"]")
         }
         (Shape::List(_), _) => wrong("an array"),
         (Shape::Tuple(_, words), _) => wrong(words),

@@ -64,7 +64,7 @@ fn a_wrong_override_is_shown_as_it_was_typed() {
         (
             "controller.command=python3 law.py",
             "invalid type",
-            "^ expected a list of words, such as [\"a\", \"b\"]",
+            "^ expected a list of words, such as [\"python3\", \"law.py\"]",
         ),
         (
             "plant.mass_kg=1500",
