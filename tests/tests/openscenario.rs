@@ -204,7 +204,7 @@ fn the_user_names_the_ego() {
     let own = corner.run(&["run", "following", "--ego", "Car 1"]);
     assert_eq!(own.status.code(), Some(2));
     assert!(
-        text(&own).contains("--ego Car 1: following is no OpenSCENARIO file"),
+        text(&own).contains("--ego Car 1: following is not an OpenSCENARIO file"),
         "{}",
         text(&own)
     );
