@@ -52,6 +52,10 @@ bench *ARGUMENTS:
 lines *WHAT:
     @.ci/lines {{WHAT}}
 
+# Count the instructions of a simulated second by part, with valgrind: all drives, or some.
+instructions *ARGUMENTS:
+    @.ci/instructions {{ARGUMENTS}}
+
 # Measure this machine and the program, and write docs/measurements.md anew: all parts, or some.
 measure *PARTS:
     .ci/measure {{PARTS}}
