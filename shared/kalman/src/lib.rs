@@ -60,16 +60,15 @@ impl<const N: usize> Gaussian<N> {
     /// Moves the covariance on by the transition `f`, with noise of variance `q` along `b`.
     pub fn spread(&mut self, f: &[[f64; N]; N], b: &[f64; N], q: f64) {
         let p = self.covariance;
+        // Entries of `f` that are 0 cost nothing where the caller's `f` is known.
+        let moved: [[f64; N]; N] = from_fn(|i| {
+            from_fn(|j| (0..N).filter(|k| f[i][*k] != 0.0).map(|k| f[i][k] * p[k][j]).sum())
+        });
         for i in 0..N {
             for j in i..N {
-                let mut sum = q * b[i] * b[j];
-                for k in 0..N {
-                    for l in 0..N {
-                        sum += f[i][k] * p[k][l] * f[j][l];
-                    }
-                }
-                self.covariance[i][j] = sum;
-                self.covariance[j][i] = sum;
+                let along = (0..N).filter(|k| f[j][*k] != 0.0).map(|k| moved[i][k] * f[j][k]);
+                let sum = q * b[i] * b[j] + along.sum::<f64>();
+                (self.covariance[i][j], self.covariance[j][i]) = (sum, sum);
             }
         }
     }
@@ -98,11 +97,12 @@ impl<const N: usize> Gaussian<N> {
     pub fn correct_along(&mut self, h: &[f64; N], innovation: &Innovation) {
         let p = self.covariance;
         let along: [f64; N] = from_fn(|i| (0..N).map(|j| p[i][j] * h[j]).sum());
+        let share = 1.0 / innovation.variance;
         for (mean, along) in self.mean.iter_mut().zip(along) {
-            *mean += along * innovation.residual / innovation.variance;
+            *mean += along * share * innovation.residual;
         }
-        self.covariance =
-            from_fn(|i| from_fn(|j| p[i][j] - along[i] * along[j] / innovation.variance));
+        // The same product for both entries of a pair: the matrix stays symmetric.
+        self.covariance = from_fn(|i| from_fn(|j| p[i][j] - along[i] * along[j] * share));
     }
 
     /// Takes in the measurement of element `m` that led to `innovation`.

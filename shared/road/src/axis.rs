@@ -164,12 +164,15 @@ impl Axis {
     /// The point `l_m` to the left of the axis, with the heading of the tangent.
     #[must_use]
     pub fn point(&self, p_m: f64, l_m: f64) -> Pose {
+        let Place { x_m, y_m, heading_rad, .. } = self.frame(p_m, l_m);
+        Pose { x_m, y_m, heading_rad }
+    }
+
+    /// The same with the direction and the curvature of the axis there.
+    #[must_use]
+    pub fn frame(&self, p_m: f64, l_m: f64) -> Place {
         let place = self.place(p_m);
-        Pose {
-            x_m: place.x_m - l_m * place.sin,
-            y_m: place.y_m + l_m * place.cos,
-            heading_rad: place.heading_rad,
-        }
+        Place { x_m: place.x_m - l_m * place.sin, y_m: place.y_m + l_m * place.cos, ..place }
     }
 
     /// The curvature, 1/m: positive to the left, 0 outside the ends.

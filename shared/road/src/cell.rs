@@ -19,14 +19,20 @@ pub(crate) struct Cell {
     pub pace: f64,
 }
 
-/// A place on the axis.
-#[derive(Clone, Copy)]
-pub(crate) struct Place {
+/// A place on the axis or beside it.
+#[derive(Clone, Copy, Debug)]
+pub struct Place {
+    /// x, m.
     pub x_m: f64,
+    /// y, m.
     pub y_m: f64,
+    /// Heading of the axis, rad; not wrapped.
     pub heading_rad: f64,
+    /// Its cosine.
     pub cos: f64,
+    /// Its sine.
     pub sin: f64,
+    /// Curvature of the axis, 1/m.
     pub curvature_perm: f64,
 }
 

@@ -50,6 +50,7 @@ pub mod random;
 mod smooth;
 
 pub use axis::Axis;
+pub use cell::Place;
 pub use element::{Element, joined};
 pub use error::AxisError;
 pub use lanes::{Lane, Lanes, Section, Strip};
