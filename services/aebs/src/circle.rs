@@ -62,19 +62,13 @@ impl Circle {
     /// Length along the circle and distance left of it, m, of a point of the body.
     #[must_use]
     pub fn to_way(&self, x_m: f64, y_m: f64) -> (f64, f64) {
-        Turned::of(self).to_way(x_m, y_m)
+        Turned::of(self).to_way(x_m, y_m).0
     }
 
     /// The point of the body that is `along_m` along the circle and `off_m` left of it.
     #[must_use]
     pub fn to_body(&self, along_m: f64, off_m: f64) -> (f64, f64) {
         Turned::of(self).to_body(along_m, off_m)
-    }
-
-    /// Heading of the way at `along_m`, rad to the left of the body.
-    #[must_use]
-    pub fn heading_at_rad(&self, along_m: f64) -> f64 {
-        self.heading_rad + self.curvature_perm * along_m
     }
 
     /// Standard deviation of the road's distance from the circle at `along_m`, m.
@@ -88,8 +82,8 @@ impl Circle {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Turned {
     pub(crate) circle: Circle,
-    sine: f64,
-    cosine: f64,
+    pub(crate) sine: f64,
+    pub(crate) cosine: f64,
 }
 
 impl Turned {
@@ -98,17 +92,22 @@ impl Turned {
         Self { circle: *circle, sine, cosine }
     }
 
-    /// As [`Circle::to_way`].
-    pub(crate) fn to_way(self, x_m: f64, y_m: f64) -> (f64, f64) {
+    /// As [`Circle::to_way`], and the cosine and sine of the circle's heading there in the body's axes.
+    pub(crate) fn to_way(self, x_m: f64, y_m: f64) -> ((f64, f64), (f64, f64)) {
         let Self { circle, sine, cosine } = self;
         let (x_m, y_m) = (x_m * cosine + y_m * sine, y_m * cosine - x_m * sine);
         let k = circle.curvature_perm;
         if k == 0.0 {
-            return (x_m, y_m);
+            return ((x_m, y_m), (cosine, sine));
         }
         let q_m = k * (x_m * x_m + y_m * y_m) - 2.0 * y_m;
-        let off_m = -q_m / (1.0 + (1.0 + k * q_m).max(0.0).sqrt());
-        (libm::atan2(k * x_m, 1.0 - k * y_m) / k, off_m)
+        let root = (1.0 + k * q_m).max(0.0).sqrt();
+        // The point is seen from the centre at this angle.
+        let (turn_sine, turn_cosine) = (k * x_m / root, (1.0 - k * y_m) / root);
+        let along_m = libm::atan2(k * x_m, 1.0 - k * y_m) / k;
+        let heading =
+            (turn_cosine * cosine - turn_sine * sine, turn_cosine * sine + turn_sine * cosine);
+        ((along_m, -q_m / (1.0 + root)), heading)
     }
 
     /// As [`Circle::to_body`].
@@ -148,7 +147,7 @@ impl Step {
     pub(crate) fn seen(&self, (along_m, off_m): (f64, f64)) -> (f64, f64) {
         let Self { sine, cosine, .. } = *self;
         let (x_m, y_m) = self.before.to_body(along_m, off_m);
-        self.next.to_way(x_m * cosine + y_m * sine, y_m * cosine - x_m * sine)
+        self.next.to_way(x_m * cosine + y_m * sine, y_m * cosine - x_m * sine).0
     }
 
     /// The next circle.
@@ -245,7 +244,7 @@ mod tests {
         let (along_m, off_m) = left.to_way(range_m * x_m, range_m * y_m);
         assert!(range_m * y_m > 7.0);
         assert!((along_m - 60.0).abs() < 1e-9 && off_m.abs() < 1e-9, "{along_m} {off_m}");
-        assert!((left.heading_at_rad(60.0) - 0.24).abs() < 1e-12);
+        assert!(((left.heading_rad + left.curvature_perm * 60.0) - 0.24).abs() < 1e-12);
     }
 
     #[test]

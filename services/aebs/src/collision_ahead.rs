@@ -44,7 +44,7 @@ pub(crate) fn where_it_stands(first: &Object, second: &Object, path: Path) -> Op
         lateral: Lateral::known(moment_m / touching, 0.0),
         probability,
         // The first may hit something beside a curve ahead, and drive through that curve.
-        is_on_row: second.is_on_row,
+        row_m: second.row_m,
         ..*first
     })
 }

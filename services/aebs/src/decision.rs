@@ -31,6 +31,7 @@ use crate::filter::overlap;
 use crate::numbers::Numbers;
 use crate::object::Object;
 use crate::prediction::{Authority, Beside, Ego, Plan, Threat};
+use crate::row::Places;
 use messages::BrakeState;
 
 /// The ego's swept path, and the time ahead for which lateral motion is extrapolated.
@@ -128,10 +129,14 @@ impl Decision {
         self.settings.path
     }
 
-    /// Takes the objects as they are now, once in each period.
-    pub fn step(&mut self, ego: &Ego, objects: impl IntoIterator<Item = Object>) -> Demand {
-        let braking = self.state == BrakeState::Braking;
-        let assess = |object: Object| self.assess(ego, &object, braking);
+    /// Takes the objects as they are now among standing `places`, once in each period.
+    pub fn step(
+        &mut self,
+        ego: &Ego,
+        objects: impl IntoIterator<Item = Object>,
+        places: &Places,
+    ) -> Demand {
+        let assess = |object: Object| self.assess(ego, &object, places);
         let assessments = objects.into_iter().filter_map(assess);
         let (mut worst, mut brakes, mut warns, mut clear) =
             (None::<Assessment>, false, false, true);
@@ -175,7 +180,7 @@ impl Decision {
     }
 
     /// `None` for what the ego does not come near to.
-    fn assess(&self, ego: &Ego, object: &Object, braking: bool) -> Option<Assessment> {
+    fn assess(&self, ego: &Ego, object: &Object, places: &Places) -> Option<Assessment> {
         let Settings { authority, period_s, margin_m, warning_s, ego_length_m, .. } =
             &self.settings;
         // The noise of a range rate is not a motion. Over some seconds it would reach an ego that stops closely behind.
@@ -213,7 +218,7 @@ impl Decision {
                 object.lateral.position_m,
             ),
         };
-        if braking {
+        if self.state == BrakeState::Braking {
             let near = contact(&steady, Plan::Release, *margin_m + numbers.clear_m);
             let brakes_on = Threat {
                 acceleration_mps2: steady.acceleration_mps2.min(self.hardest_mps2),
@@ -243,7 +248,10 @@ impl Decision {
         if kept.probability < numbers.likely(ego.speed_mps - object.speed_mps) {
             return (kept.probability > numbers.of_no_interest).then_some(assessment);
         }
-        if object.is_on_row && !self.is_last_point_to_steer(ego, &passing) {
+        if object.row_m.is_some()
+            && !self.is_last_point_to_steer(ego, &passing)
+            && places.have_on_row(object)
+        {
             return Some(assessment);
         }
         // Each prediction is made only where those before it leave the question open.

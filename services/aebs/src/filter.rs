@@ -19,6 +19,8 @@
 //! Source: Bar-Shalom, Li and Kirubarajan, Estimation with Applications to Tracking and Navigation (2001),
 //! 11.6 (multiple models with switching).
 
+use std::array::from_fn;
+
 /// Distance between two lateral speeds, m/s.
 const STEP_MPS: f64 = 0.2;
 /// Lateral speeds on each side of 0.
@@ -55,13 +57,20 @@ const RATE_SIGMA_MPS: f64 = 0.055;
 /// Least standard deviation of a distance across the lanes, m.
 const LEAST_SIGMA_M: f64 = 1e-3;
 
-/// Knowledge of one state.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct State {
-    probability: f64,
-    mean_m: f64,
-    variance_m2: f64,
-}
+/// A number of each state.
+type Row = [f64; STATES];
+
+/// The rate of each state, m/s.
+const RATES_MPS: Row = {
+    let mut rates_mps = [0.0; STATES];
+    let mut k = 1;
+    while k < STATES {
+        let steps = if k <= SIDE { k as f64 - SIDE as f64 - 1.0 } else { (k - SIDE) as f64 };
+        rates_mps[k] = steps * STEP_MPS;
+        k += 1;
+    }
+    rates_mps
+};
 
 /// A lateral position with its rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,7 +79,10 @@ pub struct Lateral {
     pub position_m: f64,
     /// Mean rate, m/s.
     pub rate_mps: f64,
-    states: [State; STATES],
+    probability: Row,
+    /// The position in each state, and its variance.
+    mean_m: Row,
+    variance_m2: Row,
 }
 
 /// A hypothesis: a rate, its probability, and the position with it.
@@ -100,31 +112,19 @@ pub(crate) fn overlap(reach_m: f64, off_m: f64, sigma_m: f64) -> f64 {
     0.5 * libm::erfc(-deviates * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// The rate of a state, m/s.
-fn rate(state: usize) -> f64 {
-    match state {
-        0 => 0.0,
-        k if k <= SIDE => (k as f64 - SIDE as f64 - 1.0) * STEP_MPS,
-        k => (k - SIDE) as f64 * STEP_MPS,
-    }
-}
-
 impl Lateral {
     /// A motion that is known: its rate is rounded to the next of the row.
     #[must_use]
     pub fn known(position_m: f64, rate_mps: f64) -> Self {
-        let mut lateral = Self { position_m, rate_mps, states: [State::default(); STATES] };
-        for state in &mut lateral.states {
-            state.mean_m = position_m;
-            state.variance_m2 = KNOWN_M2;
-        }
         // Between two rates of the row both are as probable as the rate is near.
-        for k in 0..STATES {
-            let off = (rate(k) - rate_mps).abs() / STEP_MPS;
-            if off < 1.0 {
-                lateral.states[k].probability = 1.0 - off;
-            }
-        }
+        let near = |rate: f64| (1.0 - (rate - rate_mps).abs() / STEP_MPS).max(0.0);
+        let mut lateral = Self {
+            position_m,
+            rate_mps,
+            probability: RATES_MPS.map(near),
+            mean_m: [position_m; STATES],
+            variance_m2: [KNOWN_M2; STATES],
+        };
         lateral.normalise();
         lateral
     }
@@ -132,39 +132,36 @@ impl Lateral {
     /// A motion of which one measurement is known, with its standard deviation, m.
     #[must_use]
     pub fn first(position_m: f64, sigma_m: f64) -> Self {
-        let mut states = [State {
-            probability: (1.0 - KEEPS) / (STATES - 1) as f64,
-            mean_m: position_m,
-            variance_m2: sigma_m * sigma_m,
-        }; STATES];
-        states[0].probability = KEEPS;
-        Self { position_m, rate_mps: 0.0, states }
+        let mut probability = [(1.0 - KEEPS) / (STATES - 1) as f64; STATES];
+        probability[0] = KEEPS;
+        let (mean_m, variance_m2) = ([position_m; STATES], [sigma_m * sigma_m; STATES]);
+        Self { position_m, rate_mps: 0.0, probability, mean_m, variance_m2 }
     }
 
     /// All states.
     pub fn hypotheses(&self) -> impl Iterator<Item = Hypothesis> {
-        self.states.iter().enumerate().map(|(k, state)| Hypothesis {
-            probability: state.probability,
-            rate_mps: rate(k),
-            position_m: state.mean_m,
-            sigma_m: state.variance_m2.sqrt(),
+        (0..STATES).map(|k| Hypothesis {
+            probability: self.probability[k],
+            rate_mps: RATES_MPS[k],
+            position_m: self.mean_m[k],
+            sigma_m: self.variance_m2[k].sqrt(),
         })
     }
 
     /// Standard deviation of the position, m.
     #[must_use]
     pub fn position_sigma_m(&self) -> f64 {
-        let square = |state: &State| {
-            let off_m = state.mean_m - self.position_m;
-            state.probability * (state.variance_m2 + off_m * off_m)
+        let square = |k: usize| {
+            let off_m = self.mean_m[k] - self.position_m;
+            self.probability[k] * (self.variance_m2[k] + off_m * off_m)
         };
-        self.states.iter().map(square).sum::<f64>().sqrt()
+        (0..STATES).map(square).sum::<f64>().sqrt()
     }
 
     /// The state `time_s` later at an unchanged rate; its uncertainty stays.
     pub fn move_on(&mut self, time_s: f64) {
-        for (k, state) in self.states.iter_mut().enumerate() {
-            state.mean_m += rate(k) * time_s;
+        for (mean_m, rate_mps) in self.mean_m.iter_mut().zip(RATES_MPS) {
+            *mean_m += rate_mps * time_s;
         }
         self.position_m += self.rate_mps * time_s;
     }
@@ -172,9 +169,7 @@ impl Lateral {
     /// Distance by which the origin of its position moved to the right, m. The object moves to the left by it, and
     /// keeps its rate.
     pub fn shift(&mut self, by_m: f64) {
-        for state in &mut self.states {
-            state.mean_m += by_m;
-        }
+        self.mean_m.iter_mut().for_each(|mean_m| *mean_m += by_m);
         self.position_m += by_m;
     }
 
@@ -189,70 +184,59 @@ impl Lateral {
         let ends = (ENDS * period_s).min(MOST_VARY);
         let varies = (VARIES * period_s).min(MOST_VARY);
         let at_first_mps = (fastest_mps * fastest_mps / TURNS_M * TURNED_S).max(STEP_MPS);
-        let can_begin = |state: usize| rate(state).abs() <= at_first_mps + 0.5 * STEP_MPS;
-        let beginnings = (1..STATES).filter(|state| can_begin(*state)).count() as f64;
-        let mut sums = [[0.0; 3]; STATES];
-        let mut give = |to: usize, from: &State, share: f64| {
-            let weight = share * from.probability;
-            let [p, m, s] = &mut sums[to];
-            *p += weight;
-            *m += weight * from.mean_m;
-            *s += weight * (from.variance_m2 + from.mean_m * from.mean_m);
-        };
-        give(0, &self.states[0], 1.0 - begins);
-        for k in 1..STATES {
-            let state = &self.states[k];
-            if can_begin(k) {
-                give(k, &self.states[0], begins / beginnings);
+        let can_begin = |rate: f64| rate.abs() <= at_first_mps + 0.5 * STEP_MPS;
+        let begun = RATES_MPS.map(|rate| f64::from(u8::from(can_begin(rate))));
+        let beginning = begins / begun[1..].iter().sum::<f64>();
+        // Weights, and sums of the positions and of their squares by them; each state gives all three alike.
+        let (weights, means) = (&self.probability, &self.mean_m);
+        let moments: Row = from_fn(|k| weights[k] * means[k]);
+        let squares: Row = from_fn(|k| weights[k] * (self.variance_m2[k] + means[k] * means[k]));
+        let [weights, moments, squares] = [weights, &moments, &squares].map(|from| {
+            let stays = 1.0 - ends - 2.0 * varies;
+            let mut to = [0.0; STATES];
+            for k in 2..STATES - 1 {
+                to[k] = stays * from[k]
+                    + varies * (from[k - 1] + from[k + 1])
+                    + beginning * begun[k] * from[0];
             }
-            give(0, state, ends);
-            let mut stays = 1.0 - ends;
-            let mut step = |to: usize| {
-                give(to, state, varies);
-                stays -= varies;
-            };
-            if k > 1 {
-                step(k - 1);
+            // The outermost rates have one neighbour.
+            for (k, neighbour) in [(1, 2), (STATES - 1, STATES - 2)] {
+                to[k] = (stays + varies) * from[k]
+                    + varies * from[neighbour]
+                    + beginning * begun[k] * from[0];
             }
-            if k + 1 < STATES {
-                step(k + 1);
-            }
-            give(k, state, stays);
-        }
+            to[0] = (1.0 - begins) * from[0] + ends * from[1..].iter().sum::<f64>();
+            to
+        });
         let wander = WANDER_M2PS * period_s;
-        for (k, (state, [probability, mean, square])) in
-            self.states.iter_mut().zip(sums).enumerate()
-        {
-            let mean_m = mean / probability;
-            *state = State {
-                probability: if rate(k).abs() > fastest_mps { 0.0 } else { probability },
-                mean_m: mean_m + rate(k) * period_s,
-                variance_m2: (square / probability - mean_m * mean_m).max(0.0) + wander,
-            };
+        for k in 0..STATES {
+            let mean_m = moments[k] / weights[k];
+            let is_possible = RATES_MPS[k].abs() <= fastest_mps;
+            self.probability[k] = if is_possible { weights[k] } else { 0.0 };
+            self.mean_m[k] = mean_m + RATES_MPS[k] * period_s;
+            self.variance_m2[k] = (squares[k] / weights[k] - mean_m * mean_m).max(0.0) + wander;
         }
         self.normalise();
     }
 
     /// Density of a position that is measured with this variance, m², at the time predicted to, 1/m.
     pub(crate) fn expects(&self, measured_m: f64, variance_m2: f64) -> f64 {
-        let of = |state: &State| {
-            state.probability * density(measured_m - state.mean_m, state.variance_m2 + variance_m2)
-        };
-        self.states.iter().map(of).sum()
+        let of = |k: usize| density(measured_m - self.mean_m[k], self.variance_m2[k] + variance_m2);
+        (0..STATES).map(|k| self.probability[k] * of(k)).sum()
     }
 
     /// Takes a measured position with its variance, m², at the time predicted to.
     pub fn update(&mut self, measured_m: f64, variance_m2: f64) {
-        for state in &mut self.states {
-            let spread_m2 = state.variance_m2 + variance_m2;
-            let off_m = measured_m - state.mean_m;
+        for k in 0..STATES {
+            let (spread_m2, off_m) =
+                (self.variance_m2[k] + variance_m2, measured_m - self.mean_m[k]);
             let inlier = (1.0 - OUTLIER) * density(off_m, spread_m2);
             let likelihood = inlier + OUTLIER * OUTLIER_DENSITY;
-            state.probability *= likelihood;
-            let gain = inlier / likelihood * state.variance_m2 / spread_m2;
-            state.mean_m += gain * off_m;
+            self.probability[k] *= likelihood;
+            let gain = inlier / likelihood * self.variance_m2[k] / spread_m2;
+            self.mean_m[k] += gain * off_m;
             // Without the spread of both places, inlier and outlier: with it a walker who steps out is braked for later.
-            state.variance_m2 *= 1.0 - gain;
+            self.variance_m2[k] *= 1.0 - gain;
         }
         self.normalise();
     }
@@ -260,34 +244,44 @@ impl Lateral {
     /// Takes a measured rate, m/s, with its variance, m²/s².
     pub fn update_rate(&mut self, measured_mps: f64, variance_m2ps2: f64) {
         let spread = variance_m2ps2 + STEP_MPS * STEP_MPS / 12.0;
-        let scale = (std::f64::consts::TAU * spread).sqrt();
-        for (k, state) in self.states.iter_mut().enumerate() {
-            let off_mps = measured_mps - rate(k);
-            let inlier = (1.0 - OUTLIER) * (bell(off_mps * off_mps / spread) / scale);
-            state.probability *= inlier + OUTLIER * OUTLIER_DENSITY;
+        for (probability, rate_mps) in self.probability.iter_mut().zip(RATES_MPS) {
+            let inlier = (1.0 - OUTLIER) * density(measured_mps - rate_mps, spread);
+            *probability *= inlier + OUTLIER * OUTLIER_DENSITY;
         }
         self.normalise();
     }
 
     fn normalise(&mut self) {
-        let sum: f64 = self.states.iter().map(|state| state.probability).sum();
+        let share = 1.0 / self.probability.iter().sum::<f64>();
         (self.position_m, self.rate_mps) = (0.0, 0.0);
-        for (k, state) in self.states.iter_mut().enumerate() {
-            state.probability = (state.probability / sum).max(LEAST);
-            self.position_m += state.probability * state.mean_m;
-            self.rate_mps += state.probability * rate(k);
+        for k in 0..STATES {
+            self.probability[k] = (self.probability[k] * share).max(LEAST);
+            self.position_m += self.probability[k] * self.mean_m[k];
+            self.rate_mps += self.probability[k] * RATES_MPS[k];
         }
     }
 }
 
 /// Density of a normal deviate.
+#[inline]
 pub(crate) fn density(off: f64, variance: f64) -> f64 {
-    bell(off * off / variance) / (std::f64::consts::TAU * variance).sqrt()
+    let bell = exp2(-0.5 * std::f64::consts::LOG2_E * off * off / variance);
+    bell / (std::f64::consts::TAU * variance).sqrt()
 }
 
-/// `exp(-square / 2)`; a power of two takes half of the time.
-fn bell(square: f64) -> f64 {
-    libm::exp2(-0.5 * std::f64::consts::LOG2_E * square)
+/// `2^x` for x up to 0, to 11 digits. Plain arithmetic: several at a time, and the same bits on every machine.
+#[inline]
+fn exp2(x: f64) -> f64 {
+    /// The sum of this and a small number ends with the bits of its whole part.
+    const SHIFT: f64 = 1.5 * (1_u64 << 52) as f64;
+    let shifted = x.max(-1000.0) + SHIFT;
+    let t = std::f64::consts::LN_2 * (x.max(-1000.0) - (shifted - SHIFT));
+    // Taylor's series up to t^9 / 9!, for |t| < 0.35.
+    let mut series = 1.0 + t * (1.0 / 9.0);
+    for divisor in [8.0, 7.0, 6.0, 5.0, 4.0, 3.0, 2.0, 1.0] {
+        series = 1.0 + t * (1.0 / divisor) * series;
+    }
+    f64::from_bits(series.to_bits().wrapping_add(shifted.to_bits() << 52))
 }
 
 #[cfg(test)]

@@ -30,7 +30,7 @@ mod one_body;
 mod point;
 pub mod prediction;
 pub mod report;
-mod row;
+pub mod row;
 mod service;
 pub mod sight;
 mod sighting;

@@ -67,8 +67,9 @@ pub struct Object {
     pub(crate) bow_m: f64,
     /// Standard deviation of the road's distance from the way there, m.
     pub(crate) way_sigma_m: f64,
-    /// It stands on a row along which the road may bend ([`mod@crate::row`]).
-    pub(crate) is_on_row: bool,
+    /// Where a standing object near the path was seen, along the way and left of it, m. It may be on a row along which
+    /// the road bends ([`mod@crate::row`]).
+    pub(crate) row_m: Option<(f64, f64)>,
 }
 
 impl Object {
@@ -98,7 +99,7 @@ impl Object {
             unseen_s: 0.0,
             bow_m: 0.0,
             way_sigma_m: 0.0,
-            is_on_row: false,
+            row_m: None,
         }
     }
 
@@ -194,13 +195,18 @@ impl Object {
     /// True if the straight line to a place passes through it.
     fn hides(&self, x_m: f64, y_m: f64) -> bool {
         let (begin_m, end_m) = (self.distance_m, self.distance_m + self.length_m);
-        if x_m <= 0.0 || end_m <= 0.0 {
+        let middle_m = self.sight_m();
+        // Most are wholly beside the whole line: no need to divide.
+        if x_m <= 0.0
+            || end_m <= 0.0
+            || y_m.max(0.0) <= middle_m - self.half_width_m
+            || y_m.min(0.0) >= middle_m + self.half_width_m
+        {
             return false;
         }
         let slope = y_m / x_m;
         let (begin_y_m, end_y_m) = (slope * begin_m.max(0.0), slope * end_m.min(x_m));
         let (right_m, left_m) = (begin_y_m.min(end_y_m), begin_y_m.max(end_y_m));
-        let middle_m = self.sight_m();
         left_m > middle_m - self.half_width_m && right_m < middle_m + self.half_width_m
     }
 
@@ -271,7 +277,7 @@ impl Object {
             unseen_s: 0.0,
             bow_m: 0.0,
             way_sigma_m: 0.0,
-            is_on_row: false,
+            row_m: None,
         }
     }
 }

@@ -40,13 +40,16 @@ use crate::one_body::OneBody;
 use crate::point::{Place, Point};
 use crate::row::Places;
 use crate::sighting::{Sums, correct};
-use messages::{Detection, MAX_DETECTIONS};
+use messages::Detection;
 
 /// Most objects that are followed at a time.
 pub const MAX_OBJECTS: usize = 48;
 
 /// An object reaches so far behind its nearest face, m: longer ones come out as two.
 const REACH_M: f64 = 6.0;
+/// A point may be this much nearer than its object, m, and by this speed more while that is not seen, m/s.
+const SLACK_M: f64 = 1.5;
+const SLACK_MPS: f64 = 3.0;
 /// Points of one object differ from it by no more than this: speed, m/s, and lateral position, m.
 const SAME: (f64, f64) = (2.5, 1.9);
 /// Greatest distance from a place between two vehicles to either of them, in the lanes beside the ego's, m.
@@ -75,8 +78,6 @@ pub struct Objects {
     /// The circle of the last scan, on a road with a plan.
     circle: Option<Circle>,
     places: Places,
-    /// Places of the scan's standing detections along the way and left of it, m, on a road with a plan.
-    standing: Vec<(f64, f64)>,
 }
 
 impl Objects {
@@ -92,7 +93,6 @@ impl Objects {
             share: 1.0,
             circle: None,
             places: Places::new(),
-            standing: Vec::with_capacity(MAX_DETECTIONS),
         }
     }
 
@@ -121,15 +121,10 @@ impl Objects {
         self.confirmed().copied().chain(self.confirmed().flat_map(hits))
     }
 
-    /// Takes the detections, nearest first, that were acquired at `scan_ns` by an ego of `ego_mps` on a straight road. A
-    /// scan that is not later than the last one is passed over. Allocates nothing.
-    pub fn take_scan(&mut self, scan_ns: i64, ego_mps: f64, detections: &[Detection]) {
-        self.take_scan_along(None, scan_ns, ego_mps, detections);
-    }
-
-    /// The same along the ego's own `way`, where the road may have curves. Places are then counted along the circle of
-    /// the way and left of it.
-    pub fn take_scan_along(
+    /// Takes the detections, nearest first, that were acquired at `scan_ns` by an ego of `ego_mps`. Where the road may
+    /// have curves, places are counted along the circle of the ego's own `way` and left of it. A scan that is not later
+    /// than the last one is passed over. Allocates nothing.
+    pub fn take_scan(
         &mut self,
         way: Option<&OwnWay>,
         scan_ns: i64,
@@ -142,14 +137,15 @@ impl Objects {
         self.sums.clear();
         self.sums.resize(self.list.len(), Sums::NONE);
         let circle = way.as_ref().map(|way| &way.circle);
-        self.standing.clear();
+        let straight = Turned::of(&Circle::default());
         for detection in detections {
-            let Some(place) = Place::of(detection, ego_mps, way.as_ref()) else { continue };
+            let way = way.as_ref().unwrap_or(&straight);
+            let Some(place) = Place::of(detection, ego_mps, way) else { continue };
             if let Some(point) = Point::of(detection, &place) {
                 self.assign(&point, circle);
             }
             if circle.is_some() && place.stands() {
-                self.standing.push((place.x_m, place.y_m));
+                self.places.take(place.x_m, place.y_m);
             }
         }
         for (object, sums) in self.list.iter_mut().zip(&self.sums) {
@@ -216,15 +212,18 @@ impl Objects {
         *step.next()
     }
 
-    /// Marks objects on rows along which the road may bend.
+    /// Standing places, on whose rows an object may be.
+    #[must_use]
+    pub fn places(&self) -> &Places {
+        &self.places
+    }
+
+    /// Marks objects that may be on a row of standing places.
     fn see_rows(&mut self) {
-        for &(along_m, off_m) in &self.standing {
-            self.places.take(along_m, off_m);
-        }
         for object in &mut self.list {
-            object.is_on_row = object.stands()
-                && object.lateral.position_m.abs() < NEAR_PATH_M
-                && self.places.lead_to(object.distance_m, object.lateral.position_m);
+            let off_m = object.lateral.position_m;
+            let may_be = object.stands() && off_m.abs() < NEAR_PATH_M;
+            object.row_m = may_be.then_some((object.distance_m, off_m));
         }
     }
 
@@ -242,16 +241,17 @@ impl Objects {
     fn assign(&mut self, point: &Point, circle: Option<&Circle>) {
         let mut best: Option<(f64, usize)> = None;
         for (index, object) in self.list.iter().enumerate() {
-            let (dx, dv, dy) = (
-                point.x_m - object.distance_m,
-                (point.speed_mps - object.speed_mps).abs(),
-                (point.y_m - object.lateral.position_m).abs(),
-            );
-            let slack_m = 1.5 + object.unseen_s * 3.0;
-            if dx < -slack_m || dx > REACH_M || dv > SAME.0 {
+            let dx = point.x_m - object.distance_m;
+            if dx > REACH_M || dx < -(SLACK_M + object.unseen_s * SLACK_MPS) {
+                continue;
+            }
+            let dv = (point.speed_mps - object.speed_mps).abs();
+            let dy = (point.y_m - object.lateral.position_m).abs();
+            if dv > SAME.0 {
                 continue;
             }
             if dy > SAME.1 {
+                let slack_m = SLACK_M + object.unseen_s * SLACK_MPS;
                 self.sums[index].is_elsewhere |= dx < slack_m && dy < WIDEST_PAIR_M;
                 continue;
             }

@@ -19,8 +19,8 @@ const WEAK_SIGMA_MPS: f64 = 0.078;
 const RANGE_SIGMA_M: f64 = 0.1;
 /// Least cosine of the angle between a line of sight and a motion. Below it, a range rate shows little of the motion.
 const LEAST_COSINE: f64 = 0.1;
-/// Largest amplitude's signal-to-noise ratio in the weights, dB: one strong echo does not decide alone.
-const STRONGEST_DB: f64 = 30.0;
+/// Largest amplitude in the weights, 30 dB above the noise: one strong echo does not decide alone.
+const STRONGEST: f64 = 31.622_776_601_683_793;
 /// Standard deviation of the place that reflects on a side, m.
 pub(crate) const SIDE_SIGMA_M: f64 = 0.03;
 
@@ -41,39 +41,26 @@ pub(crate) struct Place {
 }
 
 impl Place {
-    /// `None` for what is behind the antenna, or moves across the line of sight. Without a `way` the road goes
-    /// straight on.
-    pub(crate) fn of(detection: &Detection, ego_mps: f64, way: Option<&Turned>) -> Option<Self> {
+    /// `None` for what is behind the antenna, or moves across the line of sight.
+    pub(crate) fn of(detection: &Detection, ego_mps: f64, way: &Turned) -> Option<Self> {
         let (sine, cosine) = libm::sincos(detection.azimuth_rad);
         if cosine < LEAST_COSINE {
             return None;
         }
         let (ahead_m, left_m) = (detection.range_m * cosine, detection.range_m * sine);
-        let Some(way) = way else {
-            return Some(Self {
-                x_m: ahead_m,
-                y_m: left_m,
-                speed_mps: ego_mps + detection.range_rate_mps / cosine,
-                sine,
-                cosine,
-                ahead_m,
-                ahead_cosine: cosine,
-            });
-        };
-        let (x_m, y_m) = way.to_way(ahead_m, left_m);
-        let way = &way.circle;
-        let road_rad = way.heading_at_rad(x_m);
-        let (sine, road_cosine) = libm::sincos(detection.azimuth_rad - road_rad);
+        let ((x_m, y_m), (way_cosine, way_sine)) = way.to_way(ahead_m, left_m);
+        let (road_sine, road_cosine) =
+            (sine * way_cosine - cosine * way_sine, cosine * way_cosine + sine * way_sine);
         if road_cosine < LEAST_COSINE {
             return None;
         }
         // A standing object comes nearer with the ego's own speed along the line of sight.
-        let own_mps = ego_mps * libm::cos(detection.azimuth_rad - way.heading_rad);
+        let own_mps = ego_mps * (cosine * way.cosine + sine * way.sine);
         Some(Self {
             x_m,
             y_m,
             speed_mps: (own_mps + detection.range_rate_mps) / road_cosine,
-            sine,
+            sine: road_sine,
             cosine: road_cosine,
             ahead_m,
             ahead_cosine: cosine,
@@ -109,7 +96,8 @@ impl Point {
             return None;
         }
         let Place { x_m, y_m, speed_mps, sine, cosine, ahead_m, ahead_cosine } = *place;
-        let weak = libm::exp10(-0.05 * detection.snr_db.clamp(0.0, 60.0));
+        let amplitude = libm::exp10(0.05 * detection.snr_db.clamp(0.0, 60.0));
+        let weak = 1.0 / amplitude;
         let (weak_rad, weak_mps) = (WEAK_SIGMA_RAD * weak, WEAK_SIGMA_MPS * weak);
         let along_m2 = RANGE_SIGMA_M * RANGE_SIGMA_M * sine * sine;
         let ahead_cosine2 = ahead_cosine * ahead_cosine;
@@ -121,7 +109,7 @@ impl Point {
             y_m,
             speed_mps,
             tangent: sine / cosine,
-            amplitude: libm::exp10(0.05 * detection.snr_db.clamp(0.0, STRONGEST_DB)),
+            amplitude: amplitude.min(STRONGEST),
             variance_m2: across_m2 + SIDE_SIGMA_M * SIDE_SIGMA_M,
             speed_variance: (RATE_SIGMA_MPS * RATE_SIGMA_MPS + weak_mps * weak_mps)
                 / (cosine * cosine),

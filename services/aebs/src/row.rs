@@ -18,6 +18,7 @@
 //! car of a queue behind a curve is the nearest one.
 
 use crate::circle::Step;
+use crate::object::Object;
 
 /// Most places that are kept.
 const MAX_PLACES: usize = 96;
@@ -64,13 +65,14 @@ struct Place {
 
 /// The standing places around the ego's way.
 #[derive(Clone, Debug)]
-pub(crate) struct Places {
+pub struct Places {
     list: Vec<Place>,
 }
 
 impl Places {
     /// None yet.
-    pub(crate) fn new() -> Self {
+    #[must_use]
+    pub fn new() -> Self {
         Self { list: Vec::with_capacity(MAX_PLACES) }
     }
 
@@ -115,12 +117,18 @@ impl Places {
         }
     }
 
+    /// True if an object is on a row from beside the lane. Only what the ego would brake for is asked about: the search
+    /// is long.
+    pub(crate) fn have_on_row(&self, object: &Object) -> bool {
+        object.row_m.is_some_and(|(along_m, off_m)| self.lead_to(along_m, off_m))
+    }
+
     /// True if this place is on a row of standing places that begins beside the lane. The road may bend along it.
     ///
     /// A line from beside the lane then holds more places than any from the middle of the ego's own lane. A queue in
     /// the ego's lane is on a line from that middle. The inner edge of a vehicle in a queue is seen. So its middle may
     /// be half a width farther out.
-    pub(crate) fn lead_to(&self, along_m: f64, off_m: f64) -> bool {
+    fn lead_to(&self, along_m: f64, off_m: f64) -> bool {
         let mut apart = [(0.0, 0.0); MAX_PLACES];
         let mut count = 0;
         for place in self.seen_apart(along_m) {
@@ -226,7 +234,7 @@ mod tests {
     /// Places as an ego in a curve sees them that ends `end_m` ahead, on the circle that it drives.
     fn in_a_curve(end_m: f64, radius_m: f64, places: &[(f64, f64)]) -> Places {
         let curve = Circle { curvature_perm: 1.0 / radius_m, heading_rad: 0.0 };
-        let (sine, cosine) = libm::sincos(curve.heading_at_rad(end_m));
+        let (sine, cosine) = libm::sincos(curve.curvature_perm * end_m);
         let (end_x_m, end_y_m) = curve.to_body(end_m, 0.0);
         let mut kept = Places::new();
         for _ in 0..3 {

@@ -225,11 +225,11 @@ impl Aebs {
             steering.take(scan.ego_speed_mps);
         }
         let way = self.steering.as_ref().map(|steering| &steering.way);
-        self.objects.take_scan_along(way, scanned_ns, scan.ego_speed_mps, scan.detections());
+        self.objects.take_scan(way, scanned_ns, scan.ego_speed_mps, scan.detections());
         let mean_mps = 0.5 * (scan.ego_speed_mps + speed_mps);
         let threats = self.objects.threats(self.decision.path());
         let now = threats.map(|object| object.moved_on(age_s, mean_mps));
-        Some(self.decision.step(&ego, now))
+        Some(self.decision.step(&ego, now, self.objects.places()))
     }
 
     fn write(

@@ -36,7 +36,7 @@ fn seen_at(places_m: &[f64]) -> Object {
             flags: 0,
             ambiguity_group: 0,
         };
-        objects.take_scan((scan as i64 + 1) * PERIOD_NS, EGO_MPS, &[echo]);
+        objects.take_scan(None, (scan as i64 + 1) * PERIOD_NS, EGO_MPS, &[echo]);
         range_m -= 0.05 * (EGO_MPS - 5.0);
     }
     *objects.confirmed().next().expect("an object")

@@ -116,11 +116,14 @@ fn assert_near(found: f64, expected: f64) {
 /// A motion of these states alone: number, probability, mean and variance.
 fn of_states(of: &[(usize, f64, f64, f64)]) -> Lateral {
     let mut lateral = Lateral {
-        states: [State { variance_m2: 0.01, ..State::default() }; STATES],
+        probability: [0.0; STATES],
+        mean_m: [0.0; STATES],
+        variance_m2: [0.01; STATES],
         ..Lateral::known(0.0, 0.0)
     };
     for &(k, probability, mean_m, variance_m2) in of {
-        lateral.states[k] = State { probability, mean_m, variance_m2 };
+        (lateral.probability[k], lateral.mean_m[k], lateral.variance_m2[k]) =
+            (probability, mean_m, variance_m2);
     }
     lateral.normalise();
     lateral
@@ -128,12 +131,12 @@ fn of_states(of: &[(usize, f64, f64, f64)]) -> Lateral {
 
 /// The number of the state with a rate.
 fn state(rate_mps: f64) -> usize {
-    (0..STATES).find(|k| (rate(*k) - rate_mps).abs() < 1e-9).expect("a rate of the row")
+    RATES_MPS.iter().position(|rate| (rate - rate_mps).abs() < 1e-9).expect("a rate of the row")
 }
 
 #[test]
 fn the_row_of_rates_is_even_and_keeping_the_lane_is_the_first_state() {
-    let rates: Vec<f64> = (0..STATES).map(rate).collect();
+    let rates = RATES_MPS;
     assert_eq!(rates[0], 0.0);
     for k in 1..=10 {
         assert_near(rates[k], -2.2 + 0.2 * k as f64);
@@ -144,12 +147,12 @@ fn the_row_of_rates_is_even_and_keeping_the_lane_is_the_first_state() {
 #[test]
 fn a_known_rate_is_shared_by_its_neighbours_in_the_row() {
     let known = Lateral::known(2.0, 0.73);
-    assert_near(known.states[state(0.6)].probability, 0.35);
-    assert_near(known.states[state(0.8)].probability, 0.65);
-    assert_near(known.states[state(0.4)].probability, 0.0);
+    assert_near(known.probability[state(0.6)], 0.35);
+    assert_near(known.probability[state(0.8)], 0.65);
+    assert_near(known.probability[state(0.4)], 0.0);
     let keeps = Lateral::known(2.0, 0.0);
-    assert_near(keeps.states[0].probability, 1.0);
-    assert_near(keeps.states[state(0.2)].probability, 0.0);
+    assert_near(keeps.probability[0], 1.0);
+    assert_near(keeps.probability[state(0.2)], 0.0);
     assert_near(keeps.position_m, 2.0);
     assert_near(keeps.position_sigma_m(), 0.01);
 }
@@ -173,9 +176,10 @@ fn a_rate_moves_each_state_and_their_distance_is_uncertainty() {
     assert_near(lateral.position_sigma_m(), f64::sqrt(0.04 + 1e-4));
     lateral.shift(-0.5);
     assert_near(lateral.position_m, 1.5);
-    assert_near(lateral.states[state(0.4)].mean_m, 1.3);
+    assert_near(lateral.mean_m[state(0.4)], 1.3);
+    let known = (lateral.position_m, lateral.position_sigma_m());
     lateral.rest();
-    assert_eq!(lateral, Lateral::first(lateral.position_m, lateral.position_sigma_m()));
+    assert_eq!(lateral, Lateral::first(known.0, known.1));
     let hypothesis = Hypothesis { probability: 1.0, rate_mps: 0.4, position_m: 0.0, sigma_m: 0.3 };
     assert_near(hypothesis.sigma_after_m(4.0), f64::sqrt(0.09 + 0.22 * 0.22));
 }
@@ -186,7 +190,7 @@ fn a_lane_change_begins_with_the_speeds_that_its_circle_allows() {
     let begun = |fastest_mps: f64| {
         let mut keeps = Lateral::known(0.0, 0.0);
         keeps.predict(PERIOD_S, fastest_mps);
-        (1..STATES).map(|k| keeps.states[k].probability).filter(|p| *p > 1e-6).collect::<Vec<_>>()
+        (1..STATES).map(|k| keeps.probability[k]).filter(|p| *p > 1e-6).collect::<Vec<_>>()
     };
     for (fastest_mps, states, all) in
         [(10.0, 20, 0.0075), (f64::INFINITY, 20, 0.0075), (3.0, 6, 0.00225), (2.0, 2, 0.0015)]
@@ -207,29 +211,29 @@ fn a_lane_change_ends_or_varies_its_speed() {
     };
     let lateral = after(state(1.0));
     for (rate_mps, probability) in [(0.8, 0.2), (1.0, 0.585), (1.2, 0.2), (1.4, 0.0)] {
-        let state = lateral.states[state(rate_mps)];
-        assert_near(state.probability, probability);
+        let state = state(rate_mps);
+        assert_near(lateral.probability[state], probability);
         if probability > 0.0 {
-            assert_near(state.mean_m, 0.5 + 0.05 * rate_mps);
-            assert_near(state.variance_m2, 0.02 + 5e-4);
+            assert_near(lateral.mean_m[state], 0.5 + 0.05 * rate_mps);
+            assert_near(lateral.variance_m2[state], 0.02 + 5e-4);
         }
     }
-    assert_near(lateral.states[0].probability, 0.015);
-    assert_near(lateral.states[0].mean_m, 0.5);
+    assert_near(lateral.probability[0], 0.015);
+    assert_near(lateral.mean_m[0], 0.5);
     // The fastest ones have one neighbour.
-    assert_near(after(STATES - 1).states[STATES - 1].probability, 0.785);
-    assert_near(after(STATES - 1).states[STATES - 2].probability, 0.2);
-    assert_near(after(1).states[1].probability, 0.785);
-    assert_near(after(1).states[2].probability, 0.2);
+    assert_near(after(STATES - 1).probability[STATES - 1], 0.785);
+    assert_near(after(STATES - 1).probability[STATES - 2], 0.2);
+    assert_near(after(1).probability[1], 0.785);
+    assert_near(after(1).probability[2], 0.2);
 }
 
 #[test]
 fn no_vehicle_moves_across_faster_than_along() {
     let mut lateral = of_states(&[(state(1.0), 0.5, 0.0, 0.01), (state(-0.6), 0.5, 0.0, 0.01)]);
     lateral.predict(PERIOD_S, 0.9);
-    assert_near(lateral.states[state(1.0)].probability, 0.0);
-    assert_near(lateral.states[state(1.2)].probability, 0.0);
-    assert!(lateral.states[state(-0.6)].probability > 0.4);
+    assert_near(lateral.probability[state(1.0)], 0.0);
+    assert_near(lateral.probability[state(1.2)], 0.0);
+    assert!(lateral.probability[state(-0.6)] > 0.4);
 }
 
 #[test]
@@ -239,11 +243,19 @@ fn a_state_that_others_become_is_their_mixture() {
     // 0.015 of the lane change end, at 2 m. 0.9925 of the other stay.
     let (stay, end) = (0.5 * 0.9925, 0.5 * 0.015);
     let share = end / (stay + end);
-    let keeps = lateral.states[0];
-    assert_near(keeps.probability, stay + end);
-    assert_near(keeps.mean_m, 2.0 * share);
+    assert_near(lateral.probability[0], stay + end);
+    assert_near(lateral.mean_m[0], 2.0 * share);
     let within = 0.01 * (1.0 - share) + 0.03 * share;
-    assert_near(keeps.variance_m2, within + 4.0 * share * (1.0 - share) + 5e-4);
+    assert_near(lateral.variance_m2[0], within + 4.0 * share * (1.0 - share) + 5e-4);
+}
+
+#[test]
+fn a_power_of_two_is_that_of_the_library() {
+    for x in (0..4000).map(|k| -0.031 * f64::from(k)) {
+        let (found, expected) = (exp2(x), libm::exp2(x));
+        assert!((found / expected - 1.0).abs() < 1e-11, "{x}: {found} for {expected}");
+    }
+    assert!(exp2(f64::NEG_INFINITY) < 1e-300 && exp2(-5000.0) < 1e-300);
 }
 
 fn normal(off: f64, variance: f64) -> f64 {
@@ -258,17 +270,17 @@ fn a_position_corrects_means_by_kalman_and_probabilities_by_bayes() {
     let inliers = [0.95 * normal(0.1, 0.04), 0.95 * normal(-0.4, 0.05)];
     let likelihoods = inliers.map(|inlier| inlier + 0.05 * 0.25);
     let sum = 0.6 * likelihoods[0] + 0.4 * likelihoods[1];
-    assert_near(lateral.states[0].probability, 0.6 * likelihoods[0] / sum);
-    assert_near(lateral.states[state(1.0)].probability, 0.4 * likelihoods[1] / sum);
+    assert_near(lateral.probability[0], 0.6 * likelihoods[0] / sum);
+    assert_near(lateral.probability[state(1.0)], 0.4 * likelihoods[1] / sum);
     let gains = [inliers[0] / likelihoods[0] * 0.25, inliers[1] / likelihoods[1] * 0.4];
-    assert_near(lateral.states[0].mean_m, gains[0] * 0.1);
-    assert_near(lateral.states[state(1.0)].mean_m, 0.5 - gains[1] * 0.4);
-    assert_near(lateral.states[0].variance_m2, 0.01 * (1.0 - gains[0]));
-    assert_near(lateral.states[state(1.0)].variance_m2, 0.02 * (1.0 - gains[1]));
-    let mean_m = lateral.states[0].probability * lateral.states[0].mean_m
-        + lateral.states[state(1.0)].probability * lateral.states[state(1.0)].mean_m;
+    assert_near(lateral.mean_m[0], gains[0] * 0.1);
+    assert_near(lateral.mean_m[state(1.0)], 0.5 - gains[1] * 0.4);
+    assert_near(lateral.variance_m2[0], 0.01 * (1.0 - gains[0]));
+    assert_near(lateral.variance_m2[state(1.0)], 0.02 * (1.0 - gains[1]));
+    let mean_m = lateral.probability[0] * lateral.mean_m[0]
+        + lateral.probability[state(1.0)] * lateral.mean_m[state(1.0)];
     assert_near(lateral.position_m, mean_m);
-    assert_near(lateral.rate_mps, lateral.states[state(1.0)].probability);
+    assert_near(lateral.rate_mps, lateral.probability[state(1.0)]);
 }
 
 /// A rate of the row stands for 0.2 m/s around it.
@@ -279,8 +291,8 @@ fn a_rate_corrects_the_probabilities() {
     let spread = 0.01 + 0.04 / 12.0;
     let likelihoods = [0.3, -0.1].map(|off| 0.95 * normal(off, spread) + 0.05 * 0.25);
     let sum = likelihoods[0] + likelihoods[1];
-    assert_near(lateral.states[0].probability, likelihoods[0] / sum);
-    assert_near(lateral.states[state(0.4)].probability, likelihoods[1] / sum);
+    assert_near(lateral.probability[0], likelihoods[0] / sum);
+    assert_near(lateral.probability[state(0.4)], likelihoods[1] / sum);
     assert_near(lateral.rate_mps, 0.4 * likelihoods[1] / sum);
 }
 

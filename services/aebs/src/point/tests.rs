@@ -9,7 +9,7 @@ fn detection(range_m: f64, azimuth_rad: f64, range_rate_mps: f64, snr_db: f64) -
 
 /// The point of a detection of an ego with 20 m/s on a straight road.
 fn point_of(detection: &Detection) -> Option<Point> {
-    Point::of(detection, &Place::of(detection, 20.0, None)?)
+    Point::of(detection, &Place::of(detection, 20.0, &Turned::of(&Circle::default()))?)
 }
 
 #[track_caller]
@@ -49,11 +49,11 @@ fn along_a_circle_a_place_and_its_speed_count_by_the_road_there() {
         let (x_m, y_m) = way.to_body(along_m, off_m);
         let (range_m, azimuth_rad) = (libm::hypot(x_m, y_m), libm::atan2(y_m, x_m));
         // It drives along the road with 12 m/s, the ego with 20 along its way.
-        let road_rad = way.heading_at_rad(along_m);
+        let road_rad = way.heading_rad + way.curvature_perm * along_m;
         let rate_mps =
             12.0 * libm::cos(azimuth_rad - road_rad) - 20.0 * libm::cos(azimuth_rad - 0.01);
         let echo = detection(range_m, azimuth_rad, rate_mps, 25.0);
-        let place = Place::of(&echo, 20.0, Some(&Turned::of(&way))).expect("ahead");
+        let place = Place::of(&echo, 20.0, &Turned::of(&way)).expect("ahead");
         assert!(
             (place.x_m - along_m).abs() < 1e-9 && (place.y_m - off_m).abs() < 1e-9,
             "{place:?}"

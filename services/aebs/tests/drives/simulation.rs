@@ -149,10 +149,15 @@ pub fn drive(drive: &Drive, numbers: Numbers) -> Result {
                 },
                 &vehicles,
             );
-            let received = radar.scan(&scene, &mut detections);
-            objects.take_scan(step as i64 * STEP_NS, ego.speed_mps, &detections[..received.count]);
+            let received = radar.scan(None, &scene, &mut detections);
+            objects.take_scan(
+                None,
+                step as i64 * STEP_NS,
+                ego.speed_mps,
+                &detections[..received.count],
+            );
             let own = OwnMotion { speed_mps: ego.speed_mps, acceleration_mps2: acceleration };
-            let demand = decision.step(&own, objects.threats(decision.path()));
+            let demand = decision.step(&own, objects.threats(decision.path()), objects.places());
             asks = demand.deceleration_mps2 > 0.0;
             if asks && !result.braked && demand.state == BrakeState::Braking {
                 result.braked = true;
