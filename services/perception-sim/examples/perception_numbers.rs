@@ -19,6 +19,7 @@ use perception_sim::radar::numbers::Numbers as RadarNumbers;
 use perception_sim::radar::receiver::Receiver;
 use perception_sim::radar::scene::{Ego, Scene};
 use perception_sim::tracking::TrackList;
+use perception_sim::tracking::course::Course;
 use perception_sim::tracking::detection_tracker::DetectionTracker;
 use perception_sim::tracking::ego_speed::EgoSpeed;
 use perception_sim::tracking::numbers::Numbers as TrackerNumbers;
@@ -117,7 +118,7 @@ impl Drive {
         let mut radar = DetectionRadar::with(&self.scenario, numbers);
         let mut room = Box::new([Detection::zeroed(); MAX_DETECTIONS]);
         let scans = self.truth.iter().map(|scene| {
-            let count = radar.scan(scene, &mut room).count;
+            let count = radar.scan(None, scene, &mut room).count;
             let blind = self.condition == Condition::Blind
                 && (10_000_000_000..11_500_000_000).contains(&scene.time_ns);
             room[..if blind { 0 } else { count }].to_vec()
@@ -136,8 +137,9 @@ impl Drive {
         let mut ego_speed = EgoSpeed::new(numbers);
         let mut quality = Quality::new(&self.scenario);
         for (k, (scene, detections)) in self.truth.iter().zip(scans).enumerate() {
-            let known = ego_speed.take_scan(scene.time_ns, scene.told, detections);
-            let list = tracker.step(scene.time_ns, &known, detections);
+            let known =
+                ego_speed.take_scan(&Course::STRAIGHT, scene.time_ns, scene.told, detections);
+            let list = tracker.step(scene.time_ns, &known, None, None, detections);
             if k < SETTLING {
                 continue;
             }

@@ -144,22 +144,11 @@ impl Perception {
         ego: &Ego,
         detections: &mut [Detection; MAX_DETECTIONS],
     ) -> &TrackList {
-        self.step_told(time_ns, ego, Some(*ego), detections)
+        self.step_in_plane(time_ns, ego, Some(*ego), None, None, detections)
     }
 
-    /// The same with the ego's motion by its odometry, which the tracker uses.
-    pub fn step_told(
-        &mut self,
-        time_ns: u64,
-        ego: &Ego,
-        told: Option<Ego>,
-        detections: &mut [Detection; MAX_DETECTIONS],
-    ) -> &TrackList {
-        self.step_in_plane(time_ns, ego, told, None, None, detections)
-    }
-
-    /// The same of an ego in the plane, with the map ahead of it if there is one. Both are of use on a road with a plan
-    /// alone.
+    /// The same with the ego's motion by its odometry, which the tracker uses; and of an ego in the plane, with the map
+    /// ahead of it if there is one. These two are of use on a road with a plan alone.
     pub fn step_in_plane(
         &mut self,
         time_ns: u64,
@@ -245,16 +234,16 @@ impl Perception {
                 let scan = radar.scan(out);
                 let known = out.told.unwrap_or(self.known);
                 self.known = known;
-                tracker.step_on_course(out.time_ns, &known, yaw_rate_radps, map, scan)
+                tracker.step(out.time_ns, &known, yaw_rate_radps, map, scan)
             }
             Sensor::Detections(both) => {
                 let (radar, tracker) = both.as_mut();
-                self.received = radar.scan_on(road, out, detections);
+                self.received = radar.scan(road, out, detections);
                 let detections = &detections[..self.received.count];
                 let course = tracker.ahead().course();
-                self.known = self.ego_speed.take_scan_on(course, out.time_ns, out.told, detections);
+                self.known = self.ego_speed.take_scan(course, out.time_ns, out.told, detections);
                 let known = &self.known;
-                tracker.step_on_course(out.time_ns, known, yaw_rate_radps, map, detections)
+                tracker.step(out.time_ns, known, yaw_rate_radps, map, detections)
             }
         };
     }

@@ -42,9 +42,8 @@ pub struct Quality {
     left_out: u64,
     targets: Targets,
     cut_ins: Vec<CutIn>,
-    /// Room: the vehicles in view, and the best pairs of each set of tracks.
+    /// Room: the vehicles in view.
     in_view: Vec<bool>,
-    sets: Vec<Option<Assignment>>,
     confirmed: Confirmed,
     last_ns: Option<i64>,
 }
@@ -88,7 +87,6 @@ impl Quality {
             targets: Targets::default(),
             cut_ins: Vec::with_capacity(scenario.actors.len()),
             in_view: Vec::with_capacity(scenario.actors.len()),
-            sets: Vec::with_capacity(1 << MAX_TRACKS),
             confirmed: Confirmed { worst_s: f64::NEG_INFINITY, ..Confirmed::default() },
             last_ns: None,
         }
@@ -98,9 +96,9 @@ impl Quality {
     pub fn observe(&mut self, scene: &Scene, list: &TrackList, published_ns: i64) {
         let vehicles = 0..scene.vehicles.len();
         self.in_view.clear();
-        let seen = vehicles.clone().map(|vehicle| self.view.measure(scene, vehicle).is_some());
+        let seen = vehicles.clone().map(|vehicle| self.view.shows(scene, vehicle));
         self.in_view.extend(seen);
-        let pairs = Assignment::best(scene, &self.in_view, list, &mut self.sets);
+        let pairs = Assignment::best(scene, &self.in_view, list);
         let visible = self.in_view.iter().filter(|seen| **seen).count() as u64;
         self.scans += 1;
         self.localisation += pairs.squares;
@@ -262,7 +260,7 @@ mod tests {
         // The first vehicle is nearest to the track that the second one needs.
         let scene = scene(0, &[car(50.0, 0.0), car(58.0, 0.0)]);
         let tracks = list(&[(43.0, 0.0, true), (53.0, 0.0, true)]);
-        let pairs = Assignment::best(&scene, &[true, true], &tracks, &mut Vec::new());
+        let pairs = Assignment::best(&scene, &[true, true], &tracks);
         assert_eq!((pairs.track_of(0), pairs.track_of(1)), (Some(0), Some(1)));
         assert!((pairs.squares - (49.0 + 25.0)).abs() < 1e-12);
     }

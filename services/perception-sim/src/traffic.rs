@@ -11,7 +11,8 @@
 //! and samples inside a step are on its straight lines, as the ego's do.
 //!
 //! On a road with a plan a vehicle at the offset l covers the way p' = v / (1 − κ l) of the axis. The inner lane of a
-//! curve is shorter.
+//! curve is shorter. The way of a vehicle that keeps speed and offset is a closed sum, v t = p − l θ(p) + constant, with
+//! the axis' heading θ.
 
 use std::sync::Arc;
 
@@ -30,6 +31,9 @@ use crate::weaving::Weaving;
 
 /// Times of a profile take effect this much early, so that rounding does not lose a step, s.
 const TIME_TOLERANCE_S: f64 = 1e-9;
+
+/// Places on the axis that differ by less than this are the same, m.
+const SAME_M: f64 = 1e-9;
 
 /// All vehicles but the ego.
 #[derive(Clone, Debug)]
@@ -66,6 +70,8 @@ struct Mover {
     /// On a road with a plan, for a vehicle that is not always on its axis.
     axis: Option<Arc<road::Axis>>,
     weaving: Weaving,
+    /// It keeps its speed and its offset.
+    keeps: bool,
     /// Start of the present step, once the vehicle has appeared.
     base: Option<Base>,
 }
@@ -95,6 +101,7 @@ impl Traffic {
                 leaves_ns: actor.leaves_at_s.map_or(u64::MAX, |time| time.nanoseconds()),
                 axis: axis.clone().filter(|_| !on_axis(actor)),
                 weaving: Weaving::new(actor),
+                keeps: keeps(actor),
                 base: None,
             })
             .collect();
@@ -175,6 +182,11 @@ impl Mover {
             position_m: ego_position_m + self.actor.gap_m.value(),
             speed_mps: initial_speed(&self.actor, seconds(time_ns)),
         });
+        if self.keeps {
+            let way_m = base.speed_mps * seconds(time_ns - base.time_ns);
+            base.position_m = self.place_after(base.position_m, way_m);
+            base.time_ns = time_ns;
+        }
         while base.time_ns + self.step_ns <= time_ns {
             base = self.after(&base, self.step_ns);
         }
@@ -193,6 +205,24 @@ impl Mover {
             width_m: self.actor.width_m.value(),
             touches_within_m: 0.5 * (self.actor.width_m.value() + VEHICLE_WIDTH_M),
         }
+    }
+
+    /// The place on the axis after a way at a constant offset.
+    fn place_after(&self, from_m: f64, way_m: f64) -> f64 {
+        let Some(axis) = &self.axis else { return from_m + way_m };
+        let (lateral_m, _) = self.weaving.at(0.0);
+        let to_m = from_m - lateral_m * axis.heading_rad(from_m) + way_m;
+        let mut place_m = from_m;
+        // Newton's steps; two are usual.
+        for _ in 0..4 {
+            let left_m = to_m - (place_m - lateral_m * axis.heading_rad(place_m));
+            place_m += left_m / (1.0 - axis.curvature_perm(place_m) * lateral_m);
+            if left_m.abs() < SAME_M {
+                break;
+            }
+        }
+        // At a kink of the axis the sum jumps.
+        place_m.max(from_m)
     }
 
     /// State `elapsed_ns` (at most one step) after `base`, at the step's acceleration.
@@ -247,6 +277,14 @@ impl Mover {
         let highest = self.actor.max_speed_mps.map_or(f64::INFINITY, |speed| speed.value());
         wanted.min((highest - speed) / step_s).max(-speed / step_s)
     }
+}
+
+/// An actor keeps its speed and its offset from its first moment on.
+fn keeps(actor: &Actor) -> bool {
+    let highest_mps = actor.max_speed_mps.map_or(f64::INFINITY, |speed| speed.value());
+    matches!(actor.profile, Profile::Constant | Profile::Storyboard)
+        && actor.lateral.is_empty()
+        && (0.0..=highest_mps).contains(&initial_speed(actor, 0.0))
 }
 
 /// The last item that has begun.

@@ -144,7 +144,7 @@ impl Sight<'_> {
         let seen = body.seen_from_ego(place);
         let velocity = body.velocity_at(place);
         let mut echo = self.antenna.echo(seen, velocity, || area_m2 * fluctuation())?;
-        if self.bodies.hidden_factor < 1.0 && self.outlines.hide(index, seen) {
+        if self.bodies.hidden_factor < 1.0 && self.outlines.hide(Some(index), seen) {
             echo.power *= self.bodies.hidden_factor;
         }
         self.echoes.add(echo);

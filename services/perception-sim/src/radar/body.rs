@@ -4,6 +4,10 @@
 //! and `front_m` are along it, `right_m` and `left_m` across it, each from the radar. In these axes the rear shows when
 //! it is ahead, and the side on the radar's side shows. On a straight road the axes are the ego's own.
 
+use std::ops::RangeInclusive;
+
+use scenario::actor::MAX_ACTORS;
+
 use super::scene::Scene;
 
 /// An outline in the vehicle's axes, m.
@@ -118,8 +122,7 @@ impl Body {
     /// The same of a point in its own axes, in any direction. The result is shares of the line inside the slab of each
     /// axis.
     fn hides_askew(&self, (along_m, across_m): (f64, f64)) -> bool {
-        let length_m = libm::sqrt(along_m * along_m + across_m * across_m);
-        let (mut enter, mut leave) = (0.0, 1.0 - NEAR_M / length_m.max(NEAR_M));
+        let (mut enter, mut leave) = (0.0, 1.0);
         let slabs = [(along_m, self.rear_m, self.front_m), (across_m, self.right_m, self.left_m)];
         for (way_m, low_m, high_m) in slabs {
             if way_m.abs() < 1e-9 {
@@ -140,8 +143,36 @@ impl Body {
             enter = a.min(b).max(enter);
             leave = a.max(b).min(leave);
         }
-        enter < leave
+        let length_m = libm::sqrt(along_m * along_m + across_m * across_m);
+        enter < leave.min(1.0 - NEAR_M / length_m.max(NEAR_M))
     }
+
+    /// The sectors of [`Outlines`] that it is in; `None` for one that is behind the radar.
+    fn sectors(&self) -> Option<RangeInclusive<usize>> {
+        let corners = [self.rear_m, self.front_m]
+            .map(|along_m| [self.right_m, self.left_m].map(|m| self.seen_from_ego((along_m, m))));
+        let (mut first, mut last) = (SECTORS, 0);
+        let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
+        let (mut right, mut left) = (f64::INFINITY, f64::NEG_INFINITY);
+        for &(x_m, y_m) in corners.as_flattened() {
+            let sector = sector(x_m, y_m);
+            (first, last) = (first.min(sector), last.max(sector));
+            (least, most) = (least.min(x_m), most.max(x_m));
+            (right, left) = (right.min(y_m), left.max(y_m));
+        }
+        // A body beside the radar or around it may reach from one side to the other behind it.
+        let is_around = least <= 0.0 && right <= 0.0 && left >= 0.0;
+        (most > 0.0).then_some(if is_around { 0..=SECTORS - 1 } else { first..=last })
+    }
+}
+
+/// Sectors of the half plane ahead of the radar.
+const SECTORS: usize = 256;
+
+/// The sector of a point of the ego's axes, from right to left. A point behind the radar is in the first or the last.
+fn sector(x_m: f64, y_m: f64) -> usize {
+    let share = y_m / (x_m.max(0.0) + y_m.abs() + f64::MIN_POSITIVE);
+    ((0.5 * SECTORS as f64 * (1.0 + share)) as usize).min(SECTORS - 1)
 }
 
 /// Distance before a point within which nothing hides it: it is on the body itself, m.
@@ -152,20 +183,30 @@ const NEAR_M: f64 = 0.01;
 pub(super) struct Outlines {
     /// In the scene's order; `None` of a vehicle that is not present.
     list: Vec<Option<Body>>,
+    /// A bit for each vehicle in a sector: only these can hide a point in it.
+    sectors: Box<[u64; SECTORS]>,
 }
+
+const _: () = assert!(MAX_ACTORS <= u64::BITS as usize);
 
 impl Outlines {
     /// Room for `count` vehicles.
     pub(super) fn with_room(count: usize) -> Self {
-        Self { list: Vec::with_capacity(count) }
+        Self { list: Vec::with_capacity(count), sectors: Box::new([0; SECTORS]) }
     }
 
     /// Takes the vehicles of a scene.
     pub(super) fn take(&mut self, scene: &Scene) {
-        let bodies = scene.vehicles.iter().enumerate();
         self.list.clear();
-        self.list
-            .extend(bodies.map(|(index, vehicle)| vehicle.present.then(|| Body::of(scene, index))));
+        self.sectors.fill(0);
+        for (index, vehicle) in scene.vehicles.iter().enumerate() {
+            let body = vehicle.present.then(|| Body::of(scene, index));
+            let sectors = body.as_ref().and_then(Body::sectors);
+            for sector in sectors.map_or(&mut [][..], |sectors| &mut self.sectors[sectors]) {
+                *sector |= 1 << index;
+            }
+            self.list.push(body);
+        }
     }
 
     /// The outline of the vehicle number `index`, if it is present.
@@ -173,10 +214,18 @@ impl Outlines {
         self.list[index]
     }
 
-    /// True if a vehicle other than number `itself` stands between the radar and a point of the ego's axes.
-    pub(super) fn hide(&self, itself: usize, point: (f64, f64)) -> bool {
-        let others = self.list.iter().enumerate().filter(|(index, _)| *index != itself);
-        others.filter_map(|(_, body)| body.as_ref()).any(|body| body.hides(point))
+    /// True if a vehicle, other than number `itself`, stands between the radar and a point of the ego's axes.
+    pub(super) fn hide(&self, itself: Option<usize>, point: (f64, f64)) -> bool {
+        let mut left = self.sectors[sector(point.0, point.1)];
+        left &= !itself.map_or(0, |index| 1 << index);
+        while left != 0 {
+            let body = &self.list[left.trailing_zeros() as usize];
+            if body.as_ref().is_some_and(|body| body.hides(point)) {
+                return true;
+            }
+            left &= left - 1;
+        }
+        false
     }
 }
 
@@ -226,6 +275,19 @@ mod tests {
             };
             prop_assume!(grown(1e-9) == grown(-1e-9));
             prop_assert_eq!(straight, turned.hides(seen));
+        }
+    }
+
+    proptest! {
+        /// The sectors leave out no body that hides a point.
+        #[test]
+        fn what_hides_a_point_is_in_its_sector(
+            rear_m in -6.0_f64..60.0, middle_m in -8.0_f64..8.0, turn_rad in -3.0_f64..3.0,
+            x_m in 0.1_f64..150.0, y_m in -50.0_f64..50.0,
+        ) {
+            let body = body(rear_m, middle_m, turn_rad);
+            let holds = body.sectors().is_some_and(|sectors| sectors.contains(&sector(x_m, y_m)));
+            prop_assert!(holds || !body.hides((x_m, y_m)));
         }
     }
 

@@ -84,18 +84,9 @@ impl DetectionRadar {
         }
     }
 
-    /// Writes the detections of a scene on a straight road; see [`Self::scan_on`].
-    pub fn scan(
-        &mut self,
-        scene: &Scene,
-        detections: &mut [Detection; MAX_DETECTIONS],
-    ) -> Received {
-        self.scan_on(None, scene, detections)
-    }
-
     /// Writes the detections of a scene on its road (if that has a plan), nearest first, up to the room. The rest of
     /// `detections` stays.
-    pub fn scan_on(
+    pub fn scan(
         &mut self,
         road: Option<&Axis>,
         scene: &Scene,

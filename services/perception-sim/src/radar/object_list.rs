@@ -32,42 +32,61 @@ pub type Scan = [Option<Measurement>];
 #[derive(Clone, Copy, Debug)]
 pub struct View {
     max_range_m: f64,
-    half_angle_rad: f64,
+    /// Tangent of half of the opening angle; infinite where that is not below a right angle.
+    half_tangent: f64,
 }
 
 impl View {
     /// The view of a radar.
     #[must_use]
     pub fn new(radar: &Radar) -> Self {
+        let half_deg = 0.5 * radar.field_of_view_deg.value();
         Self {
             max_range_m: radar.max_range_m.value(),
-            half_angle_rad: 0.5 * radar.field_of_view_deg.value().to_radians(),
+            half_tangent: if half_deg < 90.0 {
+                libm::tan(half_deg.to_radians())
+            } else {
+                f64::INFINITY
+            },
         }
+    }
+
+    /// The middle of the rear of vehicle number `index` is in range and field of view.
+    #[must_use]
+    pub fn shows(&self, scene: &Scene, index: usize) -> bool {
+        let (dx, dy) = Self::place(scene, index);
+        scene.vehicles[index].present
+            && dx > 0.0
+            && dx * dx + dy * dy <= self.max_range_m * self.max_range_m
+            && dy.abs() <= self.half_tangent * dx
     }
 
     /// The exact measurement of vehicle number `index`, when it is visible. The range rate leaves out the lateral speed
     /// of a lane change. It is perpendicular to the line of sight within a few degrees.
     #[must_use]
     pub fn measure(&self, scene: &Scene, index: usize) -> Option<Measurement> {
-        let (ego, vehicle) = (&scene.ego, &scene.vehicles[index]);
-        let (dx, dy) = match &scene.plane {
-            Some(plane) => plane.bodies[index].rear_m,
-            None => (vehicle.rear_position_m - ego.position_m, vehicle.lateral_m),
-        };
-        if !vehicle.present || dx <= 0.0 {
+        if !self.shows(scene, index) {
             return None;
         }
+        let (dx, dy) = Self::place(scene, index);
         let range_m = (dx * dx + dy * dy).sqrt();
-        let azimuth_rad = libm::atan2(dy, dx);
-        let visible = range_m <= self.max_range_m && azimuth_rad.abs() <= self.half_angle_rad;
         let range_rate_mps = match &scene.plane {
             Some(plane) if !plane.is_line => {
                 let (vx, vy) = plane.bodies[index].velocity_mps;
                 (vx * dx + vy * dy) / range_m
             }
-            _ => (vehicle.speed_mps - ego.speed_mps) * dx / range_m,
+            _ => (scene.vehicles[index].speed_mps - scene.ego.speed_mps) * dx / range_m,
         };
-        visible.then_some(Measurement { range_m, range_rate_mps, azimuth_rad })
+        Some(Measurement { range_m, range_rate_mps, azimuth_rad: libm::atan2(dy, dx) })
+    }
+
+    /// The middle of a vehicle's rear in the ego's axes, m.
+    fn place(scene: &Scene, index: usize) -> (f64, f64) {
+        let vehicle = &scene.vehicles[index];
+        match &scene.plane {
+            Some(plane) => plane.bodies[index].rear_m,
+            None => (vehicle.rear_position_m - scene.ego.position_m, vehicle.lateral_m),
+        }
     }
 }
 

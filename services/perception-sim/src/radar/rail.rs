@@ -12,6 +12,9 @@ use crate::random::{fixed, hash};
 use crate::vehicle::Vehicle;
 use road::Axis;
 
+/// Slope of the way by the place that is struck at which that place is found: some centimetres of it.
+const STRUCK: f64 = 1e-3;
+
 /// Streams of random numbers for the places of rails.
 const RAIL_STREAM: u64 = 1 << 32;
 
@@ -75,7 +78,7 @@ pub(super) fn image(
 }
 
 /// The image of a point `(x, y)` in the rail of a curved road. The place that the wave strikes makes its way the
-/// shortest or longest. Three Newton steps on the derivative of the way find it.
+/// shortest or longest. Newton's steps on the derivative of the way find it, three at most.
 fn image_on(
     plane: &Plane,
     road: &Axis,
@@ -93,6 +96,9 @@ fn image_on(
             (libm::sqrt(rx * rx + ry * ry).max(1.0), libm::sqrt(dx * dx + dy * dy).max(1.0));
         let (ux, uy) = (rx / to_ego_m + dx / to_body_m, ry / to_ego_m + dy / to_body_m);
         let slope = tx * ux + ty * uy;
+        if slope.abs() < STRUCK {
+            break;
+        }
         if step == 3 {
             if slope.abs() > 0.02 {
                 return None;
@@ -100,7 +106,7 @@ fn image_on(
             break;
         }
         let (a, b) = ((tx * ry - ty * rx) / to_ego_m, (tx * dy - ty * dx) / to_body_m);
-        let curvature = road.curvature_perm(struck_m);
+        let curvature = place.curvature_perm;
         let stretch = 1.0 - curvature * offset_m;
         let bend = curvature / stretch * (tx * uy - ty * ux);
         let second = a * a / to_ego_m + b * b / to_body_m + bend;

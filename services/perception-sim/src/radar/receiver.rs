@@ -222,14 +222,25 @@ impl Receiver {
 }
 
 /// Power of the echo with this scan's noise, if that exceeds the threshold.
+///
+/// The noise has the amplitude r with r² = -ln u, u uniform, and any phase. In phase with the echo it is too weak if
+/// r < √threshold - √power =: m. That is so if u > 1 / (1 + m² + m⁴/2 + m⁶/6), which is above exp(-m²). Most weak echoes
+/// are left out by this, without a logarithm.
 fn detected(echo: &Echo, threshold: f64, random: &mut Random) -> Option<f64> {
-    let power = if echo.false_alarm {
-        echo.power
-    } else {
-        let (in_phase, quadrature) = random.normal_pair();
-        let amplitude = echo.power.sqrt() + in_phase * std::f64::consts::FRAC_1_SQRT_2;
-        amplitude * amplitude + 0.5 * quadrature * quadrature
-    };
+    if echo.false_alarm {
+        return (echo.power > threshold).then_some(echo.power);
+    }
+    let (u, phase) = (1.0 - random.uniform(), std::f64::consts::TAU * random.uniform());
+    let amplitude = echo.power.sqrt();
+    let missing = (threshold.sqrt() - amplitude).max(0.0);
+    let square = missing * missing;
+    if u * (1.0 + square * (1.0 + 0.5 * square * (1.0 + square * (1.0 / 3.0)))) > 1.0 {
+        return None;
+    }
+    let noise = (-libm::log(u)).sqrt();
+    let (sine, cosine) = libm::sincos(phase);
+    let (in_phase, quadrature) = (amplitude + noise * cosine, noise * sine);
+    let power = in_phase * in_phase + quadrature * quadrature;
     (power > threshold).then_some(power)
 }
 

@@ -88,7 +88,7 @@ impl Roadside {
                 if is_missing {
                     continue;
                 }
-                if self.hidden_factor < 1.0 && outlines.hide(usize::MAX, place) {
+                if self.hidden_factor < 1.0 && outlines.hide(None, place) {
                     echo.power *= self.hidden_factor;
                 }
                 echoes.add(echo);

@@ -79,6 +79,8 @@ pub(super) struct Place {
     /// Cosine and sine of the road's heading there, in the ego's axes.
     pub(super) cosine: f64,
     pub(super) sine: f64,
+    /// Curvature of the road there, 1/m.
+    pub(super) curvature_perm: f64,
 }
 
 impl Plane {
@@ -111,9 +113,18 @@ impl Plane {
 
     /// A place of the road in the ego's axes.
     pub(super) fn pose(&self, road: &Axis, p_m: f64, l_m: f64) -> Place {
-        let there = road.point(p_m, l_m);
-        let (sine, cosine) = libm::sincos(there.heading_rad - self.ego.pose.heading_rad);
-        Place { at_m: seen(&self.ego.pose, self.heading, (there.x_m, there.y_m)), cosine, sine }
+        place(&self.ego.pose, self.heading, &road.frame(p_m, l_m))
+    }
+}
+
+/// A place of the road in the ego's axes.
+fn place(ego: &Pose, heading: (f64, f64), there: &road::Place) -> Place {
+    let (ego_cosine, ego_sine) = heading;
+    Place {
+        at_m: seen(ego, heading, (there.x_m, there.y_m)),
+        cosine: there.cos * ego_cosine + there.sin * ego_sine,
+        sine: there.sin * ego_cosine - there.cos * ego_sine,
+        curvature_perm: there.curvature_perm,
     }
 }
 
@@ -130,15 +141,15 @@ fn standing(ego: &PlaneEgo, heading: (f64, f64), road: &Axis, vehicle: &Vehicle)
     }
     let half_m = 0.5 * vehicle.length_m;
     let (rear_m, lateral_m) = (vehicle.rear_position_m, vehicle.lateral_m);
-    let (rear, middle) = (road.point(rear_m, lateral_m), road.point(rear_m + half_m, lateral_m));
-    let (sine, cosine) = libm::sincos(middle.heading_rad - ego.pose.heading_rad);
-    let curvature = road.curvature_perm(rear_m + half_m);
-    let yaw_rate_radps = curvature * vehicle.speed_mps / (1.0 - curvature * lateral_m);
-    let is_straight = rear.heading_rad == middle.heading_rad;
+    let middle = road.frame(rear_m + half_m, lateral_m);
+    let Place { at_m: (x, y), cosine, sine, curvature_perm } = place(&ego.pose, heading, &middle);
+    let yaw_rate_radps = curvature_perm * vehicle.speed_mps / (1.0 - curvature_perm * lateral_m);
+    // On a straight the rear is on the axis itself, to the last bit.
+    let is_straight = curvature_perm == 0.0 && road.heading_rad(rear_m) == middle.heading_rad;
     let rear_m = if is_straight {
+        let rear = road.point(rear_m, lateral_m);
         seen(&ego.pose, heading, (rear.x_m, rear.y_m))
     } else {
-        let (x, y) = seen(&ego.pose, heading, (middle.x_m, middle.y_m));
         (x - half_m * cosine, y - half_m * sine)
     };
     let across_mps = vehicle.lateral_speed_mps - yaw_rate_radps * half_m;

@@ -10,6 +10,9 @@
 //! Places are those of the straight road that [`super::course`] makes of the one ahead. They are arc length σ, and
 //! distance d from the course. The range rate is the one that the same motion would have there.
 
+use std::array::from_fn;
+use std::ops::Range;
+
 use messages::Detection;
 
 use super::course::Course;
@@ -154,18 +157,26 @@ impl Outline {
     /// Distance of a detection from the outline, squared; `None` outside the gate.
     #[must_use]
     pub fn distance(&self, point: &Point, gate: f64, numbers: &Numbers) -> Option<f64> {
+        let position_gate = numbers.position_gate * numbers.position_gate;
+        let body = numbers.body_sigma_m * numbers.body_sigma_m;
         let along_m = point.x_m - self.rear_m;
-        let beyond_m = match self.is_on_side(point, numbers) {
+        let off_x = |beyond_m: f64| (-along_m).max(along_m - self.length_m - beyond_m).max(0.0);
+        let off_y = ((point.y_m - self.lateral_m).abs() - self.half_width_m).max(0.0);
+        let variance_x = self.variances[0] + point.range_variance + body;
+        let variance_y = self.variances[1] + point.lateral_variance + body;
+        // Most points are far from most outlines: neither a root nor a division for them.
+        let least_x = off_x(numbers.beyond_along_side_m.max(numbers.beyond_m));
+        if least_x * least_x > position_gate * variance_x
+            || off_y * off_y > position_gate * variance_y
+        {
+            return None;
+        }
+        let off_x = off_x(match self.is_on_side(point, numbers) {
             true => numbers.beyond_along_side_m,
             false => numbers.beyond_m,
-        };
-        let off_x = (-along_m).max(along_m - self.length_m - beyond_m).max(0.0);
-        let off_y = ((point.y_m - self.lateral_m).abs() - self.half_width_m).max(0.0);
-        let body = numbers.body_sigma_m * numbers.body_sigma_m;
-        let x = off_x * off_x / (self.variances[0] + point.range_variance + body);
-        let y = off_y * off_y / (self.variances[1] + point.lateral_variance + body);
-        let position_gate = numbers.position_gate * numbers.position_gate;
-        if x > position_gate || y > position_gate {
+        });
+        let (x, y) = (off_x * off_x / variance_x, off_y * off_y / variance_y);
+        if x > position_gate {
             return None;
         }
         let (cosine, sine) = point.direction;
@@ -214,6 +225,19 @@ pub fn associate(points: &mut [Point], outlines: &[Outline], gate: f64, numbers:
             }
         }
     }
+}
+
+/// For each of the first `N` tracks the points from the first one of its own to the last. Points are in the order of
+/// their ranges, so that those of a vehicle are close together.
+pub(super) fn spans<const N: usize>(points: &[Point]) -> [Range<usize>; N] {
+    let mut spans = from_fn(|_| 0..0);
+    for (index, point) in points.iter().enumerate() {
+        if let Some(span) = point.owner.and_then(|owner| spans.get_mut(owner)) {
+            let first = if span.start == span.end { index } else { span.start };
+            *span = first..index + 1;
+        }
+    }
+    spans
 }
 
 /// Lets go of the points on one side of a track whose points are farther apart than a vehicle is wide. They are of two
@@ -374,4 +398,4 @@ pub(super) mod tests {
 }
 
 #[cfg(test)]
-mod exact;
+mod exact_tests;

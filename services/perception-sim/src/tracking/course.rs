@@ -63,24 +63,25 @@ impl Course {
     #[must_use]
     pub fn bent(heading_rad: f64, curvature_perm: impl Fn(f64) -> f64) -> Self {
         let mut course = Self { is_straight: false, heading_rad, ..Self::STRAIGHT };
-        let (mut x_m, mut y_m, mut heading) = (0.0, 0.0, heading_rad);
-        let mut from_perm = curvature_perm(0.0);
+        let (sine, cosine) = libm::sincos(heading_rad);
+        let mut node =
+            Node { x_m: 0.0, y_m: 0.0, cosine, sine, curvature_perm: curvature_perm(0.0) };
         for index in 0..NODES {
-            let from_m = index as f64 * SPACING_M;
-            let (sine, cosine) = libm::sincos(heading);
-            course.nodes[index] = Node { x_m, y_m, cosine, sine, curvature_perm: from_perm };
+            course.nodes[index] = node;
+            let (from_m, from_perm) = (index as f64 * SPACING_M, node.curvature_perm);
             let middle_perm = curvature_perm(from_m + 0.5 * SPACING_M);
             let to_perm = curvature_perm(from_m + SPACING_M);
-            // Heading in the middle, and its mean over the stretch; the chord of an arc is shorter than the arc.
-            let middle_rad = heading + 0.25 * SPACING_M * (from_perm + middle_perm);
-            let mean_rad = middle_rad + (to_perm - from_perm) * SPACING_M / 24.0;
+            // Turn to the middle, and to the mean heading of the stretch; the chord of an arc is shorter than the arc.
+            let middle_rad = 0.25 * SPACING_M * (from_perm + middle_perm);
+            let mean_rad = middle_rad + (to_perm - from_perm) * (SPACING_M / 24.0);
             let turn_rad = middle_perm * SPACING_M;
-            let chord_m = SPACING_M * (1.0 - turn_rad * turn_rad / 24.0);
-            let (sine, cosine) = libm::sincos(mean_rad);
-            x_m += chord_m * cosine;
-            y_m += chord_m * sine;
-            heading += SPACING_M * (from_perm + 4.0 * middle_perm + to_perm) / 6.0;
-            from_perm = to_perm;
+            let chord_m = SPACING_M * (1.0 - turn_rad * turn_rad * (1.0 / 24.0));
+            let along = node.turned(mean_rad);
+            let turn_rad = (SPACING_M / 6.0) * (from_perm + 4.0 * middle_perm + to_perm);
+            (node.cosine, node.sine) = node.turned(turn_rad);
+            node.x_m += chord_m * along.0;
+            node.y_m += chord_m * along.1;
+            node.curvature_perm = to_perm;
         }
         course
     }
@@ -188,11 +189,12 @@ impl Course {
 }
 
 impl Node {
-    /// Cosine and sine of its heading turned by a small angle.
+    /// Cosine and sine of its heading turned by a small angle: series whose error is below 1e-15 up to 0.05 rad.
     fn turned(&self, turn_rad: f64) -> (f64, f64) {
         let square = turn_rad * turn_rad;
-        let cosine = 1.0 - 0.5 * square * (1.0 - square / 12.0);
-        let sine = turn_rad * (1.0 - square / 6.0 * (1.0 - square / 20.0));
+        let [a, b, c, d] = [12.0, 30.0, 20.0, 42.0].map(|divisor| square * (1.0 / divisor));
+        let cosine = 1.0 - 0.5 * square * (1.0 - a * (1.0 - b));
+        let sine = turn_rad * (1.0 - square * (1.0 / 6.0) * (1.0 - c * (1.0 - d)));
         (self.cosine * cosine - self.sine * sine, self.sine * cosine + self.cosine * sine)
     }
 }
@@ -281,4 +283,4 @@ mod tests {
 }
 
 #[cfg(test)]
-mod exact;
+mod exact_tests;

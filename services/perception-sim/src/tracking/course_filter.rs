@@ -331,6 +331,6 @@ fn square(value: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod exact;
+mod exact_tests;
 #[cfg(test)]
 mod tests;

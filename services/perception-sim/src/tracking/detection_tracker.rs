@@ -8,11 +8,14 @@
 //! trails of the tracks correct the course first. A track keeps its place in the plane then. It is shifted by the
 //! correction at its distance, and gains no lateral speed.
 
+use std::array::from_fn;
+use std::ops::Range;
+
 use messages::Detection;
 use scenario::Scenario;
 use scenario::perception::TrackingFilter;
 
-use super::association::{Outline, Point, Reading, associate, part};
+use super::association::{Outline, Point, Reading, associate, part, spans};
 use super::birth;
 use super::course_filter::{MapAhead, Sources};
 use super::course_numbers::CourseNumbers;
@@ -50,6 +53,8 @@ pub struct DetectionTracker {
     readings: Vec<Reading>,
     points: Vec<Point>,
     outlines: Vec<Outline>,
+    /// For each track the points from its first one to its last.
+    spans: [Range<usize>; MAX_KEPT],
     edge: RoadEdge,
     ahead: RoadAhead,
     sight: Sight,
@@ -104,6 +109,7 @@ impl DetectionTracker {
             readings: Vec::with_capacity(messages::MAX_DETECTIONS),
             points: Vec::with_capacity(messages::MAX_DETECTIONS),
             outlines: Vec::with_capacity(MAX_KEPT),
+            spans: from_fn(|_| 0..0),
             edge: RoadEdge::default(),
             ahead: RoadAhead::new(Sources::default(), &CourseNumbers::DEFAULT),
             sight: Sight::new(
@@ -121,14 +127,9 @@ impl DetectionTracker {
         self.ahead = RoadAhead::new(sources, numbers);
     }
 
-    /// Takes in the scan of `time_ns` on a straight road and hands out the confirmed tracks.
-    pub fn step(&mut self, time_ns: i64, ego: &Ego, detections: &[Detection]) -> TrackList {
-        self.step_on_course(time_ns, ego, None, None, detections)
-    }
-
     /// Takes in the scan of `time_ns` and hands out the confirmed tracks. The course needs the yaw rate, rad/s, and the
     /// map where they are known.
-    pub fn step_on_course(
+    pub fn step(
         &mut self,
         time_ns: i64,
         ego: &Ego,
@@ -214,7 +215,10 @@ impl DetectionTracker {
         self.outlines.extend(outlines);
         let numbers = self.model.numbers();
         associate(&mut self.points, &self.outlines, self.gate, numbers);
-        self.outlines.iter().for_each(|outline| part(&mut self.points, outline, numbers));
+        self.spans = spans(&self.points);
+        for outline in &self.outlines {
+            part(&mut self.points[self.spans[outline.place].clone()], outline, numbers);
+        }
     }
 
     fn update(&mut self, dt_s: f64, ego_acceleration_mps2: f64) {
@@ -222,7 +226,8 @@ impl DetectionTracker {
         let numbers = self.model.numbers();
         let mut seen = [None; MAX_KEPT];
         for (place, track) in self.tracks.iter_mut().enumerate() {
-            let own = self.points.iter().filter(|point| point.owner == Some(place));
+            let near = self.points[self.spans[place].clone()].iter();
+            let own = near.filter(|point| point.owner == Some(place));
             let Some(sighting) = Sighting::of(own, track.across.speed_mps(), numbers) else {
                 continue;
             };
@@ -235,21 +240,25 @@ impl DetectionTracker {
     /// Compares the tracks that should have been seen with those that were.
     fn watch(&mut self) {
         let numbers = self.model.numbers();
-        let place = |track: &DetectedTrack| {
+        let mut places = [(0.0, 0.0); MAX_KEPT];
+        for (place, track) in places.iter_mut().zip(&self.tracks) {
             let (gap_m, lateral_m) = (track.along.estimate().gap_m, track.across.position_m());
-            self.ahead.course().place(gap_m, lateral_m)
-        };
-        for track in self.tracks.iter().filter(|track| track.id != 0) {
-            let (gap_m, lateral_m) = place(track);
+            *place = self.ahead.course().place(gap_m, lateral_m);
+        }
+        for (index, track) in self.tracks.iter().enumerate().filter(|(_, track)| track.id != 0) {
+            let (gap_m, lateral_m) = places[index];
             let is_near = gap_m < numbers.track_reach_m && self.view.surely_shows(gap_m, lateral_m);
             // A vehicle that another one hides, or that has merged with one, is not expected.
-            let is_hidden = self.tracks.iter().any(|other| {
-                let to_m = gap_m + numbers.hides_behind_m;
-                let (other_gap_m, other_lateral_m) = place(other);
-                let nearer = other.id != track.id && other_gap_m < to_m;
-                nearer && (other_lateral_m - lateral_m).abs() < numbers.hides_m
-            });
-            if is_near && !is_hidden {
+            let to_m = gap_m + numbers.hides_behind_m;
+            let mut others = places.iter().zip(&self.tracks);
+            let mut is_hidden = || {
+                others.any(|((other_gap_m, other_lateral_m), other)| {
+                    *other_gap_m < to_m
+                        && (other_lateral_m - lateral_m).abs() < numbers.hides_m
+                        && other.id != track.id
+                })
+            };
+            if is_near && !is_hidden() {
                 self.sight.observe_track(track.is_seen());
             }
             if track.is_seen() {
@@ -346,20 +355,20 @@ impl DetectionTracker {
         let numbers = self.model.numbers();
         self.tracks.retain(|track| !track.is_over(life, numbers) && !track.is_roadside(numbers));
         for place in 0..self.tracks.len() {
-            let nearest_m = self.nearest_of_several_m(&self.tracks[place]);
-            let track = &mut self.tracks[place];
-            if track.id == 0 && track.deserves_confirmation(life) {
-                track.id = self.next_id;
-                self.next_id = self.next_id.wrapping_add(1).max(1);
-            }
+            let track = &self.tracks[place];
             // The centroid of several vehicles is not a vehicle. But a track that may be one vehicle has to count
             // before only hard braking helps.
             let is_urgent = track.along.estimate().braking_mps2() > numbers.comfortable_mps2;
             let across = if track.abreast.is_one() || is_urgent {
                 track.across()
             } else {
-                Across::resting(nearest_m.unwrap_or(f64::INFINITY))
+                Across::resting(self.nearest_of_several_m(track).unwrap_or(f64::INFINITY))
             };
+            let track = &mut self.tracks[place];
+            if track.id == 0 && track.deserves_confirmation(life) {
+                track.id = self.next_id;
+                self.next_id = self.next_id.wrapping_add(1).max(1);
+            }
             let path_sigma_m = self.ahead.path_sigma_m(track.along.estimate().gap_m);
             // A vehicle that follows the road crosses a course whose heading is off.
             let crossing_mps = if path_sigma_m > 0.0 {

@@ -62,14 +62,10 @@ impl EgoSpeed {
         self.measured
     }
 
-    /// Takes the scan of `time_ns`; `told` is the motion by odometry. Returns the motion with which the tracker works.
-    /// It is odometry's, or the measured one where odometry is missing or contradicts it. Allocates nothing.
-    pub fn take_scan(&mut self, time_ns: i64, told: Option<Ego>, detections: &[Detection]) -> Ego {
-        self.take_scan_on(&Course::STRAIGHT, time_ns, told, detections)
-    }
-
-    /// The same on a course: objects off the course are off the lane.
-    pub fn take_scan_on(
+    /// Takes the scan of `time_ns`; `told` is the motion by odometry. Objects off the course are off the lane. Returns
+    /// the motion with which the tracker works. It is odometry's, or the measured one where odometry is missing or
+    /// contradicts it. Allocates nothing.
+    pub fn take_scan(
         &mut self,
         course: &Course,
         time_ns: i64,

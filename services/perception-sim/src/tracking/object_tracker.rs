@@ -88,14 +88,9 @@ impl ObjectTracker {
         &self.ahead
     }
 
-    /// Takes in the scan of `time_ns` on a straight road and hands out the tracks.
-    pub fn step(&mut self, time_ns: i64, ego: &Ego, scan: &Scan) -> TrackList {
-        self.step_on_course(time_ns, ego, None, None, scan)
-    }
-
     /// Takes in the scan of `time_ns` and hands out the tracks. The course needs the yaw rate, rad/s, and the map where
     /// they are known.
-    pub fn step_on_course(
+    pub fn step(
         &mut self,
         time_ns: i64,
         ego: &Ego,

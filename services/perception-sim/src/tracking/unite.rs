@@ -45,13 +45,17 @@ fn same(
 ) -> bool {
     let (a, b) = (older.along.estimate(), newer.along.estimate());
     let along_m = b.gap_m - a.gap_m;
+    let (a_y, b_y) = (older.across.position_m(), newer.across.position_m());
+    let before_m = numbers.lorry_m.max(numbers.same_before_m);
+    if along_m < -before_m || (a_y - b_y).abs() >= numbers.same_across_m {
+        return false;
+    }
     let is_sure = newer.id != 0 || newer.deserves_confirmation(life);
     let is_unseen = older.unseen_s > 0.0;
     let gives_its_motion = is_unseen || along_m < -numbers.rear_depth_m;
     if gives_its_motion && !is_sure {
         return false;
     }
-    let (a_y, b_y) = (older.across.position_m(), newer.across.position_m());
     let aspect_m = older.aspect_m(course).abs().min(newer.aspect_m(course).abs());
     let aside = aspect_m > VEHICLE_WIDTH_M;
     let before_m = if aside { numbers.lorry_m } else { numbers.same_before_m };
@@ -60,7 +64,6 @@ fn same(
     let moves_alike = (a.relative_speed_mps - b.relative_speed_mps).abs() < rate_mps;
     let took_its_place = is_unseen && newer.unseen_s == 0.0;
     (-before_m..older.length_m).contains(&along_m)
-        && (a_y - b_y).abs() < numbers.same_across_m
         && (moves_alike || took_its_place && !is_far_before)
         && (older.unseen_s <= newer.unseen_s || took_its_place)
 }

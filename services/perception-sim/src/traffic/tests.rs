@@ -236,3 +236,15 @@ proptest! {
         }
     }
 }
+
+/// The closed sum against steps of 1 ms: a lateral motion that never begins keeps a vehicle from the sum.
+#[test]
+fn a_vehicle_that_keeps_its_offset_is_where_small_steps_bring_it() {
+    let road = "[road.plan]\npieces = [{ line_m = 80 }, { spiral_m = 60 }, \
+        { arc_m = 150, radius_m = 60, turn = \"right\" }, { spiral_m = 40 }, { line_m = 60 }]\n";
+    let never = "lateral = [{ time_s = 900, to_m = 0, duration_s = 2 }]\n";
+    let [summed, stepped] = ["", never].map(|events| pair_in_a_curve(road, events, 17.0));
+    assert!((summed[0] - 340.0).abs() < 1e-9, "on the axis: {summed:?}");
+    assert!((summed[1] - stepped[1]).abs() < 5e-3, "{summed:?} {stepped:?}");
+    assert!(summed[1] < 332.0, "the outer lane is longer: {summed:?}");
+}

@@ -26,7 +26,7 @@ impl Watch {
     fn scan(&mut self, detections: &[Detection]) -> TrackList {
         let ego = Ego { speed_mps: EGO_MPS, ..Ego::default() };
         self.time_ns += PERIOD_NS;
-        self.tracker.step(self.time_ns, &ego, detections)
+        self.tracker.step(self.time_ns, &ego, None, None, detections)
     }
 
     /// A lead at 21.6 m for 3 s.

@@ -32,7 +32,12 @@ fn it_follows_braking_and_a_pack_of_vehicles_does_not_pull_it_away() {
     let mut speed = EgoSpeed::default();
     let mut ego_mps: f64 = 25.0;
     for k in 0..60 {
-        let chosen = speed.take_scan(k * 50_000_000, told(ego_mps), &scan(ego_mps, 12, 20.0));
+        let chosen = speed.take_scan(
+            &Course::STRAIGHT,
+            k * 50_000_000,
+            told(ego_mps),
+            &scan(ego_mps, 12, 20.0),
+        );
         let (measured, points) = speed.measured().expect("six posts");
         assert!((measured - ego_mps).abs() < 0.5 && points >= 3, "{measured} for {ego_mps}");
         assert_eq!(chosen.speed_mps, ego_mps, "odometry agrees");
@@ -43,13 +48,13 @@ fn it_follows_braking_and_a_pack_of_vehicles_does_not_pull_it_away() {
 #[test]
 fn odometry_that_is_off_or_missing_gives_way_to_the_measurement() {
     let mut speed = EgoSpeed::default();
-    speed.take_scan(0, told(20.0), &scan(20.0, 0, 0.0));
-    speed.take_scan(50_000_000, told(24.0), &scan(20.0, 0, 0.0));
-    let chosen = speed.take_scan(100_000_000, told(24.0), &scan(20.0, 0, 0.0));
+    speed.take_scan(&Course::STRAIGHT, 0, told(20.0), &scan(20.0, 0, 0.0));
+    speed.take_scan(&Course::STRAIGHT, 50_000_000, told(24.0), &scan(20.0, 0, 0.0));
+    let chosen = speed.take_scan(&Course::STRAIGHT, 100_000_000, told(24.0), &scan(20.0, 0, 0.0));
     assert!((chosen.speed_mps - 20.0).abs() < 0.3, "{chosen:?}");
-    let chosen = speed.take_scan(150_000_000, None, &scan(20.0, 0, 0.0));
+    let chosen = speed.take_scan(&Course::STRAIGHT, 150_000_000, None, &scan(20.0, 0, 0.0));
     assert!((chosen.speed_mps - 20.0).abs() < 0.3, "{chosen:?}");
-    let chosen = speed.take_scan(200_000_000, told(20.0), &scan(20.0, 0, 0.0));
+    let chosen = speed.take_scan(&Course::STRAIGHT, 200_000_000, told(20.0), &scan(20.0, 0, 0.0));
     assert_eq!(chosen.speed_mps, 20.0, "it agrees again");
 }
 
@@ -70,7 +75,7 @@ fn a_queue_that_crawls_in_the_next_lane_does_not_stand() {
                 ..Detection::zeroed()
             }
         }));
-        speed.take_scan(i64::from(k) * 50_000_000, told(ego_mps), &detections);
+        speed.take_scan(&Course::STRAIGHT, i64::from(k) * 50_000_000, told(ego_mps), &detections);
         let (measured, _) = speed.measured().expect("six posts");
         assert!((measured - ego_mps).abs() < 0.4, "{measured}");
     }
@@ -93,24 +98,28 @@ fn vehicles_at_two_places_do_not_contradict_odometry() {
     for k in 0..60 {
         let posts = if k < 10 { scan(9.0, 0, 0.0) } else { Vec::new() };
         let seen = [posts, traffic(9.0, 8.0)].concat();
-        assert_eq!(speed.take_scan(k * 50_000_000, told(9.0), &seen).speed_mps, 9.0);
+        assert_eq!(
+            speed.take_scan(&Course::STRAIGHT, k * 50_000_000, told(9.0), &seen).speed_mps,
+            9.0
+        );
         assert_eq!(speed.measured().is_some(), k < 10, "scan {k}");
     }
     let mut along = scan(9.0, 0, 0.0);
     along.iter_mut().for_each(|post| post.range_rate_mps = 0.1);
-    assert_eq!(speed.take_scan(3_000_000_000, told(9.0), &along).speed_mps, 9.0);
+    assert_eq!(speed.take_scan(&Course::STRAIGHT, 3_000_000_000, told(9.0), &along).speed_mps, 9.0);
     assert_eq!(speed.measured(), None);
-    let chosen =
-        (61..65).map(|k| speed.take_scan(k * 50_000_000, told(9.0), &scan(14.0, 0, 0.0)).speed_mps);
+    let chosen = (61..65).map(|k| {
+        speed.take_scan(&Course::STRAIGHT, k * 50_000_000, told(9.0), &scan(14.0, 0, 0.0)).speed_mps
+    });
     assert!((chosen.last().expect("four scans") - 14.0).abs() < 0.3);
 }
 
 #[test]
 fn nothing_beside_the_road_is_no_measurement() {
     let mut speed = EgoSpeed::default();
-    assert_eq!(speed.take_scan(0, told(20.0), &[]).speed_mps, 20.0);
+    assert_eq!(speed.take_scan(&Course::STRAIGHT, 0, told(20.0), &[]).speed_mps, 20.0);
     assert_eq!(speed.measured(), None);
-    assert_eq!(speed.take_scan(50_000_000, told(26.0), &[]).speed_mps, 26.0);
+    assert_eq!(speed.take_scan(&Course::STRAIGHT, 50_000_000, told(26.0), &[]).speed_mps, 26.0);
 }
 
 #[test]
@@ -185,7 +194,7 @@ fn votes(speeds_mps: &[f64]) -> Vec<Detection> {
 /// Measurement `after_ns` after one of 20 m/s.
 fn measured_after(after_ns: i64, speeds_mps: &[f64]) -> Option<f64> {
     let mut speed = EgoSpeed { last: Some((20.0, 0)), ..EgoSpeed::default() };
-    speed.take_scan(after_ns, None, &votes(speeds_mps));
+    speed.take_scan(&Course::STRAIGHT, after_ns, None, &votes(speeds_mps));
     speed.measured().map(|(mps, points)| {
         assert!(points >= 3);
         (mps * 1e6).round() / 1e6
@@ -208,7 +217,7 @@ fn three_votes_within_reach_are_a_measurement() {
     assert_eq!(measured_after(1_010_000_000, &[40.0; 5]), None);
     assert_eq!(measured_after(scan_ns, &[-0.5; 3]), None, "out of reach");
     let mut slow = EgoSpeed { last: Some((0.0, 0)), ..EgoSpeed::default() };
-    slow.take_scan(scan_ns, None, &votes(&[-0.5; 3]));
+    slow.take_scan(&Course::STRAIGHT, scan_ns, None, &votes(&[-0.5; 3]));
     assert_eq!(slow.measured(), Some((0.0, 3)), "no vehicle drives backwards");
 }
 
@@ -216,7 +225,9 @@ fn three_votes_within_reach_are_a_measurement() {
 fn odometry_gives_way_after_two_scans_of_more_than_a_metre_a_second() {
     let mut speed = EgoSpeed { last: Some((20.0, 0)), ..EgoSpeed::default() };
     let mut chosen = |scan: i64, told_mps: f64, speeds_mps: &[f64]| {
-        speed.take_scan(scan * 50_000_000, told(told_mps), &votes(speeds_mps)).speed_mps
+        speed
+            .take_scan(&Course::STRAIGHT, scan * 50_000_000, told(told_mps), &votes(speeds_mps))
+            .speed_mps
     };
     assert_eq!(chosen(1, 20.9, &[20.0; 4]), 20.9);
     assert_eq!(chosen(2, 20.9, &[20.0; 4]), 20.9);

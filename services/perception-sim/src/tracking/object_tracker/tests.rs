@@ -21,7 +21,7 @@ impl Watch {
 
     fn scan(&mut self, seen: Option<Measurement>) -> TrackList {
         let ego = Ego { speed_mps: 20.0, ..Ego::default() };
-        let list = self.tracker.step(self.time_ns, &ego, &[seen]);
+        let list = self.tracker.step(self.time_ns, &ego, None, None, &[seen]);
         self.time_ns += 50_000_000;
         list
     }

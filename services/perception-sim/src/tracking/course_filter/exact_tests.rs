@@ -2,7 +2,7 @@
 
 use super::*;
 
-mod sources;
+mod sources_tests;
 
 const POSTS: Sources = Sources { yaw_rate: true, standing: true, trails: false, map: false };
 const NUMBERS: CourseNumbers = CourseNumbers::DEFAULT;
