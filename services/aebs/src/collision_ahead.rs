@@ -20,10 +20,10 @@ const LEAST_PROBABILITY: f64 = 0.05;
 /// `first` as it will be where it hits `second`; `None` if it will not, or not in the ego's `path`.
 #[must_use]
 pub(crate) fn where_it_stands(first: &Object, second: &Object, path: Path) -> Option<Object> {
-    let time_s = time_to_contact_s(first, second)?;
     if second.lateral.position_m.abs() > second.half_width_m + path.half_width_m {
         return None;
     }
+    let time_s = time_to_contact_s(first, second)?;
     let reach_m = first.half_width_m + second.half_width_m;
     let second_sigma_m = second.lateral.position_sigma_m();
     let carried_s = time_s.min(path.horizon_s);

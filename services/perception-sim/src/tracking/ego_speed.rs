@@ -118,13 +118,15 @@ impl EgoSpeed {
         let moves = told.is_some_and(|told| told.speed_mps > disagrees_mps + stand_noise_mps);
         for detection in detections {
             let (sine, cosine) = libm::sincos(detection.azimuth_rad);
+            let speed_mps = -detection.range_rate_mps / cosine;
+            let goes_along = moves && speed_mps.abs() <= stand_noise_mps;
+            if goes_along || cosine <= 0.5 || detection.ambiguity_group != 0 {
+                continue;
+            }
             let Numbers { off_lane_m, off_lane_rad, .. } = self.numbers;
             let lane_m = off_lane_m + off_lane_rad * detection.range_m;
             let off_m = course.locate(detection.range_m * cosine, detection.range_m * sine).d_m;
-            let is_beside = off_m.abs() > lane_m && cosine > 0.5;
-            let speed_mps = -detection.range_rate_mps / cosine;
-            let goes_along = moves && speed_mps.abs() <= stand_noise_mps;
-            if is_beside && !goes_along && detection.ambiguity_group == 0 {
+            if off_m.abs() > lane_m {
                 self.votes.push(Vote { speed_mps, range_m: detection.range_m });
             }
         }
