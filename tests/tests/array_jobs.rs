@@ -1,4 +1,5 @@
-//! The files for array jobs in `examples`: the engines' keys are present, and `timegap` accepts every command.
+//! The files for array jobs and workflows in `examples`: the engines' keys are present, and `timegap` accepts every
+//! command.
 
 use std::collections::BTreeSet;
 use std::os::unix::fs::PermissionsExt;
@@ -196,4 +197,43 @@ fn the_indexed_job_has_what_kubernetes_reads() {
     understood(&corner, &words);
     let image = read("kubernetes/Dockerfile");
     assert!(image.contains("ENTRYPOINT [\"timegap\"]") && image.contains("--locked -p timegap"));
+}
+
+#[test]
+fn the_gate_s_workflow_types_what_timegap_accepts() {
+    let corner = Corner::new(PROGRAM);
+    let workflow = documents("gate/gate.yml").remove(0);
+    let steps = at(&workflow, "jobs.gate.steps").as_vec().expect("a list");
+    let runs = steps.iter().filter_map(|step| step["run"].as_str());
+    let gate = runs.map(str::trim).find(|run| run.starts_with("timegap ")).expect("the gate");
+    let words = shlex::split(gate).expect("words of a shell").split_off(1);
+    understood(&corner, &words);
+    for file in ["--junit", "--markdown", "--against"] {
+        assert!(words.iter().any(|word| word == file), "{file}: {words:?}");
+    }
+}
+
+#[test]
+fn a_law_that_got_worse_fails_the_gate_and_an_equal_one_passes() {
+    let corner = Corner::new(PROGRAM);
+    let compare = |more: &[&str]| {
+        let words = ["compare", "cut-in", "--controllers", "acc-mpc", "--seeds", "12"];
+        corner.run(&[&words[..], more].concat())
+    };
+    let base = compare(&["--out", "base"]);
+    assert!(base.status.success(), "{}", text(&base));
+    let equal = compare(&["--against", "base/compare.json", "--out", "equal"]);
+    assert!(equal.status.success(), "{}", text(&equal));
+    assert!(text(&equal).contains("0 figures are worse (12 pairs"), "{}", text(&equal));
+    // Late commands cost every seed a part of its gap.
+    let late = ["--set", "runtime.extra_delay_ms=300", "--junit", "gate.xml"];
+    let worse =
+        compare(&[&late[..], &["--against", "base/compare.json", "--out", "worse"]].concat());
+    assert_eq!(worse.status.code(), Some(1), "{}", text(&worse));
+    let junit = std::fs::read_to_string(corner.path().join("gate.xml")).expect("it was written");
+    assert!(junit.contains("<failure"), "{junit}");
+    let missing = compare(&["--against", "nowhere.json", "--out", "missing"]);
+    assert_eq!(missing.status.code(), Some(2));
+    assert!(text(&missing).contains("--against nowhere.json"), "{}", text(&missing));
+    assert!(!corner.path().join("missing").exists(), "a refused study leaves nothing");
 }

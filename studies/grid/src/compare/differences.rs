@@ -2,8 +2,8 @@
 //!
 //! Laws that met the same seeds are compared pair by pair: what a seed does to both falls out. An interval of
 //! [`statistics::interval`] holds the difference without a guess at its distribution. Many differences are looked at
-//! together, so each interval is widened until all of a scenario hold together (Bonferroni). A drive that ended early
-//! has other figures. So pairs of completed runs alone count, and the share of completed runs is a figure of its own.
+//! together, so each interval is widened until all of a scenario hold together (Bonferroni). A difference that does not
+//! show in the figure's last digit is not called real. A drive that ended early has other figures. So pairs of completed runs alone count, and the share of completed runs is a figure of its own.
 
 use report::figures::compared;
 use report::results::Good;
@@ -33,6 +33,8 @@ pub struct Difference {
     pub figure: &'static str,
     #[serde(skip)]
     pub title: String,
+    /// Mean of the reference over the pairs.
+    pub before: f64,
     /// Mean of the differences.
     pub mean: f64,
     /// Interval of the difference; null of too few seeds.
@@ -91,13 +93,29 @@ pub fn differences(rows: &[Row]) -> Vec<Difference> {
     scenarios.flat_map(of_scenario).collect()
 }
 
+/// Every law since a baseline. `pairs` are runs of now with the same runs of before.
+pub fn since(pairs: &[(&Row, &Row)]) -> Vec<Difference> {
+    let scenarios = pairs.chunk_by(|a, b| a.0.scenario == b.0.scenario);
+    let of_scenario = |pairs: &[(&Row, &Row)]| {
+        let laws = pairs.chunk_by(|a, b| a.0.controller == b.0.controller);
+        let all: Vec<Paired<'_>> = laws.flat_map(of_pairs).collect();
+        let family = all.len();
+        let judged = all.into_iter().map(|paired| paired.judged("baseline", family));
+        judged.collect::<Vec<_>>()
+    };
+    scenarios.flat_map(of_scenario).collect()
+}
+
 /// Differences of one figure, before they are judged.
 struct Paired<'a> {
     law: &'a Row,
     figure: &'static str,
     title: String,
     good: Good,
-    values: Vec<f64>,
+    /// Half of the last digit that the figure shows.
+    shown: f64,
+    /// Values of the law and of the reference.
+    values: Vec<[f64; 2]>,
 }
 
 fn of_scenario(rows: &[Row]) -> Vec<Difference> {
@@ -111,30 +129,38 @@ fn of_scenario(rows: &[Row]) -> Vec<Difference> {
 }
 
 /// The differences of a law from the first one, of each figure that both have in one seed at least.
-fn pairs<'a>(first: &[Row], law: &'a [Row]) -> Vec<Paired<'a>> {
+fn pairs<'a>(first: &'a [Row], law: &'a [Row]) -> Vec<Paired<'a>> {
     // Parts of a comparison need not have all seeds of each law.
     let of_seed: BTreeMap<u64, &Row> = first.iter().map(|row| (row.seed, row)).collect();
     let rows: Vec<(&Row, &Row)> =
         law.iter().filter_map(|own| Some((own, *of_seed.get(&own.seed)?))).collect();
+    of_pairs(&rows)
+}
+
+/// The differences in pairs of runs of one law with its reference.
+fn of_pairs<'a>(rows: &[(&'a Row, &'a Row)]) -> Vec<Paired<'a>> {
+    let Some((law, _)) = rows.first().copied() else { return Vec::new() };
     let completed = |row: &Row| f64::from(u8::from(row.outcome == Outcome::Completed));
-    let shares = rows.iter().map(|(own, other)| completed(own) - completed(other));
+    let shares = rows.iter().map(|(own, other)| [completed(own), completed(other)]);
     let shares = Paired {
-        law: &law[0],
+        law,
         figure: COMPLETED,
         title: "share completed".to_owned(),
         good: Good::More,
+        shown: 0.0,
         values: shares.collect(),
     };
     let whole = rows.iter().filter(|(own, other)| completed(own) * completed(other) > 0.0);
     let whole: Vec<&(&Row, &Row)> = whole.collect();
     let of_figures = compared().filter(|figure| figure.good != Good::Neither);
     let of_figures = of_figures.map(|figure| Paired {
-        law: &law[0],
+        law,
         figure: figure.name,
         title: figure.column::<()>().head.title(),
         good: figure.good,
+        shown: 0.5 / f64::from(10_u32.pow(figure.decimals as u32)),
         values: (whole.iter())
-            .filter_map(|(own, other)| Some(own.figures.get(figure)? - other.figures.get(figure)?))
+            .filter_map(|(own, other)| Some([own.figures.get(figure)?, other.figures.get(figure)?]))
             .collect(),
     });
     std::iter::once(shares).chain(of_figures).filter(|pair| !pair.values.is_empty()).collect()
@@ -142,10 +168,14 @@ fn pairs<'a>(first: &[Row], law: &'a [Row]) -> Vec<Paired<'a>> {
 
 impl Paired<'_> {
     fn judged(self, reference: &str, family: usize) -> Difference {
-        let Self { law, figure, title, good, values } = self;
-        let found = interval(&values, TAILS / family as f64);
-        let real = found.map(|interval| interval.leaves_out_zero());
-        let better = found.filter(Interval::leaves_out_zero);
+        let Self { law, figure, title, good, shown, values } = self;
+        let mean = |values: &mut dyn Iterator<Item = f64>, n: usize| values.sum::<f64>() / n as f64;
+        let differences: Vec<f64> = values.iter().map(|[own, other]| own - other).collect();
+        let by = mean(&mut differences.iter().copied(), differences.len());
+        let found = interval(&differences, TAILS / family as f64);
+        let is_real = |interval: &Interval| interval.leaves_out_zero() && by.abs() >= shown;
+        let real = found.as_ref().map(is_real);
+        let better = found.filter(is_real);
         let better = better.map(|interval| (interval.low > 0.0) == (good == Good::More));
         Difference {
             scenario: law.scenario.clone(),
@@ -153,7 +183,8 @@ impl Paired<'_> {
             reference: reference.to_owned(),
             figure,
             title,
-            mean: values.iter().sum::<f64>() / values.len() as f64,
+            before: mean(&mut values.iter().map(|[_, other]| *other), values.len()),
+            mean: by,
             low: found.map(|interval| interval.low),
             high: found.map(|interval| interval.high),
             n: values.len(),

@@ -6,11 +6,13 @@
 //!                                        └─► of several seeds: mean ± spread, and A - B seed by seed
 //! ```
 
+mod against;
 mod differences;
 mod results;
 
 pub use results::{over_seeds, schema};
 
+use against::Baseline;
 use clap::Args;
 use frame::batch::{self, Done, Job};
 use frame::{Command, DriveOptions, Entry, Found, Needs, Recorded, RunOptions, Study, param};
@@ -20,7 +22,7 @@ use report::results::Document;
 use results::{document, drives};
 use runtime::Mode;
 use serde::{Deserialize, Serialize};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use supervise::{Error, Opening, ScenarioOptions, UsageError};
 
@@ -42,6 +44,9 @@ pub struct CompareArguments {
     /// Clock: figures of the drive repeat exactly in `lockstep`; `realtime` also measures deadlines
     #[arg(long, value_parser = supervise::mode(), default_value = "lockstep")]
     pub mode: Mode,
+    /// Judge the runs by an earlier comparison, its compare.json: a figure that got worse is status 1
+    #[arg(long, value_name = "FILE")]
+    pub against: Option<PathBuf>,
 }
 
 /// Runs the command.
@@ -56,7 +61,10 @@ pub fn run(command: &Command<CompareArguments>) -> Result<ExitCode, Error> {
 pub const ENTRY: Entry = Entry::of::<Laws>();
 
 /// The study: each scenario with each law and each seed.
-struct Laws(Grid);
+struct Laws {
+    grid: Grid,
+    baseline: Option<Baseline>,
+}
 
 /// The name of a scenario in results: its own, or its file's where another file has the same name.
 fn label(argument: &str, all: &[(String, String)]) -> String {
@@ -115,6 +123,7 @@ impl Study for Laws {
     const NEEDS: Needs = Needs::Part;
 
     fn plan(arguments: &CompareArguments, run: &RunOptions) -> Result<Self, Error> {
+        let baseline = arguments.against.as_deref().map(Baseline::read).transpose()?;
         let (own, all_trucks) = own_laws(arguments)?;
         let laws = batch::laws::named(&arguments.drives.controllers, &own, all_trucks)?;
         arguments.drives.laws.expect_all_in(&laws)?;
@@ -162,33 +171,34 @@ impl Study for Laws {
         })?;
         drop(arguments);
         grid.cells.iter_mut().for_each(|cell| cell.label = label(&cell.label, &names));
-        Ok(Self(grid))
+        Ok(Self { grid, baseline })
     }
 
     fn runs(&self) -> usize {
-        self.0.runs()
+        self.grid.runs()
     }
 
     fn mode(&self) -> Mode {
-        self.0.mode
+        self.grid.mode
     }
 
     fn job(&self, run: usize) -> Result<Job, Error> {
-        self.0.job(run)
+        self.grid.job(run)
     }
 
     fn record(&self, run: usize, job: &Job, result: Result<Done, Error>) -> Recorded<Self> {
         let Done { summary, drive, .. } = result?;
-        let is_drawn = run.is_multiple_of(self.0.seeds());
+        let is_drawn = run.is_multiple_of(self.grid.seeds());
         let picture = is_drawn.then(|| RunPicture::of_drive(&job.scenario, &drive));
-        Ok((self.0.row(run, summary, true), picture))
+        Ok((self.grid.row(run, summary, true), picture))
     }
 
     fn judge(&self, found: Found<Self>) -> Result<Document, Error> {
         let rows: Vec<(usize, Row)> = found.records.all()?;
         let drives = drives(&rows, &found.seen);
         let rows: Vec<Row> = rows.into_iter().map(|(_, row)| row).collect();
-        Ok(document(rows, self.0.seeds(), drives))
+        let against = self.baseline.as_ref().map(|baseline| baseline.judge(&rows)).transpose()?;
+        Ok(document(rows, self.grid.seeds(), drives, against))
     }
 }
 
@@ -231,7 +241,7 @@ mod tests {
         let two = ["--controllers", "acc-mpc,six-mode", "--seeds", "3"];
         let laws = plan(&two).expect("built in");
         let run = |run| {
-            let scenario = laws.0.scenario(run).expect("built in");
+            let scenario = laws.grid.scenario(run).expect("built in");
             (scenario.controller.name.as_str().to_owned(), scenario.seed.value())
         };
         assert_eq!(laws.runs(), 6);

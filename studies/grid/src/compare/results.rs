@@ -1,5 +1,6 @@
 //! The result of a comparison, for every output.
 
+use super::against::Against;
 use super::differences::{Difference, differences, rule};
 use crate::row::{Point, Row, interventions, points};
 use report::figures::{
@@ -20,7 +21,7 @@ use supervise::report::Outcome;
 #[derive(Debug, Serialize, JsonSchema)]
 pub struct Comparison {
     pub schema_version: u32,
-    /// Every run reached its end without a collision or a red light.
+    /// Every run reached its end without a collision or a red light. With a baseline: nothing got worse.
     pub ok: bool,
     /// A row for each scenario, law and seed.
     pub rows: Vec<Row>,
@@ -30,6 +31,8 @@ pub struct Comparison {
     pub differences: Vec<Difference>,
     /// Rule for a real difference; null for one seed.
     pub rule: Option<String>,
+    /// The runs against those of `--against`; null without it.
+    pub against: Option<Against>,
 }
 
 /// A law in a scenario, over its seeds.
@@ -96,9 +99,14 @@ pub fn drives(
 }
 
 /// The result for every output.
-pub fn document(rows: Vec<Row>, seeds: usize, drives: Vec<(String, String)>) -> Document {
+pub fn document(
+    rows: Vec<Row>,
+    seeds: usize,
+    drives: Vec<(String, String)>,
+    against: Option<Against>,
+) -> Document {
     let completed = rows.iter().filter(|row| row.outcome == Outcome::Completed).count();
-    let ok = completed == rows.len();
+    let ok = against.as_ref().map_or(completed == rows.len(), Against::holds);
     let (means, differences) = (means(&rows), differences(&rows));
     let rule = rule(&differences);
     let mut verdict = format!(
@@ -111,16 +119,21 @@ pub fn document(rows: Vec<Row>, seeds: usize, drives: Vec<(String, String)>) -> 
         let real = differences.iter().filter(|difference| difference.is_real()).count();
         verdict += &format!("; {real} of {} differences are real", differences.len());
     }
+    if let Some(against) = &against {
+        verdict = format!("{verdict}; {}", against.verdict());
+    }
     let about = rows.first().map_or("", |row| row.mode.as_str()).to_owned();
     let about = match seeds {
         1 => about,
         seeds => format!("{about}, {seeds} seeds each (mean ± standard deviation)"),
     };
-    let whole = Comparison { schema_version: 1, ok, rows, means, differences, rule };
+    let whole = Comparison { schema_version: 1, ok, rows, means, differences, rule, against };
     let table = match seeds {
         1 => runs_table(&whole.rows),
         _ => means_table(&points(&whole.rows)),
     };
+    // With a baseline a run that does not complete is no failure by itself.
+    let table = if whole.against.is_some() { table.without_cases() } else { table };
     let table = drives.into_iter().fold(table, |table, (of, html)| table.figures(&of, html));
     let mut document = Document::new("compare", "Comparison of controllers", &whole)
         .about(about)
@@ -133,6 +146,10 @@ pub fn document(rows: Vec<Row>, seeds: usize, drives: Vec<(String, String)>) -> 
         document = document
             .text(whole.rule.clone().unwrap_or_default())
             .table(runs_with_seeds(&whole.rows).for_pages());
+    }
+    if let Some(against) = &whole.against {
+        document = against.tables().into_iter().fold(document, Document::table);
+        document = document.text(against.rule.clone().unwrap_or_default());
     }
     document
 }
@@ -255,7 +272,7 @@ mod tests {
     #[test]
     fn time_gaps_are_shown_and_columns_without_a_figure_are_not() {
         let rows = vec![row("acc-mpc", 1, 20.0), row("six-mode", 1, -0.001)];
-        let document = document(rows, 1, Vec::new());
+        let document = document(rows, 1, Vec::new(), None);
         for text in [document.console(80), document.page(), document.markdown()] {
             for heading in ["min time gap, s", "median time gap, s", "gap error rms, m"] {
                 assert!(text.contains(heading), "{heading}: {text}");
@@ -285,7 +302,7 @@ mod tests {
         };
         law(0, None);
         law(1, Some(0));
-        let console = document(rows, 1, Vec::new()).console(100);
+        let console = document(rows, 1, Vec::new(), None).console(100);
         let said = "; 82 of 600 cycles by the backup, not by mine in following";
         let words: Vec<&str> = console.split_whitespace().collect();
         assert!(words.join(" ").contains(said), "{console}");
@@ -298,7 +315,7 @@ mod tests {
         };
         let mut rows: Vec<Row> = of("acc-mpc", 20.0).chain(of("six-mode", 15.0)).collect();
         rows[3].outcome = Outcome::Collision;
-        let document = document(rows, 12, Vec::new());
+        let document = document(rows, 12, Vec::new(), None);
         let console = document.console(100);
         for words in ["lockstep, 12 seeds each", "20.10", "± 0.09", "11 completed, 1 COLLISION"] {
             assert!(console.contains(words), "{words}: {console}");
