@@ -172,8 +172,8 @@ impl Against {
         let all: Vec<&Difference> = self.differences.iter().collect();
         vec![
             Table::new("Runs that completed before", &broken, &self.broken),
-            Table::of("Worse than the baseline", &columns(), worse),
-            Table::of("All changes since the baseline", &columns(), all)
+            Table::new("Worse than the baseline", &columns(), worse),
+            Table::new("All changes since the baseline", &columns(), all)
                 .for_pages()
                 .without_cases(),
         ]
