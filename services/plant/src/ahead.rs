@@ -15,13 +15,11 @@ pub struct Ahead {
 
 /// Constant deceleration that keeps the ego behind the vehicle ahead, m/s². The vehicle ahead keeps its present
 /// acceleration until it stands. 0 without a need to brake.
-#[must_use]
 pub fn required_deceleration(speed_mps: f64, ahead: &Ahead) -> f64 {
     required_with(speed_mps, ahead, &Numbers::DEFAULT)
 }
 
 /// The same with other numbers, for studies of their effect.
-#[must_use]
 pub fn required_with(speed_mps: f64, ahead: &Ahead, numbers: &Numbers) -> f64 {
     let room = (ahead.gap_m - numbers.margin_m).max(0.1);
     let braking = (-ahead.acceleration_mps2).max(0.0);

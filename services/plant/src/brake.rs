@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 /// The brake path.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct BrakePath {
+pub(crate) struct BrakePath {
     dead_time_ns: u64,
     jerk_mps3: f64,
     authority_mps2: f64,
@@ -23,8 +23,7 @@ pub struct BrakePath {
 
 impl BrakePath {
     /// The path of a scenario, released.
-    #[must_use]
-    pub fn new(scenario: &Scenario) -> Self {
+    pub(crate) fn new(scenario: &Scenario) -> Self {
         let keys = &scenario.aebs;
         Self {
             dead_time_ns: keys.dead_time_ms.nanoseconds(),
@@ -39,7 +38,7 @@ impl BrakePath {
     /// Ceiling on the acceleration, m/s², in the plant's period that starts at `now_ns`; `None` while the path is
     /// released. The vehicle's acceleration is `now_mps2`. A request that is not a positive number is ignored.
     /// Called once in each period.
-    pub fn step(&mut self, now_ns: u64, asked_mps2: f64, now_mps2: f64) -> Option<f64> {
+    pub(crate) fn step(&mut self, now_ns: u64, asked_mps2: f64, now_mps2: f64) -> Option<f64> {
         let asks = asked_mps2 > 0.0;
         self.asked_since_ns = if asks { self.asked_since_ns.or(Some(now_ns)) } else { None };
         let acts = self.asked_since_ns.is_some_and(|since| now_ns - since >= self.dead_time_ns);

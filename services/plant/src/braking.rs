@@ -2,7 +2,6 @@
 
 use crate::brake::BrakePath;
 use crate::chains::Chains;
-use crate::numbers::Numbers;
 use crate::parts::Actuated;
 use crate::report::BrakeFigures;
 use crate::times::BRAKE_PATH;
@@ -10,6 +9,10 @@ use messages::{Brake, BrakeState, Origin};
 use runtime::{Release, Runtime, RuntimeError, Subscriber};
 use scenario::Scenario;
 use serde::{Deserialize, Serialize};
+
+/// Periods of the emergency brake without a message after which its last request ends. Chosen: two lost messages are
+/// chance.
+const LOST_PERIODS: i64 = 3;
 
 /// State that outlives the plant's process.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -24,15 +27,15 @@ pub(crate) struct Braking {
     topic: Subscriber<Brake>,
     path: BrakePath,
     lost_ns: i64,
-    account: Account,
-    chains: Chains,
+    pub(crate) account: Account,
+    pub(crate) chains: Chains,
 }
 
 /// Actions of the emergency brake so far, counted in each period.
-struct Account {
+pub(crate) struct Account {
     period_s: f64,
-    state: BrakeState,
-    figures: BrakeFigures,
+    pub(crate) state: BrakeState,
+    pub(crate) figures: BrakeFigures,
 }
 
 impl Braking {
@@ -48,7 +51,7 @@ impl Braking {
         Ok(Some(Self {
             topic: runtime.subscriber()?,
             path: BrakePath::new(scenario),
-            lost_ns: i64::from(Numbers::DEFAULT.lost_periods) * period_ms.max(10) * 1_000_000,
+            lost_ns: LOST_PERIODS * period_ms.max(10) * 1_000_000,
             account: Account::new(1e-3 * f64::from(scenario.plant.period_ms.value())),
             chains: Chains::open(
                 i64::from(scenario.aebs.deadline_ms.value()) * 1_000_000,
@@ -83,26 +86,6 @@ impl Braking {
         }
         self.account.count(state);
         self.path.step(release.scheduled_ns.unsigned_abs(), asked_mps2, now_mps2)
-    }
-
-    /// Its present state.
-    pub(crate) fn state(&self) -> BrakeState {
-        self.account.state
-    }
-
-    /// The account.
-    pub(crate) fn figures(&self) -> &BrakeFigures {
-        &self.account.figures
-    }
-
-    /// Counts the reaction that has just ended, once it is kept.
-    pub(crate) fn count(&mut self) {
-        self.chains.count();
-    }
-
-    /// Its chains.
-    pub(crate) fn chains(&self) -> &Chains {
-        &self.chains
     }
 
     /// State that outlives this process.

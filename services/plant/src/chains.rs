@@ -16,16 +16,16 @@
 //! command waits for the plant's next release, with the scenario's extra delay. They end at *scheduled* instants:
 //! lateness is not part of the design. The rest, the *net* reaction time, is the cost of the deployment.
 
-use crate::parts::{Actuated, Parts, Stamps};
+use crate::parts::{Actuated, Chain, PARTS, Stamps};
 use crate::report::Hops;
 use crate::worst::Worst;
 use messages::{Brake, Command, Origin};
-use runtime::statistics::{Latencies, Percentiles};
+use runtime::statistics::Latencies;
 use runtime::{Count, Figures, RuntimeError};
 use std::collections::BTreeMap;
 
 /// Names of the parts, in order of time.
-const PARTS: [&str; 7] = [
+const NAMES: [&str; PARTS] = [
     "radar_publish",
     "controller_queue",
     "radar_transport",
@@ -37,21 +37,22 @@ const PARTS: [&str; 7] = [
 
 /// Histograms of all chains of a run.
 #[derive(Debug)]
-pub struct Chains {
-    reaction: Latencies,
-    age: Latencies,
-    designed_wait: Latencies,
-    net_reaction: Latencies,
+pub(crate) struct Chains {
+    pub(crate) reaction: Latencies,
+    pub(crate) age: Latencies,
+    pub(crate) designed_wait: Latencies,
+    pub(crate) net_reaction: Latencies,
     radar_to_controller: Latencies,
     controller_to_plant: Latencies,
-    /// One for each of [`PARTS`].
-    parts: [Latencies; PARTS.len()],
-    worst: Worst,
+    /// One for each of [`NAMES`].
+    parts: [Latencies; PARTS],
+    pub(crate) worst: Worst,
     deadline_ns: i64,
-    late: Count,
+    /// Chains whose reaction time, end to end, was longer than the deadline.
+    pub(crate) late: Count,
     last_radar: Option<Origin>,
     /// A reaction that is not counted yet, and the designed waits in it, ns.
-    ended: Option<(Parts, i64)>,
+    ended: Option<(Chain, i64)>,
 }
 
 impl Chains {
@@ -60,10 +61,14 @@ impl Chains {
     ///
     /// # Errors
     /// [`RuntimeError::Setup`] if shared memory has no room for them.
-    pub fn open(deadline_ns: i64, path: &str, figures: &Figures) -> Result<Self, RuntimeError> {
+    pub(crate) fn open(
+        deadline_ns: i64,
+        path: &str,
+        figures: &Figures,
+    ) -> Result<Self, RuntimeError> {
         let open = |name: &str| figures.latencies(&format!("{path}.{name}"));
-        let mut parts: [Latencies; PARTS.len()] = Default::default();
-        for (part, name) in parts.iter_mut().zip(PARTS) {
+        let mut parts: [Latencies; PARTS] = Default::default();
+        for (part, name) in parts.iter_mut().zip(NAMES) {
             *part = open(name)?;
         }
         Ok(Self {
@@ -83,30 +88,29 @@ impl Chains {
     }
 
     /// The radar sample of the last reaction, for the next process. A command that it finds held has acted before.
-    #[must_use]
-    pub fn last_radar(&self) -> Option<Origin> {
+    pub(crate) fn last_radar(&self) -> Option<Origin> {
         self.last_radar
     }
 
     /// Goes on after the reaction to this radar sample.
-    pub fn restore(&mut self, last_radar: Option<Origin>) {
+    pub(crate) fn restore(&mut self, last_radar: Option<Origin>) {
         self.last_radar = last_radar;
     }
 
     /// Records that `command` acts at `actuated`; called in every cycle of the plant.
-    pub fn actuated(&mut self, command: &Command, actuated: &Actuated) {
+    pub(crate) fn actuated(&mut self, command: &Command, actuated: &Actuated) {
         if let Some(parts) = self.record(&command.into(), actuated) {
             self.worst.offer(command, &parts, actuated.now_ns);
         }
     }
 
     /// The same for a request of the emergency brake.
-    pub fn braked(&mut self, brake: &Brake, actuated: &Actuated) {
+    pub(crate) fn braked(&mut self, brake: &Brake, actuated: &Actuated) {
         self.record(&brake.into(), actuated);
     }
 
     /// The parts of a chain that ends here for the first time. [`Self::count`] counts them.
-    fn record(&mut self, command: &Stamps, actuated: &Actuated) -> Option<Parts> {
+    fn record(&mut self, command: &Stamps, actuated: &Actuated) -> Option<Chain> {
         let radar = command.header.origins.radar;
         if !radar.is_some() {
             return None;
@@ -116,14 +120,14 @@ impl Chains {
             return None;
         }
         self.last_radar = Some(radar);
-        let parts = Parts::of(command, actuated);
+        let parts = Chain::of(command, actuated);
         self.ended = Some((parts, parts.designed_wait_ns(command)));
         Some(parts)
     }
 
     /// Counts the reaction that has just ended, if any. Called when [`Self::last_radar`] is kept: a process that dies
     /// before or after leaves no reaction that the next one counts again.
-    pub fn count(&mut self) {
+    pub(crate) fn count(&mut self) {
         let Some((parts, designed)) = self.ended.take() else { return };
         let sum = parts.sum_ns();
         self.reaction.record_ns(sum);
@@ -132,53 +136,13 @@ impl Chains {
         self.net_reaction.record_ns(sum - designed);
         self.radar_to_controller.record_ns(parts.radar_to_controller_ns());
         self.controller_to_plant.record_ns(parts.controller_to_plant_ns());
-        let in_order = [
-            parts.radar_publish_ns,
-            parts.controller_queue_ns,
-            parts.radar_transport_ns,
-            parts.controller_compute_ns,
-            parts.command_wait_ns,
-            parts.command_transport_ns,
-            parts.actuate_ns,
-        ];
-        for (histogram, part) in self.parts.iter_mut().zip(in_order) {
+        for (histogram, part) in self.parts.iter_mut().zip(parts.0) {
             histogram.record_ns(part);
         }
     }
 
-    /// Chains whose reaction time, end to end, was longer than the deadline.
-    #[must_use]
-    pub fn late(&self) -> u64 {
-        self.late.get()
-    }
-
-    /// Percentiles of the reaction time.
-    #[must_use]
-    pub fn reaction_us(&self) -> Option<Percentiles> {
-        self.reaction.percentiles_us()
-    }
-
-    /// Percentiles of the data age.
-    #[must_use]
-    pub fn age_us(&self) -> Option<Percentiles> {
-        self.age.percentiles_us()
-    }
-
-    /// Percentiles of the designed waits in the reaction time.
-    #[must_use]
-    pub fn designed_wait_us(&self) -> Option<Percentiles> {
-        self.designed_wait.percentiles_us()
-    }
-
-    /// Percentiles of the reaction time without its designed waits.
-    #[must_use]
-    pub fn net_reaction_us(&self) -> Option<Percentiles> {
-        self.net_reaction.percentiles_us()
-    }
-
     /// Percentiles of the reaction time's parts.
-    #[must_use]
-    pub fn hops_us(&self) -> Hops {
+    pub(crate) fn hops_us(&self) -> Hops {
         let [publish, queue, transport, compute, wait, wake, actuate] =
             self.parts.each_ref().map(Latencies::percentiles_us);
         Hops {
@@ -195,22 +159,15 @@ impl Chains {
     }
 
     /// All histograms by the names of their figures.
-    #[must_use]
-    pub fn histograms(&self) -> BTreeMap<String, Latencies> {
+    pub(crate) fn histograms(&self) -> BTreeMap<String, Latencies> {
         let whole = [
             ("reaction_time", &self.reaction),
             ("data_age", &self.age),
             ("designed_wait", &self.designed_wait),
             ("net_reaction", &self.net_reaction),
         ];
-        let parts = PARTS.into_iter().zip(&self.parts);
+        let parts = NAMES.into_iter().zip(&self.parts);
         whole.into_iter().chain(parts).map(|(name, h)| (name.to_owned(), h.clone())).collect()
-    }
-
-    /// The chains with the longest reaction times.
-    #[must_use]
-    pub fn worst(&self) -> &Worst {
-        &self.worst
     }
 }
 
@@ -218,6 +175,7 @@ impl Chains {
 mod tests {
     use super::*;
     use bytemuck::Zeroable;
+    use runtime::statistics::Percentiles;
 
     fn command(radar: Origin, released: i64, idle: i64, start: i64, published: i64) -> Command {
         let mut command = Command::zeroed();
@@ -240,17 +198,8 @@ mod tests {
     #[test]
     fn parts_of_a_quiet_chain() {
         let quiet = command(radar(1, 100, 130), 100, 20, 142, 175);
-        let parts = Parts::of(&(&quiet).into(), &at(200, 208, 220));
-        let expected = Parts {
-            radar_publish_ns: 30,
-            controller_queue_ns: 0,
-            radar_transport_ns: 12,
-            controller_compute_ns: 33,
-            command_wait_ns: 25,
-            command_transport_ns: 8,
-            actuate_ns: 12,
-        };
-        assert_eq!(parts, expected);
+        let parts = Chain::of(&(&quiet).into(), &at(200, 208, 220));
+        assert_eq!(parts.0, [30, 0, 12, 33, 25, 8, 12]);
         assert_eq!((parts.sum_ns(), parts.designed_wait_ns(&(&quiet).into())), (120, 25));
     }
 
@@ -258,13 +207,13 @@ mod tests {
     fn a_busy_controller_queues_by_accident_and_a_timer_by_design() {
         // Idle 40 after the sample was published: no designed wait.
         let busy = command(radar(1, 100, 130), 100, 170, 174, 190);
-        let parts = Parts::of(&(&busy).into(), &at(200, 200, 200));
-        assert_eq!((parts.controller_queue_ns, parts.radar_transport_ns), (40, 4));
+        let parts = Chain::of(&(&busy).into(), &at(200, 200, 200));
+        assert_eq!((parts.0[1], parts.0[2]), (40, 4));
         assert_eq!(parts.designed_wait_ns(&(&busy).into()), 10);
         // Released by its timer 20 after the publication, awake 5 later.
         let timer = command(radar(1, 100, 130), 150, 90, 155, 180);
-        let parts = Parts::of(&(&timer).into(), &at(200, 200, 200));
-        assert_eq!((parts.controller_queue_ns, parts.radar_transport_ns), (20, 5));
+        let parts = Chain::of(&(&timer).into(), &at(200, 200, 200));
+        assert_eq!((parts.0[1], parts.0[2]), (20, 5));
         assert_eq!(parts.designed_wait_ns(&(&timer).into()), 20 + 20);
     }
 
@@ -273,8 +222,8 @@ mod tests {
         let mut late = command(radar(1, 100, 163), 150, 90, 170, 180);
         late.radar_release_ns = 150;
         // The plant was due at 160, before the command was there, and awoke at 230.
-        let parts = Parts::of(&(&late).into(), &at(160, 230, 240));
-        assert_eq!((parts.command_wait_ns, parts.command_transport_ns), (0, 50));
+        let parts = Chain::of(&(&late).into(), &at(160, 230, 240));
+        assert_eq!((parts.0[4], parts.0[5]), (0, 50));
         assert_eq!((parts.sum_ns(), parts.designed_wait_ns(&(&late).into())), (140, 50));
     }
 
@@ -289,7 +238,7 @@ mod tests {
             let origin = radar(1, random(50), random(100));
             let command = command(origin, random(200), random(200), random(200), random(200));
             let now = 250 + random(100);
-            let parts = Parts::of(&(&command).into(), &at(random(250), random(250), now));
+            let parts = Chain::of(&(&command).into(), &at(random(250), random(250), now));
             assert_eq!(parts.sum_ns(), now - origin.acquisition_ns, "{command:?}");
             let designed = parts.designed_wait_ns(&(&command).into());
             assert!((0..=parts.sum_ns()).contains(&designed));
@@ -301,7 +250,11 @@ mod tests {
         let mut chains = Chains::open(100_000, "control", &Figures::default()).expect("memory");
         let none = command(radar(0, -1, -1), 0, 0, 0, 0);
         chains.actuated(&none, &at(10, 10, 10));
-        assert_eq!(chains.age_us(), None, "a command without a radar sample is not a chain");
+        assert_eq!(
+            chains.age.percentiles_us(),
+            None,
+            "a command without a radar sample is not a chain"
+        );
         let first = command(radar(1, 0, 500), 0, 0, 1_000, 2_000);
         chains.actuated(&first, &at(3_000, 3_000, 3_000));
         chains.count();
@@ -311,13 +264,16 @@ mod tests {
         chains.actuated(&second, &at(23_000, 23_000, 23_000));
         chains.count();
         let count = |p: Option<Percentiles>| p.map_or(0, |p| p.count);
-        assert_eq!((count(chains.reaction_us()), count(chains.age_us())), (2, 3));
+        assert_eq!(
+            (count(chains.reaction.percentiles_us()), count(chains.age.percentiles_us())),
+            (2, 3)
+        );
         let hops = chains.hops_us();
         for part in [hops.radar_to_controller, hops.radar_transport, hops.actuate] {
             assert_eq!(count(part), 2);
         }
-        assert_eq!(chains.reaction_us().map(|p| p.max), Some(13.0));
-        let longest = chains.worst().report();
+        assert_eq!(chains.reaction.percentiles_us().map(|p| p.max), Some(13.0));
+        let longest = chains.worst.report();
         assert_eq!(longest.iter().map(|w| w.radar_sequence).collect::<Vec<_>>(), [2, 1]);
     }
 
@@ -338,7 +294,7 @@ mod tests {
                         chains.count();
                     }
                 }
-                reactions += chains.reaction_us().map_or(0, |p| p.count);
+                reactions += chains.reaction.percentiles_us().map_or(0, |p| p.count);
             }
             assert_eq!(reactions, if is_kept { 7 } else { 6 });
         }

@@ -22,7 +22,6 @@ pub struct Rectangle {
 
 impl Rectangle {
     /// The body of a vehicle.
-    #[must_use]
     pub fn of(pose: &VehiclePose) -> Self {
         let (sine, cosine) = libm::sincos(pose.heading_rad);
         Self {
@@ -35,7 +34,6 @@ impl Rectangle {
     }
 
     /// The body `length_m` behind a front bumper.
-    #[must_use]
     pub fn behind(front: &road::Pose, length_m: f64, width_m: f64) -> Self {
         let (sine, cosine) = libm::sincos(front.heading_rad);
         let half_length_m = 0.5 * length_m;
@@ -49,7 +47,6 @@ impl Rectangle {
     }
 
     /// The same `way_m` farther along its heading.
-    #[must_use]
     pub fn moved(self, way_m: f64) -> Self {
         let (cosine, sine) = self.direction;
         Self { x_m: self.x_m + way_m * cosine, y_m: self.y_m + way_m * sine, ..self }
@@ -57,7 +54,6 @@ impl Rectangle {
 
     /// True if the bodies overlap. Those that only touch along the sides do not. Those that touch at the ends do, as a
     /// gap of 0 is a collision on the axis.
-    #[must_use]
     pub fn meets(&self, other: &Self) -> bool {
         let (x, y) = (other.x_m - self.x_m, other.y_m - self.y_m);
         let apart = |one: &Self, another: &Self| {
@@ -82,7 +78,6 @@ impl Rectangle {
 
 /// Speed, m/s, at which the ego's body meets another that it touches; `None` without contact. The others are moved on
 /// from their sample, which is `age_s` old.
-#[must_use]
 pub fn closing_at_contact<'a>(
     ego: &Rectangle,
     speed_mps: f64,

@@ -19,13 +19,13 @@ const STREAM: u64 = 0x5851_f42d_4c95_7f2d;
 
 /// A command that has arrived.
 #[derive(Clone, Copy, Debug)]
-pub struct Arrival {
+pub(crate) struct Arrival {
     /// The command.
-    pub command: Command,
+    pub(crate) command: Command,
     /// Delay, ns.
-    pub delay_ns: i64,
+    pub(crate) delay_ns: i64,
     /// True if it has the content of the command before it, under new stamps.
-    pub is_repeated: bool,
+    pub(crate) is_repeated: bool,
     /// Time when the plant found it on the topic, ns of run time.
     taken_ns: i64,
 }
@@ -39,8 +39,7 @@ impl Arrival {
     /// * A sample that the cycle used is newer than the end of the stamp's period. The clock is behind, and the
     ///   newest sample shows when the cycle was. Otherwise the gateway would follow the plan from its middle on.
     ///   A sample stamped after `now_ns` shows nothing.
-    #[must_use]
-    pub fn released_ns(&self, now_ns: i64) -> i64 {
+    pub(crate) fn released_ns(&self, now_ns: i64) -> i64 {
         let Command { header, plan_period_ns, .. } = &self.command;
         let Origins { odometry, radar, spat, map, powertrain, preview } = header.origins;
         let samples = [odometry, radar, spat, map, powertrain, preview];
@@ -61,7 +60,7 @@ impl Arrival {
 
 /// Commands on their way.
 #[derive(Debug)]
-pub struct Delivery {
+pub(crate) struct Delivery {
     delay_ns: i64,
     period_ns: i64,
     /// Longest jitter, in periods of the plant.
@@ -79,8 +78,7 @@ pub struct Delivery {
 
 impl Delivery {
     /// The way that a scenario describes.
-    #[must_use]
-    pub fn new(scenario: &Scenario) -> Self {
+    pub(crate) fn new(scenario: &Scenario) -> Self {
         let runtime = &scenario.runtime;
         let period_ms = scenario.plant.period_ms.value();
         let jitter_periods = runtime.extra_jitter_ms.value() / period_ms;
@@ -99,12 +97,12 @@ impl Delivery {
     }
 
     /// Goes on counting from what was counted before this process.
-    pub fn restore(&mut self, undelivered: u64) {
+    pub(crate) fn restore(&mut self, undelivered: u64) {
         self.undelivered = undelivered;
     }
 
     /// Takes the topic's newest command at `now_ns`, unless it has been taken before.
-    pub fn take(&mut self, newest: &Command, now_ns: i64) {
+    pub(crate) fn take(&mut self, newest: &Command, now_ns: i64) {
         let identity = (newest.header.incarnation, newest.header.sequence);
         if self.taken == Some(identity) || self.on_their_way.len() == self.on_their_way.capacity() {
             return;
@@ -124,7 +122,7 @@ impl Delivery {
     }
 
     /// The newest command that has arrived by `now_ns`, once.
-    pub fn arrived(&mut self, now_ns: i64) -> Option<Arrival> {
+    pub(crate) fn arrived(&mut self, now_ns: i64) -> Option<Arrival> {
         let newest = self.on_their_way.iter().rposition(|way| now_ns >= way.due_ns())?;
         let overtaken = self.on_their_way.drain(..newest).count() as u64;
         self.undelivered += overtaken;
@@ -132,8 +130,7 @@ impl Delivery {
     }
 
     /// Commands that never arrived: missed, or overtaken by a newer one.
-    #[must_use]
-    pub fn undelivered(&self) -> u64 {
+    pub(crate) fn undelivered(&self) -> u64 {
         self.undelivered
     }
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 /// The ego vehicle.
 #[derive(Clone, Debug)]
-pub enum Ego {
+pub(crate) enum Ego {
     /// Follows accelerations; on a road with heights it feels them.
     Car(longitudinal::Vehicle, Option<GradeProfile>),
     /// Has engine, gears and a road.
@@ -18,7 +18,7 @@ pub enum Ego {
 
 /// State of the ego that outlives the plant's process.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub enum Snapshot {
+pub(crate) enum Snapshot {
     /// All of a car.
     Car(longitudinal::Vehicle),
     /// The motion of a truck.
@@ -30,7 +30,7 @@ impl Ego {
     ///
     /// # Errors
     /// If the scenario's road is not valid.
-    pub fn new(scenario: &Scenario) -> Result<Self, Problem> {
+    pub(crate) fn new(scenario: &Scenario) -> Result<Self, Problem> {
         Ok(match Truck::new(scenario)? {
             Some(truck) => Self::Truck(Box::new(truck)),
             None => {
@@ -46,7 +46,7 @@ impl Ego {
     }
 
     /// Goes on from what another process kept; what was kept of another kind of ego is passed over.
-    pub fn restore(&mut self, kept: Snapshot) {
+    pub(crate) fn restore(&mut self, kept: Snapshot) {
         match (self, kept) {
             (Self::Car(car, _), Snapshot::Car(kept)) => *car = kept,
             (Self::Truck(truck), Snapshot::Truck(kept)) => truck.restore(&kept),
@@ -55,8 +55,7 @@ impl Ego {
     }
 
     /// State that outlives this process.
-    #[must_use]
-    pub fn snapshot(&self) -> Snapshot {
+    pub(crate) fn snapshot(&self) -> Snapshot {
         match self {
             Self::Car(car, _) => Snapshot::Car(car.clone()),
             Self::Truck(truck) => Snapshot::Truck(truck.snapshot()),
@@ -65,7 +64,7 @@ impl Ego {
 
     /// Moves on by one period of the plant, with the emergency brake's ceiling on the acceleration,
     /// m/s².
-    pub fn step(&mut self, actuation: &Actuation, ceiling_mps2: Option<f64>) {
+    pub(crate) fn step(&mut self, actuation: &Actuation, ceiling_mps2: Option<f64>) {
         match self {
             Self::Car(car, heights) => {
                 car.step_on(actuation.request_mps2, ceiling_mps2, heights.as_ref());
@@ -75,7 +74,7 @@ impl Ego {
     }
 
     /// Corrects the place on the axis, m: on a road with a plan the way is not the place.
-    pub fn place(&mut self, position_m: f64) {
+    pub(crate) fn place(&mut self, position_m: f64) {
         match self {
             Self::Car(car, _) => car.place(position_m),
             Self::Truck(truck) => truck.place(position_m),
@@ -83,8 +82,7 @@ impl Ego {
     }
 
     /// Present state of motion.
-    #[must_use]
-    pub fn state(&self) -> State {
+    pub(crate) fn state(&self) -> State {
         match self {
             Self::Car(car, _) => car.state(),
             Self::Truck(truck) => truck.state(),
@@ -92,8 +90,7 @@ impl Ego {
     }
 
     /// The truck, if it is one.
-    #[must_use]
-    pub fn truck(&self) -> Option<&Truck> {
+    pub(crate) fn truck(&self) -> Option<&Truck> {
         match self {
             Self::Car(..) => None,
             Self::Truck(truck) => Some(truck),

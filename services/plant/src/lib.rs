@@ -24,13 +24,13 @@
 //! ```
 
 pub mod ahead;
-pub mod brake;
+mod brake;
 mod braking;
-pub mod chains;
+mod chains;
 mod clear;
 pub mod contact;
-pub mod delivery;
-pub mod ego;
+mod delivery;
+mod ego;
 pub mod gateway;
 pub mod lateral;
 pub mod longitudinal;
@@ -39,13 +39,13 @@ mod parts;
 pub mod referee;
 pub mod report;
 mod service;
-pub mod signal_chain;
+mod signal_chain;
 pub mod surroundings;
-pub mod timeliness;
+mod timeliness;
 mod times;
 pub mod truck;
 mod truth;
-pub mod wheel_energy;
+mod wheel_energy;
 mod worst;
 
 pub use service::{last_known, run};

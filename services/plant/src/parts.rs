@@ -4,26 +4,26 @@ use messages::{Brake, Command, Header};
 
 /// Instant and lateness of the plant's act.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Actuated {
+pub(crate) struct Actuated {
     /// Scheduled release of the plant's cycle, ns of run time.
-    pub scheduled_ns: i64,
+    pub(crate) scheduled_ns: i64,
     /// Its real start, ns of run time.
-    pub start_ns: i64,
+    pub(crate) start_ns: i64,
     /// The actuation, ns of run time.
-    pub now_ns: i64,
+    pub(crate) now_ns: i64,
 }
 
 /// The stamps of a command that a chain is rebuilt from.
 #[derive(Clone, Copy, Debug)]
-pub struct Stamps {
+pub(crate) struct Stamps {
     /// Header of the command.
-    pub header: Header,
+    pub(crate) header: Header,
     /// Scheduled release of the radar's cycle that published its sample, ns of run time.
-    pub radar_release_ns: i64,
+    pub(crate) radar_release_ns: i64,
     /// Start of its service's wait for the release, ns of run time.
-    pub idle_ns: i64,
+    pub(crate) idle_ns: i64,
     /// Time when the cycle began to work on its inputs, ns of run time.
-    pub start_ns: i64,
+    pub(crate) start_ns: i64,
 }
 
 impl From<&Command> for Stamps {
@@ -40,74 +40,61 @@ impl From<&Brake> for Stamps {
     }
 }
 
-/// The parts of one reaction time, ns, in order of time.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Parts {
-    /// Radar acquisition to the sample's publication.
-    pub radar_publish_ns: i64,
-    /// The sample is there, the controller is busy or not yet due.
-    pub controller_queue_ns: i64,
-    /// The controller comes out of its wait with the sample.
-    pub radar_transport_ns: i64,
-    /// Start of the control cycle to the command's publication.
-    pub controller_compute_ns: i64,
-    /// The command waits for the plant's scheduled release.
-    pub command_wait_ns: i64,
-    /// The plant comes out of its wait.
-    pub command_transport_ns: i64,
-    /// The plant works until the actuation.
-    pub actuate_ns: i64,
-}
+/// Number of the parts.
+pub(crate) const PARTS: usize = 7;
 
-impl Parts {
+/// The parts of one reaction time, ns, in the order of [`crate::report::HopTimes`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Chain(pub(crate) [i64; PARTS]);
+
+impl Chain {
     /// The parts of the chain that ends with `command` at `actuated`.
-    #[must_use]
-    pub fn of(command: &Stamps, actuated: &Actuated) -> Self {
+    pub(crate) fn of(command: &Stamps, actuated: &Actuated) -> Self {
         let radar = command.header.origins.radar;
+        let ends = [
+            // The sample is published.
+            radar.publish_ns,
+            // The controller waits with the sample there: before, it is busy or not yet due.
+            command.idle_ns.max(command.header.acquisition_ns),
+            // The controller comes out of its wait.
+            command.start_ns,
+            // The command is published.
+            command.header.publish_ns,
+            // The plant's release is due; the plant comes out of its wait, and works until the actuation.
+            actuated.scheduled_ns,
+            actuated.start_ns,
+            actuated.now_ns,
+        ];
         let mut reached = radar.acquisition_ns;
         // Time never goes back: a stage that was over before the last one ended took none.
-        let mut until = |stamp_ns: i64| {
+        Self(ends.map(|stamp_ns| {
             let part = (stamp_ns - reached).max(0);
             reached += part;
             part
-        };
-        Self {
-            radar_publish_ns: until(radar.publish_ns),
-            controller_queue_ns: until(command.idle_ns.max(command.header.acquisition_ns)),
-            radar_transport_ns: until(command.start_ns),
-            controller_compute_ns: until(command.header.publish_ns),
-            command_wait_ns: until(actuated.scheduled_ns),
-            command_transport_ns: until(actuated.start_ns),
-            actuate_ns: until(actuated.now_ns),
-        }
+        }))
     }
 
     /// Radar acquisition to the start of the control cycle, ns.
-    #[must_use]
-    pub fn radar_to_controller_ns(&self) -> i64 {
-        self.radar_publish_ns + self.controller_queue_ns + self.radar_transport_ns
+    pub(crate) fn radar_to_controller_ns(&self) -> i64 {
+        self.0[..3].iter().sum()
     }
 
     /// Publication of the command to the actuation, ns.
-    #[must_use]
-    pub fn controller_to_plant_ns(&self) -> i64 {
-        self.command_wait_ns + self.command_transport_ns + self.actuate_ns
+    pub(crate) fn controller_to_plant_ns(&self) -> i64 {
+        self.0[4..].iter().sum()
     }
 
-    /// Their sum: the reaction time.
-    #[must_use]
-    pub fn sum_ns(&self) -> i64 {
-        self.radar_to_controller_ns() + self.controller_compute_ns + self.controller_to_plant_ns()
+    /// The reaction time.
+    pub(crate) fn sum_ns(&self) -> i64 {
+        self.0.iter().sum()
     }
 
     /// The waits among them that are designed, ns.
-    #[must_use]
-    pub fn designed_wait_ns(&self, command: &Stamps) -> i64 {
+    pub(crate) fn designed_wait_ns(&self, command: &Stamps) -> i64 {
+        let [radar_publish_ns, controller_queue_ns, _, _, command_wait_ns, ..] = self.0;
         let radar = command.header.origins.radar;
         let latency = (command.radar_release_ns - radar.acquisition_ns).max(0);
         let timer = (command.header.acquisition_ns - radar.publish_ns).max(0);
-        latency.min(self.radar_publish_ns)
-            + timer.min(self.controller_queue_ns)
-            + self.command_wait_ns
+        latency.min(radar_publish_ns) + timer.min(controller_queue_ns) + command_wait_ns
     }
 }

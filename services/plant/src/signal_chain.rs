@@ -5,25 +5,26 @@
 
 use crate::report::SignalHops;
 use messages::{Command, SignalTruth};
-use runtime::statistics::{Latencies, Percentiles};
+use runtime::statistics::Latencies;
 use runtime::{Figures, RuntimeError};
 use std::collections::BTreeMap;
 
 /// Stamps on air are whole milliseconds, rounded down, ns.
 const STAMP_NS: i64 = 1_000_000;
 
+/// Names of the parts, in order of time.
+const NAMES: [&str; 4] = ["signal_announce", "signal_receive", "signal_control", "signal_actuate"];
+
 /// Histograms of all changes of a run.
 #[derive(Debug)]
-pub struct SignalChain {
+pub(crate) struct SignalChain {
     /// The next signal ahead, what it shows, and until when, ns of run time.
     shown: Option<(u64, u32, i64)>,
     /// A change without an actuation yet, ns of run time.
     changed_ns: Option<i64>,
-    whole: Latencies,
-    announce: Latencies,
-    receive: Latencies,
-    control: Latencies,
-    actuate: Latencies,
+    pub(crate) whole: Latencies,
+    /// One for each of [`NAMES`].
+    parts: [Latencies; NAMES.len()],
 }
 
 impl SignalChain {
@@ -31,20 +32,17 @@ impl SignalChain {
     ///
     /// # Errors
     /// [`RuntimeError::Setup`] if shared memory has no room for them.
-    pub fn open(figures: &Figures) -> Result<Self, RuntimeError> {
-        Ok(Self {
-            shown: None,
-            changed_ns: None,
-            whole: figures.latencies("signal_reaction")?,
-            announce: figures.latencies("signal_announce")?,
-            receive: figures.latencies("signal_receive")?,
-            control: figures.latencies("signal_control")?,
-            actuate: figures.latencies("signal_actuate")?,
-        })
+    pub(crate) fn open(figures: &Figures) -> Result<Self, RuntimeError> {
+        let mut parts: [Latencies; NAMES.len()] = Default::default();
+        for (part, name) in parts.iter_mut().zip(NAMES) {
+            *part = figures.latencies(name)?;
+        }
+        let whole = figures.latencies("signal_reaction")?;
+        Ok(Self { shown: None, changed_ns: None, whole, parts })
     }
 
     /// Looks at the signals as they are; called in every cycle of the plant.
-    pub fn look(&mut self, truth: &SignalTruth, ego_m: f64) {
+    pub(crate) fn look(&mut self, truth: &SignalTruth, ego_m: f64) {
         let count = usize::try_from(truth.count).map_or(0, |n| n.min(truth.lanes.len()));
         let pairs = truth.lanes[..count].iter().zip(&truth.signals);
         let next = pairs.into_iter().find(|(lane, _)| lane.stop_line_m > ego_m);
@@ -67,7 +65,7 @@ impl SignalChain {
     }
 
     /// Records that `command` acts at `now_ns`; called in every cycle of the plant.
-    pub fn actuated(&mut self, command: &Command, now_ns: i64) {
+    pub(crate) fn actuated(&mut self, command: &Command, now_ns: i64) {
         let spat = command.header.origins.spat;
         let Some(changed_ns) = self.changed_ns else { return };
         if !spat.is_some() || spat.acquisition_ns + STAMP_NS <= changed_ns {
@@ -76,43 +74,29 @@ impl SignalChain {
         self.changed_ns = None;
         let made_ns = spat.acquisition_ns.max(changed_ns);
         self.whole.record_ns(now_ns - changed_ns);
-        self.announce.record_ns(made_ns - changed_ns);
-        self.receive.record_ns(spat.publish_ns - made_ns);
-        self.control.record_ns(command.header.publish_ns - spat.publish_ns);
-        self.actuate.record_ns(now_ns - command.header.publish_ns);
-    }
-
-    /// Percentiles of the whole.
-    #[must_use]
-    pub fn reaction_us(&self) -> Option<Percentiles> {
-        self.whole.percentiles_us()
+        let ends = [made_ns, spat.publish_ns, command.header.publish_ns, now_ns];
+        let mut begin_ns = changed_ns;
+        for (part, end_ns) in self.parts.iter_mut().zip(ends) {
+            part.record_ns(end_ns - begin_ns);
+            begin_ns = end_ns;
+        }
     }
 
     /// Percentiles of the parts.
-    #[must_use]
-    pub fn hops_us(&self) -> SignalHops {
-        SignalHops {
-            announce: self.announce.percentiles_us(),
-            receive: self.receive.percentiles_us(),
-            control: self.control.percentiles_us(),
-            actuate: self.actuate.percentiles_us(),
-        }
+    pub(crate) fn hops_us(&self) -> SignalHops {
+        let [announce, receive, control, actuate] =
+            self.parts.each_ref().map(Latencies::percentiles_us);
+        SignalHops { announce, receive, control, actuate }
     }
 
     /// All histograms by the names of their figures; none where no signal changed.
-    #[must_use]
-    pub fn histograms(&self) -> BTreeMap<String, Latencies> {
+    pub(crate) fn histograms(&self) -> BTreeMap<String, Latencies> {
         if self.whole.percentiles_us().is_none() {
             return BTreeMap::new();
         }
-        let named = [
-            ("signal_reaction", &self.whole),
-            ("signal_announce", &self.announce),
-            ("signal_receive", &self.receive),
-            ("signal_control", &self.control),
-            ("signal_actuate", &self.actuate),
-        ];
-        named.into_iter().map(|(name, h)| (name.to_owned(), h.clone())).collect()
+        let parts = NAMES.into_iter().zip(&self.parts);
+        let named = parts.chain([("signal_reaction", &self.whole)]);
+        named.map(|(name, h)| (name.to_owned(), h.clone())).collect()
     }
 }
 
@@ -121,6 +105,7 @@ mod tests {
     use super::*;
     use bytemuck::Zeroable;
     use messages::Origin;
+    use runtime::statistics::Percentiles;
 
     const MS: i64 = 1_000_000;
 
@@ -147,14 +132,14 @@ mod tests {
         let mut chain = SignalChain::open(&Figures::default()).expect("memory");
         chain.look(&truth(6, 5.05), 0.0);
         chain.actuated(&command(5_000), 5_030 * MS);
-        assert_eq!(chain.reaction_us(), None, "nothing has changed");
+        assert_eq!(chain.whole.percentiles_us(), None, "nothing has changed");
         chain.look(&truth(8, 8.0), 0.0);
         chain.actuated(&command(5_000), 5_090 * MS);
-        assert_eq!(chain.reaction_us(), None, "of before the change");
+        assert_eq!(chain.whole.percentiles_us(), None, "of before the change");
         chain.actuated(&command(5_100), 5_130 * MS);
         chain.actuated(&command(5_200), 5_230 * MS);
         let max = |p: Option<Percentiles>| p.map(|p| (p.count, (p.max / 1e3).round()));
-        assert_eq!(max(chain.reaction_us()), Some((1, 80.0)));
+        assert_eq!(max(chain.whole.percentiles_us()), Some((1, 80.0)));
         let hops = chain.hops_us();
         let parts = [hops.announce, hops.receive, hops.control, hops.actuate].map(max);
         assert_eq!(parts, [50.0, 20.0, 3.0, 7.0].map(|ms| Some((1, ms))));
@@ -166,6 +151,6 @@ mod tests {
         chain.look(&truth(6, 5.0), 0.0);
         chain.look(&truth(8, 8.0), 101.0);
         chain.actuated(&command(6_000), 6_100 * MS);
-        assert_eq!(chain.reaction_us(), None);
+        assert_eq!(chain.whole.percentiles_us(), None);
     }
 }

@@ -21,6 +21,10 @@ pub struct Meets {
     pub cut_in: bool,
 }
 
+/// Slowest closing speed for which a fault's time to collision exists, m/s. Chosen: faults do not wait for a time to
+/// collision beyond 1000 s.
+const PHASE_CLOSING_MPS: f64 = 0.1;
+
 /// Looks around, once in each period, and keeps the places of the others.
 #[derive(Clone, Debug)]
 pub struct Surroundings {
@@ -34,7 +38,6 @@ pub struct Surroundings {
 
 impl Surroundings {
     /// The surroundings of a scenario's ego before the first sample.
-    #[must_use]
     pub fn new(scenario: &Scenario, numbers: &Numbers) -> Self {
         Self {
             numbers: *numbers,
@@ -59,9 +62,7 @@ impl Surroundings {
         let ahead = vehicles.and_then(|vehicles| self.ahead(vehicles, state.position_m, time_s));
         let closing_mps = ahead.map_or(0.0, |ahead| state.speed_mps - ahead.speed_mps);
         let time_to_collision_s = match ahead {
-            Some(ahead) if closing_mps > self.numbers.phase_closing_mps => {
-                ahead.gap_m.max(0.0) / closing_mps
-            }
+            Some(ahead) if closing_mps > PHASE_CLOSING_MPS => ahead.gap_m.max(0.0) / closing_mps,
             _ => f64::INFINITY,
         };
         let (stop_line_m, signal_state) = signals

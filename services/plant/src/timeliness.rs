@@ -8,48 +8,36 @@ use serde::{Deserialize, Serialize};
 
 /// Counts control periods without a command in time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Timeliness {
+pub(crate) struct Timeliness {
     period_ns: i64,
     deadline_ns: i64,
     /// Start of the period to be judged next, run time in ns.
     next_ns: i64,
     /// Release for which the newest command was computed, run time in ns.
     newest_ns: i64,
-    due: u64,
-    missed: u64,
+    /// Control periods judged so far, and those without a command in time.
+    pub(crate) due: u64,
+    pub(crate) missed: u64,
 }
 
 impl Timeliness {
     /// The schedule of a control loop with this period and deadline, ns.
-    #[must_use]
-    pub fn new(period_ns: i64, deadline_ns: i64) -> Self {
+    pub(crate) fn new(period_ns: i64, deadline_ns: i64) -> Self {
         Self { period_ns, deadline_ns, next_ns: 0, newest_ns: i64::MIN, due: 0, missed: 0 }
     }
 
     /// A command has arrived that was computed for the release at `release_ns`.
-    pub fn arrived(&mut self, release_ns: i64) {
+    pub(crate) fn arrived(&mut self, release_ns: i64) {
         self.newest_ns = self.newest_ns.max(release_ns);
     }
 
     /// Judges the periods whose deadline is over at `now_ns`.
-    pub fn judge(&mut self, now_ns: i64) {
+    pub(crate) fn judge(&mut self, now_ns: i64) {
         while self.next_ns + self.deadline_ns <= now_ns {
             self.due += 1;
             self.missed += u64::from(self.newest_ns < self.next_ns);
             self.next_ns += self.period_ns;
         }
-    }
-
-    /// Control periods judged so far.
-    #[must_use]
-    pub fn due(&self) -> u64 {
-        self.due
-    }
-
-    /// Those without a command in time.
-    #[must_use]
-    pub fn missed(&self) -> u64 {
-        self.missed
     }
 }
 
@@ -66,7 +54,7 @@ mod tests {
             }
             timeliness.judge(now_ns);
         }
-        (timeliness.due(), timeliness.missed())
+        (timeliness.due, timeliness.missed)
     }
 
     #[test]

@@ -17,16 +17,16 @@ pub(crate) fn report(
     signals: &SignalChain,
 ) -> PlantReport {
     PlantReport {
-        reaction_time_us: control.reaction_us(),
-        data_age_us: control.age_us(),
-        designed_wait_us: control.designed_wait_us(),
-        net_reaction_us: control.net_reaction_us(),
+        reaction_time_us: control.reaction.percentiles_us(),
+        data_age_us: control.age.percentiles_us(),
+        designed_wait_us: control.designed_wait.percentiles_us(),
+        net_reaction_us: control.net_reaction.percentiles_us(),
         hops_us: control.hops_us(),
-        worst_chains: control.worst().report(),
-        late_reactions: control.late(),
-        brake_reaction_time_us: brake.and_then(Chains::reaction_us),
+        worst_chains: control.worst.report(),
+        late_reactions: control.late.get(),
+        brake_reaction_time_us: brake.and_then(|brake| brake.reaction.percentiles_us()),
         brake_hops_us: brake.map_or_else(Hops::default, Chains::hops_us),
-        signal_reaction_us: signals.reaction_us(),
+        signal_reaction_us: signals.whole.percentiles_us(),
         signal_hops_us: signals.hops_us(),
         histograms: {
             let mut all = control.histograms();

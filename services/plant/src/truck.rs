@@ -2,17 +2,24 @@
 //! turns an acceleration into torque.
 //!
 //! The brakes hold a truck that is about to stand, as "stop and hold" does (ISO 15622, full speed range). Below
-//! [`Numbers::hold_mps`], and while the request is not positive, their force grows steadily. At its end it holds the
+//! [`HOLD_MPS`], and while the request is not positive, their force grows steadily. At its end it holds the
 //! truck on any road, whatever the errors of the inner loop. A positive request releases them. A car needs no such
 //! rule: its model has no grade.
 
 use crate::gateway::Actuation;
 use crate::longitudinal::State;
-use crate::numbers::Numbers;
 use scenario::grade::GradeProfile;
 use scenario::{Problem, Scenario};
 use serde::{Deserialize, Serialize};
 use truck_model::{Demand, FUEL_DENSITY_GPL, GRAVITY_MPS2, Motion, Preset, Truck as Model};
+
+/// Speed below which the brakes hold, m/s: 1 km/h. Chosen: a pole wheel of 100 teeth (assumed) on a wheel of 0.51 m
+/// gives less than one pulse in 100 ms there.
+const HOLD_MPS: f64 = 1.0 / 3.6;
+/// Grade on which the brakes hold the truck: UN R13, the test of a parking brake.
+const HOLD_GRADE: f64 = 0.18;
+/// Growth of the holding force over the truck's mass, m/s³. Chosen: a standing passenger does not mind it.
+const HOLD_JERK_MPS3: f64 = 0.5;
 
 /// A truck on its road.
 #[derive(Clone, Debug)]
@@ -27,7 +34,6 @@ pub struct Truck {
     step_s: f64,
     brake_share: f64,
     most_brake_n: f64,
-    hold_mps: f64,
     /// Force that holds the truck, and its growth in a step, N.
     hold_n: f64,
     hold_growth_n: f64,
@@ -72,14 +78,6 @@ impl Truck {
     /// # Errors
     /// If the scenario's road is not valid.
     pub fn new(scenario: &Scenario) -> Result<Option<Self>, Problem> {
-        Self::with(scenario, &Numbers::DEFAULT)
-    }
-
-    /// The same with other numbers, for studies of their effect.
-    ///
-    /// # Errors
-    /// As [`Self::new`].
-    pub fn with(scenario: &Scenario, numbers: &Numbers) -> Result<Option<Self>, Problem> {
         let plant = &scenario.plant;
         let Some(preset) = Preset::named(plant.vehicle.name()) else { return Ok(None) };
         let road = scenario.road.profile()?;
@@ -91,8 +89,8 @@ impl Truck {
         let step_s = 1e-3 * f64::from(step_ms);
         let brake_share = 1.0 - libm::exp(-step_s / plant.actuator_time_constant_s.value());
         let most_brake_n = -mass_kg * plant.min_acceleration_mps2.value();
-        let grade = numbers.hold_grade;
-        let hold_n = (mass_kg * GRAVITY_MPS2 * grade / grade.hypot(1.0)).min(most_brake_n);
+        let hold_n =
+            (mass_kg * GRAVITY_MPS2 * HOLD_GRADE / HOLD_GRADE.hypot(1.0)).min(most_brake_n);
         // One that begins at a stand is held already.
         let brake_n = if motion.speed_mps > 0.0 { 0.0 } else { hold_n };
         Ok(Some(Self {
@@ -104,9 +102,8 @@ impl Truck {
             step_s,
             brake_share,
             most_brake_n,
-            hold_mps: numbers.hold_mps,
             hold_n,
-            hold_growth_n: mass_kg * numbers.hold_jerk_mps3 * step_s,
+            hold_growth_n: mass_kg * HOLD_JERK_MPS3 * step_s,
             brake_n,
             braked_s: 0.0,
         }))
@@ -118,7 +115,6 @@ impl Truck {
     }
 
     /// State that outlives this process.
-    #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         Snapshot { motion: self.motion, brake_n: self.brake_n, braked_s: self.braked_s }
     }
@@ -158,7 +154,7 @@ impl Truck {
             let held_n = (self.brake_n + self.hold_growth_n).min(self.hold_n);
             self.brake_n += share * (wanted_n - self.brake_n);
             let goes = actuation.request_mps2.min(ceiling_mps2.unwrap_or(f64::INFINITY)) > 0.0;
-            let holds = speed_mps < self.hold_mps && !goes;
+            let holds = speed_mps < HOLD_MPS && !goes;
             if holds {
                 self.brake_n = self.brake_n.max(held_n);
             }
@@ -176,7 +172,6 @@ impl Truck {
     }
 
     /// Present state of motion.
-    #[must_use]
     pub fn state(&self) -> State {
         State {
             position_m: self.motion.position_m,
@@ -186,7 +181,6 @@ impl Truck {
     }
 
     /// Present state of engine and gearbox.
-    #[must_use]
     pub fn powertrain(&self) -> Powertrain {
         let motion = &self.motion;
         let grade = self.road.grade(motion.position_m);
@@ -206,7 +200,6 @@ impl Truck {
     }
 
     /// Fuel over the way so far, L/100 km; `None` before the first metre.
-    #[must_use]
     pub fn fuel_l_per_100km(&self) -> Option<f64> {
         let driven_m = self.motion.position_m;
         let litres = self.motion.fuel_g / FUEL_DENSITY_GPL;
@@ -214,13 +207,11 @@ impl Truck {
     }
 
     /// Shifts so far.
-    #[must_use]
     pub fn shifts(&self) -> u64 {
         self.motion.shifts.into()
     }
 
     /// Time for which the service brakes were asked for, s.
-    #[must_use]
     pub fn service_brake_s(&self) -> f64 {
         self.braked_s
     }

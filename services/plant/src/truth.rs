@@ -36,7 +36,6 @@ impl Lengths {
 /// The nearest vehicle ahead in the ego's lane at `time_s`, each moved on from its sample at
 /// constant acceleration. One whose body overlaps with the ego's, from whichever side it came, counts: its gap is
 /// negative.
-#[must_use]
 pub(crate) fn ahead(
     truth: &AllVehicles,
     lengths: &Lengths,

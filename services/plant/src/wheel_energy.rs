@@ -24,12 +24,14 @@ use crate::numbers::Numbers;
 
 /// Acceleration of gravity, m/s².
 const GRAVITY_MPS2: f64 = 9.81;
+/// Way up to which a consumption is not stated, m. Chosen: on a shorter one a single start decides the figure.
+const LEAST_WAY_M: f64 = 100.0;
 /// Joules in a kilowatt-hour.
 const KWH_J: f64 = 3.6e6;
 
 /// The energy so far.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct WheelEnergy {
+pub(crate) struct WheelEnergy {
     #[serde(skip)]
     numbers: Numbers,
     /// `None` for a level road.
@@ -42,8 +44,7 @@ pub struct WheelEnergy {
 
 impl WheelEnergy {
     /// A car before its drive; `None` for a truck, whose fuel is known.
-    #[must_use]
-    pub fn of(scenario: &Scenario, numbers: &Numbers) -> Option<Self> {
+    pub(crate) fn of(scenario: &Scenario, numbers: &Numbers) -> Option<Self> {
         let plant = &scenario.plant;
         let own_kg = plant.powertrain.map(|powertrain| powertrain.mass_kg.value());
         let mass_kg = own_kg.unwrap_or(numbers.car_mass_kg);
@@ -55,12 +56,12 @@ impl WheelEnergy {
     }
 
     /// Goes on from what another process kept.
-    pub fn restore(&mut self, kept: Self) {
+    pub(crate) fn restore(&mut self, kept: Self) {
         *self = Self { numbers: self.numbers, heights: self.heights.take(), ..kept };
     }
 
     /// Adds the drive from one state to the next.
-    pub fn add(&mut self, from: &State, to: &State) {
+    pub(crate) fn add(&mut self, from: &State, to: &State) {
         let way_m = to.position_m - from.position_m;
         let speed_mps = 0.5 * (from.speed_mps + to.speed_mps);
         let acceleration_mps2 = 0.5 * (from.acceleration_mps2 + to.acceleration_mps2);
@@ -75,9 +76,8 @@ impl WheelEnergy {
     }
 
     /// Consumption, kWh/100 km.
-    #[must_use]
-    pub fn kwh_per_100km(&self) -> Option<f64> {
-        (self.way_m > self.numbers.least_way_m).then(|| self.energy_j / KWH_J / (self.way_m / 1e5))
+    pub(crate) fn kwh_per_100km(&self) -> Option<f64> {
+        (self.way_m > LEAST_WAY_M).then(|| self.energy_j / KWH_J / (self.way_m / 1e5))
     }
 }
 

@@ -1,6 +1,6 @@
 //! The chains with the longest reaction times, kept whole.
 
-use crate::parts::Parts;
+use crate::parts::Chain;
 use crate::report::{HopTimes, WorstChain};
 use messages::{Command, Header, Origin};
 
@@ -16,7 +16,7 @@ struct KeptChain {
     faults: [u32; 2],
     solver_iterations: u32,
     mode: u32,
-    parts: Parts,
+    parts: Chain,
     designed_wait_ns: i64,
     now_ns: i64,
 }
@@ -24,20 +24,19 @@ struct KeptChain {
 /// The longest chains so far, longest first; of two equal ones the earlier. Keeping one
 /// allocates nothing.
 #[derive(Debug)]
-pub struct Worst {
+pub(crate) struct Worst {
     deadline_ns: i64,
     chains: [Option<KeptChain>; KEPT],
 }
 
 impl Worst {
     /// None yet. A control cycle is late if its command comes `deadline_ns` after its release.
-    #[must_use]
-    pub fn new(deadline_ns: i64) -> Self {
+    pub(crate) fn new(deadline_ns: i64) -> Self {
         Self { deadline_ns, chains: [None; KEPT] }
     }
 
     /// Keeps the chain that ended with `command` at `now_ns` if it is among the longest.
-    pub fn offer(&mut self, command: &Command, parts: &Parts, now_ns: i64) {
+    pub(crate) fn offer(&mut self, command: &Command, parts: &Chain, now_ns: i64) {
         let sum_ns = parts.sum_ns();
         let shorter =
             |kept: &Option<KeptChain>| kept.is_none_or(|kept| kept.parts.sum_ns() < sum_ns);
@@ -57,8 +56,7 @@ impl Worst {
     }
 
     /// The chains, longest first.
-    #[must_use]
-    pub fn report(&self) -> Vec<WorstChain> {
+    pub(crate) fn report(&self) -> Vec<WorstChain> {
         self.chains.iter().flatten().map(|kept| self.describe(kept)).collect()
     }
 
@@ -69,6 +67,15 @@ impl Worst {
         let (header, parts) = (&kept.header, &kept.parts);
         let [voluntary_switches, involuntary_switches] = kept.switches;
         let [minor_faults, major_faults] = kept.faults;
+        let [
+            radar_publish,
+            controller_queue,
+            radar_transport,
+            controller_compute,
+            command_wait,
+            command_transport,
+            actuate,
+        ] = parts.0.map(us);
         WorstChain {
             t_s: kept.now_ns as f64 / 1e9,
             radar_sequence: header.origins.radar.sequence,
@@ -76,13 +83,13 @@ impl Worst {
             reaction_time_us: us(parts.sum_ns()),
             designed_wait_us: us(kept.designed_wait_ns),
             hops_us: HopTimes {
-                radar_publish: us(parts.radar_publish_ns),
-                controller_queue: us(parts.controller_queue_ns),
-                radar_transport: us(parts.radar_transport_ns),
-                controller_compute: us(parts.controller_compute_ns),
-                command_wait: us(parts.command_wait_ns),
-                command_transport: us(parts.command_transport_ns),
-                actuate: us(parts.actuate_ns),
+                radar_publish,
+                controller_queue,
+                radar_transport,
+                controller_compute,
+                command_wait,
+                command_transport,
+                actuate,
             },
             deadline_missed: header.publish_ns - header.acquisition_ns > self.deadline_ns,
             odometry_age_us: age(header.origins.odometry),
@@ -114,7 +121,7 @@ mod tests {
             // Each length occurs twice, in no order.
             let length = i64::try_from(k * 37 % 50).expect("small");
             command.header.publish_ns = length * 2;
-            let parts = Parts { controller_compute_ns: length, ..Parts::default() };
+            let parts = Chain([0, 0, 0, length, 0, 0, 0]);
             worst.offer(&command, &parts, 0);
         }
         let report = worst.report();

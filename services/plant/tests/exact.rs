@@ -5,7 +5,6 @@ use messages::{VehiclePose, VehicleTruthItem};
 use plant::contact::{Rectangle, closing_at_contact};
 use plant::gateway::{Actuation, Source};
 use plant::lateral::{SingleTrack, Slip};
-use plant::numbers::Numbers;
 use plant::truck::Truck;
 use scenario::Scenario;
 use scenario::lateral::Lateral as Keys;
@@ -41,7 +40,7 @@ fn runge_kutta(keys: &Keys, state: [f64; 2], steering_rad: f64, speed: f64, h: f
 #[test]
 fn the_single_track_solves_its_equations() {
     let keys = Keys::default();
-    let track = SingleTrack::new(&keys, MASS_KG, &Numbers::DEFAULT);
+    let track = SingleTrack::new(&keys, MASS_KG);
     for speed_mps in [12.0, 35.0] {
         let mut slip = Slip { lateral_mps: 0.3, yaw_radps: -0.1 };
         let mut exact = [slip.lateral_mps, slip.yaw_radps];
@@ -58,7 +57,7 @@ fn the_single_track_solves_its_equations() {
 #[test]
 fn a_steady_state_rests_and_its_steering_angle_is_that_of_the_circle() {
     let keys = Keys::default();
-    let track = SingleTrack::new(&keys, MASS_KG, &Numbers::DEFAULT);
+    let track = SingleTrack::new(&keys, MASS_KG);
     for speed_mps in [8.0, 30.0] {
         let steering_rad = track.steering_rad(1.0 / 400.0, speed_mps);
         let slip = track.steady(steering_rad, speed_mps);

@@ -127,7 +127,6 @@ pub struct Snapshot {
 
 impl Gateway {
     /// A gateway that has received nothing yet.
-    #[must_use]
     pub fn new(plant: &Plant) -> Self {
         Self {
             bounds: plant.gateway,
@@ -142,7 +141,6 @@ impl Gateway {
     }
 
     /// The part that outlives this process.
-    #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         let Self { last_request_mps2, stopping, .. } = *self;
         Snapshot { last_request_mps2, stopping }
@@ -216,7 +214,6 @@ impl Gateway {
 
     /// True until the successor of the newest command is overdue by the margin. A command that comes a moment after the
     /// plant's tick is late, not lost.
-    #[must_use]
     pub fn is_commanded(&self, now_ns: u64) -> bool {
         match &self.plan {
             Some(plan) => {

@@ -12,6 +12,11 @@ use scenario::lateral::Driver as Keys;
 
 use crate::numbers::Numbers;
 
+/// Speed below which a driver corrects an offset on the way of this speed, m/s: corrections stay finite. Chosen.
+const STEERS_FROM_MPS: f64 = 3.0;
+/// Largest angle of the front wheels, rad: 34 degrees, a car's full lock. Chosen.
+const MOST_STEERING_RAD: f64 = 0.6;
+
 /// The driver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Driver {
@@ -23,13 +28,10 @@ pub struct Driver {
     /// Share of the aim that a period keeps, and the deviation that it adds, m.
     aim_decay: f64,
     aim_sigma_m: f64,
-    slowest_mps: f64,
-    most_rad: f64,
 }
 
 impl Driver {
     /// The driver of a scenario, who acts once in each period.
-    #[must_use]
     pub fn new(keys: &Keys, period_s: f64, numbers: &Numbers) -> Self {
         let aim_decay = libm::exp(-period_s / keys.wander_s.value());
         Self {
@@ -39,13 +41,10 @@ impl Driver {
             steering_share: 1.0 - libm::exp(-period_s / numbers.steering_lag_s),
             aim_decay,
             aim_sigma_m: keys.wander_m.value() * libm::sqrt(1.0 - aim_decay * aim_decay),
-            slowest_mps: numbers.steers_from_mps,
-            most_rad: numbers.most_steering_rad,
         }
     }
 
     /// Distance ahead at which the driver looks at the curvature, m.
-    #[must_use]
     pub fn lead_m(&self, speed_mps: f64) -> f64 {
         self.lead_s * speed_mps
     }
@@ -56,7 +55,6 @@ impl Driver {
     }
 
     /// Desired curvature of the driver, 1/m, at an offset from the aim, m, that changes by `across_mps`.
-    #[must_use]
     pub fn curvature(
         &self,
         ahead_perm: f64,
@@ -65,14 +63,14 @@ impl Driver {
         across_mps: f64,
     ) -> f64 {
         // Slower driving is steered by the way and not by the time: the wheels turn no faster.
-        let v = speed_mps.max(self.slowest_mps);
+        let v = speed_mps.max(STEERS_FROM_MPS);
         let w = self.frequency_radps;
         ahead_perm - (2.0 * self.damping * w * across_mps + w * w * offset_m) / (v * v)
     }
 
     /// Moves the wheels towards an angle for one period.
     pub fn steer(&self, steering_rad: &mut f64, wanted_rad: f64) {
-        let wanted_rad = wanted_rad.clamp(-self.most_rad, self.most_rad);
+        let wanted_rad = wanted_rad.clamp(-MOST_STEERING_RAD, MOST_STEERING_RAD);
         *steering_rad += self.steering_share * (wanted_rad - *steering_rad);
     }
 }

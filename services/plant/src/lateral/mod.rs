@@ -96,20 +96,18 @@ pub struct Measured {
 
 impl Lateral {
     /// The motion of a scenario's ego at its start; `None` without a plan of the road.
-    #[must_use]
     pub fn of(scenario: &Scenario, numbers: &Numbers) -> Option<Self> {
         let plan = scenario.road.plan()?;
         Some(Self::on(plan, scenario, numbers, 1.0))
     }
 
     /// The same with another factor on all random deviates.
-    #[must_use]
     pub fn on(plan: &Plan, scenario: &Scenario, numbers: &Numbers, noise: f64) -> Self {
         let (plant, keys) = (&scenario.plant, &scenario.plant.lateral);
         let car_kg = || plant.powertrain.map_or(numbers.car_mass_kg, |own| own.mass_kg.value());
         let mass_kg =
             plant.vehicle.truck_kg().map_or_else(car_kg, |kg| kg * plant.mass_factor.value());
-        let track = SingleTrack::new(keys, mass_kg, numbers);
+        let track = SingleTrack::new(keys, mass_kg);
         let wheelbase_m = keys.wheelbase_m.value();
         let overhang_m = 0.5 * (plant.length_m.value() - wheelbase_m).max(0.0);
         let seed = scenario.seed.value();
@@ -233,13 +231,11 @@ impl Lateral {
     }
 
     /// Present state.
-    #[must_use]
     pub fn state(&self) -> &State {
         &self.state
     }
 
     /// Measurements of the sensors.
-    #[must_use]
     pub fn measured(&self) -> Measured {
         let State { lateral_acceleration_mps2, steering_rad, sensed_radps, .. } = self.state;
         let yaw_rate_radps = self.sensor.measured(sensed_radps);
@@ -247,14 +243,12 @@ impl Lateral {
     }
 
     /// Pose of the front bumper's middle with the body's heading, in the frame that begins with the road.
-    #[must_use]
     pub fn pose(&self, position_m: f64) -> road::Pose {
         let tangent = self.axis.point(position_m, self.state.lateral_m);
         road::Pose { heading_rad: tangent.heading_rad + self.state.heading_rad, ..tangent }
     }
 
     /// The same in the plane.
-    #[must_use]
     pub fn placed(&self, position_m: f64) -> road::Pose {
         self.pose(position_m).placed(&self.start)
     }

@@ -15,7 +15,6 @@ pub struct YawRateSensor {
 
 impl YawRateSensor {
     /// The sensor of a run, sampled once in each period; `offset` is a normal deviate.
-    #[must_use]
     pub fn new(keys: &Keys, period_s: f64, offset: f64) -> Self {
         let lag_s = 1e-3 * f64::from(keys.lag_ms.value());
         Self {
@@ -37,7 +36,6 @@ impl YawRateSensor {
     }
 
     /// The rate as the sensor gives it, rad/s.
-    #[must_use]
     pub fn measured(&self, sensed_radps: f64) -> f64 {
         sensed_radps + self.offset_radps + self.noise_radps
     }

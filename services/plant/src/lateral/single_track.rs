@@ -10,13 +10,14 @@
 //! the rear slip angle is `slip_rad_per_mps2`, and the front one larger by `understeer_rad_per_mps2`. So the steering
 //! angle of a circle is δ = κ (L + EG v²) with EG the understeer gradient.
 //!
-//! A step is the trapezoidal rule: two linear equations, solved in closed form. Below [`Numbers::dynamic_mps`] the
+//! A step is the trapezoidal rule: two linear equations, solved in closed form. Below [`DYNAMIC_MPS`] the
 //! wheels roll without delay. The track is in its steady state at once, as the equations above would become stiff.
 
 use scenario::lateral::Lateral as Keys;
 use serde::{Deserialize, Serialize};
 
-use crate::numbers::Numbers;
+/// Speed from which the track has dynamics of its own, m/s. Chosen: its time constants are below 0.05 s there.
+const DYNAMIC_MPS: f64 = 5.0;
 
 /// A single track with its tyres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +32,6 @@ pub struct SingleTrack {
     gyration_m2: f64,
     slip_rad_per_mps2: f64,
     understeer_rad_per_mps2: f64,
-    dynamic_mps: f64,
 }
 
 /// Motion of the centre of gravity across the body's axis.
@@ -45,8 +45,7 @@ pub struct Slip {
 
 impl SingleTrack {
     /// The track of a vehicle of this mass.
-    #[must_use]
-    pub fn new(keys: &Keys, mass_kg: f64, numbers: &Numbers) -> Self {
+    pub fn new(keys: &Keys, mass_kg: f64) -> Self {
         let wheelbase_m = keys.wheelbase_m.value();
         let front_m = keys.cg_share.value() * wheelbase_m;
         let rear_m = wheelbase_m - front_m;
@@ -62,24 +61,20 @@ impl SingleTrack {
             gyration_m2: keys.yaw_inertia_kgm2.value() / mass_kg,
             slip_rad_per_mps2: slip,
             understeer_rad_per_mps2: front_slip - slip,
-            dynamic_mps: numbers.dynamic_mps,
         }
     }
 
     /// Distance from the centre of gravity to the front axle, m.
-    #[must_use]
     pub fn front_m(&self) -> f64 {
         self.front_m
     }
 
     /// Steering angle of a circle of this curvature, rad.
-    #[must_use]
     pub fn steering_rad(&self, curvature_perm: f64, speed_mps: f64) -> f64 {
         curvature_perm * self.steering_way_m(speed_mps)
     }
 
     /// Steady motion at a steering angle.
-    #[must_use]
     pub fn steady(&self, steering_rad: f64, speed_mps: f64) -> Slip {
         let yaw_radps = steering_rad * speed_mps / self.steering_way_m(speed_mps);
         let rear_rad = self.slip_rad_per_mps2 * speed_mps * yaw_radps;
@@ -92,13 +87,11 @@ impl SingleTrack {
     }
 
     /// True if the tyres build their forces up with a delay at this speed.
-    #[must_use]
     pub fn is_dynamic(&self, speed_mps: f64) -> bool {
-        speed_mps >= self.dynamic_mps
+        speed_mps >= DYNAMIC_MPS
     }
 
     /// Moves on by `h` seconds at a steering angle. Its mean is `steering_rad`, and its last value `end_rad`.
-    #[must_use]
     pub fn step(
         &self,
         slip: Slip,

@@ -63,7 +63,7 @@ fn cases() -> Vec<Case> {
                 understeer_rad_per_mps2: Understeer::of(0.0),
                 ..Keys::default()
             };
-            let track = SingleTrack::new(&keys, number(1), &Numbers::DEFAULT);
+            let track = SingleTrack::new(&keys, number(1));
             cases.push((key, (track, fields[6].to_owned(), number(7), number(8), Vec::new())));
         }
         let case = cases.last_mut().expect("one was pushed");
@@ -106,7 +106,7 @@ fn the_single_track_is_that_of_commonroad_within_one_percent() {
 
 #[test]
 fn the_steady_state_is_where_the_equations_come_to_rest() {
-    let track = SingleTrack::new(&Keys::default(), 1600.0, &Numbers::DEFAULT);
+    let track = SingleTrack::new(&Keys::default(), 1600.0);
     for speed_mps in [6.0, 17.0, 32.0] {
         let steering_rad = track.steering_rad(1.0 / 300.0, speed_mps);
         let mut slip = Slip::default();

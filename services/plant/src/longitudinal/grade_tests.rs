@@ -27,7 +27,7 @@ fn a_level_road_changes_no_bit() {
     for step in 0..3000_i32 {
         let request = f64::from(step % 700 - 350) * 0.01;
         let ceiling = (step % 900 > 800).then_some(-6.0);
-        plain.step_below(request, ceiling);
+        plain.step_on(request, ceiling, None);
         on_road.step_on(request, ceiling, Some(&level));
         assert_eq!(plain.state(), on_road.state());
     }

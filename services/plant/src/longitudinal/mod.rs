@@ -32,8 +32,8 @@ use scenario::grade::GradeProfile;
 use scenario::plant::{Integrator, Plant};
 use serde::{Deserialize, Serialize};
 
-use crate::numbers::Numbers;
-
+/// Speed below which the engine's power limits no further, m/s: keeps the limit finite at a stand. Chosen.
+const TRACTION_FROM_MPS: f64 = 1.0;
 /// Acceleration of gravity, m/s².
 const GRAVITY_MPS2: f64 = 9.81;
 
@@ -56,8 +56,6 @@ pub struct Vehicle {
     max_mps2: f64,
     /// Largest power by mass, W/kg; infinite without a powertrain.
     specific_power: f64,
-    /// Speed below which the power limits no further, m/s.
-    traction_from_mps: f64,
     length_m: f64,
     motion: Motion,
     state: State,
@@ -78,14 +76,7 @@ enum Motion {
 
 impl Vehicle {
     /// The vehicle at its start.
-    #[must_use]
     pub fn new(plant: &Plant) -> Self {
-        Self::with(plant, &Numbers::DEFAULT)
-    }
-
-    /// The same with other numbers, for studies of their effect.
-    #[must_use]
-    pub fn with(plant: &Plant, numbers: &Numbers) -> Self {
         let tau_s = plant.actuator_time_constant_s.value();
         let (period_ms, step_ms) = (plant.period_ms.value(), plant.integration_step_ms.value());
         let state = State {
@@ -115,7 +106,6 @@ impl Vehicle {
             specific_power: plant.powertrain.map_or(f64::INFINITY, |powertrain| {
                 1e3 * powertrain.max_power_kw.value() / powertrain.mass_kg.value()
             }),
-            traction_from_mps: numbers.traction_from_mps,
             length_m: plant.length_m.value(),
             motion,
             state,
@@ -126,15 +116,10 @@ impl Vehicle {
     /// Moves on by one period of the plant under a constant request, m/s². The gateway has seen to
     /// it that the request is finite.
     pub fn step(&mut self, request_mps2: f64) {
-        self.step_below(request_mps2, None);
+        self.step_on(request_mps2, None, None);
     }
 
-    /// The same with the emergency brake's ceiling on the acceleration, m/s².
-    pub fn step_below(&mut self, request_mps2: f64, ceiling_mps2: Option<f64>) {
-        self.step_on(request_mps2, ceiling_mps2, None);
-    }
-
-    /// The same on a road with heights.
+    /// The same with the emergency brake's ceiling on the acceleration, m/s², and on a road with heights.
     pub fn step_on(
         &mut self,
         request_mps2: f64,
@@ -199,7 +184,6 @@ impl Vehicle {
     }
 
     /// Present state.
-    #[must_use]
     pub fn state(&self) -> State {
         self.state
     }
@@ -211,7 +195,7 @@ impl Vehicle {
     }
 
     fn attainable(&self, request_mps2: f64, speed_mps: f64) -> f64 {
-        let traction = self.specific_power / speed_mps.max(self.traction_from_mps);
+        let traction = self.specific_power / speed_mps.max(TRACTION_FROM_MPS);
         let slope = self.slope_mps2;
         request_mps2.clamp(self.min_mps2 - slope, self.max_mps2 - slope).min(traction - slope)
     }

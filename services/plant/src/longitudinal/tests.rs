@@ -183,14 +183,14 @@ fn the_emergency_brakes_effect_is_over_when_it_lets_go() {
     let initial_speed_mps = Speed::of(30.0);
     let mut vehicle = Vehicle::new(&Plant { initial_speed_mps, ..Plant::default() });
     for _ in 0..50 {
-        vehicle.step_below(1.0, Some(-8.0));
+        vehicle.step_on(1.0, Some(-8.0), None);
     }
     assert_eq!(vehicle.state().acceleration_mps2, -8.0);
     vehicle.step(0.0);
     assert_eq!(vehicle.state().acceleration_mps2, 0.0, "there was no drive under the brake");
     // The controller's own braking is still there.
     for _ in 0..100 {
-        vehicle.step_below(-2.0, Some(-8.0));
+        vehicle.step_on(-2.0, Some(-8.0), None);
     }
     vehicle.step(-2.0);
     let State { speed_mps, acceleration_mps2, .. } = vehicle.state();
@@ -202,12 +202,12 @@ fn the_emergency_brake_stops_the_vehicle_where_the_formula_says() {
     let plant = Plant { initial_speed_mps: Speed::of(4.1), ..Plant::default() };
     let mut vehicle = Vehicle::new(&plant);
     for _ in 0..25 {
-        vehicle.step_below(0.0, Some(-8.0));
+        vehicle.step_on(0.0, Some(-8.0), None);
     }
     let State { position_m, speed_mps, .. } = vehicle.state();
     assert!((speed_mps - 2.1).abs() < 1e-12 && (position_m - 0.775).abs() < 1e-12);
     for _ in 0..50 {
-        vehicle.step_below(0.0, Some(-8.0));
+        vehicle.step_on(0.0, Some(-8.0), None);
     }
     let stopped = vehicle.state();
     assert!((stopped.position_m - 4.1 * 4.1 / 16.0).abs() < 1e-9, "{stopped:?}");
@@ -222,7 +222,7 @@ fn a_vehicle_that_brakes_harder_than_the_ceiling_keeps_to_its_own_braking() {
         ..Plant::default()
     };
     let mut vehicle = Vehicle::new(&plant);
-    vehicle.step_below(-4.0, Some(-1.0));
+    vehicle.step_on(-4.0, Some(-1.0), None);
     assert!((vehicle.state().acceleration_mps2 + 4.0).abs() < 1e-12);
 }
 

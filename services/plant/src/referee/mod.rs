@@ -24,6 +24,9 @@ use plane::PlaneFigures;
 use signals::StopLines;
 pub use signals::{MAX_SIGNALS, SignalTruth};
 
+/// Slowest closing speed for which a time to collision counts, m/s. Chosen: rounding of two equal speeds is far below.
+const CLOSING_MPS: f64 = 0.01;
+
 /// A cause that ends a run before its time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Violation {
@@ -74,14 +77,7 @@ struct Sample {
 
 impl Referee {
     /// A referee at the start of a run.
-    #[must_use]
-    pub fn new(scenario: &Scenario) -> Self {
-        Self::with(scenario, &Numbers::DEFAULT)
-    }
-
-    /// The same with other numbers, for studies of their effect.
-    #[must_use]
-    pub fn with(scenario: &Scenario, numbers: &Numbers) -> Self {
+    pub fn new(scenario: &Scenario, numbers: &Numbers) -> Self {
         Self {
             numbers: *numbers,
             desired: scenario.referee.desired_gap,
@@ -111,19 +107,9 @@ impl Referee {
     /// Takes the truth at `now_ns`: the ego, the vehicle ahead in its lane, and the signals (nearest first). The
     /// signals are not yet far behind. A sample that is not later than the one before, or not finite, is passed over.
     ///
-    /// Returns the violation that this sample shows, once.
+    /// Returns the violation that this sample shows, once. On a road with a plan contact is that of the bodies in the
+    /// plane, not a gap that is used up.
     pub fn observe(
-        &mut self,
-        now_ns: u64,
-        ego: &State,
-        ahead: Option<&Ahead>,
-        signals: &[SignalTruth],
-    ) -> Option<Violation> {
-        self.observe_in_plane(now_ns, ego, ahead, signals, None)
-    }
-
-    /// The same on a road with a plan. There contact is that of the bodies in the plane, not a gap that is used up.
-    pub fn observe_in_plane(
         &mut self,
         now_ns: u64,
         ego: &State,
@@ -161,19 +147,16 @@ impl Referee {
     }
 
     /// The figures so far.
-    #[must_use]
     pub fn figures(&self) -> &ControlFigures {
         &self.figures
     }
 
     /// Stop lines crossed on red.
-    #[must_use]
     pub fn red_lights(&self) -> u32 {
         self.stop_lines.red_lights
     }
 
     /// The first violation of the run.
-    #[must_use]
     pub fn violation(&self) -> Option<Violation> {
         self.violation
     }
@@ -228,7 +211,7 @@ impl Referee {
         }
         figures.final_speed_error_mps = Some(closing);
         figures.min_gap_m = smaller(figures.min_gap_m, ahead.gap_m);
-        if closing > self.numbers.closing_mps {
+        if closing > CLOSING_MPS {
             figures.min_ttc_s = smaller(figures.min_ttc_s, ahead.gap_m.max(0.0) / closing);
         }
         let contact = ahead.gap_m <= 0.0;

@@ -26,7 +26,6 @@ pub struct SignalTruth {
 
 impl SignalTruth {
     /// The phase at a time, up to the end of the phase after the present one.
-    #[must_use]
     pub fn phase_at(&self, time_s: f64) -> Phase {
         match self.ends_ns {
             Some(ends_ns) if time_s >= seconds(ends_ns) => self.next_phase,

@@ -33,14 +33,14 @@ fn signal(id: u32, stop_line_m: f64, phase: Phase, ends_s: f64) -> SignalTruth {
 
 /// Drives at constant speed past one signal that is `phase` until `ends_s`.
 fn pass(speed: f64, stop_line_m: f64, phase: Phase, ends_s: f64) -> Referee {
-    let mut referee = Referee::new(&scenario("cacc-a"));
+    let mut referee = Referee::new(&scenario("cacc-a"), &Numbers::DEFAULT);
     for k in 0..=1000 {
         let t = k as f64 * 0.01;
         let mut truth = signal(1, stop_line_m, phase, ends_s);
         if t >= ends_s {
             truth = SignalTruth { phase: truth.next_phase, ends_ns: None, ..truth };
         }
-        referee.observe(k * PERIOD_NS, &state(speed * t, speed, 0.0), None, &[truth]);
+        referee.observe(k * PERIOD_NS, &state(speed * t, speed, 0.0), None, &[truth], None);
     }
     referee
 }
@@ -71,10 +71,10 @@ fn a_red_light_is_judged_at_the_instant_of_crossing() {
 
 #[test]
 fn a_signal_that_is_no_longer_announced_still_counts() {
-    let mut referee = Referee::new(&scenario("cacc-a"));
+    let mut referee = Referee::new(&scenario("cacc-a"), &Numbers::DEFAULT);
     let red = SignalTruth { ends_ns: None, ..signal(1, 5.0, Phase::Red, 0.0) };
-    assert_eq!(referee.observe(0, &state(4.9, 15.0, 0.0), None, &[red]), None);
-    let violation = referee.observe(PERIOD_NS, &state(5.05, 15.0, 0.0), None, &[]);
+    assert_eq!(referee.observe(0, &state(4.9, 15.0, 0.0), None, &[red], None), None);
+    let violation = referee.observe(PERIOD_NS, &state(5.05, 15.0, 0.0), None, &[], None);
     assert!(matches!(violation, Some(Violation::RedLight { id: 1, .. })));
 }
 
@@ -82,7 +82,7 @@ fn a_signal_that_is_no_longer_announced_still_counts() {
 fn the_reference_run_of_scenario_a_gives_the_reference_figures() {
     let csv =
         include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/data/cacc-a-cacc.csv"));
-    let mut referee = Referee::new(&scenario("cacc-a"));
+    let mut referee = Referee::new(&scenario("cacc-a"), &Numbers::DEFAULT);
     for (k, line) in csv.lines().skip(1).enumerate() {
         let row: Vec<f64> = line.split(',').map(|f| f.parse().expect("a number")).collect();
         let truth = signal(1, 80.0, Phase::Green, 5.0);
@@ -93,7 +93,7 @@ fn the_reference_run_of_scenario_a_gives_the_reference_figures() {
         let ahead = Ahead { gap_m: row[7], speed_mps: row[8], acceleration_mps2: 0.0 };
         let now_ns = k as u64 * 100_000_000;
         let violation =
-            referee.observe(now_ns, &state(row[1], row[2], row[3]), Some(&ahead), &[truth]);
+            referee.observe(now_ns, &state(row[1], row[2], row[3]), Some(&ahead), &[truth], None);
         assert_eq!(violation, None);
     }
     let figures = referee.figures();
@@ -105,15 +105,15 @@ fn the_reference_run_of_scenario_a_gives_the_reference_figures() {
 
 #[test]
 fn a_collision_is_reported_once() {
-    let mut referee = Referee::new(&scenario("following"));
+    let mut referee = Referee::new(&scenario("following"), &Numbers::DEFAULT);
     let ahead = |gap_m| Ahead { gap_m, speed_mps: 10.0, acceleration_mps2: 0.0 };
     let ego = state(0.0, 15.0, 0.0);
-    assert_eq!(referee.observe(0, &ego, Some(&ahead(0.01)), &[]), None);
+    assert_eq!(referee.observe(0, &ego, Some(&ahead(0.01)), &[], None), None);
     assert_eq!(
-        referee.observe(PERIOD_NS, &ego, Some(&ahead(-0.04)), &[]),
+        referee.observe(PERIOD_NS, &ego, Some(&ahead(-0.04)), &[], None),
         Some(Violation::Collision { time_s: 0.01, closing_mps: 5.0 })
     );
-    assert_eq!(referee.observe(2 * PERIOD_NS, &ego, Some(&ahead(-0.09)), &[]), None);
+    assert_eq!(referee.observe(2 * PERIOD_NS, &ego, Some(&ahead(-0.09)), &[], None), None);
     assert!(matches!(referee.violation(), Some(Violation::Collision { .. })));
     assert_eq!(referee.figures().min_ttc_s, Some(0.0));
     assert_eq!(referee.figures().impact_speed_mps, Some(5.0));
@@ -121,9 +121,9 @@ fn a_collision_is_reported_once() {
 
 #[test]
 fn figures_that_do_not_apply_are_absent() {
-    let mut referee = Referee::new(&following());
+    let mut referee = Referee::new(&following(), &Numbers::DEFAULT);
     assert_eq!(*referee.figures(), ControlFigures::default());
-    referee.observe(0, &state(0.0, 25.0, 0.5), None, &[]);
+    referee.observe(0, &state(0.0, 25.0, 0.5), None, &[], None);
     let figures = referee.figures();
     assert_eq!(figures.min_gap_m, None);
     assert_eq!(figures.min_ttc_s, None);
@@ -133,7 +133,7 @@ fn figures_that_do_not_apply_are_absent() {
     assert_eq!(figures.min_accel_mps2, Some(0.5));
     // An opening gap has no time to collision.
     let ahead = Ahead { gap_m: 30.0, speed_mps: 26.0, acceleration_mps2: 0.0 };
-    referee.observe(PERIOD_NS, &state(0.25, 25.0, 0.4), Some(&ahead), &[]);
+    referee.observe(PERIOD_NS, &state(0.25, 25.0, 0.4), Some(&ahead), &[], None);
     let figures = referee.figures();
     assert_eq!(figures.min_ttc_s, None);
     assert_eq!(figures.final_gap_error_m, Some(30.0 - (1.5 * 25.0 + 5.0)));
@@ -144,10 +144,10 @@ fn figures_that_do_not_apply_are_absent() {
 fn the_step_of_the_acceleration_at_a_stop_is_no_jerk() {
     // A car's acceleration ends with its last step, a truck's one sample later.
     for last in [0.0, -1.5] {
-        let mut referee = Referee::new(&scenario("following"));
+        let mut referee = Referee::new(&scenario("following"), &Numbers::DEFAULT);
         let motion = [(0.05, -2.5), (0.025, -2.5), (0.0, last), (0.0, 0.0), (0.001, 0.1)];
         for (index, (speed, acceleration)) in (0..).zip(motion) {
-            referee.observe(index * PERIOD_NS, &state(0.0, speed, acceleration), None, &[]);
+            referee.observe(index * PERIOD_NS, &state(0.0, speed, acceleration), None, &[], None);
         }
         let jerk = referee.figures().max_abs_jerk_mps3.expect("five samples");
         assert!(
@@ -159,22 +159,22 @@ fn the_step_of_the_acceleration_at_a_stop_is_no_jerk() {
 
 #[test]
 fn a_stop_is_a_stand_after_a_drive() {
-    let mut referee = Referee::new(&scenario("following"));
+    let mut referee = Referee::new(&scenario("following"), &Numbers::DEFAULT);
     for (index, speed) in (0..).zip([0.0, 10.0, 0.0, 0.0, 0.5, 0.0, 0.6, 0.0, 3.0]) {
-        referee.observe(index * PERIOD_NS, &state(0.0, speed, 0.0), None, &[]);
+        referee.observe(index * PERIOD_NS, &state(0.0, speed, 0.0), None, &[], None);
     }
     assert_eq!(referee.figures().stops, Some(2), "creeping between two stands makes them one");
 }
 
 #[test]
 fn mean_squares_weigh_by_time() {
-    let mut referee = Referee::new(&following());
+    let mut referee = Referee::new(&following(), &Numbers::DEFAULT);
     // The desired gap at 20 m/s is 1.5 * 20 + 5 = 35 m; the first sample has no length yet.
     for (time_ns, gap_m, acceleration) in
         [(0, 90.0, 0.0), (PERIOD_NS, 38.0, 0.1), (4 * PERIOD_NS, 34.0, 0.1)]
     {
         let ahead = Ahead { gap_m, speed_mps: 20.0, acceleration_mps2: 0.0 };
-        referee.observe(time_ns, &state(0.0, 20.0, acceleration), Some(&ahead), &[]);
+        referee.observe(time_ns, &state(0.0, 20.0, acceleration), Some(&ahead), &[], None);
     }
     let figures = referee.figures();
     let rms = figures.rms_gap_error_m.expect("a lead");
@@ -186,21 +186,21 @@ fn mean_squares_weigh_by_time() {
 
 #[test]
 fn a_gap_that_only_the_law_has_has_no_error() {
-    let mut referee = Referee::new(&scenario("six-mode"));
+    let mut referee = Referee::new(&scenario("six-mode"), &Numbers::DEFAULT);
     let ahead = Ahead { gap_m: 30.0, speed_mps: 26.0, acceleration_mps2: 0.0 };
-    referee.observe(0, &state(0.0, 25.0, 0.0), Some(&ahead), &[]);
+    referee.observe(0, &state(0.0, 25.0, 0.0), Some(&ahead), &[], None);
     assert_eq!(referee.figures().final_gap_error_m, None);
     assert_eq!(referee.figures().min_gap_m, Some(30.0));
 }
 
 #[test]
 fn more_signals_than_slots_drop_the_ones_behind() {
-    let mut referee = Referee::new(&scenario("corridor"));
+    let mut referee = Referee::new(&scenario("corridor"), &Numbers::DEFAULT);
     for k in 0..100u32 {
         let position = 100.0 * f64::from(k);
         let ahead = signal(k, position + 50.0, Phase::Red, 1e6);
         let now_ns = u64::from(k) * PERIOD_NS;
-        let violation = referee.observe(now_ns, &state(position, 10.0, 0.0), None, &[ahead]);
+        let violation = referee.observe(now_ns, &state(position, 10.0, 0.0), None, &[ahead], None);
         assert_eq!(violation.is_some(), k == 1);
     }
     assert_eq!(referee.red_lights(), 99);
@@ -213,11 +213,11 @@ proptest! {
             (prop::num::f64::ANY, prop::num::f64::ANY, prop::num::f64::ANY,
              prop::num::f64::ANY, prop::num::f64::ANY, prop::num::f64::ANY), 1..30),
     ) {
-        let mut referee = Referee::new(&scenario("cacc-a"));
+        let mut referee = Referee::new(&scenario("cacc-a"), &Numbers::DEFAULT);
         for (k, (x, v, a, gap_m, speed_mps, line)) in samples.into_iter().enumerate() {
             let ahead = Ahead { gap_m, speed_mps, acceleration_mps2: 0.0 };
             let truth = signal(1, line, Phase::Green, 0.1);
-            referee.observe(k as u64 * PERIOD_NS, &state(x, v, a), Some(&ahead), &[truth]);
+            referee.observe(k as u64 * PERIOD_NS, &state(x, v, a), Some(&ahead), &[truth], None);
         }
         let f = referee.figures();
         for figure in [

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// Figures of the drive, the gateway and the cause-effect chains.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PlantReport {
     /// End of the run.
     pub outcome: Outcome,
@@ -58,36 +58,13 @@ pub struct PlantReport {
 
 impl PlantReport {
     /// A report with this outcome and no figure.
-    #[must_use]
     pub fn empty(outcome: Outcome) -> Self {
-        Self {
-            outcome,
-            duration_s: 0.0,
-            control: ControlFigures::default(),
-            rungs: Levels::default(),
-            max_command_gap_us: None,
-            reaction_time_us: None,
-            data_age_us: None,
-            designed_wait_us: None,
-            net_reaction_us: None,
-            hops_us: Hops::default(),
-            worst_chains: Vec::new(),
-            undelivered_commands: 0,
-            aebs: None,
-            brake_reaction_time_us: None,
-            brake_hops_us: Hops::default(),
-            signal_reaction_us: None,
-            signal_hops_us: SignalHops::default(),
-            commands_due: 0,
-            commands_missed: 0,
-            late_reactions: 0,
-            histograms: BTreeMap::new(),
-        }
+        Self { outcome, ..Self::default() }
     }
 }
 
 /// End of a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
     /// The scenario's end was reached.
@@ -105,6 +82,7 @@ pub enum Outcome {
     /// The story of an OpenSCENARIO file could not happen, so the drive says nothing about it.
     NoStory,
     /// An error ended the run early.
+    #[default]
     Aborted,
 }
 

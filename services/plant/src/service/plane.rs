@@ -12,6 +12,10 @@ use crate::ego::Ego;
 use crate::lateral::{self, Lateral};
 use crate::longitudinal::State;
 use crate::numbers::Numbers;
+
+/// Distance of two bodies' middles up to which contact is looked for, m. Chosen: two half lorries of 16.5 m and the way
+/// of two periods.
+const CONTACT_WITHIN_M: f64 = 30.0;
 use crate::referee::InPlane;
 
 /// Motion across the road with its ports.
@@ -22,7 +26,6 @@ pub(super) struct Plane {
     others: Subscriber<VehiclePoses>,
     more: Option<Subscriber<MorePoses>>,
     length_m: f64,
-    contact_within_m: f64,
 }
 
 impl Plane {
@@ -39,7 +42,6 @@ impl Plane {
             others: runtime.subscriber()?,
             more: (scenario.actors.len() > MAX_TRACKS).then(|| runtime.subscriber()).transpose()?,
             length_m: scenario.plant.length_m.value(),
-            contact_within_m: Numbers::DEFAULT.contact_within_m,
         }))
     }
 
@@ -91,7 +93,7 @@ impl Plane {
                 ego.speed_mps,
                 age_s,
                 vehicles.vehicles.iter().zip(poses),
-                self.contact_within_m,
+                CONTACT_WITHIN_M,
             )
         });
         InPlane {

@@ -1,0 +1,139 @@
+//! The controller's path: a command goes from the topic over delivery and gateway to the actuators, and is accounted.
+
+use messages::{Command, Header, Origin, Origins, PLAN_LEN};
+use runtime::{Release, Runtime, RuntimeError, Subscriber};
+use scenario::Scenario;
+use serde::{Deserialize, Serialize};
+
+use crate::chains::Chains;
+use crate::delivery::{Arrival, Delivery};
+use crate::gateway::{Actuation, EngineRequest, Gateway};
+use crate::parts::Actuated;
+use crate::signal_chain::SignalChain;
+use crate::timeliness::Timeliness;
+use crate::times::CONTROL_PATH;
+
+/// The path with its port.
+pub(super) struct Control {
+    command: Subscriber<Command>,
+    delivery: Delivery,
+    pub(super) gateway: Gateway,
+    pub(super) chains: Chains,
+    pub(super) signal_chain: SignalChain,
+    timeliness: Timeliness,
+    active: Option<Command>,
+    /// Run time at which the last command was accepted, and the longest time between two, ns.
+    accepted_ns: Option<i64>,
+    longest_gap_ns: i64,
+}
+
+/// Counts that go on over all processes of the plant.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+pub(super) struct Counted {
+    pub(super) timeliness: Timeliness,
+    last_radar: Option<Origin>,
+    longest_gap_ns: i64,
+    pub(super) undelivered: u64,
+}
+
+impl Counted {
+    /// Longest time between two commands, µs.
+    pub(super) fn longest_gap_us(&self) -> Option<f64> {
+        (self.longest_gap_ns > 0).then_some(self.longest_gap_ns as f64 / 1e3)
+    }
+}
+
+impl Control {
+    /// Opens the port.
+    pub(super) fn open(runtime: &mut Runtime, scenario: &Scenario) -> Result<Self, RuntimeError> {
+        let deadline_ns = i64::from(scenario.controller.deadline().value()) * 1_000_000;
+        let period_ns = i64::from(scenario.controller.period_ms.value()) * 1_000_000;
+        Ok(Self {
+            command: runtime.subscriber()?,
+            delivery: Delivery::new(scenario),
+            gateway: Gateway::new(&scenario.plant),
+            chains: Chains::open(deadline_ns, CONTROL_PATH, runtime.figures())?,
+            signal_chain: SignalChain::open(runtime.figures())?,
+            timeliness: Timeliness::new(period_ns, deadline_ns),
+            active: None,
+            accepted_ns: None,
+            longest_gap_ns: 0,
+        })
+    }
+
+    /// Takes the newest command.
+    pub(super) fn update(&mut self, runtime: &Runtime) -> Result<(), RuntimeError> {
+        runtime.update(&mut self.command)
+    }
+
+    /// Header of the messages of a release: the command that acts shows where they come from.
+    pub(super) fn header(&self, release: &Release) -> Header {
+        let origins = self.active.as_ref().map_or(Origins::NONE, |active| active.header.origins);
+        Header::new(release.step, release.scheduled_ns, origins)
+    }
+
+    /// Lets the newest due command act on the actuators.
+    pub(super) fn actuate(&mut self, release: &Release, now_ns: i64) -> Actuation {
+        if let Some(command) = self.command.newest() {
+            self.delivery.take(command, now_ns);
+        }
+        if let Some(arrival) = self.delivery.arrived(now_ns) {
+            self.accept(&arrival, release, now_ns);
+        }
+        self.timeliness.judge(release.scheduled_ns);
+        if let Some(active) = &self.active {
+            let (scheduled_ns, start_ns) = (release.scheduled_ns, release.start_ns);
+            self.chains.actuated(active, &Actuated { scheduled_ns, start_ns, now_ns });
+            self.signal_chain.actuated(active, now_ns);
+        }
+        self.gateway.actuate(release.scheduled_ns.unsigned_abs())
+    }
+
+    fn accept(&mut self, arrival: &Arrival, release: &Release, now_ns: i64) {
+        let released_ns = arrival.released_ns(now_ns);
+        let Arrival { command, delay_ns, is_repeated, .. } = *arrival;
+        let plan_len = usize::try_from(command.plan_len).map_or(0, |len| len.min(PLAN_LEN));
+        let plan_len = if is_repeated { 0 } else { plan_len };
+        if plan_len > 0 {
+            self.timeliness.arrived(released_ns);
+        }
+        // The plan is moved by the delay with the rest of the command.
+        let start_ns = released_ns + delay_ns;
+        let engine = (command.has_torque != 0).then(|| EngineRequest {
+            torque_nm: command.engine_torque_nm,
+            service_brake_n: command.service_brake_n,
+            gear: (command.gear as usize).checked_sub(1),
+        });
+        let accepted = self.gateway.accept(
+            release.scheduled_ns.unsigned_abs(),
+            start_ns.unsigned_abs(),
+            command.plan_period_ns.unsigned_abs(),
+            &command.plan_mps2[..plan_len],
+            engine,
+        );
+        if accepted.is_ok() {
+            if let Some(last_ns) = self.accepted_ns.replace(now_ns) {
+                self.longest_gap_ns = self.longest_gap_ns.max(now_ns - last_ns);
+            }
+            self.active = Some(command);
+        }
+    }
+
+    /// The counts so far.
+    pub(super) fn counted(&self) -> Counted {
+        Counted {
+            timeliness: self.timeliness,
+            last_radar: self.chains.last_radar(),
+            longest_gap_ns: self.longest_gap_ns,
+            undelivered: self.delivery.undelivered(),
+        }
+    }
+
+    /// Goes on from what another process counted.
+    pub(super) fn restore(&mut self, counted: &Counted) {
+        self.timeliness = counted.timeliness;
+        self.chains.restore(counted.last_radar);
+        self.longest_gap_ns = counted.longest_gap_ns;
+        self.delivery.restore(counted.undelivered);
+    }
+}
