@@ -1,6 +1,5 @@
 //! Damage of a recording.
 
-use messages::Topic;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -38,17 +37,12 @@ pub enum ReadError {
     },
 }
 
-/// A part of a recording that could not be read.
+/// A part of a recording that could not be read. `timegap recording recover` writes a file without it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Damage {
     /// The file ends before its end: the recorder was killed, or the disk was full.
     CutOff {
         /// Bytes behind the last whole record.
-        bytes: u64,
-    },
-    /// The file goes on behind its end, as one to which another was appended.
-    BehindEnd {
-        /// Bytes behind the end.
         bytes: u64,
     },
     /// The summary behind the messages is damaged; its content comes from the messages instead.
@@ -65,44 +59,6 @@ pub enum Damage {
         /// The damage.
         reason: String,
     },
-    /// Parts of the file are too far from the order of log times. They were left out.
-    Disorder {
-        /// Their length, bytes.
-        bytes: u64,
-    },
-    /// Messages of a topic that are not little-endian CDR of its type were left out.
-    Payload {
-        /// The topic.
-        topic: Topic,
-        /// Their number.
-        messages: u64,
-    },
-    /// A topic of the file has the type of one of our topics, which the file lacks. Its messages were left out.
-    Renamed {
-        /// The topic.
-        name: String,
-        /// Ours.
-        topic: Topic,
-    },
-    /// Behind its first messages the file declares another layout of a topic, whose messages were left out.
-    Layout {
-        /// The topic.
-        topic: String,
-    },
-}
-
-impl Damage {
-    /// True where `timegap recording recover` writes a file without it.
-    #[must_use]
-    pub fn can_be_left_out(&self) -> bool {
-        matches!(
-            self,
-            Self::CutOff { .. }
-                | Self::BehindEnd { .. }
-                | Self::Summary { .. }
-                | Self::Chunk { .. }
-        )
-    }
 }
 
 impl fmt::Display for Damage {
@@ -115,9 +71,6 @@ impl fmt::Display for Damage {
                     "the recording was never ended; its last {bytes} bytes are not a whole part"
                 )
             }
-            Self::BehindEnd { bytes } => {
-                write!(f, "{bytes} bytes behind the recording's end are left out")
-            }
             Self::Summary { bytes } => {
                 write!(
                     f,
@@ -127,25 +80,6 @@ impl fmt::Display for Damage {
             Self::Chunk { offset, bytes, reason } => {
                 write!(f, "{bytes} bytes from byte {offset} on are damaged ({reason})")
             }
-            Self::Disorder { bytes } => write!(
-                f,
-                "{bytes} bytes are left out, and count as lost: the file is too far out of the order of log times, \
-                 expected sorted by log time (`mcap sort`)"
-            ),
-            Self::Payload { topic, messages } => {
-                let topic = topic.name();
-                write!(
-                    f,
-                    "{messages} of the messages on `{topic}` are not as its type lays them out"
-                )
-            }
-            Self::Renamed { name, topic } => write!(
-                f,
-                "the messages on `{}` are left out: their type is that of `{}`, expected under this name",
-                name.escape_debug(),
-                topic.name()
-            ),
-            Self::Layout { topic } => write!(f, "`{topic}` changes its type in the middle"),
         }
     }
 }

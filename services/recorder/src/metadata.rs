@@ -80,7 +80,6 @@ pub struct Host {
 
 impl Host {
     /// This machine.
-    #[must_use]
     pub fn this() -> Self {
         let read = |path| std::fs::read_to_string(path).unwrap_or_default().trim().to_owned();
         Self {
@@ -95,7 +94,6 @@ impl Metadata {
     /// The metadata of a run of `scenario` on this machine, with run time 0 at `started_unix_ns` and the
     /// grants `scheduling`. In lockstep both are left out, and the machine: the same run is to give
     /// the same file.
-    #[must_use]
     pub fn new(
         scenario: &Scenario,
         mode: Mode,
@@ -125,7 +123,6 @@ impl Metadata {
     }
 
     /// The same with the programs of the user's that take part.
-    #[must_use]
     pub fn with_programs(self, programs: BTreeMap<String, Program>) -> Self {
         Self { programs, ..self }
     }
@@ -235,13 +232,11 @@ pub struct TopicTally {
 
 impl Tally {
     /// Messages in the file.
-    #[must_use]
     pub fn messages(&self) -> u64 {
         self.topics.values().map(|topic| topic.messages).sum()
     }
 
     /// Messages that were sent and are not in the file.
-    #[must_use]
     pub fn lost(&self) -> u64 {
         self.topics.values().fold(0, |sum, topic| sum.saturating_add(topic.lost))
     }

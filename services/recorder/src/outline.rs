@@ -1,5 +1,5 @@
-//! Outline of a file, made from record to record without unpacking. It is enough for `info`, and to read the messages
-//! later in the order of their log times.
+//! Outline of a file, made from record to record without unpacking. It is enough for `info`, and shows whether a
+//! recorder of ours wrote the file: in chunks, in the order of their log times.
 
 use crate::definitions::Definitions;
 use crate::source::{Source, Spot, Window};
@@ -13,19 +13,6 @@ const LONGEST_RECORD: u64 = 16 << 20;
 const FOOTER_LENGTH: u64 = 20;
 /// Bytes of a summary that are checked at once.
 const BLOCK: u64 = 64 << 10;
-/// Most segments that are kept apart; beyond them the file's own order is taken.
-const MOST_SEGMENTS: usize = 1 << 20;
-
-/// A part of the file in which log times do not go back from one chunk to the next.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Segment {
-    pub(crate) from: u64,
-    pub(crate) to: u64,
-    /// Earliest and latest log time in it.
-    pub(crate) first: u64,
-    pub(crate) last: u64,
-}
-
 /// A file in outline.
 #[derive(Debug, Default)]
 pub(crate) struct Outline {
@@ -33,10 +20,13 @@ pub(crate) struct Outline {
     pub(crate) tally: Option<Tally>,
     pub(crate) statistics: Option<Statistics>,
     pub(crate) definitions: Definitions,
-    pub(crate) segments: Vec<Segment>,
+    /// End of the data section.
+    pub(crate) end: u64,
     pub(crate) damage: Vec<Damage>,
-    /// True if a whole summary behind the messages repeats the definitions.
-    pub(crate) has_summary: bool,
+    /// Mark of another writer.
+    pub(crate) foreign: Option<&'static str>,
+    /// Latest log time so far.
+    last: u64,
 }
 
 /// Content of the summary behind the messages, used once its checksum is known to be right.
@@ -47,7 +37,6 @@ struct Summary {
     definitions: Definitions,
     statistics: Option<Statistics>,
     damage: Vec<Damage>,
-    has_channels: bool,
 }
 
 impl Outline {
@@ -64,7 +53,10 @@ impl Outline {
                 None if spot.opcode == opcode::DATA_END => {
                     summary = Some(Summary { from: at, ..Summary::default() });
                 }
-                None => outline.data(&mut window, spot)?,
+                None => {
+                    outline.data(&mut window, spot)?;
+                    outline.end = at;
+                }
                 Some(summary) if spot.opcode == opcode::FOOTER => {
                     footed = true;
                     outline.take_summary(&mut window, std::mem::take(summary), spot)?;
@@ -78,7 +70,7 @@ impl Outline {
         let is_whole = footed && left >= magic && window.bytes(at, MAGIC.len())? == MAGIC;
         match left.checked_sub(magic).filter(|_| is_whole) {
             Some(0) => {}
-            Some(bytes) => outline.damage.push(Damage::BehindEnd { bytes }),
+            Some(_) => outline.foreign = Some("it goes on behind its end"),
             None => outline.damage.push(Damage::CutOff { bytes: left }),
         }
         Ok(outline)
@@ -88,15 +80,14 @@ impl Outline {
         match spot.opcode {
             opcode::CHUNK if spot.length >= 16 => {
                 let mut times = Fields(window.bytes(spot.body(), 16)?);
-                let (first, last) = (times.u64(), times.u64());
-                self.extend(spot, first.unwrap_or(0), last.unwrap_or(0));
+                let (first, last) = (times.u64().unwrap_or(0), times.u64().unwrap_or(0));
+                // A chunk of definitions has no times.
+                if last > 0 && first < self.last {
+                    self.foreign = Some("its chunks are not in the order of their log times");
+                }
+                self.last = self.last.max(last);
             }
-            opcode::CHUNK => self.extend(spot, 0, 0),
-            opcode::MESSAGE if spot.length >= format::MESSAGE_HEAD as u64 => {
-                let body = window.bytes(spot.body(), format::MESSAGE_HEAD)?;
-                let log_time = format::message(body).expect("a whole head").0.log_time;
-                self.extend(spot, log_time, log_time);
-            }
+            opcode::MESSAGE => self.foreign = Some("it has messages outside of chunks"),
             opcode::METADATA | opcode::SCHEMA | opcode::CHANNEL => self.small(window, spot)?,
             _ => {}
         }
@@ -116,7 +107,6 @@ impl Outline {
         }
         self.definitions.extend(summary.definitions);
         self.statistics = summary.statistics;
-        self.has_summary = summary.has_channels;
         self.damage.extend(summary.damage);
         Ok(())
     }
@@ -140,28 +130,12 @@ impl Outline {
         }
         self.definitions.take(opcode, body)
     }
-
-    /// Adds a chunk or a message that has log times from `first` to `last`.
-    fn extend(&mut self, spot: Spot, first: u64, last: u64) {
-        let end = spot.end();
-        let last = last.max(first);
-        let is_full = self.segments.len() >= MOST_SEGMENTS;
-        match self.segments.last_mut() {
-            // An empty chunk has no times; it may hold definitions.
-            Some(segment) if first >= segment.last || last == 0 || is_full => {
-                segment.to = end;
-                segment.last = segment.last.max(last);
-            }
-            _ => self.segments.push(Segment { from: spot.at, to: end, first, last }),
-        }
-    }
 }
 
 impl Summary {
     fn take(&mut self, window: &mut Window, spot: Spot) -> io::Result<()> {
         match spot.opcode {
-            opcode::CHANNEL => self.has_channels = true,
-            opcode::SCHEMA | opcode::STATISTICS => {}
+            opcode::CHANNEL | opcode::SCHEMA | opcode::STATISTICS => {}
             _ => return Ok(()),
         }
         let taken = match small_body(window, spot)? {

@@ -1,8 +1,8 @@
-//! Reading a recording, also one that was cut off or that another program wrote.
+//! Reading a recording, also one that was cut off.
 
 use crate::counter::Counter;
 use crate::definitions::Definitions;
-use crate::outline::{Outline, Segment};
+use crate::outline::Outline;
 use crate::record::Timed;
 use crate::records::Records;
 use crate::source::{Source, Window};
@@ -43,7 +43,8 @@ pub struct Recording {
     tally: Option<Tally>,
     statistics: Option<Statistics>,
     definitions: Definitions,
-    segments: Vec<Segment>,
+    /// End of the data section.
+    end: u64,
     damage: Vec<Damage>,
 }
 
@@ -51,7 +52,7 @@ impl Recording {
     /// Opens the recording at `path`, a file or a run's directory of results.
     ///
     /// # Errors
-    /// If the file is missing, is not a recording, or has other messages. A file that ends too early is accepted: see
+    /// If the file is missing, another program wrote it, or it has other messages. One that ends too early is accepted: see
     /// [`Recording::damage`].
     pub fn open(path: &Path) -> Result<Self, ReadError> {
         let path = if path.is_dir() { path.join(FILE) } else { path.to_owned() };
@@ -73,9 +74,10 @@ impl Recording {
     }
 
     fn of_source(path: PathBuf, source: Source) -> Result<Self, ReadError> {
+        let place = path.clone();
         let foreign =
-            |reason: &str| ReadError::Foreign { path: path.clone(), reason: reason.into() };
-        let failed = |reason| ReadError::File { path: path.clone(), reason };
+            |reason: &str| ReadError::Foreign { path: place.clone(), reason: reason.into() };
+        let failed = |reason| ReadError::File { path: place.clone(), reason };
         match source.length() {
             0 => return Err(foreign("it is empty")),
             length if length < MAGIC.len() as u64 => return Err(foreign("it is not an MCAP file")),
@@ -86,6 +88,9 @@ impl Recording {
         }
         let outline = Outline::of(&source).map_err(failed)?;
         let metadata = outline.metadata.ok_or_else(|| foreign("it does not say of which run"))?;
+        if let Some(reason) = outline.foreign {
+            return Err(foreign(reason));
+        }
         let mut recording = Self {
             path,
             source,
@@ -93,83 +98,61 @@ impl Recording {
             tally: outline.tally,
             statistics: outline.statistics,
             definitions: outline.definitions,
-            segments: outline.segments,
+            end: outline.end,
             damage: outline.damage,
         };
-        if recording.definitions.is_empty() || !outline.has_summary && recording.segments.len() > 1
-        {
-            recording.find_definitions();
+        if recording.definitions.is_empty() {
+            // No summary repeats the topics: they come before the first message.
+            let mut records = recording.records();
+            records.next();
+            recording.definitions = records.into_definitions();
         }
-        match recording.definitions.other_layout() {
-            Some(topic) => {
-                let topic = topic.to_owned();
-                let Self { path, metadata, .. } = recording;
-                Err(ReadError::Layout { path, program: metadata.program, topic })
-            }
-            None => {
-                let renamed = recording.definitions.renamed();
-                let renamed =
-                    renamed.map(|(name, topic)| Damage::Renamed { name: name.into(), topic });
-                recording.damage.extend(renamed.collect::<Vec<_>>());
-                Ok(recording)
-            }
+        if let Some(topic) = recording.definitions.other_layout() {
+            let topic = topic.to_owned();
+            let Self { path, metadata, .. } = recording;
+            return Err(ReadError::Layout { path, program: metadata.program, topic });
         }
-    }
-
-    /// Looks for the topics in the chunks, where no summary repeats them. It reads up to the first message, or all of a
-    /// file that is not in order.
-    fn find_definitions(&mut self) {
-        let in_order = self.segments.len() < 2;
-        let mut records = self.records();
-        while records.next().is_some() && !in_order {}
-        self.definitions = records.into_definitions();
-    }
-
-    fn reader(&self, topics: &[Topic], segments: &[Segment]) -> Records {
-        let epoch_ns = self.metadata.epoch_ns;
-        Records::new(&self.source, epoch_ns, &self.definitions, segments, topics)
+        if let Some((name, topic)) = recording.definitions.renamed().next() {
+            let (name, ours) = (name.escape_debug(), topic.name());
+            return Err(foreign(&format!("the type of its `{name}` is that of `{ours}`")));
+        }
+        Ok(recording)
     }
 
     /// The file.
-    #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 
     /// Its size, bytes.
-    #[must_use]
     pub fn file_bytes(&self) -> u64 {
         self.source.length()
     }
 
     /// Facts about the run.
-    #[must_use]
     pub fn metadata(&self) -> &Metadata {
         &self.metadata
     }
 
     /// Counts of the recorder; `None` if it never ended the recording.
-    #[must_use]
     pub fn tally(&self) -> Option<&Tally> {
         self.tally.as_ref()
     }
 
     /// Damage of the file's outline. Damage inside its chunks shows when the messages are read ([`Records::damage`]).
-    #[must_use]
     pub fn damage(&self) -> &[Damage] {
         &self.damage
     }
 
     /// All messages, in the order of their log times.
-    #[must_use]
     pub fn records(&self) -> Records {
         self.records_of(&TOPICS)
     }
 
     /// All messages of `topics`, in the order of their log times.
-    #[must_use]
     pub fn records_of(&self, topics: &[Topic]) -> Records {
-        self.reader(topics, &self.segments)
+        let data = MAGIC.len() as u64..self.end;
+        Records::new(&self.source, self.metadata.epoch_ns, &self.definitions, data, topics)
     }
 
     /// All messages of `T`'s topic.
@@ -181,7 +164,6 @@ impl Recording {
     }
 
     /// The file's own statistics, without reading any message; `None` in a file without an end or without statistics.
-    #[must_use]
     pub fn statistics(&self) -> Option<Survey> {
         let (tally, statistics) = (self.tally.as_ref()?, self.statistics.as_ref()?);
         let counts = self.definitions.counts(&statistics.channels)?;
@@ -203,7 +185,6 @@ impl Recording {
     }
 
     /// All topics of the file's own statistics, those for viewers among them. Empty for a file without statistics.
-    #[must_use]
     pub fn topics(&self) -> Vec<TopicSummary> {
         let Some(statistics) = &self.statistics else { return Vec::new() };
         let listed = self.definitions.listed();
@@ -217,13 +198,11 @@ impl Recording {
     }
 
     /// Earliest and latest log time by the file's own statistics, ns since 1970; zeros in a file without.
-    #[must_use]
     pub fn log_times_ns(&self) -> [u64; 2] {
         self.statistics.as_ref().map_or([0; 2], |s| [s.start, s.end.max(s.start)])
     }
 
     /// Reads every message: what is there, gaps in the sequence numbers, and what cannot be read.
-    #[must_use]
     pub fn survey(&self) -> Survey {
         let mut counter = Counter::default();
         let mut end_ns = 0;

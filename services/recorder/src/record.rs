@@ -19,19 +19,16 @@ pub struct Record {
 
 impl Record {
     /// The bytes of the topic's struct.
-    #[must_use]
     pub fn bytes(&self) -> &[u8] {
         &self.chunk[self.range.clone()]
     }
 
     /// The header that every message starts with.
-    #[must_use]
     pub fn header(&self) -> Header {
         bytemuck::pod_read_unaligned(&self.bytes()[..size_of::<Header>()])
     }
 
     /// The message, if `T` is the topic's type.
-    #[must_use]
     pub fn message<T: Message>(&self) -> Option<T> {
         (self.topic == T::TOPIC).then(|| bytemuck::pod_read_unaligned(self.bytes()))
     }

@@ -41,7 +41,6 @@ pub enum FromReplayer {
 
 /// Becomes the replayer of a run. `arguments` are the run's root, the recording, which restart of the
 /// controller to serve and for how many cycles.
-#[must_use]
 pub fn replay(arguments: &[OsString]) -> ExitCode {
     let [root, file, numbers @ ..] = arguments else { return refuse() };
     let numbers: Vec<u64> =

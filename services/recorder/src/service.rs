@@ -33,7 +33,6 @@ const MOST_QUEUED: usize = 64 << 20;
 const FLUSH_PERIOD: Duration = Duration::from_secs(1);
 
 /// Becomes the recorder of a run. `arguments` are the run's root and the file to write.
-#[must_use]
 pub fn run(arguments: &[OsString]) -> ExitCode {
     let [root, file] = arguments else {
         eprintln!("the recorder is a service of timegap: start it with `timegap run`");

@@ -51,7 +51,6 @@ pub const INPUTS: [Topic; 9] = [
 ];
 
 /// The samples that a message was computed from, by the topics of [`INPUTS`].
-#[must_use]
 pub fn inputs(origins: &Origins) -> [Origin; INPUTS.len()] {
     let o = origins;
     [o.radar, o.odometry, o.spat, o.map, o.powertrain, o.preview, o.radar, o.preview, o.odometry]
@@ -71,7 +70,6 @@ fn is_missing(index: usize, origin: Origin, samples: &[Option<Arc<[u8]>>; INPUTS
 
 impl Cycle {
     /// The release, to be scheduled again.
-    #[must_use]
     pub fn release(&self) -> ScheduledRelease {
         let start_ns = self.diagnostics.start_ns;
         ScheduledRelease {
@@ -105,7 +103,6 @@ impl Cycle {
 
 impl Recording {
     /// Work of each process of the controller, in their order.
-    #[must_use]
     pub fn takes(&self) -> Vec<Take> {
         let mut takes: BTreeMap<u32, Take> = BTreeMap::new();
         for cycle in Cycles::of(self.records_of(&RECORDED)) {

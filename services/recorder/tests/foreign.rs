@@ -1,5 +1,5 @@
-//! Recordings that another program wrote or that are damaged on purpose. The reader gives the messages in the order of
-//! their log times, or the fault. It never takes more memory or time than the file is worth.
+//! Recordings that another program wrote or that are damaged on purpose. The reader gives the messages
+//! of ours, or the fault. It never takes more memory or time than the file is worth.
 
 use messages::{Message, Odometry};
 use recorder::{Damage, LawNames, Metadata, ReadError, Recording, Tally, Writer};
@@ -103,7 +103,7 @@ fn end() -> Vec<u8> {
 }
 
 #[test]
-fn plain_and_packed_chunks_and_messages_without_are_read_alike() {
+fn plain_and_packed_chunks_are_read_alike_and_messages_without_are_refused() {
     let (head, chunks) = parts();
     for compression in ["", "lz4", "none"] {
         let mut all = head.clone();
@@ -117,6 +117,10 @@ fn plain_and_packed_chunks_and_messages_without_are_read_alike() {
             }
         }
         all.push(end());
+        if compression == "none" {
+            assert_refused(&all, "messages outside of chunks");
+            continue;
+        }
         let recording = read(&all).expect("a recording");
         assert_eq!(sequences(&recording), (1..=COUNT).collect::<Vec<_>>(), "{compression}");
         assert_eq!(recording.survey().damage, [], "{compression}");
@@ -124,39 +128,36 @@ fn plain_and_packed_chunks_and_messages_without_are_read_alike() {
     }
 }
 
-#[test]
-fn messages_come_in_the_order_of_their_log_times() {
-    let (head, mut chunks) = parts();
-    let definitions = chunks.remove(0);
-    chunks.reverse();
-    for is_chunked in [true, false] {
-        let mut all = head.clone();
-        all.push(record(CHUNK, &definitions));
-        all.extend(chunks.iter().map(|body| match is_chunked {
-            true => record(CHUNK, body),
-            false => unpacked(body),
-        }));
-        all.push(end());
-        let recording = read(&all).expect("a recording");
-        assert_eq!(sequences(&recording), (1..=COUNT).collect::<Vec<_>>());
-        assert_eq!(recording.survey().damage, []);
-    }
+fn assert_refused(records: &[Vec<u8>], why: &str) {
+    let refused = read(records).expect_err(why);
+    assert!(matches!(refused, ReadError::Foreign { .. }), "{refused}");
+    assert!(refused.to_string().contains(why), "{refused}");
 }
 
-/// Each pair of messages spans half of the file: all of them have to be open at once.
 #[test]
-fn a_file_that_was_shuffled_is_read_in_order() {
-    let (mut all, chunks) = parts();
-    let (definitions, messages) = chunks.split_first().expect("chunks");
-    all.push(unpacked(definitions));
-    let messages: Vec<_> = messages.iter().map(|body| unpacked(body)).collect();
-    let (first, second) = messages.split_at(messages.len() / 2);
-    all.extend(first.iter().zip(second).flat_map(|(a, b)| [a.clone(), b.clone()]));
+fn chunks_out_of_the_order_of_their_log_times_are_refused() {
+    let (head, mut chunks) = parts();
+    let definitions = chunks.remove(0);
+    chunks.swap(3, 4);
+    let mut all = head;
+    all.push(record(CHUNK, &definitions));
+    all.extend(chunks.iter().map(|body| record(CHUNK, body)));
     all.push(end());
-    let recording = read(&all).expect("a recording");
-    assert_eq!(sequences(&recording), (1..=COUNT).collect::<Vec<_>>());
-    let survey = recording.survey();
-    assert_eq!((survey.tally.lost(), survey.damage), (0, Vec::new()));
+    assert_refused(&all, "not in the order of their log times");
+}
+
+#[test]
+fn a_chunk_that_was_shuffled_is_left_out_from_there_on() {
+    let (mut all, chunks) = parts();
+    all.push(record(CHUNK, &chunks[0]));
+    let swapped = [unpacked(&chunks[2]), unpacked(&chunks[1])].concat();
+    let times = [&chunks[1][..8], &chunks[2][8..16]].concat();
+    all.push(chunk(&times, &swapped, "", &swapped, swapped.len() as u64));
+    all.push(end());
+    let survey = read(&all).expect("a recording").survey();
+    let [Damage::Chunk { reason, .. }] = &survey.damage[..] else { panic!("{:?}", survey.damage) };
+    assert!(reason.contains("not in the order of their log times"), "{reason}");
+    assert_eq!(survey.tally.messages(), 1);
 }
 
 #[test]
@@ -213,7 +214,7 @@ fn lengths_beyond_the_file_are_its_end() {
 }
 
 #[test]
-fn a_payload_that_is_not_ours_is_counted() {
+fn a_payload_that_is_not_ours_is_damage_of_its_chunk() {
     let (head, chunks) = parts();
     let mut all = head;
     for (index, body) in chunks.iter().enumerate() {
@@ -227,7 +228,8 @@ fn a_payload_that_is_not_ours_is_counted() {
     all.push(end());
     let survey = read(&all).expect("a recording").survey();
     assert_eq!(survey.tally.messages(), COUNT - 1);
-    assert_eq!(survey.damage, [Damage::Payload { topic: Odometry::TOPIC, messages: 1 }]);
+    let [Damage::Chunk { reason, .. }] = &survey.damage[..] else { panic!("{:?}", survey.damage) };
+    assert!(reason.contains("`vehicle/odometry`"), "{reason}");
 }
 
 #[test]
@@ -240,28 +242,28 @@ fn files_without_anything_are_refused_with_the_reason() {
     }
 }
 
-/// A file of ours without chunks, in which `from` is `to`, as long, in every channel and schema.
+/// A file of ours in which `from` is `to`, as long, in every channel and schema.
 fn with(from: &[u8], to: &[u8]) -> Result<Recording, ReadError> {
     let (mut all, chunks) = parts();
     for body in &chunks {
+        let (times, mut changed) = (body[..16].to_vec(), Vec::new());
         for (opcode, mut body) in records(&unpacked(body)) {
             let at = body.windows(from.len()).position(|bytes| bytes == from);
             if let (Some(at), true) = (at, opcode != MESSAGE) {
                 body[at..at + to.len()].copy_from_slice(to);
             }
-            all.push(record(opcode, &body));
+            changed.extend(record(opcode, &body));
         }
+        all.push(chunk(&times, &changed, "", &changed, changed.len() as u64));
     }
     all.push(end());
     read(&all)
 }
 
 #[test]
-fn a_topic_under_another_name_is_named_as_left_out() {
-    let recording = with(b"vehicle/odometry", b"vehicle/Odometry").expect("a recording");
-    let (name, topic) = ("vehicle/Odometry".to_owned(), Odometry::TOPIC);
-    assert_eq!(recording.survey().damage, [Damage::Renamed { name, topic }]);
-    assert!(sequences(&recording).is_empty());
+fn a_topic_under_another_name_is_refused_by_name() {
+    let refused = with(b"vehicle/odometry", b"vehicle/Odometry").expect_err("renamed").to_string();
+    assert!(refused.contains("`vehicle/Odometry` is that of `vehicle/odometry`"), "{refused}");
 }
 
 #[test]

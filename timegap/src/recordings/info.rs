@@ -119,10 +119,8 @@ fn document(recording: &Recording, survey: &Survey) -> Document {
             recording.file_bytes() as f64 / f64::from(1 << 20),
         ),
     );
-    let advised = |damage: &Damage| match damage.can_be_left_out() {
-        true => format!("{damage}: `timegap recording recover` repairs it"),
-        false => damage.to_string(),
-    };
+    let advised =
+        |damage: &Damage| format!("{damage}: `timegap recording recover` repairs it");
     for damage in lines(&survey.damage, in_words(recording, advised)) {
         add("INCOMPLETE", damage);
     }

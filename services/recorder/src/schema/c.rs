@@ -5,7 +5,6 @@ use messages::{Element, Field, LAYOUT_VERSION, Layout, Scalar, TOPICS};
 use std::fmt::Write;
 
 /// A C11 header with a struct per message and each topic's name.
-#[must_use]
 pub fn header() -> String {
     let mut text = format!(
         "/* Messages of timegap, layout version {LAYOUT_VERSION}: made by `timegap print layouts --c`. */\n\

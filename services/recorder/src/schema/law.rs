@@ -26,7 +26,6 @@ def drive(law):
 "#;
 
 /// The two records and what they are made of, each after what it contains.
-#[must_use]
 pub fn all() -> Vec<&'static Layout> {
     let mut found = Vec::new();
     LAW_RECORDS.into_iter().for_each(|layout| collect(layout, &mut found));
@@ -34,7 +33,6 @@ pub fn all() -> Vec<&'static Layout> {
 }
 
 /// A Python module with both records as `ctypes` structures, and the loop around a law.
-#[must_use]
 pub fn python_module() -> String {
     let classes: String = all().into_iter().map(python::class).collect();
     format!(
@@ -46,7 +44,6 @@ pub fn python_module() -> String {
 }
 
 /// A C11 header with both records.
-#[must_use]
 pub fn c_header() -> String {
     let structures: String = all().into_iter().map(c::structure).collect();
     format!(

@@ -15,7 +15,6 @@ pub(crate) use ros2::{definition_of as ros2_definition_of, fingerprint};
 use messages::{Element, Layout, TOPICS};
 
 /// All structs that the messages are made of, each after those that it contains.
-#[must_use]
 pub fn all() -> Vec<&'static Layout> {
     let mut found = Vec::new();
     for topic in TOPICS {

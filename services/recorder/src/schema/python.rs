@@ -5,7 +5,6 @@ use messages::{Element, Field, LAYOUT_VERSION, Layout, Scalar, TOPICS};
 use std::fmt::Write;
 
 /// A Python module with a `ctypes.Structure` per struct and the type of each topic.
-#[must_use]
 pub fn module() -> String {
     let mut text = format!(
         "\"\"\"Messages of timegap, layout version {LAYOUT_VERSION}: made by `timegap print layouts \

@@ -12,13 +12,11 @@ const PACKAGE: &str = "timegap_msgs";
 
 /// The definition of `layout` with those of all types in it. Comments give meanings and units, and constants named
 /// numbers.
-#[must_use]
 pub fn definition(layout: &'static Layout) -> String {
     definition_of(layout, &LawNames::default())
 }
 
 /// As [`definition`], with the names of a law's modes, reasons and figures.
-#[must_use]
 pub(crate) fn definition_of(layout: &'static Layout, law: &LawNames) -> String {
     let mut structs = Vec::new();
     collect(layout, &mut structs);
@@ -33,7 +31,6 @@ pub(crate) fn definition_of(layout: &'static Layout, law: &LawNames) -> String {
 
 /// A number that two definitions share if their fields are the same, whatever their comments, constants
 /// and spaces.
-#[must_use]
 pub(crate) fn fingerprint(definition: &str) -> u64 {
     let mut hash = Xxh3::new();
     for line in definition.lines() {
@@ -50,7 +47,6 @@ pub(crate) fn fingerprint(definition: &str) -> u64 {
 }
 
 /// The files of a ROS 2 package with all messages: name below the package's folder, and text.
-#[must_use]
 pub fn package() -> Vec<(String, String)> {
     let law = LawNames::default();
     let mut files = vec![
